@@ -1,0 +1,58 @@
+use starbreak_glass::{NetworkError, PaneError};
+
+/// Why no crack network came out.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FractureError {
+    /// A parameter outside its range.
+    #[error("{name} = {value}; expected {expected}")]
+    Parameter {
+        /// Name of the parameter, with its unit.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is possible.
+        expected: &'static str,
+    },
+    /// The pane has no area.
+    #[error(transparent)]
+    Pane(#[from] PaneError),
+    /// An impact that misses the pane.
+    #[error("impact at ({x}, {y}) misses the pane of {width} × {height}; move it inside")]
+    ImpactOffPane {
+        /// Its position, in the pane's unit.
+        x: f64,
+        /// Its position, in the pane's unit.
+        y: f64,
+        /// Width of the pane.
+        width: f64,
+        /// Height of the pane.
+        height: f64,
+    },
+    /// The triangulation refused a point.
+    #[error("triangulation of {n_nodes} nodes failed: {cause}")]
+    Triangulation {
+        /// How many nodes.
+        n_nodes: usize,
+        /// What the library says.
+        cause: String,
+    },
+    /// Too many crossings for a network that anybody could use.
+    #[error(
+        "more than {limit} cracks cross each other: a neighbour radius of {radius} spans too many \
+         of the {particles} particles; scale it with the mesh, about {suggested:.1}"
+    )]
+    TooManyCrossings {
+        /// The bound.
+        limit: usize,
+        /// Radius of the neighbourhood.
+        radius: f64,
+        /// Number of particles.
+        particles: u32,
+        /// A radius that keeps the paper's number of neighbors.
+        suggested: f64,
+    },
+    /// The result does not keep the promises of a network; a fault of this library.
+    #[error("the fracture model produced a faulty network (please report it): {0}")]
+    Network(#[from] NetworkError),
+}

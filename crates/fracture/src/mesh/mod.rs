@@ -1,0 +1,8 @@
+//! Pane to mesh: particles, outline, and their constrained Delaunay triangulation.
+
+mod particles;
+mod triangulation;
+
+pub use particles::Particles;
+pub(crate) use particles::{to_u32, uniform};
+pub use triangulation::{PaneMesh, mesh_pane};

@@ -1,0 +1,215 @@
+//! Parameters of the paper's fracture model.
+
+use starbreak_glass::Pane;
+
+use crate::FractureError;
+
+/// Which nodes count as neighbors of a node (eq. 1 and Algorithm 1 differ).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Neighborhood {
+    /// All nodes within the radius, as Algorithm 1 and the paper's implementation say.
+    Radius,
+    /// The nodes within the radius that share a mesh edge, as the text of section 3.1 says.
+    MeshEdges,
+}
+
+/// How the next node is chosen among the neighbors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rule {
+    /// Highest stress of all (Algorithm 1).
+    Algorithm1,
+    /// Highest stress on the side of the splitting plane that carries more of it, the plane
+    /// taken along the direction of travel (caption of figure 3).
+    Caption,
+    /// Eqs. 3 to 5 to the letter: the sum q1 of positive stress against the sum q2 of negative
+    /// stress, then the highest stress on the greater side. Mostly steps backward and dies.
+    Literal,
+}
+
+/// Where an impact is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Position {
+    /// Uniform over the pane, from the seed.
+    Random,
+    /// At this point, in the pane's unit.
+    At {
+        /// From the left.
+        x: f64,
+        /// From the top.
+        y: f64,
+    },
+}
+
+/// Direction of the impact vector in the plane of the pane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Direction {
+    /// Uniform over the circle, from the seed.
+    Random,
+    /// This angle, from +x towards +y (down), radians.
+    Angle {
+        /// The angle, rad.
+        rad: f64,
+    },
+}
+
+/// One impact of the paper's model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PaperImpact {
+    /// Where. **Default**: random.
+    pub position: Position,
+    /// Impact force F, in the paper's own unit, > 0. **Default**: 500. **Source**: section 4.2.
+    pub force: f64,
+    /// Direction of the impact vector n. **Default**: random.
+    pub direction: Direction,
+}
+
+impl Default for PaperImpact {
+    fn default() -> Self {
+        Self {
+            position: Position::Random,
+            force: 500.0,
+            direction: Direction::Random,
+        }
+    }
+}
+
+/// Parameters of the paper's fracture model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PaperParams {
+    /// Number N of particles, 1 to 10 million. **Default**: 10⁴. **Source**: section 4.2.
+    pub particles: u32,
+    /// Radius R of the neighborhood, in the pane's unit (px), > 0. **Default**: 65. **Source**:
+    /// the paper's implementation; the text gives none.
+    pub neighbor_radius: f64,
+    /// Which nodes are neighbors. **Default**: [`Neighborhood::Radius`].
+    pub neighborhood: Neighborhood,
+    /// Critical stress `σ_C`, in the unit of F, > 0. **Default**: 300. **Source**: section 4.2.
+    pub critical_stress: f64,
+    /// Safety factor S, > 0: stress breaks a node above `σ_C`/S (eq. 2). **Default**: 1.
+    pub safety_factor: f64,
+    /// Choice of the next node. **Default**: [`Rule::Algorithm1`].
+    pub rule: Rule,
+    /// Number K of branches that leave a node, 1 to 64, each with its own direction.
+    /// **Default**: 1.
+    pub branches: u32,
+    /// Whether the first ring takes |cos θ|, so that the fan opens both ways. **Default**: no.
+    pub two_sided: bool,
+    /// Whether a hop walks along mesh edges instead of jumping. **Default**: no.
+    pub snap_to_mesh: bool,
+}
+
+impl Default for PaperParams {
+    fn default() -> Self {
+        Self {
+            particles: 10_000,
+            neighbor_radius: 65.0,
+            neighborhood: Neighborhood::Radius,
+            critical_stress: 300.0,
+            safety_factor: 1.0,
+            rule: Rule::Algorithm1,
+            branches: 1,
+            two_sided: false,
+            snap_to_mesh: false,
+        }
+    }
+}
+
+impl PaperParams {
+    /// Most particles: node ids and the triangulation stay within 32 bits and a few GB.
+    pub const MAX_PARTICLES: u32 = 10_000_000;
+    /// Most branches per node.
+    pub const MAX_BRANCHES: u32 = 64;
+
+    /// The stress T = `σ_C`/S above which a node breaks (eq. 2).
+    #[must_use]
+    pub fn threshold(&self) -> f64 {
+        self.critical_stress / self.safety_factor
+    }
+
+    /// The radius that keeps the number of neighbors of the paper's N = 10⁴ and R = 65 for
+    /// another number of particles: R = 65·√(10⁴/N), in px.
+    #[must_use]
+    pub fn mesh_scaled_radius(particles: u32) -> f64 {
+        65.0 * (1e4 / f64::from(particles.max(1))).sqrt()
+    }
+
+    /// Every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`FractureError::Parameter`] naming the first that is not.
+    pub fn check(&self) -> Result<(), FractureError> {
+        let positive = "a number from 1e-12 to 1e12";
+        for (name, value) in [
+            ("neighbour_radius_px", self.neighbor_radius),
+            ("critical_stress", self.critical_stress),
+            ("safety_factor", self.safety_factor),
+            ("critical_stress / safety_factor", self.threshold()),
+        ] {
+            check_positive(name, value, positive)?;
+        }
+        for (name, value, max, expected) in [
+            (
+                "particles",
+                self.particles,
+                Self::MAX_PARTICLES,
+                "1 to 10000000",
+            ),
+            ("branches", self.branches, Self::MAX_BRANCHES, "1 to 64"),
+        ] {
+            if value == 0 || value > max {
+                return Err(FractureError::Parameter {
+                    name,
+                    value: f64::from(value),
+                    expected,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PaperImpact {
+    /// The impact hits the pane with a force that is a force.
+    ///
+    /// # Errors
+    /// [`FractureError`] naming what is out of range.
+    pub fn check(&self, pane: &Pane) -> Result<(), FractureError> {
+        check_positive("impact.force", self.force, "a number from 1e-12 to 1e12")?;
+        if let Direction::Angle { rad } = self.direction
+            && !rad.is_finite()
+        {
+            let value = rad.to_degrees();
+            return Err(FractureError::Parameter {
+                name: "impact.direction_deg",
+                value,
+                expected: "a finite angle",
+            });
+        }
+        if let Position::At { x, y } = self.position
+            && !pane.contains(x, y)
+        {
+            return Err(FractureError::ImpactOffPane {
+                x,
+                y,
+                width: pane.width,
+                height: pane.height,
+            });
+        }
+        Ok(())
+    }
+}
+
+fn check_positive(
+    name: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Result<(), FractureError> {
+    if (1e-12..=1e12).contains(&value) {
+        return Ok(());
+    }
+    Err(FractureError::Parameter {
+        name,
+        value,
+        expected,
+    })
+}

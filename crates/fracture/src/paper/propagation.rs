@@ -1,0 +1,371 @@
+//! Stress handed from node to node (eqs. 2 to 5, Algorithm 1).
+
+use crate::mesh::PaneMesh;
+
+use super::params::{Neighborhood, PaperParams, Rule};
+
+/// One impact with everything random already drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResolvedImpact {
+    /// The node that is hit.
+    pub node: u32,
+    /// Impact force F.
+    pub force: f64,
+    /// Unit vector n of the impact in the plane of the pane.
+    pub direction: [f64; 2],
+}
+
+/// One step of a crack from node to node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hop {
+    /// Node it left.
+    pub from: u32,
+    /// Node it reached.
+    pub to: u32,
+    /// Number of hops from the impact to `to`: the discrete time of its arrival in δt.
+    pub step: u32,
+    /// Stress handed on to `to` (eq. 3).
+    pub stress: f64,
+}
+
+/// Why cracks stopped, counted over all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StopReason {
+    /// The best neighbor gets less than the threshold.
+    BelowThreshold,
+    /// The best neighbor is broken already.
+    MetCrack,
+    /// There is no neighbor at all.
+    NoNeighbor,
+}
+
+/// How the propagation came to rest.
+///
+/// The paper runs "until σ(t) ≃ σ(t−1)". Since every node breaks at most once, the propagation
+/// always ends; then no node is left to hand stress on and σ no longer changes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ConvergenceReport {
+    /// Largest |Δσ| of any node at each step δt, the first entry for the impact's own ring.
+    pub max_stress_change: Vec<f64>,
+    /// Nodes that handed stress on, the impacts included.
+    pub n_fronts: usize,
+    /// Cracks that ended because no neighbor was stressed above the threshold.
+    pub stopped_below_threshold: usize,
+    /// Cracks that ended at a node that was broken already.
+    pub stopped_at_crack: usize,
+    /// Cracks that ended where the radius holds no other node.
+    pub stopped_without_neighbor: usize,
+    /// Impacts whose force does not exceed the threshold (eq. 2): they break nothing.
+    pub impacts_without_fracture: usize,
+}
+
+impl ConvergenceReport {
+    /// Steps until rest.
+    #[must_use]
+    pub fn n_steps(&self) -> usize {
+        self.max_stress_change.len()
+    }
+
+    fn record_change(&mut self, step: u32, change: f64) {
+        let step = step as usize;
+        if self.max_stress_change.len() <= step {
+            self.max_stress_change.resize(step + 1, 0.0);
+        }
+        self.max_stress_change[step] = self.max_stress_change[step].max(change);
+    }
+
+    fn record_stop(&mut self, reason: StopReason) {
+        match reason {
+            StopReason::BelowThreshold => self.stopped_below_threshold += 1,
+            StopReason::MetCrack => self.stopped_at_crack += 1,
+            StopReason::NoNeighbor => self.stopped_without_neighbor += 1,
+        }
+    }
+}
+
+/// What the propagation leaves behind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Propagation {
+    /// The cracks, in the order in which they were made.
+    pub hops: Vec<Hop>,
+    /// Stress σ accumulated at each node.
+    pub stress: Vec<f64>,
+    /// Step at which each node was first reached by stress; `u32::MAX` for never.
+    pub first_step: Vec<u32>,
+    /// Whether each node broke.
+    pub visited: Vec<bool>,
+    /// How it came to rest.
+    pub convergence: ConvergenceReport,
+}
+
+impl Propagation {
+    /// The stressed nodes in ascending order: σ > T, or broken (figure 3b).
+    #[must_use]
+    pub fn stressed_nodes(&self, threshold: f64) -> Vec<u32> {
+        (0_u32..)
+            .zip(self.stress.iter().zip(&self.visited))
+            .filter(|(_, (stress, visited))| **stress > threshold || **visited)
+            .map(|(node, _)| node)
+            .collect()
+    }
+}
+
+/// A node that is about to hand its stress on.
+#[derive(Clone, Copy)]
+struct Front {
+    node: u32,
+    stress: f64,
+    direction: [f64; 2],
+    step: u32,
+}
+
+/// A neighbor and what it gets: `s = f·cos θ` (eq. 3).
+#[derive(Clone, Copy)]
+struct Candidate {
+    node: u32,
+    stress: f64,
+    direction: [f64; 2],
+}
+
+/// Hands the stress of every impact on, one impact after the other over the same nodes.
+#[must_use]
+pub fn propagate(mesh: &PaneMesh, impacts: &[ResolvedImpact], params: &PaperParams) -> Propagation {
+    let n = mesh.particles().len();
+    let mut state = Propagation {
+        hops: Vec::new(),
+        stress: vec![0.0; n],
+        first_step: vec![u32::MAX; n],
+        visited: vec![false; n],
+        convergence: ConvergenceReport::default(),
+    };
+    let threshold = params.threshold();
+    let mut fronts: Vec<Front> = Vec::new();
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for impact in impacts {
+        if impact.force <= threshold {
+            state.convergence.impacts_without_fracture += 1;
+            continue;
+        }
+        let center = impact.node as usize;
+        state.stress[center] += impact.force;
+        state.first_step[center] = 0;
+        state.visited[center] = true;
+        let front = Front {
+            node: impact.node,
+            stress: impact.force,
+            direction: impact.direction,
+            step: 0,
+        };
+        first_ring(
+            mesh,
+            front,
+            params,
+            &mut state,
+            &mut candidates,
+            &mut fronts,
+        );
+        // Last in, first out: one crack runs to its end before the next, as the paper recurses.
+        while let Some(front) = fronts.pop() {
+            advance(
+                mesh,
+                front,
+                params,
+                &mut state,
+                &mut candidates,
+                &mut fronts,
+            );
+        }
+    }
+    state
+}
+
+/// The neighbors of the impact: each one stressed above the threshold starts a crack of its own.
+fn first_ring(
+    mesh: &PaneMesh,
+    front: Front,
+    params: &PaperParams,
+    state: &mut Propagation,
+    candidates: &mut Vec<Candidate>,
+    fronts: &mut Vec<Front>,
+) {
+    gather(mesh, front, params, candidates);
+    for candidate in candidates.iter_mut() {
+        if params.two_sided {
+            candidate.stress = candidate.stress.abs();
+        }
+        hand_on(state, front.step, candidate.node, candidate.stress.max(0.0));
+    }
+    state.convergence.n_fronts += 1;
+    if candidates.is_empty() {
+        state.convergence.record_stop(StopReason::NoNeighbor);
+    }
+    for candidate in candidates
+        .iter()
+        .filter(|candidate| candidate.stress > params.threshold())
+    {
+        if !state.visited[candidate.node as usize] {
+            break_node(state, front, candidate, fronts);
+        }
+    }
+}
+
+/// One front: every neighbor is stressed, the best `branches` of them break.
+fn advance(
+    mesh: &PaneMesh,
+    front: Front,
+    params: &PaperParams,
+    state: &mut Propagation,
+    candidates: &mut Vec<Candidate>,
+    fronts: &mut Vec<Front>,
+) {
+    gather(mesh, front, params, candidates);
+    for candidate in candidates.iter() {
+        hand_on(state, front.step, candidate.node, candidate.stress);
+    }
+    state.convergence.n_fronts += 1;
+    choose_side(params.rule, front.direction, candidates);
+    let mut advanced = false;
+    let mut reason = StopReason::NoNeighbor;
+    for _ in 0..params.branches {
+        // Highest stress; of equals, the lower node (candidates come in ascending order).
+        let mut best: Option<usize> = None;
+        for (k, candidate) in candidates.iter().enumerate() {
+            if best.is_none_or(|b: usize| candidate.stress > candidates[b].stress) {
+                best = Some(k);
+            }
+        }
+        let Some(best) = best else { break };
+        let candidate = candidates[best];
+        if candidate.stress <= params.threshold() {
+            reason = StopReason::BelowThreshold;
+            break;
+        }
+        if state.visited[candidate.node as usize] {
+            reason = StopReason::MetCrack;
+        } else {
+            break_node(state, front, &candidate, fronts);
+            advanced = true;
+        }
+        if params.branches > 1 {
+            candidates.remove(best);
+        }
+    }
+    if !advanced {
+        state.convergence.record_stop(reason);
+    }
+}
+
+/// Adds stress to a node (every neighbor is updated, whether the crack goes there or not).
+fn hand_on(state: &mut Propagation, step: u32, node: u32, stress: f64) {
+    let node = node as usize;
+    state.stress[node] += stress;
+    state.first_step[node] = state.first_step[node].min(step + 1);
+    state.convergence.record_change(step, stress.abs());
+}
+
+fn break_node(
+    state: &mut Propagation,
+    front: Front,
+    candidate: &Candidate,
+    fronts: &mut Vec<Front>,
+) {
+    state.visited[candidate.node as usize] = true;
+    let step = front.step + 1;
+    state.hops.push(Hop {
+        from: front.node,
+        to: candidate.node,
+        step,
+        stress: candidate.stress,
+    });
+    fronts.push(Front {
+        node: candidate.node,
+        stress: candidate.stress,
+        direction: candidate.direction,
+        step,
+    });
+}
+
+/// All neighbors of a front with the stress they get, in ascending order of nodes.
+fn gather(mesh: &PaneMesh, front: Front, params: &PaperParams, candidates: &mut Vec<Candidate>) {
+    candidates.clear();
+    let Front {
+        node,
+        stress,
+        direction: [vx, vy],
+        ..
+    } = front;
+    let mut visit = |other: u32, dx: f64, dy: f64, distance2: f64| {
+        let per_distance = 1.0 / distance2.sqrt();
+        let direction = [dx * per_distance, dy * per_distance];
+        let cos_theta = vx * direction[0] + vy * direction[1];
+        candidates.push(Candidate {
+            node: other,
+            stress: stress * cos_theta,
+            direction,
+        });
+    };
+    match params.neighborhood {
+        Neighborhood::Radius => {
+            mesh.particles()
+                .for_each_within(node, params.neighbor_radius, visit)
+        }
+        Neighborhood::MeshEdges => {
+            let radius2 = params.neighbor_radius * params.neighbor_radius;
+            let [x, y] = mesh.particles().position(node);
+            for other in mesh.mesh_neighbors(node) {
+                let [other_x, other_y] = mesh.particles().position(other);
+                let (dx, dy) = (other_x - x, other_y - y);
+                let distance2 = dx * dx + dy * dy;
+                if distance2 <= radius2 {
+                    visit(other, dx, dy, distance2);
+                }
+            }
+            candidates.sort_unstable_by_key(|candidate| candidate.node);
+        }
+    }
+}
+
+/// Leaves only the candidates that the rule lets compete, with the stress by which they do.
+fn choose_side(rule: Rule, [vx, vy]: [f64; 2], candidates: &mut Vec<Candidate>) {
+    match rule {
+        Rule::Algorithm1 => {}
+        Rule::Caption => {
+            // The splitting plane contains the direction of travel; a node on it is on both sides.
+            let side =
+                |candidate: &Candidate| vx * candidate.direction[1] - vy * candidate.direction[0];
+            let (mut q1, mut q2) = (0.0, 0.0);
+            for candidate in candidates.iter() {
+                let positive = candidate.stress.max(0.0);
+                if side(candidate) >= 0.0 {
+                    q1 += positive;
+                }
+                if side(candidate) <= 0.0 {
+                    q2 += positive;
+                }
+            }
+            candidates.retain(|candidate| {
+                if q1 >= q2 {
+                    side(candidate) >= 0.0
+                } else {
+                    side(candidate) <= 0.0
+                }
+            });
+        }
+        Rule::Literal => {
+            let q1: f64 = candidates
+                .iter()
+                .map(|candidate| candidate.stress.max(0.0))
+                .sum();
+            let q2: f64 = candidates
+                .iter()
+                .map(|candidate| candidate.stress.min(0.0))
+                .sum();
+            if q2.abs() > q1.abs() {
+                candidates.retain(|candidate| candidate.stress < 0.0);
+                for candidate in candidates.iter_mut() {
+                    candidate.stress = -candidate.stress;
+                }
+            }
+        }
+    }
+}

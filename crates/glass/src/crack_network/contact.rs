@@ -1,0 +1,324 @@
+//! Where segments meet without a common node. Exact: decided by adaptive orientation
+//! predicates [Shewchuk1997], so that neither a crossing nor a touch is ever missed.
+
+use robust::{Coord, orient2d};
+
+use super::Nodes;
+
+/// In which way two segments meet.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum ContactKind {
+    /// Their interiors cross in one point.
+    Cross,
+    /// This node, an end of one, lies in the interior of the other.
+    NodeOnSegment(u32),
+    /// They lie on one line and share more than a point.
+    Overlap,
+    /// Two different nodes, one of each, at the same place.
+    TwinNodes(u32, u32),
+}
+
+impl ContactKind {
+    pub(super) fn description(self) -> &'static str {
+        match self {
+            Self::Cross => "cross without a node",
+            Self::NodeOnSegment(_) => "touch where only one of them has a node",
+            Self::Overlap => "lie on top of each other",
+            Self::TwinNodes(..) => "end at one place in two different nodes",
+        }
+    }
+}
+
+/// Two segments that meet otherwise than at a common node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Contact {
+    /// The segment with the lower index.
+    pub first: u32,
+    /// The other one.
+    pub second: u32,
+    /// How they meet.
+    pub kind: ContactKind,
+}
+
+/// A segment clipped to one horizontal strip.
+#[derive(Clone, Copy)]
+struct InStrip {
+    x_min: f64,
+    x_max: f64,
+    y_min: f64,
+    y_max: f64,
+    segment: u32,
+}
+
+/// All pairs of segments that meet otherwise than at a node that both have, in ascending
+/// order, each once. Segments of zero length are passed over.
+///
+/// Strips of about the height of a segment, swept in x: O(n log n + pairs of boxes that
+/// overlap).
+///
+/// # Panics
+/// If an index of `from` or `to` is not a node.
+#[must_use]
+pub fn find_contacts(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
+    let n = from.len().min(to.len());
+    let point = |node: u32| Coord {
+        x: nodes.x[node as usize],
+        y: nodes.y[node as usize],
+    };
+    let ends: Vec<(Coord<f64>, Coord<f64>)> =
+        (0..n).map(|i| (point(from[i]), point(to[i]))).collect();
+    let strips = Strips::new(&ends);
+    let mut contacts = Vec::new();
+    let mut swept: Vec<InStrip> = Vec::new();
+    for strip in 0..strips.count {
+        swept.clear();
+        swept.extend(
+            strips
+                .members(strip)
+                .iter()
+                .map(|&i| strips.clip(strip, i, &ends[i as usize])),
+        );
+        swept.sort_unstable_by(|a, b| a.x_min.total_cmp(&b.x_min).then(a.segment.cmp(&b.segment)));
+        for (k, one) in swept.iter().enumerate() {
+            for other in &swept[k + 1..] {
+                if other.x_min > one.x_max {
+                    break;
+                }
+                if one.y_min > other.y_max || other.y_min > one.y_max {
+                    continue;
+                }
+                let (i, j) = (
+                    one.segment.min(other.segment),
+                    one.segment.max(other.segment),
+                );
+                let (a, b) = (
+                    (from[i as usize], to[i as usize]),
+                    (from[j as usize], to[j as usize]),
+                );
+                contact(&ends[i as usize], &ends[j as usize], a, b, |kind| {
+                    contacts.push(Contact {
+                        first: i,
+                        second: j,
+                        kind,
+                    });
+                });
+            }
+        }
+    }
+    contacts.sort_unstable();
+    contacts.dedup();
+    contacts
+}
+
+/// Reports how two segments meet, unless it is only at a node that both have.
+fn contact(
+    (a, b): &(Coord<f64>, Coord<f64>),
+    (c, d): &(Coord<f64>, Coord<f64>),
+    (node_a, node_b): (u32, u32),
+    (node_c, node_d): (u32, u32),
+    mut report: impl FnMut(ContactKind),
+) {
+    if a == b || c == d {
+        return;
+    }
+    let (c_side, d_side) = (orient2d(*a, *b, *c), orient2d(*a, *b, *d));
+    if c_side != 0.0 && d_side != 0.0 && (c_side > 0.0) == (d_side > 0.0) {
+        return;
+    }
+    let (a_side, b_side) = (orient2d(*c, *d, *a), orient2d(*c, *d, *b));
+    if c_side == 0.0 && d_side == 0.0 {
+        if overlap(a, b, c, d) {
+            report(ContactKind::Overlap);
+        } else {
+            for (node, p) in [(node_a, a), (node_b, b)] {
+                for (other, q) in [(node_c, c), (node_d, d)] {
+                    if node != other && p == q {
+                        report(ContactKind::TwinNodes(node.min(other), node.max(other)));
+                    }
+                }
+            }
+        }
+        return;
+    }
+    let opposite = |p: f64, q: f64| (p > 0.0 && q < 0.0) || (p < 0.0 && q > 0.0);
+    if opposite(c_side, d_side) && opposite(a_side, b_side) {
+        report(ContactKind::Cross);
+        return;
+    }
+    for (side, node, p) in [(c_side, node_c, c), (d_side, node_d, d)] {
+        if side == 0.0 {
+            touch(p, node, (a, node_a), (b, node_b), &mut report);
+        }
+    }
+    for (side, node, p) in [(a_side, node_a, a), (b_side, node_b, b)] {
+        if side == 0.0 {
+            touch(p, node, (c, node_c), (d, node_d), &mut report);
+        }
+    }
+}
+
+/// Reports node `p`, known to lie on the line through `a` and `b`, if it lies on the segment
+/// and is not one of its nodes.
+fn touch(
+    p: &Coord<f64>,
+    node: u32,
+    (a, node_a): (&Coord<f64>, u32),
+    (b, node_b): (&Coord<f64>, u32),
+    report: &mut impl FnMut(ContactKind),
+) {
+    if p == a || p == b {
+        let end = if p == a { node_a } else { node_b };
+        if node != end {
+            report(ContactKind::TwinNodes(node.min(end), node.max(end)));
+        }
+    } else if between(p, a, b) {
+        report(ContactKind::NodeOnSegment(node));
+    }
+}
+
+/// Whether `p`, on the line through `a` and `b`, lies strictly between them.
+fn between(p: &Coord<f64>, a: &Coord<f64>, b: &Coord<f64>) -> bool {
+    if (a.x - b.x).abs() >= (a.y - b.y).abs() {
+        p.x > a.x.min(b.x) && p.x < a.x.max(b.x)
+    } else {
+        p.y > a.y.min(b.y) && p.y < a.y.max(b.y)
+    }
+}
+
+/// Whether two segments on one line share more than a point.
+fn overlap(a: &Coord<f64>, b: &Coord<f64>, c: &Coord<f64>, d: &Coord<f64>) -> bool {
+    let pick = |p: &Coord<f64>| {
+        if (a.x - b.x).abs() >= (a.y - b.y).abs() {
+            p.x
+        } else {
+            p.y
+        }
+    };
+    let (low, high) = (pick(a).min(pick(b)), pick(a).max(pick(b)));
+    let (other_low, other_high) = (pick(c).min(pick(d)), pick(c).max(pick(d)));
+    low.max(other_low) < high.min(other_high)
+}
+
+/// Segments sorted into horizontal strips.
+struct Strips {
+    count: usize,
+    y_top: f64,
+    height: f64,
+    /// Padding that makes clipping conservative under rounding.
+    pad: f64,
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl Strips {
+    fn new(ends: &[(Coord<f64>, Coord<f64>)]) -> Self {
+        let (mut y_top, mut y_bottom, mut extent, mut climb) = (f64::MAX, f64::MIN, 1.0_f64, 0.0);
+        for (a, b) in ends {
+            y_top = y_top.min(a.y).min(b.y);
+            y_bottom = y_bottom.max(a.y).max(b.y);
+            extent = extent
+                .max(a.x.abs())
+                .max(b.x.abs())
+                .max(a.y.abs())
+                .max(b.y.abs());
+            climb += (a.y - b.y).abs();
+        }
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "a count, only to choose a strip height"
+        )]
+        let n = ends.len().max(1) as f64;
+        let range = (y_bottom - y_top).max(0.0);
+        let height = (climb / n)
+            .max(range / (4.0 * n.sqrt() + 1.0))
+            .max(extent * 1e-9);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "at most 4√n + 2"
+        )]
+        let count = (range / height) as usize + 1;
+        let mut strips = Self {
+            count,
+            y_top,
+            height,
+            pad: extent * 1e-9,
+            starts: vec![0; count + 1],
+            members: Vec::new(),
+        };
+        for end in ends {
+            let (low, high) = strips.range(end);
+            for strip in low..=high {
+                strips.starts[strip + 1] += 1;
+            }
+        }
+        for strip in 0..count {
+            strips.starts[strip + 1] += strips.starts[strip];
+        }
+        let mut next = strips.starts.clone();
+        strips.members = vec![0; strips.starts[count] as usize];
+        for (segment, end) in (0_u32..).zip(ends) {
+            let (low, high) = strips.range(end);
+            for slot in &mut next[low..=high] {
+                strips.members[*slot as usize] = segment;
+                *slot += 1;
+            }
+        }
+        strips
+    }
+
+    fn range(&self, (a, b): &(Coord<f64>, Coord<f64>)) -> (usize, usize) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "`as` saturates, and it is clamped"
+        )]
+        let strip = |y: f64| (((y - self.y_top) / self.height) as usize).min(self.count - 1);
+        (
+            strip(a.y.min(b.y) - self.pad),
+            strip(a.y.max(b.y) + self.pad),
+        )
+    }
+
+    fn members(&self, strip: usize) -> &[u32] {
+        &self.members[self.starts[strip] as usize..self.starts[strip + 1] as usize]
+    }
+
+    /// Bounds of the part of a segment inside a strip, a little too large rather than too small.
+    fn clip(&self, strip: usize, segment: u32, (a, b): &(Coord<f64>, Coord<f64>)) -> InStrip {
+        let (top, bottom) = if a.y <= b.y { (a, b) } else { (b, a) };
+        #[expect(clippy::cast_precision_loss, reason = "a strip number")]
+        let (low, high) = (
+            self.y_top + self.height * strip as f64,
+            self.y_top + self.height * (strip + 1) as f64,
+        );
+        let climb = bottom.y - top.y;
+        let x_at = |y: f64| {
+            let t = if climb > self.pad {
+                ((y - top.y) / climb).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            top.x + (bottom.x - top.x) * t
+        };
+        let (mut x0, mut x1) = (x_at(low - self.pad), x_at(high + self.pad));
+        if climb <= self.pad {
+            (x0, x1) = (top.x, bottom.x);
+        }
+        // A flat segment moves fast in x over the padding in y: widen by what that can be.
+        let slack = self.pad
+            * (1.0
+                + if climb > self.pad {
+                    ((bottom.x - top.x) / climb).abs()
+                } else {
+                    0.0
+                });
+        InStrip {
+            x_min: x0.min(x1) - slack,
+            x_max: x0.max(x1) + slack,
+            y_min: top.y,
+            y_max: bottom.y,
+            segment,
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The sheet of glass: its outline, and in which unit its plane is measured.
+
+use serde::{Deserialize, Serialize};
+
+/// Unit of length of a network's plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LengthUnit {
+    /// Pixels of the frame: origin at the top left corner, first pixel centre at (0.5, 0.5), y down.
+    Px,
+    /// Millimetres on the glass: origin at the top left corner, y down.
+    Mm,
+}
+
+/// How the glass was made, which decides how it breaks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum GlassKind {
+    /// Slowly cooled float glass, free of residual stress.
+    Annealed,
+    /// Two plies with a polymer between them (windscreen).
+    Laminated,
+    /// Surfaces in compression, core in tension: dices as a whole.
+    Tempered,
+    /// Small cover over a lens.
+    Cover,
+}
+
+/// A rectangular pane that spans `[0, width] × [0, height]`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Pane {
+    /// Width in the network's [`LengthUnit`], > 0.
+    pub width: f64,
+    /// Height in the network's [`LengthUnit`], > 0.
+    pub height: f64,
+    /// Thickness, mm; absent where the model has none (the paper's).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thickness_mm: Option<f64>,
+    /// Kind of glass; absent where the model has none (the paper's).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<GlassKind>,
+}
+
+/// Why a pane was refused.
+#[derive(Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
+#[error("pane {field} = {value}; expected a finite number > 0")]
+pub struct PaneError {
+    /// Which measure.
+    pub field: &'static str,
+    /// What was given.
+    pub value: f64,
+}
+
+impl Pane {
+    /// A pane as large as a frame of `width_px × height_px` pixels.
+    #[must_use]
+    pub fn from_frame_px(width_px: u32, height_px: u32) -> Self {
+        Self {
+            width: f64::from(width_px),
+            height: f64::from(height_px),
+            thickness_mm: None,
+            kind: None,
+        }
+    }
+
+    /// Every measure is finite and positive.
+    ///
+    /// # Errors
+    /// [`PaneError`] naming the first measure that is not.
+    pub fn check(&self) -> Result<(), PaneError> {
+        let measures = [
+            ("width", Some(self.width)),
+            ("height", Some(self.height)),
+            ("thickness_mm", self.thickness_mm),
+        ];
+        for (field, value) in measures {
+            if let Some(value) = value
+                && !(value.is_finite() && value > 0.0)
+            {
+                return Err(PaneError { field, value });
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the point lies on the pane, its rim included.
+    #[must_use]
+    pub fn contains(&self, x: f64, y: f64) -> bool {
+        (0.0..=self.width).contains(&x) && (0.0..=self.height).contains(&y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pane_without_area_is_refused() {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            let pane = Pane {
+                width: bad,
+                ..Pane::from_frame_px(10, 10)
+            };
+            assert!(pane.check().is_err(), "width {bad} was accepted");
+        }
+        assert!(
+            Pane::from_frame_px(1, 1).check().is_ok(),
+            "a pane of one pixel is a pane"
+        );
+    }
+}
