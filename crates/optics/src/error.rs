@@ -1,0 +1,29 @@
+/// Why no image came out.
+#[derive(Debug, thiserror::Error, PartialEq)]
+#[non_exhaustive]
+pub enum OpticsError {
+    /// A parameter outside its range.
+    #[error("{name} = {value}; expected {expected}")]
+    Parameter {
+        /// Name of the parameter, with its unit.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is possible.
+        expected: &'static str,
+    },
+    /// An image whose samples are neither 8 nor 16 bits.
+    #[error("images of mode {mode} cannot be rendered; convert to 8-bit or 16-bit grey or RGB")]
+    ImageMode {
+        /// The mode, as the image library names it.
+        mode: String,
+    },
+    /// An image without pixels.
+    #[error("the image has no pixels: {width} × {height}")]
+    EmptyImage {
+        /// Its width.
+        width: u32,
+        /// Its height.
+        height: u32,
+    },
+}

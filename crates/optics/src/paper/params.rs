@@ -1,0 +1,148 @@
+//! Parameters of the paper's visualization.
+
+use crate::OpticsError;
+
+/// What is sharp.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Focus {
+    /// The scene; the crack is blurred over it.
+    Far,
+    /// The crack; the scene is blurred behind it.
+    Short,
+}
+
+/// The "mean intensity of the light source" (I_r, I_g, I_b), which the paper does not define.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    /// The mean of each channel over the frame.
+    ImageMean,
+    /// These code values, 0 to 255 per channel (scaled for 16-bit images).
+    Rgb([f64; 3]),
+}
+
+/// What Σ L_r in the denominator of I_c runs over, which the paper does not define.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Normalization {
+    /// The sum of E over all segments, to the letter: cracks become nearly black.
+    Sum,
+    /// The largest E of all segments: the brightest crack shows the light's intensity.
+    Max,
+    /// The mean E of all segments.
+    Mean,
+    /// Nothing: I_c = I·E.
+    One,
+}
+
+/// Parameters of the paper's visualization.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PaperOptics {
+    /// What is sharp. **Default**: far.
+    pub focus: Focus,
+    /// Sun azimuth α, rad. **Default**: 35°.
+    pub sun_azimuth_rad: f64,
+    /// Sun zenith angle θ, rad (90° − elevation). **Default**: 45°.
+    pub sun_zenith_rad: f64,
+    /// Intensity of the light source per channel.
+    pub light: Light,
+    /// Meaning of Σ L_r. **Default**: max.
+    pub normalization: Normalization,
+    /// Width of a drawn crack, px, 0.05 to 64. **Default**: 1. **Source**: the paper's
+    /// implementation draws lines of one pixel.
+    pub line_width_px: f64,
+    /// Taps of the square blur kernel, odd, 1 to 255. **Default**: 15. **Source**: the paper's
+    /// implementation.
+    pub blur_kernel_px: u32,
+    /// Standard deviation of the Gaussian blur, px, 0.01 to 128. **Default**: 2.6, which is what
+    /// OpenCV takes for 15 taps.
+    pub blur_sigma_px: f64,
+}
+
+impl Default for PaperOptics {
+    fn default() -> Self {
+        Self {
+            focus: Focus::Far,
+            sun_azimuth_rad: 35_f64.to_radians(),
+            sun_zenith_rad: 45_f64.to_radians(),
+            light: Light::Rgb([200.0; 3]),
+            normalization: Normalization::Max,
+            line_width_px: 1.0,
+            blur_kernel_px: 15,
+            blur_sigma_px: 2.6,
+        }
+    }
+}
+
+impl PaperOptics {
+    /// How far a crack reaches into its surroundings: half the kernel, px.
+    #[must_use]
+    pub fn blur_radius_px(&self) -> u32 {
+        self.blur_kernel_px / 2
+    }
+
+    /// Every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`OpticsError::Parameter`] naming the first that is not.
+    pub fn check(&self) -> Result<(), OpticsError> {
+        let ranges = [
+            (
+                "line_width_px",
+                self.line_width_px,
+                0.05..=64.0,
+                "0.05 to 64 px",
+            ),
+            (
+                "blur_sigma_px",
+                self.blur_sigma_px,
+                0.01..=128.0,
+                "0.01 to 128 px",
+            ),
+            (
+                "blur_kernel_px",
+                f64::from(self.blur_kernel_px),
+                1.0..=255.0,
+                "an odd number, 1 to 255 px",
+            ),
+        ];
+        for (name, value, range, expected) in ranges {
+            if !range.contains(&value) {
+                return Err(OpticsError::Parameter {
+                    name,
+                    value,
+                    expected,
+                });
+            }
+        }
+        if self.blur_kernel_px.is_multiple_of(2) {
+            let value = f64::from(self.blur_kernel_px);
+            return Err(OpticsError::Parameter {
+                name: "blur_kernel_px",
+                value,
+                expected: "an odd number, 1 to 255 px",
+            });
+        }
+        for (name, angle_rad) in [
+            ("sun_azimuth_deg", self.sun_azimuth_rad),
+            ("sun_elevation_deg", self.sun_zenith_rad),
+        ] {
+            if !angle_rad.is_finite() {
+                let value = angle_rad.to_degrees();
+                return Err(OpticsError::Parameter {
+                    name,
+                    value,
+                    expected: "a finite angle",
+                });
+            }
+        }
+        if let Light::Rgb(levels) = self.light
+            && let Some(&value) = levels.iter().find(|level| !(0.0..=255.0).contains(*level))
+        {
+            return Err(OpticsError::Parameter {
+                name: "light_intensity",
+                value,
+                expected: "code values, 0 to 255",
+            });
+        }
+        Ok(())
+    }
+}
