@@ -134,6 +134,12 @@ impl Coverage {
             .map(move |x| (x, self.covered[at + x], self.weighted[at + x]))
     }
 
+    /// Width and height of the frame.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
     /// Whether no pixel is covered.
     #[must_use]
     pub fn is_empty(&self) -> bool {

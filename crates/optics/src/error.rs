@@ -26,4 +26,18 @@ pub enum OpticsError {
         /// Its height.
         height: u32,
     },
+    /// Cracks drawn for a frame of another size.
+    #[error(
+        "the image is {width} × {height} px, but the cracks were drawn for {drawn_width} × {drawn_height} px"
+    )]
+    SizeMismatch {
+        /// Width of the image.
+        width: u32,
+        /// Height of the image.
+        height: u32,
+        /// Width of the drawing.
+        drawn_width: usize,
+        /// Height of the drawing.
+        drawn_height: usize,
+    },
 }

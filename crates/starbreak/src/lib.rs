@@ -1,1 +1,35 @@
-//! starbreak
+//! Recipe to settings to pictures: the place where physics, optics and samples on disk meet.
+//!
+//! [`Recipe`] is what a user writes; [`Recipe::settings`] makes it valid and SI;
+//! [`pipeline`] runs it. This crate contains no formula of its own, and it never prints.
+//!
+//! # Example
+//! ```
+//! use image::{DynamicImage, RgbImage};
+//! use starbreak::{Recipe, Seed, pipeline};
+//!
+//! let mut recipe = Recipe::preset("paper")?;
+//! recipe.set("fracture.particles=2000")?;
+//! recipe.set("impact.position=[0.5, 0.5]")?;
+//! let settings = recipe.settings()?;
+//!
+//! let mut image = DynamicImage::ImageRgb8(RgbImage::from_pixel(320, 200, image::Rgb([80, 90, 100])));
+//! let cracked = pipeline::crack_image(&settings, &mut image, Seed(7))?;
+//! assert!(cracked.fracture.network.n_segments() > 0);
+//! # Ok::<(), starbreak::Error>(())
+//! ```
+
+mod error;
+pub mod pipeline;
+mod recipe;
+
+pub use error::Error;
+pub use recipe::{
+    OutputFormat, OutputSettings, PRESETS, Recipe, RecipeError, SCHEMA_VERSION, Settings,
+    json_schema,
+};
+pub use starbreak_dataset as dataset;
+pub use starbreak_fracture as fracture;
+pub use starbreak_glass as glass;
+pub use starbreak_glass::Seed;
+pub use starbreak_optics as optics;

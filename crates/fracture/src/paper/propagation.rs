@@ -55,6 +55,8 @@ pub struct ConvergenceReport {
     pub stopped_at_crack: usize,
     /// Cracks that ended where the radius holds no other node.
     pub stopped_without_neighbor: usize,
+    /// Fronts that still had stress to hand on when the propagation ended.
+    pub fronts_left: usize,
     /// Impacts whose force does not exceed the threshold (eq. 2): they break nothing.
     pub impacts_without_fracture: usize,
 }
@@ -64,6 +66,12 @@ impl ConvergenceReport {
     #[must_use]
     pub fn n_steps(&self) -> usize {
         self.max_stress_change.len()
+    }
+
+    /// Whether σ has come to rest: no front is left to hand stress on, so σ(t) = σ(t−1).
+    #[must_use]
+    pub fn converged(&self) -> bool {
+        self.fronts_left == 0
     }
 
     fn record_change(&mut self, step: u32, change: f64) {
@@ -176,6 +184,7 @@ pub fn propagate(mesh: &PaneMesh, impacts: &[ResolvedImpact], params: &PaperPara
             );
         }
     }
+    state.convergence.fronts_left = fronts.len();
     state
 }
 

@@ -8,5 +8,5 @@ mod render;
 mod shading;
 
 pub use params::{Focus, Light, Normalization, PaperOptics};
-pub use render::{Masks, render, render_at};
+pub use render::{Masks, composite, draw, render, render_at};
 pub use shading::crack_energies;

@@ -71,19 +71,10 @@ pub fn render(
 }
 
 /// Renders the network as far as it has grown at `time` (in the unit of its arrival column) over
-/// the image, in place. The pane is stretched to the frame.
-///
-/// Far focus: M = coverage, O = I(1 − M) + I_c·M, and G∗O replaces I wherever a crack pixel lies
-/// within half the kernel; all else stays as it is, to the byte. Short focus:
-/// (G∗I)(1 − M) + I_c·M over the whole frame. Where nothing is broken the image stays as it is.
-/// Alpha is never changed.
+/// the image, in place: [`draw`], then [`composite`].
 ///
 /// # Errors
-/// [`OpticsError`] for a parameter out of range, an image without pixels, or one whose samples
-/// are floating point.
-///
-/// # Limits
-/// Code values are mixed as the paper mixes them, without regard to the gamma of the image.
+/// As for [`composite`].
 pub fn render_at(
     image: &mut DynamicImage,
     network: &CrackNetwork,
@@ -91,10 +82,20 @@ pub fn render_at(
     optics: &PaperOptics,
 ) -> Result<Masks, OpticsError> {
     optics.check()?;
-    let (width, height) = (image.width(), image.height());
-    if width == 0 || height == 0 {
-        return Err(OpticsError::EmptyImage { width, height });
-    }
+    let drawn = draw(network, (image.width(), image.height()), time, optics);
+    composite(image, &drawn, optics)
+}
+
+/// The cracks as far as they have grown at `time`, drawn over a frame of `width × height`
+/// pixels: coverage M, and E(L_r)/S of each pixel as its weight. The pane is stretched to the
+/// frame.
+#[must_use]
+pub fn draw(
+    network: &CrackNetwork,
+    (width, height): (u32, u32),
+    time: f64,
+    optics: &PaperOptics,
+) -> Coverage {
     let pane = &network.data().pane;
     let scale = [
         f64::from(width) / pane.width,
@@ -105,32 +106,65 @@ pub fn render_at(
         ends: [x0 * scale[0], y0 * scale[1], x1 * scale[0], y1 * scale[1]],
         weight: energies[idx],
     });
-    let coverage = Coverage::of_lines(width, height, optics.line_width_px, lines);
+    Coverage::of_lines(width, height, optics.line_width_px, lines)
+}
+
+/// Blends drawn cracks into the image, in place.
+///
+/// Far focus: O = I(1 − M) + I_c·M, and G∗O replaces I wherever a crack pixel lies within half
+/// the kernel; all else stays as it is, to the byte. Short focus: (G∗I)(1 − M) + I_c·M over the
+/// whole frame. Where nothing is broken the image stays as it is. Alpha is never changed.
+///
+/// # Errors
+/// [`OpticsError`] for a parameter out of range, an image without pixels or of another size than
+/// the drawing, or one whose samples are floating point.
+///
+/// # Limits
+/// Code values are mixed as the paper mixes them, without regard to the gamma of the image.
+pub fn composite(
+    image: &mut DynamicImage,
+    drawn: &Coverage,
+    optics: &PaperOptics,
+) -> Result<Masks, OpticsError> {
+    optics.check()?;
+    let (width, height) = (image.width(), image.height());
+    if width == 0 || height == 0 {
+        return Err(OpticsError::EmptyImage { width, height });
+    }
     let size = (width as usize, height as usize);
+    if drawn.size() != size {
+        let (drawn_width, drawn_height) = drawn.size();
+        return Err(OpticsError::SizeMismatch {
+            width,
+            height,
+            drawn_width,
+            drawn_height,
+        });
+    }
     let region = match image {
         DynamicImage::ImageLuma8(buffer) => {
-            composite(buffer.as_mut(), size, [1, 0], &coverage, optics)
+            blend_and_blur(buffer.as_mut(), size, [1, 0], drawn, optics)
         }
         DynamicImage::ImageLumaA8(buffer) => {
-            composite(buffer.as_mut(), size, [1, 1], &coverage, optics)
+            blend_and_blur(buffer.as_mut(), size, [1, 1], drawn, optics)
         }
         DynamicImage::ImageRgb8(buffer) => {
-            composite(buffer.as_mut(), size, [3, 0], &coverage, optics)
+            blend_and_blur(buffer.as_mut(), size, [3, 0], drawn, optics)
         }
         DynamicImage::ImageRgba8(buffer) => {
-            composite(buffer.as_mut(), size, [3, 1], &coverage, optics)
+            blend_and_blur(buffer.as_mut(), size, [3, 1], drawn, optics)
         }
         DynamicImage::ImageLuma16(buffer) => {
-            composite(buffer.as_mut(), size, [1, 0], &coverage, optics)
+            blend_and_blur(buffer.as_mut(), size, [1, 0], drawn, optics)
         }
         DynamicImage::ImageLumaA16(buffer) => {
-            composite(buffer.as_mut(), size, [1, 1], &coverage, optics)
+            blend_and_blur(buffer.as_mut(), size, [1, 1], drawn, optics)
         }
         DynamicImage::ImageRgb16(buffer) => {
-            composite(buffer.as_mut(), size, [3, 0], &coverage, optics)
+            blend_and_blur(buffer.as_mut(), size, [3, 0], drawn, optics)
         }
         DynamicImage::ImageRgba16(buffer) => {
-            composite(buffer.as_mut(), size, [3, 1], &coverage, optics)
+            blend_and_blur(buffer.as_mut(), size, [3, 1], drawn, optics)
         }
         other => {
             return Err(OpticsError::ImageMode {
@@ -146,12 +180,12 @@ pub fn render_at(
     }
     Ok(Masks {
         region: gray_image(size.0, size.1, pixels),
-        crack: coverage.to_mask(),
+        crack: drawn.to_mask(),
     })
 }
 
 /// Blends and blurs in place; the pixels that may have changed.
-fn composite<S: Sample>(
+fn blend_and_blur<S: Sample>(
     samples: &mut [S],
     (width, height): (usize, usize),
     [colors, alphas]: [usize; 2],

@@ -1,0 +1,270 @@
+use std::io;
+use std::path::PathBuf;
+
+use crate::ImageFormat;
+
+/// What went wrong with a file or a codec, as one line: the file, the fact, the way out.
+///
+/// File names are printed quoted, with control characters, newlines and invisible characters
+/// escaped, so that a message is always one line and shows what is really there.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DatasetError {
+    /// The file system refused to read the file.
+    #[error("cannot read {path:?}: {}; {}", io_fact(.source), io_way_out(.source))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: io::Error,
+    },
+    /// The path to be read is a folder, a pipe, a socket or a device.
+    #[error("cannot read {path:?}: it is {what}; give the path of an image file")]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+        /// What it is, with its article.
+        what: &'static str,
+    },
+    /// The file has no bytes.
+    #[error("{name:?} is empty (0 bytes); copy or download it again")]
+    EmptyFile {
+        /// The file.
+        name: String,
+    },
+    /// The file has more bytes than [`crate::ImageLimits::max_file_bytes`].
+    #[error(
+        "{name:?} is longer than the limit of {max_bytes} bytes; raise the limit or make the image smaller"
+    )]
+    FileTooLong {
+        /// The file.
+        name: String,
+        /// The limit, in bytes.
+        max_bytes: u64,
+    },
+    /// The first bytes are those of neither PNG nor JPEG.
+    #[error("{name:?} is neither PNG nor JPEG, it looks like {looks_like}; convert it to PNG")]
+    UnknownFormat {
+        /// The file.
+        name: String,
+        /// A guess from the first bytes, with its article.
+        looks_like: &'static str,
+    },
+    /// The header announces more pixels than [`crate::ImageLimits`] admit.
+    #[error(
+        "{name:?} is {width_px} x {height_px} px; the limit is {max_side_px} px per side and \
+         {max_pixels} px in all, so scale the image down"
+    )]
+    ImageTooLarge {
+        /// The file.
+        name: String,
+        /// Width in the header, in pixels.
+        width_px: u32,
+        /// Height in the header, in pixels.
+        height_px: u32,
+        /// The limit of each side, in pixels.
+        max_side_px: u32,
+        /// The limit of width times height, in pixels.
+        max_pixels: u64,
+    },
+    /// The file ends before the image does.
+    #[error(
+        "{name:?} is cut short: the {format} data end after {n_bytes} bytes, before the image does; copy or download it again"
+    )]
+    Truncated {
+        /// The file.
+        name: String,
+        /// Its format.
+        format: ImageFormat,
+        /// Length of the file, in bytes.
+        n_bytes: usize,
+    },
+    /// The content breaks the rules of its format.
+    #[error("{name:?} is not a valid {format} file: {reason}; copy or download it again")]
+    Corrupt {
+        /// The file.
+        name: String,
+        /// Its format.
+        format: ImageFormat,
+        /// What the decoder says.
+        reason: String,
+    },
+    /// The file is valid, but uses a part of its format that is not supported.
+    #[error(
+        "{name:?} uses a part of {format} that is not supported: {reason}; convert it to 8-bit PNG"
+    )]
+    UnsupportedFeature {
+        /// The file.
+        name: String,
+        /// Its format.
+        format: ImageFormat,
+        /// What the decoder says.
+        reason: String,
+    },
+    /// A JPEG quality outside 1 to 100.
+    #[error("jpeg quality = {quality}; expected 1 to 100")]
+    JpegQuality {
+        /// The value given.
+        quality: u8,
+    },
+    /// The pixel mode has no place in the output format.
+    #[error("{format} cannot store {mode} pixels; {way_out}")]
+    UnsupportedMode {
+        /// The output format.
+        format: ImageFormat,
+        /// The pixel mode, such as `Rgba8`.
+        mode: &'static str,
+        /// What to do instead.
+        way_out: &'static str,
+    },
+    /// The image has no pixels or too many for the format.
+    #[error(
+        "an image of {width_px} x {height_px} px cannot be stored as {format}; expected 1 to {max_side_px} px per side"
+    )]
+    ImageSize {
+        /// The output format.
+        format: ImageFormat,
+        /// Width in pixels.
+        width_px: u32,
+        /// Height in pixels.
+        height_px: u32,
+        /// The largest side of the format, in pixels.
+        max_side_px: u32,
+    },
+    /// The encoder refused, for instance a color profile that is too long.
+    #[error("cannot encode the image as {format}: {reason}; try without a color profile")]
+    Encode {
+        /// The output format.
+        format: ImageFormat,
+        /// What the encoder says.
+        reason: String,
+    },
+    /// An animation without frames.
+    #[error("the animation has no frames; expected at least 1")]
+    NoFrames,
+    /// A frame of another size than the first.
+    #[error(
+        "animation frame {frame_idx} is {width_px} x {height_px} px, but frame 0 is \
+         {expected_width_px} x {expected_height_px} px; give all frames the same size"
+    )]
+    FrameSize {
+        /// Index of the frame, from 0.
+        frame_idx: usize,
+        /// Its width in pixels.
+        width_px: u32,
+        /// Its height in pixels.
+        height_px: u32,
+        /// Width of frame 0 in pixels.
+        expected_width_px: u32,
+        /// Height of frame 0 in pixels.
+        expected_height_px: u32,
+    },
+    /// The file system refused to write the file or to create its folder.
+    #[error("cannot write {path:?}: {}; {}", io_fact(.source), io_way_out(.source))]
+    Write {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: io::Error,
+    },
+    /// The destination is there and is not an ordinary file, or its path names a folder.
+    #[error("cannot write {path:?}: it is {what}; give the path of a file")]
+    DestinationNotAFile {
+        /// The destination.
+        path: PathBuf,
+        /// What it is, with its article.
+        what: &'static str,
+    },
+    /// The same destination was staged before.
+    #[error("two outputs of one sample have the same path {path:?}; give them different names")]
+    DuplicateOutput {
+        /// The destination.
+        path: PathBuf,
+    },
+    /// A batch failed while its files were renamed into place.
+    #[error(
+        "cannot put {path:?} in place: {}; {} existing files were already replaced, new files were removed; {}",
+        io_fact(.source), .replaced.len(), io_way_out(.source)
+    )]
+    Commit {
+        /// The destination that failed.
+        path: PathBuf,
+        /// Destinations which existed before and now hold the new content.
+        replaced: Vec<PathBuf>,
+        /// The error of the operating system.
+        source: io::Error,
+    },
+    /// A provenance record that is not a JSON object with a `schema`.
+    #[error(
+        "the provenance record is not valid: {reason}; expected a JSON object with a text field \"schema\""
+    )]
+    Provenance {
+        /// What is wrong.
+        reason: String,
+    },
+}
+
+/// The text on one line: control characters and line breaks are escaped.
+pub(crate) fn one_line(text: &impl ToString) -> String {
+    text.to_string()
+        .chars()
+        .flat_map(|c| {
+            let escaped = c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
+            let (plain, escape) = if escaped {
+                (None, Some(c.escape_default()))
+            } else {
+                (Some(c), None)
+            };
+            plain.into_iter().chain(escape.into_iter().flatten())
+        })
+        .collect()
+}
+
+fn io_fact(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "no such file or folder".to_owned(),
+        io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
+        io::ErrorKind::NotADirectory => "a part of the path is a file, not a folder".to_owned(),
+        io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
+        io::ErrorKind::StorageFull => "no space left on the device".to_owned(),
+        io::ErrorKind::QuotaExceeded => "the disk quota is used up".to_owned(),
+        io::ErrorKind::ReadOnlyFilesystem => "the file system is read-only".to_owned(),
+        io::ErrorKind::InvalidFilename => "the file name is too long or not valid".to_owned(),
+        _ => one_line(error),
+    }
+}
+
+fn io_way_out(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::PermissionDenied => "check the permissions of the file and its folder",
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            "free some space or choose another disk"
+        }
+        io::ErrorKind::ReadOnlyFilesystem => "choose a folder on another disk",
+        io::ErrorKind::InvalidFilename => "choose a shorter name",
+        _ => "check the path",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn message_is_one_line_whatever_the_name() {
+        let name = "a\nb\r\u{1b}[31m\u{202e}\".png".to_owned();
+        let message = DatasetError::EmptyFile { name: name.clone() }.to_string();
+        assert!(!message.chars().any(char::is_control), "{message:?}");
+        assert!(!message.contains('\u{202e}'), "{message:?}");
+        assert!(message.contains(r"a\nb\r"), "{message:?}");
+
+        let source = io::Error::other("two\nlines");
+        let message = DatasetError::Read {
+            path: name.into(),
+            source,
+        }
+        .to_string();
+        assert!(!message.chars().any(char::is_control), "{message:?}");
+        assert!(message.contains(r"two\nlines"), "{message:?}");
+    }
+}

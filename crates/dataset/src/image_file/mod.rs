@@ -1,0 +1,227 @@
+//! Reading: from a path or from bytes to pixels.
+
+mod jpeg;
+mod png;
+mod sniff;
+
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+use image::DynamicImage;
+use image::metadata::Orientation;
+
+use crate::error::DatasetError;
+use crate::provenance::sha256_hex;
+
+/// A decoded image together with what is needed to write its like.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct ImageFile {
+    /// The pixels, upright: the EXIF orientation is already applied.
+    ///
+    /// Grey, grey with alpha, RGB or RGBA, in 8 or 16 bits as in the file; grey of 1, 2 or 4
+    /// bits is scaled to 8, a palette is expanded to RGB or RGBA, CMYK is converted to RGB.
+    pub pixels: DynamicImage,
+    /// The format of the content, whatever the name says.
+    pub format: ImageFormat,
+    /// The embedded ICC color profile. The pixels are *not* converted with it.
+    pub icc_profile: Option<Vec<u8>>,
+    /// SHA-256 of the bytes of the file, 64 lowercase hexadecimal digits.
+    pub sha256: String,
+}
+
+/// The image formats which are read and written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ImageFormat {
+    /// Portable Network Graphics. Of an animated PNG only the default image is read.
+    Png,
+    /// JPEG, baseline or progressive, 8 bits per channel.
+    Jpeg,
+}
+
+impl ImageFormat {
+    /// The usual extension of file names, without the dot: `png` or `jpg`.
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Jpeg => "jpg",
+        }
+    }
+}
+
+impl fmt::Display for ImageFormat {
+    /// Writes `PNG` or `JPEG`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+        })
+    }
+}
+
+/// How much an image may claim before its pixels are allocated.
+///
+/// A small file can announce a huge image; it is refused on its header alone. Decoding needs at
+/// most 20 bytes per pixel on top of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImageLimits {
+    /// Largest width and largest height, in pixels. **Default** 32768.
+    pub max_side_px: u32,
+    /// Largest width times height, in pixels. **Default** 2^27 (134 217 728).
+    pub max_pixels: u64,
+    /// Largest file, in bytes. **Default** 2^31 (2 GiB).
+    pub max_file_bytes: u64,
+}
+
+impl Default for ImageLimits {
+    fn default() -> Self {
+        Self {
+            max_side_px: 32_768,
+            max_pixels: 1 << 27,
+            max_file_bytes: 1 << 31,
+        }
+    }
+}
+
+impl ImageLimits {
+    fn check_size(&self, name: &str, width_px: u32, height_px: u32) -> Result<(), DatasetError> {
+        let n_pixels = u64::from(width_px) * u64::from(height_px);
+        if width_px > self.max_side_px || height_px > self.max_side_px || n_pixels > self.max_pixels
+        {
+            return Err(DatasetError::ImageTooLarge {
+                name: name.to_owned(),
+                width_px,
+                height_px,
+                max_side_px: self.max_side_px,
+                max_pixels: self.max_pixels,
+            });
+        }
+        Ok(())
+    }
+
+    fn check_file_len(&self, name: &str, n_bytes: u64) -> Result<(), DatasetError> {
+        if n_bytes > self.max_file_bytes {
+            return Err(DatasetError::FileTooLong {
+                name: name.to_owned(),
+                max_bytes: self.max_file_bytes,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// The image in the file at `path`, upright, in the bit depth of the file.
+///
+/// Symbolic links are followed. Pipes, sockets and devices are refused without opening them, so
+/// that reading never waits for somebody else.
+///
+/// # Errors
+///
+/// [`DatasetError::Read`] and [`DatasetError::NotAFile`] where there is no file to be read, and
+/// every error of [`decode_image`].
+pub fn read_image(path: &Path, limits: &ImageLimits) -> Result<ImageFile, DatasetError> {
+    let name = path.to_string_lossy();
+    let bytes = read_file(path, &name, limits)?;
+    decode_image(&name, &bytes, limits)
+}
+
+/// The image in the bytes of a file; the pure part of [`read_image`].
+///
+/// `name` serves only for messages. The format is found from the content.
+///
+/// # Errors
+///
+/// [`DatasetError::EmptyFile`], [`DatasetError::UnknownFormat`], [`DatasetError::FileTooLong`],
+/// [`DatasetError::ImageTooLarge`] (from the header, before anything is allocated),
+/// [`DatasetError::Truncated`] where the end of the image is missing, [`DatasetError::Corrupt`]
+/// and [`DatasetError::UnsupportedFeature`].
+///
+/// # Limits
+///
+/// PNG checksums are verified, so that damage is always found. JPEG has none: a file that is cut
+/// short is refused, but flipped bits inside the compressed data may come out as wrong pixels.
+pub fn decode_image(
+    name: &str,
+    bytes: &[u8],
+    limits: &ImageLimits,
+) -> Result<ImageFile, DatasetError> {
+    limits.check_file_len(name, bytes.len() as u64)?;
+    let format = sniff::format_from_bytes(name, bytes)?;
+    let decoded = match format {
+        ImageFormat::Png => png::decode(name, bytes, limits)?,
+        ImageFormat::Jpeg => jpeg::decode(name, bytes, limits)?,
+    };
+    let mut pixels = decoded.pixels;
+    pixels.apply_orientation(decoded.orientation);
+    Ok(ImageFile {
+        pixels,
+        format,
+        icc_profile: decoded.icc_profile,
+        sha256: sha256_hex(bytes),
+    })
+}
+
+/// What both decoders deliver.
+struct Decoded {
+    pixels: DynamicImage,
+    orientation: Orientation,
+    icc_profile: Option<Vec<u8>>,
+}
+
+fn read_file(path: &Path, name: &str, limits: &ImageLimits) -> Result<Vec<u8>, DatasetError> {
+    let read_error = |source| DatasetError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    // Before the open: to open a pipe waits for its writer.
+    let metadata = fs::metadata(path).map_err(read_error)?;
+    if let Some(what) = not_a_file(&metadata) {
+        return Err(DatasetError::NotAFile {
+            path: path.to_owned(),
+            what,
+        });
+    }
+    limits.check_file_len(name, metadata.len())?;
+
+    let mut bytes = Vec::new();
+    let n_expected = usize::try_from(metadata.len()).unwrap_or(usize::MAX);
+    bytes
+        .try_reserve_exact(n_expected)
+        .map_err(|_| read_error(io::ErrorKind::OutOfMemory.into()))?;
+    // The file may grow while it is read.
+    File::open(path)
+        .and_then(|file| {
+            file.take(limits.max_file_bytes.saturating_add(1))
+                .read_to_end(&mut bytes)
+        })
+        .map_err(read_error)?;
+    Ok(bytes)
+}
+
+/// What the thing is when it is not an ordinary file, with its article.
+pub(crate) fn not_a_file(metadata: &fs::Metadata) -> Option<&'static str> {
+    let file_type = metadata.file_type();
+    if file_type.is_file() {
+        return None;
+    }
+    if file_type.is_dir() {
+        return Some("a folder");
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt as _;
+        if file_type.is_fifo() {
+            return Some("a pipe");
+        }
+        if file_type.is_socket() {
+            return Some("a socket");
+        }
+        if file_type.is_char_device() || file_type.is_block_device() {
+            return Some("a device");
+        }
+    }
+    Some("not an ordinary file")
+}

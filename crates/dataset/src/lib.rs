@@ -1,0 +1,47 @@
+//! Samples on disk: the one library of starbreak that touches files and image codecs.
+//!
+//! It is: a strict reader for PNG and JPEG, an encoder for images, masks and animations, an
+//! all-or-nothing writer for the files of one sample, and the opaque provenance record.
+//! It is not: a place for pixel arithmetic, recipes or labels; every value passes through it
+//! unchanged, and nothing in it depends on time, threads or the platform.
+//!
+//! # Example
+//!
+//! ```
+//! use image::{DynamicImage, RgbImage};
+//! use starbreak_dataset::{Encoding, ImageLimits, OutputBatch, encode_image, read_image};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let dir = tempfile::tempdir()?;
+//! let path = dir.path().join("cracked").join("000000.png");
+//! let pixels = DynamicImage::ImageRgb8(RgbImage::from_pixel(4, 3, image::Rgb([9, 80, 200])));
+//!
+//! let mut batch = OutputBatch::new();
+//! batch.stage(&path, &encode_image(&pixels, &Encoding::Png, None)?)?;
+//! batch.commit()?;
+//!
+//! assert_eq!(read_image(&path, &ImageLimits::default())?.pixels, pixels);
+//! # Ok(())
+//! # }
+//! ```
+
+mod error;
+mod image_file;
+
+mod animation;
+mod encode;
+
+mod output_batch;
+mod paths;
+mod provenance;
+
+mod scene;
+
+pub use animation::{AnimationParams, encode_animation};
+pub use encode::{Encoding, JpegQuality, encode_image, encode_mask};
+pub use error::DatasetError;
+pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_image};
+pub use output_batch::OutputBatch;
+pub use paths::same_file;
+pub use provenance::{Provenance, sha256_hex};
+pub use scene::{SceneObject, StreetScene, street_scene};

@@ -1,0 +1,222 @@
+use std::ffi::OsStr;
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use tempfile::TempPath;
+
+use crate::error::DatasetError;
+use crate::image_file::not_a_file;
+
+/// The files of one sample, which appear together or not at all.
+///
+/// [`stage`](Self::stage) writes each file under a temporary name (`.starbreak-*`) into its own
+/// folder and waits until it is on the disk (unless the batch is
+/// [unsynced](Self::new_unsynced)); [`commit`](Self::commit) renames them all, in the
+/// order of staging. A batch that is dropped removes its temporary files and the folders it has
+/// created. So stage the file that stands for "done", such as the provenance, last.
+///
+/// Existing files are replaced, with the permissions of a new file; where the destination is a
+/// link, the link is replaced and not the file it leads to.
+///
+/// # Limits
+///
+/// A rename cannot be taken back: if a commit fails half way, files that were new are removed
+/// again, but files that had existed before and were already replaced keep their new content
+/// ([`DatasetError::Commit`] lists them). A process that is killed leaves its `.starbreak-*`
+/// files behind. Of batches that share a new folder at one time, none may be the one to remove it,
+/// so that it stays, empty. After a loss of power a committed file is whole or absent, never half.
+#[derive(Debug)]
+pub struct OutputBatch {
+    staged: Vec<StagedFile>,
+    waits_for_disk: bool,
+    /// Folders created by this batch, parents first.
+    created_folders: Vec<PathBuf>,
+}
+
+#[derive(Debug)]
+struct StagedFile {
+    /// The resolved folder with the file's name: where the file goes.
+    destination: PathBuf,
+    temporary: TempPath,
+}
+
+impl OutputBatch {
+    /// An empty batch, whose files are on the disk before they get their names.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            staged: Vec::new(),
+            waits_for_disk: true,
+            created_folders: Vec::new(),
+        }
+    }
+
+    /// An empty batch which leaves it to the system when the files reach the disk.
+    ///
+    /// Many times faster for small files, and meant for thousands of samples that can be made
+    /// again: after a loss of power a committed file may be empty.
+    #[must_use]
+    pub fn new_unsynced() -> Self {
+        let mut batch = Self::new();
+        batch.waits_for_disk = false;
+        batch
+    }
+
+    /// Writes `bytes` beside `path`, under a temporary name, creating missing folders.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::DuplicateOutput`] where the path was staged before (also by another
+    /// spelling), [`DatasetError::DestinationNotAFile`] where it is a folder, a pipe or a device,
+    /// [`DatasetError::Write`] where the file system refuses. The batch stays as it was, apart
+    /// from folders, and may be used further.
+    pub fn stage(&mut self, path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
+        let file_name = file_name_of(path)?;
+        if let Some(what) = fs::metadata(path).ok().as_ref().and_then(not_a_file) {
+            return Err(DatasetError::DestinationNotAFile {
+                path: path.to_owned(),
+                what,
+            });
+        }
+        let write_error = |source| DatasetError::Write {
+            path: path.to_owned(),
+            source,
+        };
+        // Absolute, so that a change of the working directory does no harm.
+        let folder = std::path::absolute(path)
+            .map_err(write_error)?
+            .parent()
+            .map(Path::to_path_buf)
+            .ok_or_else(|| write_error(io::ErrorKind::InvalidInput.into()))?;
+
+        let mut n_retries = 20;
+        let (destination, temporary) = loop {
+            let attempt = self
+                .create_folders(&folder)
+                .and_then(|()| fs::canonicalize(&folder))
+                .and_then(|folder| {
+                    let temporary = create_temporary(&folder)?;
+                    Ok((folder.join(file_name), temporary))
+                });
+            match attempt {
+                Ok(attempt) => break attempt,
+                // Another batch may have removed a folder which it had created.
+                Err(e) if e.kind() == io::ErrorKind::NotFound && n_retries > 0 => n_retries -= 1,
+                Err(e) => return Err(write_error(e)),
+            }
+        };
+        if self.staged.iter().any(|s| s.destination == destination) {
+            return Err(DatasetError::DuplicateOutput {
+                path: path.to_owned(),
+            });
+        }
+
+        let (mut file, temporary) = temporary.into_parts();
+        file.write_all(bytes)
+            .and_then(|()| file.flush())
+            .and_then(|()| match self.waits_for_disk {
+                true => file.sync_all(),
+                false => Ok(()),
+            })
+            .map_err(write_error)?;
+        self.staged.push(StagedFile {
+            destination,
+            temporary,
+        });
+        Ok(())
+    }
+
+    /// Renames all staged files into place, in the order of staging.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::Commit`] where a rename fails. Files of this batch that did not exist
+    /// before are then removed again, with the folders created for them; files that existed and
+    /// were already replaced are listed in the error.
+    pub fn commit(mut self) -> Result<(), DatasetError> {
+        let mut new_files = Vec::new();
+        let mut replaced = Vec::new();
+        for staged in std::mem::take(&mut self.staged) {
+            let existed = fs::symlink_metadata(&staged.destination).is_ok();
+            if let Err(failed) = staged.temporary.persist(&staged.destination) {
+                for path in new_files {
+                    // Best effort: the first failure is the one to report.
+                    let _ = fs::remove_file(path);
+                }
+                return Err(DatasetError::Commit {
+                    path: staged.destination,
+                    replaced,
+                    source: failed.error,
+                });
+            }
+            let list = if existed {
+                &mut replaced
+            } else {
+                &mut new_files
+            };
+            list.push(staged.destination);
+        }
+        self.created_folders.clear();
+        Ok(())
+    }
+
+    fn create_folders(&mut self, folder: &Path) -> io::Result<()> {
+        let mut missing = Vec::new();
+        for ancestor in folder.ancestors() {
+            match fs::metadata(ancestor) {
+                Ok(metadata) if metadata.is_dir() => break,
+                Ok(_) => return Err(io::ErrorKind::NotADirectory.into()),
+                Err(e) if e.kind() == io::ErrorKind::NotFound => missing.push(ancestor),
+                Err(e) => return Err(e),
+            }
+        }
+        for folder in missing.into_iter().rev() {
+            match fs::create_dir(folder) {
+                Ok(()) => self.created_folders.push(folder.to_owned()),
+                // Another batch was faster.
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
+                Err(e) => return Err(e),
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Default for OutputBatch {
+    /// As [`OutputBatch::new`].
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Drop for OutputBatch {
+    fn drop(&mut self) {
+        self.staged.clear();
+        for folder in self.created_folders.iter().rev() {
+            // Fails where another batch has put a file into it, and then it is to stay.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+fn create_temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".starbreak-");
+    // Less the umask, as for any new file; the default would be private to the user.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+/// The last part of the path, unless the path as written names a folder.
+fn file_name_of(path: &Path) -> Result<&OsStr, DatasetError> {
+    let text = path.as_os_str().to_string_lossy();
+    let last = text.rsplit(std::path::is_separator).next().unwrap_or("");
+    path.file_name()
+        .filter(|_| !matches!(last, "" | "." | ".."))
+        .ok_or_else(|| DatasetError::DestinationNotAFile {
+            path: path.to_owned(),
+            what: "the name of a folder",
+        })
+}

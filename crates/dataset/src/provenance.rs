@@ -1,0 +1,133 @@
+use serde_json::Value;
+use sha2::{Digest as _, Sha256};
+
+use crate::error::{DatasetError, one_line};
+
+/// SHA-256 of `bytes`, as 64 lowercase hexadecimal digits.
+#[must_use]
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 16] = b"0123456789abcdef";
+    Sha256::digest(bytes)
+        .iter()
+        .flat_map(|byte| [byte >> 4, byte & 15])
+        .map(|nibble| char::from(DIGITS[usize::from(nibble)]))
+        .collect()
+}
+
+/// A record of how a sample came about: a JSON object which this crate stores and does not read.
+///
+/// The only field it insists on is the text `schema`, such as `starbreak.provenance/1`, by which
+/// a reader knows what the others mean.
+///
+/// # Example
+///
+/// ```
+/// use starbreak_dataset::Provenance;
+///
+/// # fn main() -> Result<(), starbreak_dataset::DatasetError> {
+/// let record = serde_json::json!({ "schema": "starbreak.provenance/1", "seed": 7 });
+/// let provenance = Provenance::new(record)?;
+/// assert_eq!(Provenance::from_bytes(&provenance.to_bytes())?, provenance);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Provenance(Value);
+
+impl Provenance {
+    /// The record made of `value`.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::Provenance`] unless it is an object with a non-empty text `schema`.
+    pub fn new(value: Value) -> Result<Self, DatasetError> {
+        let reason = match value.get("schema") {
+            _ if !value.is_object() => "it is not an object",
+            None => "\"schema\" is missing",
+            Some(Value::String(schema)) if schema.is_empty() => "\"schema\" is empty",
+            Some(Value::String(_)) => return Ok(Self(value)),
+            Some(_) => "\"schema\" is not a text",
+        };
+        Err(DatasetError::Provenance {
+            reason: reason.to_owned(),
+        })
+    }
+
+    /// The record in a JSON text.
+    ///
+    /// # Errors
+    ///
+    /// [`DatasetError::Provenance`] where the text is not JSON, and as for [`Provenance::new`].
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, DatasetError> {
+        let value = serde_json::from_slice(bytes).map_err(|e| DatasetError::Provenance {
+            reason: one_line(&e),
+        })?;
+        Self::new(value)
+    }
+
+    /// The name and version of the record's format.
+    #[must_use]
+    pub fn schema(&self) -> &str {
+        self.0.get("schema").and_then(Value::as_str).unwrap_or("")
+    }
+
+    /// The whole record.
+    #[must_use]
+    pub const fn value(&self) -> &Value {
+        &self.0
+    }
+
+    /// The record as indented JSON in UTF-8 with a line feed at the end.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        format!("{:#}\n", self.0).into_bytes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn sha256_of_the_standard_examples() {
+        // FIPS 180-2, appendix B.1, and the empty text.
+        for (text, hex) in [
+            (
+                "abc",
+                "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad",
+            ),
+            (
+                "",
+                "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855",
+            ),
+        ] {
+            assert_eq!(sha256_hex(text.as_bytes()), hex, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn only_objects_with_a_schema_are_records() {
+        for value in [
+            json!([1]),
+            json!({}),
+            json!({ "schema": 1 }),
+            json!({ "schema": "" }),
+        ] {
+            let result = Provenance::new(value.clone());
+            assert!(result.is_err(), "{value} was accepted");
+        }
+        assert!(Provenance::from_bytes(b"{\n").is_err(), "half a record");
+    }
+
+    #[test]
+    fn text_is_indented_and_ends_with_a_line_feed() {
+        let text = Provenance::new(json!({ "schema": "a/1", "seed": 7 })).map(|p| p.to_bytes());
+        assert_eq!(
+            text.ok().as_deref(),
+            Some(&b"{\n  \"schema\": \"a/1\",\n  \"seed\": 7\n}\n"[..]),
+            "the exact text"
+        );
+    }
+}

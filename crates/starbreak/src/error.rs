@@ -1,0 +1,61 @@
+use std::path::PathBuf;
+
+use starbreak_dataset::DatasetError;
+use starbreak_fracture::FractureError;
+use starbreak_optics::OpticsError;
+
+use crate::RecipeError;
+
+/// Why a run or one of its items failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The recipe is wrong.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// The fracture model refused.
+    #[error(transparent)]
+    Fracture(#[from] FractureError),
+    /// The optics refused.
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+    /// A file could not be read or written.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// Two inputs would write the same files.
+    #[error(
+        "{first:?} and {second:?} would both be written as {stem:?}; give them different names or run them apart"
+    )]
+    OutputCollision {
+        /// The earlier input.
+        first: PathBuf,
+        /// The later one.
+        second: PathBuf,
+        /// The name they share.
+        stem: String,
+    },
+    /// An output would replace an input.
+    #[error(
+        "the output {output:?} would replace the input {input:?}; choose another output folder"
+    )]
+    OutputIsInput {
+        /// The file that would be replaced.
+        input: PathBuf,
+        /// The file that would be written.
+        output: PathBuf,
+    },
+    /// A path without a file name.
+    #[error("{input:?} is not a file name")]
+    NoFileName {
+        /// What was given.
+        input: PathBuf,
+    },
+    /// The library that runs threads could not start them.
+    #[error("{n_threads} threads could not be started: {cause}")]
+    Threads {
+        /// How many were asked for.
+        n_threads: usize,
+        /// What the system said.
+        cause: String,
+    },
+}

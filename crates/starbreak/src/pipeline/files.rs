@@ -1,0 +1,257 @@
+//! Image files in, cracked image files out.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use starbreak_dataset::{
+    Encoding, ImageFile, ImageFormat, ImageLimits, OutputBatch, encode_image, encode_mask,
+    read_image, same_file, sha256_hex,
+};
+
+use super::provenance::{Item, RunContext};
+use super::{Cracked, Stopwatch, crack_image};
+use crate::{Error, OutputFormat, Settings};
+
+/// One image to crack.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImageJob {
+    /// The image file.
+    pub input: PathBuf,
+    /// Its file name, which its seed is keyed by.
+    pub name: String,
+    /// Its file name without the extension, which its outputs are named by.
+    pub stem: String,
+}
+
+/// What was written for one image.
+#[derive(Debug, Clone)]
+pub struct Written {
+    /// The cracked image.
+    pub image: PathBuf,
+    /// The region mask, if asked for.
+    pub region: Option<PathBuf>,
+    /// The crack mask, if asked for.
+    pub crack: Option<PathBuf>,
+    /// The provenance.
+    pub provenance: PathBuf,
+    /// Share of the frame that may have changed.
+    pub region_fraction: f64,
+    /// The cracks, masks and timings.
+    pub cracked: Cracked,
+}
+
+/// An image that was not cracked.
+#[derive(Debug)]
+pub struct Failure {
+    /// The image file.
+    pub input: PathBuf,
+    /// Why.
+    pub error: Error,
+}
+
+/// How a job ended; `None` where the run was interrupted before it began.
+pub type JobResult = Option<Result<Written, Failure>>;
+
+/// The jobs for a list of image files, in its order.
+///
+/// # Errors
+/// [`Error::OutputCollision`] where two inputs share a name without extension,
+/// [`Error::NoFileName`].
+pub fn plan_images(inputs: &[PathBuf]) -> Result<Vec<ImageJob>, Error> {
+    let mut first_of: BTreeMap<String, &PathBuf> = BTreeMap::new();
+    let mut jobs = Vec::with_capacity(inputs.len());
+    for input in inputs {
+        let part =
+            |part: Option<&std::ffi::OsStr>| part.map(|name| name.to_string_lossy().into_owned());
+        let (Some(name), Some(stem)) = (part(input.file_name()), part(input.file_stem())) else {
+            return Err(Error::NoFileName {
+                input: input.clone(),
+            });
+        };
+        // Letters of either case are one name on some file systems.
+        if let Some(first) = first_of.insert(stem.to_lowercase(), input) {
+            return Err(Error::OutputCollision {
+                first: first.clone(),
+                second: input.clone(),
+                stem,
+            });
+        }
+        jobs.push(ImageJob {
+            input: input.clone(),
+            name,
+            stem,
+        });
+    }
+    Ok(jobs)
+}
+
+/// Cracks many images, in parallel over images; results in the order of the jobs.
+///
+/// `done` is called after each image, in any order. Once `stop` is set no further image begins.
+/// The bytes written do not depend on the number of threads.
+pub fn crack_files(
+    jobs: &[ImageJob],
+    out: &Path,
+    settings: &Settings,
+    context: &RunContext,
+    stop: &AtomicBool,
+    done: impl Fn(&ImageJob, &Result<Written, Failure>) + Sync,
+) -> Vec<JobResult> {
+    jobs.par_iter()
+        .with_max_len(1)
+        .map(|job| {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let result = crack_file(job, out, settings, context).map_err(|error| Failure {
+                input: job.input.clone(),
+                error,
+            });
+            done(job, &result);
+            Some(result)
+        })
+        .collect()
+}
+
+/// Runs work on a pool of its own with `n_threads` threads; 0 stands for one per processor.
+///
+/// # Errors
+/// [`Error::Threads`] if the system does not give them.
+pub fn with_threads<R: Send>(
+    n_threads: usize,
+    work: impl FnOnce() -> R + Send,
+) -> Result<R, Error> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(n_threads)
+        .build()
+        .map_err(|cause| Error::Threads {
+            n_threads,
+            cause: cause.to_string(),
+        })?;
+    Ok(pool.install(work))
+}
+
+/// Cracks one image file: the image, its masks and its provenance appear together or not at all.
+///
+/// # Errors
+/// [`Error`] naming the file; nothing is written then.
+pub fn crack_file(
+    job: &ImageJob,
+    out: &Path,
+    settings: &Settings,
+    context: &RunContext,
+) -> Result<Written, Error> {
+    let mut watch = Stopwatch::start();
+    let mut file = read_image(&job.input, &ImageLimits::default())?;
+    watch.lap("read");
+    let mut io_timings = watch.stop();
+
+    let encoding = encoding(settings, &file);
+    let image_path = out.join(format!(
+        "{}.{}",
+        job.stem,
+        extension(&job.input, encoding.format())
+    ));
+    let beside = |suffix: &str| out.join(format!("{}.{suffix}", job.stem));
+    let provenance_path = beside("json");
+    for output in [
+        &image_path,
+        &beside("region.png"),
+        &beside("crack.png"),
+        &provenance_path,
+    ] {
+        if same_file(&job.input, output) {
+            return Err(Error::OutputIsInput {
+                input: job.input.clone(),
+                output: output.clone(),
+            });
+        }
+    }
+
+    let seed = context.seed.of_item(&job.name, 0);
+    let cracked = crack_image(settings, &mut file.pixels, seed)?;
+
+    let mut watch = Stopwatch::start();
+    let bytes = encode_image(&file.pixels, &encoding, file.icc_profile.as_deref())?;
+    let mut batch = OutputBatch::new();
+    batch.stage(&image_path, &bytes)?;
+    let mut mask = |suffix: &str, mask: &image::GrayImage| -> Result<Option<PathBuf>, Error> {
+        if !settings.output.masks {
+            return Ok(None);
+        }
+        let path = beside(suffix);
+        batch.stage(&path, &encode_mask(mask)?)?;
+        Ok(Some(path))
+    };
+    let region = mask("region.png", &cracked.masks.region)?;
+    let crack = mask("crack.png", &cracked.masks.crack)?;
+    watch.lap("write");
+    let mut timings = cracked.timings.clone();
+    io_timings.append(watch.stop());
+    timings.append(io_timings);
+
+    let region_fraction = region_fraction(&cracked.masks.region);
+    let output_name = image_path
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default();
+    let provenance = context.provenance(&Item {
+        name: &job.name,
+        seed,
+        width_px: file.pixels.width(),
+        height_px: file.pixels.height(),
+        input_sha256: &file.sha256,
+        output_name: &output_name,
+        output_sha256: &sha256_hex(&bytes),
+        fracture: &cracked.fracture,
+        region_fraction,
+        timings: &timings,
+    })?;
+    batch.stage(&provenance_path, &provenance.to_bytes())?;
+    batch.commit()?;
+    Ok(Written {
+        image: image_path,
+        region,
+        crack,
+        provenance: provenance_path,
+        region_fraction,
+        cracked,
+    })
+}
+
+/// How the cracked image is stored.
+fn encoding(settings: &Settings, file: &ImageFile) -> Encoding {
+    let quality = settings.output.quality;
+    match (settings.output.format, file.format) {
+        (OutputFormat::Jpeg, _) | (OutputFormat::Same, ImageFormat::Jpeg) => {
+            Encoding::Jpeg { quality }
+        }
+        _ => Encoding::Png,
+    }
+}
+
+/// The input's own extension if it fits the format, else the usual one.
+fn extension(input: &Path, format: ImageFormat) -> String {
+    let own = input
+        .extension()
+        .map(|own| own.to_string_lossy().into_owned())
+        .unwrap_or_default();
+    let (usual, known): (&str, &[&str]) = match format {
+        ImageFormat::Jpeg => ("jpg", &["jpg", "jpeg", "jpe", "jfif"]),
+        _ => ("png", &["png"]),
+    };
+    if known.contains(&own.to_lowercase().as_str()) {
+        own
+    } else {
+        usual.to_owned()
+    }
+}
+
+fn region_fraction(region: &image::GrayImage) -> f64 {
+    let changed = region.as_raw().iter().filter(|level| **level > 0).count();
+    #[expect(clippy::cast_precision_loss, reason = "counts of pixels")]
+    let fraction = changed as f64 / region.as_raw().len().max(1) as f64;
+    fraction
+}

@@ -1,0 +1,89 @@
+//! The record from which an image can be made again.
+
+use serde_json::{Value, json};
+use starbreak_dataset::{Provenance, sha256_hex};
+use starbreak_fracture::paper::{ConvergenceReport, Fracture};
+use starbreak_glass::Seed;
+
+use super::timings::Timings;
+use crate::{Error, Recipe};
+
+/// Name and version of the provenance format.
+pub const PROVENANCE_SCHEMA: &str = "starbreak.provenance/1";
+
+/// What all items of a run share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunContext {
+    /// The complete recipe as TOML.
+    pub recipe: String,
+    /// SHA-256 of that text, hexadecimal.
+    pub recipe_sha256: String,
+    /// The seed of the run.
+    pub seed: Seed,
+}
+
+/// One image of a run.
+pub(super) struct Item<'a> {
+    /// Name of the input inside the run, which its seed is keyed by.
+    pub(super) name: &'a str,
+    pub(super) seed: Seed,
+    pub(super) width_px: u32,
+    pub(super) height_px: u32,
+    pub(super) input_sha256: &'a str,
+    pub(super) output_name: &'a str,
+    pub(super) output_sha256: &'a str,
+    pub(super) fracture: &'a Fracture,
+    pub(super) region_fraction: f64,
+    pub(super) timings: &'a Timings,
+}
+
+impl RunContext {
+    /// The context of a run with this recipe and seed.
+    #[must_use]
+    pub fn new(recipe: &Recipe, seed: Seed) -> Self {
+        let text = recipe.to_toml();
+        Self {
+            recipe_sha256: sha256_hex(text.as_bytes()),
+            recipe: text,
+            seed,
+        }
+    }
+
+    pub(super) fn provenance(&self, item: &Item<'_>) -> Result<Provenance, Error> {
+        let data = item.fracture.network.data();
+        let record = json!({
+            "schema": PROVENANCE_SCHEMA,
+            "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
+            "recipe": self.recipe,
+            "recipe_sha256": self.recipe_sha256,
+            "seed": self.seed.0,
+            "item": { "name": item.name, "sample_index": 0, "seed": item.seed.0 },
+            "camera": { "width_px": item.width_px, "height_px": item.height_px },
+            "input": { "name": item.name, "sha256": item.input_sha256 },
+            "output": { "name": item.output_name, "sha256": item.output_sha256 },
+            "network": {
+                "model": data.model,
+                "impacts": data.impacts,
+                "summary": item.fracture.network.summary(),
+                "convergence": convergence_json(&item.fracture.convergence),
+            },
+            "region_fraction": item.region_fraction,
+            "timings_ms": item.timings.to_json(),
+        });
+        Ok(Provenance::new(record)?)
+    }
+}
+
+/// How the propagation came to rest, for people and scripts.
+pub(crate) fn convergence_json(report: &ConvergenceReport) -> Value {
+    json!({
+        "converged": report.converged(),
+        "n_steps": report.n_steps(),
+        "n_fronts": report.n_fronts,
+        "stopped_below_threshold": report.stopped_below_threshold,
+        "stopped_at_crack": report.stopped_at_crack,
+        "stopped_without_neighbor": report.stopped_without_neighbor,
+        "impacts_without_fracture": report.impacts_without_fracture,
+        "max_stress_change": report.max_stress_change,
+    })
+}

@@ -1,0 +1,79 @@
+//! How long each stage took.
+
+use std::time::Instant;
+
+use serde_json::{Map, Value, json};
+
+/// Wall-clock milliseconds per stage, in the order of the stages.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Timings {
+    stages: Vec<(&'static str, f64)>,
+}
+
+impl Timings {
+    /// Milliseconds of one stage, if it ran.
+    #[must_use]
+    pub fn of(&self, stage: &str) -> Option<f64> {
+        self.stages
+            .iter()
+            .find(|(name, _)| *name == stage)
+            .map(|(_, ms)| *ms)
+    }
+
+    /// Milliseconds of all stages together.
+    #[must_use]
+    pub fn total_ms(&self) -> f64 {
+        self.stages.iter().map(|(_, ms)| ms).sum()
+    }
+
+    /// Adds the stages of a later part of the same run.
+    pub fn append(&mut self, later: Self) {
+        self.stages.extend(later.stages);
+    }
+
+    /// `{stage: ms, …, total: ms}`, to a microsecond.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let rounded = |ms: f64| json!((ms * 1e3).round() / 1e3);
+        let mut map: Map<String, Value> = self
+            .stages
+            .iter()
+            .map(|(name, ms)| ((*name).to_owned(), rounded(*ms)))
+            .collect();
+        map.insert("total".to_owned(), rounded(self.total_ms()));
+        Value::Object(map)
+    }
+}
+
+/// Laps of a wall clock.
+#[derive(Debug)]
+pub struct Stopwatch {
+    last: Instant,
+    timings: Timings,
+}
+
+impl Stopwatch {
+    /// Starts now.
+    #[must_use]
+    pub fn start() -> Self {
+        Self {
+            last: Instant::now(),
+            timings: Timings::default(),
+        }
+    }
+
+    /// Ends a stage and starts the next.
+    pub fn lap(&mut self, stage: &'static str) {
+        let now = Instant::now();
+        self.timings
+            .stages
+            .push((stage, (now - self.last).as_secs_f64() * 1e3));
+        self.last = now;
+    }
+
+    /// The laps.
+    #[must_use]
+    pub fn stop(self) -> Timings {
+        self.timings
+    }
+}

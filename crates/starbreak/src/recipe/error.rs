@@ -1,0 +1,180 @@
+use std::fmt;
+
+use starbreak_fracture::FractureError;
+use starbreak_optics::OpticsError;
+
+use super::{PRESETS, SCHEMA_VERSION};
+
+/// Where a recipe text came from, for messages.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place(String);
+
+impl Place {
+    pub(super) fn file(name: &str) -> Self {
+        Self(name.escape_debug().to_string())
+    }
+
+    pub(super) fn preset(name: &str) -> Self {
+        Self(format!("preset {name}"))
+    }
+
+    pub(super) fn assignment(text: &str) -> Self {
+        Self(format!("--set {}", text.escape_debug()))
+    }
+
+    pub(super) fn recipe() -> Self {
+        Self("recipe".to_owned())
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// What is wrong with a recipe. Every message is one line that names the place and the key.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RecipeError {
+    /// Not TOML.
+    #[error("{place}:{line}:{column}: {what}")]
+    Syntax {
+        /// Where the text came from.
+        place: Place,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What the parser says.
+        what: String,
+    },
+    /// The version is missing.
+    #[error(
+        "{place}: the key `schema` is missing; begin the recipe with `schema = {SCHEMA_VERSION}`"
+    )]
+    NoSchema {
+        /// Where the text came from.
+        place: Place,
+    },
+    /// Another version.
+    #[error("{place}: schema = {found}; this version reads schema = {SCHEMA_VERSION}")]
+    Schema {
+        /// Where the text came from.
+        place: Place,
+        /// What it says.
+        found: String,
+    },
+    /// A key that does not exist.
+    #[error("{place}: unknown key `{key}`; {hint}")]
+    UnknownKey {
+        /// Where the text came from.
+        place: Place,
+        /// The key with its table.
+        key: String,
+        /// The nearest known key, or all of them.
+        hint: String,
+    },
+    /// A preset that does not exist.
+    #[error("unknown preset `{name}`; {hint}")]
+    UnknownPreset {
+        /// What was asked for.
+        name: String,
+        /// The nearest preset, and all of them.
+        hint: String,
+    },
+    /// A value of the wrong type.
+    #[error("{place}: {key}: {what}")]
+    Type {
+        /// Where the text came from.
+        place: Place,
+        /// The key with its table.
+        key: String,
+        /// What was found and what was expected.
+        what: String,
+    },
+    /// A value out of range.
+    #[error("{place}: {key} = {value}; expected {expected}")]
+    Range {
+        /// Where the text came from.
+        place: Place,
+        /// The key with its table.
+        key: String,
+        /// What was given.
+        value: String,
+        /// What is possible.
+        expected: String,
+    },
+    /// Not of the form `table.key=value`.
+    #[error("{place}: not an override; write table.key=value, e.g. fracture.particles=5000")]
+    NotAnAssignment {
+        /// The text.
+        place: Place,
+    },
+    /// An impact that is not in the recipe.
+    #[error("{place}: there is no impact `{index}`; the recipe has {count}, counted from 0")]
+    NoSuchImpact {
+        /// The text.
+        place: Place,
+        /// What was asked for.
+        index: String,
+        /// How many there are.
+        count: usize,
+    },
+}
+
+impl RecipeError {
+    pub(super) fn unknown_preset(name: &str) -> Self {
+        let names: Vec<String> = PRESETS
+            .iter()
+            .map(|(known, _)| (*known).to_owned())
+            .collect();
+        let hint = super::known_keys::hint(name, &names, "presets");
+        Self::UnknownPreset {
+            name: name.escape_debug().to_string(),
+            hint,
+        }
+    }
+
+    /// A parameter that the fracture model refused, under its key in the recipe.
+    pub(super) fn of_fracture(place: &Place, table: &str, error: FractureError) -> Self {
+        match error {
+            FractureError::Parameter {
+                name,
+                value,
+                expected,
+            } => Self::Range {
+                place: place.clone(),
+                key: format!("{table}.{}", name.trim_start_matches("impact.")),
+                value: value.to_string(),
+                expected: expected.to_owned(),
+            },
+            other => Self::Type {
+                place: place.clone(),
+                key: table.to_owned(),
+                what: other.to_string(),
+            },
+        }
+    }
+
+    /// A parameter that the optics refused, under its key in the recipe.
+    pub(super) fn of_optics(place: &Place, error: OpticsError) -> Self {
+        match error {
+            OpticsError::Parameter {
+                name,
+                value,
+                expected,
+            } => Self::Range {
+                place: place.clone(),
+                key: format!("optics.{name}"),
+                value: value.to_string(),
+                expected: expected.to_owned(),
+            },
+            other => Self::Type {
+                place: place.clone(),
+                key: "optics".to_owned(),
+                what: other.to_string(),
+            },
+        }
+    }
+}

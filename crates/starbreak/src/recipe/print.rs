@@ -1,0 +1,80 @@
+//! A complete recipe as text: plain for provenance, commented for people.
+
+use std::fmt::Write as _;
+
+use serde_json::Value as Json;
+use toml::{Table, Value};
+
+use super::json_schema;
+use super::known_keys::table_schema;
+
+/// Tables in the order in which a reader thinks of them.
+const ORDER: [&str; 5] = ["camera", "impact", "fracture", "optics", "output"];
+
+/// Width of a comment line.
+const COLUMNS: usize = 96;
+
+pub(super) fn plain(table: &Table) -> String {
+    write_recipe(table, None)
+}
+
+pub(super) fn commented(table: &Table) -> String {
+    write_recipe(table, Some(&json_schema()))
+}
+
+fn write_recipe(table: &Table, schema: Option<&Json>) -> String {
+    let mut text = String::new();
+    if let Some(schema) = schema {
+        comment(
+            &mut text,
+            schema["properties"]["schema"]["description"].as_str(),
+        );
+    }
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "schema = {}", super::SCHEMA_VERSION);
+    for name in ORDER {
+        let (entries, header) = match table.get(name) {
+            Some(Value::Table(table)) => (vec![table], format!("[{name}]")),
+            Some(Value::Array(tables)) => (
+                tables.iter().filter_map(Value::as_table).collect(),
+                format!("[[{name}]]"),
+            ),
+            _ => continue,
+        };
+        for (k, entry) in entries.iter().enumerate() {
+            text.push('\n');
+            let described = if k == 0 { schema } else { None };
+            if let Some(schema) = described {
+                comment(
+                    &mut text,
+                    schema["properties"][name]["description"].as_str(),
+                );
+            }
+            let _ = writeln!(text, "{header}");
+            for (key, value) in *entry {
+                if let Some(schema) = described {
+                    let property = &table_schema(schema, name)["properties"][key];
+                    comment(&mut text, property["description"].as_str());
+                }
+                let _ = writeln!(text, "{key} = {value}");
+            }
+        }
+    }
+    text
+}
+
+fn comment(text: &mut String, description: Option<&str>) {
+    let Some(description) = description else {
+        return;
+    };
+    let mut line = String::from("#");
+    for word in description.split_whitespace() {
+        if line.len() + 1 + word.len() > COLUMNS {
+            let _ = writeln!(text, "{line}");
+            line = String::from("#");
+        }
+        line.push(' ');
+        line.push_str(word);
+    }
+    let _ = writeln!(text, "{line}");
+}

@@ -1,0 +1,245 @@
+//! The recipe as it is written: its keys, their types and what each means. The one definition
+//! that the parser, the JSON Schema and the printed comments come from.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use toml::Table;
+
+use super::error::{Place, RecipeError};
+
+/// A starbreak recipe: all parameters of a cracked glass.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "starbreak recipe")]
+pub(super) struct RecipeTables {
+    /// Version of the recipe format.
+    pub(super) schema: i64,
+    /// The camera behind the glass.
+    pub(super) camera: CameraTable,
+    /// The hits, one table each, in the order in which they happen.
+    pub(super) impact: Vec<ImpactTable>,
+    /// How the glass breaks.
+    pub(super) fracture: FractureTable,
+    /// How the crack looks.
+    pub(super) optics: OpticsTable,
+    /// What is written.
+    pub(super) output: OutputTable,
+}
+
+/// The camera behind the glass.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraTable {
+    /// What is sharp: "far" (the scene, the crack blurred over it) or "short" (the crack, the
+    /// scene blurred behind it).
+    pub(super) focus_distance_m: FocusWord,
+}
+
+/// The two focus settings of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum FocusWord {
+    /// The scene is sharp.
+    Far,
+    /// The crack is sharp.
+    Short,
+}
+
+/// One hit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ImpactTable {
+    /// Where: [x, y] as fractions of the frame, from the top left corner, or "random".
+    pub(super) position: PositionEntry,
+    /// Impact force F of the paper, in its own unit, > 0. Nothing breaks unless it exceeds
+    /// fracture.critical_stress / fracture.safety_factor.
+    pub(super) force: f64,
+    /// Direction of the impact in the plane of the glass, degrees from +x towards +y (down), or
+    /// "random".
+    pub(super) direction_deg: DirectionEntry,
+}
+
+/// `"random"`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum RandomWord {
+    /// Drawn from the seed.
+    Random,
+}
+
+/// A place in the frame.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected \"random\" or [x, y] as fractions of the frame"
+)]
+pub(super) enum PositionEntry {
+    /// Fractions of width and height, 0 to 1.
+    Fractions([f64; 2]),
+    /// Drawn from the seed.
+    Random(RandomWord),
+}
+
+/// A direction in the plane of the glass.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected \"random\" or an angle in degrees")]
+pub(super) enum DirectionEntry {
+    /// An angle.
+    Degrees(f64),
+    /// Drawn from the seed.
+    Random(RandomWord),
+}
+
+/// How the glass breaks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FractureTable {
+    /// Fracture model: "paper".
+    pub(super) model: PaperWord,
+    /// Number of particles, 1 to 10000000.
+    pub(super) particles: u32,
+    /// Radius of the neighborhood of a particle, px, > 0.
+    pub(super) neighbour_radius_px: f64,
+    /// Which particles are neighbors: "radius" (all within it) or "mesh-edges" (those that also
+    /// share a mesh edge).
+    pub(super) neighbourhood: NeighborhoodWord,
+    /// Critical stress of the glass, in units of the force, > 0.
+    pub(super) critical_stress: f64,
+    /// Safety factor, > 0: a particle breaks above critical_stress / safety_factor.
+    pub(super) safety_factor: f64,
+    /// How a crack chooses its next particle: "algorithm-1", "caption" or "literal" (eqs. 3-5 to
+    /// the letter; dies at once).
+    pub(super) rule: RuleWord,
+    /// Number of branches that leave a particle, 1 to 64.
+    pub(super) branches: u32,
+    /// Whether the fan of cracks opens both along the impact and against it.
+    pub(super) two_sided: bool,
+    /// Whether cracks walk along mesh edges instead of jumping from particle to particle.
+    pub(super) snap_to_mesh: bool,
+}
+
+/// The paper's model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum PaperWord {
+    /// As in "Fractured Glass, Failing Cameras".
+    Paper,
+}
+
+/// Which particles are neighbors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum NeighborhoodWord {
+    /// All within the radius.
+    Radius,
+    /// Those that also share a mesh edge.
+    MeshEdges,
+}
+
+/// How a crack chooses its next particle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum RuleWord {
+    /// Highest stress.
+    #[serde(rename = "algorithm-1")]
+    Algorithm1,
+    /// Highest stress on the more stressed side of the line of travel.
+    Caption,
+    /// Eqs. 3-5 to the letter.
+    Literal,
+}
+
+/// How the crack looks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OpticsTable {
+    /// Optics model: "paper".
+    pub(super) model: PaperWord,
+    /// Azimuth of the sun, degrees.
+    pub(super) sun_azimuth_deg: f64,
+    /// Elevation of the sun above the horizon, degrees (the paper's zenith angle is 90 minus it).
+    pub(super) sun_elevation_deg: f64,
+    /// Intensity of the light source: [r, g, b] as code values 0 to 255, or "image-mean".
+    pub(super) light_intensity: LightEntry,
+    /// What the brightness of a crack is divided by: "max" (brightest crack), "mean", "sum" (the
+    /// paper to the letter; nearly black) or "one".
+    pub(super) normalization: NormalizationWord,
+    /// Width of a drawn crack, px, 0.05 to 64.
+    pub(super) line_width_px: f64,
+    /// Width of the blur kernel, px, odd, 1 to 255. Half of it is how far a crack reaches.
+    pub(super) blur_kernel_px: u32,
+    /// Standard deviation of the Gaussian blur, px, 0.01 to 128.
+    pub(super) blur_sigma_px: f64,
+}
+
+/// Intensity of the light source.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected \"image-mean\" or [r, g, b] as code values 0 to 255"
+)]
+pub(super) enum LightEntry {
+    /// Code values per channel.
+    Rgb([f64; 3]),
+    /// The mean of each channel of the image.
+    ImageMean(ImageMeanWord),
+}
+
+/// `"image-mean"`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum ImageMeanWord {
+    /// The mean of each channel of the image.
+    ImageMean,
+}
+
+/// What the brightness of a crack is divided by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum NormalizationWord {
+    /// The sum over all segments.
+    Sum,
+    /// The brightest segment.
+    Max,
+    /// The mean segment.
+    Mean,
+    /// Nothing.
+    One,
+}
+
+/// What is written.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct OutputTable {
+    /// Format of cracked images: "same" as the input, "png" or "jpeg". JPEG re-encodes every
+    /// pixel; with "png" all pixels outside the region mask are those of the input.
+    pub(super) format: FormatWord,
+    /// JPEG quality, 1 to 100.
+    pub(super) quality: u8,
+    /// Whether the region mask and the crack mask are written.
+    pub(super) masks: bool,
+}
+
+/// Format of cracked images.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum FormatWord {
+    /// That of the input.
+    Same,
+    /// Lossless.
+    Png,
+    /// Lossy.
+    Jpeg,
+}
+
+impl RecipeTables {
+    pub(super) fn from_table(place: &Place, table: &Table) -> Result<Self, RecipeError> {
+        serde_path_to_error::deserialize(toml::Value::Table(table.clone())).map_err(|error| {
+            RecipeError::Type {
+                place: place.clone(),
+                key: error.path().to_string().replace('[', ".").replace(']', ""),
+                what: error.inner().to_string().trim_end().replace('\n', ", "),
+            }
+        })
+    }
+}
