@@ -240,7 +240,7 @@ mod tests {
             for radius in [0.001, 0.3, 7.0, 65.0, 4000.0] {
                 for center in (0..to_u32(particles.len())).step_by(particles.len() / 20 + 1) {
                     let mut found = Vec::new();
-                    particles.for_each_within(center, radius, |node, ..| found.push(node));
+                    particles.for_each_within(center, radius, |node, _, _, _| found.push(node));
                     assert_eq!(
                         found,
                         brute(&particles, center, radius),

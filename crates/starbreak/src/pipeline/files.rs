@@ -11,7 +11,7 @@ use starbreak_dataset::{
 };
 
 use super::provenance::{Item, RunContext};
-use super::{Cracked, Stopwatch, crack_image};
+use super::{Cracked, Stopwatch, Timings, crack_image};
 use crate::{Error, OutputFormat, Settings};
 
 /// One image to crack.
@@ -38,8 +38,10 @@ pub struct Written {
     pub provenance: PathBuf,
     /// Share of the frame that may have changed.
     pub region_fraction: f64,
-    /// The cracks, masks and timings.
+    /// The cracks and masks.
     pub cracked: Cracked,
+    /// Wall-clock time per stage, reading and writing included.
+    pub timings: Timings,
 }
 
 /// An image that was not cracked.
@@ -144,10 +146,27 @@ pub fn crack_file(
     context: &RunContext,
 ) -> Result<Written, Error> {
     let mut watch = Stopwatch::start();
-    let mut file = read_image(&job.input, &ImageLimits::default())?;
+    let file = read_image(&job.input, &ImageLimits::default())?;
     watch.lap("read");
-    let mut io_timings = watch.stop();
+    let mut batch = OutputBatch::new();
+    let written = stage_cracked(job, file, watch, out, settings, context, &mut batch)?;
+    batch.commit()?;
+    Ok(written)
+}
 
+/// Cracks a decoded image and stages its files in a batch, which the caller commits.
+///
+/// # Errors
+/// [`Error`] naming the file.
+pub fn stage_cracked(
+    job: &ImageJob,
+    mut file: ImageFile,
+    mut watch: Stopwatch,
+    out: &Path,
+    settings: &Settings,
+    context: &RunContext,
+    batch: &mut OutputBatch,
+) -> Result<Written, Error> {
     let encoding = encoding(settings, &file);
     let image_path = out.join(format!(
         "{}.{}",
@@ -155,13 +174,9 @@ pub fn crack_file(
         extension(&job.input, encoding.format())
     ));
     let beside = |suffix: &str| out.join(format!("{}.{suffix}", job.stem));
-    let provenance_path = beside("json");
-    for output in [
-        &image_path,
-        &beside("region.png"),
-        &beside("crack.png"),
-        &provenance_path,
-    ] {
+    let (region_path, crack_path, provenance_path) =
+        (beside("region.png"), beside("crack.png"), beside("json"));
+    for output in [&image_path, &region_path, &crack_path, &provenance_path] {
         if same_file(&job.input, output) {
             return Err(Error::OutputIsInput {
                 input: job.input.clone(),
@@ -169,28 +184,20 @@ pub fn crack_file(
             });
         }
     }
-
     let seed = context.seed.of_item(&job.name, 0);
     let cracked = crack_image(settings, &mut file.pixels, seed)?;
+    watch.append(cracked.timings.clone());
 
-    let mut watch = Stopwatch::start();
     let bytes = encode_image(&file.pixels, &encoding, file.icc_profile.as_deref())?;
-    let mut batch = OutputBatch::new();
     batch.stage(&image_path, &bytes)?;
-    let mut mask = |suffix: &str, mask: &image::GrayImage| -> Result<Option<PathBuf>, Error> {
-        if !settings.output.masks {
-            return Ok(None);
-        }
-        let path = beside(suffix);
-        batch.stage(&path, &encode_mask(mask)?)?;
-        Ok(Some(path))
-    };
-    let region = mask("region.png", &cracked.masks.region)?;
-    let crack = mask("crack.png", &cracked.masks.crack)?;
+    let (mut region, mut crack) = (None, None);
+    if settings.output.masks {
+        batch.stage(&region_path, &encode_mask(&cracked.masks.region)?)?;
+        batch.stage(&crack_path, &encode_mask(&cracked.masks.crack)?)?;
+        (region, crack) = (Some(region_path), Some(crack_path));
+    }
     watch.lap("write");
-    let mut timings = cracked.timings.clone();
-    io_timings.append(watch.stop());
-    timings.append(io_timings);
+    let timings = watch.stop();
 
     let region_fraction = region_fraction(&cracked.masks.region);
     let output_name = image_path
@@ -210,7 +217,6 @@ pub fn crack_file(
         timings: &timings,
     })?;
     batch.stage(&provenance_path, &provenance.to_bytes())?;
-    batch.commit()?;
     Ok(Written {
         image: image_path,
         region,
@@ -218,6 +224,7 @@ pub fn crack_file(
         provenance: provenance_path,
         region_fraction,
         cracked,
+        timings,
     })
 }
 

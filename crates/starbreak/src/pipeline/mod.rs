@@ -13,10 +13,11 @@ use starbreak_optics::paper::{Masks, composite, draw};
 use crate::{Error, Settings};
 
 pub use files::{
-    Failure, ImageJob, JobResult, Written, crack_file, crack_files, plan_images, with_threads,
+    Failure, ImageJob, JobResult, Written, crack_file, crack_files, plan_images, stage_cracked,
+    with_threads,
 };
 pub use growth::{growth_drawing, growth_over, growth_times};
-pub use provenance::{PROVENANCE_SCHEMA, RunContext};
+pub use provenance::{PROVENANCE_SCHEMA, RunContext, convergence_json};
 pub use timings::{Stopwatch, Timings};
 
 /// A simulated crack network and how long each stage took.

@@ -75,7 +75,8 @@ impl RunContext {
 }
 
 /// How the propagation came to rest, for people and scripts.
-pub(crate) fn convergence_json(report: &ConvergenceReport) -> Value {
+#[must_use]
+pub fn convergence_json(report: &ConvergenceReport) -> Value {
     json!({
         "converged": report.converged(),
         "n_steps": report.n_steps(),

@@ -71,6 +71,12 @@ impl Stopwatch {
         self.last = now;
     }
 
+    /// Adds stages that were timed elsewhere; the next lap starts now.
+    pub fn append(&mut self, stages: Timings) {
+        self.timings.append(stages);
+        self.last = Instant::now();
+    }
+
     /// The laps.
     #[must_use]
     pub fn stop(self) -> Timings {

@@ -1,0 +1,174 @@
+//! The command line, as typed.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser, Subcommand};
+use starbreak::{Recipe, Seed};
+
+use crate::failure::Failure;
+
+/// Break the glass in front of a camera, and see what the camera then sees.
+#[derive(Debug, Parser)]
+#[command(
+    name = "starbreak",
+    version,
+    propagate_version = true,
+    max_term_width = 100
+)]
+#[command(
+    after_help = "Start with `starbreak demo`. Exit codes: 0 done, 1 some items failed (listed in \
+failures.jsonl), 2 the command line, the recipe or the input is wrong, 130 interrupted."
+)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+    #[command(flatten)]
+    pub(crate) global: Global,
+}
+
+/// Flags that every verb takes.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct Global {
+    /// Recipe file (TOML) with all parameters; what it leaves out comes from the preset `paper`
+    #[arg(long, global = true, value_name = "FILE", conflicts_with = "preset")]
+    pub(crate) recipe: Option<PathBuf>,
+    /// Named set of parameters
+    #[arg(long, global = true, value_name = "NAME")]
+    pub(crate) preset: Option<String>,
+    /// Override one parameter, e.g. fracture.particles=5000 or impact.0.position=[0.5,0.5];
+    /// repeatable, applied in order
+    #[arg(long, global = true, value_name = "TABLE.KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Seed of everything random; the same seed gives the same bytes
+    #[arg(long, global = true, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Threads to use; 0 stands for one per processor
+    #[arg(long, global = true, value_name = "N", default_value_t = 0)]
+    pub(crate) threads: usize,
+    /// One machine-readable result on standard output, everything else on standard error
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Errors only
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Verb {
+    /// Crack an embedded street scene: pictures, masks, network and growth in one folder
+    Demo {
+        /// Output folder
+        #[arg(short, long, value_name = "DIR", default_value = "starbreak-demo")]
+        output: PathBuf,
+    },
+    /// Crack photos: the image, its region mask, its crack mask and its provenance
+    Crack {
+        /// PNG or JPEG files
+        #[arg(required = true, value_name = "IMAGE")]
+        inputs: Vec<PathBuf>,
+        /// Output folder
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+    },
+    /// Simulate only the crack network: JSON, SVG and growth frames
+    Simulate {
+        /// Network file (JSON); without it the network goes to standard output
+        #[arg(short, long, value_name = "FILE")]
+        output: Option<PathBuf>,
+        /// Drawing of the network
+        #[arg(long, value_name = "FILE")]
+        svg: Option<PathBuf>,
+        /// Size of the frame, px
+        #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
+        size: (u32, u32),
+        /// Number of growth frames, from the impact to the last arrival
+        #[arg(long, value_name = "N", requires = "frames_to", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+        frames: Option<u32>,
+        /// Where the frames go: a name that ends in .png for one animated PNG, else a folder
+        #[arg(long, value_name = "PATH", requires = "frames")]
+        frames_to: Option<PathBuf>,
+        /// Add the wall-clock time of each stage to the network file
+        #[arg(long)]
+        timings: bool,
+    },
+    /// Print a complete, commented recipe
+    Recipe {
+        /// Print the JSON Schema of recipes instead
+        #[arg(long, conflicts_with = "list")]
+        schema: bool,
+        /// List the presets instead
+        #[arg(long)]
+        list: bool,
+    },
+    /// Repeat the paper's timing figure on this machine: table, CSV and plot
+    Bench {
+        /// Output folder
+        #[arg(short, long, value_name = "DIR", default_value = "starbreak-bench")]
+        output: PathBuf,
+        /// Numbers of particles
+        #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
+        particles: Vec<u32>,
+        /// Runs per number of particles, each with its own mesh, impact point and direction
+        #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+        runs: u32,
+        /// Keep the recipe's neighborhood radius instead of scaling it with the mesh
+        #[arg(long)]
+        fixed_radius: bool,
+    },
+    /// Print shell completions
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Write man pages
+    Man {
+        /// Output folder
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+    },
+}
+
+impl Global {
+    /// The recipe that the flags ask for.
+    pub(crate) fn recipe(&self) -> Result<Recipe, Failure> {
+        let mut recipe = match (&self.recipe, &self.preset) {
+            (Some(path), _) => {
+                let text = std::fs::read_to_string(path).map_err(|cause| {
+                    Failure::wrong_input(format!(
+                        "recipe {path:?} cannot be read: {cause}; check the path"
+                    ))
+                })?;
+                Recipe::parse(&path.to_string_lossy(), &text)?
+            }
+            (None, Some(name)) => Recipe::preset(name)?,
+            (None, None) => Recipe::preset("paper")?,
+        };
+        for assignment in &self.set {
+            recipe.set(assignment)?;
+        }
+        Ok(recipe)
+    }
+
+    /// The seed.
+    pub(crate) fn seed(&self) -> Seed {
+        Seed(self.seed)
+    }
+}
+
+/// Longest side of a simulated frame, px; that of the largest image that can be read.
+const MAX_SIDE_PX: u32 = 32_768;
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let wrong =
+        || format!("expected WIDTHxHEIGHT in whole px, each 1 to {MAX_SIDE_PX}, e.g. 1242x375");
+    let (width, height) = text.split_once(['x', '×']).ok_or_else(wrong)?;
+    let side = |text: &str| {
+        text.trim()
+            .parse()
+            .ok()
+            .filter(|side| (1..=MAX_SIDE_PX).contains(side))
+            .ok_or_else(wrong)
+    };
+    Ok((side(width)?, side(height)?))
+}

@@ -1,0 +1,291 @@
+//! `starbreak bench`: the paper's timing figure on this machine.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use image::DynamicImage;
+use serde_json::{Value, json};
+use starbreak::dataset::{OutputBatch, street_scene};
+use starbreak::fracture::paper::PaperParams;
+use starbreak::pipeline::{Timings, crack_image, with_threads};
+use starbreak::{Recipe, Seed, Settings};
+
+use super::plot;
+use crate::args::Global;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::{Progress, Screen};
+
+/// Stages in the order in which they run, and the module of the paper's figure they belong to.
+const STAGES: [(&str, &str); 6] = [
+    ("mesh", "simulation"),
+    ("propagation", "simulation"),
+    ("mst", "simulation"),
+    ("network", "simulation"),
+    ("draw", "cracking visualization"),
+    ("render", "render"),
+];
+
+/// What was asked for.
+pub(crate) struct Request {
+    pub(crate) output: PathBuf,
+    pub(crate) particles: Vec<u32>,
+    pub(crate) runs: u32,
+    pub(crate) fixed_radius: bool,
+}
+
+/// All runs with one number of particles.
+struct Series {
+    particles: u32,
+    radius_px: f64,
+    runs: Vec<Run>,
+    peak_rss_mib: Option<f64>,
+}
+
+struct Run {
+    seed: Seed,
+    timings: Timings,
+    n_segments: usize,
+}
+
+/// Minimum, mean, median and maximum.
+pub(super) struct Spread {
+    pub(super) min: f64,
+    pub(super) mean: f64,
+    pub(super) median: f64,
+    pub(super) max: f64,
+}
+
+pub(crate) fn run(
+    global: &Global,
+    request: &Request,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let recipe = global.recipe()?;
+    let mut plan = Vec::new();
+    for &particles in &request.particles {
+        plan.push((
+            particles,
+            settings_for(&recipe, particles, request.fixed_radius)?,
+        ));
+    }
+    let scene = DynamicImage::ImageRgb8(street_scene().image);
+    let interrupt = Interrupt::listen();
+    let progress = screen.progress(u64::from(request.runs) * plan.len() as u64, "runs");
+    // One thread, whatever the machine has: times per core are what can be compared.
+    let series = with_threads(1, || {
+        measure(
+            &plan,
+            request.runs,
+            &scene,
+            global.seed(),
+            &interrupt,
+            &progress,
+        )
+    })??;
+    progress.finish();
+
+    let table = table(&series);
+    let (svg, png) =
+        plot::timing_figure(&series_for_plot(&series)).map_err(Failure::wrong_input)?;
+    let mut batch = OutputBatch::new();
+    batch.stage(&request.output.join("bench.csv"), csv(&series).as_bytes())?;
+    batch.stage(&request.output.join("bench.txt"), table.as_bytes())?;
+    batch.stage(&request.output.join("bench.svg"), svg.as_bytes())?;
+    batch.stage(&request.output.join("bench.png"), &png)?;
+    batch.commit()?;
+    screen.say(&table);
+    screen.say(&format!(
+        "bench.txt, bench.csv, bench.svg and bench.png in {}",
+        request.output.display()
+    ));
+    screen.result(&json!({ "output": request.output, "series": series.iter().map(series_json).collect::<Vec<_>>() }));
+    Ok(ExitCode::SUCCESS)
+}
+
+fn settings_for(recipe: &Recipe, particles: u32, fixed_radius: bool) -> Result<Settings, Failure> {
+    let mut recipe = recipe.clone();
+    recipe.set(&format!("fracture.particles={particles}"))?;
+    if !fixed_radius {
+        let radius = PaperParams::mesh_scaled_radius(particles);
+        recipe.set(&format!("fracture.neighbour_radius_px={radius:?}"))?;
+    }
+    Ok(recipe.settings()?)
+}
+
+fn measure(
+    plan: &[(u32, Settings)],
+    runs: u32,
+    scene: &DynamicImage,
+    seed: Seed,
+    interrupt: &Interrupt,
+    progress: &Progress,
+) -> Result<Vec<Series>, Failure> {
+    let mut all = Vec::new();
+    for (particles, settings) in plan {
+        // Once without counting: caches, page tables, clock of the processor.
+        crack_image(settings, &mut scene.clone(), seed)?;
+        let mut series = Series {
+            particles: *particles,
+            radius_px: settings.fracture.neighbor_radius,
+            runs: Vec::new(),
+            peak_rss_mib: None,
+        };
+        for k in 0..runs {
+            if interrupt.is_set() {
+                return Err(Failure::interrupted(
+                    "interrupted: nothing was written; run the command again",
+                ));
+            }
+            let seed = seed.of_item("bench", u64::from(k));
+            let mut image = scene.clone();
+            let cracked = crack_image(settings, &mut image, seed)?;
+            let n_segments = cracked.fracture.network.n_segments();
+            series.runs.push(Run {
+                seed,
+                timings: cracked.timings,
+                n_segments,
+            });
+            progress.step();
+        }
+        series.peak_rss_mib = peak_rss_mib();
+        all.push(series);
+    }
+    Ok(all)
+}
+
+/// Largest resident set of this process so far; only Linux tells.
+fn peak_rss_mib() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kib: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kib / 1024.0)
+}
+
+fn spread(mut values: Vec<f64>) -> Spread {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    #[expect(clippy::cast_precision_loss, reason = "a count")]
+    let mean = values.iter().sum::<f64>() / n.max(1) as f64;
+    let at = |k: usize| values.get(k).copied().unwrap_or(f64::NAN);
+    Spread {
+        min: at(0),
+        mean,
+        median: f64::midpoint(at(n.saturating_sub(1) / 2), at(n / 2)),
+        max: at(n.saturating_sub(1)),
+    }
+}
+
+impl Series {
+    fn stage(&self, stage: &str) -> Spread {
+        spread(
+            self.runs
+                .iter()
+                .filter_map(|run| run.timings.of(stage))
+                .collect(),
+        )
+    }
+
+    fn module(&self, module: &str) -> Spread {
+        let of_run = |run: &Run| {
+            let stages = STAGES.iter().filter(|(_, of)| *of == module);
+            stages.filter_map(|(stage, _)| run.timings.of(stage)).sum()
+        };
+        spread(self.runs.iter().map(of_run).collect())
+    }
+
+    fn total(&self) -> Spread {
+        spread(self.runs.iter().map(|run| run.timings.total_ms()).collect())
+    }
+}
+
+fn table(series: &[Series]) -> String {
+    let mut text = String::from("milliseconds on one thread, 1242 x 375: median (min-max)\n");
+    for one in series {
+        let rss = one
+            .peak_rss_mib
+            .map_or(String::new(), |mib| format!(", peak RSS {mib:.0} MiB"));
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "\n{} particles, radius {:.2} px, {} runs{rss}",
+            one.particles,
+            one.radius_px,
+            one.runs.len()
+        );
+        let mut row = |name: &str, spread: &Spread| {
+            let Spread {
+                min, median, max, ..
+            } = spread;
+            let _ = writeln!(text, "  {name:28} {median:9.2} ({min:.2}-{max:.2})");
+        };
+        for (stage, module) in STAGES {
+            row(&format!("{stage} [{module}]"), &one.stage(stage));
+        }
+        row("total", &one.total());
+    }
+    text
+}
+
+fn csv(series: &[Series]) -> String {
+    let stages: Vec<String> = STAGES
+        .iter()
+        .map(|(stage, _)| format!("{stage}_ms"))
+        .collect();
+    let mut text = format!(
+        "particles,radius_px,run,seed,{},total_ms,segments\n",
+        stages.join(",")
+    );
+    for one in series {
+        for (k, run) in one.runs.iter().enumerate() {
+            let times: Vec<String> = STAGES
+                .iter()
+                .map(|(stage, _)| format!("{:.4}", run.timings.of(stage).unwrap_or(f64::NAN)))
+                .collect();
+            let _ = writeln!(
+                text,
+                "{},{},{k},{},{},{:.4},{}",
+                one.particles,
+                one.radius_px,
+                run.seed.0,
+                times.join(","),
+                run.timings.total_ms(),
+                run.n_segments
+            );
+        }
+    }
+    text
+}
+
+/// The three modules of the paper's figure, and their total, over the number of particles.
+fn series_for_plot(series: &[Series]) -> Vec<(&'static str, Vec<(f64, Spread)>)> {
+    let over = |of: &dyn Fn(&Series) -> Spread| -> Vec<(f64, Spread)> {
+        series
+            .iter()
+            .map(|one| (f64::from(one.particles), of(one)))
+            .collect()
+    };
+    let mut lines: Vec<_> = ["simulation", "cracking visualization", "render"]
+        .map(|module| (module, over(&|one: &Series| one.module(module))))
+        .into_iter()
+        .collect();
+    lines.push(("total", over(&Series::total)));
+    lines
+}
+
+fn series_json(one: &Series) -> Value {
+    let spread_json = |spread: &Spread| json!({ "min": spread.min, "mean": spread.mean, "median": spread.median, "max": spread.max });
+    let stages: serde_json::Map<String, Value> = STAGES
+        .iter()
+        .map(|(stage, _)| ((*stage).to_owned(), spread_json(&one.stage(stage))))
+        .collect();
+    json!({
+        "particles": one.particles,
+        "radius_px": one.radius_px,
+        "runs": one.runs.len(),
+        "stages_ms": stages,
+        "total_ms": spread_json(&one.total()),
+        "peak_rss_mib": one.peak_rss_mib,
+    })
+}

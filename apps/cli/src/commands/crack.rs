@@ -1,0 +1,147 @@
+//! `starbreak crack`: photos to cracked photos.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+use starbreak::dataset::OutputBatch;
+use starbreak::pipeline::{
+    Failure as ItemFailure, JobResult, RunContext, Written, crack_files, plan_images, with_threads,
+};
+
+use crate::args::Global;
+use crate::failure::{Failure, SOME_FAILED};
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+pub(crate) fn run(
+    global: &Global,
+    inputs: &[PathBuf],
+    out: &Path,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let recipe = global.recipe()?;
+    let settings = recipe.settings()?;
+    let context = RunContext::new(&recipe, global.seed());
+    let jobs = plan_images(inputs)?;
+    let interrupt = Interrupt::listen();
+    let progress = screen.progress(jobs.len() as u64, "images");
+    let results = with_threads(global.threads, || {
+        crack_files(
+            &jobs,
+            out,
+            &settings,
+            &context,
+            interrupt.flag(),
+            |_, result| {
+                if let Err(failure) = result
+                    && jobs.len() > 1
+                {
+                    progress.line(&format!("error: {}", failure.error));
+                }
+                progress.step();
+            },
+        )
+    })?;
+    progress.finish();
+    finish(results, out, &interrupt, screen)
+}
+
+/// Says how it went, and with which exit code.
+fn finish(
+    results: Vec<JobResult>,
+    out: &Path,
+    interrupt: &Interrupt,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let total = results.len();
+    let (mut written, mut failed) = (Vec::new(), Vec::new());
+    for result in results.into_iter().flatten() {
+        match result {
+            Ok(item) => written.push(item),
+            Err(failure) => failed.push(failure),
+        }
+    }
+    if total == 1
+        && let Some(failure) = failed.pop()
+    {
+        return Err(failure.error.into());
+    }
+    for item in &written {
+        screen.say(&describe(item));
+    }
+    record_failures(&failed, out)?;
+    screen.result(&json!({
+        "output": out,
+        "images": written.iter().map(item_json).collect::<Vec<_>>(),
+        "failed": failed.iter().map(failure_json).collect::<Vec<_>>(),
+    }));
+    let not_begun = total - written.len() - failed.len();
+    if interrupt.is_set() && not_begun > 0 {
+        return Err(Failure::interrupted(format!(
+            "interrupted: {not_begun} of {total} images not begun; the same command does them"
+        )));
+    }
+    if failed.is_empty() {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let message = format!(
+        "{} of {total} images failed; {:?} lists them with their reasons",
+        failed.len(),
+        out.join("failures.jsonl")
+    );
+    Err(Failure {
+        message,
+        code: SOME_FAILED,
+    })
+}
+
+/// The list of failures beside the results; none where nothing failed.
+fn record_failures(failed: &[ItemFailure], out: &Path) -> Result<(), Failure> {
+    let path = out.join("failures.jsonl");
+    if failed.is_empty() {
+        // That of an earlier run would now be wrong; that there is none is the usual case.
+        let _ = std::fs::remove_file(path);
+        return Ok(());
+    }
+    let lines: String = failed
+        .iter()
+        .map(|failure| format!("{}\n", failure_json(failure)))
+        .collect();
+    let mut batch = OutputBatch::new();
+    batch.stage(&path, lines.as_bytes())?;
+    batch.commit()?;
+    Ok(())
+}
+
+pub(super) fn describe(item: &Written) -> String {
+    let network = &item.cracked.fracture.network;
+    let name = item.image.display();
+    if item.cracked.fracture.is_intact() {
+        return format!("{name}: {}", super::simulate::INTACT);
+    }
+    format!(
+        "{name}: {} segments, {:.0} px of cracks, {:.1} % of the frame influenced, {:.1} ms",
+        network.n_segments(),
+        network.summary().total_length,
+        item.region_fraction * 100.0,
+        item.cracked.timings.total_ms(),
+    )
+}
+
+pub(super) fn item_json(item: &Written) -> Value {
+    json!({
+        "image": item.image,
+        "region": item.region,
+        "crack": item.crack,
+        "provenance": item.provenance,
+        "region_fraction": item.region_fraction,
+        "intact": item.cracked.fracture.is_intact(),
+        "summary": item.cracked.fracture.network.summary(),
+        "timings_ms": item.timings.to_json(),
+    })
+}
+
+fn failure_json(failure: &ItemFailure) -> Value {
+    json!({ "input": failure.input, "error": failure.error.to_string() })
+}

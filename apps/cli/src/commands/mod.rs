@@ -1,0 +1,58 @@
+//! One module per verb.
+
+mod bench;
+mod crack;
+mod demo;
+mod plot;
+mod recipe;
+mod shell;
+mod simulate;
+
+use std::process::ExitCode;
+
+use crate::args::{Args, Verb};
+use crate::failure::Failure;
+use crate::screen::Screen;
+
+/// Does what the command line says.
+pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
+    let global = &args.global;
+    match args.verb {
+        Verb::Demo { output } => demo::run(global, &output, screen),
+        Verb::Crack { inputs, output } => crack::run(global, &inputs, &output, screen),
+        Verb::Simulate {
+            output,
+            svg,
+            size,
+            frames,
+            frames_to,
+            timings,
+        } => {
+            let request = simulate::Request {
+                output,
+                svg,
+                size,
+                frames: frames.zip(frames_to),
+                timings,
+            };
+            simulate::run(global, &request, screen)
+        }
+        Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
+        Verb::Bench {
+            output,
+            particles,
+            runs,
+            fixed_radius,
+        } => {
+            let request = bench::Request {
+                output,
+                particles,
+                runs,
+                fixed_radius,
+            };
+            bench::run(global, &request, screen)
+        }
+        Verb::Completions { shell } => Ok(shell::completions(shell, screen)),
+        Verb::Man { output } => shell::man_pages(&output, screen),
+    }
+}

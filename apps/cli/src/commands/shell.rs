@@ -1,0 +1,50 @@
+//! `starbreak completions` and `starbreak man`, generated from the command line's definition.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::CommandFactory as _;
+use serde_json::json;
+use starbreak::dataset::OutputBatch;
+
+use crate::args::Args;
+use crate::failure::Failure;
+use crate::screen::Screen;
+
+pub(crate) fn completions(shell: clap_complete::Shell, screen: &Screen) -> ExitCode {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Args::command(), "starbreak", &mut script);
+    screen.data(&String::from_utf8_lossy(&script));
+    ExitCode::SUCCESS
+}
+
+pub(crate) fn man_pages(output: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+    let mut command = Args::command();
+    command.build();
+    let mut batch = OutputBatch::new();
+    let mut names = Vec::new();
+    let pages = std::iter::once(command.clone()).chain(command.get_subcommands().cloned());
+    for page in pages {
+        if page.get_name() == "help" {
+            continue;
+        }
+        let name = page
+            .get_display_name()
+            .unwrap_or(page.get_name())
+            .to_owned();
+        let mut text = Vec::new();
+        clap_mangen::Man::new(page.display_name(name.clone()))
+            .render(&mut text)
+            .map_err(|cause| Failure::wrong_input(format!("man page {name}: {cause}")))?;
+        batch.stage(&output.join(format!("{name}.1")), &text)?;
+        names.push(format!("{name}.1"));
+    }
+    batch.commit()?;
+    screen.say(&format!(
+        "{} man pages in {}",
+        names.len(),
+        output.display()
+    ));
+    screen.result(&json!({ "folder": output, "pages": names }));
+    Ok(ExitCode::SUCCESS)
+}

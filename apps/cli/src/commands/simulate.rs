@@ -1,0 +1,156 @@
+//! `starbreak simulate`: the crack network alone.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+use starbreak::dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
+use starbreak::pipeline::{self, Simulated, convergence_json, growth_drawing, growth_times};
+
+use crate::args::Global;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::Screen;
+
+/// What to tell when the force does not break the glass.
+pub(super) const INTACT: &str = "nothing broke: no impact.force exceeds fracture.critical_stress / fracture.safety_factor (eq. 2); the image stays as it is";
+
+/// What was asked for.
+pub(crate) struct Request {
+    pub(crate) output: Option<PathBuf>,
+    pub(crate) svg: Option<PathBuf>,
+    pub(crate) size: (u32, u32),
+    pub(crate) frames: Option<(u32, PathBuf)>,
+    pub(crate) timings: bool,
+}
+
+pub(crate) fn run(
+    global: &Global,
+    request: &Request,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let settings = global.recipe()?.settings()?;
+    let interrupt = Interrupt::listen();
+    let (width_px, height_px) = request.size;
+    let simulated = pipeline::simulate(&settings, width_px, height_px, global.seed())?;
+    let network = &simulated.fracture.network;
+    let json = if request.timings {
+        with_timings(&simulated)?
+    } else {
+        network.to_json()
+    };
+
+    let mut batch = OutputBatch::new();
+    if let Some(path) = &request.output {
+        batch.stage(path, json.as_bytes())?;
+    }
+    if let Some(path) = &request.svg {
+        batch.stage(path, network.to_svg().as_bytes())?;
+    }
+    if let Some((n_frames, to)) = &request.frames {
+        stage_frames(
+            &simulated,
+            request.size,
+            *n_frames,
+            to,
+            &interrupt,
+            &mut batch,
+        )?;
+    }
+    batch.commit()?;
+
+    if request.output.is_none() && !global.json {
+        screen.data(&json);
+        screen.note(&describe(&simulated));
+    } else {
+        screen.say(&describe(&simulated));
+    }
+    screen.result(&result_json(request, &simulated));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The network file with the wall-clock times, which differ from run to run.
+fn with_timings(simulated: &Simulated) -> Result<String, Failure> {
+    let text = simulated.fracture.network.to_json();
+    let mut value: Value = serde_json::from_str(&text).map_err(Failure::wrong_input)?;
+    value["timings_ms"] = simulated.timings.to_json();
+    Ok(format!("{value}\n"))
+}
+
+/// Growth frames as one animated PNG, or as numbered PNG files in a folder.
+fn stage_frames(
+    simulated: &Simulated,
+    size: (u32, u32),
+    n_frames: u32,
+    to: &Path,
+    interrupt: &Interrupt,
+    batch: &mut OutputBatch,
+) -> Result<(), Failure> {
+    let network = &simulated.fracture.network;
+    let times = growth_times(network, n_frames).take_while(|_| !interrupt.is_set());
+    let drawings = times.map(|time| growth_drawing(network, size, time, 1.0));
+    let animated = to
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    if animated {
+        batch.stage(
+            to,
+            &encode_animation(drawings, &AnimationParams::default())?,
+        )?;
+    } else {
+        for (k, drawing) in (1..).zip(drawings) {
+            batch.stage(
+                &to.join(format!("frame_{k:05}.png")),
+                &encode_mask(&drawing)?,
+            )?;
+        }
+    }
+    if interrupt.is_set() {
+        return Err(Failure::interrupted(
+            "interrupted: nothing was written; run the command again",
+        ));
+    }
+    Ok(())
+}
+
+fn describe(simulated: &Simulated) -> String {
+    let fracture = &simulated.fracture;
+    if fracture.is_intact() {
+        return INTACT.to_owned();
+    }
+    let summary = fracture.network.summary();
+    let report = &fracture.convergence;
+    format!(
+        "{} segments, {:.0} px of cracks, {} arms from {} impact(s), {} steps; {} fronts came to rest: {} below \
+         the threshold, {} at another crack, {} without a neighbor; {:.1} ms",
+        summary.n_segments,
+        summary.total_length,
+        summary.n_radial,
+        fracture.network.data().impacts.len(),
+        report.n_steps(),
+        report.n_fronts,
+        report.stopped_below_threshold,
+        report.stopped_at_crack,
+        report.stopped_without_neighbor,
+        simulated.timings.total_ms(),
+    )
+}
+
+fn result_json(request: &Request, simulated: &Simulated) -> Value {
+    let fracture = &simulated.fracture;
+    json!({
+        "network": request.output,
+        "svg": request.svg,
+        "frames": request.frames.as_ref().map(|(n_frames, to)| json!({ "count": n_frames, "path": to })),
+        "intact": fracture.is_intact(),
+        "impacts": fracture.network.data().impacts,
+        "summary": fracture.network.summary(),
+        "convergence": convergence_json(&fracture.convergence),
+        "mesh": {
+            "n_nodes": fracture.n_mesh_nodes,
+            "n_triangles": fracture.n_triangles,
+            "n_stressed_nodes": fracture.n_stressed_nodes,
+        },
+        "timings_ms": simulated.timings.to_json(),
+    })
+}

@@ -1,0 +1,53 @@
+//! An error on its way to the user: one line and an exit code.
+
+use std::fmt::Display;
+
+/// The work or some items failed.
+pub(crate) const SOME_FAILED: u8 = 1;
+/// The command line, the recipe or the input is wrong.
+pub(crate) const WRONG_INPUT: u8 = 2;
+/// Interrupted; what was done is whole.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+/// Why the command stops.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    pub(crate) message: String,
+    pub(crate) code: u8,
+}
+
+impl Failure {
+    /// The input is wrong: exit code 2.
+    pub(crate) fn wrong_input(message: impl Display) -> Self {
+        Self {
+            message: message.to_string(),
+            code: WRONG_INPUT,
+        }
+    }
+
+    /// Interrupted: exit code 130.
+    pub(crate) fn interrupted(message: impl Display) -> Self {
+        Self {
+            message: message.to_string(),
+            code: INTERRUPTED,
+        }
+    }
+}
+
+impl From<starbreak::Error> for Failure {
+    fn from(error: starbreak::Error) -> Self {
+        Self::wrong_input(error)
+    }
+}
+
+impl From<starbreak::RecipeError> for Failure {
+    fn from(error: starbreak::RecipeError) -> Self {
+        Self::wrong_input(error)
+    }
+}
+
+impl From<starbreak::dataset::DatasetError> for Failure {
+    fn from(error: starbreak::dataset::DatasetError) -> Self {
+        Self::wrong_input(error)
+    }
+}

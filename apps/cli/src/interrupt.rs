@@ -1,0 +1,27 @@
+//! Ctrl-C: finish what is begun, begin nothing more, leave nothing half-written.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Set once the user has asked to stop.
+#[derive(Debug, Clone)]
+pub(crate) struct Interrupt(Arc<AtomicBool>);
+
+impl Interrupt {
+    /// Listens for Ctrl-C and termination from now on.
+    pub(crate) fn listen() -> Self {
+        let flag = Arc::new(AtomicBool::new(false));
+        let seen = Arc::clone(&flag);
+        // A system without signals cannot be interrupted this way; that is no reason to fail.
+        let _ = ctrlc::set_handler(move || seen.store(true, Ordering::Relaxed));
+        Self(flag)
+    }
+
+    pub(crate) fn is_set(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    pub(crate) fn flag(&self) -> &AtomicBool {
+        &self.0
+    }
+}

@@ -1,0 +1,139 @@
+//! What the user sees: results on standard output, everything else on standard error.
+
+use std::io::{IsTerminal, Write};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::Value;
+
+/// Plain progress lines are this far apart where there is no terminal.
+const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
+
+/// Where text goes, by `--json` and `--quiet`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Screen {
+    json: bool,
+    quiet: bool,
+}
+
+impl Screen {
+    pub(crate) fn new(json: bool, quiet: bool) -> Self {
+        Self { json, quiet }
+    }
+
+    /// Text for people: on standard output, or on standard error beside `--json`; not at all
+    /// with `--quiet`.
+    pub(crate) fn say(&self, text: &str) {
+        if self.quiet {
+            return;
+        }
+        // Whoever closed the pipe does not want to hear about it.
+        let _ = if self.json {
+            writeln!(std::io::stderr(), "{text}")
+        } else {
+            writeln!(std::io::stdout(), "{text}")
+        };
+    }
+
+    /// A remark that is no result: on standard error, not with `--quiet`.
+    pub(crate) fn note(&self, text: &str) {
+        if !self.quiet {
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
+    }
+
+    /// The one machine-readable result, if asked for.
+    pub(crate) fn result(&self, value: &Value) {
+        if self.json {
+            self.data(&value.to_string());
+        }
+    }
+
+    /// Data that was asked for: on standard output, always.
+    pub(crate) fn data(&self, text: &str) {
+        let mut stdout = std::io::stdout().lock();
+        let _ = stdout.write_all(text.as_bytes());
+        if !text.ends_with('\n') {
+            let _ = stdout.write_all(b"\n");
+        }
+        let _ = stdout.flush();
+    }
+
+    /// An error, in one place, once.
+    pub(crate) fn error(&self, message: &str) {
+        let _ = writeln!(std::io::stderr(), "error: {message}");
+    }
+
+    /// Progress over `total` items called `what`.
+    pub(crate) fn progress(&self, total: u64, what: &'static str) -> Progress {
+        let terminal = std::io::stderr().is_terminal();
+        let bar = if self.quiet || !terminal || total < 2 {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(total)
+        };
+        if let Ok(style) =
+            ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg}  {per_sec}  {eta} left")
+        {
+            bar.set_style(style);
+        }
+        bar.set_message(what);
+        Progress {
+            bar,
+            plain: !self.quiet && !terminal,
+            started: Instant::now(),
+            total,
+            what,
+            done: Mutex::new((0, Instant::now())),
+        }
+    }
+}
+
+/// A bar with rate and time left on a terminal, a line now and then elsewhere.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    plain: bool,
+    started: Instant,
+    total: u64,
+    what: &'static str,
+    /// Items done, and when the last plain line was written.
+    done: Mutex<(u64, Instant)>,
+}
+
+impl Progress {
+    /// One more item is done.
+    pub(crate) fn step(&self) {
+        self.bar.inc(1);
+        let Ok(mut state) = self.done.lock() else {
+            return;
+        };
+        state.0 += 1;
+        if self.plain && state.1.elapsed() >= PLAIN_INTERVAL {
+            state.1 = Instant::now();
+            #[expect(clippy::cast_precision_loss, reason = "counts, for a rate")]
+            let rate = state.0 as f64 / self.started.elapsed().as_secs_f64();
+            #[expect(clippy::cast_precision_loss, reason = "counts, for a time")]
+            let left = (self.total - state.0) as f64 / rate;
+            let _ = writeln!(
+                std::io::stderr(),
+                "{}/{} {}, {rate:.1} per second, {left:.0} s left",
+                state.0,
+                self.total,
+                self.what
+            );
+        }
+    }
+
+    /// Writes a line above the bar.
+    pub(crate) fn line(&self, text: &str) {
+        self.bar.suspend(|| {
+            let _ = writeln!(std::io::stderr(), "{text}");
+        });
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
