@@ -28,10 +28,6 @@ impl BitRows {
         rows
     }
 
-    pub(crate) fn set(&mut self, x: usize, y: usize) {
-        self.words[y * self.words_per_row + x / 64] |= 1 << (x % 64);
-    }
-
     pub(crate) fn unset(&mut self, x: usize, y: usize) {
         self.words[y * self.words_per_row + x / 64] &= !(1 << (x % 64));
     }
@@ -127,7 +123,8 @@ impl BitRows {
         out
     }
 
-    fn set_run(&mut self, y: usize, start: usize, end: usize) {
+    /// Pixels `start..end` of a row, at least one.
+    pub(crate) fn set_run(&mut self, y: usize, start: usize, end: usize) {
         let row = &mut self.words[y * self.words_per_row..(y + 1) * self.words_per_row];
         let (first, last) = (start / 64, (end - 1) / 64);
         for (k, word) in row.iter_mut().enumerate().take(last + 1).skip(first) {
@@ -167,7 +164,7 @@ mod tests {
                 (width / 3, 0),
             ];
             for (x, y) in chosen {
-                set.set(x, y);
+                set.set_run(y, x, x + 1);
             }
             for radius in [0, 1, 7, 70] {
                 let dilated = set.dilated(radius);

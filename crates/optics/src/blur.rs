@@ -78,12 +78,12 @@ pub(crate) fn blur_pixels(
                     frame,
                 );
                 let samples = (end - start + 2 * radius) * channels;
-                across(
-                    &padded[..samples],
-                    kernel,
-                    channels,
-                    &mut slot[start * channels..end * channels],
-                );
+                let n = (end - start) * channels;
+                let shifted = |k: usize| &padded[k * channels..samples][..n];
+                let taps: Vec<_> = (0..=radius)
+                    .map(|k| (shifted(radius - k), shifted(radius + k)))
+                    .collect();
+                weighted_sum(&taps, kernel, &mut slot[start * channels..end * channels]);
             }
             next += 1;
         }
@@ -94,16 +94,48 @@ pub(crate) fn blur_pixels(
                 let slot = reflect(y.cast_signed() + k, height) % slots;
                 &ring[slot * row_samples..][span.clone()]
             };
-            for (to, from) in out.iter_mut().zip(row(0)) {
-                *to = from * kernel.half[0];
-            }
-            for (k, &weight) in (1_isize..).zip(&kernel.half[1..]) {
-                for (to, (above, below)) in out.iter_mut().zip(row(-k).iter().zip(row(k))) {
-                    *to += weight * (above + below);
-                }
-            }
+            let taps: Vec<_> = (0..=radius.cast_signed())
+                .map(|k| (row(-k), row(k)))
+                .collect();
+            weighted_sum(&taps, kernel, out);
             frame.store(y, start, end, out);
         }
+    }
+}
+
+/// Σ over the taps of weight · (sample on one side + sample on the other); the first tap has
+/// the middle on both sides. Blocks of samples keep their sums in registers.
+fn weighted_sum(taps: &[(&[f32], &[f32])], kernel: &Kernel, out: &mut [f32]) {
+    const BLOCK: usize = 16;
+    let weight = |k: usize| {
+        if k == 0 {
+            kernel.half[0] * 0.5
+        } else {
+            kernel.half[k]
+        }
+    };
+    let (blocks, rest) = out.as_chunks_mut::<BLOCK>();
+    for (at, block) in blocks.iter_mut().enumerate() {
+        let mut sums = [0.0_f32; BLOCK];
+        for (k, (one, other)) in taps.iter().enumerate() {
+            let (one, other) = (
+                &one.as_chunks::<BLOCK>().0[at],
+                &other.as_chunks::<BLOCK>().0[at],
+            );
+            let weight = weight(k);
+            for (sum, (a, b)) in sums.iter_mut().zip(one.iter().zip(other)) {
+                *sum += weight * (a + b);
+            }
+        }
+        *block = sums;
+    }
+    let first = blocks.len() * BLOCK;
+    for (at, sample) in (first..).zip(rest) {
+        *sample = taps
+            .iter()
+            .enumerate()
+            .map(|(k, (one, other))| weight(k) * (one[at] + other[at]))
+            .sum();
     }
 }
 
@@ -135,22 +167,6 @@ fn pad_run(
             padded.copy_within(from..from + channels, place * channels);
         } else {
             frame.load(y, x, x + 1, &mut padded[place * channels..][..channels]);
-        }
-    }
-}
-
-/// Horizontal pass over a padded run of interleaved samples.
-fn across(padded: &[f32], kernel: &Kernel, channels: usize, out: &mut [f32]) {
-    let (radius, n) = (kernel.radius(), out.len());
-    let middle = &padded[radius * channels..][..n];
-    for (to, from) in out.iter_mut().zip(middle) {
-        *to = from * kernel.half[0];
-    }
-    for (k, &weight) in (1..).zip(&kernel.half[1..]) {
-        let left = &padded[(radius - k) * channels..][..n];
-        let right = &padded[(radius + k) * channels..][..n];
-        for (to, (a, b)) in out.iter_mut().zip(left.iter().zip(right)) {
-            *to += weight * (a + b);
         }
     }
 }
@@ -194,7 +210,7 @@ mod tests {
             let kernel = Kernel::gaussian(radius, 1.9);
             let mut wanted = BitRows::new(width, height);
             for (x, y) in [(0, 0), (width - 1, height - 1), (width / 2, height / 2)] {
-                wanted.set(x, y);
+                wanted.set_run(y, x, x + 1);
             }
             let wanted = wanted.dilated(2);
             let mut frame = Recorder {

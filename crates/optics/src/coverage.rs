@@ -24,13 +24,29 @@ pub struct Line {
 pub struct Coverage {
     width: usize,
     height: usize,
-    covered: Vec<f32>,
-    weighted: Vec<f32>,
+    window: Window,
+    cells: Vec<Cell>,
     touched: BitRows,
 }
 
 /// Coverage below half a step of an 8-bit mask is no coverage.
 const LEAST: f32 = 0.5 / 255.0;
+
+/// Sum of coverage and of weighted coverage of one pixel; after settling, their ratio.
+#[derive(Debug, Clone, Copy, Default)]
+struct Cell {
+    covered: f32,
+    weighted: f32,
+}
+
+/// The part of the frame that lines can touch; only this part has cells.
+#[derive(Debug, Clone, Copy)]
+struct Window {
+    x: usize,
+    y: usize,
+    width: usize,
+    height: usize,
+}
 
 impl Coverage {
     /// The coverage of a `width × height` frame by strips of the given width, px.
@@ -44,15 +60,17 @@ impl Coverage {
         lines: impl Iterator<Item = Line>,
     ) -> Self {
         let (width, height) = (width as usize, height as usize);
+        let lines: Vec<Line> = lines.collect();
+        let window = Window::around(&lines, line_width_px, (width, height));
         let mut coverage = Self {
             width,
             height,
-            covered: vec![0.0; width * height],
-            weighted: vec![0.0; width * height],
+            window,
+            cells: vec![Cell::default(); window.width * window.height],
             touched: BitRows::new(width, height),
         };
-        for line in lines {
-            coverage.add(&line, line_width_px);
+        for line in &lines {
+            coverage.add(line, line_width_px);
         }
         coverage.settle();
         coverage
@@ -60,65 +78,87 @@ impl Coverage {
 
     fn add(&mut self, line: &Line, line_width_px: f64) {
         let [x0, y0, x1, y1] = line.ends;
-        let length = (x1 - x0).hypot(y1 - y0);
+        let length = ((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0)).sqrt();
         if length <= 0.0 || !length.is_finite() {
             return;
         }
         let (ux, uy) = ((x1 - x0) / length, (y1 - y0) / length);
-        let half = line_width_px * 0.5;
+        let (half_length, half_width) = (length * 0.5, line_width_px * 0.5);
         let (side_along, side_across) = (HalfPlane::new(ux, uy), HalfPlane::new(uy, ux));
         // Half extents of the strip grown by half a pixel's diagonal extent all round.
-        let (along, across) = (length * 0.5 + side_along.reach, half + side_across.reach);
+        let (along, across) = (
+            half_length + side_along.reach,
+            half_width + side_across.reach,
+        );
+        // Up to here a pixel lies between the two ends of the strip as a whole.
+        let between_ends = half_length - side_along.reach;
         let reach_y = uy.abs() * along + ux.abs() * across;
         let (middle_x, middle_y) = ((x0 + x1) * 0.5, (y0 + y1) * 0.5);
-        let rows = pixel_range(middle_y - reach_y, middle_y + reach_y, self.height);
-        for y in rows {
-            #[expect(clippy::cast_precision_loss, reason = "a pixel row")]
-            let dy = y as f64 + 0.5 - middle_y;
-            // |t| ≤ along with t = ux·dx + uy·dy, and |d| ≤ across with d = −uy·dx + ux·dy.
-            let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-            clip(ux, uy * dy, along, &mut low, &mut high);
-            clip(-uy, ux * dy, across, &mut low, &mut high);
-            for x in pixel_range(middle_x + low, middle_x + high, self.width) {
-                #[expect(clippy::cast_precision_loss, reason = "a pixel column")]
-                let dx = x as f64 + 0.5 - middle_x;
-                let (t, d) = (ux * dx + uy * dy, ux * dy - uy * dx);
-                let share = side_along.strip(t, length * 0.5) * side_across.strip(d, half);
-                if share > 0.0 {
-                    #[expect(clippy::cast_possible_truncation, reason = "a share in 0..1 as f32")]
-                    let share = share as f32;
-                    self.covered[y * self.width + x] += share;
-                    self.weighted[y * self.width + x] += share * line.weight;
-                    self.touched.set(x, y);
-                }
+        // |t| ≤ along with t = ux·dx + uy·dy, and |d| ≤ across with d = −uy·dx + ux·dy.
+        let (t_band, d_band) = (Band::new(ux, along), Band::new(-uy, across));
+        let Window {
+            x: first_x,
+            y: first_y,
+            width,
+            ..
+        } = self.window;
+        for y in pixel_range(middle_y - reach_y, middle_y + reach_y, self.height) {
+            let dy = pixel_center(y) - middle_y;
+            let (t_low, t_high) = t_band.interval(uy * dy);
+            let (d_low, d_high) = d_band.interval(ux * dy);
+            let (low, high) = (t_low.max(d_low), t_high.min(d_high));
+            let xs = pixel_range(middle_x + low, middle_x + high, self.width);
+            if xs.is_empty() {
+                continue;
             }
+            let row =
+                &mut self.cells[(y - first_y) * width..][xs.start - first_x..xs.end - first_x];
+            let mut next_dx = pixel_center(xs.start) - middle_x;
+            for cell in row {
+                let dx = next_dx;
+                next_dx += 1.0;
+                let (t, d) = (ux * dx + uy * dy, ux * dy - uy * dx);
+                let mut share = side_across.strip(d, half_width);
+                if t.abs() > between_ends {
+                    share *= side_along.strip(t, half_length);
+                }
+                #[expect(clippy::cast_possible_truncation, reason = "a share in 0..1 as f32")]
+                let share = share.max(0.0) as f32;
+                cell.covered += share;
+                cell.weighted += share * line.weight;
+            }
+            // What turns out not to be covered is taken out again when all lines are drawn.
+            self.touched.set_run(y, xs.start, xs.end);
         }
     }
 
     /// Sums to coverage in 0..=1 and mean weight; what no mask would show is dropped.
     fn settle(&mut self) {
-        for y in 0..self.height {
-            let xs: Vec<usize> = self.touched.ones(y).collect();
-            for x in xs {
-                let k = y * self.width + x;
-                if self.covered[k] < LEAST {
+        let mut xs: Vec<usize> = Vec::new();
+        for y in self.window.y..self.window.y + self.window.height {
+            xs.clear();
+            xs.extend(self.touched.ones(y));
+            for &x in &xs {
+                let cell =
+                    &mut self.cells[(y - self.window.y) * self.window.width + (x - self.window.x)];
+                if cell.covered < LEAST {
                     self.touched.unset(x, y);
-                    self.covered[k] = 0.0;
-                    self.weighted[k] = 0.0;
                 } else {
-                    self.weighted[k] /= self.covered[k];
-                    self.covered[k] = self.covered[k].min(1.0);
+                    cell.weighted /= cell.covered;
+                    cell.covered = cell.covered.min(1.0);
                 }
             }
         }
     }
 
+    fn at(&self, x: usize, y: usize) -> (usize, f32, f32) {
+        let cell = self.cells[(y - self.window.y) * self.window.width + (x - self.window.x)];
+        (x, cell.covered, cell.weighted)
+    }
+
     /// The pixels of a row that are covered: column, coverage in (0, 1], mean weight.
     pub fn row(&self, y: usize) -> impl Iterator<Item = (usize, f32, f32)> + '_ {
-        let at = y * self.width;
-        self.touched
-            .ones(y)
-            .map(move |x| (x, self.covered[at + x], self.weighted[at + x]))
+        self.touched.ones(y).map(move |x| self.at(x, y))
     }
 
     /// As [`Coverage::row`], for columns `start..end`.
@@ -128,10 +168,9 @@ impl Coverage {
         start: usize,
         end: usize,
     ) -> impl Iterator<Item = (usize, f32, f32)> + '_ {
-        let at = y * self.width;
         self.touched
             .ones_within(y, start, end)
-            .map(move |x| (x, self.covered[at + x], self.weighted[at + x]))
+            .map(move |x| self.at(x, y))
     }
 
     /// Width and height of the frame.
@@ -190,16 +229,54 @@ pub(crate) fn gray_image(width: usize, height: usize, pixels: Vec<u8>) -> image:
     image::GrayImage::from_raw(side(width), side(height), pixels).unwrap_or_default()
 }
 
-/// How much of a unit square a half plane covers, for one direction of its edge.
-struct HalfPlane {
-    /// Beyond this distance from the centre the edge misses the square.
-    reach: f64,
-    /// Up to this distance the edge cuts two opposite sides.
-    inner: f64,
-    /// The larger component of the edge's unit normal, and twice the product of both.
-    larger: f64,
-    twice_product: f64,
+impl Window {
+    fn around(lines: &[Line], line_width_px: f64, (width, height): (usize, usize)) -> Self {
+        // A pixel reaches at most √½ beyond its centre, and a centre half a pixel beyond that.
+        let margin = line_width_px * 0.5 + 2.0;
+        let mut bounds = [
+            f64::INFINITY,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NEG_INFINITY,
+        ];
+        for [x0, y0, x1, y1] in lines.iter().map(|line| line.ends) {
+            bounds[0] = bounds[0].min(x0).min(x1);
+            bounds[1] = bounds[1].min(y0).min(y1);
+            bounds[2] = bounds[2].max(x0).max(x1);
+            bounds[3] = bounds[3].max(y0).max(y1);
+        }
+        let (xs, ys) = (
+            pixel_range(bounds[0] - margin, bounds[2] + margin, width),
+            pixel_range(bounds[1] - margin, bounds[3] + margin, height),
+        );
+        Self {
+            x: xs.start,
+            y: ys.start,
+            width: xs.len(),
+            height: ys.len(),
+        }
+    }
 }
+
+/// How much of a unit square a half plane covers, for one direction of its edge.
+///
+/// The covered area over the distance of the edge is the convolution of two boxes as wide as the
+/// components of the edge's normal, a ≥ b: a ramp with parabolic ends, here as a sum of four
+/// one-sided parabolas, which needs no branch per pixel.
+struct HalfPlane {
+    /// Beyond this distance from the centre the edge misses the square: (a + b)/2.
+    reach: f64,
+    /// Up to this distance the edge cuts two opposite sides: (a − b)/2.
+    inner: f64,
+    /// 1/(2ab), or for an edge along an axis 0.
+    per_area: f64,
+    /// 1/a.
+    per_larger: f64,
+}
+
+/// Below this the smaller component of a unit normal counts as zero; the area is then wrong by
+/// less than half of it.
+const AXIS: f64 = 1e-6;
 
 impl HalfPlane {
     fn new(nx: f64, ny: f64) -> Self {
@@ -207,26 +284,24 @@ impl HalfPlane {
         Self {
             reach: (larger + smaller) * 0.5,
             inner: (larger - smaller) * 0.5,
-            larger,
-            twice_product: 2.0 * larger * smaller,
+            per_area: if smaller < AXIS {
+                0.0
+            } else {
+                0.5 / (larger * smaller)
+            },
+            per_larger: 1.0 / larger,
         }
     }
 
     /// Area of the unit square on the inner side of an edge `distance` beyond its centre.
     fn area(&self, distance: f64) -> f64 {
-        let gone = distance.abs();
-        let inside = if gone >= self.reach {
-            1.0
-        } else if gone <= self.inner {
-            0.5 + gone / self.larger
+        if self.per_area > 0.0 {
+            let parabola = |x: f64| x.max(0.0) * x;
+            let ends = parabola(distance + self.reach) - parabola(distance + self.inner);
+            let starts = parabola(distance - self.inner) - parabola(distance - self.reach);
+            ((ends - starts) * self.per_area).min(1.0)
         } else {
-            // The edge cuts off a triangle; its legs exist, so both components are non-zero.
-            1.0 - (self.reach - gone).powi(2) / self.twice_product
-        };
-        if distance >= 0.0 {
-            inside
-        } else {
-            1.0 - inside
+            (0.5 + distance * self.per_larger).clamp(0.0, 1.0)
         }
     }
 
@@ -237,17 +312,34 @@ impl HalfPlane {
     }
 }
 
-/// Narrows `low..high` to where |slope·v + offset| ≤ bound.
-fn clip(slope: f64, offset: f64, bound: f64, low: &mut f64, high: &mut f64) {
-    if slope.abs() < 1e-12 {
-        if offset.abs() > bound {
-            *high = f64::NEG_INFINITY;
+/// Where |slope·v + offset| ≤ bound, for one slope and many offsets.
+struct Band {
+    per_slope: Option<f64>,
+    /// Half width of the interval.
+    half: f64,
+    bound: f64,
+}
+
+impl Band {
+    fn new(slope: f64, bound: f64) -> Self {
+        let per_slope = (slope.abs() >= 1e-12).then(|| 1.0 / slope);
+        Self {
+            per_slope,
+            half: per_slope.map_or(f64::INFINITY, |per_slope| (bound * per_slope).abs()),
+            bound,
         }
-        return;
     }
-    let (p, q) = ((-bound - offset) / slope, (bound - offset) / slope);
-    *low = low.max(p.min(q));
-    *high = high.min(p.max(q));
+
+    fn interval(&self, offset: f64) -> (f64, f64) {
+        match self.per_slope {
+            Some(per_slope) => (
+                -offset * per_slope - self.half,
+                -offset * per_slope + self.half,
+            ),
+            None if offset.abs() <= self.bound => (f64::NEG_INFINITY, f64::INFINITY),
+            None => (f64::INFINITY, f64::NEG_INFINITY),
+        }
+    }
 }
 
 /// The pixels whose centres may lie in `low..=high`, inside a frame of `n` pixels.
@@ -255,16 +347,24 @@ fn pixel_range(low: f64, high: f64, n: usize) -> std::ops::Range<usize> {
     if low > high {
         return 0..0;
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` saturates, then clamped"
-    )]
-    let (first, end) = (
-        (low - 0.5).ceil().max(0.0) as usize,
-        ((high + 0.5).floor().max(0.0) as usize).min(n),
-    );
-    first..end.max(first)
+    // `as` rounds towards zero and saturates; both ends are clamped to the frame. 32 bits are
+    // plenty for a frame and much faster than 64.
+    #[expect(clippy::cast_possible_truncation, reason = "clamped to the frame")]
+    let at_most = |value: f64| (value.max(0.0) as i32).unsigned_abs() as usize;
+    let first = at_most(low - 0.5);
+    let first = first + usize::from(pixel_center(first) < low);
+    let end = at_most(high + 0.5).min(n);
+    first.min(end)..end
+}
+
+/// Coordinate of the centre of a pixel. Frames are far smaller than 2^31 pixels a side.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "a pixel of a frame"
+)]
+fn pixel_center(pixel: usize) -> f64 {
+    f64::from(pixel as i32) + 0.5
 }
 
 #[cfg(test)]

@@ -5,4 +5,5 @@ mod triangulation;
 
 pub use particles::Particles;
 pub(crate) use particles::{to_u32, uniform};
+pub(crate) use triangulation::Indexed;
 pub use triangulation::{PaneMesh, mesh_pane};

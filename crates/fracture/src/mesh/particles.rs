@@ -23,6 +23,37 @@ pub struct Particles {
     fixed: Vec<u32>,
 }
 
+/// Rounds of the insertion order; the first holds one node in 2^(ROUNDS − 1).
+const ROUNDS: usize = 9;
+
+/// Distance along a Hilbert curve over a grid of 2^16 × 2^16 cells.
+fn hilbert_index(mut x: u32, mut y: u32) -> u64 {
+    let mut along = 0;
+    let mut side = 1_u32 << 15;
+    while side > 0 {
+        let (right, lower) = (u32::from(x & side > 0), u32::from(y & side > 0));
+        along = (along << 2) | u64::from((3 * right) ^ lower);
+        if lower == 0 {
+            if right == 1 {
+                (x, y) = (!x, !y);
+            }
+            (x, y) = (y, x);
+        }
+        side >>= 1;
+    }
+    along
+}
+
+/// A number that looks random, the same for the same node (splitmix64 [Steele2014]).
+fn scramble(node: u32) -> u64 {
+    let mut bits = u64::from(node)
+        .wrapping_add(1)
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    bits ^ (bits >> 31)
+}
+
 /// A uniform number in [0, 1) with 53 random bits.
 pub(crate) fn uniform(rng: &mut impl Rng) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "53 bits fit an f64 exactly")]
@@ -153,6 +184,30 @@ impl Particles {
         self.fixed[idx]
     }
 
+    /// All nodes in an order in which a triangulation grows fast: rounds of about doubling size,
+    /// each a random sample, and within a round along a Hilbert curve over the cells, so that each
+    /// node lies near the one before it (biased randomized insertion order \[Amenta2003\]).
+    pub(crate) fn insertion_order(&self) -> Vec<u32> {
+        let mut cells: Vec<(u64, u32)> = Vec::with_capacity(self.n_columns * self.n_rows);
+        for row in 0..self.n_rows {
+            for column in 0..self.n_columns {
+                let along = hilbert_index(to_u32(column), to_u32(row));
+                cells.push((along, to_u32(row * self.n_columns + column)));
+            }
+        }
+        cells.sort_unstable();
+        let mut rounds: [Vec<u32>; ROUNDS] = Default::default();
+        for (_, cell) in cells {
+            let cell = cell as usize;
+            for node in self.cell_starts[cell]..self.cell_starts[cell + 1] {
+                // Half of the nodes go into the last round, half of the rest into the one before.
+                let round = scramble(node).trailing_zeros() as usize;
+                rounds[round.min(ROUNDS - 1)].push(node);
+            }
+        }
+        rounds.into_iter().rev().flatten().collect()
+    }
+
     /// Calls `visit(node, dx, dy, distance²)` for every node other than `center` within `radius`
     /// of it, in ascending order of nodes.
     pub(crate) fn for_each_within(
@@ -248,6 +303,40 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_insertion_order_holds_every_node_once() {
+        for count in [0, 1, 2, 5000] {
+            let particles = Particles::scatter(
+                &Pane::from_frame_px(300, 100),
+                count,
+                &[[0.0, 0.0]],
+                Seed(5),
+            );
+            let mut order = particles.insertion_order();
+            order.sort_unstable();
+            assert!(
+                order.into_iter().eq(0..to_u32(particles.len())),
+                "{count} particles"
+            );
+        }
+    }
+
+    #[test]
+    fn neighbors_on_the_hilbert_curve_are_neighbors_on_the_grid() {
+        let mut cells: Vec<_> = (0..64 * 64)
+            .map(|k| (hilbert_index(k % 64, k / 64), k % 64, k / 64))
+            .collect();
+        cells.sort_unstable();
+        for pair in cells.windows(2) {
+            let ((_, x0, y0), (_, x1, y1)) = (pair[0], pair[1]);
+            assert_eq!(
+                x0.abs_diff(x1) + y0.abs_diff(y1),
+                1,
+                "the curve never jumps"
+            );
         }
     }
 

@@ -1,17 +1,42 @@
 //! Constrained Delaunay triangulation of the particles inside the outline of the pane.
 
 use spade::handles::FixedVertexHandle;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 use starbreak_glass::{Pane, Seed};
 
 use super::Particles;
 use super::particles::to_u32;
 use crate::FractureError;
 
+/// A vertex of a triangulation that remembers which point it was made of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Indexed {
+    position: Point2<f64>,
+    pub(crate) idx: u32,
+}
+
+impl Indexed {
+    pub(crate) fn new(idx: u32, [x, y]: [f64; 2]) -> Self {
+        Self {
+            position: Point2::new(x, y),
+            idx,
+        }
+    }
+}
+
+impl HasPosition for Indexed {
+    type Scalar = f64;
+    fn position(&self) -> Point2<f64> {
+        self.position
+    }
+}
+
 /// A triangulated pane. Node ids are those of its [`Particles`].
 pub struct PaneMesh {
     particles: Particles,
-    triangulation: ConstrainedDelaunayTriangulation<Point2<f64>>,
+    triangulation: ConstrainedDelaunayTriangulation<Indexed>,
+    /// The triangulation's number of each node; it numbers them as they are inserted.
+    vertex_of: Vec<u32>,
 }
 
 /// The mesh of a pane: `count` uniform particles, the corners, the given `fixed` points, and the
@@ -33,18 +58,37 @@ pub fn mesh_pane(
     points.extend([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]);
     let particles = Particles::scatter(pane, count, &points, seed);
     let outline = outline(&particles, &points, pane);
-    let vertices = (0..to_u32(particles.len()))
-        .map(|node| particles.position(node))
-        .map(|[x, y]| Point2::new(x, y))
-        .collect();
-    let triangulation = ConstrainedDelaunayTriangulation::bulk_load_cdt(vertices, outline)
-        .map_err(|cause| FractureError::Triangulation {
+    let mut triangulation = ConstrainedDelaunayTriangulation::<Indexed>::new();
+    let mut vertex_of = vec![0; particles.len()];
+    let mut is_inserted = vec![false; particles.len()];
+    let mut last = None;
+    // The rim first: what follows then lies inside the hull, which never has to grow.
+    let rim = outline.iter().map(|[from, _]| to_u32(*from));
+    for node in rim.chain(particles.insertion_order()) {
+        if std::mem::replace(&mut is_inserted[node as usize], true) {
+            continue;
+        }
+        let vertex = Indexed::new(node, particles.position(node));
+        let inserted = match last {
+            Some(near) => triangulation.insert_with_hint(vertex, near),
+            None => triangulation.insert(vertex),
+        };
+        let handle = inserted.map_err(|cause| FractureError::Triangulation {
             n_nodes: particles.len(),
             cause: cause.to_string(),
         })?;
+        vertex_of[node as usize] = to_u32(handle.index());
+        last = Some(handle);
+    }
+    let handle = |node: usize| FixedVertexHandle::from_index(vertex_of[node] as usize);
+    for [from, to] in outline {
+        // The rim of a rectangle is its convex hull, so these edges exist and only get their mark.
+        triangulation.add_constraint(handle(from), handle(to));
+    }
     Ok(PaneMesh {
         particles,
         triangulation,
+        vertex_of,
     })
 }
 
@@ -93,11 +137,11 @@ impl PaneMesh {
 
     /// The nodes that share a mesh edge with `node`, in the order around it.
     pub fn mesh_neighbors(&self, node: u32) -> impl Iterator<Item = u32> + '_ {
-        let handle = FixedVertexHandle::from_index(node as usize);
+        let handle = FixedVertexHandle::from_index(self.vertex_of[node as usize] as usize);
         self.triangulation
             .vertex(handle)
             .out_edges()
-            .map(|edge| to_u32(edge.to().index()))
+            .map(|edge| edge.to().data().idx)
     }
 
     /// The node that is reached from `from` on the way to `to` along one mesh edge: the one

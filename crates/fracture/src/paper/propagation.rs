@@ -127,12 +127,12 @@ struct Front {
     step: u32,
 }
 
-/// A neighbor and what it gets: `s = f·cos θ` (eq. 3).
+/// A neighbor, the way to it, and what it gets: `s = f·cos θ` (eq. 3).
 #[derive(Clone, Copy)]
 struct Candidate {
     node: u32,
     stress: f64,
-    direction: [f64; 2],
+    way: [f64; 2],
 }
 
 /// Hands the stress of every impact on, one impact after the other over the same nodes.
@@ -199,11 +199,15 @@ fn first_ring(
 ) {
     gather(mesh, front, params, candidates);
     for candidate in candidates.iter_mut() {
-        if params.two_sided {
-            candidate.stress = candidate.stress.abs();
-        }
-        hand_on(state, front.step, candidate.node, candidate.stress.max(0.0));
+        // Behind the impact no stress arrives, unless the fan opens both ways.
+        let stress = candidate.stress;
+        candidate.stress = if params.two_sided {
+            stress.abs()
+        } else {
+            stress.max(0.0)
+        };
     }
+    hand_on(state, front.step, candidates);
     state.convergence.n_fronts += 1;
     if candidates.is_empty() {
         state.convergence.record_stop(StopReason::NoNeighbor);
@@ -228,9 +232,7 @@ fn advance(
     fronts: &mut Vec<Front>,
 ) {
     gather(mesh, front, params, candidates);
-    for candidate in candidates.iter() {
-        hand_on(state, front.step, candidate.node, candidate.stress);
-    }
+    hand_on(state, front.step, candidates);
     state.convergence.n_fronts += 1;
     choose_side(params.rule, front.direction, candidates);
     let mut advanced = false;
@@ -264,12 +266,16 @@ fn advance(
     }
 }
 
-/// Adds stress to a node (every neighbor is updated, whether the crack goes there or not).
-fn hand_on(state: &mut Propagation, step: u32, node: u32, stress: f64) {
-    let node = node as usize;
-    state.stress[node] += stress;
-    state.first_step[node] = state.first_step[node].min(step + 1);
-    state.convergence.record_change(step, stress.abs());
+/// Adds stress to every neighbor, whether the crack goes there or not.
+fn hand_on(state: &mut Propagation, step: u32, candidates: &[Candidate]) {
+    let mut change = 0.0_f64;
+    for &Candidate { node, stress, .. } in candidates {
+        let node = node as usize;
+        state.stress[node] += stress;
+        state.first_step[node] = state.first_step[node].min(step + 1);
+        change = change.max(stress.abs());
+    }
+    state.convergence.record_change(step, change);
 }
 
 fn break_node(
@@ -286,10 +292,12 @@ fn break_node(
         step,
         stress: candidate.stress,
     });
+    let [dx, dy] = candidate.way;
+    let length = (dx * dx + dy * dy).sqrt();
     fronts.push(Front {
         node: candidate.node,
         stress: candidate.stress,
-        direction: candidate.direction,
+        direction: [dx / length, dy / length],
         step,
     });
 }
@@ -304,13 +312,11 @@ fn gather(mesh: &PaneMesh, front: Front, params: &PaperParams, candidates: &mut 
         ..
     } = front;
     let mut visit = |other: u32, dx: f64, dy: f64, distance2: f64| {
-        let per_distance = 1.0 / distance2.sqrt();
-        let direction = [dx * per_distance, dy * per_distance];
-        let cos_theta = vx * direction[0] + vy * direction[1];
+        let cos_theta = (vx * dx + vy * dy) / distance2.sqrt();
         candidates.push(Candidate {
             node: other,
             stress: stress * cos_theta,
-            direction,
+            way: [dx, dy],
         });
     };
     match params.neighborhood {
@@ -340,8 +346,7 @@ fn choose_side(rule: Rule, [vx, vy]: [f64; 2], candidates: &mut Vec<Candidate>) 
         Rule::Algorithm1 => {}
         Rule::Caption => {
             // The splitting plane contains the direction of travel; a node on it is on both sides.
-            let side =
-                |candidate: &Candidate| vx * candidate.direction[1] - vy * candidate.direction[0];
+            let side = |candidate: &Candidate| vx * candidate.way[1] - vy * candidate.way[0];
             let (mut q1, mut q2) = (0.0, 0.0);
             for candidate in candidates.iter() {
                 let positive = candidate.stress.max(0.0);

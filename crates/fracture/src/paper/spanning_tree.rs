@@ -1,9 +1,10 @@
 //! Euclidean minimum spanning tree: Delaunay edges are enough [Toussaint1980], Kruskal picks.
 
 use petgraph::unionfind::UnionFind;
-use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation};
+use spade::{DelaunayTriangulation, HasPosition as _, Triangulation};
 
 use crate::FractureError;
+use crate::mesh::Indexed;
 
 /// One edge of a spanning tree, by indices into the points it was made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,19 +15,6 @@ pub struct TreeEdge {
     pub b: u32,
     /// Distance between the two, in the unit of the points.
     pub length: f64,
-}
-
-/// A point that remembers where it stood in the list.
-struct Indexed {
-    position: Point2<f64>,
-    idx: u32,
-}
-
-impl HasPosition for Indexed {
-    type Scalar = f64;
-    fn position(&self) -> Point2<f64> {
-        self.position
-    }
 }
 
 /// The Euclidean minimum spanning tree of points, exact, shortest edge first; ties go to the
@@ -43,10 +31,9 @@ impl HasPosition for Indexed {
 /// # Ok::<(), starbreak_fracture::FractureError>(())
 /// ```
 pub fn euclidean_spanning_tree(points: &[[f64; 2]]) -> Result<Vec<TreeEdge>, FractureError> {
-    let indexed = (0_u32..).zip(points).map(|(idx, &[x, y])| Indexed {
-        position: Point2::new(x, y),
-        idx,
-    });
+    let indexed = (0_u32..)
+        .zip(points)
+        .map(|(idx, &point)| Indexed::new(idx, point));
     let triangulation: DelaunayTriangulation<Indexed> =
         DelaunayTriangulation::bulk_load(indexed.collect()).map_err(|cause| {
             FractureError::Triangulation {
@@ -59,7 +46,10 @@ pub fn euclidean_spanning_tree(points: &[[f64; 2]]) -> Result<Vec<TreeEdge>, Fra
         .map(|edge| {
             let [from, to] = edge.vertices();
             let (a, b) = (from.data(), to.data());
-            let (dx, dy) = (a.position.x - b.position.x, a.position.y - b.position.y);
+            let (dx, dy) = (
+                a.position().x - b.position().x,
+                a.position().y - b.position().y,
+            );
             // Bits of a positive number sort like the number.
             (
                 (dx * dx + dy * dy).to_bits(),

@@ -121,6 +121,23 @@ fn contact(
     if a == b || c == d {
         return;
     }
+    let common = [
+        (node_a, b, node_c, d),
+        (node_a, b, node_d, c),
+        (node_b, a, node_c, d),
+        (node_b, a, node_d, c),
+    ];
+    if let Some((end, one, _, other)) = common
+        .into_iter()
+        .find(|(end, _, other_end, _)| end == other_end)
+    {
+        // Two segments from one node meet again only if they leave it in the same direction.
+        let node = if end == node_a { a } else { b };
+        if orient2d(*node, *one, *other) == 0.0 && overlap(a, b, c, d) {
+            report(ContactKind::Overlap);
+        }
+        return;
+    }
     let (c_side, d_side) = (orient2d(*a, *b, *c), orient2d(*a, *b, *d));
     if c_side != 0.0 && d_side != 0.0 && (c_side > 0.0) == (d_side > 0.0) {
         return;
@@ -229,7 +246,7 @@ impl Strips {
         )]
         let n = ends.len().max(1) as f64;
         let range = (y_bottom - y_top).max(0.0);
-        let height = (climb / n)
+        let height = (2.0 * climb / n)
             .max(range / (4.0 * n.sqrt() + 1.0))
             .max(extent * 1e-9);
         #[expect(

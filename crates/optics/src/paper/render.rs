@@ -229,10 +229,17 @@ struct Canvas<'a, S> {
 impl<S: Sample> Frame for Canvas<'_, S> {
     fn load(&mut self, y: usize, start: usize, end: usize, row: &mut [f32]) {
         let at = |x: usize| (y * self.width + x) * self.channels;
-        let pixels = self.samples[at(start)..at(end)].chunks_exact(self.channels);
-        for (to, from) in row.chunks_exact_mut(self.colors).zip(pixels) {
-            for (to, from) in to.iter_mut().zip(from) {
+        let samples = &self.samples[at(start)..at(end)];
+        if self.colors == self.channels {
+            for (to, from) in row.iter_mut().zip(samples) {
                 *to = from.to_level();
+            }
+        } else {
+            let pixels = samples.chunks_exact(self.channels);
+            for (to, from) in row.chunks_exact_mut(self.colors).zip(pixels) {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = from.to_level();
+                }
             }
         }
         if self.focus == Focus::Far {
@@ -249,10 +256,17 @@ impl<S: Sample> Frame for Canvas<'_, S> {
 
     fn store(&mut self, y: usize, start: usize, end: usize, row: &[f32]) {
         let at = |x: usize| (y * self.width + x) * self.channels;
-        let pixels = self.samples[at(start)..at(end)].chunks_exact_mut(self.channels);
-        for (to, from) in pixels.zip(row.chunks_exact(self.colors)) {
-            for (to, from) in to.iter_mut().zip(from) {
+        let samples = &mut self.samples[at(start)..at(end)];
+        if self.colors == self.channels {
+            for (to, from) in samples.iter_mut().zip(row) {
                 *to = S::from_level(*from);
+            }
+        } else {
+            let pixels = samples.chunks_exact_mut(self.channels);
+            for (to, from) in pixels.zip(row.chunks_exact(self.colors)) {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = S::from_level(*from);
+                }
             }
         }
         if self.focus == Focus::Short {
