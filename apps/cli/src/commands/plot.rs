@@ -22,11 +22,11 @@ pub(super) fn timing_figure(
             .map(|((name, points), color)| {
                 let line = LinePlot::new()
                     .with_data(points.iter().map(|(n, spread)| (*n, spread.mean)))
+                    .with_color(color)
                     .with_band(
                         points.iter().map(|(_, spread)| spread.min),
                         points.iter().map(|(_, spread)| spread.max),
                     )
-                    .with_color(color)
                     .with_stroke_width(2.0)
                     .with_legend(*name);
                 Plot::Line(line)

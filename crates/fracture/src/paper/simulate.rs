@@ -211,7 +211,8 @@ fn walk(mesh: &PaneMesh, jump: Stroke, strokes: &mut Vec<Stroke>) {
             mesh.particles().position(at),
             mesh.particles().position(next),
         );
-        lengths.push(lengths[lengths.len() - 1] + (next_x - x).hypot(next_y - y));
+        let (dx, dy) = (next_x - x, next_y - y);
+        lengths.push(lengths[lengths.len() - 1] + (dx * dx + dy * dy).sqrt());
         strokes.push(Stroke {
             a: at,
             b: next,

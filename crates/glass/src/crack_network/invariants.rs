@@ -34,8 +34,11 @@ pub(super) fn summarize(data: &NetworkData) -> Summary {
     let mut total_length = 0.0;
     for ((&from, &to), kind) in segments.from.iter().zip(&segments.to).zip(&segments.kind) {
         let (a, b) = (from as usize, to as usize);
-        total_length +=
-            (data.nodes.x[b] - data.nodes.x[a]).hypot(data.nodes.y[b] - data.nodes.y[a]);
+        let (dx, dy) = (
+            data.nodes.x[b] - data.nodes.x[a],
+            data.nodes.y[b] - data.nodes.y[a],
+        );
+        total_length += (dx * dx + dy * dy).sqrt();
         if matches!(kind, SegmentKind::Propagated | SegmentKind::Radial) && is_impact(from) {
             n_radial += 1;
         }

@@ -20,7 +20,7 @@ pub fn crack_energies(
         .map(|idx| {
             let [x0, y0, x1, y1] = network.ends(idx);
             let (dx, dy) = ((x1 - x0) * scale_x, (y1 - y0) * scale_y);
-            let length = dx.hypot(dy);
+            let length = (dx * dx + dy * dy).sqrt();
             let (nx, ny) = (-dy / length, dx / length);
             f64::midpoint(
                 (cos_a * nx + sin_a * ny).abs(),

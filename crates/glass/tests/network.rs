@@ -1,0 +1,290 @@
+//! What a crack network promises: each promise broken once, and the file round trip.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use proptest::prelude::*;
+use starbreak_glass::{
+    CrackNetwork, Generator, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData, NetworkError,
+    Nodes, Pane, Seed, SegmentKind, Segments, find_contacts,
+};
+
+/// A star of three arms, the last in two pieces.
+fn star() -> NetworkData {
+    NetworkData {
+        schema: NETWORK_SCHEMA.to_owned(),
+        generator: Generator {
+            name: "test".to_owned(),
+            version: "1".to_owned(),
+        },
+        model: Model::Paper,
+        seed: Some(Seed(7)),
+        unit: LengthUnit::Px,
+        pane: Pane::from_frame_px(100, 50),
+        damage_class: None,
+        impacts: vec![Impact {
+            x: 50.0,
+            y: 25.0,
+            force: Some(500.0),
+            direction_deg: Some(30.0),
+        }],
+        nodes: Nodes {
+            x: vec![50.0, 90.0, 10.0, 50.0, 50.5],
+            y: vec![25.0, 30.0, 20.0, 5.0, 1.25],
+        },
+        segments: Segments {
+            from: vec![0, 0, 0, 3],
+            to: vec![1, 2, 3, 4],
+            kind: vec![
+                SegmentKind::Propagated,
+                SegmentKind::Mst,
+                SegmentKind::Propagated,
+                SegmentKind::Propagated,
+            ],
+            parent: Some(vec![None, None, None, Some(2)]),
+            arrival_step: Some(vec![1.0, 1.0, 1.0, 2.0]),
+            ..Segments::default()
+        },
+        summary: None,
+    }
+}
+
+/// The error that a change to the star leads to.
+fn refusal(change: impl FnOnce(&mut NetworkData)) -> NetworkError {
+    let mut data = star();
+    change(&mut data);
+    CrackNetwork::new(data).unwrap_err()
+}
+
+#[test]
+fn a_sound_network_is_accepted_and_summed_up() {
+    let network = CrackNetwork::new(star()).unwrap();
+    let summary = network.summary();
+    assert_eq!(
+        (summary.n_segments, summary.n_radial),
+        (4, 2),
+        "two propagated segments leave the impact"
+    );
+    let expected = 40.0_f64.hypot(5.0) + 40.0_f64.hypot(5.0) + 20.0 + 0.5_f64.hypot(3.75);
+    assert!(
+        (summary.total_length - expected).abs() < 1e-12,
+        "{summary:?}"
+    );
+}
+
+#[test]
+fn each_broken_promise_is_named() {
+    let cases: Vec<(NetworkError, &str)> = vec![
+        (
+            refusal(|d| d.schema = "starbreak.crack-network/9".to_owned()),
+            "schema",
+        ),
+        (refusal(|d| d.pane.width = -1.0), "pane width = -1"),
+        (refusal(|d| d.nodes.y.truncate(2)), "nodes.y"),
+        (refusal(|d| d.segments.kind.truncate(1)), "segments.kind"),
+        (
+            refusal(|d| d.segments.arrival_step = Some(vec![1.0])),
+            "segments.arrival_step",
+        ),
+        (refusal(|d| d.nodes.x[1] = f64::NAN), "nodes.x[1] = NaN"),
+        (
+            refusal(|d| d.segments.arrival_step = Some(vec![-1.0; 4])),
+            "segments.arrival_step[0] = -1",
+        ),
+        (
+            refusal(|d| d.segments.depth_fraction = Some(vec![0.5, 1.5, 0.0, 0.0])),
+            "segments.depth_fraction[1]",
+        ),
+        (refusal(|d| d.nodes.x[1] = 101.0), "node 1 at (101, 30)"),
+        (refusal(|d| d.impacts[0].y = 51.0), "impact 0"),
+        (refusal(|d| d.segments.to[1] = 5), "segments.to[1] = 5"),
+        (refusal(|d| d.segments.to[1] = 0), "segment 1 has no length"),
+        (
+            refusal(|d| (d.nodes.x[4], d.nodes.y[4]) = (50.0, 5.0)),
+            "segment 3 has no length",
+        ),
+        (refusal(|d| d.segments.to[1] = 1), "segments 0 and 1 join"),
+        (
+            refusal(|d| d.segments.parent = Some(vec![None, None, None, Some(1)])),
+            "segment 3 cannot grow",
+        ),
+        (
+            refusal(|d| d.segments.parent = Some(vec![Some(9), None, None, None])),
+            "parent[0] = 9",
+        ),
+        (
+            refusal(|d| d.segments.arrival_step = Some(vec![1.0, 1.0, 3.0, 2.0])),
+            "before its parent",
+        ),
+    ];
+    for (error, expected) in cases {
+        let message = error.to_string();
+        assert!(
+            message.contains(expected),
+            "{message:?} does not name {expected:?}"
+        );
+        assert!(!message.contains('\n'), "one line: {message:?}");
+    }
+}
+
+#[test]
+fn a_ring_of_parents_is_refused() {
+    let error = refusal(|d| {
+        d.segments.from = vec![0, 1, 2, 3];
+        d.segments.to = vec![1, 2, 0, 4];
+        d.segments.parent = Some(vec![Some(2), Some(0), Some(1), None]);
+        d.segments.arrival_step = Some(vec![1.0; 4]);
+    });
+    assert!(error.to_string().contains("its own ancestor"), "{error}");
+}
+
+#[test]
+fn whatever_meets_without_a_common_node_is_refused() {
+    let with_segment = |ends: [f64; 4]| {
+        refusal(|d| {
+            d.segments.parent = None;
+            d.segments.arrival_step = None;
+            d.nodes.x.extend([ends[0], ends[2]]);
+            d.nodes.y.extend([ends[1], ends[3]]);
+            d.segments.from.push(5);
+            d.segments.to.push(6);
+            d.segments.kind.push(SegmentKind::Mst);
+        })
+        .to_string()
+    };
+    assert!(
+        with_segment([70.0, 10.0, 70.0, 45.0]).contains("cross without a node"),
+        "a crossing"
+    );
+    assert!(
+        with_segment([70.0, 27.5, 70.0, 45.0]).contains("only one of them has a node"),
+        "a touch"
+    );
+    assert!(
+        with_segment([70.0, 27.5, 90.0, 30.0]).contains("on top of each other"),
+        "an overlap"
+    );
+    assert!(
+        with_segment([90.0, 30.0, 95.0, 45.0]).contains("two different nodes"),
+        "two nodes at one place"
+    );
+}
+
+#[test]
+fn the_file_holds_what_the_network_holds() {
+    let network = CrackNetwork::new(star()).unwrap();
+    let text = network.to_json();
+    assert_eq!(
+        CrackNetwork::from_json(&text).unwrap().to_json(),
+        text,
+        "read and written again"
+    );
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    for key in [
+        "schema",
+        "generator",
+        "model",
+        "seed",
+        "unit",
+        "pane",
+        "impacts",
+        "nodes",
+        "segments",
+        "summary",
+    ] {
+        assert!(value.get(key).is_some(), "the file has no {key}");
+    }
+    assert!(
+        value["segments"].get("opening_um").is_none(),
+        "a column that the model does not produce is absent"
+    );
+    assert_eq!(value["segments"]["kind"][1], "mst", "kinds are words");
+}
+
+#[test]
+fn growth_shows_each_tip_between_its_parents_arrival_and_its_own() {
+    let network = CrackNetwork::new(star()).unwrap();
+    assert_eq!(network.grown_at(0.0).count(), 0, "nothing at the impact");
+    let half: Vec<_> = network.grown_at(0.5).collect();
+    assert_eq!(half.len(), 3, "three arms on their way");
+    assert_eq!(
+        half[0].1,
+        [50.0, 25.0, 70.0, 27.5],
+        "half way along the first"
+    );
+    let later: Vec<_> = network.grown_at(1.5).collect();
+    assert_eq!(
+        later[3].1,
+        [50.0, 5.0, 50.25, 3.125],
+        "the fourth grows from the third"
+    );
+    assert_eq!(network.grown_at(2.0).count(), 4, "all there");
+}
+
+/// Whether two segments share a point other than one node that both have; integers, so exact.
+fn meet(p: [[i64; 2]; 2], q: [[i64; 2]; 2], same_node: bool) -> bool {
+    let side = |a: [i64; 2], b: [i64; 2], c: [i64; 2]| {
+        ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).signum()
+    };
+    let on = |a: [i64; 2], b: [i64; 2], c: [i64; 2]| {
+        side(a, b, c) == 0 && (0..2).all(|k| c[k] >= a[k].min(b[k]) && c[k] <= a[k].max(b[k]))
+    };
+    let crosses = side(p[0], p[1], q[0]) * side(p[0], p[1], q[1]) < 0
+        && side(q[0], q[1], p[0]) * side(q[0], q[1], p[1]) < 0;
+    let touches = on(p[0], p[1], q[0])
+        || on(p[0], p[1], q[1])
+        || on(q[0], q[1], p[0])
+        || on(q[0], q[1], p[1]);
+    if !same_node {
+        return crosses || touches;
+    }
+    // With a common node: only an overlap is a contact, that is an end inside the other.
+    let inside = |a: [i64; 2], b: [i64; 2], c: [i64; 2]| on(a, b, c) && c != a && c != b;
+    inside(p[0], p[1], q[0])
+        || inside(p[0], p[1], q[1])
+        || inside(q[0], q[1], p[0])
+        || inside(q[0], q[1], p[1])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// Few places, so that touches, overlaps and common nodes are the rule.
+    #[test]
+    fn contacts_are_those_of_a_full_search(
+        places in prop::collection::btree_set((0_i64..9, 0_i64..7), 4..14),
+        pairs in prop::collection::btree_set((0_usize..14, 0_usize..14), 1..14),
+        flat in any::<bool>(),
+    ) {
+        let places: Vec<[i64; 2]> = places.into_iter().map(|(x, y)| if flat { [x * 1000, y] } else { [x, y] }).collect();
+        let mut segments: Vec<(usize, usize)> = pairs
+            .into_iter()
+            .map(|(a, b)| (a % places.len(), b % places.len()))
+            .filter(|(a, b)| a < b)
+            .collect();
+        segments.sort_unstable();
+        segments.dedup();
+        #[expect(clippy::cast_precision_loss, reason = "small integers")]
+        let nodes = Nodes {
+            x: places.iter().map(|place| place[0] as f64).collect(),
+            y: places.iter().map(|place| place[1] as f64).collect(),
+        };
+        let from: Vec<u32> = segments.iter().map(|(a, _)| u32::try_from(*a).unwrap()).collect();
+        let to: Vec<u32> = segments.iter().map(|(_, b)| u32::try_from(*b).unwrap()).collect();
+        let mut found: Vec<(u32, u32)> = find_contacts(&nodes, &from, &to).iter().map(|c| (c.first, c.second)).collect();
+        found.dedup();
+        let mut expected = Vec::new();
+        for (i, &(a, b)) in segments.iter().enumerate() {
+            for (j, &(c, d)) in segments.iter().enumerate().skip(i + 1) {
+                let same_node = a == c || a == d || b == c || b == d;
+                if meet([places[a], places[b]], [places[c], places[d]], same_node) {
+                    expected.push((u32::try_from(i).unwrap(), u32::try_from(j).unwrap()));
+                }
+            }
+        }
+        prop_assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn no_text_makes_the_reader_panic(text in "\\PC{0,200}") {
+        prop_assert!(CrackNetwork::from_json(&text).is_err());
+    }
+}

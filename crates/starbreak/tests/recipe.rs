@@ -1,0 +1,280 @@
+//! What a recipe may say, and what is said back.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use proptest::prelude::*;
+use starbreak::{PRESETS, Recipe, RecipeError, json_schema};
+
+fn refusal(text: &str) -> String {
+    let message = Recipe::parse("r.toml", text).unwrap_err().to_string();
+    assert!(!message.contains('\n'), "one line: {message:?}");
+    message
+}
+
+#[test]
+fn presets_are_complete_and_print_as_themselves() {
+    for (name, _) in PRESETS {
+        let preset = Recipe::preset(name).unwrap();
+        preset.settings().unwrap();
+        for text in [preset.to_toml(), preset.to_commented_toml()] {
+            assert_eq!(
+                Recipe::parse(name, &text).unwrap(),
+                preset,
+                "{name} read from its own print"
+            );
+        }
+        let commented = preset.to_commented_toml();
+        let keys = commented
+            .lines()
+            .filter(|line| line.contains(" = "))
+            .count();
+        let comments = commented
+            .lines()
+            .filter(|line| line.starts_with('#'))
+            .count();
+        assert!(
+            comments >= keys,
+            "each of {keys} keys has its comment, {comments} lines"
+        );
+    }
+}
+
+#[test]
+fn the_schema_knows_every_key_of_a_preset() {
+    let schema = json_schema();
+    let text = schema.to_string();
+    let preset = Recipe::preset("paper").unwrap().to_toml();
+    for line in preset.lines().filter(|line| line.contains(" = ")) {
+        let key = line.split(" = ").next().unwrap();
+        assert!(
+            text.contains(&format!("\"{key}\"")),
+            "the schema lacks {key}"
+        );
+    }
+    assert!(
+        schema["properties"]["fracture"].is_object(),
+        "tables are properties"
+    );
+}
+
+#[test]
+fn what_a_recipe_leaves_out_comes_from_the_preset() {
+    let recipe = Recipe::parse(
+        "r.toml",
+        "schema = 1\n[[impact]]\nforce = 700\n[[impact]]\nposition = [0.1, 0.9]",
+    )
+    .unwrap();
+    let settings = recipe.settings().unwrap();
+    let impacts = settings.impacts_on(&starbreak::glass::Pane::from_frame_px(100, 50));
+    assert_eq!(impacts.len(), 2, "two impacts replace the preset's one");
+    assert!(
+        (impacts[0].force - 700.0).abs() < 1e-12 && (impacts[1].force - 500.0).abs() < 1e-12,
+        "each completed"
+    );
+    assert_eq!(
+        settings.fracture.particles, 10_000,
+        "and the rest is the preset's"
+    );
+}
+
+#[test]
+fn each_mistake_is_named_with_its_place_and_a_way_out() {
+    let cases = [
+        (
+            "schema = 1\n[fracture]\nparticels = 5",
+            "`fracture.particels`; did you mean `fracture.particles`?",
+        ),
+        (
+            "schema = 1\n[fractures]\n",
+            "`fractures`; did you mean `fracture`?",
+        ),
+        (
+            "schema = 1\n[[impact]]\nforce = 1\n[[impact]]\nfrce = 2",
+            "`impact.1.frce`; did you mean `impact.1.force`?",
+        ),
+        ("schema = 1\n[optics]\nzzz = 1", "known keys: model, "),
+        ("[fracture]\n", "`schema` is missing"),
+        ("schema = 2", "schema = 2; this version reads schema = 1"),
+        ("schema = \"1\"", "this version reads schema = 1"),
+        ("schema = 1\nimpact = []", "number of [[impact]] tables = 0"),
+        ("schema = 1\nimpact = 5", "impact"),
+        ("schema = 1\ncamera = 5", "camera"),
+        (
+            "schema = 1\n[fracture]\nparticles = 0",
+            "fracture.particles = 0; expected 1 to 10000000",
+        ),
+        (
+            "schema = 1\n[fracture]\nparticles = -1",
+            "fracture.particles",
+        ),
+        (
+            "schema = 1\n[fracture]\nparticles = 1.5",
+            "fracture.particles",
+        ),
+        (
+            "schema = 1\n[fracture]\nneighbour_radius_px = 0",
+            "fracture.neighbour_radius_px = 0",
+        ),
+        (
+            "schema = 1\n[fracture]\ncritical_stress = nan",
+            "fracture.critical_stress = NaN",
+        ),
+        (
+            "schema = 1\n[fracture]\nsafety_factor = -inf",
+            "fracture.safety_factor = -inf",
+        ),
+        (
+            "schema = 1\n[fracture]\nrule = \"algorithm\"",
+            "fracture.rule",
+        ),
+        (
+            "schema = 1\n[[impact]]\nposition = [1.5, 0.5]",
+            "impact.0.position = [1.5, 0.5]",
+        ),
+        (
+            "schema = 1\n[[impact]]\nposition = [0.5]",
+            "impact.0.position",
+        ),
+        (
+            "schema = 1\n[[impact]]\nposition = \"middle\"",
+            "\"random\" or [x, y]",
+        ),
+        ("schema = 1\n[[impact]]\nforce = -5", "impact.0.force = -5"),
+        (
+            "schema = 1\n[[impact]]\ndirection_deg = nan",
+            "impact.0.direction_deg",
+        ),
+        (
+            "schema = 1\n[optics]\nblur_kernel_px = 14",
+            "optics.blur_kernel_px = 14",
+        ),
+        (
+            "schema = 1\n[optics]\nline_width_px = 1e9",
+            "optics.line_width_px = 1000000000",
+        ),
+        (
+            "schema = 1\n[optics]\nlight_intensity = [1, 2]",
+            "optics.light_intensity",
+        ),
+        (
+            "schema = 1\n[optics]\nlight_intensity = [1, 2, 300]",
+            "light_intensity = 300",
+        ),
+        ("schema = 1\n[output]\nquality = 0", "output.quality = 0"),
+        ("schema = 1\n[output]\nmasks = \"yes\"", "output.masks"),
+        (
+            "schema = 1\n[camera]\nfocus_distance_m = 3.0",
+            "camera.focus_distance_m",
+        ),
+        ("schema = 1\n[fracture\n", "r.toml:2:"),
+        ("schema = 1\nschema = 1", "r.toml:2:"),
+    ];
+    for (text, expected) in cases {
+        let message = refusal(text);
+        assert!(
+            message.starts_with("r.toml"),
+            "{message:?} does not name the file"
+        );
+        assert!(
+            message.contains(expected),
+            "{message:?} does not say {expected:?}"
+        );
+    }
+    let unknown = Recipe::preset("papre").unwrap_err().to_string();
+    assert!(unknown.contains("did you mean `paper`?"), "{unknown}");
+}
+
+#[test]
+fn overrides_reach_one_impact_or_all_and_fail_without_a_trace() {
+    let mut recipe = Recipe::parse("r.toml", "schema = 1\n[[impact]]\n[[impact]]\n").unwrap();
+    recipe.set("impact.force=600").unwrap();
+    recipe.set("impact.1.force = 700").unwrap();
+    recipe.set("camera.focus_distance_m=short").unwrap();
+    let pane = starbreak::glass::Pane::from_frame_px(10, 10);
+    let forces: Vec<f64> = recipe
+        .settings()
+        .unwrap()
+        .impacts_on(&pane)
+        .iter()
+        .map(|impact| impact.force)
+        .collect();
+    assert_eq!(forces, [600.0, 700.0], "all, then one");
+
+    let before = recipe.clone();
+    for bad in [
+        "impact.2.force=1",
+        "impact.x.force=1",
+        "force=1",
+        "a.b.c.d=1",
+        "fracture.rule",
+        "nothing.x=1",
+        "fracture.particles=0",
+        "fracture.x=1",
+        "schema=3",
+        "=",
+        ".=",
+        "fracture.particles=1\nx=2",
+    ] {
+        let message = recipe.set(bad).unwrap_err().to_string();
+        assert!(
+            message.starts_with("--set ") && !message.contains('\n'),
+            "{bad:?}: {message:?}"
+        );
+        assert_eq!(recipe, before, "{bad:?} left a trace");
+    }
+}
+
+fn scalar() -> impl Strategy<Value = String> {
+    prop_oneof![
+        any::<i64>().prop_map(|n| n.to_string()),
+        any::<f64>().prop_map(|x| if x.is_finite() {
+            format!("{x:?}")
+        } else {
+            "nan".to_owned()
+        }),
+        prop::sample::select(vec![
+            "true",
+            "\"random\"",
+            "\"far\"",
+            "[0.5, 0.5]",
+            "[1,2,3]",
+            "\"paper\"",
+            "{a=1}",
+            "inf"
+        ])
+        .prop_map(str::to_owned),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1500))]
+
+    #[test]
+    fn any_override_is_refused_in_one_line_or_gives_valid_settings(
+        key in prop::sample::select(vec![
+            "camera.focus_distance_m", "impact.position", "impact.0.force", "impact.direction_deg", "fracture.model",
+            "fracture.particles", "fracture.neighbour_radius_px", "fracture.critical_stress", "fracture.safety_factor",
+            "fracture.branches", "optics.sun_azimuth_deg", "optics.light_intensity", "optics.line_width_px",
+            "optics.blur_kernel_px", "optics.blur_sigma_px", "output.quality", "output.masks",
+        ]),
+        value in scalar(),
+    ) {
+        let mut recipe = Recipe::preset("paper").unwrap();
+        match recipe.set(&format!("{key}={value}")) {
+            Ok(()) => {
+                let settings = recipe.settings().unwrap();
+                let again = Recipe::parse("again", &recipe.to_toml()).unwrap();
+                prop_assert_eq!(again.settings().unwrap(), settings, "the print of a recipe is the recipe");
+            }
+            Err(error) => prop_assert!(!error.to_string().contains('\n'), "{}", error),
+        }
+    }
+
+    #[test]
+    fn no_text_makes_the_parser_panic(text in "[a-z\\[\\]={}\",.0-9 \n#]{0,120}") {
+        let outcome = Recipe::parse("r.toml", &format!("schema = 1\n{text}"));
+        if let Err(error) = outcome {
+            prop_assert!(!error.to_string().contains('\n'), "{}", error);
+            prop_assert!(!matches!(error, RecipeError::NoSchema { .. }), "the schema is there");
+        }
+    }
+}
