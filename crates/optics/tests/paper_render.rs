@@ -5,7 +5,7 @@ use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb, RgbImage, Rgba};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::OpticsError;
 use starbreak_optics::paper::{
-    Focus, Light, Normalization, PaperOptics, crack_energies, draw, render, render_at,
+    FarFocusBlur, Focus, Light, Normalization, PaperOptics, crack_energies, draw, render, render_at,
 };
 
 const SIZE: (u32, u32) = (70, 50);
@@ -130,6 +130,16 @@ fn expected(image: &RgbImage, optics: &PaperOptics) -> Vec<[f64; 3]> {
     };
     match optics.focus {
         Focus::Short => blend(&blur(&scene)),
+        Focus::Far if optics.far_focus_blur == FarFocusBlur::Crack => {
+            let veil: Vec<[f64; 3]> = crack.iter().map(|(m, e)| [*m, m * e, 0.0]).collect();
+            let veil = blur(&veil);
+            let pairs = scene.iter().zip(&veil);
+            pairs
+                .map(|(pixel, [m, e, _])| {
+                    std::array::from_fn(|c| pixel[c] * (1.0 - m) + light[c] * e)
+                })
+                .collect()
+        }
         Focus::Far => {
             let blurred = blur(&blend(&scene));
             let near = |x: i64, y: i64| {
@@ -154,11 +164,17 @@ fn expected(image: &RgbImage, optics: &PaperOptics) -> Vec<[f64; 3]> {
 
 #[test]
 fn both_focus_modes_are_their_definitions() {
-    for focus in [Focus::Far, Focus::Short] {
+    let modes = [
+        (Focus::Far, FarFocusBlur::Crack),
+        (Focus::Far, FarFocusBlur::CrackAndScene),
+        (Focus::Short, FarFocusBlur::Crack),
+    ];
+    for (focus, far_focus_blur) in modes {
         for (blur_kernel_px, blur_sigma_px) in [(15, 2.6), (1, 2.6), (5, 0.9), (41, 9.0)] {
             let optics = PaperOptics {
                 blur_kernel_px,
                 blur_sigma_px,
+                far_focus_blur,
                 ..optics(focus)
             };
             let mut image = DynamicImage::ImageRgb8(picture());
@@ -169,8 +185,8 @@ fn both_focus_modes_are_their_definitions() {
                 .zip(expected(&picture(), &optics))
                 .zip(0..)
             {
-                for c in 0..3 {
-                    let off = (f64::from(pixel.0[c]) - expected[c]).abs();
+                for (level, expected) in pixel.0.iter().zip(expected) {
+                    let off = (f64::from(*level) - expected).abs();
                     assert!(
                         off <= 0.51,
                         "{focus:?}, kernel {blur_kernel_px}, sample {x}: off by {off}"

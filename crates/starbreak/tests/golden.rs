@@ -11,8 +11,12 @@ use image::{DynamicImage, Rgb, RgbImage};
 use starbreak::dataset::sha256_hex;
 use starbreak::{Recipe, Seed, pipeline};
 
-const CASES: [(&str, &[&str]); 6] = [
+const CASES: [(&str, &[&str]); 7] = [
     ("paper-far", &[]),
+    (
+        "paper-far-together",
+        &["optics.far_focus_blur=crack-and-scene"],
+    ),
     ("paper-short", &["camera.focus_distance_m=short"]),
     ("caption", &["fracture.rule=caption"]),
     (

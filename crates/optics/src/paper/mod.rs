@@ -3,10 +3,11 @@
 //! It works on the image's own code values, as the paper does; the `physical` tier is the one
 //! that knows linear light.
 
+mod canvas;
 mod params;
 mod render;
 mod shading;
 
-pub use params::{Focus, Light, Normalization, PaperOptics};
+pub use params::{FarFocusBlur, Focus, Light, Normalization, PaperOptics};
 pub use render::{Masks, composite, draw, render, render_at};
 pub use shading::crack_energies;

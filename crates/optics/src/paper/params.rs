@@ -11,6 +11,16 @@ pub enum Focus {
     Short,
 }
 
+/// What far focus blurs. The paper overlays fractures that it blurs, with the scene in the focal
+/// plane; its implementation blurs the two together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FarFocusBlur {
+    /// The crack alone; the scene stays sharp under it.
+    Crack,
+    /// Scene and crack together, wherever the crack reaches.
+    CrackAndScene,
+}
+
 /// The "mean intensity of the light source" (I_r, I_g, I_b), which the paper does not define.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
@@ -38,6 +48,8 @@ pub enum Normalization {
 pub struct PaperOptics {
     /// What is sharp. **Default**: far.
     pub focus: Focus,
+    /// What far focus blurs. **Default**: the crack.
+    pub far_focus_blur: FarFocusBlur,
     /// Sun azimuth α, rad. **Default**: 35°.
     pub sun_azimuth_rad: f64,
     /// Sun zenith angle θ, rad (90° − elevation). **Default**: 45°.
@@ -61,6 +73,7 @@ impl Default for PaperOptics {
     fn default() -> Self {
         Self {
             focus: Focus::Far,
+            far_focus_blur: FarFocusBlur::Crack,
             sun_azimuth_rad: 35_f64.to_radians(),
             sun_zenith_rad: 45_f64.to_radians(),
             light: Light::Rgb([200.0; 3]),

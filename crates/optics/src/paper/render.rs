@@ -3,11 +3,10 @@
 use image::{DynamicImage, GrayImage};
 use starbreak_glass::CrackNetwork;
 
-use super::params::{Focus, Light, PaperOptics};
+use super::canvas::blend_and_blur;
+use super::params::PaperOptics;
 use super::shading::crack_energies;
 use crate::OpticsError;
-use crate::bit_rows::BitRows;
-use crate::blur::{Frame, Kernel, blur_pixels};
 use crate::coverage::{Coverage, Line, gray_image};
 
 /// Where a render changed the image, and where the cracks are.
@@ -17,45 +16,6 @@ pub struct Masks {
     pub region: GrayImage,
     /// Coverage by cracks, 255 = in full.
     pub crack: GrayImage,
-}
-
-/// A sample of an image.
-trait Sample: Copy {
-    /// Highest code value over 255.
-    const SCALE: f32;
-    fn to_level(self) -> f32;
-    /// Rounded and clamped to the range of the type.
-    fn from_level(level: f32) -> Self;
-}
-
-impl Sample for u8 {
-    const SCALE: f32 = 1.0;
-    fn to_level(self) -> f32 {
-        f32::from(self)
-    }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` clamps, which is meant"
-    )]
-    fn from_level(level: f32) -> Self {
-        (level + 0.5) as Self
-    }
-}
-
-impl Sample for u16 {
-    const SCALE: f32 = 257.0;
-    fn to_level(self) -> f32 {
-        f32::from(self)
-    }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "`as` clamps, which is meant"
-    )]
-    fn from_level(level: f32) -> Self {
-        (level + 0.5) as Self
-    }
 }
 
 /// Renders the full-grown network over the image, in place. See [`render_at`].
@@ -111,9 +71,11 @@ pub fn draw(
 
 /// Blends drawn cracks into the image, in place.
 ///
-/// Far focus: O = I(1 − M) + I_c·M, and G∗O replaces I wherever a crack pixel lies within half
-/// the kernel; all else stays as it is, to the byte. Short focus: (G∗I)(1 − M) + I_c·M over the
-/// whole frame. Where nothing is broken the image stays as it is. Alpha is never changed.
+/// Far focus: the crack is blurred over the sharp scene, I·(1 − G∗M) + G∗(M·I_c); with
+/// [`FarFocusBlur::CrackAndScene`] the two are blurred together, G∗(I·(1 − M) + M·I_c). Either
+/// way only where a crack pixel lies within half the kernel; all else stays as it is, to the
+/// byte. Short focus: (G∗I)·(1 − M) + M·I_c over the whole frame. Where nothing is broken the
+/// image stays as it is. Alpha is never changed.
 ///
 /// # Errors
 /// [`OpticsError`] for a parameter out of range, an image without pixels or of another size than
@@ -182,143 +144,4 @@ pub fn composite(
         region: gray_image(size.0, size.1, pixels),
         crack: drawn.to_mask(),
     })
-}
-
-/// Blends and blurs in place; the pixels that may have changed.
-fn blend_and_blur<S: Sample>(
-    samples: &mut [S],
-    (width, height): (usize, usize),
-    [colors, alphas]: [usize; 2],
-    coverage: &Coverage,
-    optics: &PaperOptics,
-) -> BitRows {
-    if coverage.is_empty() {
-        return BitRows::new(width, height);
-    }
-    let channels = colors + alphas;
-    let light = light_levels(samples, colors, channels, optics.light);
-    let kernel = Kernel::gaussian(optics.blur_radius_px() as usize, optics.blur_sigma_px);
-    let region = match optics.focus {
-        Focus::Far => coverage.touched().dilated(kernel.radius()),
-        Focus::Short => BitRows::full(width, height),
-    };
-    let mut canvas = Canvas {
-        samples,
-        width,
-        colors,
-        channels,
-        coverage,
-        light,
-        focus: optics.focus,
-    };
-    blur_pixels(&region, (width, height), colors, &kernel, &mut canvas);
-    region
-}
-
-/// The image under its cracks: blended before the blur (far focus) or after it (short focus).
-struct Canvas<'a, S> {
-    samples: &'a mut [S],
-    width: usize,
-    colors: usize,
-    channels: usize,
-    coverage: &'a Coverage,
-    light: [f32; 3],
-    focus: Focus,
-}
-
-impl<S: Sample> Frame for Canvas<'_, S> {
-    fn load(&mut self, y: usize, start: usize, end: usize, row: &mut [f32]) {
-        let at = |x: usize| (y * self.width + x) * self.channels;
-        let samples = &self.samples[at(start)..at(end)];
-        if self.colors == self.channels {
-            for (to, from) in row.iter_mut().zip(samples) {
-                *to = from.to_level();
-            }
-        } else {
-            let pixels = samples.chunks_exact(self.channels);
-            for (to, from) in row.chunks_exact_mut(self.colors).zip(pixels) {
-                for (to, from) in to.iter_mut().zip(from) {
-                    *to = from.to_level();
-                }
-            }
-        }
-        if self.focus == Focus::Far {
-            for (x, covered, energy) in self.coverage.row_within(y, start, end) {
-                blend(
-                    &mut row[(x - start) * self.colors..][..self.colors],
-                    &self.light,
-                    covered,
-                    energy,
-                );
-            }
-        }
-    }
-
-    fn store(&mut self, y: usize, start: usize, end: usize, row: &[f32]) {
-        let at = |x: usize| (y * self.width + x) * self.channels;
-        let samples = &mut self.samples[at(start)..at(end)];
-        if self.colors == self.channels {
-            for (to, from) in samples.iter_mut().zip(row) {
-                *to = S::from_level(*from);
-            }
-        } else {
-            let pixels = samples.chunks_exact_mut(self.channels);
-            for (to, from) in pixels.zip(row.chunks_exact(self.colors)) {
-                for (to, from) in to.iter_mut().zip(from) {
-                    *to = S::from_level(*from);
-                }
-            }
-        }
-        if self.focus == Focus::Short {
-            for (x, covered, energy) in self.coverage.row_within(y, start, end) {
-                let mut levels = [0.0_f32; 3];
-                levels[..self.colors]
-                    .copy_from_slice(&row[(x - start) * self.colors..][..self.colors]);
-                blend(&mut levels[..self.colors], &self.light, covered, energy);
-                for (to, from) in self.samples[at(x)..][..self.colors].iter_mut().zip(levels) {
-                    *to = S::from_level(from);
-                }
-            }
-        }
-    }
-}
-
-/// I(1 − M) + I_c·M, with I_c = light · energy.
-fn blend(levels: &mut [f32], light: &[f32; 3], covered: f32, energy: f32) {
-    for (level, light) in levels.iter_mut().zip(light) {
-        *level = *level * (1.0 - covered) + light * energy * covered;
-    }
-}
-
-/// The light's intensity in code values of the image; for grey images the mean of its channels.
-fn light_levels<S: Sample>(
-    samples: &[S],
-    colors: usize,
-    channels: usize,
-    light: Light,
-) -> [f32; 3] {
-    #[expect(clippy::cast_possible_truncation, reason = "a level as f32")]
-    match light {
-        Light::Rgb(levels) if colors == 1 => {
-            [(levels.iter().sum::<f64>() / 3.0) as f32 * S::SCALE; 3]
-        }
-        Light::Rgb(levels) => levels.map(|level| level as f32 * S::SCALE),
-        Light::ImageMean => {
-            let mut sums = [0.0_f64; 3];
-            for row in samples.chunks(channels * 4096) {
-                let mut partial = [0.0_f32; 3];
-                for pixel in row.chunks_exact(channels) {
-                    for (sum, sample) in partial.iter_mut().zip(&pixel[..colors]) {
-                        *sum += sample.to_level();
-                    }
-                }
-                for (sum, partial) in sums.iter_mut().zip(partial) {
-                    *sum += f64::from(partial);
-                }
-            }
-            #[expect(clippy::cast_precision_loss, reason = "a count")]
-            let n = (samples.len() / channels).max(1) as f64;
-            sums.map(|sum| (sum / n) as f32)
-        }
-    }
 }

@@ -5,12 +5,12 @@ use starbreak_fracture::paper::{
     Direction, Neighborhood, PaperImpact, PaperParams, Position, Rule,
 };
 use starbreak_glass::Pane;
-use starbreak_optics::paper::{Focus, Light, Normalization, PaperOptics};
+use starbreak_optics::paper::{FarFocusBlur, Focus, Light, Normalization, PaperOptics};
 
 use super::error::{Place, RecipeError};
 use super::tables::{
-    DirectionEntry, FocusWord, FormatWord, ImpactTable, LightEntry, NeighborhoodWord,
-    NormalizationWord, PositionEntry, RecipeTables, RuleWord,
+    DirectionEntry, FarFocusBlurWord, FocusWord, FormatWord, ImpactTable, LightEntry,
+    NeighborhoodWord, NormalizationWord, PositionEntry, RecipeTables, RuleWord,
 };
 
 /// Most impacts on one pane.
@@ -178,6 +178,10 @@ fn optics(tables: &RecipeTables) -> PaperOptics {
         focus: match tables.camera.focus_distance_m {
             FocusWord::Far => Focus::Far,
             FocusWord::Short => Focus::Short,
+        },
+        far_focus_blur: match given.far_focus_blur {
+            FarFocusBlurWord::Crack => FarFocusBlur::Crack,
+            FarFocusBlurWord::CrackAndScene => FarFocusBlur::CrackAndScene,
         },
         sun_azimuth_rad: given.sun_azimuth_deg.to_radians(),
         sun_zenith_rad: (90.0 - given.sun_elevation_deg).to_radians(),

@@ -155,6 +155,9 @@ pub(super) enum RuleWord {
 pub(super) struct OpticsTable {
     /// Optics model: "paper".
     pub(super) model: PaperWord,
+    /// What far focus blurs: "crack" (over the sharp scene) or "crack-and-scene" (as the paper's
+    /// implementation has it).
+    pub(super) far_focus_blur: FarFocusBlurWord,
     /// Azimuth of the sun, degrees.
     pub(super) sun_azimuth_deg: f64,
     /// Elevation of the sun above the horizon, degrees (the paper's zenith angle is 90 minus it).
@@ -170,6 +173,16 @@ pub(super) struct OpticsTable {
     pub(super) blur_kernel_px: u32,
     /// Standard deviation of the Gaussian blur, px, 0.01 to 128.
     pub(super) blur_sigma_px: f64,
+}
+
+/// What far focus blurs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum FarFocusBlurWord {
+    /// The crack alone.
+    Crack,
+    /// Scene and crack together.
+    CrackAndScene,
 }
 
 /// Intensity of the light source.
