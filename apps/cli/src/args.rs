@@ -43,8 +43,8 @@ pub(crate) struct Global {
     #[arg(long, global = true, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
     /// Threads to use; 0 stands for one per processor
-    #[arg(long, global = true, value_name = "N", default_value_t = 0)]
-    pub(crate) threads: usize,
+    #[arg(long, global = true, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub(crate) threads: u16,
     /// One machine-readable result on standard output, everything else on standard error
     #[arg(long, global = true)]
     pub(crate) json: bool,

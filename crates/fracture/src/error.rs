@@ -37,9 +37,26 @@ pub enum FractureError {
         /// What the library says.
         cause: String,
     },
+    /// A radius that spans so many particles that the work explodes.
+    #[error(
+        "neighbour_radius_px = {radius} spans about {neighbors:.0} of the {particles} particles, more than {limit}; \
+         scale it with the mesh, about {suggested:.1}"
+    )]
+    TooManyNeighbors {
+        /// Expected number of neighbors.
+        neighbors: f64,
+        /// The bound.
+        limit: u32,
+        /// Radius of the neighborhood.
+        radius: f64,
+        /// Number of particles.
+        particles: u32,
+        /// A radius that gives the paper's number of neighbors.
+        suggested: f64,
+    },
     /// Too many crossings for a network that anybody could use.
     #[error(
-        "more than {limit} cracks cross each other: a neighbour radius of {radius} spans too many \
+        "more than {limit} cracks cross each other: neighbour_radius_px = {radius} spans too many \
          of the {particles} particles; scale it with the mesh, about {suggested:.1}"
     )]
     TooManyCrossings {

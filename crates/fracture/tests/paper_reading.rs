@@ -389,7 +389,23 @@ fn arrival_steps_count_from_the_impact() {
 }
 
 #[test]
-fn a_radius_that_spans_everything_is_refused_or_bounded() {
+fn a_radius_that_spans_too_many_particles_is_refused_with_a_better_one() {
+    let params = PaperParams {
+        particles: 100_000,
+        ..PaperParams::default()
+    };
+    let small = Pane::from_frame_px(100, 100);
+    let message = simulate(&small, &[PaperImpact::default()], &params, Seed(1), |_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("radius_px = 65") && message.contains("about 3.0"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_radius_beyond_the_pane_takes_every_particle() {
     // On a tiny pane every particle is a neighbor of every other.
     let tiny = Pane::from_frame_px(1, 1);
     let params = PaperParams {

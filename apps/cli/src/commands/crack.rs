@@ -26,7 +26,7 @@ pub(crate) fn run(
     let jobs = plan_images(inputs)?;
     let interrupt = Interrupt::listen();
     let progress = screen.progress(jobs.len() as u64, "images");
-    let results = with_threads(global.threads, || {
+    let results = with_threads(usize::from(global.threads), || {
         crack_files(
             &jobs,
             out,

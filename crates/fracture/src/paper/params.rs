@@ -117,6 +117,8 @@ impl Default for PaperParams {
 impl PaperParams {
     /// Most particles: node ids and the triangulation stay within 32 bits and a few GB.
     pub const MAX_PARTICLES: u32 = 10_000_000;
+    /// Most neighbors of a particle on average; the paper has 285.
+    pub const MAX_NEIGHBORS: u32 = 30_000;
     /// Most branches per node.
     pub const MAX_BRANCHES: u32 = 64;
 
@@ -131,6 +133,32 @@ impl PaperParams {
     #[must_use]
     pub fn mesh_scaled_radius(particles: u32) -> f64 {
         65.0 * (1e4 / f64::from(particles.max(1))).sqrt()
+    }
+
+    /// The radius that has the paper's number of neighbors (285 on average, for N = 10⁴ and
+    /// R = 65 on 1242 × 375) with this number of particles on this pane.
+    pub(crate) fn customary_radius(&self, pane: &Pane) -> f64 {
+        let per_neighbor = pane.width * pane.height / f64::from(self.particles.max(1));
+        (285.0 * per_neighbor / std::f64::consts::PI).sqrt()
+    }
+
+    /// The radius does not span more particles than [`Self::MAX_NEIGHBORS`] on average.
+    pub(crate) fn check_neighbors(&self, pane: &Pane) -> Result<(), FractureError> {
+        let share = std::f64::consts::PI * self.neighbor_radius * self.neighbor_radius
+            / (pane.width * pane.height);
+        let neighbors = f64::from(self.particles) * share.min(1.0);
+        if self.neighborhood == Neighborhood::MeshEdges
+            || neighbors <= f64::from(Self::MAX_NEIGHBORS)
+        {
+            return Ok(());
+        }
+        Err(FractureError::TooManyNeighbors {
+            neighbors,
+            limit: Self::MAX_NEIGHBORS,
+            radius: self.neighbor_radius,
+            particles: self.particles,
+            suggested: self.customary_radius(pane),
+        })
     }
 
     /// Every parameter is in its range.

@@ -72,6 +72,7 @@ pub fn simulate(
 ) -> Result<Fracture, FractureError> {
     pane.check()?;
     params.check()?;
+    params.check_neighbors(pane)?;
     for impact in impacts {
         impact.check(pane)?;
     }
@@ -110,7 +111,7 @@ pub fn simulate(
             limit,
             radius: params.neighbor_radius,
             particles: params.particles,
-            suggested: PaperParams::mesh_scaled_radius(params.particles),
+            suggested: params.customary_radius(pane),
         })?;
     let (nodes, segments) = grow(arranged, &places);
     let network = CrackNetwork::from_planar(NetworkData {
