@@ -2,8 +2,8 @@
 
     python3 docs/theory/check_paper_fracture.py CHECK [SEEDS]
 
-CHECK is `reference`, `fan`, `rules`, `literal`, `radius`, `particles` or `stress`. Needs numpy and
-scipy; STARBREAK names the binary (default: `starbreak` on the PATH).
+CHECK is `reference`, `fan`, `rules`, `literal`, `radius`, `particles`, `stress` or `loss`. Needs
+numpy and scipy; STARBREAK names the binary (default: `starbreak` on the PATH).
 
 `propagate` below is the pseudo-code of the page, written without a look at the Rust code's data
 structures: k-d tree instead of grid, scipy's Delaunay triangulation, dense minimum spanning tree.
@@ -26,7 +26,7 @@ RADIUS, FORCE, THRESHOLD = 65.0, 500.0, 300.0
 
 
 def simulate(seed, size=FRAME, **keys):
-    """The result line and the network of `starbreak simulate`; `table__key` stands for table.key."""
+    """Result line and network of `starbreak simulate`; `table__key` stands for table.key."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "network.json")
         command = [BINARY, "simulate", "--seed", str(seed), "--size", f"{size[0]}x{size[1]}"]
@@ -155,7 +155,7 @@ def reference():
             gap = abs(length - result["summary"]["total_length"])
             same = own["counts"] == theirs and len(stressed) == result["mesh"]["n_stressed_nodes"]
             equal += same and gap < 1e-3
-            print(f"seed {seed} {case}: counts {theirs} equal {same}, length differs by {gap:.1e} px")
+            print(f"seed {seed} {case}: counts {theirs} equal {same}, lengths {gap:.1e} px apart")
     print(f"{equal} of {len(meshes) * len(cases)} cases equal")
 
 
@@ -208,9 +208,9 @@ def fan(seeds=20):
                 inside = np.maximum(np.abs(dx), np.abs(dy)) < 341 - RADIUS
                 first.append(angle[(r > 0) & (r <= RADIUS)].max())
                 far.append(angle[(r >= 200) & inside].max() - law)
-            print(f"F {force:4} N {count}: arccos(T/F) {law:.2f}°, first ring {np.median(first):.2f}°, "
-                  f"far field − law: median {np.median(far):+.2f}°, {min(far):+.2f} to {max(far):+.2f}",
-                  flush=True)
+            print(f"F {force:4} N {count}: arccos(T/F) {law:.2f}°, "
+                  f"first ring {np.median(first):.2f}°, far field − law: "
+                  f"median {np.median(far):+.2f}°, {min(far):+.2f} to {max(far):+.2f}", flush=True)
 
 
 def literal(runs=150):
@@ -239,6 +239,29 @@ def stress():
         print(f"{kind}: {len(values)} segments, stress {min(values):.0f} to {max(values):.0f}")
 
 
+def loss(seeds):
+    """Share of stress that a hop costs, 1 − cos θ, and the mesh it happens on."""
+    for neighborhood in ("radius", "mesh-edges"):
+        shares = []
+        for seed in range(seeds):
+            part = simulate(seed, fracture__neighbourhood=neighborhood)[1]["segments"]
+            handed, kind = part["stress_paper_units"], part["kind"]
+            shares += [1 - handed[i] / handed[p] for i, p in enumerate(part["parent"])
+                       if p is not None and kind[i] == kind[p] == "propagated"
+                       and handed[i] < handed[p]]
+        print(f"{neighborhood}: loss per hop, median {np.median(shares):.1e}, over {len(shares)}")
+    points = mesh_nodes(0, 10_000, "[0.5,0.5]")
+    corners = points[Delaunay(points).simplices]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    a, b, c = np.sort(sides, axis=1).T
+    smallest = np.degrees(np.arccos((b * b + c * c - a * a) / (2 * b * c)))
+    around = cKDTree(points)
+    inner = [p for p in points if 65 < p[0] < FRAME[0] - 65 and 65 < p[1] < FRAME[1] - 65]
+    near = np.mean([len(around.query_ball_point(p, RADIUS)) - 1 for p in inner[:2000]])
+    print(f"mesh: median edge {np.median(sides):.1f} px, smallest angle below 20° in "
+          f"{(smallest < 20).mean():.0%} of the triangles; {near:.0f} nodes within {RADIUS:.0f} px")
+
+
 def main():
     check = sys.argv[1] if len(sys.argv) > 1 else ""
     seeds = int(sys.argv[2]) if len(sys.argv) > 2 else 20
@@ -250,6 +273,8 @@ def main():
         literal()
     elif check == "stress":
         stress()
+    elif check == "loss":
+        loss(seeds)
     elif check == "rules":
         series("default", seeds)
         for rule in ("caption", "literal"):
