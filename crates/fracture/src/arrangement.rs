@@ -2,13 +2,16 @@
 
 use std::collections::HashMap;
 
-use starbreak_glass::{ContactKind, Nodes, Pane, SegmentKind, find_contacts};
+use starbreak_glass::{ContactKind, Nodes, Pane, SegmentKind, find_contacts, find_contacts_of};
 
 use crate::lattice::Lattice;
 use crate::mesh::to_u32;
 
 /// Most contacts that are sorted out; far above any picture's needs, and a bound on memory.
 pub(crate) const MAX_CONTACTS: usize = 8_000_000;
+
+/// Up to this many strokes are looked at one by one.
+const FEW: usize = 64;
 
 /// Rounds of splitting before the later of two strokes that still meet is given up.
 const MAX_ROUNDS: usize = 16;
@@ -26,6 +29,9 @@ pub(crate) struct Stroke {
     pub(crate) arrival: [f64; 2],
     /// Stress at `a` and at `b`.
     pub(crate) stress: [f64; 2],
+    /// Whether it may meet another where neither has a node: true until it has been looked at
+    /// and found to meet nothing.
+    pub(crate) is_suspect: bool,
 }
 
 /// Nodes and strokes that meet only at nodes.
@@ -52,7 +58,14 @@ pub(crate) fn arrange(
     for round in 0.. {
         let from: Vec<u32> = strokes.iter().map(|stroke| stroke.a).collect();
         let to: Vec<u32> = strokes.iter().map(|stroke| stroke.b).collect();
-        let contacts = find_contacts(&nodes, &from, &to);
+        let suspects: Vec<u32> = (0..to_u32(strokes.len()))
+            .filter(|&idx| strokes[idx as usize].is_suspect)
+            .collect();
+        let contacts = if suspects.len() > FEW {
+            find_contacts(&nodes, &from, &to)
+        } else {
+            find_contacts_of(&nodes, &from, &to, &suspects)
+        };
         if contacts.is_empty() {
             break;
         }
@@ -182,7 +195,10 @@ fn cut(nodes: &Nodes, strokes: &[Stroke], mut cuts: Vec<(u32, u32)>) -> Vec<Stro
         let (own, others) = rest.split_at(n);
         rest = others;
         if own.is_empty() {
-            pieces.push(*stroke);
+            pieces.push(Stroke {
+                is_suspect: false,
+                ..*stroke
+            });
             continue;
         }
         let (a, b) = (stroke.a as usize, stroke.b as usize);
@@ -206,6 +222,7 @@ fn cut(nodes: &Nodes, strokes: &[Stroke], mut cuts: Vec<(u32, u32)>) -> Vec<Stro
                 kind: stroke.kind,
                 arrival: [between(stroke.arrival, last.0), between(stroke.arrival, t)],
                 stress: [between(stroke.stress, last.0), between(stroke.stress, t)],
+                is_suspect: true,
             });
             last = (t, node);
         }

@@ -27,7 +27,7 @@ mod seed;
 
 pub use crack_network::{
     Contact, ContactKind, CrackNetwork, Generator, MAX_NODES, Model, NETWORK_SCHEMA, NetworkData,
-    NetworkError, Nodes, SegmentKind, Segments, Summary, find_contacts,
+    NetworkError, Nodes, SegmentKind, Segments, Summary, find_contacts, find_contacts_of,
 };
 pub use impact::Impact;
 pub use material::{Material, MaterialError, Property};

@@ -1,10 +1,14 @@
 //! What a crack network promises: each promise broken once, and the file round trip.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test may panic; its numbers are exact"
+)]
 
 use proptest::prelude::*;
 use starbreak_glass::{
     CrackNetwork, Generator, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData, NetworkError,
-    Nodes, Pane, Seed, SegmentKind, Segments, find_contacts,
+    Nodes, Pane, Seed, SegmentKind, Segments, find_contacts, find_contacts_of,
 };
 
 /// A star of three arms, the last in two pieces.
@@ -271,6 +275,8 @@ proptest! {
         let to: Vec<u32> = segments.iter().map(|(_, b)| u32::try_from(*b).unwrap()).collect();
         let mut found: Vec<(u32, u32)> = find_contacts(&nodes, &from, &to).iter().map(|c| (c.first, c.second)).collect();
         found.dedup();
+        let all: Vec<u32> = (0..u32::try_from(from.len()).unwrap()).collect();
+        prop_assert_eq!(find_contacts_of(&nodes, &from, &to, &all), find_contacts(&nodes, &from, &to), "one by one as all at once");
         let mut expected = Vec::new();
         for (i, &(a, b)) in segments.iter().enumerate() {
             for (j, &(c, d)) in segments.iter().enumerate().skip(i + 1) {

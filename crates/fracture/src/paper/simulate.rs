@@ -191,6 +191,7 @@ fn propagated_strokes(
             kind: SegmentKind::Propagated,
             arrival: [end - 1.0, end],
             stress: [hop.stress, hop.stress],
+            is_suspect: true,
         };
         if params.snap_to_mesh {
             walk(mesh, stroke, &mut strokes);
@@ -256,6 +257,7 @@ fn tree_strokes(
                 kind: SegmentKind::Mst,
                 arrival: [time(a).max(time(b)); 2],
                 stress: [stress(a), stress(b)],
+                is_suspect: true,
             }
         });
     Ok(strokes.collect())

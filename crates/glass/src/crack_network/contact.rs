@@ -1,6 +1,8 @@
 //! Where segments meet without a common node. Exact: decided by adaptive orientation
 //! predicates [Shewchuk1997], so that neither a crossing nor a touch is ever missed.
 
+use std::cmp::Ordering;
+
 use robust::{Coord, orient2d};
 
 use super::Nodes;
@@ -47,7 +49,15 @@ struct InStrip {
     x_max: f64,
     y_min: f64,
     y_max: f64,
+    nodes: [u32; 2],
     segment: u32,
+}
+
+impl InStrip {
+    fn shares_node(&self, other: &Self) -> bool {
+        let ([a, b], [c, d]) = (self.nodes, other.nodes);
+        a == c || a == d || b == c || b == d
+    }
 }
 
 /// All pairs of segments that meet otherwise than at a node that both have, in ascending
@@ -68,23 +78,25 @@ pub fn find_contacts(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
     let ends: Vec<(Coord<f64>, Coord<f64>)> =
         (0..n).map(|i| (point(from[i]), point(to[i]))).collect();
     let strips = Strips::new(&ends);
-    let mut contacts = Vec::new();
+    let mut contacts = overlaps_at_nodes(nodes, &from[..n], &to[..n]);
     let mut swept: Vec<InStrip> = Vec::new();
     for strip in 0..strips.count {
         swept.clear();
-        swept.extend(
-            strips
-                .members(strip)
-                .iter()
-                .map(|&i| strips.clip(strip, i, &ends[i as usize])),
-        );
+        swept.extend(strips.members(strip).iter().map(|&i| {
+            strips.clip(
+                strip,
+                i,
+                &ends[i as usize],
+                [from[i as usize], to[i as usize]],
+            )
+        }));
         swept.sort_unstable_by(|a, b| a.x_min.total_cmp(&b.x_min).then(a.segment.cmp(&b.segment)));
         for (k, one) in swept.iter().enumerate() {
             for other in &swept[k + 1..] {
                 if other.x_min > one.x_max {
                     break;
                 }
-                if one.y_min > other.y_max || other.y_min > one.y_max {
+                if one.y_min > other.y_max || other.y_min > one.y_max || one.shares_node(other) {
                     continue;
                 }
                 let (i, j) = (
@@ -110,7 +122,149 @@ pub fn find_contacts(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
     contacts
 }
 
-/// Reports how two segments meet, unless it is only at a node that both have.
+/// As [`find_contacts`], for the pairs of which at least one is among the `suspects`: each of
+/// them against all, so for few suspects much faster than a full search.
+///
+/// # Panics
+/// If a suspect is not a segment, or an index of `from` or `to` is not a node.
+#[must_use]
+pub fn find_contacts_of(nodes: &Nodes, from: &[u32], to: &[u32], suspects: &[u32]) -> Vec<Contact> {
+    let point = |node: u32| Coord {
+        x: nodes.x[node as usize],
+        y: nodes.y[node as usize],
+    };
+    let ends = |segment: u32| {
+        let (a, b) = (from[segment as usize], to[segment as usize]);
+        ((a, b), (point(a), point(b)))
+    };
+    let apart = |a: f64, b: f64, c: f64, d: f64| a.max(b) < c.min(d) || c.max(d) < a.min(b);
+    let mut contacts = Vec::new();
+    for &suspect in suspects {
+        let ((node_a, node_b), (a, b)) = ends(suspect);
+        for (other, _) in (0_u32..).zip(from) {
+            let ((node_c, node_d), (c, d)) = ends(other);
+            if other == suspect || apart(a.x, b.x, c.x, d.x) || apart(a.y, b.y, c.y, d.y) {
+                continue;
+            }
+            let (first, second) = (suspect.min(other), suspect.max(other));
+            let mut report = |kind| {
+                contacts.push(Contact {
+                    first,
+                    second,
+                    kind,
+                })
+            };
+            let common = [
+                (node_a, node_c, a, b, d),
+                (node_a, node_d, a, b, c),
+                (node_b, node_c, b, a, d),
+                (node_b, node_d, b, a, c),
+            ];
+            match common
+                .into_iter()
+                .find(|(node, other_node, ..)| node == other_node)
+            {
+                Some((_, _, center, p, q)) => {
+                    if orient2d(center, p, q) == 0.0 && overlap(&a, &b, &c, &d) {
+                        report(ContactKind::Overlap);
+                    }
+                }
+                None => contact(&(a, b), &(c, d), (node_a, node_b), (node_c, node_d), report),
+            }
+        }
+    }
+    contacts.sort_unstable();
+    contacts.dedup();
+    contacts
+}
+
+/// Segments with a common node that leave it in the same direction: the only way in which such
+/// two meet again. Found by sorting the segments around each node, so that a star of many arms
+/// costs no more than its sorting.
+fn overlaps_at_nodes(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
+    let mut starts = vec![0_u32; nodes.x.len() + 1];
+    for &node in from.iter().chain(to) {
+        starts[node as usize + 1] += 1;
+    }
+    for node in 0..nodes.x.len() {
+        starts[node + 1] += starts[node];
+    }
+    // (other end, segment) around each node.
+    let mut around = vec![(0_u32, 0_u32); 2 * from.len()];
+    let mut next = starts.clone();
+    for (segment, (&a, &b)) in (0_u32..).zip(from.iter().zip(to)) {
+        for (node, other) in [(a, b), (b, a)] {
+            let slot = &mut next[node as usize];
+            around[*slot as usize] = (other, segment);
+            *slot += 1;
+        }
+    }
+    let point = |node: u32| Coord {
+        x: nodes.x[node as usize],
+        y: nodes.y[node as usize],
+    };
+    let mut contacts = Vec::new();
+    for node in 0..nodes.x.len() {
+        let spokes = &mut around[starts[node] as usize..starts[node + 1] as usize];
+        if spokes.len() > 1 {
+            overlapping_spokes(
+                Coord {
+                    x: nodes.x[node],
+                    y: nodes.y[node],
+                },
+                spokes,
+                point,
+                &mut contacts,
+            );
+        }
+    }
+    contacts
+}
+
+/// Pairs of segments around one node that leave it in the same direction.
+fn overlapping_spokes(
+    center: Coord<f64>,
+    spokes: &mut [(u32, u32)],
+    point: impl Fn(u32) -> Coord<f64>,
+    contacts: &mut Vec<Contact>,
+) {
+    #[expect(
+        clippy::float_cmp,
+        reason = "half planes are exact, their border included"
+    )]
+    let lower = |p: Coord<f64>| p.y < center.y || (p.y == center.y && p.x < center.x);
+    // Exact predicates within half a turn make this a total order.
+    let direction = |p: Coord<f64>, q: Coord<f64>| {
+        let turn = 0.0
+            .partial_cmp(&orient2d(center, p, q))
+            .unwrap_or(Ordering::Equal);
+        lower(p).cmp(&lower(q)).then(turn)
+    };
+    spokes.sort_unstable_by(|a, b| direction(point(a.0), point(b.0)).then(a.1.cmp(&b.1)));
+    let mut rest = &*spokes;
+    while let Some((&(other, _), _)) = rest.split_first() {
+        let same = rest
+            .iter()
+            .take_while(|spoke| direction(point(other), point(spoke.0)).is_eq())
+            .count();
+        let (group, after) = rest.split_at(same.max(1));
+        for (k, &(end, one)) in group.iter().enumerate() {
+            for &(other_end, two) in &group[k + 1..] {
+                // Segments of zero length have no direction and meet nothing.
+                if point(end) != center && point(other_end) != center {
+                    contacts.push(Contact {
+                        first: one.min(two),
+                        second: one.max(two),
+                        kind: ContactKind::Overlap,
+                    });
+                }
+            }
+        }
+        rest = after;
+    }
+}
+
+/// Reports how two segments without a common node meet.
 fn contact(
     (a, b): &(Coord<f64>, Coord<f64>),
     (c, d): &(Coord<f64>, Coord<f64>),
@@ -119,23 +273,6 @@ fn contact(
     mut report: impl FnMut(ContactKind),
 ) {
     if a == b || c == d {
-        return;
-    }
-    let common = [
-        (node_a, b, node_c, d),
-        (node_a, b, node_d, c),
-        (node_b, a, node_c, d),
-        (node_b, a, node_d, c),
-    ];
-    if let Some((end, one, _, other)) = common
-        .into_iter()
-        .find(|(end, _, other_end, _)| end == other_end)
-    {
-        // Two segments from one node meet again only if they leave it in the same direction.
-        let node = if end == node_a { a } else { b };
-        if orient2d(*node, *one, *other) == 0.0 && overlap(a, b, c, d) {
-            report(ContactKind::Overlap);
-        }
         return;
     }
     let (c_side, d_side) = (orient2d(*a, *b, *c), orient2d(*a, *b, *d));
@@ -302,7 +439,13 @@ impl Strips {
     }
 
     /// Bounds of the part of a segment inside a strip, a little too large rather than too small.
-    fn clip(&self, strip: usize, segment: u32, (a, b): &(Coord<f64>, Coord<f64>)) -> InStrip {
+    fn clip(
+        &self,
+        strip: usize,
+        segment: u32,
+        (a, b): &(Coord<f64>, Coord<f64>),
+        nodes: [u32; 2],
+    ) -> InStrip {
         let (top, bottom) = if a.y <= b.y { (a, b) } else { (b, a) };
         #[expect(clippy::cast_precision_loss, reason = "a strip number")]
         let (low, high) = (
@@ -335,6 +478,7 @@ impl Strips {
             x_max: x0.max(x1) + slack,
             y_min: top.y,
             y_max: bottom.y,
+            nodes,
             segment,
         }
     }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Impact, LengthUnit, Pane, PaneError, Seed};
 
-pub use contact::{Contact, ContactKind, find_contacts};
+pub use contact::{Contact, ContactKind, find_contacts, find_contacts_of};
 
 /// Name and version of the file format, the value of its `schema` key.
 pub const NETWORK_SCHEMA: &str = "starbreak.crack-network/1";
