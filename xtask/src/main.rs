@@ -1,1 +1,46 @@
-fn main() {}
+//! `cargo xtask <task>`: the chores of the project.
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a report is what a chore is for"
+)]
+
+use std::process::ExitCode;
+
+use xtask::{deps, licences, lint, refs, root, test};
+
+const USAGE: &str = "\
+usage: cargo xtask <task>
+  test            cargo test --workspace with doctests, and the replay of the fuzz corpus
+  lint            fmt, clippy, rustdoc, licences, deps --check, refs
+  licences        every package's licence is on the allow-list and every source is crates.io
+  deps [--check]  writes the dependency graph into ARCHITECTURE.md, or says that it is stale
+  refs            every [AuthorYear] has an entry in a .bib file";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let result = match args.as_slice() {
+        ["test"] => test::run(root()),
+        ["lint"] => lint::run(root()),
+        ["licences"] => licences::run(root()),
+        ["deps"] => deps::run(root(), deps::Mode::Write),
+        ["deps", "--check"] => deps::run(root(), deps::Mode::Check),
+        ["refs"] => refs::run(root()),
+        [] | ["help" | "--help" | "-h"] => {
+            println!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("xtask {}: {failure}", args.join(" "));
+            ExitCode::FAILURE
+        }
+    }
+}

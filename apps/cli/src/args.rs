@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand};
+use starbreak::dataset::same_file;
 use starbreak::{Recipe, Seed};
 
 use crate::failure::Failure;
@@ -107,7 +108,7 @@ pub(crate) enum Verb {
         #[arg(short, long, value_name = "DIR", default_value = "starbreak-bench")]
         output: PathBuf,
         /// Numbers of particles
-        #[arg(long, value_name = "N,…", value_delimiter = ',', default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
+        #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000), default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
         particles: Vec<u32>,
         /// Runs per number of particles, each with its own mesh, impact point and direction
         #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
@@ -148,6 +149,19 @@ impl Global {
             recipe.set(assignment)?;
         }
         Ok(recipe)
+    }
+
+    /// None of the outputs is the recipe file, which would be lost.
+    pub(crate) fn refuse_recipe_among(&self, outputs: &[PathBuf]) -> Result<(), Failure> {
+        let Some(recipe) = &self.recipe else {
+            return Ok(());
+        };
+        match outputs.iter().find(|output| same_file(recipe, output)) {
+            Some(output) => Err(Failure::wrong_input(format!(
+                "the output {output:?} would replace the recipe {recipe:?}; choose another name"
+            ))),
+            None => Ok(()),
+        }
     }
 
     /// The seed.

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::failure::Failure;
+
 /// Set once the user has asked to stop.
 #[derive(Debug, Clone)]
 pub(crate) struct Interrupt(Arc<AtomicBool>);
@@ -19,6 +21,16 @@ impl Interrupt {
 
     pub(crate) fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+
+    /// Stops a run that has written nothing yet.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        if self.is_set() {
+            return Err(Failure::interrupted(
+                "interrupted: nothing was written; run the command again",
+            ));
+        }
+        Ok(())
     }
 
     pub(crate) fn flag(&self) -> &AtomicBool {

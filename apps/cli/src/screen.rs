@@ -1,14 +1,22 @@
 //! What the user sees: results on standard output, everything else on standard error.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;
 
+use crate::failure::Failure;
+
 /// Plain progress lines are this far apart where there is no terminal.
 const PLAIN_INTERVAL: Duration = Duration::from_secs(10);
+
+/// A path as text for people and JSON; what is not Unicode becomes a replacement character.
+pub(crate) fn path_text(path: impl AsRef<Path>) -> String {
+    path.as_ref().to_string_lossy().into_owned()
+}
 
 /// Where text goes, by `--json` and `--quiet`.
 #[derive(Debug, Clone, Copy)]
@@ -44,20 +52,31 @@ impl Screen {
     }
 
     /// The one machine-readable result, if asked for.
-    pub(crate) fn result(&self, value: &Value) {
+    ///
+    /// # Errors
+    /// As for [`Screen::data`].
+    pub(crate) fn result(&self, value: impl FnOnce() -> Value) -> Result<(), Failure> {
         if self.json {
-            self.data(&value.to_string());
+            self.data(&value().to_string())
+        } else {
+            Ok(())
         }
     }
 
     /// Data that was asked for: on standard output, always.
-    pub(crate) fn data(&self, text: &str) {
+    ///
+    /// # Errors
+    /// If it could not be written, except that the reader went away.
+    pub(crate) fn data(&self, text: &str) -> Result<(), Failure> {
         let mut stdout = std::io::stdout().lock();
-        let _ = stdout.write_all(text.as_bytes());
-        if !text.ends_with('\n') {
-            let _ = stdout.write_all(b"\n");
+        let end = if text.ends_with('\n') { "" } else { "\n" };
+        let written = write!(stdout, "{text}{end}").and_then(|()| stdout.flush());
+        match written {
+            Err(cause) if cause.kind() != ErrorKind::BrokenPipe => Err(Failure::wrong_input(
+                format!("standard output cannot be written: {cause}"),
+            )),
+            _ => Ok(()),
         }
-        let _ = stdout.flush();
     }
 
     /// An error, in one place, once.

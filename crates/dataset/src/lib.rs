@@ -42,6 +42,6 @@ pub use encode::{Encoding, JpegQuality, encode_image, encode_mask};
 pub use error::DatasetError;
 pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_image};
 pub use output_batch::OutputBatch;
-pub use paths::same_file;
+pub use paths::{FileSet, same_file};
 pub use provenance::{Provenance, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};

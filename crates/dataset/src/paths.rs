@@ -1,3 +1,4 @@
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
@@ -12,21 +13,48 @@ use std::path::{Component, Path, PathBuf};
 /// the file system does not tell them apart. A link that leads nowhere stands for itself.
 #[must_use]
 pub fn same_file(a: &Path, b: &Path) -> bool {
-    resolved(a) == resolved(b) || same_inode(a, b)
+    resolved(a) == resolved(b) || inode(a).is_some_and(|inode_a| inode(b) == Some(inode_a))
 }
 
+/// Device and number of an existing file.
 #[cfg(unix)]
-fn same_inode(a: &Path, b: &Path) -> bool {
+fn inode(path: &Path) -> Option<(u64, u64)> {
     use std::os::unix::fs::MetadataExt as _;
-    match (fs::metadata(a), fs::metadata(b)) {
-        (Ok(a), Ok(b)) => (a.dev(), a.ino()) == (b.dev(), b.ino()),
-        _ => false,
-    }
+    fs::metadata(path).ok().map(|file| (file.dev(), file.ino()))
 }
 
 #[cfg(not(unix))]
-fn same_inode(_: &Path, _: &Path) -> bool {
-    false
+fn inode(_: &Path) -> Option<(u64, u64)> {
+    None
+}
+
+/// Files that must not be written, to be asked about many paths.
+#[derive(Debug, Clone, Default)]
+pub struct FileSet {
+    by_path: BTreeMap<PathBuf, PathBuf>,
+    by_inode: BTreeMap<(u64, u64), PathBuf>,
+}
+
+impl FileSet {
+    /// The set of these files.
+    #[must_use]
+    pub fn of(paths: &[PathBuf]) -> Self {
+        let mut set = Self::default();
+        for path in paths {
+            set.by_path.insert(resolved(path), path.clone());
+            if let Some(inode) = inode(path) {
+                set.by_inode.insert(inode, path.clone());
+            }
+        }
+        set
+    }
+
+    /// The file of the set that a path leads to, in the sense of [`same_file`], as it was given.
+    #[must_use]
+    pub fn find(&self, path: &Path) -> Option<PathBuf> {
+        let by_inode = || inode(path).and_then(|inode| self.by_inode.get(&inode));
+        self.by_path.get(&resolved(path)).or_else(by_inode).cloned()
+    }
 }
 
 /// The absolute path without links, as far as it exists.

@@ -12,6 +12,17 @@ pub enum LengthUnit {
     Mm,
 }
 
+impl LengthUnit {
+    /// The unit's symbol.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Px => "px",
+            Self::Mm => "mm",
+        }
+    }
+}
+
 /// How the glass was made, which decides how it breaks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -29,9 +40,9 @@ pub enum GlassKind {
 /// A rectangular pane that spans `[0, width] × [0, height]`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pane {
-    /// Width in the network's [`LengthUnit`], > 0.
+    /// Width in the network's [`LengthUnit`], 10⁻⁶ to 10⁹.
     pub width: f64,
-    /// Height in the network's [`LengthUnit`], > 0.
+    /// Height in the network's [`LengthUnit`], 10⁻⁶ to 10⁹.
     pub height: f64,
     /// Thickness, mm; absent where the model has none (the paper's).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -44,7 +55,7 @@ pub struct Pane {
 /// Why a pane was refused.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
-#[error("pane {field} = {value}; expected a finite number > 0")]
+#[error("pane {field} = {value}; expected a number from 1e-6 to 1e9")]
 pub struct PaneError {
     /// Which measure.
     pub field: &'static str,
@@ -64,7 +75,7 @@ impl Pane {
         }
     }
 
-    /// Every measure is finite and positive.
+    /// Every measure is from 10⁻⁶ to 10⁹, so that no length or area leaves the range of a number.
     ///
     /// # Errors
     /// [`PaneError`] naming the first measure that is not.
@@ -76,7 +87,7 @@ impl Pane {
         ];
         for (field, value) in measures {
             if let Some(value) = value
-                && !(value.is_finite() && value > 0.0)
+                && !(1e-6..=1e9).contains(&value)
             {
                 return Err(PaneError { field, value });
             }

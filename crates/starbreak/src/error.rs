@@ -22,9 +22,9 @@ pub enum Error {
     /// A file could not be read or written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// Two inputs would write the same files.
+    /// Two inputs would write the same file.
     #[error(
-        "{first:?} and {second:?} would both be written as {stem:?}; give them different names or run them apart"
+        "{first:?} and {second:?} would both write {name:?}; give them different names or run them apart"
     )]
     OutputCollision {
         /// The earlier input.
@@ -32,7 +32,15 @@ pub enum Error {
         /// The later one.
         second: PathBuf,
         /// The name they share.
-        stem: String,
+        name: String,
+    },
+    /// An image was read, but could not be cracked or encoded.
+    #[error("{input:?}: {cause}")]
+    OfImage {
+        /// The image file.
+        input: PathBuf,
+        /// Why.
+        cause: Box<Error>,
     },
     /// An output would replace an input.
     #[error(

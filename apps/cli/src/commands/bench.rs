@@ -15,7 +15,7 @@ use super::plot;
 use crate::args::Global;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::screen::{Progress, Screen};
+use crate::screen::{Progress, Screen, path_text};
 
 /// Stages in the order in which they run, and the module of the paper's figure they belong to.
 const STAGES: [(&str, &str); 6] = [
@@ -62,6 +62,8 @@ pub(crate) fn run(
     request: &Request,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
+    let names = ["bench.csv", "bench.txt", "bench.svg", "bench.png"];
+    global.refuse_recipe_among(&names.map(|name| request.output.join(name)))?;
     let recipe = global.recipe()?;
     let mut plan = Vec::new();
     for &particles in &request.particles {
@@ -100,7 +102,7 @@ pub(crate) fn run(
         "bench.txt, bench.csv, bench.svg and bench.png in {}",
         request.output.display()
     ));
-    screen.result(&json!({ "output": request.output, "series": series.iter().map(series_json).collect::<Vec<_>>() }));
+    screen.result(|| json!({ "output": path_text(&request.output), "series": series.iter().map(series_json).collect::<Vec<_>>() }))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -133,11 +135,7 @@ fn measure(
             peak_rss_mib: None,
         };
         for k in 0..runs {
-            if interrupt.is_set() {
-                return Err(Failure::interrupted(
-                    "interrupted: nothing was written; run the command again",
-                ));
-            }
+            interrupt.check()?;
             let seed = seed.of_item("bench", u64::from(k));
             let mut image = scene.clone();
             let cracked = crack_image(settings, &mut image, seed)?;

@@ -12,7 +12,7 @@ use starbreak::pipeline::{
 use crate::args::Global;
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
-use crate::screen::Screen;
+use crate::screen::{Screen, path_text};
 
 pub(crate) fn run(
     global: &Global,
@@ -23,7 +23,8 @@ pub(crate) fn run(
     let recipe = global.recipe()?;
     let settings = recipe.settings()?;
     let context = RunContext::new(&recipe, global.seed());
-    let jobs = plan_images(inputs)?;
+    let jobs = plan_images(inputs, out)?;
+    global.refuse_recipe_among(&[out.join("failures.jsonl")])?;
     let interrupt = Interrupt::listen();
     let progress = screen.progress(jobs.len() as u64, "images");
     let results = with_threads(usize::from(global.threads), || {
@@ -71,11 +72,13 @@ fn finish(
         screen.say(&describe(item));
     }
     record_failures(&failed, out)?;
-    screen.result(&json!({
-        "output": out,
-        "images": written.iter().map(item_json).collect::<Vec<_>>(),
-        "failed": failed.iter().map(failure_json).collect::<Vec<_>>(),
-    }));
+    screen.result(|| {
+        json!({
+            "output": path_text(out),
+            "images": written.iter().map(item_json).collect::<Vec<_>>(),
+            "failed": failed.iter().map(failure_json).collect::<Vec<_>>(),
+        })
+    })?;
     let not_begun = total - written.len() - failed.len();
     if interrupt.is_set() && not_begun > 0 {
         return Err(Failure::interrupted(format!(
@@ -118,7 +121,10 @@ pub(super) fn describe(item: &Written) -> String {
     let network = &item.cracked.fracture.network;
     let name = item.image.display();
     if item.cracked.fracture.is_intact() {
-        return format!("{name}: {}", super::simulate::INTACT);
+        return format!(
+            "{name}: {}",
+            super::simulate::why_intact(&item.cracked.fracture)
+        );
     }
     format!(
         "{name}: {} segments, {:.0} px of cracks, {:.1} % of the frame influenced, {:.1} ms",
@@ -131,10 +137,10 @@ pub(super) fn describe(item: &Written) -> String {
 
 pub(super) fn item_json(item: &Written) -> Value {
     json!({
-        "image": item.image,
-        "region": item.region,
-        "crack": item.crack,
-        "provenance": item.provenance,
+        "image": path_text(&item.image),
+        "region": item.region.as_ref().map(path_text),
+        "crack": item.crack.as_ref().map(path_text),
+        "provenance": path_text(&item.provenance),
         "region_fraction": item.region_fraction,
         "intact": item.cracked.fracture.is_intact(),
         "summary": item.cracked.fracture.network.summary(),
@@ -143,5 +149,5 @@ pub(super) fn item_json(item: &Written) -> Value {
 }
 
 fn failure_json(failure: &ItemFailure) -> Value {
-    json!({ "input": failure.input, "error": failure.error.to_string() })
+    json!({ "input": path_text(&failure.input), "error": failure.error.to_string() })
 }

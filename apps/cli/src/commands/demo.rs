@@ -9,13 +9,14 @@ use starbreak::dataset::{
     encode_animation, encode_image, street_scene,
 };
 use starbreak::pipeline::{
-    self, ImageJob, RunContext, Stopwatch, growth_over, growth_times, stage_cracked,
+    self, ImageJob, RunContext, Stopwatch, Written, growth_over, growth_times, stage_cracked,
 };
 
 use super::crack::item_json;
 use crate::args::Global;
 use crate::failure::Failure;
-use crate::screen::Screen;
+use crate::interrupt::Interrupt;
+use crate::screen::{Screen, path_text};
 
 /// Frames of the growth animation.
 const GROWTH_FRAMES: u32 = 24;
@@ -24,7 +25,16 @@ const GROWTH_FRAMES: u32 = 24;
 const SCENE: &str = "scene.png";
 
 pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+    let names = [
+        "network.json",
+        "network.svg",
+        "growth.png",
+        "scene.png",
+        "scene.boxes.json",
+    ];
+    global.refuse_recipe_among(&names.map(|name| out.join(name)))?;
     let recipe = global.recipe()?;
+    let interrupt = Interrupt::listen();
     let scene = street_scene();
     let pixels = image_of(&scene);
     let scene_png = encode_image(&pixels, &Encoding::Png, None)?;
@@ -34,6 +44,7 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
 
     let mut written = Vec::new();
     for focus in ["far", "short"] {
+        interrupt.check()?;
         let mut focused = recipe.clone();
         focused.set(&format!("camera.focus_distance_m={focus}"))?;
         let settings = focused.settings()?;
@@ -56,12 +67,17 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
     let network = &simulated.fracture.network;
     batch.stage(&out.join("network.json"), network.to_json().as_bytes())?;
     batch.stage(&out.join("network.svg"), network.to_svg().as_bytes())?;
-    batch.stage(
-        &out.join("recipe.toml"),
-        recipe.to_commented_toml().as_bytes(),
-    )?;
+    // A recipe that was edited there and given again stays as its author wrote it.
+    let recipe_path = out.join("recipe.toml");
+    if global
+        .refuse_recipe_among(std::slice::from_ref(&recipe_path))
+        .is_ok()
+    {
+        batch.stage(&recipe_path, recipe.to_commented_toml().as_bytes())?;
+    }
     let mut frames = Vec::new();
     for time in growth_times(network, GROWTH_FRAMES) {
+        interrupt.check()?;
         frames.push(growth_over(&pixels, network, time, &settings.optics)?.into_rgb8());
     }
     let delays = AnimationParams {
@@ -69,20 +85,23 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
         ..AnimationParams::default()
     };
     batch.stage(&out.join("growth.png"), &encode_animation(frames, &delays)?)?;
+    interrupt.check()?;
     batch.commit()?;
 
     for item in &written {
         screen.say(&super::crack::describe(item));
     }
-    screen.say(&guide(out));
-    screen.result(&json!({
-        "output": out,
-        "scene": out.join(SCENE),
-        "boxes": out.join("scene.boxes.json"),
-        "network": out.join("network.json"),
-        "growth": out.join("growth.png"),
-        "images": written.iter().map(item_json).collect::<Vec<_>>(),
-    }));
+    screen.say(&guide(out, &written));
+    screen.result(|| {
+        json!({
+            "output": path_text(out),
+            "scene": path_text(out.join(SCENE)),
+            "boxes": path_text(out.join("scene.boxes.json")),
+            "network": path_text(out.join("network.json")),
+            "growth": path_text(out.join("growth.png")),
+            "images": written.iter().map(item_json).collect::<Vec<_>>(),
+        })
+    })?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -106,22 +125,57 @@ fn boxes_json(scene: &StreetScene) -> String {
     format!("{value:#}\n")
 }
 
-fn guide(out: &Path) -> String {
+/// What lies in the folder, and what to try next.
+fn guide(out: &Path, written: &[Written]) -> String {
     let folder = out.display();
-    format!(
-        "\nin {folder}:\n\
-         \x20 scene.png, scene.boxes.json          the street, and the true boxes of its objects\n\
-         \x20 far-focus.png, short-focus.png       what the camera sees: focused on the street, on the glass\n\
-         \x20 *.region.png, *.crack.png            where the image may differ; where the cracks are\n\
-         \x20 *-focus.json                         provenance: recipe, seed, hashes, timings\n\
-         \x20 network.json, network.svg            the cracks themselves\n\
-         \x20 growth.png                           the crack as it grows (animated PNG; open it in a browser)\n\
-         \x20 recipe.toml                          every parameter, with comments\n\
-         \n\
-         next:\n\
+    let names = |of: &dyn Fn(&Written) -> Option<&PathBuf>| {
+        let names = written
+            .iter()
+            .filter_map(of)
+            .filter_map(|path| path.file_name());
+        names
+            .map(|name| name.to_string_lossy().into_owned())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let lines = [
+        (
+            "scene.png, scene.boxes.json".to_owned(),
+            "the street, and the true boxes of its objects",
+        ),
+        (
+            names(&|item| Some(&item.image)),
+            "what the camera sees: focused on the street, on the glass",
+        ),
+        (
+            names(&|item| item.region.as_ref()),
+            "where the image may differ from the street",
+        ),
+        (names(&|item| item.crack.as_ref()), "where the cracks are"),
+        (
+            names(&|item| Some(&item.provenance)),
+            "provenance: recipe, seed, hashes, timings",
+        ),
+        (
+            "network.json, network.svg".to_owned(),
+            "the cracks themselves",
+        ),
+        (
+            "growth.png".to_owned(),
+            "the crack as it grows (animated PNG; open it in a browser)",
+        ),
+        ("recipe.toml".to_owned(), "every parameter, with comments"),
+    ];
+    let mut text = format!("\nin {folder}:\n");
+    for (names, what) in lines.iter().filter(|(names, _)| !names.is_empty()) {
+        text.push_str(&format!("  {names:46}  {what}\n"));
+    }
+    text.push_str(&format!(
+        "\nnext:\n\
          \x20 starbreak crack photo.png -o cracked              your own photo\n\
          \x20 starbreak demo --seed 3                           another crack\n\
          \x20 starbreak demo --recipe {folder}/recipe.toml      after a change to a parameter\n\
          \x20 starbreak simulate -o network.json --svg net.svg  only the network"
-    )
+    ));
+    text
 }

@@ -52,7 +52,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             };
             bench::run(global, &request, screen)
         }
-        Verb::Completions { shell } => Ok(shell::completions(shell, screen)),
+        Verb::Completions { shell } => shell::completions(shell, screen),
         Verb::Man { output } => shell::man_pages(&output, screen),
     }
 }

@@ -16,24 +16,24 @@ pub(crate) fn run(
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     if schema {
-        screen.data(&format!("{:#}", json_schema()));
+        screen.data(&format!("{:#}", json_schema()))?;
     } else if list {
         let presets = PRESETS
             .iter()
             .map(|(name, purpose)| json!({ "name": name, "purpose": purpose }));
         if global.json {
-            screen.result(&json!({ "presets": presets.collect::<Vec<_>>() }));
+            screen.result(|| json!({ "presets": presets.collect::<Vec<_>>() }))?;
         } else {
             for (name, purpose) in PRESETS {
-                screen.data(&format!("{name:24} {purpose}"));
+                screen.data(&format!("{name:24} {purpose}"))?;
             }
         }
     } else {
         let recipe = global.recipe()?;
         if global.json {
-            screen.result(&json!({ "recipe": recipe.to_toml() }));
+            screen.result(|| json!({ "recipe": recipe.to_toml() }))?;
         } else {
-            screen.data(&recipe.to_commented_toml());
+            screen.data(&recipe.to_commented_toml())?;
         }
     }
     Ok(ExitCode::SUCCESS)

@@ -9,13 +9,16 @@ use starbreak::dataset::OutputBatch;
 
 use crate::args::Args;
 use crate::failure::Failure;
-use crate::screen::Screen;
+use crate::screen::{Screen, path_text};
 
-pub(crate) fn completions(shell: clap_complete::Shell, screen: &Screen) -> ExitCode {
+pub(crate) fn completions(
+    shell: clap_complete::Shell,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Args::command(), "starbreak", &mut script);
-    screen.data(&String::from_utf8_lossy(&script));
-    ExitCode::SUCCESS
+    screen.data(&String::from_utf8_lossy(&script))?;
+    Ok(ExitCode::SUCCESS)
 }
 
 pub(crate) fn man_pages(output: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
@@ -45,6 +48,6 @@ pub(crate) fn man_pages(output: &Path, screen: &Screen) -> Result<ExitCode, Fail
         names.len(),
         output.display()
     ));
-    screen.result(&json!({ "folder": output, "pages": names }));
+    screen.result(|| json!({ "folder": path_text(output), "pages": names }))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -5,15 +5,24 @@ use std::process::ExitCode;
 
 use serde_json::{Value, json};
 use starbreak::dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
+use starbreak::fracture::paper::Fracture;
 use starbreak::pipeline::{self, Simulated, convergence_json, growth_drawing, growth_times};
 
 use crate::args::Global;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::screen::Screen;
+use crate::screen::{Screen, path_text};
 
-/// What to tell when the force does not break the glass.
-pub(super) const INTACT: &str = "nothing broke: no impact.force exceeds fracture.critical_stress / fracture.safety_factor (eq. 2); the image stays as it is";
+/// What to tell when there is no crack.
+pub(super) fn why_intact(fracture: &Fracture) -> &'static str {
+    if fracture.convergence.impacts_without_fracture == fracture.network.data().impacts.len() {
+        "nothing broke: no impact.force exceeds fracture.critical_stress / fracture.safety_factor (eq. 2); the image \
+         stays as it is"
+    } else {
+        "the glass breaks, but no particle within fracture.neighbour_radius_px of the impact is stressed above the \
+         threshold, so there is no crack; the image stays as it is"
+    }
+}
 
 /// What was asked for.
 pub(crate) struct Request {
@@ -24,6 +33,16 @@ pub(crate) struct Request {
     pub(crate) timings: bool,
 }
 
+impl Request {
+    fn outputs(&self) -> Vec<PathBuf> {
+        let frames = self.frames.as_ref().map(|(_, to)| to.clone());
+        [self.output.clone(), self.svg.clone(), frames]
+            .into_iter()
+            .flatten()
+            .collect()
+    }
+}
+
 pub(crate) fn run(
     global: &Global,
     request: &Request,
@@ -32,6 +51,7 @@ pub(crate) fn run(
     let settings = global.recipe()?.settings()?;
     let interrupt = Interrupt::listen();
     let (width_px, height_px) = request.size;
+    global.refuse_recipe_among(&request.outputs())?;
     let simulated = pipeline::simulate(&settings, width_px, height_px, global.seed())?;
     let network = &simulated.fracture.network;
     let json = if request.timings {
@@ -60,12 +80,12 @@ pub(crate) fn run(
     batch.commit()?;
 
     if request.output.is_none() && !global.json {
-        screen.data(&json);
+        screen.data(&json)?;
         screen.note(&describe(&simulated));
     } else {
         screen.say(&describe(&simulated));
     }
-    screen.result(&result_json(request, &simulated));
+    screen.result(|| result_json(request, &simulated))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -105,18 +125,13 @@ fn stage_frames(
             )?;
         }
     }
-    if interrupt.is_set() {
-        return Err(Failure::interrupted(
-            "interrupted: nothing was written; run the command again",
-        ));
-    }
-    Ok(())
+    interrupt.check()
 }
 
 fn describe(simulated: &Simulated) -> String {
     let fracture = &simulated.fracture;
     if fracture.is_intact() {
-        return INTACT.to_owned();
+        return why_intact(fracture).to_owned();
     }
     let summary = fracture.network.summary();
     let report = &fracture.convergence;
@@ -139,9 +154,9 @@ fn describe(simulated: &Simulated) -> String {
 fn result_json(request: &Request, simulated: &Simulated) -> Value {
     let fracture = &simulated.fracture;
     json!({
-        "network": request.output,
-        "svg": request.svg,
-        "frames": request.frames.as_ref().map(|(n_frames, to)| json!({ "count": n_frames, "path": to })),
+        "network": request.output.as_ref().map(path_text),
+        "svg": request.svg.as_ref().map(path_text),
+        "frames": request.frames.as_ref().map(|(n_frames, to)| json!({ "count": n_frames, "path": path_text(to) })),
         "intact": fracture.is_intact(),
         "impacts": fracture.network.data().impacts,
         "summary": fracture.network.summary(),

@@ -4,7 +4,7 @@ use starbreak_glass::Pane;
 
 use crate::FractureError;
 
-/// Which nodes count as neighbors of a node (eq. 1 and Algorithm 1 differ).
+/// Which nodes count as neighbors of a node (section 3.1 and Algorithm 1 differ).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Neighborhood {
     /// All nodes within the radius, as Algorithm 1 and the paper's implementation say.

@@ -45,7 +45,8 @@ pub enum StopReason {
 /// always ends; then no node is left to hand stress on and σ no longer changes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ConvergenceReport {
-    /// Largest |Δσ| of any node at each step δt, the first entry for the impact's own ring.
+    /// Largest stress that one front added to one node at each step δt, the first entry for the
+    /// impact's own ring.
     pub max_stress_change: Vec<f64>,
     /// Nodes that handed stress on, the impacts included.
     pub n_fronts: usize,

@@ -106,7 +106,8 @@ pub struct Segments {
     /// Time at which the tip reaches `to`, µs since the impact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arrival_us: Option<Vec<f64>>,
-    /// The paper's "stress" at `to`, in units of its force F.
+    /// The paper's "stress", in units of its force F: for `propagated` what the hop handed on to
+    /// `to`, for `mst` the sum σ that `to` accumulated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stress_paper_units: Option<Vec<f64>>,
     /// Stress that drove the tip, MPa.
@@ -312,9 +313,10 @@ impl CrackNetwork {
     ///
     /// # Errors
     /// [`NetworkError`] as for [`CrackNetwork::new`], except `NotPlanar`.
-    pub fn from_planar(data: NetworkData) -> Result<Self, NetworkError> {
+    pub fn from_planar(mut data: NetworkData) -> Result<Self, NetworkError> {
         invariants::check_columns(&data)?;
         let summary = invariants::summarize(&data);
+        data.summary = Some(summary);
         Ok(Self { data, summary })
     }
 
@@ -329,12 +331,8 @@ impl CrackNetwork {
     /// The JSON file: one line, columnar, the same bytes for the same network.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let file = NetworkData {
-            summary: Some(self.summary),
-            ..self.data.clone()
-        };
         // Plain numbers, strings and lists, every number finite: this cannot fail.
-        let mut text = serde_json::to_string(&file).unwrap_or_default();
+        let mut text = serde_json::to_string(&self.data).unwrap_or_default();
         text.push('\n');
         text
     }

@@ -15,9 +15,11 @@ impl CrackNetwork {
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
              width=\"{width}\" height=\"{height}\">\n\
-             <title>crack network: {} segments, total length {:.1} {:?}</title>\n\
+             <title>crack network: {} segments, total length {:.1} {}</title>\n\
              <rect width=\"100%\" height=\"100%\" fill=\"#14181d\"/>\n",
-            self.summary.n_segments, self.summary.total_length, self.data.unit,
+            self.summary.n_segments,
+            self.summary.total_length,
+            self.data.unit.symbol(),
         );
         let kinds = &self.data.segments.kind;
         let mut present = kinds.clone();

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use starbreak_dataset::{
-    Encoding, ImageFile, ImageFormat, ImageLimits, OutputBatch, encode_image, encode_mask,
+    Encoding, FileSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, encode_image, encode_mask,
     read_image, same_file, sha256_hex,
 };
 
@@ -59,10 +59,11 @@ pub type JobResult = Option<Result<Written, Failure>>;
 /// The jobs for a list of image files, in its order.
 ///
 /// # Errors
-/// [`Error::OutputCollision`] where two inputs share a name without extension,
-/// [`Error::NoFileName`].
-pub fn plan_images(inputs: &[PathBuf]) -> Result<Vec<ImageJob>, Error> {
-    let mut first_of: BTreeMap<String, &PathBuf> = BTreeMap::new();
+/// [`Error::OutputCollision`] where two images could write the same file,
+/// [`Error::OutputIsInput`] where one could replace another's input, [`Error::NoFileName`].
+pub fn plan_images(inputs: &[PathBuf], out: &Path) -> Result<Vec<ImageJob>, Error> {
+    let known = FileSet::of(inputs);
+    let mut writer_of: BTreeMap<String, &PathBuf> = BTreeMap::new();
     let mut jobs = Vec::with_capacity(inputs.len());
     for input in inputs {
         let part =
@@ -72,21 +73,50 @@ pub fn plan_images(inputs: &[PathBuf]) -> Result<Vec<ImageJob>, Error> {
                 input: input.clone(),
             });
         };
-        // Letters of either case are one name on some file systems.
-        if let Some(first) = first_of.insert(stem.to_lowercase(), input) {
-            return Err(Error::OutputCollision {
-                first: first.clone(),
-                second: input.clone(),
-                stem,
-            });
-        }
-        jobs.push(ImageJob {
+        let job = ImageJob {
             input: input.clone(),
             name,
             stem,
-        });
+        };
+        for output in possible_outputs(&job) {
+            // Letters of either case are one name on some file systems.
+            if let Some(first) = writer_of.insert(output.to_lowercase(), input)
+                && first != input
+            {
+                return Err(Error::OutputCollision {
+                    first: first.clone(),
+                    second: input.clone(),
+                    name: output,
+                });
+            }
+            let output = out.join(output);
+            if let Some(input) = known.find(&output) {
+                return Err(Error::OutputIsInput { input, output });
+            }
+        }
+        if jobs.contains(&job) {
+            return Err(Error::OutputCollision {
+                first: input.clone(),
+                second: input.clone(),
+                name: job.stem,
+            });
+        }
+        jobs.push(job);
     }
     Ok(jobs)
+}
+
+/// Names of all files that an image may become, whatever its format turns out to be.
+fn possible_outputs(job: &ImageJob) -> Vec<String> {
+    let stem = &job.stem;
+    let mut names: Vec<String> = ["png", "jpg", "region.png", "crack.png", "json"]
+        .iter()
+        .map(|suffix| format!("{stem}.{suffix}"))
+        .collect();
+    if !names.contains(&job.name) {
+        names.push(job.name.clone());
+    }
+    names
 }
 
 /// Cracks many images, in parallel over images; results in the order of the jobs.
@@ -185,10 +215,15 @@ pub fn stage_cracked(
         }
     }
     let seed = context.seed.of_item(&job.name, 0);
-    let cracked = crack_image(settings, &mut file.pixels, seed)?;
+    let of_image = |error| Error::OfImage {
+        input: job.input.clone(),
+        cause: Box::new(error),
+    };
+    let cracked = crack_image(settings, &mut file.pixels, seed).map_err(of_image)?;
     watch.append(cracked.timings.clone());
 
-    let bytes = encode_image(&file.pixels, &encoding, file.icc_profile.as_deref())?;
+    let bytes = encode_image(&file.pixels, &encoding, file.icc_profile.as_deref())
+        .map_err(|error| of_image(error.into()))?;
     batch.stage(&image_path, &bytes)?;
     let (mut region, mut crack) = (None, None);
     if settings.output.masks {

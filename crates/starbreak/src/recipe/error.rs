@@ -123,6 +123,19 @@ pub enum RecipeError {
     },
 }
 
+/// Text with its control characters written out, so that a message stays one printable line.
+pub(super) fn printable(text: &str) -> String {
+    text.chars()
+        .flat_map(|c| {
+            let escaped = c.is_control().then(|| c.escape_default());
+            escaped
+                .into_iter()
+                .flatten()
+                .chain((!c.is_control()).then_some(c))
+        })
+        .collect()
+}
+
 impl RecipeError {
     pub(super) fn unknown_preset(name: &str) -> Self {
         let names: Vec<String> = PRESETS

@@ -4,33 +4,37 @@ use serde_json::Value as Json;
 use toml::{Table, Value};
 
 use super::error::{Place, RecipeError};
-use super::json_schema;
+use super::schema;
 
 /// Names of the presets or keys nearer than this are suggested.
 const NEAR: f64 = 0.6;
 
 /// Every key of a recipe exists.
 pub(super) fn check(place: &Place, given: &Table) -> Result<(), RecipeError> {
-    let schema = json_schema();
-    let tables = keys(&schema);
+    let schema = schema();
+    let tables = keys(schema);
     for (name, value) in given {
         if !tables.contains(name) {
             return Err(unknown(place, name, "", &tables));
         }
-        let known = keys(table_schema(&schema, name));
+        let known = keys(table_schema(schema, name));
         if known.is_empty() {
             continue;
         }
         match value {
-            Value::Table(table) => check_table(place, name, table, &known)?,
-            Value::Array(entries) => {
+            Value::Table(table) if !schema["properties"][name]["items"].is_object() => {
+                check_table(place, name, table, &known)?;
+            }
+            Value::Array(entries) if schema["properties"][name]["items"].is_object() => {
                 for (k, entry) in entries.iter().enumerate() {
-                    if let Value::Table(table) = entry {
-                        check_table(place, &format!("{name}.{k}"), table, &known)?;
+                    let name = format!("{name}.{k}");
+                    match entry {
+                        Value::Table(table) => check_table(place, &name, table, &known)?,
+                        other => return Err(no_table(place, &name, other)),
                     }
                 }
             }
-            _ => {}
+            other => return Err(no_table(place, name, other)),
         }
     }
     Ok(())
@@ -75,6 +79,15 @@ fn check_table(
     match table.keys().find(|key| !known.contains(key)) {
         Some(key) => Err(unknown(place, key, &format!("{name}."), known)),
         None => Ok(()),
+    }
+}
+
+fn no_table(place: &Place, name: &str, found: &Value) -> RecipeError {
+    let what = format!("expected a table, found {}", found.type_str());
+    RecipeError::Type {
+        place: place.clone(),
+        key: name.to_owned(),
+        what,
     }
 }
 

@@ -6,12 +6,14 @@ mod print;
 mod settings;
 mod tables;
 
+use std::sync::OnceLock;
+
 use toml::{Table, Value};
 
 pub use error::RecipeError;
 pub use settings::{OutputFormat, OutputSettings, Settings};
 
-use error::Place;
+use error::{Place, printable};
 
 /// Version of the recipe format, the value of its `schema` key.
 pub const SCHEMA_VERSION: i64 = 1;
@@ -77,7 +79,7 @@ impl Recipe {
             Some(other) => {
                 return Err(RecipeError::Schema {
                     place,
-                    found: other.to_string(),
+                    found: printable(&other.to_string()),
                 });
             }
         }
@@ -112,7 +114,7 @@ impl Recipe {
                 let Some(Value::Table(impact)) = impact else {
                     return Err(RecipeError::NoSuchImpact {
                         place,
-                        index: (*index).to_owned(),
+                        index: printable(index),
                         count,
                     });
                 };
@@ -180,7 +182,13 @@ impl Recipe {
 /// The JSON Schema of a recipe, for editors; generated from the definition that parses it.
 #[must_use]
 pub fn json_schema() -> serde_json::Value {
-    serde_json::Value::from(schemars::schema_for!(tables::RecipeTables))
+    schema().clone()
+}
+
+/// The schema, generated once.
+fn schema() -> &'static serde_json::Value {
+    static SCHEMA: OnceLock<serde_json::Value> = OnceLock::new();
+    SCHEMA.get_or_init(|| serde_json::Value::from(schemars::schema_for!(tables::RecipeTables)))
 }
 
 fn parse_table(place: &Place, text: &str) -> Result<Table, RecipeError> {
@@ -188,7 +196,7 @@ fn parse_table(place: &Place, text: &str) -> Result<Table, RecipeError> {
         let (line, column) = cause
             .span()
             .map_or((1, 1), |span| line_and_column(text, span.start));
-        let what = cause.message().replace('\n', ", ");
+        let what = printable(&cause.message().replace('\n', ", "));
         RecipeError::Syntax {
             place: place.clone(),
             line,

@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::json_schema;
 use super::known_keys::table_schema;
+use super::schema;
 
 /// Tables in the order in which a reader thinks of them.
 const ORDER: [&str; 5] = ["camera", "impact", "fracture", "optics", "output"];
@@ -19,7 +19,7 @@ pub(super) fn plain(table: &Table) -> String {
 }
 
 pub(super) fn commented(table: &Table) -> String {
-    write_recipe(table, Some(&json_schema()))
+    write_recipe(table, Some(schema()))
 }
 
 fn write_recipe(table: &Table, schema: Option<&Json>) -> String {

@@ -106,6 +106,20 @@ pub(super) fn from_tables(place: &Place, tables: &RecipeTables) -> Result<Settin
     fracture
         .check()
         .map_err(|error| RecipeError::of_fracture(place, "fracture", error))?;
+    for (key, degrees) in [
+        ("sun_azimuth_deg", tables.optics.sun_azimuth_deg),
+        ("sun_elevation_deg", tables.optics.sun_elevation_deg),
+    ] {
+        // Checked before it becomes a zenith angle, so that the message repeats what was given.
+        if !degrees.is_finite() {
+            return Err(RecipeError::Range {
+                place: place.clone(),
+                key: format!("optics.{key}"),
+                value: degrees.to_string(),
+                expected: "a finite angle".to_owned(),
+            });
+        }
+    }
     let optics = optics(tables);
     optics
         .check()

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
-use super::error::{Place, RecipeError};
+use super::error::{Place, RecipeError, printable};
 
 /// A starbreak recipe: all parameters of a cracked glass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -251,7 +251,7 @@ impl RecipeTables {
             RecipeError::Type {
                 place: place.clone(),
                 key: error.path().to_string().replace('[', ".").replace(']', ""),
-                what: error.inner().to_string().trim_end().replace('\n', ", "),
+                what: printable(error.inner().message()),
             }
         })
     }

@@ -1,0 +1,115 @@
+//! Runs every input of the corpus, and mutations of them that are the same on every machine,
+//! through the fuzz targets, on stable Rust and without a fuzzer.
+//!
+//! `replay [MUTATIONS]`: so many mutations per target (default: the target's own number). A finding is written to
+//! `artifacts/<target>/` and makes the command fail.
+#![expect(clippy::print_stdout, reason = "a report is what this program is for")]
+
+use std::fs;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use starbreak_fuzz::{Mutator, TARGETS, Target};
+
+/// Findings of one target that are reported; one bug is often found many times.
+const MAX_FINDINGS: usize = 10;
+
+/// Characters of a message that are printed.
+const MAX_MESSAGE: usize = 400;
+
+fn main() -> ExitCode {
+    let n_mutations = match std::env::args().nth(1).map(|n| n.parse()) {
+        None => None,
+        Some(Ok(n)) => Some(n),
+        Some(Err(_)) => {
+            println!("usage: replay [MUTATIONS]");
+            return ExitCode::from(2);
+        }
+    };
+    let mut n_findings = 0;
+    for target in &TARGETS {
+        match replay(target, n_mutations.unwrap_or(target.n_mutations)) {
+            Ok(n) => n_findings += n,
+            Err(cause) => {
+                println!("fuzz {}: {cause}", target.name);
+                return ExitCode::from(2);
+            }
+        }
+    }
+    if n_findings == 0 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}
+
+/// Number of findings.
+fn replay(target: &Target, n_mutations: usize) -> std::io::Result<usize> {
+    let started = Instant::now();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files: Vec<_> = fs::read_dir(root.join("corpus").join(target.name))?
+        .map(|entry| Ok(entry?.path()))
+        .collect::<std::io::Result<_>>()?;
+    files.sort();
+    let corpus = files
+        .iter()
+        .map(fs::read)
+        .collect::<std::io::Result<Vec<_>>>()?;
+    if corpus.is_empty() {
+        return Err(std::io::Error::other("the corpus is empty"));
+    }
+    let mut n_findings = 0;
+    for (file, input) in files.iter().zip(&corpus) {
+        if let Some(what) = finding(target, input) {
+            n_findings += 1;
+            println!("fuzz {}: {}: {what}", target.name, file.display());
+        }
+    }
+    let mut mutator = Mutator::new(0);
+    for k in 0..n_mutations {
+        let input = mutator.next_input(&corpus, target.vocabulary);
+        let Some(what) = finding(target, &input) else {
+            continue;
+        };
+        n_findings += 1;
+        let folder = root.join("artifacts").join(target.name);
+        fs::create_dir_all(&folder)?;
+        let file = folder.join(format!("replay-{k}"));
+        fs::write(&file, &input)?;
+        println!("fuzz {}: {}: {what}", target.name, file.display());
+        if n_findings >= MAX_FINDINGS {
+            println!("fuzz {}: stopped after mutation {k}", target.name);
+            break;
+        }
+    }
+    println!(
+        "fuzz {}: {} corpus files, {n_mutations} mutations, {n_findings} findings, {:.1} s",
+        target.name,
+        corpus.len(),
+        started.elapsed().as_secs_f64()
+    );
+    Ok(n_findings)
+}
+
+/// What the target says against the input, in one line.
+fn finding(target: &Target, input: &[u8]) -> Option<String> {
+    let hook = panic::take_hook();
+    panic::set_hook(Box::new(|_| {}));
+    let result = panic::catch_unwind(AssertUnwindSafe(|| (target.check)(input)));
+    panic::set_hook(hook);
+    let what = result.err()?;
+    let message = what
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| what.downcast_ref::<&str>().copied())
+        .unwrap_or("panicked");
+    Some(
+        message
+            .replace('\n', " ")
+            .chars()
+            .take(MAX_MESSAGE)
+            .collect(),
+    )
+}

@@ -1,0 +1,43 @@
+//! What must hold for every input of a parser: it never panics, and what it accepts survives
+//! being written and read again.
+//!
+//! One function per target. Each returns for an input that behaves, and panics for a finding;
+//! libFuzzer and [`replay`](../replay/index.html) call the same functions.
+#![forbid(unsafe_code)]
+
+mod mutation;
+mod network;
+mod recipe;
+
+pub use mutation::{Mutator, Vocabulary};
+pub use network::network;
+pub use recipe::recipe;
+
+/// A fuzz target: its name is the name of its corpus folder.
+#[derive(Clone, Copy)]
+pub struct Target {
+    /// Name of the target and of its folder in `corpus/`.
+    pub name: &'static str,
+    /// Panics if the input is a finding.
+    pub check: fn(&[u8]),
+    /// Words that a mutation may write into an input.
+    pub vocabulary: Vocabulary,
+    /// Mutations that a replay tries: about two seconds' worth.
+    pub n_mutations: usize,
+}
+
+/// All targets.
+pub const TARGETS: [Target; 2] = [
+    Target {
+        name: "recipe",
+        check: recipe,
+        vocabulary: recipe::VOCABULARY,
+        n_mutations: 4000,
+    },
+    Target {
+        name: "network",
+        check: network,
+        vocabulary: network::VOCABULARY,
+        n_mutations: 100_000,
+    },
+];

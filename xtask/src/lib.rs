@@ -1,0 +1,28 @@
+//! The chores of the project, one module each. Their pure parts take text and return findings,
+//! so that each can be seen to fail in a unit test.
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a report is what a chore is for"
+)]
+
+pub mod command;
+pub mod deps;
+pub mod failure;
+pub mod licences;
+pub mod lint;
+pub mod metadata;
+pub mod refs;
+pub mod rust_source;
+pub mod test;
+
+use std::path::Path;
+
+pub use failure::Failure;
+
+/// The folder of the workspace.
+#[must_use]
+pub fn root() -> &'static Path {
+    let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
+    xtask.parent().unwrap_or(xtask)
+}

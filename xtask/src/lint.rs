@@ -1,0 +1,57 @@
+//! Everything that judges the text of the project without running it.
+
+use std::path::Path;
+
+use crate::command::{cargo, run as run_command};
+use crate::deps::{self, Mode};
+use crate::{Failure, licences, refs, test};
+
+/// `cargo xtask lint`: all checks, also after one has failed.
+///
+/// # Errors
+/// If one of them fails.
+pub fn run(root: &Path) -> Result<(), Failure> {
+    let clippy = ["--all-targets", "--locked", "--keep-going"];
+    let deny = ["--", "-D", "warnings"];
+    let with = |head: &[&str], tail: &[&str]| cargo(root, &[head, tail].concat());
+    let mut rustdoc = with(
+        &["doc", "--workspace", "--no-deps"],
+        &["--locked", "--keep-going"],
+    );
+    rustdoc.env("RUSTDOCFLAGS", "-D warnings");
+    let mut fuzz_clippy = with(&["clippy"], &[]);
+    fuzz_clippy
+        .args(["--manifest-path", test::FUZZ_MANIFEST])
+        .args(["--lib", "--bin", "replay", "--locked"])
+        .args(["--", "-D", "warnings"]);
+    let fuzz_fmt = with(
+        &["fmt", "--manifest-path", test::FUZZ_MANIFEST],
+        &["--check"],
+    );
+    let results = [
+        run_command(with(&["fmt", "--all"], &["--check"])),
+        run_command(fuzz_fmt),
+        run_command(with(
+            &["clippy", "--workspace"],
+            &[&clippy[..], &deny].concat(),
+        )),
+        test::with_target_folder(root, fuzz_clippy).and_then(run_command),
+        run_command(rustdoc),
+        section("licences", licences::run(root)),
+        section("deps --check", deps::run(root, Mode::Check)),
+        section("refs", refs::run(root)),
+    ];
+    let failures: Vec<String> = results
+        .into_iter()
+        .filter_map(Result::err)
+        .map(|failure| failure.to_string())
+        .collect();
+    println!();
+    Failure::from_findings(&failures, "checks failed")?;
+    println!("lint: all checks passed");
+    Ok(())
+}
+
+fn section(task: &str, result: Result<(), Failure>) -> Result<(), Failure> {
+    result.map_err(|failure| Failure::new(format!("{task}: {failure}")))
+}

@@ -1,0 +1,79 @@
+//! The project's test command.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use crate::Failure;
+use crate::command::{cargo, line_of, run as run_command};
+use crate::metadata::Metadata;
+
+mod report;
+
+use report::Report;
+
+/// The manifest of the fuzz targets, a workspace of its own.
+pub const FUZZ_MANIFEST: &str = "fuzz/Cargo.toml";
+
+/// `cargo xtask test`: all tests and doctests, then the replay of the fuzz corpus.
+///
+/// # Errors
+/// If a test fails or the replay has a finding.
+pub fn run(root: &Path) -> Result<(), Failure> {
+    let (report, tests) = run_tests(root)?;
+    let replay = [
+        "run",
+        "--quiet",
+        "--locked",
+        "--manifest-path",
+        FUZZ_MANIFEST,
+        "--bin",
+        "replay",
+    ];
+    let replay = with_target_folder(root, cargo(root, &replay)).and_then(run_command);
+    println!();
+    for skipped in report.skipped() {
+        println!("skipped: {skipped}");
+    }
+    println!("{report}");
+    tests.and(replay)
+}
+
+/// Has a command of the fuzz workspace build where the project builds: most dependencies are
+/// the same, and are built once.
+///
+/// # Errors
+/// If cargo does not say where that is.
+pub fn with_target_folder(root: &Path, mut command: Command) -> Result<Command, Failure> {
+    let target = Metadata::of_workspace(root)?.target_directory;
+    command.env("CARGO_TARGET_DIR", target);
+    Ok(command)
+}
+
+/// Runs cargo test, passes on what a reader wants to see, and counts.
+fn run_tests(root: &Path) -> Result<(Report, Result<(), Failure>), Failure> {
+    // --show-output, because tests say on their own output what they skip.
+    let args = ["test", "--workspace", "--locked", "--no-fail-fast"];
+    let mut command = cargo(root, &[&args[..], &["--", "--show-output"]].concat());
+    let line = line_of(&command);
+    println!("== {line}");
+    let broken = |cause: std::io::Error| Failure::new(format!("{line}: {cause}"));
+    let mut child = command.stdout(Stdio::piped()).spawn().map_err(broken)?;
+    let mut report = Report::default();
+    if let Some(stdout) = child.stdout.take() {
+        for bytes in BufReader::new(stdout).split(b'\n') {
+            let bytes = bytes.map_err(broken)?;
+            let text = String::from_utf8_lossy(&bytes);
+            if report.read(&text) {
+                println!("{text}");
+            }
+        }
+    }
+    let status = child.wait().map_err(broken)?;
+    let result = if status.success() {
+        Ok(())
+    } else {
+        Err(Failure::new(format!("{line}: {status}")))
+    };
+    Ok((report, result))
+}
