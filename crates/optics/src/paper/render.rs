@@ -72,7 +72,7 @@ pub fn draw(
 /// Blends drawn cracks into the image, in place.
 ///
 /// Far focus: the crack is blurred over the sharp scene, I·(1 − G∗M) + G∗(M·I_c); with
-/// [`FarFocusBlur::CrackAndScene`] the two are blurred together, G∗(I·(1 − M) + M·I_c). Either
+/// [`CrackAndScene`](super::FarFocusBlur::CrackAndScene) the two are blurred together, G∗(I·(1 − M) + M·I_c). Either
 /// way only where a crack pixel lies within half the kernel; all else stays as it is, to the
 /// byte. Short focus: (G∗I)·(1 − M) + M·I_c over the whole frame. Where nothing is broken the
 /// image stays as it is. Alpha is never changed.
