@@ -140,167 +140,169 @@ struct Candidate {
 #[must_use]
 pub fn propagate(mesh: &PaneMesh, impacts: &[ResolvedImpact], params: &PaperParams) -> Propagation {
     let n = mesh.particles().len();
-    let mut state = Propagation {
+    let state = Propagation {
         hops: Vec::new(),
         stress: vec![0.0; n],
         first_step: vec![u32::MAX; n],
         visited: vec![false; n],
         convergence: ConvergenceReport::default(),
     };
-    let threshold = params.threshold();
-    let mut fronts: Vec<Front> = Vec::new();
-    let mut candidates: Vec<Candidate> = Vec::new();
+    let mut run = Run {
+        mesh,
+        params,
+        state,
+        fronts: Vec::new(),
+        candidates: Vec::new(),
+    };
     for impact in impacts {
-        if impact.force <= threshold {
-            state.convergence.impacts_without_fracture += 1;
-            continue;
+        run.strike(impact);
+    }
+    run.state.convergence.fronts_left = run.fronts.len();
+    run.state
+}
+
+/// A propagation on its way.
+struct Run<'a> {
+    mesh: &'a PaneMesh,
+    params: &'a PaperParams,
+    state: Propagation,
+    fronts: Vec<Front>,
+    /// Neighbors of the front at hand.
+    candidates: Vec<Candidate>,
+}
+
+impl Run<'_> {
+    /// One impact and all that follows from it.
+    fn strike(&mut self, impact: &ResolvedImpact) {
+        if impact.force <= self.params.threshold() {
+            self.state.convergence.impacts_without_fracture += 1;
+            return;
         }
         let center = impact.node as usize;
-        state.stress[center] += impact.force;
-        state.first_step[center] = 0;
-        state.visited[center] = true;
-        let front = Front {
-            node: impact.node,
-            stress: impact.force,
-            direction: impact.direction,
+        self.state.stress[center] += impact.force;
+        self.state.first_step[center] = 0;
+        self.state.visited[center] = true;
+        let ResolvedImpact {
+            node,
+            force,
+            direction,
+        } = *impact;
+        self.first_ring(Front {
+            node,
+            stress: force,
+            direction,
             step: 0,
-        };
-        first_ring(
-            mesh,
-            front,
-            params,
-            &mut state,
-            &mut candidates,
-            &mut fronts,
-        );
+        });
         // Last in, first out: one crack runs to its end before the next, as the paper recurses.
-        while let Some(front) = fronts.pop() {
-            advance(
-                mesh,
-                front,
-                params,
-                &mut state,
-                &mut candidates,
-                &mut fronts,
-            );
+        while let Some(front) = self.fronts.pop() {
+            self.advance(front);
         }
     }
-    state.convergence.fronts_left = fronts.len();
-    state
-}
 
-/// The neighbors of the impact: each one stressed above the threshold starts a crack of its own.
-fn first_ring(
-    mesh: &PaneMesh,
-    front: Front,
-    params: &PaperParams,
-    state: &mut Propagation,
-    candidates: &mut Vec<Candidate>,
-    fronts: &mut Vec<Front>,
-) {
-    gather(mesh, front, params, candidates);
-    for candidate in candidates.iter_mut() {
-        // Behind the impact no stress arrives, unless the fan opens both ways.
-        let stress = candidate.stress;
-        candidate.stress = if params.two_sided {
-            stress.abs()
-        } else {
-            stress.max(0.0)
-        };
-    }
-    hand_on(state, front.step, candidates);
-    state.convergence.n_fronts += 1;
-    if candidates.is_empty() {
-        state.convergence.record_stop(StopReason::NoNeighbor);
-    }
-    for candidate in candidates
-        .iter()
-        .filter(|candidate| candidate.stress > params.threshold())
-    {
-        if !state.visited[candidate.node as usize] {
-            break_node(state, front, candidate, fronts);
+    /// The neighbors of the impact: each one stressed above the threshold starts a crack of its
+    /// own.
+    fn first_ring(&mut self, front: Front) {
+        gather(self.mesh, front, self.params, &mut self.candidates);
+        for candidate in &mut self.candidates {
+            // Behind the impact no stress arrives, unless the fan opens both ways.
+            let stress = candidate.stress;
+            candidate.stress = if self.params.two_sided {
+                stress.abs()
+            } else {
+                stress.max(0.0)
+            };
         }
-    }
-}
-
-/// One front: every neighbor is stressed, the best `branches` of them break.
-fn advance(
-    mesh: &PaneMesh,
-    front: Front,
-    params: &PaperParams,
-    state: &mut Propagation,
-    candidates: &mut Vec<Candidate>,
-    fronts: &mut Vec<Front>,
-) {
-    gather(mesh, front, params, candidates);
-    hand_on(state, front.step, candidates);
-    state.convergence.n_fronts += 1;
-    choose_side(params.rule, front.direction, candidates);
-    let mut advanced = false;
-    let mut reason = StopReason::NoNeighbor;
-    for _ in 0..params.branches {
-        // Highest stress; of equals, the lower node (candidates come in ascending order).
-        let mut best: Option<usize> = None;
-        for (k, candidate) in candidates.iter().enumerate() {
-            if best.is_none_or(|b: usize| candidate.stress > candidates[b].stress) {
-                best = Some(k);
+        self.hand_on(front.step);
+        if self.candidates.is_empty() {
+            self.state.convergence.record_stop(StopReason::NoNeighbor);
+        }
+        for k in 0..self.candidates.len() {
+            let candidate = self.candidates[k];
+            if candidate.stress > self.params.threshold()
+                && !self.state.visited[candidate.node as usize]
+            {
+                self.break_node(front, candidate);
             }
         }
-        let Some(best) = best else { break };
-        let candidate = candidates[best];
-        if candidate.stress <= params.threshold() {
-            reason = StopReason::BelowThreshold;
-            break;
+    }
+
+    /// One front: every neighbor is stressed, the best `branches` of them break.
+    fn advance(&mut self, front: Front) {
+        gather(self.mesh, front, self.params, &mut self.candidates);
+        self.hand_on(front.step);
+        choose_side(self.params.rule, front.direction, &mut self.candidates);
+        let mut advanced = false;
+        let mut reason = StopReason::NoNeighbor;
+        for _ in 0..self.params.branches {
+            let Some(best) = highest(&self.candidates) else {
+                break;
+            };
+            let candidate = self.candidates[best];
+            if candidate.stress <= self.params.threshold() {
+                reason = StopReason::BelowThreshold;
+                break;
+            }
+            if self.state.visited[candidate.node as usize] {
+                reason = StopReason::MetCrack;
+            } else {
+                self.break_node(front, candidate);
+                advanced = true;
+            }
+            if self.params.branches > 1 {
+                self.candidates.remove(best);
+            }
         }
-        if state.visited[candidate.node as usize] {
-            reason = StopReason::MetCrack;
-        } else {
-            break_node(state, front, &candidate, fronts);
-            advanced = true;
-        }
-        if params.branches > 1 {
-            candidates.remove(best);
+        if !advanced {
+            self.state.convergence.record_stop(reason);
         }
     }
-    if !advanced {
-        state.convergence.record_stop(reason);
+
+    /// Adds stress to every neighbor, whether the crack goes there or not.
+    fn hand_on(&mut self, step: u32) {
+        let mut change = 0.0_f64;
+        for &Candidate { node, stress, .. } in &self.candidates {
+            let node = node as usize;
+            self.state.stress[node] += stress;
+            self.state.first_step[node] = self.state.first_step[node].min(step + 1);
+            change = change.max(stress.abs());
+        }
+        self.state.convergence.n_fronts += 1;
+        self.state.convergence.record_change(step, change);
+    }
+
+    fn break_node(&mut self, front: Front, candidate: Candidate) {
+        let Candidate {
+            node,
+            stress,
+            way: [dx, dy],
+        } = candidate;
+        self.state.visited[node as usize] = true;
+        let step = front.step + 1;
+        self.state.hops.push(Hop {
+            from: front.node,
+            to: node,
+            step,
+            stress,
+        });
+        let length = (dx * dx + dy * dy).sqrt();
+        self.fronts.push(Front {
+            node,
+            stress,
+            direction: [dx / length, dy / length],
+            step,
+        });
     }
 }
 
-/// Adds stress to every neighbor, whether the crack goes there or not.
-fn hand_on(state: &mut Propagation, step: u32, candidates: &[Candidate]) {
-    let mut change = 0.0_f64;
-    for &Candidate { node, stress, .. } in candidates {
-        let node = node as usize;
-        state.stress[node] += stress;
-        state.first_step[node] = state.first_step[node].min(step + 1);
-        change = change.max(stress.abs());
+/// Place of the highest stress; of equals, the lower node (candidates come in ascending order).
+fn highest(candidates: &[Candidate]) -> Option<usize> {
+    let mut best: Option<usize> = None;
+    for (k, candidate) in candidates.iter().enumerate() {
+        if best.is_none_or(|best| candidate.stress > candidates[best].stress) {
+            best = Some(k);
+        }
     }
-    state.convergence.record_change(step, change);
-}
-
-fn break_node(
-    state: &mut Propagation,
-    front: Front,
-    candidate: &Candidate,
-    fronts: &mut Vec<Front>,
-) {
-    state.visited[candidate.node as usize] = true;
-    let step = front.step + 1;
-    state.hops.push(Hop {
-        from: front.node,
-        to: candidate.node,
-        step,
-        stress: candidate.stress,
-    });
-    let [dx, dy] = candidate.way;
-    let length = (dx * dx + dy * dy).sqrt();
-    fronts.push(Front {
-        node: candidate.node,
-        stress: candidate.stress,
-        direction: [dx / length, dy / length],
-        step,
-    });
+    best
 }
 
 /// All neighbors of a front with the stress they get, in ascending order of nodes.
