@@ -21,28 +21,20 @@ pub(crate) fn run(
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     let recipe = global.recipe()?;
-    let settings = recipe.settings()?;
-    let context = RunContext::new(&recipe, global.seed());
+    let context = RunContext::new(&recipe, global.seed(), out)?;
     let jobs = plan_images(inputs, out)?;
     global.refuse_recipe_among(&[out.join("failures.jsonl")])?;
     let interrupt = Interrupt::listen();
     let progress = screen.progress(jobs.len() as u64, "images");
     let results = with_threads(usize::from(global.threads), || {
-        crack_files(
-            &jobs,
-            out,
-            &settings,
-            &context,
-            interrupt.flag(),
-            |_, result| {
-                if let Err(failure) = result
-                    && jobs.len() > 1
-                {
-                    progress.line(&format!("error: {}", failure.error));
-                }
-                progress.step();
-            },
-        )
+        crack_files(&jobs, &context, interrupt.flag(), |_, result| {
+            if let Err(failure) = result
+                && jobs.len() > 1
+            {
+                progress.line(&format!("error: {}", failure.error));
+            }
+            progress.step();
+        })
     })?;
     progress.finish();
     finish(results, out, &interrupt, screen)

@@ -47,8 +47,7 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
         interrupt.check()?;
         let mut focused = recipe.clone();
         focused.set(&format!("camera.focus_distance_m={focus}"))?;
-        let settings = focused.settings()?;
-        let context = RunContext::new(&focused, global.seed());
+        let context = RunContext::new(&focused, global.seed(), out)?;
         let watch = Stopwatch::start();
         let file = decode_image(SCENE, &scene_png, &ImageLimits::default())?;
         let job = ImageJob {
@@ -56,9 +55,7 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
             name: SCENE.to_owned(),
             stem: format!("{focus}-focus"),
         };
-        written.push(stage_cracked(
-            &job, file, watch, out, &settings, &context, &mut batch,
-        )?);
+        written.push(stage_cracked(&job, file, watch, &context, &mut batch)?);
     }
 
     let settings = recipe.settings()?;

@@ -125,8 +125,6 @@ fn possible_outputs(job: &ImageJob) -> Vec<String> {
 /// The bytes written do not depend on the number of threads.
 pub fn crack_files(
     jobs: &[ImageJob],
-    out: &Path,
-    settings: &Settings,
     context: &RunContext,
     stop: &AtomicBool,
     done: impl Fn(&ImageJob, &Result<Written, Failure>) + Sync,
@@ -137,7 +135,7 @@ pub fn crack_files(
             if stop.load(Ordering::Relaxed) {
                 return None;
             }
-            let result = crack_file(job, out, settings, context).map_err(|error| Failure {
+            let result = crack_file(job, context).map_err(|error| Failure {
                 input: job.input.clone(),
                 error,
             });
@@ -169,17 +167,12 @@ pub fn with_threads<R: Send>(
 ///
 /// # Errors
 /// [`Error`] naming the file; nothing is written then.
-pub fn crack_file(
-    job: &ImageJob,
-    out: &Path,
-    settings: &Settings,
-    context: &RunContext,
-) -> Result<Written, Error> {
+pub fn crack_file(job: &ImageJob, context: &RunContext) -> Result<Written, Error> {
     let mut watch = Stopwatch::start();
     let file = read_image(&job.input, &ImageLimits::default())?;
     watch.lap("read");
     let mut batch = OutputBatch::new();
-    let written = stage_cracked(job, file, watch, out, settings, context, &mut batch)?;
+    let written = stage_cracked(job, file, watch, context, &mut batch)?;
     batch.commit()?;
     Ok(written)
 }
@@ -192,11 +185,10 @@ pub fn stage_cracked(
     job: &ImageJob,
     mut file: ImageFile,
     mut watch: Stopwatch,
-    out: &Path,
-    settings: &Settings,
     context: &RunContext,
     batch: &mut OutputBatch,
 ) -> Result<Written, Error> {
+    let RunContext { out, settings, .. } = context;
     let encoding = encoding(settings, &file);
     let image_path = out.join(format!(
         "{}.{}",

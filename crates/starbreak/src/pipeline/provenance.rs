@@ -1,12 +1,14 @@
 //! The record from which an image can be made again.
 
+use std::path::{Path, PathBuf};
+
 use serde_json::{Value, json};
 use starbreak_dataset::{Provenance, sha256_hex};
 use starbreak_fracture::paper::{ConvergenceReport, Fracture};
 use starbreak_glass::Seed;
 
 use super::timings::Timings;
-use crate::{Error, Recipe};
+use crate::{Error, Recipe, Settings};
 
 /// Name and version of the provenance format.
 pub const PROVENANCE_SCHEMA: &str = "starbreak.provenance/1";
@@ -20,6 +22,10 @@ pub struct RunContext {
     pub recipe_sha256: String,
     /// The seed of the run.
     pub seed: Seed,
+    /// The recipe in SI units.
+    pub settings: Settings,
+    /// The folder that everything is written into.
+    pub out: PathBuf,
 }
 
 /// One image of a run.
@@ -38,15 +44,20 @@ pub(super) struct Item<'a> {
 }
 
 impl RunContext {
-    /// The context of a run with this recipe and seed.
-    #[must_use]
-    pub fn new(recipe: &Recipe, seed: Seed) -> Self {
+    /// The context of a run with this recipe and seed, into this folder.
+    ///
+    /// # Errors
+    /// [`Error::Recipe`] if the recipe has no valid settings.
+    pub fn new(recipe: &Recipe, seed: Seed, out: &Path) -> Result<Self, Error> {
         let text = recipe.to_toml();
-        Self {
+        let settings = recipe.settings()?;
+        Ok(Self {
             recipe_sha256: sha256_hex(text.as_bytes()),
             recipe: text,
             seed,
-        }
+            settings,
+            out: out.to_owned(),
+        })
     }
 
     pub(super) fn provenance(&self, item: &Item<'_>) -> Result<Provenance, Error> {
