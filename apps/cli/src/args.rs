@@ -84,9 +84,10 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
         size: (u32, u32),
         /// Number of growth frames, from the impact to the last arrival
-        #[arg(long, value_name = "N", requires = "frames_to", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
         frames: Option<u32>,
-        /// Where the frames go: a name that ends in .png for one animated PNG, else a folder
+        /// Where the frames go: a name that ends in .png for one animated PNG, else a folder;
+        /// without it a folder beside the network file, NAME-frames
         #[arg(long, value_name = "PATH", requires = "frames")]
         frames_to: Option<PathBuf>,
         /// Add the wall-clock time of each stage to the network file

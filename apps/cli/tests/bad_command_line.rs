@@ -20,7 +20,7 @@ fn wrong_command_lines_are_refused_in_one_line() {
             simulate(&["--size", "5"], "--size"),
             simulate(&["--size", "99999x5"], "--size"),
             simulate(&["--frames", "0", "--frames-to", "f"], "--frames"),
-            simulate(&["--frames", "3"], "--frames-to"),
+            simulate(&["--frames-to", "f"], "--frames"),
             simulate(&["--recipe", "r.toml", "--preset", "paper"], "--preset"),
             simulate(&["--seed", "-1"], "-1"),
             simulate(&["--seed", "1.5"], "--seed"),

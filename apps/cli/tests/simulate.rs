@@ -239,6 +239,9 @@ fn growth_frames_grow_to_the_full_drawing() {
     let frames = ["--frames", "7", "--frames-to"];
     simulate(dir.path(), &[&frames[..], &["f"]].concat());
     simulate(dir.path(), &[&frames[..], &["f.png"]].concat());
+    simulate(dir.path(), &["--frames", "7"]);
+    let beside = names(&dir.path().join("n-frames"));
+    assert_eq!(beside.len(), 7, "a folder beside the network by default");
     let folder = dir.path().join("f");
     let expected: Vec<String> = (1..=7).map(|k| format!("frame_{k:05}.png")).collect();
     assert_eq!(names(&folder), expected, "seven files");

@@ -29,10 +29,15 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             timings,
         } => {
             let request = simulate::Request {
-                output,
                 svg,
                 size,
-                frames: frames.zip(frames_to),
+                frames: frames.map(|n_frames| {
+                    (
+                        n_frames,
+                        frames_to.unwrap_or_else(|| simulate::frames_beside(output.as_deref())),
+                    )
+                }),
+                output,
                 timings,
             };
             simulate::run(global, &request, screen)

@@ -33,6 +33,18 @@ pub(crate) struct Request {
     pub(crate) timings: bool,
 }
 
+/// The folder for frames where none was named.
+pub(super) fn frames_beside(network: Option<&Path>) -> PathBuf {
+    let stem = network
+        .and_then(Path::file_stem)
+        .map(|stem| stem.to_string_lossy().into_owned());
+    let name = format!("{}-frames", stem.as_deref().unwrap_or("network"));
+    network.map_or_else(
+        || PathBuf::from(&name),
+        |network| network.with_file_name(&name),
+    )
+}
+
 impl Request {
     fn outputs(&self) -> Vec<PathBuf> {
         let frames = self.frames.as_ref().map(|(_, to)| to.clone());
