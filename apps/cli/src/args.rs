@@ -138,7 +138,7 @@ impl Global {
             (Some(path), _) => {
                 let text = std::fs::read_to_string(path).map_err(|cause| {
                     Failure::wrong_input(format!(
-                        "recipe {path:?} cannot be read: {cause}; check the path"
+                        "recipe {path:?} cannot be read as UTF-8 text: {cause}"
                     ))
                 })?;
                 Recipe::parse(&path.to_string_lossy(), &text)?

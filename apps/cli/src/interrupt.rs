@@ -3,19 +3,24 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::failure::Failure;
+use crate::failure::{Failure, INTERRUPTED};
 
 /// Set once the user has asked to stop.
 #[derive(Debug, Clone)]
 pub(crate) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens for Ctrl-C and termination from now on.
+    /// Listens for Ctrl-C and termination from now on; the second time the process ends at once.
     pub(crate) fn listen() -> Self {
         let flag = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&flag);
         // A system without signals cannot be interrupted this way; that is no reason to fail.
-        let _ = ctrlc::set_handler(move || seen.store(true, Ordering::Relaxed));
+        let _ = ctrlc::set_handler(move || {
+            // Whoever asks twice does not want to wait; what is in its place is whole.
+            if seen.swap(true, Ordering::Relaxed) {
+                std::process::exit(i32::from(INTERRUPTED));
+            }
+        });
         Self(flag)
     }
 

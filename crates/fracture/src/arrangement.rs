@@ -7,7 +7,7 @@ use starbreak_glass::{ContactKind, Nodes, Pane, SegmentKind, find_contacts, find
 use crate::lattice::Lattice;
 use crate::mesh::to_u32;
 
-/// Most contacts that are sorted out; far above any picture's needs, and a bound on memory.
+/// Most contacts that are sorted out; far above any picture's needs.
 pub(crate) const MAX_CONTACTS: usize = 8_000_000;
 
 /// Up to this many strokes are looked at one by one.

@@ -39,12 +39,15 @@ pub enum FractureError {
     },
     /// A radius that spans so many particles that the work explodes.
     #[error(
-        "neighbour_radius_px = {radius} spans about {neighbors:.0} of the {particles} particles, more than {limit}; \
-         scale it with the mesh, about {suggested:.1}"
+        "neighbour_radius_px = {radius} spans about {neighbors:.0} of the {particles} particles, which with \
+         branches = {branches} is more than {limit} to look at from each; scale it with the mesh, about \
+         {suggested:.1}"
     )]
     TooManyNeighbors {
         /// Expected number of neighbors.
         neighbors: f64,
+        /// Number of branches.
+        branches: u32,
         /// The bound.
         limit: u32,
         /// Radius of the neighborhood.

@@ -37,16 +37,17 @@ pub(crate) fn run(
         })
     })?;
     progress.finish();
-    finish(results, out, &interrupt, screen)
+    finish(results, &context, &interrupt, screen)
 }
 
 /// Says how it went, and with which exit code.
 fn finish(
     results: Vec<JobResult>,
-    out: &Path,
+    context: &RunContext,
     interrupt: &Interrupt,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
+    let RunContext { out, settings, .. } = context;
     let total = results.len();
     let (mut written, mut failed) = (Vec::new(), Vec::new());
     for result in results.into_iter().flatten() {
@@ -62,6 +63,15 @@ fn finish(
     }
     for item in &written {
         screen.say(&describe(item));
+    }
+    let sizes = written
+        .iter()
+        .map(|item| item.cracked.masks.region.dimensions());
+    if let Some(hint) = sizes
+        .into_iter()
+        .find_map(|size| super::simulate::radius_hint(settings, size))
+    {
+        screen.note(&hint);
     }
     record_failures(&failed, out)?;
     screen.result(|| {
@@ -95,8 +105,15 @@ fn finish(
 fn record_failures(failed: &[ItemFailure], out: &Path) -> Result<(), Failure> {
     let path = out.join("failures.jsonl");
     if failed.is_empty() {
-        // That of an earlier run would now be wrong; that there is none is the usual case.
-        let _ = std::fs::remove_file(path);
+        // That of an earlier run would now be wrong; a file of somebody else's stays.
+        let earlier = std::fs::read_to_string(&path).unwrap_or_default();
+        let is_ours = earlier.lines().next().is_some_and(|line| {
+            serde_json::from_str::<Value>(line)
+                .is_ok_and(|line| line["input"].is_string() && line["error"].is_string())
+        });
+        if is_ours {
+            let _ = std::fs::remove_file(path);
+        }
         return Ok(());
     }
     let lines: String = failed

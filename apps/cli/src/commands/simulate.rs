@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
+use starbreak::Settings;
 use starbreak::dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
 use starbreak::fracture::paper::Fracture;
+use starbreak::glass::Pane;
 use starbreak::pipeline::{self, Simulated, convergence_json, growth_drawing, growth_times};
 
 use crate::args::Global;
@@ -16,12 +18,30 @@ use crate::screen::{Screen, path_text};
 /// What to tell when there is no crack.
 pub(super) fn why_intact(fracture: &Fracture) -> &'static str {
     if fracture.convergence.impacts_without_fracture == fracture.network.data().impacts.len() {
-        "nothing broke: no impact.force exceeds fracture.critical_stress / fracture.safety_factor (eq. 2); the image \
-         stays as it is"
+        "nothing broke: no impact.force exceeds fracture.critical_stress / fracture.safety_factor (eq. 2)"
     } else {
         "the glass breaks, but no particle within fracture.neighbour_radius_px of the impact is stressed above the \
-         threshold, so there is no crack; the image stays as it is"
+         threshold, so there is no crack"
     }
+}
+
+/// Fewer neighbors than this make hardly any crack; the paper has 285.
+const FEW_NEIGHBORS: f64 = 15.0;
+
+/// A hint where the radius is too small for the frame.
+pub(super) fn radius_hint(
+    settings: &Settings,
+    (width_px, height_px): (u32, u32),
+) -> Option<String> {
+    let pane = Pane::from_frame_px(width_px, height_px);
+    let neighbors = settings.fracture.expected_neighbors(&pane);
+    (neighbors < FEW_NEIGHBORS).then(|| {
+        format!(
+            "note: on {width_px} x {height_px} px the radius spans only {neighbors:.1} particles (the paper: 285), so \
+             there is hardly a crack; try --set fracture.neighbour_radius_px={:.0} or more particles",
+            settings.fracture.customary_radius(&pane)
+        )
+    })
 }
 
 /// What was asked for.
@@ -65,6 +85,7 @@ pub(crate) fn run(
     let (width_px, height_px) = request.size;
     global.refuse_recipe_among(&request.outputs())?;
     let simulated = pipeline::simulate(&settings, width_px, height_px, global.seed())?;
+    interrupt.check()?;
     let network = &simulated.fracture.network;
     let json = if request.timings {
         with_timings(&simulated)?
@@ -89,8 +110,12 @@ pub(crate) fn run(
             &mut batch,
         )?;
     }
+    interrupt.check()?;
     batch.commit()?;
 
+    if let Some(hint) = radius_hint(&settings, request.size) {
+        screen.note(&hint);
+    }
     if request.output.is_none() && !global.json {
         screen.data(&json)?;
         screen.note(&describe(&simulated));
@@ -121,9 +146,16 @@ fn stage_frames(
     let network = &simulated.fracture.network;
     let times = growth_times(network, n_frames).take_while(|_| !interrupt.is_set());
     let drawings = times.map(|time| growth_drawing(network, size, time, 1.0));
-    let animated = to
+    let extension = to
         .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+        .map(|extension| extension.to_string_lossy().to_lowercase())
+        .unwrap_or_default();
+    if ["gif", "webp", "mp4", "jpg", "jpeg", "avi", "mov"].contains(&extension.as_str()) {
+        return Err(Failure::wrong_input(format!(
+            "--frames-to {to:?}: animations are written as PNG; name a file that ends in .png, or a folder"
+        )));
+    }
+    let animated = ["png", "apng"].contains(&extension.as_str());
     if animated {
         batch.stage(
             to,

@@ -117,8 +117,9 @@ impl Default for PaperParams {
 impl PaperParams {
     /// Most particles: node ids and the triangulation stay within 32 bits and a few GB.
     pub const MAX_PARTICLES: u32 = 10_000_000;
-    /// Most neighbors of a particle on average; the paper has 285.
-    pub const MAX_NEIGHBORS: u32 = 30_000;
+    /// Most neighbors of a particle on average, times branches, times two for a two-sided fan;
+    /// the paper has 285.
+    pub const MAX_NEIGHBORS: u32 = 20_000;
     /// Most branches per node.
     pub const MAX_BRANCHES: u32 = 64;
 
@@ -137,23 +138,29 @@ impl PaperParams {
 
     /// The radius that has the paper's number of neighbors (285 on average, for N = 10⁴ and
     /// R = 65 on 1242 × 375) with this number of particles on this pane.
-    pub(crate) fn customary_radius(&self, pane: &Pane) -> f64 {
+    #[must_use]
+    pub fn customary_radius(&self, pane: &Pane) -> f64 {
         let per_neighbor = pane.width * pane.height / f64::from(self.particles.max(1));
         (285.0 * per_neighbor / std::f64::consts::PI).sqrt()
     }
 
-    /// The radius does not span more particles than [`Self::MAX_NEIGHBORS`] on average.
+    /// The number of particles that the radius spans on average, far from the rim.
+    #[must_use]
+    pub fn expected_neighbors(&self, pane: &Pane) -> f64 {
+        let area = std::f64::consts::PI * self.neighbor_radius * self.neighbor_radius;
+        f64::from(self.particles) * (area / (pane.width * pane.height)).min(1.0)
+    }
+
+    /// The radius does not span so many particles that the work explodes.
     pub(crate) fn check_neighbors(&self, pane: &Pane) -> Result<(), FractureError> {
-        let share = std::f64::consts::PI * self.neighbor_radius * self.neighbor_radius
-            / (pane.width * pane.height);
-        let neighbors = f64::from(self.particles) * share.min(1.0);
-        if self.neighborhood == Neighborhood::MeshEdges
-            || neighbors <= f64::from(Self::MAX_NEIGHBORS)
-        {
+        let neighbors = self.expected_neighbors(pane);
+        let work = neighbors * f64::from(self.branches) * if self.two_sided { 2.0 } else { 1.0 };
+        if self.neighborhood == Neighborhood::MeshEdges || work <= f64::from(Self::MAX_NEIGHBORS) {
             return Ok(());
         }
         Err(FractureError::TooManyNeighbors {
             neighbors,
+            branches: self.branches,
             limit: Self::MAX_NEIGHBORS,
             radius: self.neighbor_radius,
             particles: self.particles,

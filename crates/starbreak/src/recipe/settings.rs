@@ -9,7 +9,7 @@ use starbreak_optics::paper::{FarFocusBlur, Focus, Light, Normalization, PaperOp
 
 use super::error::{Place, RecipeError};
 use super::tables::{
-    DirectionEntry, FarFocusBlurWord, FocusWord, FormatWord, ImpactTable, LightEntry,
+    DirectionEntry, FarFocusBlurWord, FocusEntry, FocusWord, FormatWord, ImpactTable, LightEntry,
     NeighborhoodWord, NormalizationWord, PositionEntry, RecipeTables, RuleWord,
 };
 
@@ -190,8 +190,8 @@ fn optics(tables: &RecipeTables) -> PaperOptics {
     let given = &tables.optics;
     PaperOptics {
         focus: match tables.camera.focus_distance_m {
-            FocusWord::Far => Focus::Far,
-            FocusWord::Short => Focus::Short,
+            FocusEntry::Word(FocusWord::Far) => Focus::Far,
+            FocusEntry::Word(FocusWord::Short) => Focus::Short,
         },
         far_focus_blur: match given.far_focus_blur {
             FarFocusBlurWord::Crack => FarFocusBlur::Crack,

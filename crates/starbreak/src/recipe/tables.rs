@@ -32,7 +32,18 @@ pub(super) struct RecipeTables {
 pub(super) struct CameraTable {
     /// What is sharp: "far" (the scene, the crack blurred over it) or "short" (the crack, the
     /// scene blurred behind it).
-    pub(super) focus_distance_m: FocusWord,
+    pub(super) focus_distance_m: FocusEntry,
+}
+
+/// Where the camera is focused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected \"far\" or \"short\" (the paper's optics know no distance in between)"
+)]
+pub(super) enum FocusEntry {
+    /// One of the paper's two.
+    Word(FocusWord),
 }
 
 /// The two focus settings of the paper.
@@ -225,7 +236,8 @@ pub(super) enum NormalizationWord {
 #[serde(deny_unknown_fields)]
 pub(super) struct OutputTable {
     /// Format of cracked images: "same" as the input, "png" or "jpeg". JPEG re-encodes every
-    /// pixel; with "png" all pixels outside the region mask are those of the input.
+    /// pixel; with "png" all pixels outside the region mask are those of the input as this program
+    /// decodes it (decoders of JPEG differ by a few levels).
     pub(super) format: FormatWord,
     /// JPEG quality, 1 to 100.
     pub(super) quality: u8,
