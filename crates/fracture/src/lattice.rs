@@ -6,6 +6,9 @@ use starbreak_glass::Pane;
 /// Bits per coordinate: products of two differences keep every bit of an `f64`.
 const BITS: i32 = 26;
 
+/// At this size neighboring numbers are one apart.
+const INTEGER: f64 = 6_755_399_441_055_744.0;
+
 /// The lattice of a pane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lattice {
@@ -23,7 +26,8 @@ impl Lattice {
 
     /// The nearest lattice position.
     pub(crate) fn round(self, value: f64) -> f64 {
-        (value / self.step).round() * self.step
+        // Adding and subtracting 1.5·2^52 rounds to an integer without a call to the math library.
+        ((value / self.step + INTEGER) - INTEGER) * self.step
     }
 
     /// The nearest lattice position strictly between 0 and `side`, where there is one.

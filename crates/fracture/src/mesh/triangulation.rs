@@ -58,7 +58,9 @@ pub fn mesh_pane(
     points.extend([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]);
     let particles = Particles::scatter(pane, count, &points, seed);
     let outline = outline(&particles, &points, pane);
-    let mut triangulation = ConstrainedDelaunayTriangulation::<Indexed>::new();
+    let n = particles.len();
+    let mut triangulation =
+        ConstrainedDelaunayTriangulation::<Indexed>::with_capacity(n, 3 * n, 2 * n);
     let mut vertex_of = vec![0; particles.len()];
     let mut is_inserted = vec![false; particles.len()];
     let mut last = None;
