@@ -26,5 +26,7 @@ mod growth;
 mod lattice;
 pub mod mesh;
 pub mod paper;
+pub mod physics;
+pub mod stress;
 
 pub use error::FractureError;

@@ -30,6 +30,18 @@ pub enum Stream {
     ImpactPosition,
     /// Direction of an impact.
     ImpactDirection,
+    /// Strength of the surface and of each arm under a hit.
+    StoneFlaws,
+    /// Wander and forks of crack tips.
+    TipJitter,
+    /// Strength of the glass along rings.
+    Rings,
+    /// Points and edges of dice.
+    Dice,
+    /// Flaws and loads of a long crack.
+    LongCrack,
+    /// What is left open of a stone.
+    ImpactShape,
 }
 
 impl Stream {
@@ -39,6 +51,12 @@ impl Stream {
             Self::Particles => b"particles",
             Self::ImpactPosition => b"impact-position",
             Self::ImpactDirection => b"impact-direction",
+            Self::StoneFlaws => b"stone-flaws",
+            Self::TipJitter => b"tip-jitter",
+            Self::Rings => b"rings",
+            Self::Dice => b"dice",
+            Self::LongCrack => b"long-crack",
+            Self::ImpactShape => b"impact-shape",
         }
     }
 }
@@ -99,6 +117,12 @@ mod tests {
             Stream::Particles,
             Stream::ImpactPosition,
             Stream::ImpactDirection,
+            Stream::StoneFlaws,
+            Stream::TipJitter,
+            Stream::Rings,
+            Stream::Dice,
+            Stream::LongCrack,
+            Stream::ImpactShape,
         ]
         .map(Stream::name);
         for (i, name) in names.iter().enumerate() {

@@ -1,0 +1,398 @@
+//! What the physics needs to know of pane, hit and load. SI units; every field with its range.
+
+use starbreak_glass::Material;
+
+use crate::FractureError;
+use crate::mesh::Outline;
+
+/// A pane of glass and how it is held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GlassPane {
+    /// Its rim.
+    pub outline: Outline,
+    /// Thickness of the sheet that is hit (of laminates: of the outer ply), m, 0.1 mm to 30 mm.
+    pub thickness_m: f64,
+    /// How it was made.
+    pub build: GlassBuild,
+    /// How its rim is held.
+    pub support: Support,
+    /// What it is made of.
+    pub material: Material,
+}
+
+/// How a pane was made, which decides how it breaks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum GlassBuild {
+    /// One sheet, free of residual stress.
+    Annealed,
+    /// Two plies with a polymer between them: an elastic foundation under the outer ply.
+    Laminated {
+        /// Thickness of the interlayer, m.
+        interlayer_thickness_m: f64,
+        /// Young's modulus of the interlayer at the temperature and over the time of the hit, Pa:
+        /// 30 MPa (0.1 s) to 1 GPa (µs).
+        interlayer_modulus_pa: f64,
+    },
+    /// One sheet with its surfaces in compression and its core in tension.
+    Tempered {
+        /// Compression of the surface σ_s > 0, Pa; the core is in tension of half of it.
+        surface_compression_pa: f64,
+    },
+}
+
+/// How the rim of a pane is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Support {
+    /// In a gasket: it cannot move, but turn.
+    SimplySupported,
+    /// In a stiff ring: it can neither move nor turn.
+    Clamped,
+}
+
+/// A hit by a stone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StoneImpact {
+    /// Where, m from the pane's top left corner.
+    pub position_m: [f64; 2],
+    /// Speed, m/s, 0.01 to 1000.
+    pub speed_m_s: f64,
+    /// Angle between the path and the normal of the pane, rad, 0 to 85°.
+    pub obliquity_rad: f64,
+    /// Direction of the path in the plane of the pane, rad from +x towards +y.
+    pub azimuth_rad: f64,
+    /// Radius of the sphere of the stone's mass, m, 0.05 mm to 0.2 m.
+    pub radius_m: f64,
+    /// Radius of curvature where it touches, m, up to `radius_m`: small for a sharp stone.
+    pub tip_radius_m: f64,
+    /// Density, kg/m³.
+    pub density_kg_m3: f64,
+    /// Young's modulus, Pa.
+    pub young_modulus_pa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+}
+
+impl StoneImpact {
+    /// A pebble of granite that hits head-on: 2650 kg/m³, 50 GPa, 0.25.
+    #[must_use]
+    pub fn granite(position_m: [f64; 2], speed_m_s: f64, radius_m: f64) -> Self {
+        Self {
+            position_m,
+            speed_m_s,
+            obliquity_rad: 0.0,
+            azimuth_rad: 0.0,
+            radius_m,
+            tip_radius_m: radius_m,
+            density_kg_m3: 2650.0,
+            young_modulus_pa: 50e9,
+            poisson_ratio: 0.25,
+        }
+    }
+
+    /// Mass (4/3)π R³ ρ, kg.
+    #[must_use]
+    pub fn mass_kg(&self) -> f64 {
+        4.0 / 3.0 * std::f64::consts::PI * self.radius_m.powi(3) * self.density_kg_m3
+    }
+
+    /// Speed along the normal of the pane, m/s.
+    #[must_use]
+    pub fn normal_speed_m_s(&self) -> f64 {
+        self.speed_m_s * libm::cos(self.obliquity_rad)
+    }
+
+    /// Kinetic energy ½mV², J.
+    #[must_use]
+    pub fn kinetic_energy_j(&self) -> f64 {
+        0.5 * self.mass_kg() * self.speed_m_s * self.speed_m_s
+    }
+}
+
+/// Stress in the plane of the pane that is there without a hit, and what may crack under it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MembraneLoad {
+    /// Temperature of the warm spot over that of the rest, K (negative: a cold spot), -300 to 300.
+    pub temperature_difference_k: f64,
+    /// Centre of the warm spot, as fractions of width and height.
+    pub spot: [f64; 2],
+    /// Standard deviation of the spot, as a fraction of the shorter side, > 0.
+    pub spot_size: f64,
+    /// Uniform tension from the frame along its direction, Pa.
+    pub frame_tension_pa: f64,
+    /// Direction of that tension, rad from +x towards +y.
+    pub frame_direction_rad: f64,
+}
+
+/// Where a long crack begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LongCrackOrigin {
+    /// At the most stressed place of the rim.
+    Rim,
+    /// At the tip of the longest crack of the first hit (a "floater", where it reaches no rim).
+    Impact,
+}
+
+/// How fast a long crack grows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LongCrackGrowth {
+    /// At the speed of a running crack.
+    Sudden,
+    /// By stress corrosion under repeated load.
+    Slow {
+        /// Time between two loads, s.
+        period_s: f64,
+    },
+}
+
+/// A crack under [`MembraneLoad`], after the hits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LongCrack {
+    /// The load.
+    pub load: MembraneLoad,
+    /// Where it begins.
+    pub origin: LongCrackOrigin,
+    /// Length of the flaw that it begins at, m.
+    pub flaw_m: f64,
+    /// How fast it grows.
+    pub growth: LongCrackGrowth,
+}
+
+/// How tempered glass goes to pieces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dicing {
+    /// Cells around a hard-core point process with the count that σ_s and thickness give.
+    Cells,
+    /// Cracks that branch under the core's tension.
+    Cascade,
+}
+
+/// How fine the plate's mesh is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeshResolution {
+    /// About 1500 nodes.
+    Fast,
+    /// About 6000 nodes.
+    Default,
+}
+
+/// Parameters of the model itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PhysicsParams {
+    /// How fine the mesh is. **Default** [`MeshResolution::Default`].
+    pub mesh: MeshResolution,
+    /// How often the stress is solved anew as cracks grow, 1 to 6. **Default** 6.
+    pub epochs: u32,
+    /// How tempered glass goes to pieces. **Default** [`Dicing::Cells`].
+    pub dicing: Dicing,
+    /// Prefactor C of the radial count n = C (V/c)^½ (E h/Γ)^¼. **Default** 4.1.
+    /// **Source** \[Vandenberghe2013\]; FIT to its two PMMA points.
+    pub radial_count_factor: f64,
+    /// Characteristic tensile strength of the surface under a hit, Pa. **Default** 100 MPa.
+    pub strength_pa: f64,
+    /// Weibull modulus of that strength. **Default** 7.
+    pub weibull_modulus: f64,
+}
+
+impl Default for PhysicsParams {
+    fn default() -> Self {
+        Self {
+            mesh: MeshResolution::Default,
+            epochs: 6,
+            dicing: Dicing::Cells,
+            radial_count_factor: 4.1,
+            strength_pa: 100e6,
+            weibull_modulus: 7.0,
+        }
+    }
+}
+
+fn check(
+    name: &'static str,
+    value: f64,
+    low: f64,
+    high: f64,
+    expected: &'static str,
+) -> Result<(), FractureError> {
+    if (low..=high).contains(&value) {
+        Ok(())
+    } else {
+        Err(FractureError::Parameter {
+            name,
+            value,
+            expected,
+        })
+    }
+}
+
+impl GlassPane {
+    /// Every measure is in its range. Names and values in messages are those of the recipe.
+    ///
+    /// # Errors
+    /// [`FractureError::Parameter`] naming the first that is not.
+    pub fn check(&self) -> Result<(), FractureError> {
+        let [width_m, height_m] = self.outline.size_m();
+        check("width_mm", width_m * 1e3, 2.0, 1e4, "2 to 10000 mm")?;
+        check("height_mm", height_m * 1e3, 2.0, 1e4, "2 to 10000 mm")?;
+        check(
+            "thickness_mm",
+            self.thickness_m * 1e3,
+            0.1,
+            30.0,
+            "0.1 to 30 mm",
+        )?;
+        match self.build {
+            GlassBuild::Annealed => Ok(()),
+            GlassBuild::Laminated {
+                interlayer_thickness_m,
+                interlayer_modulus_pa,
+            } => {
+                check(
+                    "interlayer_thickness_mm",
+                    interlayer_thickness_m * 1e3,
+                    0.05,
+                    20.0,
+                    "0.05 to 20 mm",
+                )?;
+                check(
+                    "interlayer_modulus_mpa",
+                    interlayer_modulus_pa * 1e-6,
+                    0.1,
+                    1e4,
+                    "0.1 to 10000 MPa",
+                )
+            }
+            GlassBuild::Tempered {
+                surface_compression_pa,
+            } => check(
+                "surface_compression_mpa",
+                surface_compression_pa * 1e-6,
+                0.1,
+                1000.0,
+                "0.1 to 1000 MPa",
+            ),
+        }
+    }
+}
+
+impl StoneImpact {
+    /// Every measure is in its range. Names and values in messages are those of the recipe.
+    ///
+    /// # Errors
+    /// [`FractureError::Parameter`] naming the first that is not.
+    pub fn check(&self) -> Result<(), FractureError> {
+        check(
+            "impact.speed_m_s",
+            self.speed_m_s,
+            0.01,
+            1000.0,
+            "0.01 to 1000 m/s",
+        )?;
+        check(
+            "impact.radius_mm",
+            self.radius_m * 1e3,
+            0.05,
+            200.0,
+            "0.05 to 200 mm",
+        )?;
+        check(
+            "impact.tip_radius_mm",
+            self.tip_radius_m * 1e3,
+            0.01,
+            self.radius_m * 1e3 * (1.0 + 1e-12),
+            "0.01 mm to radius_mm",
+        )?;
+        check(
+            "impact.angle_deg",
+            self.obliquity_rad.to_degrees(),
+            0.0,
+            85.0,
+            "0 (head-on) to 85 degrees",
+        )?;
+        check(
+            "impact.azimuth_deg",
+            self.azimuth_rad.to_degrees(),
+            -1e6,
+            1e6,
+            "a finite angle",
+        )
+    }
+}
+
+impl LongCrack {
+    /// Every measure is in its range. Names and values in messages are those of the recipe.
+    ///
+    /// # Errors
+    /// [`FractureError::Parameter`] naming the first that is not.
+    pub fn check(&self) -> Result<(), FractureError> {
+        let load = &self.load;
+        check(
+            "temperature_difference_k",
+            load.temperature_difference_k,
+            -300.0,
+            300.0,
+            "-300 to 300 K",
+        )?;
+        for fraction in load.spot {
+            check("spot", fraction, 0.0, 1.0, "fractions of the pane, 0 to 1")?;
+        }
+        check(
+            "spot_size",
+            load.spot_size,
+            0.05,
+            5.0,
+            "0.05 to 5 of the shorter side",
+        )?;
+        check(
+            "frame_tension_mpa",
+            load.frame_tension_pa * 1e-6,
+            0.0,
+            100.0,
+            "0 to 100 MPa",
+        )?;
+        check(
+            "frame_direction_deg",
+            load.frame_direction_rad.to_degrees(),
+            -1e6,
+            1e6,
+            "a finite angle",
+        )?;
+        check("flaw_mm", self.flaw_m * 1e3, 0.01, 100.0, "0.01 to 100 mm")?;
+        match self.growth {
+            LongCrackGrowth::Sudden => Ok(()),
+            LongCrackGrowth::Slow { period_s } => {
+                check("period_s", period_s, 1e-3, 1e6, "0.001 to 1000000 s")
+            }
+        }
+    }
+}
+
+impl PhysicsParams {
+    /// Every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`FractureError::Parameter`] naming the first that is not.
+    pub fn check(&self) -> Result<(), FractureError> {
+        check("epochs", f64::from(self.epochs), 1.0, 6.0, "1 to 6")?;
+        check(
+            "radial_count_factor",
+            self.radial_count_factor,
+            0.1,
+            100.0,
+            "0.1 to 100",
+        )?;
+        check(
+            "strength_mpa",
+            self.strength_pa * 1e-6,
+            1.0,
+            1e4,
+            "1 to 10000 MPa",
+        )?;
+        check(
+            "weibull_modulus",
+            self.weibull_modulus,
+            1.0,
+            100.0,
+            "1 to 100",
+        )
+    }
+}
