@@ -28,5 +28,6 @@ pub mod mesh;
 pub mod paper;
 pub mod physics;
 pub mod stress;
+mod tips;
 
 pub use error::FractureError;

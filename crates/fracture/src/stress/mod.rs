@@ -2,4 +2,4 @@
 
 mod tensor;
 
-pub use tensor::PlaneStress;
+pub use tensor::{PlaneStress, StressField};
