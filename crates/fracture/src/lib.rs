@@ -21,6 +21,7 @@
 //! ```
 
 mod arrangement;
+pub mod contact;
 mod error;
 mod growth;
 mod lattice;
