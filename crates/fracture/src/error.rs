@@ -72,6 +72,12 @@ pub enum FractureError {
         /// A radius that keeps the paper's number of neighbors.
         suggested: f64,
     },
+    /// More cracks than a network of any use has.
+    #[error("more than {limit} cracks cross each other; use fewer impacts or a smaller pane")]
+    TooManyCracks {
+        /// The bound.
+        limit: usize,
+    },
     /// The result does not keep the promises of a network; a fault of this library.
     #[error("the fracture model produced a faulty network (please report it): {0}")]
     Network(#[from] NetworkError),

@@ -192,6 +192,7 @@ fn propagated_strokes(
             arrival: [end - 1.0, end],
             stress: [hop.stress, hop.stress],
             is_suspect: true,
+            source: 0,
         };
         if params.snap_to_mesh {
             walk(mesh, stroke, &mut strokes);
@@ -258,6 +259,7 @@ fn tree_strokes(
                 arrival: [time(a).max(time(b)); 2],
                 stress: [stress(a), stress(b)],
                 is_suspect: true,
+            source: 0,
             }
         });
     Ok(strokes.collect())

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use rand_chacha::ChaCha8Rng;
 use starbreak_glass::{Seed, SegmentKind, Stream};
 
 use super::outcome::{DamageClass, ImpactReport, Stage};
@@ -37,6 +38,8 @@ pub(super) struct Breaking<'a> {
     pub(super) seed: Seed,
     pub(super) web: Web,
     pub(super) plates: Plates,
+    /// Whether a crack anywhere sends the whole pane to pieces.
+    pub(super) dices: bool,
     pub(super) is_diced: bool,
 }
 
@@ -93,16 +96,62 @@ impl Breaking<'_> {
             dissipated_j: 0.0,
         };
         let mut tips = Vec::new();
-        if !self.is_diced {
+        let mut has_burst = false;
+        if self.dices && !self.is_diced {
+            has_burst = self.bursts(&hit, done)?;
+        } else if !self.is_diced {
             let epochs = self.epochs(&hit);
             tips = self.radials(&hit, &epochs, &mut ledger, done)?;
             if tips.len() > 2 {
                 self.rings(&hit, &epochs, &tips, first_piece, &mut ledger)?;
                 done(Stage::Rings);
             }
+        }
+        if !self.is_diced && !has_burst {
             self.cone(&hit);
         }
-        Ok(self.report(&hit, &tips, first_piece, &ledger))
+        let mut report = self.report(&hit, &tips, first_piece, &ledger);
+        if has_burst {
+            report.damage = DamageClass::Diced;
+        }
+        Ok(report)
+    }
+
+    /// Whether a hit on tempered glass gets through the compression of its surfaces.
+    fn bursts(&mut self, hit: &Hit<'_>, done: &mut impl FnMut(Stage)) -> Result<bool, FractureError> {
+        if self.cone_depth_m(hit) > COMPRESSION_DEPTH * self.pane.thickness_m {
+            return Ok(true);
+        }
+        let epochs = self.epochs(hit);
+        let bending = self.plates.bend(&epochs[0].load)?;
+        done(Stage::Stress);
+        let mut rng = self.seed.stream(Stream::StoneFlaws, (1 << 32) | hit.k);
+        Ok(self.opens_flaw(hit, &bending.face(Face::Back), &mut rng))
+    }
+
+    fn cone_depth_m(&self, hit: &Hit<'_>) -> f64 {
+        match hit.cone.outcome {
+            ConeOutcome::None | ConeOutcome::Ring => 0.0,
+            ConeOutcome::Partial { depth_m, .. } => depth_m,
+            ConeOutcome::Through { .. } => self.pane.thickness_m,
+        }
+    }
+
+    /// Whether the tension under the load opens the weakest flaw there: Weibull's strength, and
+    /// the compression of a tempered surface.
+    fn opens_flaw(&self, hit: &Hit<'_>, back: &dyn StressField, rng: &mut ChaCha8Rng) -> bool {
+        let peak = back
+            .stress_at(hit.stone.position_m, &mut 0)
+            .map_or(0.0, |stress| stress.principal().0);
+        let modulus = self.params.weibull_modulus;
+        let scatter = libm::pow(-libm::log(1.0 - uniform(rng)), 1.0 / modulus);
+        let residual = match self.pane.build {
+            GlassBuild::Tempered {
+                surface_compression_pa,
+            } => surface_compression_pa,
+            _ => 0.0,
+        };
+        peak >= self.params.strength_pa * scatter.clamp(0.5, 1.5) + residual
     }
 
     /// The loads of a hit in the order of time.
@@ -258,21 +307,10 @@ impl Breaking<'_> {
             back.stress_at(point, &mut 0)
                 .map_or(0.0, |stress| stress.normal_pa([-sin, cos]))
         };
-        // The tension under the load opens the weakest flaw there.
-        let peak = back
-            .stress_at(center, &mut 0)
-            .map_or(0.0, |stress| stress.principal().0);
-        let modulus = self.params.weibull_modulus;
-        let scatter = libm::pow(-libm::log(1.0 - uniform(&mut rng)), 1.0 / modulus);
-        let residual = match self.pane.build {
-            GlassBuild::Tempered {
-                surface_compression_pa,
-            } => surface_compression_pa,
-            _ => 0.0,
-        };
-        if peak < self.params.strength_pa * scatter.clamp(0.5, 1.5) + residual {
+        if !self.opens_flaw(hit, back, &mut rng) {
             return Vec::new();
         }
+        let modulus = self.params.weibull_modulus;
         let mean = mean_radial_count(
             &self.pane.material,
             h,
@@ -513,22 +551,14 @@ impl Breaking<'_> {
             .filter(|tip| tip.kind == SegmentKind::Radial)
             .count();
         let h = self.pane.thickness_m;
-        let cone_depth_m = match hit.cone.outcome {
-            ConeOutcome::None | ConeOutcome::Ring => 0.0,
-            ConeOutcome::Partial { depth_m, .. } => depth_m,
-            ConeOutcome::Through { .. } => h,
-        };
+        let cone_depth_m = self.cone_depth_m(hit);
         let has_cone = cone_depth_m >= VISIBLE_CONE * h;
         let meets_rim = tips
             .iter()
             .any(|tip| self.pane.outline.depth_m(tip.at_m) <= 1e-6);
         let is_marked = hit.contact.crushed_radius_m > 0.0 || hit.cone.outcome != ConeOutcome::None;
-        let is_tempered = matches!(self.pane.build, GlassBuild::Tempered { .. });
         let damage = if self.is_diced {
             DamageClass::AlreadyDiced
-        } else if is_tempered && (n_arms > 0 || cone_depth_m > COMPRESSION_DEPTH * h) {
-            // Whether it dices is for the caller to say: only above the onset.
-            DamageClass::Diced
         } else if n_arms > 0 && meets_rim {
             DamageClass::RimToImpact
         } else if n_arms > 0 && reach_m > LONG_CRACK_M {

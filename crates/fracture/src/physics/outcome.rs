@@ -28,6 +28,22 @@ pub enum DamageClass {
 }
 
 impl DamageClass {
+    /// Its place in the order of harm, from none to all.
+    #[must_use]
+    pub fn rank(self) -> u8 {
+        match self {
+            Self::Intact | Self::AlreadyDiced => 0,
+            Self::Pit => 1,
+            Self::HalfMoon => 2,
+            Self::Bullseye => 3,
+            Self::Star => 4,
+            Self::Combination => 5,
+            Self::LongCrack => 6,
+            Self::RimToImpact => 7,
+            Self::Diced => 8,
+        }
+    }
+
     /// The word that stands in files.
     #[must_use]
     pub fn name(self) -> &'static str {

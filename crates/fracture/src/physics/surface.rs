@@ -2,20 +2,9 @@
 
 use std::f64::consts::PI;
 
-use starbreak_glass::Material;
+use starbreak_glass::{Material, Zone};
 
 use crate::tips::{Piece, TipLaw};
-
-/// Zone of a crack's surface \[Quinn2020\].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum SurfaceZone {
-    /// Smooth.
-    Mirror,
-    /// Fine relief.
-    Mist,
-    /// Ridges along the run.
-    Hackle,
-}
 
 /// Ratio of K to that of the mirror's rim above which mist turns to hackle \[Quinn2020\].
 const HACKLE_RATIO: f64 = 1.2;
@@ -31,7 +20,7 @@ const ROUGHNESS_EXPONENT: f64 = 2.6;
 const MAX_ROUGHNESS_UM: f64 = 20.0;
 
 /// Zone and RMS roughness, µm, of a surface that was made at K.
-pub(super) fn relief(law: &TipLaw, intensity_pa_sqrt_m: f64) -> (SurfaceZone, f64) {
+pub(super) fn relief(law: &TipLaw, intensity_pa_sqrt_m: f64) -> (Zone, f64) {
     let ratio = law.mirror_ratio(intensity_pa_sqrt_m);
     let smooth = MIRROR_ROUGHNESS_UM
         * libm::pow(
@@ -39,11 +28,11 @@ pub(super) fn relief(law: &TipLaw, intensity_pa_sqrt_m: f64) -> (SurfaceZone, f6
             ROUGHNESS_EXPONENT,
         );
     let (zone, roughness) = if ratio < 1.0 {
-        (SurfaceZone::Mirror, smooth)
+        (Zone::Mirror, smooth)
     } else if ratio < HACKLE_RATIO {
-        (SurfaceZone::Mist, smooth)
+        (Zone::Mist, smooth)
     } else {
-        (SurfaceZone::Hackle, 4.0 * smooth)
+        (Zone::Hackle, 4.0 * smooth)
     };
     (zone, roughness.min(MAX_ROUGHNESS_UM))
 }

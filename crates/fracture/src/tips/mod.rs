@@ -1,6 +1,8 @@
 //! Crack tips: the law of their motion, and the tracing of many at once.
 
 mod law;
+#[cfg(test)]
+mod tests;
 mod tracer;
 mod web;
 

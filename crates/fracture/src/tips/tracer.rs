@@ -293,7 +293,7 @@ impl Step<'_> {
         let Some(speed) = self.speed(intensity) else {
             return Outcome::Rests;
         };
-        if let Some(angle_rad) = self.fork(tip, &stress, intensity, effective_m) {
+        if let Some(angle_rad) = self.fork(tip, &stress, intensity) {
             return Outcome::Forks { angle_rad };
         }
         let length = (0.1 * tip.length_m).clamp(step_m[0], step_m[1]);
@@ -335,11 +335,10 @@ impl Step<'_> {
         tip: &Tip,
         stress: &PlaneStress,
         intensity: f64,
-        effective_m: f64,
     ) -> Option<f64> {
         let law = &self.tracing.law;
         let may = self.tracing.forks
-            && tip.since_fork_m > law.thickness_m.max(effective_m)
+            && tip.since_fork_m > law.thickness_m
             && intensity >= law.branching_intensity(tip.branching_scatter)
             // Each branch gets half of the energy, and needs Γ.
             && intensity * intensity >= 2.0 * law.toughness_pa_sqrt_m * law.toughness_pa_sqrt_m;
