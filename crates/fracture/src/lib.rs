@@ -22,6 +22,7 @@
 
 mod arrangement;
 pub mod contact;
+pub mod dice;
 mod error;
 mod growth;
 mod lattice;

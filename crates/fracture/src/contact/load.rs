@@ -49,7 +49,8 @@ fn bending_stiffness_n_m(material: &Material, thickness_m: f64) -> f64 {
         / (12.0 * (1.0 - material.poisson_ratio.value.powi(2)))
 }
 
-/// Force over time of a stone that hits a plate, by Hertz's law on a plate that gives way.
+/// Force over time of a stone that hits a plate, by Hertz's law \[Hertz1882\] on a plate that gives
+/// way.
 ///
 /// m ẍ = −F, δ̇ = ẋ − F/Z with the impedance Z = 8 √(D ρ h) of an infinite plate \[Zener1941\]. The
 /// force is F = (4/3) E* √R δ^1.5 until the highest pressure reaches the limit at which stone or
