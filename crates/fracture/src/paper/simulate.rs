@@ -166,6 +166,7 @@ fn draw_impact(pane: &Pane, impact: &PaperImpact, seed: Seed, k: u64) -> Impact 
         y: y.clamp(0.0, pane.height),
         force: Some(impact.force),
         direction_deg: Some(direction_deg),
+        ..Impact::default()
     }
 }
 
