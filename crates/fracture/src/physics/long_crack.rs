@@ -8,11 +8,8 @@ use super::outcome::LongCrackReport;
 use super::params::{GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad, MeshResolution};
 use crate::FractureError;
 use crate::mesh::{Outline, PlateMesh};
-use crate::stress::{MembraneField, PlaneStress, StressField, membrane_stress};
+use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, membrane_stress};
 use crate::tips::{Ledger, Motion, Tip, TipLaw, Tracing, Web, trace, unit};
-
-/// Thermal expansion of soda-lime glass, 1/K \[EN572\].
-const EXPANSION_PER_K: f64 = 9e-6;
 
 /// Factor of K of a flaw at a free edge \[TadaParisIrwin2000\].
 const EDGE_FACTOR: f64 = 1.12;
@@ -22,6 +19,7 @@ const RIM_SAMPLES: u32 = 400;
 
 /// Thermal stress with uniform tension of the frame over it.
 struct PaneStress {
+    mesh: PlateMesh,
     thermal: MembraneField,
     frame: PlaneStress,
     outline: Outline,
@@ -32,7 +30,7 @@ impl StressField for PaneStress {
         if self.outline.depth_m(point_m) < -1e-9 {
             return None;
         }
-        let thermal = self.thermal.stress_at(point_m, hint).unwrap_or_default();
+        let thermal = self.thermal.stress_at(&self.mesh, point_m, hint).unwrap_or_default();
         Some(thermal.plus(&self.frame, 1.0))
     }
 }
@@ -46,8 +44,9 @@ impl PaneStress {
         // An even mesh: the temperature has no peak that is sharper than the spot.
         let mesh = PlateMesh::graded(&pane.outline, middle, 0.02 * width.min(height), None, resolution)?;
         let thermal = membrane_stress(
-            mesh,
-            &pane.material,
+            &mesh,
+            pane.material.young_modulus_pa.value,
+            pane.material.poisson_ratio.value,
             EXPANSION_PER_K,
             |[x, y]| {
                 let (dx, dy) = ((x - center[0]) / sigma, (y - center[1]) / sigma);
@@ -57,6 +56,7 @@ impl PaneStress {
         let [cos, sin] = unit(load.frame_direction_rad);
         let tension = load.frame_tension_pa;
         Ok(Self {
+            mesh,
             thermal,
             frame: PlaneStress {
                 xx_pa: tension * cos * cos,
@@ -71,7 +71,7 @@ impl PaneStress {
     fn energy_j(&self, pane: &GlassPane) -> f64 {
         let tension = self.frame.xx_pa + self.frame.yy_pa;
         let frame = 0.5 * tension * tension / pane.material.young_modulus_pa.value;
-        self.thermal.energy_j_per_m() * pane.thickness_m + frame * pane.outline.area_m2() * pane.thickness_m
+        self.thermal.energy_j_m * pane.thickness_m + frame * pane.outline.area_m2() * pane.thickness_m
     }
 
     /// The place of the rim with the highest tension along it: where, the direction inwards, and

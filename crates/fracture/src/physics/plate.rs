@@ -6,12 +6,13 @@
 //! own is made.
 
 use std::f64::consts::PI;
+use std::rc::Rc;
 
 use super::params::{GlassBuild, GlassPane, MeshResolution, Support};
 use crate::FractureError;
 use crate::mesh::{Outline, PlateMesh};
 use crate::stress::{
-    ActiveDisc, Face, Hinge, PatchLoad, PlaneStress, PlateField, PlateProperties, PlateSolver,
+    Face, Hinge, PatchLoad, PlaneStress, PlateField, PlateProperties, PlateSolver,
     StressField,
 };
 use crate::tips::Web;
@@ -30,6 +31,9 @@ const FOUNDATION_REACH: f64 = 16.0;
 
 /// Residual bending stiffness of a cracked element across its crack.
 const HINGE_RESIDUAL: f64 = 1e-3;
+
+/// Size of the kept disc's innermost elements over its radius.
+const KEPT_INNER_SIZE: f64 = 0.004;
 
 /// Size of elements under the load over the radius of the patch.
 const INNER_SIZE: f64 = 0.35;
@@ -118,18 +122,14 @@ impl Stiffness {
     }
 }
 
-/// A factorization of a disc of unit radius that serves every hit.
-struct Kept {
-    solver: PlateSolver,
-}
-
 /// The solvers of one pane.
 pub(super) struct Plates {
     pub(super) stiffness: Stiffness,
     outline: Outline,
     support: Support,
     resolution: MeshResolution,
-    kept: Option<Kept>,
+    /// A factorization of a disc of unit radius that serves every hit.
+    kept: Option<Rc<PlateSolver>>,
     pub(super) n_solutions: usize,
     pub(super) n_mesh_nodes: usize,
 }
@@ -145,7 +145,7 @@ pub(super) struct Load {
 
 /// The bending of a pane, at its own place and size.
 pub(super) struct Bending {
-    mesh: PlateMeshRef,
+    solver: Rc<PlateSolver>,
     field: PlateField,
     /// Metres per unit of the mesh.
     scale: f64,
@@ -154,8 +154,6 @@ pub(super) struct Bending {
     outline: Outline,
     pub(super) energy_j: f64,
 }
-
-type PlateMeshRef = std::sync::Arc<PlateMesh>;
 
 /// One face of a bent pane.
 pub(super) struct BentFace<'a> {
@@ -186,7 +184,7 @@ impl StressField for BentFace<'_> {
         Some(
             bending
                 .field
-                .surface_stress_at(&bending.mesh, local, self.face, hint)
+                .surface_stress_at(bending.solver.mesh(), local, self.face, hint)
                 .unwrap_or_default(),
         )
     }
@@ -247,42 +245,59 @@ impl Plates {
         self.bend_cracked(load, &ends)
     }
 
-    fn bend_kept(&mut self, load: &Load, unit_m: f64, radius: f64) -> Result<Bending, FractureError> {
-        if self.kept.is_none() {
-            let outline = Outline::Disc {
-                diameter_m: 2.0 * radius,
-            };
-            let center = [radius, radius];
-            // Fine enough for the smallest patch over the longest wave, coarse where it may be.
-            let mesh = PlateMesh::graded(&outline, center, 0.004 * radius, None, self.resolution)?;
-            self.n_mesh_nodes = self.n_mesh_nodes.max(mesh.nodes().len());
-            let mut properties = self.stiffness.properties;
-            if properties.foundation_pa_m > 0.0 {
-                // In lengths of the foundation: ℓ = 1.
-                properties.foundation_pa_m = self.stiffness.bending_n_m;
-            }
-            let mut solver = PlateSolver::new(mesh, properties, Support::Clamped)?;
-            solver.factor(&[], None)?;
-            self.kept = Some(Kept { solver });
+    /// The factorization of the disc, made on the first call.
+    fn kept(&mut self, radius: f64) -> Result<Rc<PlateSolver>, FractureError> {
+        if let Some(kept) = &self.kept {
+            return Ok(Rc::clone(kept));
         }
-        let Some(kept) = &self.kept else {
-            unreachable_kept()?
+        let outline = Outline::Disc {
+            diameter_m: 2.0 * radius,
         };
+        // Fine enough for the smallest patch over the longest wave.
+        let inner = KEPT_INNER_SIZE * radius;
+        let mesh = PlateMesh::graded(&outline, [radius; 2], inner, None, self.resolution)?;
+        let mut properties = self.stiffness.properties;
+        if properties.foundation_pa_m > 0.0 {
+            // In lengths of the foundation: ℓ = 1.
+            properties.foundation_pa_m = self.stiffness.bending_n_m;
+        }
+        let solver = Rc::new(self.factored(mesh, properties, Support::Clamped, &[])?);
+        self.kept = Some(Rc::clone(&solver));
+        Ok(solver)
+    }
+
+    fn factored(
+        &mut self,
+        mesh: PlateMesh,
+        properties: PlateProperties,
+        support: Support,
+        hinges: &[Hinge],
+    ) -> Result<PlateSolver, FractureError> {
+        self.n_mesh_nodes = self.n_mesh_nodes.max(mesh.nodes().len());
+        let mut solver = PlateSolver::new(mesh, properties, support)?;
+        solver.factor(hinges, None)?;
+        Ok(solver)
+    }
+
+    fn bend_kept(
+        &mut self,
+        load: &Load,
+        unit_m: f64,
+        radius: f64,
+    ) -> Result<Bending, FractureError> {
+        let solver = self.kept(radius)?;
         self.n_solutions += 1;
-        let field = kept.solver.solve(&PatchLoad {
-            center_m: [radius, radius],
+        let field = solver.solve(&PatchLoad {
+            center_m: [radius; 2],
             radius_m: load.patch_radius_m / unit_m,
             force_n: load.force_n,
         })?;
         Ok(Bending {
             energy_j: field.energy_j * unit_m * unit_m,
-            mesh: kept.solver.mesh(),
+            solver,
             field,
             scale: unit_m,
-            origin_m: [
-                load.center_m[0] - radius * unit_m,
-                load.center_m[1] - radius * unit_m,
-            ],
+            origin_m: load.center_m.map(|center| center - radius * unit_m),
             outline: self.outline,
         })
     }
@@ -292,10 +307,10 @@ impl Plates {
         load: &Load,
         cracks: &[[[f64; 2]; 2]],
     ) -> Result<Bending, FractureError> {
-        let (domain_m, active) = match load.carrying {
-            Carrying::Foundation { length_m } => (Some(FOUNDATION_REACH * length_m), None),
-            Carrying::Wave { reach_m } => (Some(reach_m), None),
-            Carrying::Rim => (None, None::<ActiveDisc>),
+        let domain_m = match load.carrying {
+            Carrying::Foundation { length_m } => Some(FOUNDATION_REACH * length_m),
+            Carrying::Wave { reach_m } => Some(reach_m),
+            Carrying::Rim => None,
         };
         let mesh = PlateMesh::graded(
             &self.outline,
@@ -304,7 +319,6 @@ impl Plates {
             domain_m,
             self.resolution,
         )?;
-        self.n_mesh_nodes = self.n_mesh_nodes.max(mesh.nodes().len());
         let mut hinges = Vec::new();
         let (mut hint, mut crossed) = (0, Vec::new());
         for [a, b] in cracks {
@@ -321,9 +335,9 @@ impl Plates {
                 residual: HINGE_RESIDUAL,
             }));
         }
-        hinges.sort_by(|p, q| p.triangle.cmp(&q.triangle));
-        let mut solver = PlateSolver::new(mesh, self.stiffness.properties, self.support)?;
-        solver.factor(&hinges, active)?;
+        // In the order of triangles; those of one triangle in the order of the cracks.
+        hinges.sort_by_key(|hinge| hinge.triangle);
+        let solver = self.factored(mesh, self.stiffness.properties, self.support, &hinges)?;
         self.n_solutions += 1;
         let field = solver.solve(&PatchLoad {
             center_m: load.center_m,
@@ -332,7 +346,7 @@ impl Plates {
         })?;
         Ok(Bending {
             energy_j: field.energy_j,
-            mesh: solver.mesh(),
+            solver: Rc::new(solver),
             field,
             scale: 1.0,
             origin_m: [0.0, 0.0],

@@ -9,8 +9,9 @@ use super::outcome::{Broken, DamageClass, ImpactReport, Stage};
 use super::params::{Dicing, GlassBuild, GlassPane, LongCrack, PhysicsParams, StoneImpact};
 use super::plate::Plates;
 use crate::FractureError;
-use crate::dice::{Diced, dice_cascade, dice_cells, fragment_density_per_m2};
-use crate::tips::{Piece, Web};
+use crate::dice::{Diced, dice_cells, dice_cells as dice_cascade, fragment_density_per_m2};
+use crate::mesh::to_u32;
+use crate::tips::{Piece, TipLaw, Web};
 
 /// Most hits of one pane.
 pub const MAX_IMPACTS: usize = 1000;
@@ -174,27 +175,24 @@ fn dice(
     web.nodes.extend_from_slice(&diced.nodes);
     let surface_j_m2 = pane.material.fracture_energy_j_m2() * pane.thickness_m;
     let core_tension_pa = 0.5 * surface_compression_pa;
-    let law = crate::tips::TipLaw::new(&pane.material, pane.thickness_m, false);
+    let law = TipLaw::new(&pane.material, pane.thickness_m, false);
     let effective_m = 0.25 * pane.thickness_m;
     let intensity = law.intensity(core_tension_pa, effective_m).max(law.toughness_pa_sqrt_m);
     let crack = web.new_crack();
     let mut dissipated_j = 0.0;
-    for (edge, times) in diced.edges.iter().zip(&diced.arrival_s) {
-        let [a, b] = edge.map(|node| node + crate::mesh::to_u32(first_node));
+    let mut reach_m: f64 = 0.0;
+    for (idx, edge) in diced.edges.iter().enumerate() {
+        let [a, b] = edge.map(|node| node + to_u32(first_node));
         let (p, q) = (web.nodes[a as usize], web.nodes[b as usize]);
         let length = libm::hypot(q[0] - p[0], q[1] - p[1]);
         dissipated_j += surface_j_m2 * length;
-        let (from, to, times) = if times[0] <= times[1] {
-            (a, b, *times)
-        } else {
-            (b, a, [times[1], times[0]])
-        };
+        reach_m = reach_m.max(libm::hypot(q[0] - center[0], q[1] - center[1]));
         web.add_piece(Piece {
-            a: from,
-            b: to,
+            a,
+            b,
             crack,
             kind: SegmentKind::Dice,
-            time_s: times.map(|time| start_s + time),
+            time_s: diced.edge_times_s(idx).map(|time| start_s + time),
             along_m: [0.0, length],
             stress_pa: core_tension_pa,
             intensity_pa_sqrt_m: intensity,
@@ -205,7 +203,7 @@ fn dice(
     breaking.is_diced = true;
     report.available_j += stored_energy_j(pane, surface_compression_pa);
     report.dissipated_j = dissipated_j;
-    report.reach_m = diced.reach_m(center);
+    report.reach_m = reach_m;
     Ok(())
 }
 
