@@ -72,6 +72,22 @@ pub enum FractureError {
         /// A radius that keeps the paper's number of neighbors.
         suggested: f64,
     },
+    /// The equations of a plate cannot be set up or factored.
+    #[error("the plate's equations have no solution: {cause}")]
+    Solver {
+        /// What the library says.
+        cause: String,
+    },
+    /// The solution of a plate does not satisfy its equations.
+    #[error(
+        "the plate's equations are solved to {residual:e} only, not to {limit:e}; use a less graded mesh"
+    )]
+    Residual {
+        /// Residual, relative to the terms of the equations.
+        residual: f64,
+        /// The most that counts as solved.
+        limit: f64,
+    },
     /// The result does not keep the promises of a network; a fault of this library.
     #[error("the fracture model produced a faulty network (please report it): {0}")]
     Network(#[from] NetworkError),
