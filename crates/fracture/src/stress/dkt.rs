@@ -207,3 +207,77 @@ pub(super) fn deflection(
     }
     row
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A patch of irregular triangles around one inner node.
+    const CORNERS: [[[f64; 2]; 3]; 3] = [
+        [[0.0, 0.0], [2.0, 0.1], [0.7, 0.4]],
+        [[2.0, 0.1], [1.1, 1.9], [0.7, 0.4]],
+        [[1.1, 1.9], [0.0, 0.0], [0.7, 0.4]],
+    ];
+
+    #[test]
+    fn constant_curvature_is_exact_and_in_balance() {
+        let (xx, yy, xy) = (0.3, -1.7, 0.9);
+        let (sin, cos) = libm::sincos(0.4);
+        for frame in [AXES, [[cos, sin], [-sin, cos]]] {
+            // Forces at the inner node, which come last in each triangle.
+            let mut inner = [0.0; 3];
+            for corners in &CORNERS {
+                let mut unknowns = [0.0; N_LOCAL];
+                for (k, [x, y]) in corners.iter().enumerate() {
+                    let gradient = [0.5 + xx * x + xy * y, -0.2 + yy * y + xy * x];
+                    unknowns[3 * k] =
+                        0.5 * (xx * x * x + yy * y * y) + xy * x * y + 0.5 * x - 0.2 * y;
+                    for d in 0..2 {
+                        unknowns[3 * k + 1 + d] =
+                            frame[d][0] * gradient[0] + frame[d][1] * gradient[1];
+                    }
+                }
+                let element = Element::new(corners, &[frame; 3]);
+                for curvature in element.curvatures(&unknowns) {
+                    for (got, want) in curvature.iter().zip([xx, yy, 2.0 * xy]) {
+                        assert!((got - want).abs() < 1e-10, "{got} {want}");
+                    }
+                }
+                let packed = element.stiffness(&isotropic(1.0, 0.3));
+                for i in 6..N_LOCAL {
+                    for j in 0..N_LOCAL {
+                        let (high, low) = (i.max(j), i.min(j));
+                        inner[i - 6] += packed[high * (high + 1) / 2 + low] * unknowns[j];
+                    }
+                }
+            }
+            assert!(inner.iter().all(|f| f.abs() < 1e-10), "{inner:?}");
+        }
+    }
+
+    #[test]
+    fn a_hinge_takes_the_moment_across_it_and_leaves_the_one_along_it() {
+        let (sin, cos) = libm::sincos(0.7);
+        let d = hinged(&isotropic(1.0, 0.2), [cos, sin], 1e-3);
+        let moment = |k: [f64; 3]| d.map(|row| row[0] * k[0] + row[1] * k[1] + row[2] * k[2]);
+        let across =
+            |m: [f64; 3], [x, y]: [f64; 2]| x * x * m[0] + y * y * m[1] + 2.0 * x * y * m[2];
+        let bent = |[x, y]: [f64; 2]| moment([x * x, y * y, 2.0 * x * y]);
+        let (n, t) = ([cos, sin], [-sin, cos]);
+        assert!((across(bent(n), n) - 1e-3).abs() < 1e-12, "{:?}", bent(n));
+        assert!((across(bent(t), t) - 1.0).abs() < 1e-12, "{:?}", bent(t));
+    }
+
+    #[test]
+    fn a_force_keeps_its_moment() {
+        let l = [0.2, 0.5, 0.3];
+        let row = deflection(&CORNERS[0], &[AXES; 3], &l);
+        for axis in 0..2 {
+            let place: f64 = (0..3).map(|i| l[i] * CORNERS[0][i][axis]).sum();
+            let moment: f64 = (0..3)
+                .map(|i| row[3 * i] * CORNERS[0][i][axis] + row[3 * i + 1 + axis])
+                .sum();
+            assert!((moment - place).abs() < 1e-12, "{moment} {place}");
+        }
+    }
+}
