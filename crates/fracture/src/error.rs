@@ -104,7 +104,7 @@ pub enum FractureError {
     /// The solution of a plate does not satisfy its equations.
     #[error("the plate's equations are solved to {residual:e} only, not to {limit:e}; use a less graded mesh")]
     Residual {
-        /// Residual, relative to the load.
+        /// Residual, relative to the terms of the equations.
         residual: f64,
         /// The most that counts as solved.
         limit: f64,
