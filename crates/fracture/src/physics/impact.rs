@@ -21,6 +21,13 @@ use crate::tips::{
 /// A crack longer than this is not repaired: it is a class of its own, m \[ROLAGS\].
 const LONG_CRACK_M: f64 = 0.152;
 
+/// Scatter of the distances at which radials start, standard deviation of the logarithm. FIT: legs of
+/// real stars differ by a factor of two.
+const START_SCATTER: f64 = 0.2;
+
+/// Area of a bending test of glass that the strength is measured on, m².
+const TEST_AREA_M2: f64 = 2.5e-3;
+
 /// Growth in time from one solution to the next while the bending wave spreads: its reach doubles.
 const EPOCH_GROWTH: f64 = 4.0;
 
@@ -129,6 +136,13 @@ impl Breaking<'_> {
         Ok(self.opens_flaw(hit, &bending.face(Face::Back), &mut rng))
     }
 
+    /// Strength of a small area, which has fewer flaws than that of a test: (A_test/A)^(1/m) times
+    /// as much \[Weibull1939\].
+    fn strength_of_area_pa(&self, area_m2: f64) -> f64 {
+        let exponent = 1.0 / self.params.weibull_modulus;
+        self.params.strength_pa * libm::pow(TEST_AREA_M2 / area_m2, exponent)
+    }
+
     fn cone_depth_m(&self, hit: &Hit<'_>) -> f64 {
         match hit.cone.outcome {
             ConeOutcome::None | ConeOutcome::Ring => 0.0,
@@ -151,7 +165,9 @@ impl Breaking<'_> {
             } => surface_compression_pa,
             _ => 0.0,
         };
-        peak >= self.params.strength_pa * scatter.clamp(0.5, 1.5) + residual
+        let patch_m = self.plates.stiffness.patch_radius_m(hit.contact.contact_radius_m);
+        let strength_pa = self.strength_of_area_pa(PI * patch_m * patch_m);
+        peak >= strength_pa * scatter.clamp(0.5, 1.5) + residual
     }
 
     /// The loads of a hit in the order of time.
@@ -259,30 +275,32 @@ impl Breaking<'_> {
     /// A crack's own faces need not be in it: K of a crack is that of the stress which the body
     /// without the crack has along its line \[Bueckner1958\].
     fn bend_for_tips(&mut self, load: &Load) -> Result<Bending, FractureError> {
-        let earlier = self.pieces_near(load, self.web.pieces.len());
+        let earlier = self.pieces_near(load);
         if earlier.is_empty() {
             self.plates.bend(load)
         } else {
-            self.plates.bend_around(load, &self.web, &earlier)
+            let mut around = self.plates.around(load)?;
+            self.plates.bend_around(&mut around, &earlier)
         }
     }
 
-    /// Pieces among the first `count` that the bending of a load reaches.
-    fn pieces_near(&self, load: &Load, count: usize) -> Vec<u32> {
+    /// Ends of all pieces that the bending of a load reaches.
+    fn pieces_near(&self, load: &Load) -> Vec<[[f64; 2]; 2]> {
         let reach = match load.carrying {
             Carrying::Foundation { length_m } => 6.0 * length_m,
             Carrying::Wave { reach_m } => reach_m,
             Carrying::Rim => f64::INFINITY,
         };
-        let near = |node: u32| {
-            let [x, y] = self.web.nodes[node as usize];
+        let is_near = |[x, y]: [f64; 2]| {
             libm::hypot(x - load.center_m[0], y - load.center_m[1]) < reach
         };
-        (0_u32..)
-            .zip(&self.web.pieces[..count])
-            .filter(|(_, piece)| near(piece.a) || near(piece.b))
-            .map(|(id, _)| id)
-            .collect()
+        let ends = self.web.pieces.iter().map(|piece| {
+            [
+                self.web.nodes[piece.a as usize],
+                self.web.nodes[piece.b as usize],
+            ]
+        });
+        ends.filter(|[a, b]| is_near(*a) || is_near(*b)).collect()
     }
 
     fn start_radials(
@@ -324,6 +342,8 @@ impl Breaking<'_> {
         let mut tips = Vec::with_capacity(angles.len());
         for angle in angles {
             let direction = unit(angle);
+            // The flaws that open lie at different distances, and open one after the other.
+            let start_m = start_m * libm::exp(START_SCATTER * normal(&mut rng));
             let end = [
                 center[0] + direction[0] * start_m,
                 center[1] + direction[1] * start_m,
@@ -390,15 +410,28 @@ impl Breaking<'_> {
         let law = TipLaw::new(&self.pane.material, self.pane.thickness_m, true);
         let is_steady = matches!(epochs[0].load.carrying, Carrying::Foundation { .. });
         let passes = if is_steady { self.params.epochs as usize - 1 } else { epochs.len() };
+        let length_m = match epochs[0].load.carrying {
+            Carrying::Foundation { length_m } => length_m,
+            Carrying::Wave { .. } | Carrying::Rim => self.pane.thickness_m,
+        };
+        let strength_pa = self.strength_of_area_pa(length_m * length_m);
+        let mut around = None;
         for pass in 0..passes {
             let epoch = &epochs[if is_steady { 0 } else { pass }];
-            // Bending between free radial cuts is at most some times that of the whole plate.
-            let intact = self.plates.bend(&epoch.load)?;
-            if !may_ring(&intact.face(Face::Front), &sectors, self.params.strength_pa) {
-                if is_steady { break } else { continue }
+            if around.is_none() || !is_steady {
+                // Bending between free radial cuts is at most some times that of the whole plate.
+                let intact = self.plates.bend(&epoch.load)?;
+                if !may_ring(&intact.face(Face::Front), &sectors, strength_pa) {
+                    if is_steady {
+                        break;
+                    }
+                    continue;
+                }
+                around = Some(self.plates.around(&epoch.load)?);
             }
-            let cracks = self.pieces_near(&epoch.load, self.web.pieces.len());
-            let bending = self.plates.bend_around(&epoch.load, &self.web, &cracks)?;
+            let Some(around) = &mut around else { break };
+            let cracks = self.pieces_near(&epoch.load);
+            let bending = self.plates.bend_around(around, &cracks)?;
             let front = bending.face(Face::Front);
             let mut has_broken = false;
             for (sector, taken) in sectors.iter().zip(&mut taken) {
@@ -406,7 +439,7 @@ impl Breaking<'_> {
                     web: &mut self.web,
                     front: &front,
                     law,
-                    strength_pa: self.params.strength_pa,
+                    strength_pa,
                     weibull_modulus: self.params.weibull_modulus,
                     ledger,
                     from_s: epoch.from_s,

@@ -15,7 +15,6 @@ use crate::stress::{
     Face, Hinge, PatchLoad, PlaneStress, PlateField, PlateProperties, PlateSolver,
     StressField,
 };
-use crate::tips::Web;
 
 /// Poisson's ratio of the interlayer under confinement. FIT: it gives a constrained modulus of
 /// 2.55 E, the middle of what design and measurement of laminates use.
@@ -122,6 +121,18 @@ impl Stiffness {
     }
 }
 
+/// A plate with the mesh that its fields are read from.
+struct Solved {
+    mesh: Rc<PlateMesh>,
+    solver: PlateSolver,
+}
+
+/// The plate around one hit, whose cracks grow from one solution to the next.
+pub(super) struct Around {
+    load: Load,
+    solved: Solved,
+}
+
 /// The solvers of one pane.
 pub(super) struct Plates {
     pub(super) stiffness: Stiffness,
@@ -129,7 +140,7 @@ pub(super) struct Plates {
     support: Support,
     resolution: MeshResolution,
     /// A factorization of a disc of unit radius that serves every hit.
-    kept: Option<Rc<PlateSolver>>,
+    kept: Option<Rc<Solved>>,
     pub(super) n_solutions: usize,
     pub(super) n_mesh_nodes: usize,
 }
@@ -145,7 +156,7 @@ pub(super) struct Load {
 
 /// The bending of a pane, at its own place and size.
 pub(super) struct Bending {
-    solver: Rc<PlateSolver>,
+    mesh: Rc<PlateMesh>,
     field: PlateField,
     /// Metres per unit of the mesh.
     scale: f64,
@@ -184,7 +195,7 @@ impl StressField for BentFace<'_> {
         Some(
             bending
                 .field
-                .surface_stress_at(bending.solver.mesh(), local, self.face, hint)
+                .surface_stress_at(&bending.mesh, local, self.face, hint)
                 .unwrap_or_default(),
         )
     }
@@ -229,24 +240,15 @@ impl Plates {
                 self.bend_kept(load, length_m, FOUNDATION_REACH)
             }
             Carrying::Wave { reach_m } if free >= reach_m => self.bend_kept(load, reach_m, 1.0),
-            _ => self.bend_cracked(load, &[]),
+            _ => {
+                let mut around = self.around(load)?;
+                self.bend_around(&mut around, &[])
+            }
         }
     }
 
-    /// The bending of the pane with some of its pieces as hinges.
-    pub(super) fn bend_around(&mut self, load: &Load, web: &Web, pieces: &[u32]) -> Result<Bending, FractureError> {
-        let ends: Vec<[[f64; 2]; 2]> = pieces
-            .iter()
-            .map(|&id| {
-                let piece = &web.pieces[id as usize];
-                [web.nodes[piece.a as usize], web.nodes[piece.b as usize]]
-            })
-            .collect();
-        self.bend_cracked(load, &ends)
-    }
-
     /// The factorization of the disc, made on the first call.
-    fn kept(&mut self, radius: f64) -> Result<Rc<PlateSolver>, FractureError> {
+    fn kept(&mut self, radius: f64) -> Result<Rc<Solved>, FractureError> {
         if let Some(kept) = &self.kept {
             return Ok(Rc::clone(kept));
         }
@@ -261,22 +263,24 @@ impl Plates {
             // In lengths of the foundation: ℓ = 1.
             properties.foundation_pa_m = self.stiffness.bending_n_m;
         }
-        let solver = Rc::new(self.factored(mesh, properties, Support::Clamped, &[])?);
-        self.kept = Some(Rc::clone(&solver));
-        Ok(solver)
+        let mut solved = self.solved(mesh, properties, Support::Clamped)?;
+        solved.solver.factor(&[], None)?;
+        let kept = Rc::new(solved);
+        self.kept = Some(Rc::clone(&kept));
+        Ok(kept)
     }
 
-    fn factored(
+    fn solved(
         &mut self,
         mesh: PlateMesh,
         properties: PlateProperties,
         support: Support,
-        hinges: &[Hinge],
-    ) -> Result<PlateSolver, FractureError> {
+    ) -> Result<Solved, FractureError> {
         self.n_mesh_nodes = self.n_mesh_nodes.max(mesh.nodes().len());
-        let mut solver = PlateSolver::new(mesh, properties, support)?;
-        solver.factor(hinges, None)?;
-        Ok(solver)
+        Ok(Solved {
+            mesh: Rc::new(mesh.clone()),
+            solver: PlateSolver::new(mesh, properties, support)?,
+        })
     }
 
     fn bend_kept(
@@ -285,16 +289,16 @@ impl Plates {
         unit_m: f64,
         radius: f64,
     ) -> Result<Bending, FractureError> {
-        let solver = self.kept(radius)?;
+        let kept = self.kept(radius)?;
         self.n_solutions += 1;
-        let field = solver.solve(&PatchLoad {
+        let field = kept.solver.solve(&PatchLoad {
             center_m: [radius; 2],
             radius_m: load.patch_radius_m / unit_m,
             force_n: load.force_n,
         })?;
         Ok(Bending {
             energy_j: field.energy_j * unit_m * unit_m,
-            solver,
+            mesh: Rc::clone(&kept.mesh),
             field,
             scale: unit_m,
             origin_m: load.center_m.map(|center| center - radius * unit_m),
@@ -302,11 +306,8 @@ impl Plates {
         })
     }
 
-    fn bend_cracked(
-        &mut self,
-        load: &Load,
-        cracks: &[[[f64; 2]; 2]],
-    ) -> Result<Bending, FractureError> {
+    /// A mesh of its own around a hit.
+    pub(super) fn around(&mut self, load: &Load) -> Result<Around, FractureError> {
         let domain_m = match load.carrying {
             Carrying::Foundation { length_m } => Some(FOUNDATION_REACH * length_m),
             Carrying::Wave { reach_m } => Some(reach_m),
@@ -319,6 +320,19 @@ impl Plates {
             domain_m,
             self.resolution,
         )?;
+        Ok(Around {
+            load: *load,
+            solved: self.solved(mesh, self.stiffness.properties, self.support)?,
+        })
+    }
+
+    /// The bending with straight cracks, given by their ends, as hinges.
+    pub(super) fn bend_around(
+        &mut self,
+        around: &mut Around,
+        cracks: &[[[f64; 2]; 2]],
+    ) -> Result<Bending, FractureError> {
+        let Around { load, solved } = around;
         let mut hinges = Vec::new();
         let (mut hint, mut crossed) = (0, Vec::new());
         for [a, b] in cracks {
@@ -328,7 +342,7 @@ impl Plates {
                 continue;
             }
             crossed.clear();
-            mesh.crossed_by(*a, *b, &mut hint, &mut crossed);
+            solved.mesh.crossed_by(*a, *b, &mut hint, &mut crossed);
             hinges.extend(crossed.iter().map(|&triangle| Hinge {
                 triangle,
                 normal: [-dy / length, dx / length],
@@ -337,16 +351,16 @@ impl Plates {
         }
         // In the order of triangles; those of one triangle in the order of the cracks.
         hinges.sort_by_key(|hinge| hinge.triangle);
-        let solver = self.factored(mesh, self.stiffness.properties, self.support, &hinges)?;
+        solved.solver.factor(&hinges, None)?;
         self.n_solutions += 1;
-        let field = solver.solve(&PatchLoad {
+        let field = solved.solver.solve(&PatchLoad {
             center_m: load.center_m,
             radius_m: load.patch_radius_m,
             force_n: load.force_n,
         })?;
         Ok(Bending {
             energy_j: field.energy_j,
-            solver: Rc::new(solver),
+            mesh: Rc::clone(&solved.mesh),
             field,
             scale: 1.0,
             origin_m: [0.0, 0.0],

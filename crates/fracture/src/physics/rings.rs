@@ -135,6 +135,7 @@ impl Rings<'_> {
         let law = self.law;
         let [x, y] = self.web.nodes[start as usize];
         let radius = libm::hypot(x - sector.center_m[0], y - sector.center_m[1]);
+        let span = (sector.angles_rad[1] - sector.angles_rad[0]).rem_euclid(2.0 * PI);
         let step = (0.5 * law.thickness_m).min(0.05 * radius).max(5e-5);
         let (mut node, mut at_m, mut running) = (start, [x, y], heading);
         let (mut along, mut time, mut hint) = (0.0, start_s, 0);
@@ -143,7 +144,11 @@ impl Rings<'_> {
                 return;
             };
             let (major, ..) = stress.principal();
-            if major < RUNNING_PART * strength_pa || along > PI * radius {
+            // Beyond its sector the plate is whole, and does not bend like a cantilever.
+            let bearing = libm::atan2(at_m[1] - sector.center_m[1], at_m[0] - sector.center_m[0]);
+            let inside = (bearing - sector.angles_rad[0]).rem_euclid(2.0 * PI);
+            let has_left = inside > span + 0.05 && inside < 2.0 * PI - 0.05;
+            if major < RUNNING_PART * strength_pa || along > PI * radius || has_left {
                 return;
             }
             let target = crack_direction(&stress, running);

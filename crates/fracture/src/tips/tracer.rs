@@ -206,10 +206,20 @@ fn branch_of(web: &mut Web, parent: &Tip, seed: Seed, turn_rad: f64) -> Tip {
     branch
 }
 
-/// Distances to the nearest tips on both sides that are not left behind.
+/// How fast a lead over a neighbor frees a tip from it, and holds the neighbor back. FIT: arrays of
+/// parallel cracks lose every other one about where the spacing falls to the length
+/// \[NematNasser1978\].
+const COMPETITION: f64 = 4.0;
+
+/// Lead over the distance that makes no difference yet.
+const EQUAL_LEAD: f64 = 0.1;
+
+/// Distances to the nearest tips on both sides, as they count for the energy that a tip gets.
 ///
-/// Two cracks under an angle φ are an arc of chord·(φ/2)/sin(φ/2) apart; one that lags by more
-/// than half of that does not take anything from the one ahead.
+/// Two cracks under an angle φ that are as long as each other are an arc chord·(φ/2)/sin(φ/2) apart.
+/// A tip that leads takes from the one behind: its gap counts for more, the other's for less, by
+/// exp(±C·lead/gap). Equal cracks side by side are therefore unstable, as arrays of cracks are
+/// \[NematNasser1978\]; few go far.
 fn gaps_beside(web: &Web, tips: &[Tip], own_idx: usize, tracing: &Tracing) -> Gaps {
     let own = &tips[own_idx];
     let [tx, ty] = own.direction;
@@ -225,22 +235,29 @@ fn gaps_beside(web: &Web, tips: &[Tip], own_idx: usize, tracing: &Tracing) -> Ga
             continue;
         }
         let half_angle = 0.5 * libm::acos(cos);
-        let arc = if half_angle > 1e-6 {
-            chord * half_angle / libm::sin(half_angle)
-        } else {
-            chord
-        };
+        let (sin, cos) = libm::sincos(half_angle);
         let (bx, by) = (tx + other.direction[0], ty + other.direction[1]);
-        let lag = (dx * bx + dy * by) / libm::hypot(bx, by);
-        if lag < -0.5 * arc {
+        let size = libm::hypot(bx, by);
+        let lag = (dx * bx + dy * by) / size;
+        // Of one that is ahead the flank beside us counts.
+        let apart = (dx * by - dy * bx).abs() / size - lag.max(0.0) * sin / cos;
+        let arc = if sin > 1e-6 {
+            apart * half_angle / sin
+        } else {
+            apart
+        };
+        if arc <= 0.0 {
             continue;
         }
+        let lead = -lag / arc;
+        let beyond = (lead.abs() - EQUAL_LEAD).max(0.0).copysign(lead);
+        let counts = arc * libm::exp((COMPETITION * beyond).clamp(-20.0, 20.0));
         let gap = if tx * dy - ty * dx > 0.0 {
             &mut gaps.left_m
         } else {
             &mut gaps.right_m
         };
-        *gap = gap.min(arc.max(1e-9));
+        *gap = gap.min(counts);
     }
     if tracing.rim_shields {
         for (gap, normal) in [
