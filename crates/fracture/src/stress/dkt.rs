@@ -1,4 +1,8 @@
 //! The discrete Kirchhoff triangle: a thin-plate element of nine degrees of freedom.
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices of tensors and unknowns, as in the equations"
+)]
 
 /// Unknowns of a triangle: w and its two derivatives along the axes of the node's frame, for each
 /// corner.
