@@ -180,7 +180,7 @@ fn place(domain: Domain, inner_m: f64, target: u32) -> (Vec<BorderNode>, Vec<[f6
             best = Some((border, interior, grading));
         }
         let next = (f64::from(n_around) / ratio.sqrt()).clamp(12.0, 2000.0);
-        if miss < 0.05 || next.round() as u32 == n_around {
+        if miss < 0.05 || (next - f64::from(n_around)).abs() < 0.5 {
             break;
         }
         around = next;

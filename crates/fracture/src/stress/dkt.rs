@@ -1,4 +1,8 @@
 //! The discrete Kirchhoff triangle: a thin-plate element of nine degrees of freedom.
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices of tensors and unknowns, as in the equations"
+)]
 
 /// Unknowns of a triangle: w and its two derivatives along the axes of the node's frame, for each
 /// corner.
@@ -141,44 +145,14 @@ pub(super) fn isotropic(rigidity: f64, poisson_ratio: f64) -> Rigidity {
     ]
 }
 
-/// A rigidity whose normal and twisting parts across a line with unit normal `n` are scaled by
-/// `residual`; bending along the line stays. The factors are those of r 1 1ᵀ + (1 − r) e eᵀ, so
-/// that the result is positive definite (product theorem of Schur).
-pub(super) fn hinged(rigidity: &Rigidity, [c, s]: [f64; 2], residual: f64) -> Rigidity {
-    let into = [
-        [c * c, s * s, c * s],
-        [s * s, c * c, -c * s],
-        [-2.0 * c * s, 2.0 * c * s, c * c - s * s],
-    ];
-    let back = [
-        [c * c, s * s, -c * s],
-        [s * s, c * c, c * s],
-        [2.0 * c * s, -2.0 * c * s, c * c - s * s],
-    ];
-    let mut local = congruent(rigidity, &back);
-    for (i, row) in local.iter_mut().enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            if (i, j) != (1, 1) {
-                *entry *= residual;
-            }
-        }
-    }
-    congruent(&local, &into)
-}
-
-/// Tᵀ D T.
-fn congruent(d: &Rigidity, t: &Rigidity) -> Rigidity {
-    let mut out = [[0.0; 3]; 3];
-    for (i, row) in out.iter_mut().enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            for k in 0..3 {
-                for l in 0..3 {
-                    *entry += t[k][i] * d[k][l] * t[l][j];
-                }
-            }
-        }
-    }
-    out
+/// What remains of the rigidity of a cracked triangle.
+///
+/// All of it is scaled, not only bending across the crack: on triangles that are not aligned with
+/// the crack, bending along it, if kept, takes up the kink between its sides and the crack bears
+/// nearly all of the moment that it should not. A crack through the thickness transfers no shear
+/// either.
+pub(super) fn cracked(rigidity: &Rigidity, residual: f64) -> Rigidity {
+    rigidity.map(|row| row.map(|entry| residual * entry))
 }
 
 /// w at barycentric coordinates `l` as a linear function of the unknowns: the cubic of Bazeley
@@ -253,19 +227,6 @@ mod tests {
             }
             assert!(inner.iter().all(|f| f.abs() < 1e-10), "{inner:?}");
         }
-    }
-
-    #[test]
-    fn a_hinge_takes_the_moment_across_it_and_leaves_the_one_along_it() {
-        let (sin, cos) = libm::sincos(0.7);
-        let d = hinged(&isotropic(1.0, 0.2), [cos, sin], 1e-3);
-        let moment = |k: [f64; 3]| d.map(|row| row[0] * k[0] + row[1] * k[1] + row[2] * k[2]);
-        let across =
-            |m: [f64; 3], [x, y]: [f64; 2]| x * x * m[0] + y * y * m[1] + 2.0 * x * y * m[2];
-        let bent = |[x, y]: [f64; 2]| moment([x * x, y * y, 2.0 * x * y]);
-        let (n, t) = ([cos, sin], [-sin, cos]);
-        assert!((across(bent(n), n) - 1e-3).abs() < 1e-12, "{:?}", bent(n));
-        assert!((across(bent(t), t) - 1.0).abs() < 1e-12, "{:?}", bent(t));
     }
 
     #[test]

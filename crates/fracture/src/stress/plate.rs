@@ -1,7 +1,7 @@
 //! A thin plate under a load across it.
 
 use super::dkt::{
-    AXES, Element, Frame, N_LOCAL, N_PACKED, Rigidity, deflection, hinged, isotropic,
+    AXES, Element, Frame, N_LOCAL, N_PACKED, Rigidity, cracked, deflection, isotropic,
 };
 use super::recovery::NodalStress;
 use super::sparse::System;
@@ -75,12 +75,13 @@ impl PlateProperties {
     }
 }
 
-/// A crack through a triangle: across it the plate has lost its bending stiffness.
+/// A crack through a triangle, which loses its stiffness with it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hinge {
     /// The triangle.
     pub triangle: u32,
-    /// Normal of the crack; its length does not matter.
+    /// Normal of the crack, not zero. The stiffness is lost in all directions, so that it does not
+    /// change the result yet.
     pub normal: [f64; 2],
     /// What remains of the stiffness, 1e-9 to 1.
     pub residual: f64,
@@ -230,7 +231,7 @@ impl PlateSolver {
         let intact = isotropic(self.plate.rigidity_n_m(), self.plate.poisson_ratio);
         let mut sorted: Vec<&Hinge> = hinges.iter().collect();
         sorted.sort_by_key(|hinge| hinge.triangle);
-        let mut cracked: Vec<(u32, Rigidity)> = Vec::new();
+        let mut weak: Vec<(u32, Rigidity)> = Vec::new();
         for hinge in sorted {
             let length = libm::hypot(hinge.normal[0], hinge.normal[1]);
             let is_right = (hinge.triangle as usize) < self.elements.len()
@@ -244,15 +245,13 @@ impl PlateSolver {
                     expected: "1e-9 to 1, in a triangle of the mesh, with a normal",
                 });
             }
-            let normal = hinge.normal.map(|n| n / length);
-            match cracked.last_mut() {
-                Some((t, rigidity)) if *t == hinge.triangle => {
-                    *rigidity = hinged(rigidity, normal, hinge.residual);
-                }
-                _ => cracked.push((hinge.triangle, hinged(&intact, normal, hinge.residual))),
+            match weak.last_mut() {
+                // A second crack takes nothing more.
+                Some((t, _)) if *t == hinge.triangle => (),
+                _ => weak.push((hinge.triangle, cracked(&intact, hinge.residual))),
             }
         }
-        Ok(cracked)
+        Ok(weak)
     }
 
     /// Deflection and stress under a load. What of its disc lies off the mesh is taken by the
