@@ -48,7 +48,7 @@ struct Tip {
 }
 
 /// Dice as cracks make them that run from the hits at 1500 m/s under the core's mean tension
-/// σ = `σ_s`/3, fork after r = (`A_b`/σ)² of free run, and end on a crack or on the rim.
+/// σ = `σ_s`/3, fork after r = (`A_b`/σ)² of free run \[Mecholsky1978\], and end on a crack or on the rim.
 ///
 /// Between two cracks s apart a third one gets the energy σ²s/2E per area, which is less than it
 /// takes for s < 2 (`K_IC`/σ)². A tip that has a crack at its side nearer than that turns into it.

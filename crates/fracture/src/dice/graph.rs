@@ -1,7 +1,7 @@
 //! The cracks between dice as a graph on the pane.
 
-/// Speed of the front that divides tempered glass, m/s. **Source** \[AcersVideo\]: 78 597 frames
-/// per second.
+/// Speed of the front that divides tempered glass, m/s. **Source** a video of the American
+/// Ceramic Society at 78 597 frames per second.
 pub const FRONT_SPEED_M_S: f64 = 1458.0;
 
 /// Cracks between dice. Edges meet only at nodes; the rim is no edge, but edges end on it.
