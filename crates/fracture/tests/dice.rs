@@ -3,7 +3,7 @@
 
 use robust::{Coord, orient2d};
 use starbreak_fracture::dice::{
-    Diced, FRONT_SPEED_M_S, count_law_empirical, count_law_energy, dice_cells,
+    Diced, FRONT_SPEED_M_S, count_law_empirical, count_law_energy, dice_cascade, dice_cells,
     fragment_density_per_m2,
 };
 use starbreak_fracture::mesh::Outline;
@@ -181,15 +181,11 @@ fn every_die_has_a_size() {
 }
 
 #[test]
-fn times_go_outwards_and_never_stand_still() {
+fn a_front_runs_out_from_the_hits() {
     let hits = [[0.05, 0.05], [0.15, 0.12]];
     let diced = dice_cells(&rectangle(0.2, 0.15), 4e-3, 100e6, &hits, Seed(3)).unwrap();
     for (edge, &[a, b]) in diced.edges.iter().enumerate() {
-        assert!(
-            diced.arrival_s[a as usize] <= diced.arrival_s[b as usize],
-            "early to late"
-        );
-        let [start, end] = diced.edge_times_s(edge);
+        let [start, end] = diced.times_s[edge];
         let (p, q) = (diced.nodes[a as usize], diced.nodes[b as usize]);
         let length = (p[0] - q[0]).hypot(p[1] - q[1]);
         assert!(
@@ -353,4 +349,60 @@ fn areas_follow_a_gamma_law() {
         (gamma_cdf(1.0, 0.7) - (1.0 - (-0.7_f64).exp())).abs() < 1e-12,
         "the law itself"
     );
+}
+
+#[test]
+fn areas_of_a_cascade_are_exponential() {
+    // [Dawara2026]: areas over their mean decay exponentially.
+    for (pa, seed) in [(70e6, 8), (100e6, 1), (140e6, 2)] {
+        let hit = [0.15, 0.14];
+        let diced = dice_cascade(&rectangle(0.3, 0.3), pa, &[hit], Seed(seed)).unwrap();
+        assert_eq!(n_crossings(&diced), 0, "planar");
+        let areas: Vec<f64> = faces(&diced)
+            .into_iter()
+            .filter(|(_, at)| at.iter().all(|c| (0.03..0.27).contains(c)))
+            .map(|(area, _)| area)
+            .collect();
+        let mean = areas.iter().sum::<f64>() / areas.len() as f64;
+        let distance = kolmogorov_smirnov(areas, |x| 1.0 - (-x).exp());
+        assert!(
+            distance <= 0.08,
+            "KS {distance} at {pa} Pa, N50 {}",
+            2.5e-3 / mean
+        );
+    }
+}
+
+#[test]
+fn a_cascade_closes_its_dice_and_ends_on_the_rim() {
+    for outline in [rectangle(0.1, 0.08), Outline::Disc { diameter_m: 0.08 }] {
+        for seed in 0..20 {
+            let hits = [[0.04, 0.03], [0.05, 0.05]];
+            let diced = dice_cascade(&outline, 100e6, &hits, Seed(seed)).unwrap();
+            assert_eq!(
+                diced,
+                dice_cascade(&outline, 100e6, &hits, Seed(seed)).unwrap(),
+                "repeats"
+            );
+            assert_eq!(n_crossings(&diced), 0, "{outline:?} {seed}");
+            let mut degree = vec![0; diced.nodes.len()];
+            for &[a, b] in &diced.edges {
+                degree[a as usize] += 1;
+                degree[b as usize] += 1;
+            }
+            let n_loose = (0..degree.len())
+                .filter(|&k| degree[k] == 1 && outline.depth_m(diced.nodes[k]) > 1e-15)
+                .count();
+            assert!(
+                n_loose * 50 <= diced.n_cells,
+                "{n_loose} loose ends of {} dice",
+                diced.n_cells
+            );
+            for (times, &[a, b]) in diced.times_s.iter().zip(&diced.edges) {
+                let (p, q) = (diced.nodes[a as usize], diced.nodes[b as usize]);
+                let speed = (p[0] - q[0]).hypot(p[1] - q[1]) / (times[1] - times[0]);
+                assert!(speed > 0.0 && speed.is_finite(), "{times:?}");
+            }
+        }
+    }
 }

@@ -267,10 +267,7 @@ mod tests {
                 } => {
                     was_through = true;
                     let run = bottom_radius_m - top_radius_m;
-                    assert!(
-                        (2.1e-3 / run - libm::tan(CONE_ANGLE_RAD)).abs() < 1e-12,
-                        "22°"
-                    );
+                    assert!((2.1e-3 / run - 0.404_026).abs() < 1e-6, "22°");
                 }
                 ConeOutcome::Ring => assert!(last_depth == 0.0, "ring comes first"),
                 ConeOutcome::None => panic!("above the threshold"),
@@ -283,7 +280,7 @@ mod tests {
     fn bullseyes_are_no_larger_than_repairers_see() {
         // V12: repairable bullseyes are up to 25 mm wide (ROLAGS and repairers' limits).
         let mut rng = Seed(12).stream(Stream::ImpactShape, 0);
-        let (mut n_through, mut n_seen) = (0, 0);
+        let mut n_seen = 0;
         for k in 0..1000 {
             let radius_m = 1e-3 + 5e-3 * uniform(&mut rng);
             let speed_m_s = 10.0 + 30.0 * uniform(&mut rng);
@@ -292,13 +289,19 @@ mod tests {
             if let Some(diameter_m) = crack.bullseye_diameter_m() {
                 n_seen += 1;
                 assert!(diameter_m <= 25e-3, "{diameter_m} of {stone:?}");
-                if let ConeOutcome::Through { .. } = crack.outcome {
-                    n_through += 1;
-                    assert!(diameter_m >= 10e-3, "{diameter_m} of {stone:?}");
-                }
             }
         }
-        assert!(n_seen > 500, "{n_seen} cones, {n_through} through");
+        assert!(n_seen > 500, "{n_seen} cones");
+        // None of those goes through, for want of force: the plate gives way at Z V < 5.5 kN. One
+        // that does is 2 (a + h cot 22°) wide.
+        let stone = StoneImpact::granite([0.0; 2], 80.0, 10e-3);
+        let (_, crack) = crack(&stone, 2.1e-3, 0);
+        let is_through = matches!(crack.outcome, ConeOutcome::Through { .. });
+        let diameter_m = crack.bullseye_diameter_m().unwrap_or_default();
+        assert!(
+            is_through && (10e-3..16e-3).contains(&diameter_m),
+            "{crack:?}"
+        );
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::FractureError;
 use crate::mesh::{Indexed, Outline, to_u32};
 
 /// Most dice of one pane.
-const MAX_CELLS: f64 = 400_000.0;
+pub(super) const MAX_CELLS: f64 = 400_000.0;
 /// Edges shorter than this fraction of a cell become one corner.
 const SHORT: f64 = 0.08;
 /// Middles up to this many cells from the rim are mirrored in it.
@@ -77,7 +77,12 @@ pub fn dice_cells(
     let wander = Wander::new(spacing_m, &mut seed.stream(Stream::Dice, 1));
     let diagram = Diagram::new(outline, &map, &middles, spacing_m)?;
     let (nodes, edges) = diagram.drawn(outline, &map, &wander, spacing_m);
-    Ok(Diced::timed(nodes, edges, middles.even.len(), impacts_m))
+    Ok(Diced::with_front(
+        nodes,
+        edges,
+        middles.even.len(),
+        impacts_m,
+    ))
 }
 
 /// Mirror images of a point in the rim, near it.
@@ -122,7 +127,7 @@ fn mirrored(outline: &Outline, point: [f64; 2], depth_m: f64) -> Vec<[f64; 2]> {
 }
 
 /// The nearest point of the rim.
-fn on_rim(outline: &Outline, [x, y]: [f64; 2]) -> [f64; 2] {
+pub(super) fn on_rim(outline: &Outline, [x, y]: [f64; 2]) -> [f64; 2] {
     match *outline {
         Outline::Rectangle { width_m, height_m } => {
             let (x, y) = (x.clamp(0.0, width_m), y.clamp(0.0, height_m));
