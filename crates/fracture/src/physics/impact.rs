@@ -15,7 +15,7 @@ use crate::contact::{ConeOutcome, ContactLoad, HertzianCrack, contact_load, hert
 use crate::mesh::uniform;
 use crate::stress::{Face, StressField};
 use crate::tips::{
-    Ledger, Motion, Piece, Tip, TipLaw, TipState, Tracing, Web, normal, trace, unit,
+    COMPETITION, Ledger, Motion, Piece, Tip, TipLaw, TipState, Tracing, Web, normal, trace, unit,
 };
 
 /// A crack longer than this is not repaired: it is a class of its own, m \[ROLAGS\].
@@ -181,39 +181,28 @@ impl Breaking<'_> {
             force_n,
             carrying,
         };
-        let from_s = hit.start_s + hit.peak_s;
-        let contact_s = hit.contact.contact_time_s;
-        let first = load(
-            hit.contact.peak_force_n,
-            self.plates.carrying(center_m, contact_s),
-        );
-        if let Carrying::Foundation { .. } = first.carrying {
-            return vec![Epoch {
-                load: first,
-                from_s,
-                until_s: f64::INFINITY,
-            }];
-        }
         let deflection_m = stiffness.deflection_m(hit.contact.impulse_n_s);
-        let mut epochs = vec![Epoch {
-            load: first,
-            from_s,
-            until_s: hit.start_s + contact_s.max(hit.peak_s),
-        }];
-        let mut time_s = contact_s;
-        while u32::try_from(epochs.len()).is_ok_and(|n| n < self.params.epochs) {
-            let last = &epochs[epochs.len() - 1];
-            if matches!(last.load.carrying, Carrying::Rim) {
+        let mut epochs: Vec<Epoch> = Vec::new();
+        let mut from_s = hit.peak_s;
+        for k in 0..self.params.epochs {
+            let until_s = from_s * EPOCH_GROWTH;
+            let time_s = from_s * EPOCH_GROWTH.sqrt();
+            let carrying = self.plates.carrying(center_m, time_s);
+            let force_n = match hit.contact.force_at_n(time_s) {
+                _ if k == 0 => hit.contact.peak_force_n,
+                force_n if force_n > 0.0 => force_n,
+                // The stone is gone; what it set in motion spreads.
+                _ => stiffness.disc_force_n(deflection_m, stiffness.wave_reach_m(time_s)),
+            };
+            epochs.push(Epoch {
+                load: load(force_n, carrying),
+                from_s: hit.start_s + from_s,
+                until_s: hit.start_s + until_s,
+            });
+            if !matches!(carrying, Carrying::Wave { .. }) {
                 break;
             }
-            let from_s = last.until_s;
-            time_s *= EPOCH_GROWTH;
-            let force_n = stiffness.disc_force_n(deflection_m, stiffness.wave_reach_m(time_s));
-            epochs.push(Epoch {
-                load: load(force_n, self.plates.carrying(center_m, time_s)),
-                from_s,
-                until_s: hit.start_s + time_s,
-            });
+            from_s = until_s;
         }
         epochs
     }
@@ -233,6 +222,7 @@ impl Breaking<'_> {
             motion: Motion::Dynamic,
             step_m: [(0.1 * h).clamp(2e-5, 2e-4), (0.5 * h).min(1e-3)],
             forks: true,
+            competition: COMPETITION,
             rim_shields: false,
         };
         for (k, epoch) in epochs.iter().enumerate() {

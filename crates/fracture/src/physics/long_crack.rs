@@ -9,7 +9,7 @@ use super::params::{GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, Memb
 use crate::FractureError;
 use crate::mesh::{Outline, PlateMesh};
 use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, membrane_stress};
-use crate::tips::{Ledger, Motion, Tip, TipLaw, Tracing, Web, trace, unit};
+use crate::tips::{COMPETITION, Ledger, Motion, Tip, TipLaw, Tracing, Web, trace, unit};
 
 /// Factor of K of a flaw at a free edge \[TadaParisIrwin2000\].
 const EDGE_FACTOR: f64 = 1.12;
@@ -175,6 +175,7 @@ pub(super) fn grow_long_crack(
         motion,
         step_m: [2e-4, (0.002 * width.max(height)).clamp(2e-4, 2e-3)],
         forks: true,
+        competition: COMPETITION,
         rim_shields: true,
     };
     let mut tips = vec![tip];

@@ -50,7 +50,14 @@ pub(super) fn network(
 ) -> Result<CrackNetwork, FractureError> {
     let sheet = network_pane(pane);
     let lattice = Lattice::of_pane(&sheet);
-    let place = |[x, y]: [f64; 2]| {
+    let place = |node: [f64; 2]| {
+        let [x, y] = node;
+        // The lattice would put a node of a round rim off the rim.
+        let is_on_circle = sheet.is_disc()
+            && pane.outline.depth_m(node) * MM_PER_M <= Lattice::of_pane(&sheet).step();
+        if is_on_circle {
+            return [x * MM_PER_M, y * MM_PER_M];
+        }
         [
             lattice.round(x * MM_PER_M).clamp(0.0, sheet.width),
             lattice.round(y * MM_PER_M).clamp(0.0, sheet.height),

@@ -41,6 +41,7 @@ fn tracing(law: TipLaw, forks: bool) -> Tracing {
         motion: Motion::Dynamic,
         step_m: [1e-4, 5e-4],
         forks,
+        competition: COMPETITION,
         rim_shields: false,
     }
 }
@@ -208,6 +209,7 @@ fn star(n: u32, s: f64, r0: f64, h: f64) -> (Vec<f64>, TipLaw) {
     }
     let mut tracing = tracing(law, false);
     tracing.step_m = [2e-5, 5e-5];
+    tracing.competition = 0.0;
     trace(&mut web, &mut tips, &field, &tracing, &mut endless(), Seed(1), f64::INFINITY);
     let radii = tips
         .iter()
