@@ -152,7 +152,8 @@ fn a_crack_out_of_sight_counts_for_nothing() {
 
 #[test]
 fn cameras_out_of_range_are_named() {
-    let cases: [(fn(&mut Camera), &str); 5] = [
+    type Change = fn(&mut Camera);
+    let cases: [(Change, &str); 5] = [
         (|c| c.f_px = 0.0, "f_px"),
         (|c| c.distance_m = f64::NAN, "distance_m"),
         (|c| c.rake_rad = 1.55, "rake_deg"),
