@@ -8,6 +8,7 @@ use starbreak::Settings;
 use starbreak::dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
 use starbreak::fracture::paper::Fracture;
 use starbreak::glass::Pane;
+use starbreak::optics::View;
 use starbreak::pipeline::{self, Simulated, convergence_json, growth_drawing, growth_times};
 
 use crate::args::Global;
@@ -145,7 +146,8 @@ fn stage_frames(
 ) -> Result<(), Failure> {
     let network = &simulated.fracture.network;
     let times = growth_times(network, n_frames).take_while(|_| !interrupt.is_set());
-    let drawings = times.map(|time| growth_drawing(network, size, time, 1.0));
+    let view = View::stretched(&network.data().pane, size);
+    let drawings = times.map(|time| growth_drawing(network, &view, time, 1.0));
     let extension = to
         .extension()
         .map(|extension| extension.to_string_lossy().to_lowercase())

@@ -8,6 +8,7 @@ mod timings;
 use image::DynamicImage;
 use starbreak_fracture::paper::{Fracture, Stage, simulate as simulate_paper};
 use starbreak_glass::{Pane, Seed};
+use starbreak_optics::View;
 use starbreak_optics::paper::{Masks, composite, draw};
 
 use crate::{Error, Settings};
@@ -83,12 +84,11 @@ pub fn crack_image(
         mut timings,
     } = simulate(settings, image.width(), image.height(), seed)?;
     let mut watch = Stopwatch::start();
-    let drawn = draw(
-        &fracture.network,
+    let view = View::stretched(
+        &fracture.network.data().pane,
         (image.width(), image.height()),
-        f64::INFINITY,
-        &settings.optics,
     );
+    let drawn = draw(&fracture.network, &view, f64::INFINITY, &settings.optics);
     watch.lap("draw");
     let masks = composite(image, &drawn, &settings.optics)?;
     watch.lap("render");
