@@ -117,7 +117,7 @@ fn in_plane(folder: Option<&Path>) -> io::Result<Table> {
 
 /// Number of radial cracks against impact speed.
 fn bilayer(folder: Option<&Path>) -> io::Result<Table> {
-    let source = "VandenbergheVermorelVillermaux2013";
+    let source = "Vandenberghe2013";
     let mut table = Table::default();
     let mut points = Vec::new();
     for speed_m_s in PMMA_SPEEDS_M_S {

@@ -35,7 +35,7 @@ const STRENGTH_DEVIATION: f64 = 0.1;
 /// Step over the time that a bar wave takes over a node spacing; 1 is the bound of stability
 /// √(2ρ/ΣcV) [SillingAskari2005] for the bonds alone.
 const COURANT: f64 = 0.7;
-/// Radius of the ball: the projectiles of [VandenbergheVermorelVillermaux2013] are 4 mm wide.
+/// Radius of the ball: the projectiles of [Vandenberghe2013] are 4 mm wide.
 const BALL_RADIUS_M: f64 = 2e-3;
 
 /// A bilayer plate: two sheets of half the thickness at ±h/(2√3), which gives the stretching
