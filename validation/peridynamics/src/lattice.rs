@@ -103,12 +103,12 @@ mod tests {
         let lattice = Lattice::new(11, 9, 0.5, 0.35, &mut Random::new(3));
         let all: Vec<_> = (0..lattice.len())
             .flat_map(|i| (i + 1..lattice.len()).map(move |j| (i, j)))
-            .filter(|&(i, j)| lattice.distance_m(i, j) <= 1.5)
+            .filter(|&(i, j)| lattice.distance_m(i, j) <= 0.85)
             .collect();
         assert_eq!(
-            lattice.pairs(1.5).collect::<Vec<_>>(),
+            lattice.pairs(0.85).collect::<Vec<_>>(),
             all,
-            "all within 1.5 m"
+            "all within 0.85 m"
         );
     }
 
