@@ -62,6 +62,7 @@ pub fn simulate(
             GlassBuild::Annealed | GlassBuild::Laminated { .. } => false,
         },
         is_diced: false,
+        n_older: 0,
     };
     let mut reports: Vec<ImpactReport> = Vec::with_capacity(impacts.len());
     let mut time_s = 0.0;
@@ -181,7 +182,9 @@ fn dice(
     let core_tension_pa = 0.5 * surface_compression_pa;
     let law = TipLaw::new(&pane.material, pane.thickness_m, false);
     let effective_m = 0.25 * pane.thickness_m;
-    let intensity = law.intensity(core_tension_pa, effective_m).max(law.toughness_pa_sqrt_m);
+    let intensity = law
+        .intensity(core_tension_pa, effective_m)
+        .max(law.toughness_pa_sqrt_m);
     let crack = web.new_crack();
     let mut dissipated_j = 0.0;
     let mut reach_m: f64 = 0.0;

@@ -212,10 +212,9 @@ fn branch_of(web: &mut Web, parent: &Tip, seed: Seed, turn_rad: f64) -> Tip {
     branch
 }
 
-/// How fast a lead over a neighbor frees a tip from it, and holds the neighbor back. FIT: arrays of
-/// parallel cracks lose every other one about where the spacing falls to the length
-/// \[NematNasser1978\].
-pub(crate) const COMPETITION: f64 = 4.0;
+/// How fast a lead over a neighbor frees a tip from it, and holds the neighbor back: the stress in a
+/// strip of width s fades like exp(−π d/s) from its end.
+pub(crate) const COMPETITION: f64 = PI;
 
 /// Lead over the distance that makes no difference yet.
 const EQUAL_LEAD: f64 = 0.1;
@@ -355,12 +354,7 @@ impl Step<'_> {
         (speed > 0.0).then(|| speed.max(1e-9))
     }
 
-    fn fork(
-        &self,
-        tip: &Tip,
-        stress: &PlaneStress,
-        intensity: f64,
-    ) -> Option<f64> {
+    fn fork(&self, tip: &Tip, stress: &PlaneStress, intensity: f64) -> Option<f64> {
         let law = &self.tracing.law;
         let may = self.tracing.forks
             && tip.since_fork_m > law.thickness_m
