@@ -473,7 +473,7 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
             "`fractures`; did you mean `fracture`?",
         ),
         (
-            "schema = 1\n[[impact]]\nforce = 1\n[[impact]]\nfrce = 2",
+            "schema = 1\n[[impact]]\nspeed_m_s = 1\n[[impact]]\nfrce = 2",
             "`impact.1.frce`; did you mean `impact.1.force`?",
         ),
         ("schema = 1\n[optics]\nzzz = 1", "known keys: model, "),
@@ -525,31 +525,31 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
         ("schema = 1\nimpact = 5", "impact"),
         ("schema = 1\ncamera = 5", "camera"),
         (
-            "schema = 1\n[fracture]\nparticles = 0",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nparticles = 0",
             "fracture.particles = 0; expected 1 to 10000000",
         ),
         (
-            "schema = 1\n[fracture]\nparticles = -1",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nparticles = -1",
             "fracture.particles",
         ),
         (
-            "schema = 1\n[fracture]\nparticles = 1.5",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nparticles = 1.5",
             "fracture.particles",
         ),
         (
-            "schema = 1\n[fracture]\nneighbour_radius_px = 0",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nneighbour_radius_px = 0",
             "fracture.neighbour_radius_px = 0",
         ),
         (
-            "schema = 1\n[fracture]\ncritical_stress = nan",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\ncritical_stress = nan",
             "fracture.critical_stress = NaN",
         ),
         (
-            "schema = 1\n[fracture]\nsafety_factor = -inf",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nsafety_factor = -inf",
             "fracture.safety_factor = -inf",
         ),
         (
-            "schema = 1\n[fracture]\nrule = \"algorithm\"",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nrule = \"algorithm\"",
             "fracture.rule",
         ),
         (
@@ -564,9 +564,9 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
             "schema = 1\n[[impact]]\nposition = \"middle\"",
             "\"random\" or [x, y]",
         ),
-        ("schema = 1\n[[impact]]\nforce = -5", "impact.0.force = -5"),
+        ("schema = 1\nfracture.model = \"paper\"\n[[impact]]\nforce = -5", "impact.0.force = -5"),
         (
-            "schema = 1\n[[impact]]\ndirection_deg = nan",
+            "schema = 1\nfracture.model = \"paper\"\n[[impact]]\ndirection_deg = nan",
             "impact.0.direction_deg",
         ),
         (
