@@ -16,8 +16,14 @@ fn writers(to: &str) -> Vec<(Vec<String>, String)> {
     let below = |name: &str| format!("{to}/{name}");
     let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
     vec![
-        (words(&["crack", "a.png", "--preset", "paper", "-o", to]), below("a.png")),
-        (words(&["demo", "--preset", "paper", "-o", to]), to.to_owned()),
+        (
+            words(&["crack", "a.png", "--preset", "paper", "-o", to]),
+            below("a.png"),
+        ),
+        (
+            words(&["demo", "--preset", "paper", "-o", to]),
+            to.to_owned(),
+        ),
         (
             words(&["simulate", "--preset", "paper", "-o", &below("n.json")]),
             below("n.json"),
@@ -27,7 +33,15 @@ fn writers(to: &str) -> Vec<(Vec<String>, String)> {
             below("n.svg"),
         ),
         (
-            words(&["simulate", "--preset", "paper", "--frames", "2", "--frames-to", to]),
+            words(&[
+                "simulate",
+                "--preset",
+                "paper",
+                "--frames",
+                "2",
+                "--frames-to",
+                to,
+            ]),
             to.to_owned(),
         ),
         (words(&["man", "-o", to]), to.to_owned()),
@@ -68,7 +82,10 @@ fn devices_and_proc_are_refused() {
     all_refused(
         dir.path(),
         &[
-            (vec!["simulate", "--preset", "paper", "-o", "/dev/null"], "/dev/null"),
+            (
+                vec!["simulate", "--preset", "paper", "-o", "/dev/null"],
+                "/dev/null",
+            ),
             (vec!["simulate", "--preset", "paper", "-o", "."], "\".\""),
             (vec!["simulate", "--preset", "paper", "-o", "new/"], "new/"),
         ],
@@ -146,7 +163,11 @@ fn a_full_disk_stays_empty() {
 #[test]
 fn a_full_standard_output_is_a_failure() {
     let dir = folder();
-    for args in [&["simulate", "--preset", "paper"][..], &["recipe"], &["completions", "bash"]] {
+    for args in [
+        &["simulate", "--preset", "paper"][..],
+        &["recipe"],
+        &["completions", "bash"],
+    ] {
         let full = fs::OpenOptions::new()
             .write(true)
             .open("/dev/full")

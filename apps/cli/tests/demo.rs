@@ -59,7 +59,11 @@ fn every_file_is_there_and_decodes() {
         assert_eq!(touched.count(), 0, "{focus}: changed outside the region");
     }
     let text = fs::read_to_string(out.join("recipe.toml")).unwrap();
-    assert_eq!(text, succeed(dir.path(), &["recipe", "--preset", "paper"]).stdout, "its recipe");
+    assert_eq!(
+        text,
+        succeed(dir.path(), &["recipe", "--preset", "paper"]).stdout,
+        "its recipe"
+    );
 }
 
 #[test]
@@ -119,7 +123,10 @@ fn without_times(dir: &Path) -> Vec<(String, Vec<u8>)> {
 fn two_demos_are_one() {
     let dir = folder();
     let demo = |out: &str, more: &[&str]| {
-        succeed(dir.path(), &[&["demo", "-q", "-o", out, "--preset", "paper"], more].concat());
+        succeed(
+            dir.path(),
+            &[&["demo", "-q", "-o", out, "--preset", "paper"], more].concat(),
+        );
         without_times(&dir.path().join(out))
     };
     let one = demo("one", &["--threads", "1"]);
@@ -154,7 +161,12 @@ fn the_demo_can_be_made_by_hand() {
             "{focus}: another image"
         );
         let seed = record["item"]["seed"].to_string();
-        succeed(dir.path(), &["simulate", "-o", "n.json", "--preset", "paper", "--seed", &seed]);
+        succeed(
+            dir.path(),
+            &[
+                "simulate", "-o", "n.json", "--preset", "paper", "--seed", &seed,
+            ],
+        );
         assert!(
             fs::read(at("n.json")).unwrap() == fs::read(at("d/network.json")).unwrap(),
             "{focus}: another network"
@@ -165,7 +177,18 @@ fn the_demo_can_be_made_by_hand() {
 #[test]
 fn a_demo_with_an_unbroken_pane_is_whole() {
     let dir = folder();
-    succeed(dir.path(), &["demo", "-o", "d", "--preset", "paper", "--set", "impact.force=1"]);
+    succeed(
+        dir.path(),
+        &[
+            "demo",
+            "-o",
+            "d",
+            "--preset",
+            "paper",
+            "--set",
+            "impact.force=1",
+        ],
+    );
     assert_eq!(names(&dir.path().join("d")), FILES, "files of the demo");
     let scene = raw_png(&dir.path().join("d/scene.png"));
     for focus in ["far", "short"] {
@@ -180,7 +203,10 @@ fn files_that_the_demo_names_exist() {
     let dir = folder();
     for set in ["output.format=jpeg", "output.masks=false"] {
         let out = set.replace(['.', '='], "_");
-        let outcome = succeed(dir.path(), &["demo", "-o", &out, "--preset", "paper", "--set", set]);
+        let outcome = succeed(
+            dir.path(),
+            &["demo", "-o", &out, "--preset", "paper", "--set", set],
+        );
         let files = names(&dir.path().join(&out));
         let (_, guide) = outcome.stdout.split_once(&format!("in {out}:")).unwrap();
         let (guide, _) = guide.split_once("next:").unwrap();

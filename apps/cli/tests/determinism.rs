@@ -142,7 +142,11 @@ fn networks_do_not_depend_on_threads_or_run() {
     }
     let other = simulate("other", &["--threads", "1", "--seed", "6"]);
     assert!(one[0] != other[0] && one[1] != other[1], "seeds 5 and 6");
-    let stdout = succeed(dir.path(), &["simulate", "--seed", "5", "--preset", "paper"]).stdout;
+    let stdout = succeed(
+        dir.path(),
+        &["simulate", "--seed", "5", "--preset", "paper"],
+    )
+    .stdout;
     assert!(stdout.as_bytes() == one[0], "standard output and -o differ");
 }
 

@@ -138,7 +138,16 @@ fn quiet_says_nothing_on_success() {
         &["crack", "a.png", "-o", "o", "--quiet", "--preset", "paper"][..],
         &["crack", "a.png", "-o", "o", "-q", "--preset", "paper"],
         &["simulate", "-o", "n.json", "-q", "--preset", "paper"],
-        &["simulate", "-o", "n.json", "-q", "--preset", "paper", "--set", "impact.force=1"],
+        &[
+            "simulate",
+            "-o",
+            "n.json",
+            "-q",
+            "--preset",
+            "paper",
+            "--set",
+            "impact.force=1",
+        ],
         &["demo", "-o", "d", "-q", "--preset", "paper"],
         &["man", "-o", "m", "-q"],
     ] {
@@ -172,8 +181,12 @@ fn json_is_one_document_and_nothing_else() {
     for name in ["a.png", "b.png", "c.png"] {
         write_photo(&dir.path().join(name));
     }
-    let json =
-        |args: &[&str]| document(&common::succeed(dir.path(), &[args, &["--json", "--preset", "paper"]].concat()));
+    let json = |args: &[&str]| {
+        document(&common::succeed(
+            dir.path(),
+            &[args, &["--json", "--preset", "paper"]].concat(),
+        ))
+    };
     let cracked = json(&THREE);
     let images = cracked["images"].as_array().unwrap();
     assert_eq!(images.len(), 3, "{cracked}");

@@ -157,8 +157,7 @@ fn the_meeting_test_knows_a_crossing_when_it_sees_one() {
 #[test]
 fn no_two_segments_cross_without_a_node() {
     let dir = folder();
-    let two_hits =
-        "schema = 1\nfracture.model = \"paper\"\n[[impact]]\nposition = [0.3, 0.4]\n[[impact]]\nposition = [0.7, 0.6]\n";
+    let two_hits = "schema = 1\nfracture.model = \"paper\"\n[[impact]]\nposition = [0.3, 0.4]\n[[impact]]\nposition = [0.7, 0.6]\n";
     fs::write(dir.path().join("two.toml"), two_hits).unwrap();
     for more in [
         &["--seed", "1"][..],

@@ -564,7 +564,10 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
             "schema = 1\n[[impact]]\nposition = \"middle\"",
             "\"random\" or [x, y]",
         ),
-        ("schema = 1\nfracture.model = \"paper\"\n[[impact]]\nforce = -5", "impact.0.force = -5"),
+        (
+            "schema = 1\nfracture.model = \"paper\"\n[[impact]]\nforce = -5",
+            "impact.0.force = -5",
+        ),
         (
             "schema = 1\nfracture.model = \"paper\"\n[[impact]]\ndirection_deg = nan",
             "impact.0.direction_deg",
