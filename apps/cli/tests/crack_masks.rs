@@ -229,7 +229,7 @@ fn a_weak_hit_leaves_the_image_as_it_is() {
         let focus = format!("camera.focus_distance_m={focus}");
         let force = format!("impact.force={force}");
         let args = [
-            "crack", "a.png", "-o", "o", "--set", &focus, "--set", &force,
+            "crack", "a.png", "-o", "o", "--preset", "paper", "--set", &focus, "--set", &force,
         ];
         let outcome = succeed(dir.path(), &args);
         assert!(names_force_and_threshold(&outcome), "{outcome:?}");

@@ -39,7 +39,7 @@ pub enum FractureSettings {
     /// By the paper's model, on a pane as large as the frame.
     Paper(PaperSettings),
     /// By the physics, on a pane of its own before the camera.
-    Physics(PhysicsSettings),
+    Physics(Box<PhysicsSettings>),
 }
 
 /// The camera behind the glass.
@@ -105,7 +105,7 @@ pub(super) fn of_paper(place: &Place, recipe: &PaperRecipe) -> Result<Settings, 
 
 pub(super) fn of_physics(place: &Place, recipe: &PhysicsRecipe) -> Result<Settings, RecipeError> {
     Ok(Settings {
-        fracture: FractureSettings::Physics(physics::settings(place, recipe)?),
+        fracture: FractureSettings::Physics(Box::new(physics::settings(place, recipe)?)),
         camera: camera(place, &recipe.camera)?,
         optics: optics(place, &recipe.camera, &recipe.optics)?,
         output: output(place, &recipe.output)?,
