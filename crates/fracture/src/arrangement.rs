@@ -32,6 +32,8 @@ pub(crate) struct Stroke {
     /// Whether it may meet another where neither has a node: true until it has been looked at
     /// and found to meet nothing.
     pub(crate) is_suspect: bool,
+    /// What it was cut from, in the numbering of whoever made it.
+    pub(crate) source: u32,
 }
 
 /// Nodes and strokes that meet only at nodes.
@@ -223,6 +225,7 @@ fn cut(nodes: &Nodes, strokes: &[Stroke], mut cuts: Vec<(u32, u32)>) -> Vec<Stro
                 arrival: [between(stroke.arrival, last.0), between(stroke.arrival, t)],
                 stress: [between(stroke.stress, last.0), between(stroke.stress, t)],
                 is_suspect: true,
+                source: stroke.source,
             });
             last = (t, node);
         }

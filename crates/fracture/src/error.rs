@@ -72,6 +72,43 @@ pub enum FractureError {
         /// A radius that keeps the paper's number of neighbors.
         suggested: f64,
     },
+    /// More cracks than a network of any use has.
+    #[error("more than {limit} cracks cross each other; use fewer impacts or a smaller pane")]
+    TooManyCracks {
+        /// The bound.
+        limit: usize,
+    },
+    /// So many dice that nobody could see them.
+    #[error(
+        "a pane of {width_mm:.0} × {height_mm:.0} mm at surface_compression_mpa = {compression_mpa} breaks into \
+         {expected:.0} dice, more than {limit:.0}; make it smaller or lower the compression"
+    )]
+    TooManyDice {
+        /// Expected number of dice.
+        expected: f64,
+        /// The bound.
+        limit: f64,
+        /// Width of the pane.
+        width_mm: f64,
+        /// Height of the pane.
+        height_mm: f64,
+        /// Compression of its surface.
+        compression_mpa: f64,
+    },
+    /// The equations of a plate cannot be set up or factored.
+    #[error("the plate's equations have no solution: {cause}")]
+    Solver {
+        /// What the library says.
+        cause: String,
+    },
+    /// The solution of a plate does not satisfy its equations.
+    #[error("the plate's equations are solved to {residual:e} only, not to {limit:e}; use a less graded mesh")]
+    Residual {
+        /// Residual, relative to the terms of the equations.
+        residual: f64,
+        /// The most that counts as solved.
+        limit: f64,
+    },
     /// The result does not keep the promises of a network; a fault of this library.
     #[error("the fracture model produced a faulty network (please report it): {0}")]
     Network(#[from] NetworkError),

@@ -21,6 +21,8 @@
 //! ```
 
 mod arrangement;
+pub mod contact;
+pub mod dice;
 mod error;
 mod growth;
 mod lattice;
@@ -28,5 +30,6 @@ pub mod mesh;
 pub mod paper;
 pub mod physics;
 pub mod stress;
+mod tips;
 
 pub use error::FractureError;

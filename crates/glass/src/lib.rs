@@ -26,8 +26,9 @@ mod pane;
 mod seed;
 
 pub use crack_network::{
-    Contact, ContactKind, CrackNetwork, Generator, MAX_NODES, Model, NETWORK_SCHEMA, NetworkData,
-    NetworkError, Nodes, SegmentKind, Segments, Summary, find_contacts, find_contacts_of,
+    Contact, ContactKind, CrackNetwork, Fragment, Generator, MAX_NODES, Model, NETWORK_SCHEMA,
+    NetworkData, NetworkError, Nodes, SegmentKind, Segments, Summary, Zone, find_contacts,
+    find_contacts_of,
 };
 pub use impact::Impact;
 pub use material::{Material, MaterialError, Property};

@@ -37,7 +37,7 @@ pub enum GlassKind {
     Cover,
 }
 
-/// A rectangular pane that spans `[0, width] × [0, height]`.
+/// A pane that spans `[0, width] × [0, height]`: a rectangle or, see [`Pane::is_disc`], a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pane {
     /// Width in the network's [`LengthUnit`], 10⁻⁶ to 10⁹.
@@ -95,9 +95,30 @@ impl Pane {
         Ok(())
     }
 
-    /// Whether the point lies on the pane, its rim included.
+    /// Whether the pane is round: a cover as wide as it is high is the disc inscribed in its box.
+    #[must_use]
+    pub fn is_disc(&self) -> bool {
+        #[expect(clippy::float_cmp, reason = "a disc is as wide as high, exactly")]
+        let is_square = self.width == self.height;
+        is_square && self.kind == Some(GlassKind::Cover)
+    }
+
+    /// How far from the rim a point still counts as on it, in the unit of the pane: no computed
+    /// point lies exactly on a circle. 10⁻⁹ of the longer side.
+    #[must_use]
+    pub fn rim_tolerance(&self) -> f64 {
+        1e-9 * self.width.max(self.height)
+    }
+
+    /// Whether the point lies on the pane, its rim included (of a disc, with
+    /// [`Pane::rim_tolerance`]).
     #[must_use]
     pub fn contains(&self, x: f64, y: f64) -> bool {
+        if self.is_disc() {
+            let radius = 0.5 * self.width;
+            let (dx, dy) = (x - radius, y - radius);
+            return (dx * dx + dy * dy).sqrt() <= radius + self.rim_tolerance();
+        }
         (0.0..=self.width).contains(&x) && (0.0..=self.height).contains(&y)
     }
 }

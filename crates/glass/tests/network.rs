@@ -7,8 +7,9 @@
 
 use proptest::prelude::*;
 use starbreak_glass::{
-    CrackNetwork, Generator, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData, NetworkError,
-    Nodes, Pane, Seed, SegmentKind, Segments, find_contacts, find_contacts_of,
+    CrackNetwork, Generator, GlassKind, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData,
+    NetworkError, Nodes, Pane, Seed, SegmentKind, Segments, Summary, Zone, find_contacts,
+    find_contacts_of,
 };
 
 /// A star of three arms, the last in two pieces.
@@ -29,6 +30,7 @@ fn star() -> NetworkData {
             y: 25.0,
             force: Some(500.0),
             direction_deg: Some(30.0),
+            ..Impact::default()
         }],
         nodes: Nodes {
             x: vec![50.0, 90.0, 10.0, 50.0, 50.5],
@@ -127,6 +129,233 @@ fn each_broken_promise_is_named() {
         );
         assert!(!message.contains('\n'), "one line: {message:?}");
     }
+}
+
+/// A radial from the impact in two pieces that forks, and a crack from the rim, with every
+/// column that the physics has.
+fn physics() -> NetworkData {
+    NetworkData {
+        model: Model::Physics,
+        unit: LengthUnit::Mm,
+        pane: Pane {
+            kind: Some(GlassKind::Laminated),
+            thickness_mm: Some(2.1),
+            ..star().pane
+        },
+        impacts: vec![Impact {
+            x: 50.0,
+            y: 25.0,
+            speed_m_s: Some(25.0),
+            radius_mm: Some(3.0),
+            tip_radius_mm: Some(1.0),
+            angle_deg: Some(30.0),
+            azimuth_deg: Some(-90.0),
+            mass_g: Some(0.3),
+            energy_j: Some(0.09),
+            peak_force_n: Some(900.0),
+            contact_time_us: Some(20.0),
+            contact_radius_mm: Some(0.4),
+            crushed_radius_mm: Some(0.5),
+            damage_class: Some("star".to_owned()),
+            ..Impact::default()
+        }],
+        nodes: Nodes {
+            x: vec![50.0, 60.0, 63.0, 60.0, 100.0, 90.0],
+            y: vec![25.0, 25.0, 29.0, 20.0, 10.0, 10.0],
+        },
+        segments: Segments {
+            from: vec![0, 1, 1, 4],
+            to: vec![1, 2, 3, 5],
+            kind: vec![
+                SegmentKind::Radial,
+                SegmentKind::Fork,
+                SegmentKind::Fork,
+                SegmentKind::Edge,
+            ],
+            parent: Some(vec![None, Some(0), Some(0), None]),
+            arrival_us: Some(vec![10.0, 14.0, 20.0, 70.0]),
+            departure_us: Some(vec![2.0, 10.0, 16.0, 50.0]),
+            stress_mpa: Some(vec![60.0, 50.0, -1.0, 30.0]),
+            opening_um: Some(vec![4.0, 2.0, 2.0, 1.0]),
+            depth_fraction: Some(vec![1.0, 0.5, 0.5, 1.0]),
+            zone: Some(vec![Zone::Hackle, Zone::Mist, Zone::Mist, Zone::Mirror]),
+            roughness_um: Some(vec![3.0, 0.5, 0.5, 0.01]),
+            tilt_deg: Some(vec![0.0, -12.5, 30.0, 89.0]),
+            ply: Some(vec![0, 0, 0, 1]),
+            k_ratio: Some(vec![2.0, 1.25, 1.25, 0.75]),
+            ..Segments::default()
+        },
+        summary: Some(Summary {
+            n_segments: 77,
+            dissipated_j: Some(0.01),
+            available_j: Some(0.02),
+            ..Summary::default()
+        }),
+        ..star()
+    }
+}
+
+#[test]
+fn the_columns_of_the_physics_survive_the_file() {
+    let network = CrackNetwork::new(physics()).unwrap();
+    let text = network.to_json();
+    let again = CrackNetwork::from_json(&text).unwrap();
+    assert_eq!(again, network, "read again");
+    assert_eq!(again.to_json(), text, "written again");
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(value["segments"]["zone"][0], "hackle", "zones are words");
+    assert_eq!(value["impacts"][0]["damage_class"], "star");
+    let summary = network.summary();
+    assert_eq!(summary.n_segments, 4, "counted, not taken from the data");
+    assert_eq!(summary.longest_crack, Some(15.0), "10 and the arm of 5");
+    assert_eq!(summary.n_fragments, Some(1), "nothing came off");
+    assert_eq!(
+        (summary.dissipated_j, summary.available_j),
+        (Some(0.01), Some(0.02)),
+        "energies are kept"
+    );
+    assert_eq!(value["summary"]["available_j"], 0.02);
+}
+
+#[test]
+fn the_files_of_the_paper_stay_as_they_were() {
+    let text = CrackNetwork::new(star()).unwrap().to_json();
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let keys: Vec<_> = value["summary"].as_object().unwrap().keys().collect();
+    assert_eq!(keys, ["n_radial", "n_segments", "total_length"]);
+    let keys: Vec<_> = value["impacts"][0].as_object().unwrap().keys().collect();
+    assert_eq!(keys, ["x", "y", "force", "direction_deg"]);
+}
+
+#[test]
+fn each_broken_promise_of_the_physics_is_named() {
+    type Change = fn(&mut NetworkData);
+    let cases: [(Change, &str); 16] = [
+        (|d| d.segments.zone = Some(vec![]), "segments.zone"),
+        (|d| d.segments.ply = Some(vec![0]), "segments.ply"),
+        (
+            |d| d.segments.tilt_deg = Some(vec![0.0]),
+            "segments.tilt_deg",
+        ),
+        (
+            |d| d.segments.roughness_um = Some(vec![-0.1; 4]),
+            "segments.roughness_um[0]",
+        ),
+        (
+            |d| d.segments.tilt_deg = Some(vec![0.0, -90.0, 0.0, 0.0]),
+            "segments.tilt_deg[1]",
+        ),
+        (
+            |d| d.segments.k_ratio = Some(vec![f64::INFINITY; 4]),
+            "segments.k_ratio[0]",
+        ),
+        (|d| d.segments.arrival_us = None, "segments.arrival_us"),
+        (
+            |d| d.segments.departure_us = Some(vec![2.0, 10.0, 21.0, 50.0]),
+            "segment 2 departs at 21 µs, after",
+        ),
+        (
+            |d| d.segments.departure_us = Some(vec![2.0, 9.0, 16.0, 50.0]),
+            "segment 1 departs at 9 µs, before its parent 0",
+        ),
+        (
+            |d| d.impacts[0].speed_m_s = Some(-1.0),
+            "impacts.speed_m_s[0] = -1",
+        ),
+        (
+            |d| d.impacts[0].angle_deg = Some(91.0),
+            "impacts.angle_deg[0] = 91",
+        ),
+        (
+            |d| d.impacts[0].azimuth_deg = Some(f64::NAN),
+            "impacts.azimuth_deg[0]",
+        ),
+        (|d| d.impacts[0].force = Some(f64::NAN), "impacts.force[0]"),
+        (
+            |d| d.impacts[0].crushed_radius_mm = Some(-1.0),
+            "impacts.crushed_radius_mm[0]",
+        ),
+        (
+            |d| {
+                d.summary = Some(Summary {
+                    available_j: Some(-1.0),
+                    ..Summary::default()
+                })
+            },
+            "summary.available_j[0]",
+        ),
+        (
+            |d| {
+                d.pane = Pane {
+                    width: 60.0,
+                    height: 60.0,
+                    kind: Some(GlassKind::Cover),
+                    thickness_mm: None,
+                };
+                d.nodes.x[1] = 59.0;
+                d.nodes.y[1] = 1.0;
+            },
+            "node 1 at (59, 1)",
+        ),
+    ];
+    for (change, expected) in cases {
+        let mut data = physics();
+        change(&mut data);
+        let message = CrackNetwork::new(data).unwrap_err().to_string();
+        assert!(
+            message.contains(expected) && !message.contains('\n'),
+            "{message:?} does not name {expected:?}"
+        );
+    }
+}
+
+#[test]
+fn a_round_pane_has_no_corners() {
+    let disc = Pane {
+        width: 60.0,
+        height: 60.0,
+        kind: Some(GlassKind::Cover),
+        thickness_mm: None,
+    };
+    let step = 30.0 + 30.0 * 0.5_f64.sqrt();
+    for (x, y, is_inside) in [
+        (60.0, 30.0, true),
+        (step, step, true),
+        (step + 1e-6, step, false),
+        (1.0, 1.0, false),
+    ] {
+        assert_eq!(disc.contains(x, y), is_inside, "({x}, {y})");
+    }
+}
+
+#[test]
+fn a_tip_moves_from_its_departure_to_its_arrival() {
+    let network = CrackNetwork::new(physics()).unwrap();
+    let at = |time: f64| network.grown_at(time).collect::<Vec<_>>();
+    assert_eq!(at(2.0).len(), 0, "the first tip leaves late");
+    assert_eq!(at(6.0), [(0, [50.0, 25.0, 55.0, 25.0])], "half way");
+    assert_eq!(at(15.0).len(), 2, "the second arm waits after the fork");
+    assert_eq!(
+        at(60.0)[3],
+        (3, [100.0, 10.0, 95.0, 10.0]),
+        "a crack without parent grows from the rim"
+    );
+}
+
+#[test]
+fn a_drawing_in_mm_has_its_true_size() {
+    let svg = CrackNetwork::new(physics()).unwrap().to_svg();
+    assert!(
+        svg.contains("viewBox=\"0 0 100 50\" width=\"100mm\" height=\"50mm\""),
+        "{svg}"
+    );
+    assert!(svg.contains("stroke-width=\"0.05\""), "{svg}");
+    let svg = CrackNetwork::new(star()).unwrap().to_svg();
+    assert!(
+        svg.contains("viewBox=\"0 0 100 50\" width=\"100\" height=\"50\""),
+        "{svg}"
+    );
+    assert!(svg.contains("stroke-width=\"0.80\""), "{svg}");
 }
 
 #[test]

@@ -8,6 +8,7 @@ use starbreak::dataset::{
     AnimationParams, Encoding, ImageLimits, OutputBatch, StreetScene, decode_image,
     encode_animation, encode_image, street_scene,
 };
+use starbreak::optics::View;
 use starbreak::pipeline::{
     ImageJob, RunContext, Stopwatch, Written, growth_over, growth_times, stage_cracked,
 };
@@ -72,9 +73,10 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
         batch.stage(&recipe_path, recipe.to_commented_toml().as_bytes())?;
     }
     let mut frames = Vec::new();
+    let view = View::stretched(&network.data().pane, (pixels.width(), pixels.height()));
     for time in growth_times(network, GROWTH_FRAMES) {
         interrupt.check()?;
-        frames.push(growth_over(&pixels, network, time, &settings.optics)?.into_rgb8());
+        frames.push(growth_over(&pixels, network, &view, time, &settings.optics)?.into_rgb8());
     }
     let delays = AnimationParams {
         delay_ms: 80,

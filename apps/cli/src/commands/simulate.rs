@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use serde_json::{Map, Value, json};
 use starbreak::dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
 use starbreak::glass::{CrackNetwork, Pane};
+use starbreak::optics::View;
 use starbreak::pipeline::{self, Details, Simulated, growth_drawing, growth_times};
 use starbreak::{FractureSettings, PaperSettings, Settings};
 
@@ -152,7 +153,8 @@ fn stage_frames(
 ) -> Result<(), Failure> {
     let network = &simulated.network;
     let times = growth_times(network, n_frames).take_while(|_| !interrupt.is_set());
-    let drawings = times.map(|time| growth_drawing(network, size, time, 1.0));
+    let view = View::stretched(&network.data().pane, size);
+    let drawings = times.map(|time| growth_drawing(network, &view, time, 1.0));
     let extension = to
         .extension()
         .map(|extension| extension.to_string_lossy().to_lowercase())

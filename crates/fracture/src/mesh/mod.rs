@@ -1,11 +1,17 @@
-//! Pane to mesh: particles, outline, and their constrained Delaunay triangulation.
+//! Pane to mesh: particles, outline, and their constrained Delaunay triangulation; and the graded
+//! mesh of a plate.
 
+mod grading;
 mod outline;
 mod particles;
+mod plate_mesh;
+mod rim;
 mod triangulation;
+mod walk;
 
 pub use outline::Outline;
 pub use particles::Particles;
 pub(crate) use particles::{to_u32, uniform};
+pub use plate_mesh::PlateMesh;
 pub(crate) use triangulation::Indexed;
 pub use triangulation::{PaneMesh, mesh_pane};

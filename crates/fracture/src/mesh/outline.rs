@@ -27,6 +27,15 @@ impl Outline {
         }
     }
 
+    /// Area, m².
+    #[must_use]
+    pub fn area_m2(&self) -> f64 {
+        match *self {
+            Self::Rectangle { width_m, height_m } => width_m * height_m,
+            Self::Disc { diameter_m } => 0.25 * std::f64::consts::PI * diameter_m * diameter_m,
+        }
+    }
+
     /// Signed distance to the rim, m: positive inside the pane.
     #[must_use]
     pub fn depth_m(&self, [x, y]: [f64; 2]) -> f64 {

@@ -166,6 +166,7 @@ fn draw_impact(pane: &Pane, impact: &PaperImpact, seed: Seed, k: u64) -> Impact 
         y: y.clamp(0.0, pane.height),
         force: Some(impact.force),
         direction_deg: Some(direction_deg),
+        ..Impact::default()
     }
 }
 
@@ -192,6 +193,7 @@ fn propagated_strokes(
             arrival: [end - 1.0, end],
             stress: [hop.stress, hop.stress],
             is_suspect: true,
+            source: 0,
         };
         if params.snap_to_mesh {
             walk(mesh, stroke, &mut strokes);
@@ -258,6 +260,7 @@ fn tree_strokes(
                 arrival: [time(a).max(time(b)); 2],
                 stress: [stress(a), stress(b)],
                 is_suspect: true,
+            source: 0,
             }
         });
     Ok(strokes.collect())

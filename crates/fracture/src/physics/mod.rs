@@ -1,8 +1,20 @@
 //! The physics tier: contact, plate stress, and crack tips traced through it.
 
+mod impact;
+mod long_crack;
+mod network;
+mod outcome;
 mod params;
+mod plate;
+mod radials;
+mod rings;
+mod simulate;
+mod surface;
 
+pub use outcome::{Broken, DamageClass, ImpactReport, LongCrackReport, Stage};
 pub use params::{
     Dicing, GlassBuild, GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad,
     MeshResolution, PhysicsParams, StoneImpact, Support,
 };
+pub use radials::mean_radial_count;
+pub use simulate::{MAX_IMPACTS, simulate};

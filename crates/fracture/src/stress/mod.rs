@@ -1,5 +1,13 @@
 //! Load to stress: plates and membranes by finite elements.
 
+mod dkt;
+mod load;
+mod membrane;
+mod plate;
+mod recovery;
+mod sparse;
 mod tensor;
 
-pub use tensor::PlaneStress;
+pub use membrane::{EXPANSION_PER_K, MembraneField, membrane_stress};
+pub use plate::{ActiveDisc, Face, Hinge, PatchLoad, PlateField, PlateProperties, PlateSolver};
+pub use tensor::{PlaneStress, StressField};

@@ -38,3 +38,10 @@ impl PlaneStress {
         }
     }
 }
+
+/// Whatever knows the stress that a crack tip runs through.
+pub trait StressField {
+    /// The stress at a point of the pane, m; `None` off the pane. `hint` is handed from one call
+    /// to the next on a path and makes them fast; start with 0.
+    fn stress_at(&self, point_m: [f64; 2], hint: &mut u32) -> Option<PlaneStress>;
+}

@@ -1,6 +1,7 @@
 //! What a crack network promises, one check each.
 
-use super::{MAX_NODES, NETWORK_SCHEMA, NetworkData, NetworkError, SegmentKind, Summary};
+use super::{MAX_NODES, NETWORK_SCHEMA, NetworkData, NetworkError};
+use crate::Impact;
 
 /// Every invariant but planarity, in linear time (and a sort for the duplicates).
 pub(super) fn check_columns(data: &NetworkData) -> Result<(), NetworkError> {
@@ -17,149 +18,170 @@ pub(super) fn check_columns(data: &NetworkData) -> Result<(), NetworkError> {
     check_history(data)
 }
 
-/// Key figures of a network whose columns are in order.
-pub(super) fn summarize(data: &NetworkData) -> Summary {
-    let is_impact = |node: u32| {
-        let (x, y) = (data.nodes.x[node as usize], data.nodes.y[node as usize]);
-        #[expect(
-            clippy::float_cmp,
-            reason = "an impact is a node when it is the very same point"
-        )]
-        data.impacts
-            .iter()
-            .any(|impact| impact.x == x && impact.y == y)
-    };
-    let segments = &data.segments;
-    let mut n_radial = 0;
-    let mut total_length = 0.0;
-    for ((&from, &to), kind) in segments.from.iter().zip(&segments.to).zip(&segments.kind) {
-        let (a, b) = (from as usize, to as usize);
-        let (dx, dy) = (
-            data.nodes.x[b] - data.nodes.x[a],
-            data.nodes.y[b] - data.nodes.y[a],
-        );
-        total_length += (dx * dx + dy * dy).sqrt();
-        if matches!(kind, SegmentKind::Propagated | SegmentKind::Radial) && is_impact(from) {
-            n_radial += 1;
-        }
-    }
-    Summary {
-        n_radial,
-        n_segments: segments.from.len(),
-        total_length,
-    }
-}
-
 fn check_lengths(data: &NetworkData) -> Result<(), NetworkError> {
     let segments = &data.segments;
     let n_segments = segments.from.len();
     let n_nodes = data.nodes.x.len();
-    let of = |column: &Option<Vec<f64>>| column.as_ref().map_or(n_segments, Vec::len);
-    let columns = [
-        ("nodes.y", data.nodes.y.len(), n_nodes),
-        ("segments.to", segments.to.len(), n_segments),
-        ("segments.kind", segments.kind.len(), n_segments),
-        (
-            "segments.parent",
-            segments.parent.as_ref().map_or(n_segments, Vec::len),
-            n_segments,
-        ),
-        (
-            "segments.arrival_step",
-            of(&segments.arrival_step),
-            n_segments,
-        ),
-        ("segments.arrival_us", of(&segments.arrival_us), n_segments),
-        (
-            "segments.stress_paper_units",
-            of(&segments.stress_paper_units),
-            n_segments,
-        ),
-        ("segments.stress_mpa", of(&segments.stress_mpa), n_segments),
-        ("segments.opening_um", of(&segments.opening_um), n_segments),
-        (
-            "segments.depth_fraction",
-            of(&segments.depth_fraction),
-            n_segments,
-        ),
+    check_length("nodes.y", data.nodes.y.len(), n_nodes)?;
+    check_length("segments.to", segments.to.len(), n_segments)?;
+    check_length("segments.kind", segments.kind.len(), n_segments)?;
+    let optional = [
+        ("segments.parent", segments.parent.as_ref().map(Vec::len)),
+        ("segments.zone", segments.zone.as_ref().map(Vec::len)),
+        ("segments.ply", segments.ply.as_ref().map(Vec::len)),
     ];
-    for (column, found, expected) in columns {
-        if found != expected {
-            return Err(NetworkError::ColumnLength {
-                column,
-                found,
-                expected,
-            });
-        }
+    let measured = measures(data).map(|measure| (measure.column, measure.values.map(<[f64]>::len)));
+    for (column, found) in optional.into_iter().chain(measured) {
+        check_length(column, found.unwrap_or(n_segments), n_segments)?;
+    }
+    if segments.departure_us.is_some() && segments.arrival_us.is_none() {
+        check_length("segments.arrival_us", 0, n_segments)?;
     }
     if n_nodes > MAX_NODES {
-        return Err(NetworkError::ColumnLength {
-            column: "nodes.x",
-            found: n_nodes,
-            expected: MAX_NODES,
-        });
+        check_length("nodes.x", n_nodes, MAX_NODES)?;
     }
     Ok(())
 }
 
-fn check_numbers(data: &NetworkData) -> Result<(), NetworkError> {
+fn check_length(column: &'static str, found: usize, expected: usize) -> Result<(), NetworkError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(NetworkError::ColumnLength {
+        column,
+        found,
+        expected,
+    })
+}
+
+/// A column of numbers of the segments and what is possible in it.
+struct Measure<'a> {
+    column: &'static str,
+    values: Option<&'a [f64]>,
+    range: Range,
+}
+
+/// What numbers are possible: whether a finite one is in the range, and the range in words.
+type Range = (fn(f64) -> bool, &'static str);
+
+const ANY: Range = (|_| true, "a finite number");
+const POSITIVE: Range = (|value| value >= 0.0, "a finite number ≥ 0");
+const FRACTION: Range = (|value| (0.0..=1.0).contains(&value), "a fraction, 0 to 1");
+const TILT: Range = (
+    |value| value.abs() < 90.0,
+    "an angle between -90 and 90 degrees",
+);
+const OBLIQUITY: Range = (
+    |value| (0.0..=90.0).contains(&value),
+    "an angle, 0 to 90 degrees",
+);
+
+fn measures(data: &NetworkData) -> impl Iterator<Item = Measure<'_>> {
     let segments = &data.segments;
-    let empty = Vec::new();
-    let any = (f64::MIN, "a finite number");
-    let positive = (0.0, "a finite number ≥ 0");
-    let columns: [(&'static str, &Vec<f64>, (f64, &'static str)); 8] = [
-        ("nodes.x", &data.nodes.x, any),
-        ("nodes.y", &data.nodes.y, any),
-        (
-            "segments.arrival_step",
-            segments.arrival_step.as_ref().unwrap_or(&empty),
-            positive,
-        ),
-        (
-            "segments.arrival_us",
-            segments.arrival_us.as_ref().unwrap_or(&empty),
-            positive,
-        ),
+    [
+        ("segments.arrival_step", &segments.arrival_step, POSITIVE),
+        ("segments.arrival_us", &segments.arrival_us, POSITIVE),
+        ("segments.departure_us", &segments.departure_us, POSITIVE),
         (
             "segments.stress_paper_units",
-            segments.stress_paper_units.as_ref().unwrap_or(&empty),
-            any,
+            &segments.stress_paper_units,
+            ANY,
         ),
-        (
-            "segments.stress_mpa",
-            segments.stress_mpa.as_ref().unwrap_or(&empty),
-            any,
-        ),
-        (
-            "segments.opening_um",
-            segments.opening_um.as_ref().unwrap_or(&empty),
-            positive,
-        ),
+        ("segments.stress_mpa", &segments.stress_mpa, ANY),
+        ("segments.opening_um", &segments.opening_um, POSITIVE),
         (
             "segments.depth_fraction",
-            segments.depth_fraction.as_ref().unwrap_or(&empty),
-            positive,
+            &segments.depth_fraction,
+            FRACTION,
+        ),
+        ("segments.roughness_um", &segments.roughness_um, POSITIVE),
+        ("segments.tilt_deg", &segments.tilt_deg, TILT),
+        ("segments.k_ratio", &segments.k_ratio, POSITIVE),
+    ]
+    .into_iter()
+    .map(|(column, values, range)| Measure {
+        column,
+        values: values.as_deref(),
+        range,
+    })
+}
+
+fn check_numbers(data: &NetworkData) -> Result<(), NetworkError> {
+    for (column, values) in [("nodes.x", &data.nodes.x), ("nodes.y", &data.nodes.y)] {
+        check_range(column, values, ANY)?;
+    }
+    for measure in measures(data) {
+        check_range(
+            measure.column,
+            measure.values.unwrap_or_default(),
+            measure.range,
+        )?;
+    }
+    for (index, impact) in data.impacts.iter().enumerate() {
+        check_impact(index, impact)?;
+    }
+    let given = data.summary.unwrap_or_default();
+    for (name, energy) in [
+        ("summary.dissipated_j", given.dissipated_j),
+        ("summary.available_j", given.available_j),
+    ] {
+        check_range(name, energy.as_slice(), POSITIVE)?;
+    }
+    Ok(())
+}
+
+fn check_range(
+    column: &'static str,
+    values: &[f64],
+    (is_possible, expected): Range,
+) -> Result<(), NetworkError> {
+    let bad = |value: &f64| !(value.is_finite() && is_possible(*value));
+    match values.iter().position(bad) {
+        None => Ok(()),
+        Some(index) => Err(NetworkError::Value {
+            column,
+            index,
+            value: values[index],
+            expected,
+        }),
+    }
+}
+
+fn check_impact(index: usize, impact: &Impact) -> Result<(), NetworkError> {
+    let measures = [
+        ("impacts.force", impact.force, ANY),
+        ("impacts.direction_deg", impact.direction_deg, ANY),
+        ("impacts.speed_m_s", impact.speed_m_s, POSITIVE),
+        ("impacts.radius_mm", impact.radius_mm, POSITIVE),
+        ("impacts.tip_radius_mm", impact.tip_radius_mm, POSITIVE),
+        ("impacts.angle_deg", impact.angle_deg, OBLIQUITY),
+        ("impacts.azimuth_deg", impact.azimuth_deg, ANY),
+        ("impacts.mass_g", impact.mass_g, POSITIVE),
+        ("impacts.energy_j", impact.energy_j, POSITIVE),
+        ("impacts.peak_force_n", impact.peak_force_n, POSITIVE),
+        ("impacts.contact_time_us", impact.contact_time_us, POSITIVE),
+        (
+            "impacts.contact_radius_mm",
+            impact.contact_radius_mm,
+            POSITIVE,
+        ),
+        (
+            "impacts.crushed_radius_mm",
+            impact.crushed_radius_mm,
+            POSITIVE,
         ),
     ];
-    for (column, values, (low, expected)) in columns {
-        if let Some(index) = values.iter().position(|v| !(v.is_finite() && *v >= low)) {
+    for (column, value, (is_possible, expected)) in measures {
+        if let Some(value) = value
+            && !(value.is_finite() && is_possible(value))
+        {
             return Err(NetworkError::Value {
                 column,
                 index,
-                value: values[index],
+                value,
                 expected,
             });
         }
-    }
-    if let Some(depths) = &segments.depth_fraction
-        && let Some(index) = depths.iter().position(|depth| *depth > 1.0)
-    {
-        return Err(NetworkError::Value {
-            column: "segments.depth_fraction",
-            index,
-            value: depths[index],
-            expected: "a fraction, 0 to 1",
-        });
     }
     Ok(())
 }
@@ -229,6 +251,17 @@ fn check_ends(data: &NetworkData) -> Result<(), NetworkError> {
 
 fn check_history(data: &NetworkData) -> Result<(), NetworkError> {
     let segments = &data.segments;
+    if let (Some(departures), Some(arrivals)) = (&segments.departure_us, &segments.arrival_us) {
+        for (segment, (&departure, &arrival)) in departures.iter().zip(arrivals).enumerate() {
+            if departure > arrival {
+                return Err(NetworkError::DepartureAfterArrival {
+                    segment,
+                    departure,
+                    arrival,
+                });
+            }
+        }
+    }
     let Some(parents) = &segments.parent else {
         return Ok(());
     };
@@ -261,6 +294,16 @@ fn check_history(data: &NetworkData) -> Result<(), NetworkError> {
                 arrival: times[segment],
                 parent,
                 parent_arrival: times[parent_idx],
+            });
+        }
+        if let (Some(departures), Some(arrivals)) = (&segments.departure_us, &segments.arrival_us)
+            && departures[segment] < arrivals[parent_idx]
+        {
+            return Err(NetworkError::DepartureBeforeParent {
+                segment,
+                departure: departures[segment],
+                parent,
+                parent_arrival: arrivals[parent_idx],
             });
         }
     }

@@ -3,18 +3,23 @@
 use std::fmt::Write as _;
 
 use super::{CrackNetwork, SegmentKind};
+use crate::LengthUnit;
 
 impl CrackNetwork {
     /// The network as an SVG picture, one path per kind of segment, one user unit per length
-    /// unit of the network; impacts are circles.
+    /// unit of the network; impacts are circles. A network in mm is drawn at its true size.
     #[must_use]
     pub fn to_svg(&self) -> String {
         let pane = &self.data.pane;
         let (width, height) = (pane.width, pane.height);
-        let stroke = 0.8_f64.max(width.max(height) / 1500.0);
+        let (stroke, suffix) = match self.data.unit {
+            LengthUnit::Px => (0.8_f64.max(width.max(height) / 1500.0), ""),
+            // Cracks open by µm, which no drawing shows: a line that suits the pane instead.
+            LengthUnit::Mm => (0.05_f64.max(width.max(height) / 2000.0), "mm"),
+        };
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
-             width=\"{width}\" height=\"{height}\">\n\
+             width=\"{width}{suffix}\" height=\"{height}{suffix}\">\n\
              <title>crack network: {} segments, total length {:.1} {}</title>\n\
              <rect width=\"100%\" height=\"100%\" fill=\"#14181d\"/>\n",
             self.summary.n_segments,

@@ -9,6 +9,7 @@ mod timings;
 use image::DynamicImage;
 use starbreak_fracture::paper::{Stage, simulate as simulate_paper};
 use starbreak_glass::{CrackNetwork, Pane, Seed};
+use starbreak_optics::View;
 use starbreak_optics::paper::{Masks, composite, draw};
 
 use crate::{Error, FractureSettings, PaperSettings, Settings};
@@ -109,12 +110,8 @@ pub fn crack_image(
         mut timings,
     } = simulate(settings, image.width(), image.height(), seed)?;
     let mut watch = Stopwatch::start();
-    let drawn = draw(
-        &network,
-        (image.width(), image.height()),
-        f64::INFINITY,
-        &settings.optics,
-    );
+    let view = View::stretched(&network.data().pane, (image.width(), image.height()));
+    let drawn = draw(&network, &view, f64::INFINITY, &settings.optics);
     watch.lap("draw");
     let masks = composite(image, &drawn, &settings.optics)?;
     watch.lap("render");

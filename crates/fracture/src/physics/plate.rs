@@ -1,0 +1,370 @@
+//! The pane under a hit as a plate: which part of it bends, and how strongly.
+//!
+//! Away from rims and cracks the plate's stress depends on one length alone (the reach of the
+//! bending wave, or that of the foundation), so one factorization of a disc of unit radius serves
+//! every hit, every moment of it, and every pane. Where a rim or a crack is in reach, a mesh of its
+//! own is made.
+
+use std::f64::consts::PI;
+use std::rc::Rc;
+
+use super::params::{GlassBuild, GlassPane, MeshResolution, Support};
+use crate::FractureError;
+use crate::mesh::{Outline, PlateMesh};
+use crate::stress::{
+    Face, Hinge, PatchLoad, PlaneStress, PlateField, PlateProperties, PlateSolver,
+    StressField,
+};
+
+/// Poisson's ratio of the interlayer under confinement. FIT: it gives a constrained modulus of
+/// 2.55 E, the middle of what design and measurement of laminates use.
+const INTERLAYER_POISSON: f64 = 0.42;
+
+/// Reach of a bending wave r = β (D/ρh)^¼ √t: with β² = 2π a clamped disc of this radius has, under
+/// a constant force, the deflection under the force that the plate's impedance 8√(Dρh) asks for.
+const WAVE_REACH: f64 = 2.506_628_274_631_000_5;
+
+/// Radius of the kept disc on a foundation, in lengths ℓ of the foundation; at 12 ℓ a Winkler plate
+/// has come to rest to 10⁻³.
+const FOUNDATION_REACH: f64 = 16.0;
+
+/// Residual bending stiffness of a cracked element across its crack.
+const HINGE_RESIDUAL: f64 = 1e-3;
+
+/// Size of the kept disc's innermost elements over its radius.
+const KEPT_INNER_SIZE: f64 = 0.004;
+
+/// Size of elements under the load over the radius of the patch.
+const INNER_SIZE: f64 = 0.35;
+
+/// How a plate carries a hit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Carrying {
+    /// On an elastic foundation of the length ℓ = (D/k)^¼, m.
+    Foundation { length_m: f64 },
+    /// By inertia: the bending wave has reached so far, m.
+    Wave { reach_m: f64 },
+    /// By its rim.
+    Rim,
+}
+
+/// The stiffness of a pane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stiffness {
+    pub(super) properties: PlateProperties,
+    /// D = E h³/12(1 − ν²), N m.
+    pub(super) bending_n_m: f64,
+    /// ρ h, kg/m².
+    pub(super) mass_kg_m2: f64,
+}
+
+impl Stiffness {
+    pub(super) fn of(pane: &GlassPane) -> Self {
+        let (e, nu) = (
+            pane.material.young_modulus_pa.value,
+            pane.material.poisson_ratio.value,
+        );
+        let h = pane.thickness_m;
+        let foundation_pa_m = match pane.build {
+            GlassBuild::Laminated {
+                interlayer_thickness_m,
+                interlayer_modulus_pa,
+            } => {
+                let p = INTERLAYER_POISSON;
+                let constrained = (1.0 - p) / ((1.0 + p) * (1.0 - 2.0 * p));
+                interlayer_modulus_pa * constrained / interlayer_thickness_m
+            }
+            GlassBuild::Annealed | GlassBuild::Tempered { .. } => 0.0,
+        };
+        Self {
+            properties: PlateProperties {
+                thickness_m: h,
+                young_modulus_pa: e,
+                poisson_ratio: nu,
+                foundation_pa_m,
+            },
+            bending_n_m: e * h * h * h / (12.0 * (1.0 - nu * nu)),
+            mass_kg_m2: pane.material.density_kg_m3.value * h,
+        }
+    }
+
+    /// Length of the foundation, m; `None` where there is none.
+    pub(super) fn foundation_length_m(&self) -> Option<f64> {
+        let k = self.properties.foundation_pa_m;
+        (k > 0.0).then(|| (self.bending_n_m / k).sqrt().sqrt())
+    }
+
+    /// How far bending has come at a time after the hit, m.
+    pub(super) fn wave_reach_m(&self, time_s: f64) -> f64 {
+        WAVE_REACH * (self.bending_n_m / self.mass_kg_m2).sqrt().sqrt() * time_s.sqrt()
+    }
+
+    /// Deflection that an impulse leaves under itself in an unbounded plate, I/(8√(Dρh)), m.
+    pub(super) fn deflection_m(&self, impulse_n_s: f64) -> f64 {
+        impulse_n_s / (8.0 * (self.bending_n_m * self.mass_kg_m2).sqrt())
+    }
+
+    /// Central force that holds a clamped disc at a deflection: P = 16 π D w/r², N.
+    pub(super) fn disc_force_n(&self, deflection_m: f64, radius_m: f64) -> f64 {
+        16.0 * PI * self.bending_n_m * deflection_m / (radius_m * radius_m)
+    }
+
+    /// Radius of the patch that gives a thick plate's stress under a load on a disc of `radius_m`:
+    /// √(1.6 r² + h²) − 0.675 h for r < h/2 \[Westergaard1926\].
+    pub(super) fn patch_radius_m(&self, radius_m: f64) -> f64 {
+        let h = self.properties.thickness_m;
+        if radius_m < 0.5 * h {
+            (1.6 * radius_m * radius_m + h * h).sqrt() - 0.675 * h
+        } else {
+            radius_m
+        }
+    }
+}
+
+/// A plate with the mesh that its fields are read from.
+struct Solved {
+    mesh: Rc<PlateMesh>,
+    solver: PlateSolver,
+}
+
+/// The plate around one hit, whose cracks grow from one solution to the next.
+pub(super) struct Around {
+    load: Load,
+    solved: Solved,
+}
+
+/// The solvers of one pane.
+pub(super) struct Plates {
+    pub(super) stiffness: Stiffness,
+    outline: Outline,
+    support: Support,
+    resolution: MeshResolution,
+    /// A factorization of a disc of unit radius that serves every hit.
+    kept: Option<Rc<Solved>>,
+    pub(super) n_solutions: usize,
+    pub(super) n_mesh_nodes: usize,
+}
+
+/// A force on the pane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Load {
+    pub(super) center_m: [f64; 2],
+    pub(super) patch_radius_m: f64,
+    pub(super) force_n: f64,
+    pub(super) carrying: Carrying,
+}
+
+/// The bending of a pane, at its own place and size.
+pub(super) struct Bending {
+    mesh: Rc<PlateMesh>,
+    field: PlateField,
+    /// Metres per unit of the mesh.
+    scale: f64,
+    /// Where the mesh's origin lies on the pane, m.
+    origin_m: [f64; 2],
+    outline: Outline,
+    pub(super) energy_j: f64,
+}
+
+/// One face of a bent pane.
+pub(super) struct BentFace<'a> {
+    bending: &'a Bending,
+    face: Face,
+}
+
+impl Bending {
+    pub(super) fn face(&self, face: Face) -> BentFace<'_> {
+        BentFace {
+            bending: self,
+            face,
+        }
+    }
+}
+
+impl StressField for BentFace<'_> {
+    fn stress_at(&self, point_m: [f64; 2], hint: &mut u32) -> Option<PlaneStress> {
+        let bending = self.bending;
+        if bending.outline.depth_m(point_m) < -1e-9 {
+            return None;
+        }
+        let local = [
+            (point_m[0] - bending.origin_m[0]) / bending.scale,
+            (point_m[1] - bending.origin_m[1]) / bending.scale,
+        ];
+        // Beyond the mesh the plate is at rest.
+        Some(
+            bending
+                .field
+                .surface_stress_at(&bending.mesh, local, self.face, hint)
+                .unwrap_or_default(),
+        )
+    }
+}
+
+impl Plates {
+    pub(super) fn new(pane: &GlassPane, resolution: MeshResolution) -> Self {
+        Self {
+            stiffness: Stiffness::of(pane),
+            outline: pane.outline,
+            support: pane.support,
+            resolution,
+            kept: None,
+            n_solutions: 0,
+            n_mesh_nodes: 0,
+        }
+    }
+
+    /// How the pane carries a hit at `time_s` after it.
+    pub(super) fn carrying(&self, center_m: [f64; 2], time_s: f64) -> Carrying {
+        if let Some(length_m) = self.stiffness.foundation_length_m() {
+            return Carrying::Foundation { length_m };
+        }
+        let reach_m = self.stiffness.wave_reach_m(time_s);
+        let [width, height] = self.outline.size_m();
+        let farthest = libm::hypot(
+            center_m[0].max(width - center_m[0]),
+            center_m[1].max(height - center_m[1]),
+        );
+        if reach_m < farthest {
+            Carrying::Wave { reach_m }
+        } else {
+            Carrying::Rim
+        }
+    }
+
+    /// The bending of the intact pane.
+    pub(super) fn bend(&mut self, load: &Load) -> Result<Bending, FractureError> {
+        let free = self.outline.depth_m(load.center_m);
+        match load.carrying {
+            Carrying::Foundation { length_m } if free > 0.6 * FOUNDATION_REACH * length_m => {
+                self.bend_kept(load, length_m, FOUNDATION_REACH)
+            }
+            Carrying::Wave { reach_m } if free >= reach_m => self.bend_kept(load, reach_m, 1.0),
+            _ => {
+                let mut around = self.around(load)?;
+                self.bend_around(&mut around, &[])
+            }
+        }
+    }
+
+    /// The factorization of the disc, made on the first call.
+    fn kept(&mut self, radius: f64) -> Result<Rc<Solved>, FractureError> {
+        if let Some(kept) = &self.kept {
+            return Ok(Rc::clone(kept));
+        }
+        let outline = Outline::Disc {
+            diameter_m: 2.0 * radius,
+        };
+        // Fine enough for the smallest patch over the longest wave.
+        let inner = KEPT_INNER_SIZE * radius;
+        let mesh = PlateMesh::graded(&outline, [radius; 2], inner, None, self.resolution)?;
+        let mut properties = self.stiffness.properties;
+        if properties.foundation_pa_m > 0.0 {
+            // In lengths of the foundation: ℓ = 1.
+            properties.foundation_pa_m = self.stiffness.bending_n_m;
+        }
+        let mut solved = self.solved(mesh, properties, Support::Clamped)?;
+        solved.solver.factor(&[], None)?;
+        let kept = Rc::new(solved);
+        self.kept = Some(Rc::clone(&kept));
+        Ok(kept)
+    }
+
+    fn solved(
+        &mut self,
+        mesh: PlateMesh,
+        properties: PlateProperties,
+        support: Support,
+    ) -> Result<Solved, FractureError> {
+        self.n_mesh_nodes = self.n_mesh_nodes.max(mesh.nodes().len());
+        Ok(Solved {
+            mesh: Rc::new(mesh.clone()),
+            solver: PlateSolver::new(mesh, properties, support)?,
+        })
+    }
+
+    fn bend_kept(
+        &mut self,
+        load: &Load,
+        unit_m: f64,
+        radius: f64,
+    ) -> Result<Bending, FractureError> {
+        let kept = self.kept(radius)?;
+        self.n_solutions += 1;
+        let field = kept.solver.solve(&PatchLoad {
+            center_m: [radius; 2],
+            radius_m: load.patch_radius_m / unit_m,
+            force_n: load.force_n,
+        })?;
+        Ok(Bending {
+            energy_j: field.energy_j * unit_m * unit_m,
+            mesh: Rc::clone(&kept.mesh),
+            field,
+            scale: unit_m,
+            origin_m: load.center_m.map(|center| center - radius * unit_m),
+            outline: self.outline,
+        })
+    }
+
+    /// A mesh of its own around a hit.
+    pub(super) fn around(&mut self, load: &Load) -> Result<Around, FractureError> {
+        let domain_m = match load.carrying {
+            Carrying::Foundation { length_m } => Some(FOUNDATION_REACH * length_m),
+            Carrying::Wave { reach_m } => Some(reach_m),
+            Carrying::Rim => None,
+        };
+        let mesh = PlateMesh::graded(
+            &self.outline,
+            load.center_m,
+            INNER_SIZE * load.patch_radius_m,
+            domain_m,
+            self.resolution,
+        )?;
+        Ok(Around {
+            load: *load,
+            solved: self.solved(mesh, self.stiffness.properties, self.support)?,
+        })
+    }
+
+    /// The bending with straight cracks, given by their ends, as hinges.
+    pub(super) fn bend_around(
+        &mut self,
+        around: &mut Around,
+        cracks: &[[[f64; 2]; 2]],
+    ) -> Result<Bending, FractureError> {
+        let Around { load, solved } = around;
+        let mut hinges = Vec::new();
+        let (mut hint, mut crossed) = (0, Vec::new());
+        for [a, b] in cracks {
+            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+            let length = libm::hypot(dx, dy);
+            if length <= 0.0 {
+                continue;
+            }
+            crossed.clear();
+            solved.mesh.crossed_by(*a, *b, &mut hint, &mut crossed);
+            hinges.extend(crossed.iter().map(|&triangle| Hinge {
+                triangle,
+                normal: [-dy / length, dx / length],
+                residual: HINGE_RESIDUAL,
+            }));
+        }
+        // In the order of triangles; those of one triangle in the order of the cracks.
+        hinges.sort_by_key(|hinge| hinge.triangle);
+        solved.solver.factor(&hinges, None)?;
+        self.n_solutions += 1;
+        let field = solved.solver.solve(&PatchLoad {
+            center_m: load.center_m,
+            radius_m: load.patch_radius_m,
+            force_n: load.force_n,
+        })?;
+        Ok(Bending {
+            energy_j: field.energy_j,
+            mesh: Rc::clone(&solved.mesh),
+            field,
+            scale: 1.0,
+            origin_m: [0.0, 0.0],
+            outline: self.outline,
+        })
+    }
+}

@@ -1,0 +1,216 @@
+//! Ring cracks: the sectors between radial cracks bend like cantilevers and break across.
+
+use std::f64::consts::PI;
+
+use rand_chacha::ChaCha8Rng;
+use starbreak_glass::SegmentKind;
+
+use crate::mesh::uniform;
+use crate::stress::StressField;
+use crate::tips::{Ledger, Piece, TipLaw, Web, crack_direction, normal, unit};
+
+/// A sector between two neighboring radial cracks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sector {
+    pub(super) center_m: [f64; 2],
+    /// Directions of its two sides; the second follows the first.
+    pub(super) angles_rad: [f64; 2],
+    /// Cracks at its sides.
+    pub(super) cracks: [u32; 2],
+    /// Radii between which it may break, m.
+    pub(super) radii_m: [f64; 2],
+}
+
+/// Samples along the axis of a sector.
+const SAMPLES: u32 = 64;
+
+/// A ring goes on down to this part of the strength that started it: a running crack needs less
+/// than a flaw.
+const RUNNING_PART: f64 = 0.5;
+
+/// Least distance of two rings over their radius; nearer ones relieve each other.
+const LEAST_SPACING: f64 = 0.22;
+
+/// Most steps of one half of a ring.
+const MAX_STEPS: u32 = 4000;
+
+/// What rings are traced with.
+pub(super) struct Rings<'a> {
+    pub(super) web: &'a mut Web,
+    /// Stress of the face that was hit.
+    pub(super) front: &'a dyn StressField,
+    pub(super) law: TipLaw,
+    pub(super) strength_pa: f64,
+    pub(super) weibull_modulus: f64,
+    pub(super) ledger: &'a mut Ledger,
+    pub(super) from_s: f64,
+}
+
+impl Rings<'_> {
+    /// Breaks the sector where the radial tension of its face is highest, if it exceeds the
+    /// strength. `taken_m` are the radii of its rings so far; the new one is added.
+    pub(super) fn break_sector(
+        &mut self,
+        sector: &Sector,
+        taken_m: &mut Vec<f64>,
+        rng: &mut ChaCha8Rng,
+    ) -> bool {
+        let [low, high] = sector.radii_m;
+        let span = (sector.angles_rad[1] - sector.angles_rad[0]).rem_euclid(2.0 * PI);
+        // The weakest flaw is not on the axis of the sector.
+        let axis = sector.angles_rad[0] + span * (0.3 + 0.4 * uniform(rng));
+        let scatter = libm::pow(-libm::log(1.0 - uniform(rng)), 1.0 / self.weibull_modulus);
+        let strength_pa = self.strength_pa * scatter.clamp(0.5, 1.5);
+        if !(high > low && span < PI) {
+            return false;
+        }
+        let direction = unit(axis);
+        let mut hint = 0;
+        let mut best: Option<(f64, f64)> = None;
+        for k in 0..=SAMPLES {
+            let radius = low + (high - low) * f64::from(k) / f64::from(SAMPLES);
+            if taken_m
+                .iter()
+                .any(|&taken| (taken - radius).abs() < LEAST_SPACING * radius)
+            {
+                continue;
+            }
+            let point = at(sector.center_m, direction, radius);
+            let Some(stress) = self.front.stress_at(point, &mut hint) else {
+                continue;
+            };
+            let tension = stress.normal_pa(direction);
+            if best.is_none_or(|(most, _)| tension > most) {
+                best = Some((tension, radius));
+            }
+        }
+        let Some((tension, radius)) = best else {
+            return false;
+        };
+        if tension < strength_pa {
+            return false;
+        }
+        let start_m = at(sector.center_m, direction, radius);
+        let start_s = sector
+            .cracks
+            .iter()
+            .map(|&crack| self.passed_s(crack, sector.center_m, radius))
+            .fold(self.from_s, f64::max);
+        let start = self.web.add_node(start_m);
+        let crack = self.web.new_crack();
+        let tilt_rad = 0.12 * normal(rng);
+        for sign in [1.0, -1.0] {
+            let heading = [-direction[1] * sign, direction[0] * sign];
+            self.run(sector, start, heading, crack, start_s, strength_pa, tilt_rad);
+        }
+        taken_m.push(radius);
+        true
+    }
+
+    /// When a crack passed a distance from the hit, s.
+    fn passed_s(&self, crack: u32, center_m: [f64; 2], radius_m: f64) -> f64 {
+        let far = |node: u32| {
+            let [x, y] = self.web.nodes[node as usize];
+            libm::hypot(x - center_m[0], y - center_m[1])
+        };
+        self.web
+            .pieces
+            .iter()
+            .filter(|piece| piece.crack == crack && far(piece.a) <= radius_m)
+            .map(|piece| piece.time_s[1])
+            .fold(0.0, f64::max)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one half of a ring is all of these")]
+    fn run(
+        &mut self,
+        sector: &Sector,
+        start: u32,
+        heading: [f64; 2],
+        crack: u32,
+        start_s: f64,
+        strength_pa: f64,
+        tilt_rad: f64,
+    ) {
+        let law = self.law;
+        let [x, y] = self.web.nodes[start as usize];
+        let radius = libm::hypot(x - sector.center_m[0], y - sector.center_m[1]);
+        let span = (sector.angles_rad[1] - sector.angles_rad[0]).rem_euclid(2.0 * PI);
+        let step = (0.5 * law.thickness_m).min(0.05 * radius).max(5e-5);
+        let (mut node, mut at_m, mut running) = (start, [x, y], heading);
+        let (mut along, mut time, mut hint) = (0.0, start_s, 0);
+        for _ in 0..MAX_STEPS {
+            let Some(stress) = self.front.stress_at(at_m, &mut hint) else {
+                return;
+            };
+            let (major, ..) = stress.principal();
+            // Beyond its sector the plate is whole, and does not bend like a cantilever.
+            let bearing = libm::atan2(at_m[1] - sector.center_m[1], at_m[0] - sector.center_m[0]);
+            let inside = (bearing - sector.angles_rad[0]).rem_euclid(2.0 * PI);
+            let has_left = inside > span + 0.05 && inside < 2.0 * PI - 0.05;
+            if major < RUNNING_PART * strength_pa || along > PI * radius || has_left {
+                return;
+            }
+            let target = crack_direction(&stress, running);
+            let memory = libm::exp(-step / law.thickness_m);
+            let mixed = [
+                memory * running[0] + (1.0 - memory) * target[0],
+                memory * running[1] + (1.0 - memory) * target[1],
+            ];
+            let size = libm::hypot(mixed[0], mixed[1]).max(1e-12);
+            running = [mixed[0] / size, mixed[1] / size];
+            let mut to = at(at_m, running, step);
+            let mut is_over = false;
+            if let Some(part) = self.web.outline.exit(at_m, to) {
+                to = at(at_m, running, step * part);
+                is_over = true;
+            }
+            let reach = at(at_m, running, 1.3 * step);
+            let hit = self
+                .web
+                .first_hit(at_m, reach, node, |piece| piece.crack != crack);
+            let end = match hit {
+                Some(hit) => {
+                    is_over = true;
+                    self.web.node_on(hit.piece, hit.point_m, 0.1 * step)
+                }
+                None => self.web.add_node(to),
+            };
+            to = self.web.nodes[end as usize];
+            let length = libm::hypot(to[0] - at_m[0], to[1] - at_m[1]);
+            if length <= 1e-3 * step
+                || !self
+                    .ledger
+                    .pay(law.fracture_energy_j_m2 * law.thickness_m * length)
+            {
+                return;
+            }
+            let effective_m = (along + step).min(law.thickness_m);
+            let intensity = law.intensity(major, effective_m);
+            let speed = law.speed_m_s(intensity).max(0.05 * law.rayleigh_m_s);
+            self.web.add_piece(Piece {
+                a: node,
+                b: end,
+                crack,
+                kind: SegmentKind::Ring,
+                time_s: [time, time + length / speed],
+                along_m: [along, along + length],
+                stress_pa: major,
+                intensity_pa_sqrt_m: intensity,
+                effective_m,
+                tilt_rad,
+            });
+            along += length;
+            time += length / speed;
+            node = end;
+            at_m = to;
+            if is_over {
+                return;
+            }
+        }
+    }
+}
+
+fn at([x, y]: [f64; 2], direction: [f64; 2], distance: f64) -> [f64; 2] {
+    [x + direction[0] * distance, y + direction[1] * distance]
+}

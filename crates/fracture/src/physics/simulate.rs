@@ -1,0 +1,220 @@
+//! Pane, stones and loads to a broken pane.
+
+use starbreak_glass::{Seed, SegmentKind};
+
+use super::impact::Breaking;
+use super::long_crack::grow_long_crack;
+use super::network::{History, network, network_pane};
+use super::outcome::{Broken, DamageClass, ImpactReport, Stage};
+use super::params::{Dicing, GlassBuild, GlassPane, LongCrack, PhysicsParams, StoneImpact};
+use super::plate::Plates;
+use crate::FractureError;
+use crate::dice::{dice_cascade, dice_cells, fragment_density_per_m2};
+use crate::mesh::to_u32;
+use crate::tips::{Piece, TipLaw, Web};
+
+/// Most hits of one pane.
+pub const MAX_IMPACTS: usize = 1000;
+
+/// Time from the last crack of a hit to the next hit, s: long after all has come to rest.
+const PAUSE_S: f64 = 1e-3;
+
+/// Breaks a pane by stones, one after the other, and by the stress in its plane after them.
+///
+/// `done` is called at the end of every [`Stage`], for some of them several times.
+///
+/// Each hit: contact ([`crate::contact`]), plate stress ([`crate::stress`]), radial cracks traced
+/// through it, rings between them. Each hit meets what is already broken: its stress is that of
+/// the cracked pane, and its cracks end at the older ones. docs/theory/physics.md gives the equations, what
+/// is law and what is calibration.
+///
+/// The result is a function of the arguments alone, to the last bit.
+///
+/// # Units
+/// SI in, a network in mm and µs out.
+///
+/// # Errors
+/// [`FractureError`] for parameters out of range, a hit off the pane, or a network larger than its
+/// bounds.
+///
+/// # Limits
+/// A hit costs at most 12 solutions of a plate of some 6000 nodes and 300 000 steps of tips; a
+/// tempered pane at most 400 000 dice.
+pub fn simulate(
+    pane: &GlassPane,
+    impacts: &[StoneImpact],
+    long_crack: Option<&LongCrack>,
+    params: &PhysicsParams,
+    seed: Seed,
+    mut done: impl FnMut(Stage),
+) -> Result<Broken, FractureError> {
+    check(pane, impacts, long_crack, params)?;
+    let mut breaking = Breaking {
+        pane,
+        params,
+        seed,
+        web: Web::new(pane.outline),
+        plates: Plates::new(pane, params.mesh),
+        dices: match pane.build {
+            GlassBuild::Tempered {
+                surface_compression_pa,
+            } => fragment_density_per_m2(surface_compression_pa, pane.thickness_m).is_some(),
+            GlassBuild::Annealed | GlassBuild::Laminated { .. } => false,
+        },
+        is_diced: false,
+    };
+    let mut reports: Vec<ImpactReport> = Vec::with_capacity(impacts.len());
+    let mut time_s = 0.0;
+    for (k, stone) in (0_u64..).zip(impacts) {
+        let mut report = breaking.hit(stone, k, time_s, &mut done)?;
+        if report.damage == DamageClass::Diced {
+            dice(&mut breaking, stone, &mut report)?;
+            done(Stage::Dice);
+        }
+        reports.push(report);
+        time_s = last_arrival_s(&breaking.web).max(time_s + report.contact_time_s) + PAUSE_S;
+    }
+    let long_report = match long_crack {
+        Some(long_crack) if !breaking.is_diced => {
+            let start_s = if impacts.is_empty() { 0.0 } else { time_s };
+            let report = grow_long_crack(
+                &mut breaking.web,
+                pane,
+                long_crack,
+                params.mesh,
+                seed,
+                start_s,
+            )?;
+            done(Stage::LongCrack);
+            Some(report)
+        }
+        _ => None,
+    };
+    let history = History {
+        stones: impacts,
+        reports: &reports,
+        long_crack: long_report.as_ref(),
+    };
+    let network = network(pane, &breaking.web, &history, seed)?;
+    done(Stage::Network);
+    Ok(Broken {
+        network,
+        impacts: reports,
+        long_crack: long_report,
+        n_solutions: breaking.plates.n_solutions,
+        n_mesh_nodes: breaking.plates.n_mesh_nodes,
+    })
+}
+
+fn check(
+    pane: &GlassPane,
+    impacts: &[StoneImpact],
+    long_crack: Option<&LongCrack>,
+    params: &PhysicsParams,
+) -> Result<(), FractureError> {
+    pane.check()?;
+    params.check()?;
+    if impacts.len() > MAX_IMPACTS {
+        #[expect(clippy::cast_precision_loss, reason = "a count, for the message")]
+        return Err(FractureError::Parameter {
+            name: "number of impacts",
+            value: impacts.len() as f64,
+            expected: "at most 1000",
+        });
+    }
+    for stone in impacts {
+        stone.check()?;
+        if !(pane.outline.depth_m(stone.position_m) >= 0.0) {
+            let sheet = network_pane(pane);
+            return Err(FractureError::ImpactOffPane {
+                x: stone.position_m[0] * 1e3,
+                y: stone.position_m[1] * 1e3,
+                width: sheet.width,
+                height: sheet.height,
+            });
+        }
+    }
+    long_crack.map_or(Ok(()), LongCrack::check)
+}
+
+fn last_arrival_s(web: &Web) -> f64 {
+    web.pieces
+        .iter()
+        .map(|piece| piece.time_s[1])
+        .fold(0.0, f64::max)
+}
+
+/// The whole tempered pane goes to pieces.
+fn dice(
+    breaking: &mut Breaking<'_>,
+    stone: &StoneImpact,
+    report: &mut ImpactReport,
+) -> Result<(), FractureError> {
+    let pane = breaking.pane;
+    let GlassBuild::Tempered {
+        surface_compression_pa,
+    } = pane.build
+    else {
+        return Ok(());
+    };
+    let center = stone.position_m;
+    let start_s = report.time_s;
+    let diced = match breaking.params.dicing {
+        Dicing::Cells => dice_cells(
+            &pane.outline,
+            pane.thickness_m,
+            surface_compression_pa,
+            &[center],
+            breaking.seed,
+        ),
+        Dicing::Cascade => dice_cascade(
+            &pane.outline,
+            surface_compression_pa,
+            &[center],
+            breaking.seed,
+        ),
+    }?;
+    let web = &mut breaking.web;
+    let first_node = web.nodes.len();
+    web.nodes.extend_from_slice(&diced.nodes);
+    let surface_j_m2 = pane.material.fracture_energy_j_m2() * pane.thickness_m;
+    let core_tension_pa = 0.5 * surface_compression_pa;
+    let law = TipLaw::new(&pane.material, pane.thickness_m, false);
+    let effective_m = 0.25 * pane.thickness_m;
+    let intensity = law.intensity(core_tension_pa, effective_m).max(law.toughness_pa_sqrt_m);
+    let crack = web.new_crack();
+    let mut dissipated_j = 0.0;
+    let mut reach_m: f64 = 0.0;
+    for (idx, edge) in diced.edges.iter().enumerate() {
+        let [a, b] = edge.map(|node| node + to_u32(first_node));
+        let (p, q) = (web.nodes[a as usize], web.nodes[b as usize]);
+        let length = libm::hypot(q[0] - p[0], q[1] - p[1]);
+        dissipated_j += surface_j_m2 * length;
+        reach_m = reach_m.max(libm::hypot(q[0] - center[0], q[1] - center[1]));
+        web.add_piece(Piece {
+            a,
+            b,
+            crack,
+            kind: SegmentKind::Dice,
+            time_s: diced.times_s[idx].map(|time| start_s + time),
+            along_m: [0.0, length],
+            stress_pa: core_tension_pa,
+            intensity_pa_sqrt_m: intensity,
+            effective_m,
+            tilt_rad: 0.0,
+        });
+    }
+    breaking.is_diced = true;
+    report.available_j += stored_energy_j(pane, surface_compression_pa);
+    report.dissipated_j = dissipated_j;
+    report.reach_m = reach_m;
+    Ok(())
+}
+
+/// Energy of the residual stress: (1/5)(1 − ν) σ_s²/E per volume \[BarsomTempered1968\], J.
+fn stored_energy_j(pane: &GlassPane, surface_compression_pa: f64) -> f64 {
+    let nu = pane.material.poisson_ratio.value;
+    let density = 0.2 * (1.0 - nu) * surface_compression_pa * surface_compression_pa
+        / pane.material.young_modulus_pa.value;
+    density * pane.outline.area_m2() * pane.thickness_m
+}

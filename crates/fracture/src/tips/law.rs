@@ -1,0 +1,137 @@
+//! What drives, turns, divides and stops the tip of a crack.
+
+use std::f64::consts::PI;
+
+use starbreak_glass::Material;
+
+use crate::stress::PlaneStress;
+
+/// Shape factor of a through crack in a bent plate: K = σ √(f π L) with
+/// f = (1+ν)/(3(3+ν)) \[HuiZehnder1993\]; 1 under membrane stress.
+fn bending_factor(poisson_ratio: f64) -> f64 {
+    (1.0 + poisson_ratio) / (3.0 * (3.0 + poisson_ratio))
+}
+
+/// Rayleigh speed over shear speed: (0.862 + 1.14 ν)/(1 + ν) \[Freund1990\].
+fn rayleigh_fraction(poisson_ratio: f64) -> f64 {
+    (0.862 + 1.14 * poisson_ratio) / (1.0 + poisson_ratio)
+}
+
+/// Terminal speed of cracks in soda-lime glass, m/s \[Schardin1959\].
+pub(crate) const TERMINAL_SPEED_M_S: f64 = 1500.0;
+
+/// Mirror constant over toughness, `A/K_IC`, √(1/m)·√m \[Abdel1982\].
+const MIRROR_CONSTANT: f64 = 2.35;
+
+/// The branching constant is a little above the mirror constant \[Quinn2020\].
+const BRANCHING_OVER_MIRROR: f64 = 1.15;
+
+/// Coefficient of variation of the branching constant. FIT: design value.
+pub(crate) const BRANCHING_SCATTER: f64 = 0.06;
+
+/// Wander of a tip's direction over a way of one thickness, rad. FIT: legs look straight.
+pub(crate) const WANDER_RAD: f64 = 2.0 * PI / 180.0;
+
+/// The law of one material and thickness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct TipLaw {
+    pub(crate) toughness_pa_sqrt_m: f64,
+    pub(crate) fracture_energy_j_m2: f64,
+    pub(crate) rayleigh_m_s: f64,
+    /// f of K = σ √(f π L).
+    pub(crate) shape_factor: f64,
+    pub(crate) thickness_m: f64,
+}
+
+/// Distances to the cracks that run beside a tip, m; infinite where there is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Gaps {
+    pub(crate) left_m: f64,
+    pub(crate) right_m: f64,
+}
+
+impl Gaps {
+    pub(crate) const NONE: Self = Self {
+        left_m: f64::INFINITY,
+        right_m: f64::INFINITY,
+    };
+
+    /// Width of the strip that feeds a tip: the harmonic mean of the two gaps.
+    pub(crate) fn strip_m(self) -> f64 {
+        2.0 / (1.0 / self.left_m + 1.0 / self.right_m)
+    }
+}
+
+impl TipLaw {
+    /// The law for a crack through a plate that is bent, or under stress in its plane.
+    pub(crate) fn new(material: &Material, thickness_m: f64, is_bent: bool) -> Self {
+        let nu = material.poisson_ratio.value;
+        let shear_modulus = material.young_modulus_pa.value / (2.0 * (1.0 + nu));
+        let shear_speed = (shear_modulus / material.density_kg_m3.value).sqrt();
+        Self {
+            toughness_pa_sqrt_m: material.fracture_toughness_pa_sqrt_m.value,
+            fracture_energy_j_m2: material.fracture_energy_j_m2(),
+            rayleigh_m_s: rayleigh_fraction(nu) * shear_speed,
+            shape_factor: if is_bent { bending_factor(nu) } else { 1.0 },
+            thickness_m,
+        }
+    }
+
+    /// Length that counts: the crack's own, or that which a strip of the width between its
+    /// neighbors gives, G = σ²s/2E.
+    pub(crate) fn effective_length_m(&self, length_m: f64, gaps: Gaps) -> f64 {
+        length_m.min(gaps.strip_m() / (2.0 * PI))
+    }
+
+    /// K = σ_n √(f π L_eff), 0 under compression.
+    pub(crate) fn intensity(&self, normal_stress_pa: f64, effective_m: f64) -> f64 {
+        normal_stress_pa.max(0.0) * (self.shape_factor * PI * effective_m).sqrt()
+    }
+
+    /// v = c_R (1 − (K_IC/K)²) up to the terminal speed \[Freund1990\]; 0 below K_IC.
+    pub(crate) fn speed_m_s(&self, intensity: f64) -> f64 {
+        if intensity <= self.toughness_pa_sqrt_m {
+            return 0.0;
+        }
+        let ratio = self.toughness_pa_sqrt_m / intensity;
+        (self.rayleigh_m_s * (1.0 - ratio * ratio)).min(TERMINAL_SPEED_M_S)
+    }
+
+    /// K at which a tip forks: σ √L = A_b in a membrane, so K = √π A_b; of `scatter` more.
+    pub(crate) fn branching_intensity(&self, scatter: f64) -> f64 {
+        PI.sqrt() * MIRROR_CONSTANT * BRANCHING_OVER_MIRROR * self.toughness_pa_sqrt_m * scatter
+    }
+
+    /// K over that of the mirror's rim: below 1 mirror, to 1.2 mist, above hackle.
+    pub(crate) fn mirror_ratio(&self, intensity: f64) -> f64 {
+        intensity / (PI.sqrt() * MIRROR_CONSTANT * self.toughness_pa_sqrt_m)
+    }
+}
+
+/// Angle between the two branches of a fork, rad, from the ratio σ_II/σ_I of the stress state:
+/// 15° under torsion (−1), 45° in one direction (0), 90° at 2:1 (½) and beyond
+/// \[Preston1935\].
+pub(crate) fn fork_angle_rad(stress: &PlaneStress) -> f64 {
+    let (major, minor, _) = stress.principal();
+    if major <= 0.0 {
+        return 0.0;
+    }
+    let ratio = (minor / major).clamp(-1.0, 0.5);
+    let degrees = if ratio < 0.0 {
+        45.0 + 30.0 * ratio
+    } else {
+        45.0 + 90.0 * ratio
+    };
+    degrees.to_radians()
+}
+
+/// The direction that a tip turns to: across the most tensile stress, to the side it runs.
+pub(crate) fn crack_direction(stress: &PlaneStress, running: [f64; 2]) -> [f64; 2] {
+    let (_, _, [nx, ny]) = stress.principal();
+    let along = [-ny, nx];
+    if along[0] * running[0] + along[1] * running[1] < 0.0 {
+        [ny, -nx]
+    } else {
+        along
+    }
+}

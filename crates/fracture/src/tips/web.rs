@@ -1,0 +1,272 @@
+//! The cracks that there are: nodes and straight pieces, and what a running tip would hit.
+
+use starbreak_glass::SegmentKind;
+
+use crate::mesh::{Outline, to_u32};
+
+/// A straight piece of crack between two nodes, with what was true when its tip passed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Piece {
+    /// Start node.
+    pub(crate) a: u32,
+    /// End node.
+    pub(crate) b: u32,
+    /// Number of the crack it is a part of.
+    pub(crate) crack: u32,
+    /// What it is.
+    pub(crate) kind: SegmentKind,
+    /// When the tip left `a` and reached `b`, s.
+    pub(crate) time_s: [f64; 2],
+    /// Distance of `a` and `b` from where the crack began, m.
+    pub(crate) along_m: [f64; 2],
+    /// Stress across the crack, Pa.
+    pub(crate) stress_pa: f64,
+    /// Stress intensity K, Pa √m.
+    pub(crate) intensity_pa_sqrt_m: f64,
+    /// Length that counts for K, m.
+    pub(crate) effective_m: f64,
+    /// Angle between the crack's surface and the normal of the pane, rad.
+    pub(crate) tilt_rad: f64,
+}
+
+/// A piece in the way of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Hit {
+    pub(crate) piece: u32,
+    /// Fraction of the step.
+    pub(crate) at: f64,
+    pub(crate) point_m: [f64; 2],
+}
+
+/// Cells along the longer side of the grid.
+const CELLS: usize = 512;
+
+/// No further entry in a cell.
+const END: u32 = u32::MAX;
+
+/// Nodes and pieces over a uniform grid.
+pub(crate) struct Web {
+    pub(crate) outline: Outline,
+    pub(crate) nodes: Vec<[f64; 2]>,
+    pub(crate) pieces: Vec<Piece>,
+    n_cracks: u32,
+    cell_m: f64,
+    columns: usize,
+    rows: usize,
+    head: Vec<u32>,
+    /// (piece, next entry)
+    entries: Vec<(u32, u32)>,
+}
+
+impl Web {
+    pub(crate) fn new(outline: Outline) -> Self {
+        let [width, height] = outline.size_m();
+        #[expect(clippy::cast_precision_loss, reason = "a small count")]
+        let cell_m = width.max(height) / CELLS as f64;
+        let cells = |side: f64| cell_index(side / cell_m, CELLS) + 1;
+        let (columns, rows) = (cells(width), cells(height));
+        Self {
+            outline,
+            nodes: Vec::new(),
+            pieces: Vec::new(),
+            n_cracks: 0,
+            cell_m,
+            columns,
+            rows,
+            head: vec![END; columns * rows],
+            entries: Vec::new(),
+        }
+    }
+
+    /// A number for one more crack.
+    pub(crate) fn new_crack(&mut self) -> u32 {
+        self.n_cracks += 1;
+        self.n_cracks - 1
+    }
+
+    pub(crate) fn add_node(&mut self, point_m: [f64; 2]) -> u32 {
+        self.nodes.push(point_m);
+        to_u32(self.nodes.len() - 1)
+    }
+
+    pub(crate) fn add_piece(&mut self, piece: Piece) -> u32 {
+        let id = to_u32(self.pieces.len());
+        self.pieces.push(piece);
+        self.enter(id);
+        id
+    }
+
+    fn enter(&mut self, id: u32) {
+        let Piece { a, b, .. } = self.pieces[id as usize];
+        let (from, to) = (self.nodes[a as usize], self.nodes[b as usize]);
+        let (columns, rows) = self.cells_of(from, to);
+        for row in rows.0..=rows.1 {
+            for column in columns.0..=columns.1 {
+                let head = &mut self.head[row * self.columns + column];
+                self.entries.push((id, *head));
+                *head = to_u32(self.entries.len() - 1);
+            }
+        }
+    }
+
+    /// Ranges of columns and rows of the cells of a box.
+    fn cells_of(&self, from: [f64; 2], to: [f64; 2]) -> ((usize, usize), (usize, usize)) {
+        let column = |x: f64| cell_index(x / self.cell_m, self.columns);
+        let row = |y: f64| cell_index(y / self.cell_m, self.rows);
+        (
+            (column(from[0].min(to[0])), column(from[0].max(to[0]))),
+            (row(from[1].min(to[1])), row(from[1].max(to[1]))),
+        )
+    }
+
+    /// The first piece that a step meets, of those that `counts` and do not start or end at
+    /// node `own`.
+    pub(crate) fn first_hit(
+        &self,
+        from: [f64; 2],
+        to: [f64; 2],
+        own: u32,
+        counts: impl Fn(&Piece) -> bool,
+    ) -> Option<Hit> {
+        let (columns, rows) = self.cells_of(from, to);
+        let mut best: Option<Hit> = None;
+        for row in rows.0..=rows.1 {
+            for column in columns.0..=columns.1 {
+                let mut entry = self.head[row * self.columns + column];
+                while entry != END {
+                    let (id, next) = self.entries[entry as usize];
+                    entry = next;
+                    let piece = &self.pieces[id as usize];
+                    if piece.a == own || piece.b == own || !counts(piece) {
+                        continue;
+                    }
+                    let (p, q) = (self.nodes[piece.a as usize], self.nodes[piece.b as usize]);
+                    let Some(at) = crossing(from, to, p, q) else {
+                        continue;
+                    };
+                    // Equal hits go to the lower piece, whatever the order of the cells.
+                    let is_first =
+                        best.is_none_or(|hit| at < hit.at || (at <= hit.at && id < hit.piece));
+                    if is_first {
+                        best = Some(Hit {
+                            piece: id,
+                            at,
+                            point_m: [
+                                from[0] + (to[0] - from[0]) * at,
+                                from[1] + (to[1] - from[1]) * at,
+                            ],
+                        });
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    /// A node of `piece` at `point`, which lies on it: one of its ends if that is nearer than
+    /// `tolerance_m`, else a new one that divides it.
+    pub(crate) fn node_on(&mut self, piece: u32, point_m: [f64; 2], tolerance_m: f64) -> u32 {
+        let old = self.pieces[piece as usize];
+        let (p, q) = (self.nodes[old.a as usize], self.nodes[old.b as usize]);
+        for (node, end) in [(old.a, p), (old.b, q)] {
+            if libm::hypot(end[0] - point_m[0], end[1] - point_m[1]) <= tolerance_m {
+                return node;
+            }
+        }
+        let total = libm::hypot(q[0] - p[0], q[1] - p[1]);
+        let t = (libm::hypot(point_m[0] - p[0], point_m[1] - p[1]) / total).clamp(0.0, 1.0);
+        let middle = |[from, to]: [f64; 2]| from + (to - from) * t;
+        let node = self.add_node(point_m);
+        let (time, along) = (middle(old.time_s), middle(old.along_m));
+        self.pieces[piece as usize] = Piece {
+            b: node,
+            time_s: [old.time_s[0], time],
+            along_m: [old.along_m[0], along],
+            ..old
+        };
+        self.add_piece(Piece {
+            a: node,
+            time_s: [time, old.time_s[1]],
+            along_m: [along, old.along_m[1]],
+            ..old
+        });
+        node
+    }
+}
+
+/// `value` as an index below `count`.
+fn cell_index(value: f64, count: usize) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "`as` clamps, which is meant"
+    )]
+    let index = value as usize;
+    index.min(count.saturating_sub(1))
+}
+
+/// Fraction of `from → to` at which it meets `p → q`.
+fn crossing(from: [f64; 2], to: [f64; 2], p: [f64; 2], q: [f64; 2]) -> Option<f64> {
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+    let (ex, ey) = (q[0] - p[0], q[1] - p[1]);
+    let determinant = dx * ey - dy * ex;
+    let (fx, fy) = (p[0] - from[0], p[1] - from[1]);
+    let at = (fx * ey - fy * ex) / determinant;
+    let along = (fx * dy - fy * dx) / determinant;
+    // A hair of tolerance, so that nothing slips through at a node.
+    let hair = 1e-9;
+    let meets = (-hair..=1.0 + hair).contains(&at) && (-hair..=1.0 + hair).contains(&along);
+    meets.then_some(at.clamp(0.0, 1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn piece(a: u32, b: u32) -> Piece {
+        Piece {
+            a,
+            b,
+            crack: 0,
+            kind: SegmentKind::Radial,
+            time_s: [0.0, 1.0],
+            along_m: [0.0, 1.0],
+            stress_pa: 0.0,
+            intensity_pa_sqrt_m: 0.0,
+            effective_m: 0.0,
+            tilt_rad: 0.0,
+        }
+    }
+
+    #[test]
+    fn a_step_meets_the_first_piece_and_divides_it() {
+        let mut web = Web::new(Outline::Rectangle {
+            width_m: 1.0,
+            height_m: 0.5,
+        });
+        for x in [0.3, 0.2, 0.4] {
+            let a = web.add_node([x, 0.0]);
+            let b = web.add_node([x, 0.4]);
+            web.add_piece(piece(a, b));
+        }
+        let hit = web.first_hit([0.1, 0.1], [0.9, 0.1], END, |_| true);
+        assert_eq!(hit.map(|hit| hit.piece), Some(1), "the nearest one");
+        let Some(hit) = hit else { return };
+        let node = web.node_on(hit.piece, hit.point_m, 1e-6);
+        assert_eq!(web.pieces.len(), 4, "it is in two now");
+        assert!(
+            (web.pieces[3].time_s[0] - 0.25).abs() < 1e-12,
+            "its times are shared by length"
+        );
+        assert_eq!(
+            web.node_on(3, hit.point_m, 1e-6),
+            node,
+            "a node that is there is taken"
+        );
+        assert!(
+            web.first_hit([0.1, 0.45], [0.9, 0.45], END, |_| true)
+                .is_none(),
+            "nothing is in the way"
+        );
+    }
+}
