@@ -61,7 +61,7 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
 
     let settings = recipe.settings()?;
     // Both pictures show the same glass: focus is no part of its breaking.
-    let network = &written[0].cracked.fracture.network;
+    let network = &written[0].cracked.network;
     batch.stage(&out.join("network.json"), network.to_json().as_bytes())?;
     batch.stage(&out.join("network.svg"), network.to_svg().as_bytes())?;
     // A recipe that was edited there and given again stays as its author wrote it.
