@@ -109,7 +109,7 @@ impl TipLaw {
     ) -> Option<f64> {
         let forgotten = 1.0 - libm::exp(-MEMORY * way_m / effective_m.max(1e-9));
         self.has_memory
-            .then(|| mean_pa + (stress_pa - mean_pa) * forgotten)
+            .then_some(mean_pa + (stress_pa - mean_pa) * forgotten)
     }
 
     /// v = c_R (1 − (K_IC/K)²) up to the terminal speed \[Freund1990\]; 0 below K_IC.

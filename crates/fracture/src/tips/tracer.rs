@@ -346,7 +346,7 @@ impl Step<'_> {
         let mut intensity = law.intensity(counts_pa, effective_m);
         if self.tracing.rim_shields {
             let ligament_m = way_to_rim(self.web, tip.at_m, tip.direction);
-            intensity *= finite_width(effective_m, ligament_m);
+            intensity *= finite_width(tip.length_m, ligament_m);
         }
         let Some(speed) = self.speed(intensity) else {
             return Outcome::Rests;
