@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cone_goes_through_when_it_is_as_deep_as_the_sheet_is_thick() {
+    fn a_cone_goes_through_when_the_rest_of_the_sheet_gives_way() {
         let stone = StoneImpact::granite([0.0; 2], 30.0, 5e-3);
         let base = contact_load(&stone, &glass(), 2.1e-3);
         let mut last_depth = 0.0;
@@ -269,7 +269,7 @@ mod tests {
             match outcome(&load, &glass(), 2.1e-3, 2.0) {
                 ConeOutcome::Partial { depth_m, .. } => {
                     assert!(
-                        !was_through && depth_m > last_depth && depth_m < 2.1e-3,
+                        !was_through && depth_m > last_depth && depth_m < 1.05e-3,
                         "grows"
                     );
                     last_depth = depth_m;
@@ -286,7 +286,7 @@ mod tests {
                 ConeOutcome::None => panic!("above the threshold"),
             }
         }
-        assert!(was_through && last_depth > 1.9e-3, "both were seen");
+        assert!(was_through && last_depth > 0.95e-3, "both were seen");
     }
 
     #[test]
