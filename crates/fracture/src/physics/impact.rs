@@ -275,32 +275,28 @@ impl Breaking<'_> {
     /// A crack's own faces need not be in it: K of a crack is that of the stress which the body
     /// without the crack has along its line \[Bueckner1958\].
     fn bend_for_tips(&mut self, load: &Load) -> Result<Bending, FractureError> {
-        let earlier = self.pieces_near(load);
+        let earlier = self.cracks_near(load);
         if earlier.is_empty() {
             self.plates.bend(load)
         } else {
-            let mut around = self.plates.around(load)?;
-            self.plates.bend_around(&mut around, &earlier)
+            self.plates.bend_around(load, &earlier)
         }
     }
 
-    /// Ends of all pieces that the bending of a load reaches.
-    fn pieces_near(&self, load: &Load) -> Vec<[[f64; 2]; 2]> {
+    /// Chains of the cracks through the pane that the bending of a load reaches.
+    fn cracks_near(&self, load: &Load) -> Vec<Vec<[f64; 2]>> {
         let reach = match load.carrying {
             Carrying::Foundation { length_m } => 6.0 * length_m,
             Carrying::Wave { reach_m } => reach_m,
             Carrying::Rim => f64::INFINITY,
         };
-        let is_near = |[x, y]: [f64; 2]| {
+        let is_near = |node: u32| {
+            let [x, y] = self.web.nodes[node as usize];
             libm::hypot(x - load.center_m[0], y - load.center_m[1]) < reach
         };
-        let ends = self.web.pieces.iter().map(|piece| {
-            [
-                self.web.nodes[piece.a as usize],
-                self.web.nodes[piece.b as usize],
-            ]
-        });
-        ends.filter(|[a, b]| is_near(*a) || is_near(*b)).collect()
+        self.web.chains(|piece| {
+            piece.kind != SegmentKind::Cone && (is_near(piece.a) || is_near(piece.b))
+        })
     }
 
     fn start_radials(
@@ -415,10 +411,9 @@ impl Breaking<'_> {
             Carrying::Wave { .. } | Carrying::Rim => self.pane.thickness_m,
         };
         let strength_pa = self.strength_of_area_pa(length_m * length_m);
-        let mut around = None;
         for pass in 0..passes {
             let epoch = &epochs[if is_steady { 0 } else { pass }];
-            if around.is_none() || !is_steady {
+            if pass == 0 || !is_steady {
                 // Bending between free radial cuts is at most some times that of the whole plate.
                 let intact = self.plates.bend(&epoch.load)?;
                 if !may_ring(&intact.face(Face::Front), &sectors, strength_pa) {
@@ -427,11 +422,9 @@ impl Breaking<'_> {
                     }
                     continue;
                 }
-                around = Some(self.plates.around(&epoch.load)?);
             }
-            let Some(around) = &mut around else { break };
-            let cracks = self.pieces_near(&epoch.load);
-            let bending = self.plates.bend_around(around, &cracks)?;
+            let cracks = self.cracks_near(&epoch.load);
+            let bending = self.plates.bend_around(&epoch.load, &cracks)?;
             let front = bending.face(Face::Front);
             let mut has_broken = false;
             for (sector, taken) in sectors.iter().zip(&mut taken) {
