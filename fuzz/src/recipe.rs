@@ -30,10 +30,18 @@ pub(crate) const VOCABULARY: Vocabulary = &[
     "\r\n",
     "impact.0.force=",
     "fracture.particles=",
+    "fracture.model=\"paper\"\n",
+    "fracture.model=physics\n",
+    "[glass]\n",
+    "glass.kind=cover\n",
+    "glass.width_mm=",
+    "[long_crack]\n",
+    "long_crack.spot=",
+    "speed_m_s = ",
 ];
 
 /// A recipe that parses is written as TOML that parses to the same recipe. Every line is also
-/// tried as an override of the preset: it may be refused, and then changes nothing; messages
+/// tried as an override of a preset of each model: it may be refused, and then changes nothing; messages
 /// are one printable line.
 ///
 /// # Panics
@@ -46,16 +54,18 @@ pub fn recipe(bytes: &[u8]) {
         Ok(recipe) => survives_writing(&recipe),
         Err(error) => is_one_line(&error.to_string()),
     }
-    let Ok(preset) = Recipe::preset("paper") else {
-        panic!("the preset does not parse");
-    };
-    for line in text.lines() {
-        let mut recipe = preset.clone();
-        match recipe.set(line) {
-            Ok(()) => survives_writing(&recipe),
-            Err(error) => {
-                is_one_line(&error.to_string());
-                assert_eq!(recipe, preset, "a refused --set changed the recipe");
+    for name in ["paper", "windshield-long-crack"] {
+        let Ok(preset) = Recipe::preset(name) else {
+            panic!("the preset does not parse");
+        };
+        for line in text.lines() {
+            let mut recipe = preset.clone();
+            match recipe.set(line) {
+                Ok(()) => survives_writing(&recipe),
+                Err(error) => {
+                    is_one_line(&error.to_string());
+                    assert_eq!(recipe, preset, "a refused --set changed the recipe");
+                }
             }
         }
     }

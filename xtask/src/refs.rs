@@ -11,7 +11,7 @@ use crate::rust_source::{doc_comments, files_below};
 const BIBLIOGRAPHIES: [&str; 2] = ["docs/references.bib", "crates/glass/data/literature.bib"];
 
 /// Folders whose Rust doc comments cite.
-const RUST: [&str; 2] = ["crates", "apps"];
+const RUST: [&str; 3] = ["crates", "apps", "validation"];
 
 /// The folder whose pages cite.
 const PAGES: &str = "docs/theory";

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use starbreak::dataset::same_file;
-use starbreak::{Recipe, Seed};
+use starbreak::{DEFAULT_PRESET, Recipe, Seed};
 
 use crate::failure::Failure;
 
@@ -30,14 +30,20 @@ pub(crate) struct Args {
 /// Flags that every verb takes.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct Global {
-    /// Recipe file (TOML) with all parameters; what it leaves out comes from the preset `paper`
+    /// Recipe file (TOML) with all parameters; what it leaves out comes from a preset:
+    /// `windshield-star`, or `paper` where it says fracture.model = "paper"
     #[arg(long, global = true, value_name = "FILE", conflicts_with = "preset")]
     pub(crate) recipe: Option<PathBuf>,
-    /// Named set of parameters
+    /// Named set of parameters: `windshield-star` unless given (for bench: `paper`);
+    /// `starbreak recipe --list` shows all
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) preset: Option<String>,
-    /// Override one parameter, e.g. fracture.particles=5000 or impact.0.position=[0.5,0.5];
-    /// repeatable, applied in order
+    /// Scale the preset: 1 (mild) to 5 (severe), 3 is the preset itself;
+    /// `starbreak recipe --severity N` prints what that sets
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=5))]
+    pub(crate) severity: Option<u8>,
+    /// Override one parameter, e.g. impact.speed_m_s=30 or impact.0.position=[0.5,0.5];
+    /// repeatable, applied in order, after --severity
     #[arg(long, global = true, value_name = "TABLE.KEY=VALUE")]
     pub(crate) set: Vec<String>,
     /// Seed of everything random; the same seed gives the same bytes
@@ -134,8 +140,20 @@ pub(crate) enum Verb {
 impl Global {
     /// The recipe that the flags ask for.
     pub(crate) fn recipe(&self) -> Result<Recipe, Failure> {
-        let mut recipe = match (&self.recipe, &self.preset) {
-            (Some(path), _) => {
+        self.recipe_or(DEFAULT_PRESET)
+    }
+
+    /// The recipe that the flags ask for, with this preset where they name none.
+    pub(crate) fn recipe_or(&self, default_preset: &str) -> Result<Recipe, Failure> {
+        let preset = self.preset.as_deref().unwrap_or(default_preset);
+        let mut recipe = match (&self.recipe, self.severity) {
+            (Some(path), Some(_)) => {
+                return Err(Failure::wrong_input(format!(
+                    "--severity scales a preset, but the recipe {path:?} says its values itself; leave one of the two \
+                     out, or begin a recipe with `starbreak recipe --preset NAME --severity N`"
+                )));
+            }
+            (Some(path), None) => {
                 let text = std::fs::read_to_string(path).map_err(|cause| {
                     Failure::wrong_input(format!(
                         "recipe {path:?} cannot be read as UTF-8 text: {cause}"
@@ -143,8 +161,8 @@ impl Global {
                 })?;
                 Recipe::parse(&path.to_string_lossy(), &text)?
             }
-            (None, Some(name)) => Recipe::preset(name)?,
-            (None, None) => Recipe::preset("paper")?,
+            (None, Some(severity)) => Recipe::preset_at(preset, severity)?,
+            (None, None) => Recipe::preset(preset)?,
         };
         for assignment in &self.set {
             recipe.set(assignment)?;

@@ -75,7 +75,10 @@ fn header_is_what_is_refused() {
     let dir = folder();
     fs::write(dir.path().join("ok.png"), png_header((8, 8))).unwrap();
     fs::write(dir.path().join("bomb.png"), png_header((60_000, 60_000))).unwrap();
-    let ok = starbreak(dir.path(), &["crack", "ok.png", "-o", "out"]);
+    let ok = starbreak(
+        dir.path(),
+        &["crack", "ok.png", "-o", "out", "--preset", "paper"],
+    );
     assert_eq!(ok.code, Some(0), "the forged header is sound: {ok:?}");
     let bomb = starbreak(dir.path(), &["crack", "bomb.png", "-o", "out"]);
     assert!(

@@ -16,18 +16,32 @@ fn writers(to: &str) -> Vec<(Vec<String>, String)> {
     let below = |name: &str| format!("{to}/{name}");
     let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect();
     vec![
-        (words(&["crack", "a.png", "-o", to]), below("a.png")),
-        (words(&["demo", "-o", to]), to.to_owned()),
         (
-            words(&["simulate", "-o", &below("n.json")]),
+            words(&["crack", "a.png", "--preset", "paper", "-o", to]),
+            below("a.png"),
+        ),
+        (
+            words(&["demo", "--preset", "paper", "-o", to]),
+            to.to_owned(),
+        ),
+        (
+            words(&["simulate", "--preset", "paper", "-o", &below("n.json")]),
             below("n.json"),
         ),
         (
-            words(&["simulate", "--svg", &below("n.svg")]),
+            words(&["simulate", "--preset", "paper", "--svg", &below("n.svg")]),
             below("n.svg"),
         ),
         (
-            words(&["simulate", "--frames", "2", "--frames-to", to]),
+            words(&[
+                "simulate",
+                "--preset",
+                "paper",
+                "--frames",
+                "2",
+                "--frames-to",
+                to,
+            ]),
             to.to_owned(),
         ),
         (words(&["man", "-o", to]), to.to_owned()),
@@ -68,9 +82,12 @@ fn devices_and_proc_are_refused() {
     all_refused(
         dir.path(),
         &[
-            (vec!["simulate", "-o", "/dev/null"], "/dev/null"),
-            (vec!["simulate", "-o", "."], "\".\""),
-            (vec!["simulate", "-o", "new/"], "new/"),
+            (
+                vec!["simulate", "--preset", "paper", "-o", "/dev/null"],
+                "/dev/null",
+            ),
+            (vec!["simulate", "--preset", "paper", "-o", "."], "\".\""),
+            (vec!["simulate", "--preset", "paper", "-o", "new/"], "new/"),
         ],
     );
 }
@@ -146,7 +163,11 @@ fn a_full_disk_stays_empty() {
 #[test]
 fn a_full_standard_output_is_a_failure() {
     let dir = folder();
-    for args in [&["simulate"][..], &["recipe"], &["completions", "bash"]] {
+    for args in [
+        &["simulate", "--preset", "paper"][..],
+        &["recipe"],
+        &["completions", "bash"],
+    ] {
         let full = fs::OpenOptions::new()
             .write(true)
             .open("/dev/full")
@@ -227,7 +248,7 @@ fn the_recipe_is_never_replaced() {
     let dir = folder();
     fs::write(
         dir.path().join("mine.toml"),
-        "schema = 1 # found by hand\n[fracture]\nparticles = 300\n",
+        "schema = 1 # found by hand\n[fracture]\nmodel = \"paper\"\nparticles = 300\n",
     )
     .unwrap();
     let recipe = ["--recipe", "mine.toml"];

@@ -10,11 +10,18 @@ use std::fs;
 use common::{all_refused, folder, snapshot, starbreak, succeed};
 use serde_json::Value;
 
-/// Every numeric key, with values that it must refuse. Angles may be negative.
-const NUMERIC: [(&str, &[&str]); 15] = [
-    ("impact.force", &["-1", "0", "nan", "inf", "-inf"]),
-    ("impact.direction_deg", &["nan", "inf", "-inf"]),
+/// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
+/// negative.
+const NUMERIC: [(&str, &str, &[&str]); 42] = [
     (
+        "paper",
+        "camera.f_px",
+        &["-1", "0", "nan", "inf", "1000001"],
+    ),
+    ("paper", "impact.force", &["-1", "0", "nan", "inf", "-inf"]),
+    ("paper", "impact.direction_deg", &["nan", "inf", "-inf"]),
+    (
+        "paper",
         "impact.position",
         &[
             "[-0.1,0.5]",
@@ -26,27 +33,149 @@ const NUMERIC: [(&str, &[&str]); 15] = [
         ],
     ),
     (
+        "paper",
         "fracture.particles",
         &["-1", "0", "nan", "inf", "1.5", "10000001", "99999999999"],
     ),
-    ("fracture.neighbour_radius_px", &["-1", "0", "nan", "inf"]),
-    ("fracture.critical_stress", &["-1", "0", "nan", "inf"]),
-    ("fracture.safety_factor", &["-1", "0", "nan", "inf"]),
-    ("fracture.branches", &["-1", "0", "nan", "inf", "65"]),
-    ("optics.sun_azimuth_deg", &["nan", "inf", "-inf"]),
-    ("optics.sun_elevation_deg", &["nan", "inf", "-inf"]),
+    ("paper", "fracture.neighbour_radius_px", NOT_POSITIVE),
+    ("paper", "fracture.critical_stress", NOT_POSITIVE),
+    ("paper", "fracture.safety_factor", NOT_POSITIVE),
     (
+        "paper",
+        "fracture.branches",
+        &["-1", "0", "nan", "inf", "65"],
+    ),
+    ("paper", "optics.sun_azimuth_deg", NOT_FINITE),
+    ("paper", "optics.sun_elevation_deg", NOT_FINITE),
+    (
+        "paper",
         "optics.light_intensity",
         &["[-1,0,0]", "[256,0,0]", "[nan,0,0]", "[0,0,inf]", "[1,2]"],
     ),
-    ("optics.line_width_px", &["-1", "0", "nan", "inf", "65"]),
     (
+        "paper",
+        "optics.line_width_px",
+        &["-1", "0", "nan", "inf", "65"],
+    ),
+    (
+        "paper",
         "optics.blur_kernel_px",
         &["-1", "0", "nan", "inf", "2", "257"],
     ),
-    ("optics.blur_sigma_px", &["-1", "0", "nan", "inf", "129"]),
-    ("output.quality", &["-1", "0", "nan", "inf", "101", "256"]),
+    (
+        "paper",
+        "optics.blur_sigma_px",
+        &["-1", "0", "nan", "inf", "129"],
+    ),
+    (
+        "paper",
+        "output.quality",
+        &["-1", "0", "nan", "inf", "101", "256"],
+    ),
+    (
+        STAR,
+        "glass.width_mm",
+        &["-1", "0", "nan", "inf", "1.9", "10001"],
+    ),
+    (
+        STAR,
+        "glass.height_mm",
+        &["-1", "0", "nan", "inf", "1.9", "10001"],
+    ),
+    (
+        STAR,
+        "glass.thickness_mm",
+        &["-1", "0", "nan", "inf", "0.09", "31"],
+    ),
+    (
+        STAR,
+        "glass.interlayer_thickness_mm",
+        &["-1", "0", "nan", "inf", "21"],
+    ),
+    (
+        STAR,
+        "glass.interlayer_modulus_mpa",
+        &["-1", "0", "nan", "inf", "10001"],
+    ),
+    (
+        "tempered-cover",
+        "glass.surface_compression_mpa",
+        &["-1", "0", "nan", "inf", "1001"],
+    ),
+    (STAR, "glass.distance_m", &["-1", "0", "nan", "inf", "10.1"]),
+    (STAR, "glass.rake_deg", &["-81", "81", "nan", "inf"]),
+    (
+        STAR,
+        "glass.axis_at",
+        &["[-0.1,0.5]", "[0.5,1.1]", "[nan,0]", "[0.5]"],
+    ),
+    (STAR, "impact.speed_m_s", &["-1", "0", "nan", "inf", "1001"]),
+    (STAR, "impact.radius_mm", &["-1", "0", "nan", "inf", "201"]),
+    (
+        STAR,
+        "impact.tip_radius_mm",
+        &["-1", "0", "nan", "inf", "3.1"],
+    ),
+    (STAR, "impact.angle_deg", &["-1", "86", "nan", "inf"]),
+    (STAR, "impact.azimuth_deg", NOT_FINITE),
+    (
+        STAR,
+        "impact.density_kg_m3",
+        &["-1", "0", "nan", "inf", "99", "25001"],
+    ),
+    (STAR, "fracture.epochs", &["-1", "0", "nan", "1.5", "7"]),
+    (
+        STAR,
+        "fracture.radial_count_factor",
+        &["-1", "0", "nan", "inf", "101"],
+    ),
+    (
+        STAR,
+        "fracture.strength_mpa",
+        &["-1", "0", "nan", "inf", "10001"],
+    ),
+    (
+        STAR,
+        "fracture.weibull_modulus",
+        &["-1", "0", "nan", "inf", "101"],
+    ),
+    (
+        LONG,
+        "long_crack.temperature_difference_k",
+        &["-301", "301", "nan", "inf"],
+    ),
+    (
+        LONG,
+        "long_crack.spot",
+        &["[-0.1,0.5]", "[0.5,1.1]", "[nan,0]", "[0.5]"],
+    ),
+    (
+        LONG,
+        "long_crack.spot_size",
+        &["-1", "0", "nan", "inf", "6"],
+    ),
+    (
+        LONG,
+        "long_crack.frame_tension_mpa",
+        &["-1", "nan", "inf", "101"],
+    ),
+    (LONG, "long_crack.frame_direction_deg", NOT_FINITE),
+    (
+        LONG,
+        "long_crack.flaw_mm",
+        &["-1", "0", "nan", "inf", "101"],
+    ),
+    (
+        LONG,
+        "long_crack.period_s",
+        &["-1", "0", "nan", "inf", "1e7"],
+    ),
 ];
+
+const STAR: &str = "windshield-star";
+const LONG: &str = "windshield-long-crack";
+const NOT_FINITE: &[&str] = &["nan", "inf", "-inf"];
+const NOT_POSITIVE: &[&str] = &["-1", "0", "nan", "inf"];
 
 /// How a message names the key: that of an impact with its number.
 fn named(key: &str) -> String {
@@ -57,14 +186,28 @@ fn named(key: &str) -> String {
 fn wrong_numbers_are_refused_as_overrides() {
     let dir = folder();
     let mut complaints = Vec::new();
-    for (key, values) in NUMERIC {
+    for (preset, key, values) in NUMERIC {
         for value in values {
             let set = format!("{key}={value}");
-            let outcome = starbreak(dir.path(), &["simulate", "-o", "out/n", "--set", &set]);
+            let args = ["recipe", "--preset", preset, "--set", &set];
+            let outcome = starbreak(dir.path(), &args);
             complaints.extend(outcome.complaint(&format!("--set {set}: {}", named(key))));
         }
     }
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+    let args = [
+        "simulate",
+        "-o",
+        "out/n",
+        "--set",
+        "optics.blur_sigma_px=-1",
+    ];
+    let outcome = starbreak(dir.path(), &args);
+    assert_eq!(
+        outcome.complaint("optics.blur_sigma_px"),
+        None,
+        "by a verb that writes"
+    );
     assert!(snapshot(dir.path()).is_empty(), "something was left behind");
 }
 
@@ -72,15 +215,25 @@ fn wrong_numbers_are_refused_as_overrides() {
 fn wrong_numbers_are_refused_in_a_recipe() {
     let dir = folder();
     let mut complaints = Vec::new();
-    for (key, values) in NUMERIC {
+    for (preset, key, values) in NUMERIC {
         let (table, key_in_table) = key.split_once('.').unwrap();
         let header = if table == "impact" {
             "[[impact]]".to_owned()
         } else {
             format!("[{table}]")
         };
+        let model = match (preset, table) {
+            ("paper", "fracture") => "model = \"paper\"\n",
+            ("tempered-cover", "glass") => "kind = \"tempered\"\n",
+            _ => "",
+        };
+        let first = if preset == "paper" && table != "fracture" {
+            "fracture.model = \"paper\"\n"
+        } else {
+            ""
+        };
         for value in values {
-            let text = format!("schema = 1\n{header}\n{key_in_table} = {value}\n");
+            let text = format!("schema = 1\n{first}{header}\n{model}{key_in_table} = {value}\n");
             fs::write(dir.path().join("r.toml"), text).unwrap();
             let args = ["simulate", "-o", "out/n", "--recipe", "r.toml"];
             let outcome = starbreak(dir.path(), &args);
@@ -97,28 +250,28 @@ fn every_numeric_key_was_tried() {
     let dir = folder();
     let schema: Value =
         serde_json::from_str(&succeed(dir.path(), &["recipe", "--schema"]).stdout).unwrap();
-    let recipe = succeed(dir.path(), &["recipe"]).stdout;
+    let printed = [STAR, LONG, "tempered-cover", "paper"]
+        .map(|preset| succeed(dir.path(), &["recipe", "--preset", preset]).stdout)
+        .concat();
     let mut numeric = BTreeSet::new();
     for (table, property) in schema["properties"].as_object().unwrap() {
-        let reference = property["items"]["$ref"]
-            .as_str()
-            .or(property["$ref"].as_str());
-        let Some(name) = reference.and_then(|path| path.strip_prefix("#/$defs/")) else {
+        let items = &property["items"];
+        let owner = if items.is_object() { items } else { property };
+        let Some(keys) = owner["properties"].as_object() else {
             continue;
         };
-        for (key, property) in schema["$defs"][name]["properties"].as_object().unwrap() {
-            assert!(recipe.contains(&format!("\n{key} = ")), "{key} is printed");
-            let definition = match property["$ref"].as_str() {
-                Some(path) => &schema["$defs"][path.strip_prefix("#/$defs/").unwrap()],
-                None => property,
-            };
-            let text = definition.to_string();
+        for (key, property) in keys {
+            assert!(printed.contains(&format!("\n{key} = ")), "{key} is printed");
+            let text = property.to_string();
             if text.contains("\"number\"") || text.contains("\"integer\"") {
                 numeric.insert(format!("{table}.{key}"));
             }
         }
     }
-    let tried = NUMERIC.iter().map(|(key, _)| (*key).to_owned()).collect();
+    let tried = NUMERIC
+        .iter()
+        .map(|(_, key, _)| (*key).to_owned())
+        .collect();
     assert_eq!(numeric, tried, "numeric keys of the schema and those tried");
 }
 
@@ -134,6 +287,12 @@ fn the_message_repeats_the_value_given() {
 fn wrong_overrides_are_refused() {
     let dir = folder();
     let set = |assignment, named| (vec!["simulate", "-o", "out/n", "--set", assignment], named);
+    let paper = |assignment, named| {
+        let args = [
+            "simulate", "-o", "out/n", "--preset", "paper", "--set", assignment,
+        ];
+        (args.to_vec(), named)
+    };
     all_refused(
         dir.path(),
         &[
@@ -142,16 +301,29 @@ fn wrong_overrides_are_refused() {
             set("=", "--set ="),
             set("fracture=5", "fracture"),
             set("a.b.c.d=5", "a.b.c.d"),
-            set("impact.7.force=1", "impact `7`"),
-            set("impact.-1.force=1", "impact `-1`"),
+            paper("impact.7.force=1", "impact `7`"),
+            paper("impact.-1.force=1", "impact `-1`"),
             set("impact.0.farce=1", "did you mean `impact.0.force`?"),
             set("fracture.partikles=1", "did you mean `fracture.particles`?"),
             set("fractures.particles=1", "did you mean `fracture`?"),
             set("zebra.particles=1", "known tables: "),
             set("fracture.zzzzzz=1", "known keys: "),
-            set("fracture.rule=anything", "fracture.rule"),
-            set("fracture.particles=many", "fracture.particles"),
+            paper("fracture.rule=anything", "fracture.rule"),
+            paper("fracture.particles=many", "fracture.particles"),
             set("output.masks=1", "output.masks"),
+            set("fracture.particles=5", "is a key of model \"paper\", but"),
+            paper("glass.kind=cover", "is a table of model \"physics\", but"),
+            set("impact.sped_m_s=5", "did you mean `impact.0.speed_m_s`?"),
+            set(
+                "long_crack.spot_sise=5",
+                "did you mean `long_crack.spot_size`?",
+            ),
+            set(
+                "glass.surface_compression_mpa=5",
+                "glass.surface_compression_mpa: ",
+            ),
+            set("glass.kind=cover", "a cover is a disc"),
+            set("fracture.model=papper", "expected `physics` or `paper`"),
             set("camera.focus_distance_m=7", "camera.focus_distance_m"),
         ],
     );
@@ -169,8 +341,8 @@ fn text_that_breaks_the_line_stays_on_one() {
         &[
             set("impact.a\nb.force=1", "impact"),
             set("fracture.a\nb=1", "fracture.a\\nb"),
-            set(r#"fracture.rule="a\u001b[31m""#, "fracture.rule"),
-            set("fracture.rule=a\nb", "fracture.rule"),
+            set(r#"fracture.mesh="a\u001b[31m""#, "fracture.mesh"),
+            set("fracture.mesh=a\nb", "fracture.mesh"),
             set("impact.position=a\nb", "impact.0.position"),
             (preset, "a\\nb"),
             (recipe, "schema"),
@@ -240,8 +412,54 @@ fn unknown_presets_are_refused() {
         dir.path(),
         &[
             preset("papper", "`papper`; did you mean `paper`?"),
-            preset("zebra", "`zebra`; known presets: paper"),
+            preset("zebra", "`zebra`; known presets: windshield-star, "),
             preset("", "``"),
+        ],
+    );
+}
+
+#[test]
+fn severity_goes_with_a_preset_and_not_with_a_recipe() {
+    let dir = folder();
+    let printed = |args: &[&str]| succeed(dir.path(), &[&["recipe"], args].concat()).stdout;
+    assert_eq!(
+        printed(&["--severity", "3"]),
+        printed(&[]),
+        "3 is the preset"
+    );
+    assert!(
+        printed(&["--severity", "5"]).contains("\nspeed_m_s = 36.0\n"),
+        "the default's 5"
+    );
+    let paper = printed(&[
+        "--preset",
+        "paper",
+        "--severity",
+        "1",
+        "--set",
+        "impact.direction_deg=5",
+    ]);
+    assert!(
+        paper.contains("\nforce = 350.0\n") && paper.contains("\ndirection_deg = 5\n"),
+        "{paper}"
+    );
+    let set = printed(&["--severity", "5", "--set", "impact.speed_m_s=7.5"]);
+    assert!(
+        set.contains("\nspeed_m_s = 7.5\n"),
+        "--set has the last word"
+    );
+
+    fs::write(dir.path().join("r.toml"), "schema = 1\n").unwrap();
+    all_refused(
+        dir.path(),
+        &[
+            (
+                vec!["recipe", "--recipe", "r.toml", "--severity", "2"],
+                "--severity scales a preset, but the recipe \"r.toml\" says its values itself",
+            ),
+            (vec!["recipe", "--severity", "0"], "--severity"),
+            (vec!["recipe", "--severity", "6"], "--severity"),
+            (vec!["recipe", "--severity", "1.5"], "--severity"),
         ],
     );
 }

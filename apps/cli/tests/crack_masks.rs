@@ -83,7 +83,7 @@ fn real_frames_are_untouched_outside_the_region() {
     for focus in ["far", "short"] {
         let set = format!("camera.focus_distance_m={focus}");
         let paths = inputs.iter().map(|path| path.to_str().unwrap());
-        let mut args = vec!["crack", "-o", focus, "--set", &set];
+        let mut args = vec!["crack", "-o", focus, "--preset", "paper", "--set", &set];
         args.extend(paths);
         succeed(dir.path(), &args);
         for input in &inputs {
@@ -175,7 +175,11 @@ fn the_default_recipe_on_tiny_images_takes_seconds_at_most() {
             "--set",
             "impact.direction_deg=134",
         ];
-        let args = [&["crack", &name, "-o", "o", "-q"][..], &hit].concat();
+        let args = [
+            &["crack", &name, "-o", "o", "-q", "--preset", "paper"][..],
+            &hit,
+        ]
+        .concat();
         let child = common::command(dir.path(), &args).spawn().unwrap();
         let status = status_within(5, child);
         assert!(
@@ -225,7 +229,7 @@ fn a_weak_hit_leaves_the_image_as_it_is() {
         let focus = format!("camera.focus_distance_m={focus}");
         let force = format!("impact.force={force}");
         let args = [
-            "crack", "a.png", "-o", "o", "--set", &focus, "--set", &force,
+            "crack", "a.png", "-o", "o", "--preset", "paper", "--set", &focus, "--set", &force,
         ];
         let outcome = succeed(dir.path(), &args);
         assert!(names_force_and_threshold(&outcome), "{outcome:?}");
@@ -260,7 +264,7 @@ fn an_empty_crack_is_not_blamed_on_the_force() {
             "--set",
             sets[1],
         ];
-        let args = ["crack", "a.png", "-o", "o"];
+        let args = ["crack", "a.png", "-o", "o", "--preset", "paper"];
         let outcome = succeed(dir.path(), &[&args[..], &small].concat());
         let record = json(&dir.path().join("o/a.json"));
         assert_eq!(

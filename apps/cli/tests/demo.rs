@@ -31,7 +31,7 @@ const FRAME: (u32, u32) = (1242, 375);
 #[test]
 fn every_file_is_there_and_decodes() {
     let dir = folder();
-    let outcome = succeed(dir.path(), &["demo"]);
+    let outcome = succeed(dir.path(), &["demo", "--preset", "paper"]);
     let out = dir.path().join("starbreak-demo");
     assert_eq!(names(dir.path()).len(), FILES.len() + 1, "one folder");
     assert_eq!(names(&out), FILES, "files of the demo");
@@ -59,13 +59,17 @@ fn every_file_is_there_and_decodes() {
         assert_eq!(touched.count(), 0, "{focus}: changed outside the region");
     }
     let text = fs::read_to_string(out.join("recipe.toml")).unwrap();
-    assert_eq!(text, succeed(dir.path(), &["recipe"]).stdout, "its recipe");
+    assert_eq!(
+        text,
+        succeed(dir.path(), &["recipe", "--preset", "paper"]).stdout,
+        "its recipe"
+    );
 }
 
 #[test]
 fn boxes_lie_inside_the_scene() {
     let dir = folder();
-    succeed(dir.path(), &["demo", "-o", "d", "-q"]);
+    succeed(dir.path(), &["demo", "-o", "d", "-q", "--preset", "paper"]);
     let boxes = json(&dir.path().join("d/scene.boxes.json"));
     assert_eq!(boxes["width_px"], FRAME.0, "{boxes}");
     assert_eq!(boxes["height_px"], FRAME.1, "{boxes}");
@@ -119,7 +123,10 @@ fn without_times(dir: &Path) -> Vec<(String, Vec<u8>)> {
 fn two_demos_are_one() {
     let dir = folder();
     let demo = |out: &str, more: &[&str]| {
-        succeed(dir.path(), &[&["demo", "-q", "-o", out], more].concat());
+        succeed(
+            dir.path(),
+            &[&["demo", "-q", "-o", out, "--preset", "paper"], more].concat(),
+        );
         without_times(&dir.path().join(out))
     };
     let one = demo("one", &["--threads", "1"]);
@@ -137,7 +144,7 @@ fn two_demos_are_one() {
 #[test]
 fn the_demo_can_be_made_by_hand() {
     let dir = folder();
-    succeed(dir.path(), &["demo", "-o", "d", "-q"]);
+    succeed(dir.path(), &["demo", "-o", "d", "-q", "--preset", "paper"]);
     let at = |name: &str| dir.path().join(name);
     for focus in ["far", "short"] {
         let record = json(&at(&format!("d/{focus}-focus.json")));
@@ -154,7 +161,12 @@ fn the_demo_can_be_made_by_hand() {
             "{focus}: another image"
         );
         let seed = record["item"]["seed"].to_string();
-        succeed(dir.path(), &["simulate", "-o", "n.json", "--seed", &seed]);
+        succeed(
+            dir.path(),
+            &[
+                "simulate", "-o", "n.json", "--preset", "paper", "--seed", &seed,
+            ],
+        );
         assert!(
             fs::read(at("n.json")).unwrap() == fs::read(at("d/network.json")).unwrap(),
             "{focus}: another network"
@@ -165,7 +177,18 @@ fn the_demo_can_be_made_by_hand() {
 #[test]
 fn a_demo_with_an_unbroken_pane_is_whole() {
     let dir = folder();
-    succeed(dir.path(), &["demo", "-o", "d", "--set", "impact.force=1"]);
+    succeed(
+        dir.path(),
+        &[
+            "demo",
+            "-o",
+            "d",
+            "--preset",
+            "paper",
+            "--set",
+            "impact.force=1",
+        ],
+    );
     assert_eq!(names(&dir.path().join("d")), FILES, "files of the demo");
     let scene = raw_png(&dir.path().join("d/scene.png"));
     for focus in ["far", "short"] {
@@ -180,7 +203,10 @@ fn files_that_the_demo_names_exist() {
     let dir = folder();
     for set in ["output.format=jpeg", "output.masks=false"] {
         let out = set.replace(['.', '='], "_");
-        let outcome = succeed(dir.path(), &["demo", "-o", &out, "--set", set]);
+        let outcome = succeed(
+            dir.path(),
+            &["demo", "-o", &out, "--preset", "paper", "--set", set],
+        );
         let files = names(&dir.path().join(&out));
         let (_, guide) = outcome.stdout.split_once(&format!("in {out}:")).unwrap();
         let (guide, _) = guide.split_once("next:").unwrap();

@@ -49,7 +49,7 @@ fn without_times(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 /// Cracks the five images with a random impact.
 fn crack(dir: &Path, out: &str, more: &[&str]) -> BTreeMap<PathBuf, Vec<u8>> {
     let first = ["crack", "-o", out, "--set", "impact.position=random"];
-    let small = &common::SMALL[..4];
+    let small = &common::SMALL[..6];
     let inputs: &[&str] = if more.iter().any(|arg| arg.ends_with("a.png")) {
         &[]
     } else {
@@ -114,7 +114,7 @@ fn each_image_has_a_crack_of_its_own() {
         dir.path(),
         &[
             &["crack", "a.png", "b.png", "-o", "o"][..],
-            &common::SMALL[..4],
+            &common::SMALL[..6],
         ]
         .concat(),
     );
@@ -131,7 +131,7 @@ fn networks_do_not_depend_on_threads_or_run() {
     let simulate = |out: &str, more: &[&str]| {
         let svg = format!("{out}.svg");
         let json = format!("{out}.json");
-        let args = ["simulate", "-o", &json, "--svg", &svg];
+        let args = ["simulate", "-o", &json, "--svg", &svg, "--preset", "paper"];
         succeed(dir.path(), &[&args[..], more].concat());
         [json, svg].map(|name| fs::read(dir.path().join(name)).unwrap())
     };
@@ -142,7 +142,11 @@ fn networks_do_not_depend_on_threads_or_run() {
     }
     let other = simulate("other", &["--threads", "1", "--seed", "6"]);
     assert!(one[0] != other[0] && one[1] != other[1], "seeds 5 and 6");
-    let stdout = succeed(dir.path(), &["simulate", "--seed", "5"]).stdout;
+    let stdout = succeed(
+        dir.path(),
+        &["simulate", "--seed", "5", "--preset", "paper"],
+    )
+    .stdout;
     assert!(stdout.as_bytes() == one[0], "standard output and -o differ");
 }
 
@@ -163,7 +167,7 @@ fn a_printed_recipe_gives_the_same_bytes() {
     let direct = crack(dir.path(), "direct", &settings);
     let printed = succeed(
         dir.path(),
-        &[&["recipe"][..], &common::SMALL[..4], &settings].concat(),
+        &[&["recipe"][..], &common::SMALL[..6], &settings].concat(),
     );
     fs::write(dir.path().join("printed.toml"), &printed.stdout).unwrap();
     let mut args = vec!["crack", "-o", "fed_back", "--recipe", "printed.toml"];
@@ -174,11 +178,11 @@ fn a_printed_recipe_gives_the_same_bytes() {
 
     let again = succeed(dir.path(), &["recipe", "--recipe", "printed.toml"]);
     assert_eq!(again.stdout, printed.stdout, "a recipe of a recipe");
-    let preset = succeed(dir.path(), &["recipe", "--preset", "paper"]).stdout;
+    let preset = succeed(dir.path(), &["recipe", "--preset", "windshield-star"]).stdout;
     assert_eq!(
         preset,
         succeed(dir.path(), &["recipe"]).stdout,
-        "`paper` is the default"
+        "`windshield-star` is the default"
     );
 }
 

@@ -73,7 +73,7 @@ fn an_interrupted_crack_keeps_whole_images_only() {
     for name in &inputs {
         fs::write(dir.path().join(name), &pixels).unwrap();
     }
-    let mut args = vec!["crack", "-o", "out"];
+    let mut args = vec!["crack", "-o", "out", "--preset", "paper"];
     args.extend(inputs.iter().map(String::as_str));
     let out = dir.path().join("out");
     let begun = || fs::read_dir(&out).is_ok_and(|entries| entries.count() > 12);
@@ -92,6 +92,8 @@ fn interrupted_frames_are_not_written() {
     let dir = folder();
     let args = [
         "simulate",
+        "--preset",
+        "paper",
         "--frames",
         "10000",
         "--frames-to",
@@ -109,7 +111,7 @@ fn interrupted_frames_are_not_written() {
 fn an_interrupted_demo_leaves_no_temporary_files() {
     let dir = folder();
     let folder = dir.path().join("d");
-    let child = spawn(dir.path(), &["demo", "-o", "d"]);
+    let child = spawn(dir.path(), &["demo", "-o", "d", "--preset", "paper"]);
     let outcome = interrupt(child, || folder.exists());
     no_temporary_files(dir.path());
     assert!(

@@ -135,11 +135,20 @@ fn quiet_says_nothing_on_success() {
     let dir = folder();
     write_photo(&dir.path().join("a.png"));
     for args in [
-        &["crack", "a.png", "-o", "o", "--quiet"][..],
-        &["crack", "a.png", "-o", "o", "-q"],
-        &["simulate", "-o", "n.json", "-q"],
-        &["simulate", "-o", "n.json", "-q", "--set", "impact.force=1"],
-        &["demo", "-o", "d", "-q"],
+        &["crack", "a.png", "-o", "o", "--quiet", "--preset", "paper"][..],
+        &["crack", "a.png", "-o", "o", "-q", "--preset", "paper"],
+        &["simulate", "-o", "n.json", "-q", "--preset", "paper"],
+        &[
+            "simulate",
+            "-o",
+            "n.json",
+            "-q",
+            "--preset",
+            "paper",
+            "--set",
+            "impact.force=1",
+        ],
+        &["demo", "-o", "d", "-q", "--preset", "paper"],
         &["man", "-o", "m", "-q"],
     ] {
         let outcome = common::succeed(dir.path(), args);
@@ -149,7 +158,7 @@ fn quiet_says_nothing_on_success() {
             "starbreak {args:?}"
         );
     }
-    let outcome = common::succeed(dir.path(), &["simulate", "-q"]);
+    let outcome = common::succeed(dir.path(), &["simulate", "-q", "--preset", "paper"]);
     assert!(outcome.stdout.starts_with('{'), "data is no chatter");
     assert_eq!(outcome.stderr, "", "simulate -q");
 }
@@ -172,8 +181,12 @@ fn json_is_one_document_and_nothing_else() {
     for name in ["a.png", "b.png", "c.png"] {
         write_photo(&dir.path().join(name));
     }
-    let json =
-        |args: &[&str]| document(&common::succeed(dir.path(), &[args, &["--json"]].concat()));
+    let json = |args: &[&str]| {
+        document(&common::succeed(
+            dir.path(),
+            &[args, &["--json", "--preset", "paper"]].concat(),
+        ))
+    };
     let cracked = json(&THREE);
     let images = cracked["images"].as_array().unwrap();
     assert_eq!(images.len(), 3, "{cracked}");
@@ -245,6 +258,7 @@ fn names_that_are_not_utf8_do_not_panic() {
             1,
         ),
     ] {
+        let args = [&args[..], &[word("--preset"), word("paper")]].concat();
         let outcome = common::starbreak(dir.path(), &args);
         assert_eq!(outcome.code, Some(code), "starbreak {args:?}: {outcome:?}");
     }

@@ -157,8 +157,7 @@ fn the_meeting_test_knows_a_crossing_when_it_sees_one() {
 #[test]
 fn no_two_segments_cross_without_a_node() {
     let dir = folder();
-    let two_hits =
-        "schema = 1\n[[impact]]\nposition = [0.3, 0.4]\n[[impact]]\nposition = [0.7, 0.6]\n";
+    let two_hits = "schema = 1\nfracture.model = \"paper\"\n[[impact]]\nposition = [0.3, 0.4]\n[[impact]]\nposition = [0.7, 0.6]\n";
     fs::write(dir.path().join("two.toml"), two_hits).unwrap();
     for more in [
         &["--seed", "1"][..],
@@ -168,7 +167,7 @@ fn no_two_segments_cross_without_a_node() {
     ] {
         let network = if more.contains(&"two.toml") {
             // The hits of the recipe stay where they are.
-            let small = &common::SMALL[..4];
+            let small = &common::SMALL_MESH;
             let args = ["simulate", "-o", "n.json"];
             succeed(dir.path(), &[&args, &SIZE[..], small, more].concat());
             json(&dir.path().join("n.json"))
@@ -269,7 +268,8 @@ fn growth_frames_grow_to_the_full_drawing() {
 
     let network = fs::read_to_string(dir.path().join("n.json")).unwrap();
     let network = starbreak::glass::CrackNetwork::from_json(&network).unwrap();
-    let full = starbreak::pipeline::growth_drawing(&network, (160, 100), f64::INFINITY, 1.0);
+    let view = starbreak::optics::View::stretched(&network.data().pane, (160, 100));
+    let full = starbreak::pipeline::growth_drawing(&network, &view, f64::INFINITY, 1.0);
     assert!(
         single[6].data == full.into_raw(),
         "the last frame is not all"

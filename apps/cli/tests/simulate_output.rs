@@ -5,7 +5,7 @@ mod common;
 
 use std::fs;
 
-use common::{SMALL, folder, json, names, raw_frames, succeed, succeed_small};
+use common::{SMALL_MESH, folder, json, names, raw_frames, succeed, succeed_small};
 use serde_json::Value;
 
 /// Every element is closed in order, attributes are quoted, and there is one root.
@@ -95,7 +95,7 @@ fn the_network_goes_to_standard_output_without_a_file() {
 #[test]
 fn several_impacts_break_in_several_places() {
     let dir = folder();
-    let recipe = "schema = 1\n\
+    let recipe = "schema = 1\nfracture.model = \"paper\"\n\
         [[impact]]\nposition = [0.25, 0.5]\nforce = 500\n\
         [[impact]]\nposition = [0.75, 0.5]\nforce = 450.5\ndirection_deg = 90\n\
         [[impact]]\nposition = [0.5, 0.1]\nforce = 2\n";
@@ -103,7 +103,7 @@ fn several_impacts_break_in_several_places() {
     let args = [
         "simulate", "-o", "n.json", "--size", "160x100", "--recipe", "r.toml",
     ];
-    succeed(dir.path(), &[&args[..], &SMALL[..4]].concat());
+    succeed(dir.path(), &[&args[..], &SMALL_MESH].concat());
     let network = json(&dir.path().join("n.json"));
     let impacts = network["impacts"].as_array().unwrap();
     assert_eq!(impacts.len(), 3, "{impacts:?}");
@@ -122,7 +122,7 @@ fn several_impacts_break_in_several_places() {
 
     // One key in every impact, then in one.
     let sets = ["--set", "impact.force=400", "--set", "impact.2.force=600"];
-    succeed(dir.path(), &[&args[..], &SMALL[..4], &sets].concat());
+    succeed(dir.path(), &[&args[..], &SMALL_MESH, &sets].concat());
     let network = json(&dir.path().join("n.json"));
     let forces = [0, 1, 2].map(|k| network["impacts"][k]["force"].as_f64().unwrap());
     assert_eq!(
@@ -146,7 +146,7 @@ fn an_unbroken_pane_is_an_empty_network_and_no_failure() {
     {
         let frames = ["--frames", "3", "--frames-to", "f.png"];
         let args = [
-            "simulate", "-o", "n.json", "--svg", "n.svg", "--size", "160x100",
+            "simulate", "-o", "n.json", "--svg", "n.svg", "--size", "160x100", "--preset", "paper",
         ];
         let sets = ["--set", sets[0], "--set", sets[1]];
         let outcome = succeed(dir.path(), &[&args[..], &frames, &sets].concat());

@@ -70,6 +70,7 @@ fn every_verb_helps() {
         for flag in [
             "--recipe",
             "--preset",
+            "--severity",
             "--set",
             "--seed",
             "--threads",
@@ -92,7 +93,7 @@ fn every_verb_helps() {
 fn presets_are_listed_and_each_prints() {
     let dir = folder();
     let list = succeed(dir.path(), &["recipe", "--list"]).stdout;
-    assert!(list.starts_with("paper "), "{list}");
+    assert!(list.starts_with("windshield-star "), "{list}");
     for line in list.lines() {
         let name = line.split_whitespace().next().unwrap();
         let recipe = succeed(dir.path(), &["recipe", "--preset", name]).stdout;
@@ -110,9 +111,8 @@ fn the_schema_holds_every_key_of_the_recipe() {
     let definition = |table: &str| {
         let property = &schema["properties"][table];
         let items = &property["items"];
-        let reference = if items.is_object() { items } else { property };
-        let path = reference["$ref"].as_str().unwrap();
-        schema["$defs"][path.strip_prefix("#/$defs/").unwrap()].clone()
+        let table = if items.is_object() { items } else { property };
+        table.clone()
     };
     let recipe = succeed(dir.path(), &["recipe"]).stdout;
     let (mut table, mut n_keys, mut described) = (String::new(), 0, false);
@@ -201,15 +201,15 @@ fn every_verb_bears_a_closed_pipe() {
     let dir = folder();
     common::write_photo(&dir.path().join("a.png"));
     for args in [
-        &["simulate"][..],
-        &["simulate", "--json", "-o", "n.json"],
+        &["simulate", "--preset", "paper"][..],
+        &["simulate", "--json", "-o", "n.json", "--preset", "paper"],
         &["recipe"],
         &["recipe", "--schema"],
         &["recipe", "--list"],
         &["completions", "bash"],
         &["man", "-o", "m"],
-        &["demo", "-o", "d"],
-        &["crack", "a.png", "-o", "o"],
+        &["demo", "-o", "d", "--preset", "paper"],
+        &["crack", "a.png", "-o", "o", "--preset", "paper"],
         &["bench", "--runs", "1", "--particles", "50", "-o", "b"],
         &["--help"],
         &["crack", "--help"],

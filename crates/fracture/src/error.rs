@@ -102,7 +102,9 @@ pub enum FractureError {
         cause: String,
     },
     /// The solution of a plate does not satisfy its equations.
-    #[error("the plate's equations are solved to {residual:e} only, not to {limit:e}; use a less graded mesh")]
+    #[error(
+        "the plate's equations are solved to {residual:e} only, not to {limit:e}; use a less graded mesh"
+    )]
     Residual {
         /// Residual, relative to the terms of the equations.
         residual: f64,

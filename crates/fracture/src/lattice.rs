@@ -24,6 +24,11 @@ impl Lattice {
         }
     }
 
+    /// Distance of two neighboring positions.
+    pub(crate) fn step(self) -> f64 {
+        self.step
+    }
+
     /// The nearest lattice position.
     pub(crate) fn round(self, value: f64) -> f64 {
         // Adding and subtracting 1.5·2^52 rounds to an integer without a call to the math library.

@@ -32,7 +32,7 @@ fn broken(impact: PaperImpact, params: &PaperParams, seed: u64) -> Fracture {
 /// Ends of propagated segments, relative to the impact: distance and angle to its direction.
 fn propagated(fracture: &Fracture) -> Vec<(f64, f64)> {
     let data = fracture.network.data();
-    let impact = data.impacts[0];
+    let impact = &data.impacts[0];
     let direction = impact.direction_deg.unwrap().to_radians();
     let ends = data.segments.to.iter().zip(&data.segments.kind);
     ends.filter(|(_, kind)| **kind == SegmentKind::Propagated)

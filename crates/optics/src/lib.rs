@@ -4,6 +4,9 @@
 //! by the sun's azimuth and zenith, blurred into the scene (far focus) or sharp before a blurred
 //! scene (short focus). docs/theory/paper-optics.md gives its equations and its open points.
 //!
+//! [`View`] says where a point of the pane appears: stretched to the frame, or through a
+//! [`Camera`].
+//!
 //! What it is not: it knows no solver and opens no file; it takes any network that keeps the
 //! promises of [`starbreak_glass::CrackNetwork`], and any 8-bit or 16-bit image.
 //!
@@ -11,6 +14,7 @@
 //! ```
 //! use image::{DynamicImage, RgbImage};
 //! use starbreak_glass::CrackNetwork;
+//! use starbreak_optics::View;
 //! use starbreak_optics::paper::{PaperOptics, render};
 //!
 //! let network = CrackNetwork::from_json(
@@ -20,7 +24,8 @@
 //!         "segments":{"from":[0],"to":[1],"kind":["radial"]}}"#,
 //! )?;
 //! let mut image = DynamicImage::ImageRgb8(RgbImage::from_pixel(64, 48, image::Rgb([90, 100, 110])));
-//! let masks = render(&mut image, &network, &PaperOptics::default())?;
+//! let view = View::stretched(&network.data().pane, (64, 48));
+//! let masks = render(&mut image, &network, &view, &PaperOptics::default())?;
 //! assert_eq!(masks.region.get_pixel(0, 0).0, [0], "far from the crack nothing changes");
 //! assert_eq!(masks.region.get_pixel(24, 27).0, [255]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -28,9 +33,11 @@
 
 mod bit_rows;
 mod blur;
+mod camera;
 mod coverage;
 mod error;
 pub mod paper;
 
+pub use camera::{Camera, View};
 pub use coverage::{Coverage, Line};
 pub use error::OpticsError;

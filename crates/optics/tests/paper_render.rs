@@ -3,10 +3,10 @@
 
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb, RgbImage, Rgba};
 use starbreak_glass::CrackNetwork;
-use starbreak_optics::OpticsError;
 use starbreak_optics::paper::{
     FarFocusBlur, Focus, Light, Normalization, PaperOptics, crack_energies, draw, render, render_at,
 };
+use starbreak_optics::{OpticsError, View};
 
 const SIZE: (u32, u32) = (70, 50);
 
@@ -20,6 +20,11 @@ fn network() -> CrackNetwork {
         "arrival_us":[1.0,2.0,3.0,4.0]}}"#,
     )
     .unwrap()
+}
+
+/// The pane fills the frame.
+fn view() -> View {
+    View::stretched(&network().data().pane, SIZE)
 }
 
 /// A picture with detail everywhere.
@@ -45,7 +50,7 @@ fn the_energy_of_a_crack_is_the_mean_of_two_projections() {
         normalization: Normalization::One,
         ..optics(Focus::Far)
     };
-    let energies = crack_energies(&network(), [1.0, 1.0], &plain);
+    let energies = crack_energies(&network(), &view(), &plain);
     let (a, t) = (plain.sun_azimuth_rad, plain.sun_zenith_rad);
     for (energy, [dx, dy]) in
         energies
@@ -70,7 +75,7 @@ fn the_energy_of_a_crack_is_the_mean_of_two_projections() {
     ] {
         let normalized = crack_energies(
             &network(),
-            [1.0, 1.0],
+            &view(),
             &PaperOptics {
                 normalization,
                 ..plain
@@ -84,7 +89,7 @@ fn the_energy_of_a_crack_is_the_mean_of_two_projections() {
 
 /// The whole picture as real numbers: blended, blurred with reflected borders, by definition.
 fn expected(image: &RgbImage, optics: &PaperOptics) -> Vec<[f64; 3]> {
-    let drawn = draw(&network(), SIZE, f64::INFINITY, optics);
+    let drawn = draw(&network(), &view(), f64::INFINITY, optics);
     let (width, height) = (i64::from(SIZE.0), i64::from(SIZE.1));
     let at = |x: i64, y: i64| usize::try_from(y * width + x).unwrap();
     let Light::Rgb(light) = optics.light else {
@@ -178,7 +183,7 @@ fn both_focus_modes_are_their_definitions() {
                 ..optics(focus)
             };
             let mut image = DynamicImage::ImageRgb8(picture());
-            let masks = render(&mut image, &network(), &optics).unwrap();
+            let masks = render(&mut image, &network(), &view(), &optics).unwrap();
             for ((pixel, expected), x) in image
                 .to_rgb8()
                 .pixels()
@@ -218,7 +223,7 @@ fn every_mode_is_rendered_alike_and_alpha_stays() {
     };
     let gray = |x: u32, y: u32| u8::try_from((x * 37 + y * 91) % 256).unwrap();
     let run = |mut image: DynamicImage| {
-        render(&mut image, &network(), &optics).unwrap();
+        render(&mut image, &network(), &view(), &optics).unwrap();
         image
     };
     let l8 = run(DynamicImage::ImageLuma8(ImageBuffer::from_fn(
@@ -279,8 +284,8 @@ fn the_mean_of_the_image_can_be_the_light() {
         ..optics(Focus::Short)
     };
     let mut image = DynamicImage::ImageRgb8(constant);
-    render(&mut image, &network(), &optics).unwrap();
-    let energies = crack_energies(&network(), [1.0, 1.0], &optics);
+    render(&mut image, &network(), &view(), &optics).unwrap();
+    let energies = crack_energies(&network(), &view(), &optics);
     // A pixel in the middle of the crack along x is covered in full.
     for (level, mean) in image
         .to_rgb8()
@@ -301,7 +306,7 @@ fn the_mean_of_the_image_can_be_the_light() {
 fn nothing_broken_changes_nothing_and_growth_ends_in_the_whole() {
     for focus in [Focus::Far, Focus::Short] {
         let mut image = DynamicImage::ImageRgb8(picture());
-        let masks = render_at(&mut image, &network(), 0.0, &optics(focus)).unwrap();
+        let masks = render_at(&mut image, &network(), &view(), 0.0, &optics(focus)).unwrap();
         assert_eq!(image.to_rgb8(), picture(), "{focus:?}: before the impact");
         assert!(
             masks.region.pixels().all(|pixel| pixel.0[0] == 0),
@@ -311,18 +316,19 @@ fn nothing_broken_changes_nothing_and_growth_ends_in_the_whole() {
             DynamicImage::ImageRgb8(picture()),
             DynamicImage::ImageRgb8(picture()),
         );
-        render_at(&mut late, &network(), 4.0, &optics(focus)).unwrap();
-        render(&mut whole, &network(), &optics(focus)).unwrap();
+        render_at(&mut late, &network(), &view(), 4.0, &optics(focus)).unwrap();
+        render(&mut whole, &network(), &view(), &optics(focus)).unwrap();
         assert_eq!(late, whole, "{focus:?}: after the last arrival");
     }
 }
 
 #[test]
 fn what_cannot_be_rendered_is_said() {
+    let view_of = |width, height| View::stretched(&network().data().pane, (width, height));
     let mut float = DynamicImage::new_rgb32f(8, 8);
     assert!(
         matches!(
-            render(&mut float, &network(), &optics(Focus::Far)),
+            render(&mut float, &network(), &view_of(8, 8), &optics(Focus::Far)),
             Err(OpticsError::ImageMode { .. })
         ),
         "float"
@@ -330,7 +336,7 @@ fn what_cannot_be_rendered_is_said() {
     let mut empty = DynamicImage::new_rgb8(0, 4);
     assert!(
         matches!(
-            render(&mut empty, &network(), &optics(Focus::Far)),
+            render(&mut empty, &network(), &view_of(0, 4), &optics(Focus::Far)),
             Err(OpticsError::EmptyImage { .. })
         ),
         "empty"
@@ -360,7 +366,7 @@ fn what_cannot_be_rendered_is_said() {
     for optics in bad {
         let mut image = DynamicImage::ImageRgb8(picture());
         assert!(
-            render(&mut image, &network(), &optics).is_err(),
+            render(&mut image, &network(), &view(), &optics).is_err(),
             "{optics:?} was accepted"
         );
         assert_eq!(image.to_rgb8(), picture(), "and the image is as it was");

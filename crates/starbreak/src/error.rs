@@ -19,6 +19,11 @@ pub enum Error {
     /// The optics refused.
     #[error(transparent)]
     Optics(#[from] OpticsError),
+    /// The physics do not break glass yet.
+    #[error(
+        "fracture.model = \"physics\" does not simulate yet; use --preset paper or set fracture.model = \"paper\""
+    )]
+    Unfinished,
     /// A file could not be read or written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),

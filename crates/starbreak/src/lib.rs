@@ -15,7 +15,7 @@
 //!
 //! let mut image = DynamicImage::ImageRgb8(RgbImage::from_pixel(320, 200, image::Rgb([80, 90, 100])));
 //! let cracked = pipeline::crack_image(&settings, &mut image, Seed(7))?;
-//! assert!(cracked.fracture.network.n_segments() > 0);
+//! assert!(cracked.network.n_segments() > 0);
 //! # Ok::<(), starbreak::Error>(())
 //! ```
 
@@ -25,8 +25,9 @@ mod recipe;
 
 pub use error::Error;
 pub use recipe::{
-    OutputFormat, OutputSettings, PRESETS, Recipe, RecipeError, SCHEMA_VERSION, Settings,
-    json_schema,
+    CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, Mount, OutputFormat,
+    OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe, RecipeError, SCHEMA_VERSION,
+    Settings, StoneSettings, json_schema,
 };
 pub use starbreak_dataset as dataset;
 pub use starbreak_fracture as fracture;

@@ -1,13 +1,28 @@
 //! What a recipe may say, and what is said back.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 use proptest::prelude::*;
-use starbreak::{PRESETS, Recipe, RecipeError, json_schema};
+use starbreak::fracture::paper::PaperImpact;
+use starbreak::{
+    DEFAULT_PRESET, FractureSettings, PRESETS, PaperSettings, Recipe, RecipeError, Settings,
+    json_schema,
+};
 
 fn refusal(text: &str) -> String {
     let message = Recipe::parse("r.toml", text).unwrap_err().to_string();
     assert!(!message.contains('\n'), "one line: {message:?}");
     message
+}
+
+fn paper(settings: &Settings) -> &PaperSettings {
+    match &settings.fracture {
+        FractureSettings::Paper(paper) => paper,
+        FractureSettings::Physics(_) => panic!("the physics"),
+    }
+}
+
+fn paper_impacts(settings: &Settings) -> Vec<PaperImpact> {
+    paper(settings).impacts_on(&starbreak::glass::Pane::from_frame_px(100, 50))
 }
 
 #[test]
@@ -39,39 +54,81 @@ fn presets_are_complete_and_print_as_themselves() {
 }
 
 #[test]
-fn the_schema_knows_every_key_of_a_preset() {
+fn the_schema_knows_every_key_of_every_preset_and_needs_none() {
     let schema = json_schema();
-    let text = schema.to_string();
-    let preset = Recipe::preset("paper").unwrap().to_toml();
-    for line in preset.lines().filter(|line| line.contains(" = ")) {
-        let key = line.split(" = ").next().unwrap();
-        assert!(
-            text.contains(&format!("\"{key}\"")),
-            "the schema lacks {key}"
-        );
-    }
-    assert!(
-        schema["properties"]["fracture"].is_object(),
-        "tables are properties"
+    assert_eq!(
+        schema["required"],
+        serde_json::json!(["schema"]),
+        "of a recipe"
     );
+    assert_eq!(
+        schema.to_string().matches("\"required\"").count(),
+        1,
+        "tables may be left out in part"
+    );
+    for (name, _) in PRESETS {
+        let mut table = &schema;
+        for line in Recipe::preset(name).unwrap().to_toml().lines() {
+            if line.starts_with('[') {
+                let property = &schema["properties"][line.trim_matches(['[', ']'])];
+                let items = &property["items"];
+                table = if items.is_object() { items } else { property };
+                assert_eq!(table["additionalProperties"], false, "{name}: {line}");
+            } else if let Some((key, _)) = line.split_once(" = ") {
+                let property = &table["properties"][key];
+                assert!(property["description"].is_string(), "{name}: {key}");
+            }
+        }
+    }
+    let description = |table: &str, key: &str| {
+        let property = &schema["properties"][table];
+        let owner = if property["items"].is_object() {
+            &property["items"]
+        } else {
+            property
+        };
+        owner["properties"][key]["description"]
+            .as_str()
+            .unwrap()
+            .to_owned()
+    };
+    assert!(
+        description("fracture", "particles").starts_with("(paper) "),
+        "of one model"
+    );
+    assert!(
+        description("impact", "speed_m_s").starts_with("(physics) "),
+        "of one model"
+    );
+    assert!(
+        description("impact", "position").starts_with("Where"),
+        "of both"
+    );
+    let glass = schema["properties"]["glass"]["description"]
+        .as_str()
+        .unwrap();
+    assert!(glass.starts_with("(physics) "), "{glass}");
 }
 
 #[test]
-fn what_a_recipe_leaves_out_comes_from_the_preset() {
+fn what_a_recipe_leaves_out_comes_from_the_preset_of_its_model() {
+    let empty = Recipe::parse("r.toml", "schema = 1").unwrap();
+    assert_eq!(empty, Recipe::preset(DEFAULT_PRESET).unwrap(), "physics");
     let recipe = Recipe::parse(
         "r.toml",
-        "schema = 1\n[[impact]]\nforce = 700\n[[impact]]\nposition = [0.1, 0.9]",
+        "schema = 1\nfracture.model = \"paper\"\n[[impact]]\nforce = 700\n[[impact]]\nposition = [0.1, 0.9]",
     )
     .unwrap();
     let settings = recipe.settings().unwrap();
-    let impacts = settings.impacts_on(&starbreak::glass::Pane::from_frame_px(100, 50));
+    let impacts = paper_impacts(&settings);
     assert_eq!(impacts.len(), 2, "two impacts replace the preset's one");
     assert!(
         (impacts[0].force - 700.0).abs() < 1e-12 && (impacts[1].force - 500.0).abs() < 1e-12,
         "each completed"
     );
     assert_eq!(
-        settings.fracture.particles, 10_000,
+        paper(&settings).params.particles,
+        10_000,
         "and the rest is the preset's"
     );
 }
@@ -88,10 +145,51 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
             "`fractures`; did you mean `fracture`?",
         ),
         (
-            "schema = 1\n[[impact]]\nforce = 1\n[[impact]]\nfrce = 2",
+            "schema = 1\n[[impact]]\nspeed_m_s = 1\n[[impact]]\nfrce = 2",
             "`impact.1.frce`; did you mean `impact.1.force`?",
         ),
         ("schema = 1\n[optics]\nzzz = 1", "known keys: model, "),
+        (
+            "schema = 1\n[[impact]]\nsped_m_s = 1",
+            "`impact.0.sped_m_s`; did you mean `impact.0.speed_m_s`?",
+        ),
+        (
+            "schema = 1\n[fracture]\nmodel = \"physic\"",
+            "fracture.model: unknown variant `physic`, expected `physics` or `paper`",
+        ),
+        ("schema = 1\nfracture = 5", "fracture: expected a table"),
+        (
+            "schema = 1\nglass.kind = \"plastic\"",
+            "glass.kind: unknown variant `plastic`",
+        ),
+        (
+            "schema = 1\n[glass]\nkind = \"tempered\"\ninterlayer_modulus_mpa = 5",
+            "glass.interlayer_modulus_mpa: glass of this glass.kind has none",
+        ),
+        (
+            "schema = 1\nglass.surface_compression_mpa = 5",
+            "glass.surface_compression_mpa: glass of this glass.kind has none",
+        ),
+        (
+            "schema = 1\nglass.thickness_mm = 0.07",
+            "glass.thickness_mm = 0.07; expected 0.1 to 30 mm",
+        ),
+        (
+            "schema = 1\n[[impact]]\ntip_radius_mm = 5",
+            "impact.0.tip_radius_mm = 5",
+        ),
+        (
+            "schema = 1\n[[impact]]\nazimuth_deg = nan",
+            "impact.0.azimuth_deg = NaN",
+        ),
+        (
+            "schema = 1\ncamera.f_px = 0",
+            "camera.f_px = 0; expected \"auto\", or above 0",
+        ),
+        (
+            "schema = 1\ncamera.f_px = \"wide\"",
+            "\"auto\" or a focal length in px",
+        ),
         ("[fracture]\n", "`schema` is missing"),
         ("schema = 2", "schema = 2; this version reads schema = 1"),
         ("schema = \"1\"", "this version reads schema = 1"),
@@ -99,31 +197,31 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
         ("schema = 1\nimpact = 5", "impact"),
         ("schema = 1\ncamera = 5", "camera"),
         (
-            "schema = 1\n[fracture]\nparticles = 0",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nparticles = 0",
             "fracture.particles = 0; expected 1 to 10000000",
         ),
         (
-            "schema = 1\n[fracture]\nparticles = -1",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nparticles = -1",
             "fracture.particles",
         ),
         (
-            "schema = 1\n[fracture]\nparticles = 1.5",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nparticles = 1.5",
             "fracture.particles",
         ),
         (
-            "schema = 1\n[fracture]\nneighbour_radius_px = 0",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nneighbour_radius_px = 0",
             "fracture.neighbour_radius_px = 0",
         ),
         (
-            "schema = 1\n[fracture]\ncritical_stress = nan",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\ncritical_stress = nan",
             "fracture.critical_stress = NaN",
         ),
         (
-            "schema = 1\n[fracture]\nsafety_factor = -inf",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nsafety_factor = -inf",
             "fracture.safety_factor = -inf",
         ),
         (
-            "schema = 1\n[fracture]\nrule = \"algorithm\"",
+            "schema = 1\n[fracture]\nmodel = \"paper\"\nrule = \"algorithm\"",
             "fracture.rule",
         ),
         (
@@ -138,9 +236,12 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
             "schema = 1\n[[impact]]\nposition = \"middle\"",
             "\"random\" or [x, y]",
         ),
-        ("schema = 1\n[[impact]]\nforce = -5", "impact.0.force = -5"),
         (
-            "schema = 1\n[[impact]]\ndirection_deg = nan",
+            "schema = 1\nfracture.model = \"paper\"\n[[impact]]\nforce = -5",
+            "impact.0.force = -5",
+        ),
+        (
+            "schema = 1\nfracture.model = \"paper\"\n[[impact]]\ndirection_deg = nan",
             "impact.0.direction_deg",
         ),
         (
@@ -185,15 +286,15 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
 
 #[test]
 fn overrides_reach_one_impact_or_all_and_fail_without_a_trace() {
-    let mut recipe = Recipe::parse("r.toml", "schema = 1\n[[impact]]\n[[impact]]\n").unwrap();
+    let mut recipe = Recipe::parse(
+        "r.toml",
+        "schema = 1\nfracture.model = \"paper\"\n[[impact]]\n[[impact]]\n",
+    )
+    .unwrap();
     recipe.set("impact.force=600").unwrap();
     recipe.set("impact.1.force = 700").unwrap();
     recipe.set("camera.focus_distance_m=short").unwrap();
-    let pane = starbreak::glass::Pane::from_frame_px(10, 10);
-    let forces: Vec<f64> = recipe
-        .settings()
-        .unwrap()
-        .impacts_on(&pane)
+    let forces: Vec<f64> = paper_impacts(&recipe.settings().unwrap())
         .iter()
         .map(|impact| impact.force)
         .collect();
@@ -238,6 +339,10 @@ fn scalar() -> impl Strategy<Value = String> {
             "[0.5, 0.5]",
             "[1,2,3]",
             "\"paper\"",
+            "\"physics\"",
+            "\"cover\"",
+            "\"tempered\"",
+            "\"slow\"",
             "{a=1}",
             "inf"
         ])
@@ -255,10 +360,14 @@ proptest! {
             "fracture.particles", "fracture.neighbour_radius_px", "fracture.critical_stress", "fracture.safety_factor",
             "fracture.branches", "optics.sun_azimuth_deg", "optics.light_intensity", "optics.line_width_px",
             "optics.blur_kernel_px", "optics.blur_sigma_px", "output.quality", "output.masks",
+            "camera.f_px", "glass.kind", "glass.width_mm", "glass.surface_compression_mpa", "glass.axis_at",
+            "glass.distance_m", "impact.speed_m_s", "impact.azimuth_deg", "fracture.epochs", "fracture.dicing",
+            "long_crack.spot", "long_crack.growth",
         ]),
+        preset in prop::sample::select(PRESETS.map(|(name, _)| name).to_vec()),
         value in scalar(),
     ) {
-        let mut recipe = Recipe::preset("paper").unwrap();
+        let mut recipe = Recipe::preset(preset).unwrap();
         match recipe.set(&format!("{key}={value}")) {
             Ok(()) => {
                 let settings = recipe.settings().unwrap();

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use starbreak::dataset::{OutputBatch, street_scene};
 use starbreak::fracture::paper::PaperParams;
 use starbreak::pipeline::{Timings, crack_image, with_threads};
-use starbreak::{Recipe, Seed, Settings};
+use starbreak::{FractureSettings, Recipe, Seed, Settings};
 
 use super::plot;
 use crate::args::Global;
@@ -64,7 +64,7 @@ pub(crate) fn run(
 ) -> Result<ExitCode, Failure> {
     let names = ["bench.csv", "bench.txt", "bench.svg", "bench.png"];
     global.refuse_recipe_among(&names.map(|name| request.output.join(name)))?;
-    let recipe = global.recipe()?;
+    let recipe = global.recipe_or("paper")?;
     let mut plan = Vec::new();
     for &particles in &request.particles {
         plan.push((
@@ -130,7 +130,10 @@ fn measure(
         crack_image(settings, &mut scene.clone(), seed)?;
         let mut series = Series {
             particles: *particles,
-            radius_px: settings.fracture.neighbor_radius,
+            radius_px: match &settings.fracture {
+                FractureSettings::Paper(paper) => paper.params.neighbor_radius,
+                FractureSettings::Physics(_) => f64::NAN,
+            },
             runs: Vec::new(),
             peak_rss_mib: None,
         };
@@ -139,7 +142,7 @@ fn measure(
             let seed = seed.of_item("bench", u64::from(k));
             let mut image = scene.clone();
             let cracked = crack_image(settings, &mut image, seed)?;
-            let n_segments = cracked.fracture.network.n_segments();
+            let n_segments = cracked.network.n_segments();
             series.runs.push(Run {
                 seed,
                 timings: cracked.timings,

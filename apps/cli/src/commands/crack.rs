@@ -127,18 +127,16 @@ fn record_failures(failed: &[ItemFailure], out: &Path) -> Result<(), Failure> {
 }
 
 pub(super) fn describe(item: &Written) -> String {
-    let network = &item.cracked.fracture.network;
+    let network = &item.cracked.network;
     let name = item.image.display();
-    if item.cracked.fracture.is_intact() {
-        return format!(
-            "{name}: {}",
-            super::simulate::why_intact(&item.cracked.fracture)
-        );
+    if let Some(why) = super::simulate::why_intact(network, &item.cracked.details) {
+        return format!("{name}: {why}");
     }
     format!(
-        "{name}: {} segments, {:.0} px of cracks, {:.1} % of the frame influenced, {:.1} ms",
+        "{name}: {} segments, {:.0} {} of cracks, {:.1} % of the frame influenced, {:.1} ms",
         network.n_segments(),
         network.summary().total_length,
+        network.data().unit.symbol(),
         item.region_fraction * 100.0,
         item.cracked.timings.total_ms(),
     )
@@ -151,8 +149,8 @@ pub(super) fn item_json(item: &Written) -> Value {
         "crack": item.crack.as_ref().map(path_text),
         "provenance": path_text(&item.provenance),
         "region_fraction": item.region_fraction,
-        "intact": item.cracked.fracture.is_intact(),
-        "summary": item.cracked.fracture.network.summary(),
+        "intact": item.cracked.network.n_segments() == 0,
+        "summary": item.cracked.network.summary(),
         "timings_ms": item.timings.to_json(),
     })
 }

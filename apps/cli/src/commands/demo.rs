@@ -8,6 +8,7 @@ use starbreak::dataset::{
     AnimationParams, Encoding, ImageLimits, OutputBatch, StreetScene, decode_image,
     encode_animation, encode_image, street_scene,
 };
+use starbreak::optics::View;
 use starbreak::pipeline::{
     ImageJob, RunContext, Stopwatch, Written, growth_over, growth_times, stage_cracked,
 };
@@ -60,7 +61,7 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
 
     let settings = recipe.settings()?;
     // Both pictures show the same glass: focus is no part of its breaking.
-    let network = &written[0].cracked.fracture.network;
+    let network = &written[0].cracked.network;
     batch.stage(&out.join("network.json"), network.to_json().as_bytes())?;
     batch.stage(&out.join("network.svg"), network.to_svg().as_bytes())?;
     // A recipe that was edited there and given again stays as its author wrote it.
@@ -72,9 +73,10 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
         batch.stage(&recipe_path, recipe.to_commented_toml().as_bytes())?;
     }
     let mut frames = Vec::new();
+    let view = View::stretched(&network.data().pane, (pixels.width(), pixels.height()));
     for time in growth_times(network, GROWTH_FRAMES) {
         interrupt.check()?;
-        frames.push(growth_over(&pixels, network, time, &settings.optics)?.into_rgb8());
+        frames.push(growth_over(&pixels, network, &view, time, &settings.optics)?.into_rgb8());
     }
     let delays = AnimationParams {
         delay_ms: 80,

@@ -3,26 +3,31 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use serde_json::{Value, json};
-use starbreak::Settings;
+use serde_json::{Map, Value, json};
 use starbreak::dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
-use starbreak::fracture::paper::Fracture;
-use starbreak::glass::Pane;
-use starbreak::pipeline::{self, Simulated, convergence_json, growth_drawing, growth_times};
+use starbreak::glass::{CrackNetwork, Pane};
+use starbreak::optics::View;
+use starbreak::pipeline::{self, Details, Simulated, growth_drawing, growth_times};
+use starbreak::{FractureSettings, PaperSettings, Settings};
 
 use crate::args::Global;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
-/// What to tell when there is no crack.
-pub(super) fn why_intact(fracture: &Fracture) -> &'static str {
-    if fracture.convergence.impacts_without_fracture == fracture.network.data().impacts.len() {
+/// What to tell when there is no crack; nothing where there is one.
+pub(super) fn why_intact(network: &CrackNetwork, details: &Details) -> Option<&'static str> {
+    if network.n_segments() > 0 {
+        return None;
+    }
+    let Details::Paper(paper) = details;
+    let all_too_weak = paper.convergence.impacts_without_fracture == network.data().impacts.len();
+    Some(if all_too_weak {
         "nothing broke: no impact.force exceeds fracture.critical_stress / fracture.safety_factor (eq. 2)"
     } else {
         "the glass breaks, but no particle within fracture.neighbour_radius_px of the impact is stressed above the \
          threshold, so there is no crack"
-    }
+    })
 }
 
 /// Fewer neighbors than this make hardly any crack; the paper has 285.
@@ -33,13 +38,16 @@ pub(super) fn radius_hint(
     settings: &Settings,
     (width_px, height_px): (u32, u32),
 ) -> Option<String> {
+    let FractureSettings::Paper(PaperSettings { params, .. }) = &settings.fracture else {
+        return None;
+    };
     let pane = Pane::from_frame_px(width_px, height_px);
-    let neighbors = settings.fracture.expected_neighbors(&pane);
+    let neighbors = params.expected_neighbors(&pane);
     (neighbors < FEW_NEIGHBORS).then(|| {
         format!(
             "note: on {width_px} x {height_px} px the radius spans only {neighbors:.1} particles (the paper: 285), so \
              there is hardly a crack; try --set fracture.neighbour_radius_px={:.0} or more particles",
-            settings.fracture.customary_radius(&pane)
+            params.customary_radius(&pane)
         )
     })
 }
@@ -86,7 +94,7 @@ pub(crate) fn run(
     global.refuse_recipe_among(&request.outputs())?;
     let simulated = pipeline::simulate(&settings, width_px, height_px, global.seed())?;
     interrupt.check()?;
-    let network = &simulated.fracture.network;
+    let network = &simulated.network;
     let json = if request.timings {
         with_timings(&simulated)?
     } else {
@@ -128,7 +136,7 @@ pub(crate) fn run(
 
 /// The network file with the wall-clock times, which differ from run to run.
 fn with_timings(simulated: &Simulated) -> Result<String, Failure> {
-    let text = simulated.fracture.network.to_json();
+    let text = simulated.network.to_json();
     let mut value: Value = serde_json::from_str(&text).map_err(Failure::wrong_input)?;
     value["timings_ms"] = simulated.timings.to_json();
     Ok(format!("{value}\n"))
@@ -143,9 +151,10 @@ fn stage_frames(
     interrupt: &Interrupt,
     batch: &mut OutputBatch,
 ) -> Result<(), Failure> {
-    let network = &simulated.fracture.network;
+    let network = &simulated.network;
     let times = growth_times(network, n_frames).take_while(|_| !interrupt.is_set());
-    let drawings = times.map(|time| growth_drawing(network, size, time, 1.0));
+    let view = View::stretched(&network.data().pane, size);
+    let drawings = times.map(|time| growth_drawing(network, &view, time, 1.0));
     let extension = to
         .extension()
         .map(|extension| extension.to_string_lossy().to_lowercase())
@@ -173,43 +182,57 @@ fn stage_frames(
 }
 
 fn describe(simulated: &Simulated) -> String {
-    let fracture = &simulated.fracture;
-    if fracture.is_intact() {
-        return why_intact(fracture).to_owned();
+    let network = &simulated.network;
+    if let Some(why) = why_intact(network, &simulated.details) {
+        return why.to_owned();
     }
-    let summary = fracture.network.summary();
-    let report = &fracture.convergence;
+    let summary = network.summary();
+    let unit = network.data().unit.symbol();
+    let end = match &simulated.details {
+        Details::Paper(paper) => {
+            let report = &paper.convergence;
+            format!(
+                "{} steps; {} fronts came to rest: {} below the threshold, {} at another crack, {} without a neighbor",
+                report.n_steps(),
+                report.n_fronts,
+                report.stopped_below_threshold,
+                report.stopped_at_crack,
+                report.stopped_without_neighbor,
+            )
+        }
+    };
     format!(
-        "{} segments, {:.0} px of cracks, {} arms from {} impact(s), {} steps; {} fronts came to rest: {} below \
-         the threshold, {} at another crack, {} without a neighbor; {:.1} ms",
+        "{} segments, {:.0} {unit} of cracks, {} arms from {} impact(s), {end}; {:.1} ms",
         summary.n_segments,
         summary.total_length,
         summary.n_radial,
-        fracture.network.data().impacts.len(),
-        report.n_steps(),
-        report.n_fronts,
-        report.stopped_below_threshold,
-        report.stopped_at_crack,
-        report.stopped_without_neighbor,
+        network.data().impacts.len(),
         simulated.timings.total_ms(),
     )
 }
 
 fn result_json(request: &Request, simulated: &Simulated) -> Value {
-    let fracture = &simulated.fracture;
-    json!({
-        "network": request.output.as_ref().map(path_text),
-        "svg": request.svg.as_ref().map(path_text),
-        "frames": request.frames.as_ref().map(|(n_frames, to)| json!({ "count": n_frames, "path": path_text(to) })),
-        "intact": fracture.is_intact(),
-        "impacts": fracture.network.data().impacts,
-        "summary": fracture.network.summary(),
-        "convergence": convergence_json(&fracture.convergence),
-        "mesh": {
-            "n_nodes": fracture.n_mesh_nodes,
-            "n_triangles": fracture.n_triangles,
-            "n_stressed_nodes": fracture.n_stressed_nodes,
-        },
-        "timings_ms": simulated.timings.to_json(),
-    })
+    let network = &simulated.network;
+    let mut result = Map::from_iter(
+        [
+            ("network", json!(request.output.as_ref().map(path_text))),
+            ("svg", json!(request.svg.as_ref().map(path_text))),
+            (
+                "frames",
+                json!(
+                    request
+                        .frames
+                        .as_ref()
+                        .map(|(n_frames, to)| json!({ "count": n_frames, "path": path_text(to) }))
+                ),
+            ),
+            ("intact", json!(network.n_segments() == 0)),
+            ("impacts", json!(network.data().impacts)),
+            ("summary", json!(network.summary())),
+        ]
+        .map(|(key, value)| (key.to_owned(), value)),
+    );
+    result.extend(simulated.details.to_json());
+    result.insert("timings_ms".to_owned(), simulated.timings.to_json());
+    Value::Object(result)
 }

@@ -13,7 +13,9 @@ use starbreak_dataset::{Encoding, JpegQuality, encode_image};
 use tempfile::TempDir;
 
 /// A crack that fits the small pictures of these tests and leaves a part of them untouched.
-pub(crate) const SMALL: [&str; 8] = [
+pub(crate) const SMALL: [&str; 10] = [
+    "--preset",
+    "paper",
     "--set",
     "fracture.particles=300",
     "--set",
@@ -23,6 +25,9 @@ pub(crate) const SMALL: [&str; 8] = [
     "--set",
     "impact.direction_deg=20",
 ];
+
+/// The same for a recipe that names its model and hits itself: only the size of the mesh.
+pub(crate) const SMALL_MESH: [&str; 4] = [SMALL[2], SMALL[3], SMALL[4], SMALL[5]];
 
 /// How a run of the command ended.
 #[derive(Debug)]

@@ -43,6 +43,21 @@ pub struct ContactLoad {
     pub stored_energy_j: f64,
 }
 
+impl ContactLoad {
+    /// Force at a time after the touch, N; 0 outside of the contact.
+    #[must_use]
+    pub fn force_at_n(&self, time_s: f64) -> f64 {
+        let after = self.history.partition_point(|[time, _]| *time <= time_s);
+        match (after.checked_sub(1), self.history.get(after)) {
+            (Some(before), Some(&[t1, f1])) => {
+                let [t0, f0] = self.history[before];
+                f0 + (f1 - f0) * (time_s - t0) / (t1 - t0)
+            }
+            _ => 0.0,
+        }
+    }
+}
+
 /// Bending stiffness D = E h³/12(1 − ν²), N·m.
 fn bending_stiffness_n_m(material: &Material, thickness_m: f64) -> f64 {
     material.young_modulus_pa.value * thickness_m.powi(3)

@@ -260,7 +260,7 @@ fn tree_strokes(
                 arrival: [time(a).max(time(b)); 2],
                 stress: [stress(a), stress(b)],
                 is_suspect: true,
-            source: 0,
+                source: 0,
             }
         });
     Ok(strokes.collect())

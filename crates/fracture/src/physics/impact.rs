@@ -15,7 +15,7 @@ use crate::contact::{ConeOutcome, ContactLoad, HertzianCrack, contact_load, hert
 use crate::mesh::uniform;
 use crate::stress::{Face, StressField};
 use crate::tips::{
-    Ledger, Motion, Piece, Tip, TipLaw, TipState, Tracing, Web, normal, trace, unit,
+    COMPETITION, Ledger, Motion, Piece, Tip, TipLaw, TipState, Tracing, Web, normal, trace, unit,
 };
 
 /// A crack longer than this is not repaired: it is a class of its own, m \[ROLAGS\].
@@ -28,8 +28,18 @@ const START_SCATTER: f64 = 0.2;
 /// Area of a bending test of glass that the strength is measured on, m².
 const TEST_AREA_M2: f64 = 2.5e-3;
 
-/// Growth in time from one solution to the next while the bending wave spreads: its reach doubles.
+/// Growth in time from one load to the next while the solution needs no more than to be stretched.
+const WINDOW_GROWTH: f64 = 1.4;
+
+/// Growth in time from one solution to the next where a rim or a crack is in reach: the wave's
+/// reach doubles.
 const EPOCH_GROWTH: f64 = 4.0;
+
+/// Loads from that which opens the first flaw to the highest, where the foundation carries.
+const N_RAMP: u32 = 12;
+
+/// Most loads of one hit.
+const MAX_WINDOWS: usize = 60;
 
 /// Depth over thickness at which the compression of tempered glass ends: (½ − 1/√12)
 /// of a parabola.
@@ -48,13 +58,26 @@ pub(super) struct Breaking<'a> {
     /// Whether a crack anywhere sends the whole pane to pieces.
     pub(super) dices: bool,
     pub(super) is_diced: bool,
+    /// Cracks that were there before the hit.
+    pub(super) n_older: u32,
 }
 
-/// A load and until when it holds.
-struct Epoch {
+/// A load and the time in which it holds.
+#[derive(Debug, Clone, Copy)]
+struct Window {
     load: Load,
     from_s: f64,
     until_s: f64,
+}
+
+/// The first flaw opens.
+struct Opening {
+    /// The highest load, as the plate carries it at that time.
+    load: Load,
+    bending: Bending,
+    time_s: f64,
+    force_n: f64,
+    rng: ChaCha8Rng,
 }
 
 /// What a hit has at hand.
@@ -83,10 +106,11 @@ impl Breaking<'_> {
         let (material, h) = (&self.pane.material, self.pane.thickness_m);
         let contact = contact_load(stone, material, h);
         let cone = hertzian_crack(stone, &contact, material, h, self.seed, k);
-        let peak_s = contact
-            .history
-            .iter()
-            .fold([0.0, 0.0], |best, &[t, f]| if f > best[1] { [t, f] } else { best })[0];
+        let peak_s =
+            contact.history.iter().fold(
+                [0.0, 0.0],
+                |best, &[t, f]| if f > best[1] { [t, f] } else { best },
+            )[0];
         let hit = Hit {
             stone,
             cone,
@@ -98,20 +122,28 @@ impl Breaking<'_> {
         };
         done(Stage::Contact);
         let first_piece = self.web.pieces.len();
+        self.n_older = self.web.n_cracks();
         let mut ledger = Ledger {
             available_j: 0.0,
             dissipated_j: 0.0,
         };
         let mut tips = Vec::new();
         let mut has_burst = false;
-        if self.dices && !self.is_diced {
-            has_burst = self.bursts(&hit, done)?;
-        } else if !self.is_diced {
-            let epochs = self.epochs(&hit);
-            tips = self.radials(&hit, &epochs, &mut ledger, done)?;
-            if tips.len() > 2 {
-                self.rings(&hit, &epochs, &tips, first_piece, &mut ledger)?;
-                done(Stage::Rings);
+        if !self.is_diced {
+            let is_deep = self.cone_depth_m(&hit) > COMPRESSION_DEPTH * h;
+            if self.dices && is_deep {
+                has_burst = true;
+            } else if let Some(opening) = self.opening(&hit, done)? {
+                if self.dices {
+                    has_burst = true;
+                } else {
+                    let windows = self.windows(&hit, &opening);
+                    tips = self.radials(&hit, opening, &windows, &mut ledger, done)?;
+                    if tips.len() > 2 {
+                        self.rings(&hit, &windows, &tips, first_piece, &mut ledger)?;
+                        done(Stage::Rings);
+                    }
+                }
             }
         }
         if !self.is_diced && !has_burst {
@@ -122,18 +154,6 @@ impl Breaking<'_> {
             report.damage = DamageClass::Diced;
         }
         Ok(report)
-    }
-
-    /// Whether a hit on tempered glass gets through the compression of its surfaces.
-    fn bursts(&mut self, hit: &Hit<'_>, done: &mut impl FnMut(Stage)) -> Result<bool, FractureError> {
-        if self.cone_depth_m(hit) > COMPRESSION_DEPTH * self.pane.thickness_m {
-            return Ok(true);
-        }
-        let epochs = self.epochs(hit);
-        let bending = self.plates.bend(&epochs[0].load)?;
-        done(Stage::Stress);
-        let mut rng = self.seed.stream(Stream::StoneFlaws, (1 << 32) | hit.k);
-        Ok(self.opens_flaw(hit, &bending.face(Face::Back), &mut rng))
     }
 
     /// Strength of a small area, which has fewer flaws than that of a test: (A_test/A)^(1/m) times
@@ -151,78 +171,140 @@ impl Breaking<'_> {
         }
     }
 
-    /// Whether the tension under the load opens the weakest flaw there: Weibull's strength, and
-    /// the compression of a tempered surface.
-    fn opens_flaw(&self, hit: &Hit<'_>, back: &dyn StressField, rng: &mut ChaCha8Rng) -> bool {
-        let peak = back
-            .stress_at(hit.stone.position_m, &mut 0)
-            .map_or(0.0, |stress| stress.principal().0);
+    /// The load at which the tension under the stone opens the weakest flaw there, `None` if it
+    /// never does: Weibull's strength, and the compression of a tempered surface.
+    fn opening(
+        &mut self,
+        hit: &Hit<'_>,
+        done: &mut impl FnMut(Stage),
+    ) -> Result<Option<Opening>, FractureError> {
+        let center_m = hit.stone.position_m;
+        let stiffness = self.plates.stiffness;
+        let patch_radius_m = stiffness.patch_radius_m(hit.contact.contact_radius_m);
+        let carrying = self.plates.carrying(center_m, hit.peak_s);
+        let load = Load {
+            center_m,
+            patch_radius_m,
+            force_n: hit.contact.peak_force_n,
+            carrying,
+        };
+        let bending = self.bend_for_tips(&load)?;
+        done(Stage::Stress);
+        let stress_pa_n = bending
+            .face(Face::Back)
+            .stress_at(center_m, &mut 0)
+            .map_or(0.0, |stress| stress.principal().0)
+            / load.force_n;
+        let mut rng = self.seed.stream(Stream::StoneFlaws, (1 << 32) | hit.k);
         let modulus = self.params.weibull_modulus;
-        let scatter = libm::pow(-libm::log(1.0 - uniform(rng)), 1.0 / modulus);
-        let residual = match self.pane.build {
+        let scatter = libm::pow(-libm::log(1.0 - uniform(&mut rng)), 1.0 / modulus);
+        let residual_pa = match self.pane.build {
             GlassBuild::Tempered {
                 surface_compression_pa,
             } => surface_compression_pa,
-            _ => 0.0,
+            GlassBuild::Annealed | GlassBuild::Laminated { .. } => 0.0,
         };
-        let patch_m = self.plates.stiffness.patch_radius_m(hit.contact.contact_radius_m);
-        let strength_pa = self.strength_of_area_pa(PI * patch_m * patch_m);
-        peak >= strength_pa * scatter.clamp(0.5, 1.5) + residual
+        let area_m2 = PI * patch_radius_m * patch_radius_m;
+        let strength_pa = self.strength_of_area_pa(area_m2) * scatter.clamp(0.5, 1.5) + residual_pa;
+        let opens = |[time_s, force_n]: [f64; 2]| {
+            // A younger wave bends a smaller disc, less by the logarithm of its reach.
+            let younger = match carrying {
+                Carrying::Wave { reach_m } => {
+                    let ratio = (stiffness.wave_reach_m(time_s) / reach_m).max(1e-9);
+                    stiffness.stress_per_log_reach_pa_n() * libm::log(ratio)
+                }
+                Carrying::Foundation { .. } | Carrying::Rim => 0.0,
+            };
+            force_n * (stress_pa_n + younger) >= strength_pa
+        };
+        let first = hit
+            .contact
+            .history
+            .iter()
+            .find(|&&[time_s, force_n]| time_s > 0.0 && opens([time_s, force_n]));
+        Ok(first.map(|&[time_s, force_n]| Opening {
+            load,
+            bending,
+            time_s,
+            force_n,
+            rng,
+        }))
     }
 
-    /// The loads of a hit in the order of time.
-    fn epochs(&self, hit: &Hit<'_>) -> Vec<Epoch> {
-        let center_m = hit.stone.position_m;
+    /// The loads of a hit from the opening of the first flaw on, in the order of time.
+    ///
+    /// On a foundation the force rises to its peak, and what then has come to rest stays. A
+    /// plate without one bends farther and farther out: under the stone's force while it lasts,
+    /// then by what the stone has set in motion.
+    fn windows(&self, hit: &Hit<'_>, opening: &Opening) -> Vec<Window> {
         let stiffness = &self.plates.stiffness;
-        let patch_radius_m = stiffness.patch_radius_m(hit.contact.contact_radius_m);
-        let load = |force_n, carrying| Load {
-            center_m,
-            patch_radius_m,
-            force_n,
-            carrying,
+        let window = |force_n, carrying, from_s: f64, until_s: f64| Window {
+            load: Load {
+                force_n,
+                carrying,
+                ..opening.load
+            },
+            from_s: hit.start_s + from_s,
+            until_s: hit.start_s + until_s,
         };
-        let from_s = hit.start_s + hit.peak_s;
-        let contact_s = hit.contact.contact_time_s;
-        let first = load(
-            hit.contact.peak_force_n,
-            self.plates.carrying(center_m, contact_s),
-        );
-        if let Carrying::Foundation { .. } = first.carrying {
-            return vec![Epoch {
-                load: first,
-                from_s,
-                until_s: f64::INFINITY,
-            }];
+        let mut windows: Vec<Window> = Vec::new();
+        if let Carrying::Foundation { .. } = opening.load.carrying {
+            for k in 0..=N_RAMP {
+                let part = f64::from(k) / f64::from(N_RAMP);
+                let next = f64::from(k + 1) / f64::from(N_RAMP);
+                let force_n = opening.force_n + part * (hit.contact.peak_force_n - opening.force_n);
+                let at = |part: f64| opening.time_s + part * (hit.peak_s - opening.time_s);
+                let until_s = if k == N_RAMP { f64::INFINITY } else { at(next) };
+                windows.push(window(force_n, opening.load.carrying, at(part), until_s));
+            }
+            return windows;
         }
         let deflection_m = stiffness.deflection_m(hit.contact.impulse_n_s);
-        let mut epochs = vec![Epoch {
-            load: first,
-            from_s,
-            until_s: hit.start_s + contact_s.max(hit.peak_s),
-        }];
-        let mut time_s = contact_s;
-        while u32::try_from(epochs.len()).is_ok_and(|n| n < self.params.epochs) {
-            let last = &epochs[epochs.len() - 1];
-            if matches!(last.load.carrying, Carrying::Rim) {
+        let mut from_s = opening.time_s;
+        let mut n_solved = 0;
+        while windows.len() < MAX_WINDOWS && n_solved < self.params.epochs {
+            let carrying_at = |time_s| self.plates.carrying(hit.stone.position_m, time_s);
+            let stretched = carrying_at(from_s * WINDOW_GROWTH);
+            let is_stretched = self.stretches(&opening.load, stretched);
+            let growth = if is_stretched {
+                WINDOW_GROWTH
+            } else {
+                EPOCH_GROWTH
+            };
+            let until_s = from_s * growth;
+            let time_s = from_s * growth.sqrt();
+            let carrying = carrying_at(time_s);
+            let acting_n = hit.contact.force_at_n(time_s);
+            let spreading_n = stiffness.disc_force_n(deflection_m, stiffness.wave_reach_m(time_s));
+            let force_n = if acting_n > 0.0 {
+                acting_n
+            } else {
+                spreading_n
+            };
+            windows.push(window(force_n, carrying, from_s, until_s));
+            n_solved += u32::from(!is_stretched);
+            if matches!(carrying, Carrying::Rim) && acting_n <= 0.0 {
                 break;
             }
-            let from_s = last.until_s;
-            time_s *= EPOCH_GROWTH;
-            let force_n = stiffness.disc_force_n(deflection_m, stiffness.wave_reach_m(time_s));
-            epochs.push(Epoch {
-                load: load(force_n, self.plates.carrying(center_m, time_s)),
-                from_s,
-                until_s: hit.start_s + time_s,
-            });
+            from_s = until_s;
         }
-        epochs
+        windows
+    }
+
+    /// Whether the first solution, stretched, is that of another time: no rim and no older crack
+    /// is in reach.
+    fn stretches(&self, first: &Load, carrying: Carrying) -> bool {
+        let is_free = |carrying| self.plates.is_free(first.center_m, carrying);
+        let load = Load { carrying, ..*first };
+        is_free(first.carrying) && is_free(carrying) && !self.has_older_near(&load)
     }
 
     /// Radial cracks and their forks.
     fn radials(
         &mut self,
         hit: &Hit<'_>,
-        epochs: &[Epoch],
+        opening: Opening,
+        windows: &[Window],
         ledger: &mut Ledger,
         done: &mut impl FnMut(Stage),
     ) -> Result<Vec<Tip>, FractureError> {
@@ -233,26 +315,47 @@ impl Breaking<'_> {
             motion: Motion::Dynamic,
             step_m: [(0.1 * h).clamp(2e-5, 2e-4), (0.5 * h).min(1e-3)],
             forks: true,
+            competition: COMPETITION,
             rim_shields: false,
         };
-        for (k, epoch) in epochs.iter().enumerate() {
-            let bending = self.bend_for_tips(&epoch.load)?;
-            done(Stage::Stress);
+        let Opening {
+            load: first,
+            mut bending,
+            mut rng,
+            ..
+        } = opening;
+        let is_foundation = matches!(first.carrying, Carrying::Foundation { .. });
+        for (k, window) in windows.iter().enumerate() {
+            let Window {
+                load,
+                from_s,
+                until_s,
+            } = window;
+            if is_foundation {
+                bending.set_load(load.force_n, None);
+            } else if let (Carrying::Wave { reach_m }, true) =
+                (load.carrying, self.stretches(&first, load.carrying))
+            {
+                bending.set_load(load.force_n, Some(reach_m));
+            } else {
+                bending = self.bend_for_tips(load)?;
+                done(Stage::Stress);
+            }
             ledger.available_j = ledger
                 .available_j
-                .max(bending.energy_j.min(hit.contact.plate_energy_j));
+                .max(bending.energy_j().min(hit.contact.plate_energy_j));
             let back = bending.face(Face::Back);
             if k == 0 {
-                tips = self.start_radials(hit, &back, epoch.from_s, ledger);
+                tips = self.start_radials(hit, &back, *from_s, ledger, &mut rng);
                 if tips.is_empty() {
                     break;
                 }
             }
             for tip in tips.iter_mut().filter(|tip| tip.state == TipState::Alive) {
-                tip.time_s = tip.time_s.max(epoch.from_s);
+                tip.time_s = tip.time_s.max(*from_s);
             }
-            let is_last = k + 1 == epochs.len();
-            let until_s = if is_last { f64::INFINITY } else { epoch.until_s };
+            let is_last = k + 1 == windows.len();
+            let until_s = if is_last { f64::INFINITY } else { *until_s };
             trace(
                 &mut self.web,
                 &mut tips,
@@ -275,7 +378,7 @@ impl Breaking<'_> {
     /// A crack's own faces need not be in it: K of a crack is that of the stress which the body
     /// without the crack has along its line \[Bueckner1958\].
     fn bend_for_tips(&mut self, load: &Load) -> Result<Bending, FractureError> {
-        let earlier = self.cracks_near(load);
+        let earlier = self.cracks_near(load, self.n_older);
         if earlier.is_empty() {
             self.plates.bend(load)
         } else {
@@ -283,8 +386,13 @@ impl Breaking<'_> {
         }
     }
 
-    /// Chains of the cracks through the pane that the bending of a load reaches.
-    fn cracks_near(&self, load: &Load) -> Vec<Vec<[f64; 2]>> {
+    fn has_older_near(&self, load: &Load) -> bool {
+        !self.cracks_near(load, self.n_older).is_empty()
+    }
+
+    /// Chains of those of the first `count` cracks through the pane that the bending of a load
+    /// reaches.
+    fn cracks_near(&self, load: &Load, count: u32) -> Vec<Vec<[f64; 2]>> {
         let reach = match load.carrying {
             Carrying::Foundation { length_m } => 6.0 * length_m,
             Carrying::Wave { reach_m } => reach_m,
@@ -295,7 +403,9 @@ impl Breaking<'_> {
             libm::hypot(x - load.center_m[0], y - load.center_m[1]) < reach
         };
         self.web.chains(|piece| {
-            piece.kind != SegmentKind::Cone && (is_near(piece.a) || is_near(piece.b))
+            piece.crack < count
+                && piece.kind != SegmentKind::Cone
+                && (is_near(piece.a) || is_near(piece.b))
         })
     }
 
@@ -305,6 +415,7 @@ impl Breaking<'_> {
         back: &dyn StressField,
         from_s: f64,
         ledger: &mut Ledger,
+        rng: &mut ChaCha8Rng,
     ) -> Vec<Tip> {
         let stone = hit.stone;
         let center = stone.position_m;
@@ -314,16 +425,12 @@ impl Breaking<'_> {
             .contact_radius_m
             .max(hit.contact.crushed_radius_m)
             .max(0.5 * h);
-        let mut rng = self.seed.stream(Stream::StoneFlaws, (1 << 32) | hit.k);
         let hoop = |angle: f64| {
             let [cos, sin] = unit(angle);
             let point = [center[0] + start_m * cos, center[1] + start_m * sin];
             back.stress_at(point, &mut 0)
                 .map_or(0.0, |stress| stress.normal_pa([-sin, cos]))
         };
-        if !self.opens_flaw(hit, back, &mut rng) {
-            return Vec::new();
-        }
         let modulus = self.params.weibull_modulus;
         let mean = mean_radial_count(
             &self.pane.material,
@@ -331,15 +438,15 @@ impl Breaking<'_> {
             stone.normal_speed_m_s(),
             self.params.radial_count_factor,
         );
-        let count = draw_count(mean, &mut rng);
-        let mut angles = draw_angles(count, modulus, hoop, &mut rng);
+        let count = draw_count(mean, rng);
+        let mut angles = draw_angles(count, modulus, hoop, rng);
         cull(&mut angles, &hit.law, start_m, hoop);
         let node = self.web.add_node(center);
         let mut tips = Vec::with_capacity(angles.len());
         for angle in angles {
             let direction = unit(angle);
             // The flaws that open lie at different distances, and open one after the other.
-            let start_m = start_m * libm::exp(START_SCATTER * normal(&mut rng));
+            let start_m = start_m * libm::exp(START_SCATTER * normal(rng));
             let end = [
                 center[0] + direction[0] * start_m,
                 center[1] + direction[1] * start_m,
@@ -350,10 +457,7 @@ impl Breaking<'_> {
             let stress_pa = hoop(angle);
             let effective_m = start_m.min(h);
             let intensity = hit.law.intensity(stress_pa, effective_m);
-            let speed = hit
-                .law
-                .speed_m_s(intensity)
-                .max(0.1 * hit.law.rayleigh_m_s);
+            let speed = hit.law.speed_m_s(intensity).max(0.1 * hit.law.rayleigh_m_s);
             let cost = hit.law.fracture_energy_j_m2 * h * start_m;
             if !ledger.pay(cost) {
                 break;
@@ -392,7 +496,7 @@ impl Breaking<'_> {
     fn rings(
         &mut self,
         hit: &Hit<'_>,
-        epochs: &[Epoch],
+        windows: &[Window],
         tips: &[Tip],
         first_piece: usize,
         ledger: &mut Ledger,
@@ -404,15 +508,21 @@ impl Breaking<'_> {
         let mut taken: Vec<Vec<f64>> = vec![Vec::new(); sectors.len()];
         let mut rng = self.seed.stream(Stream::Rings, hit.k);
         let law = TipLaw::new(&self.pane.material, self.pane.thickness_m, true);
-        let is_steady = matches!(epochs[0].load.carrying, Carrying::Foundation { .. });
-        let passes = if is_steady { self.params.epochs as usize - 1 } else { epochs.len() };
-        let length_m = match epochs[0].load.carrying {
+        // On a foundation the plate is at its highest load; without one at some times of the wave.
+        let is_steady = matches!(windows[0].load.carrying, Carrying::Foundation { .. });
+        let n_solved = self.params.epochs as usize;
+        let loads: Vec<Window> = if is_steady {
+            vec![windows[windows.len() - 1]; n_solved - 1]
+        } else {
+            let stride = windows.len().div_ceil(n_solved);
+            windows.iter().step_by(stride).copied().collect()
+        };
+        let length_m = match windows[0].load.carrying {
             Carrying::Foundation { length_m } => length_m,
             Carrying::Wave { .. } | Carrying::Rim => self.pane.thickness_m,
         };
         let strength_pa = self.strength_of_area_pa(length_m * length_m);
-        for pass in 0..passes {
-            let epoch = &epochs[if is_steady { 0 } else { pass }];
+        for (pass, epoch) in loads.iter().enumerate() {
             if pass == 0 || !is_steady {
                 // Bending between free radial cuts is at most some times that of the whole plate.
                 let intact = self.plates.bend(&epoch.load)?;
@@ -423,7 +533,7 @@ impl Breaking<'_> {
                     continue;
                 }
             }
-            let cracks = self.cracks_near(&epoch.load);
+            let cracks = self.cracks_near(&epoch.load, self.web.n_cracks());
             let bending = self.plates.bend_around(&epoch.load, &cracks)?;
             let front = bending.face(Face::Front);
             let mut has_broken = false;
@@ -460,7 +570,10 @@ impl Breaking<'_> {
             .filter(|tip| tip.kind == SegmentKind::Radial)
             .filter_map(|tip| {
                 let own = pieces.iter().filter(|piece| piece.crack == tip.crack);
-                let reach = own.clone().map(|piece| polar(piece.b).1).fold(0.0, f64::max);
+                let reach = own
+                    .clone()
+                    .map(|piece| polar(piece.b).1)
+                    .fold(0.0, f64::max);
                 let angle = own.map(|piece| polar(piece.b).0).next()?;
                 Some((angle, tip.crack, reach))
             })

@@ -5,11 +5,13 @@ use std::f64::consts::PI;
 use starbreak_glass::{Seed, SegmentKind};
 
 use super::outcome::LongCrackReport;
-use super::params::{GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad, MeshResolution};
+use super::params::{
+    GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad, MeshResolution,
+};
 use crate::FractureError;
 use crate::mesh::{Outline, PlateMesh};
 use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, membrane_stress};
-use crate::tips::{Ledger, Motion, Tip, TipLaw, Tracing, Web, trace, unit};
+use crate::tips::{COMPETITION, Ledger, Motion, Tip, TipLaw, Tracing, Web, trace, unit};
 
 /// Factor of K of a flaw at a free edge \[TadaParisIrwin2000\].
 const EDGE_FACTOR: f64 = 1.12;
@@ -30,19 +32,32 @@ impl StressField for PaneStress {
         if self.outline.depth_m(point_m) < -1e-9 {
             return None;
         }
-        let thermal = self.thermal.stress_at(&self.mesh, point_m, hint).unwrap_or_default();
+        let thermal = self
+            .thermal
+            .stress_at(&self.mesh, point_m, hint)
+            .unwrap_or_default();
         Some(thermal.plus(&self.frame, 1.0))
     }
 }
 
 impl PaneStress {
-    fn of(pane: &GlassPane, load: &MembraneLoad, resolution: MeshResolution) -> Result<Self, FractureError> {
+    fn of(
+        pane: &GlassPane,
+        load: &MembraneLoad,
+        resolution: MeshResolution,
+    ) -> Result<Self, FractureError> {
         let [width, height] = pane.outline.size_m();
         let center = [load.spot[0] * width, load.spot[1] * height];
         let sigma = load.spot_size * width.min(height);
         let middle = [0.5 * width, 0.5 * height];
         // An even mesh: the temperature has no peak that is sharper than the spot.
-        let mesh = PlateMesh::graded(&pane.outline, middle, 0.02 * width.min(height), None, resolution)?;
+        let mesh = PlateMesh::graded(
+            &pane.outline,
+            middle,
+            0.02 * width.min(height),
+            None,
+            resolution,
+        )?;
         let thermal = membrane_stress(
             &mesh,
             pane.material.young_modulus_pa.value,
@@ -71,7 +86,8 @@ impl PaneStress {
     fn energy_j(&self, pane: &GlassPane) -> f64 {
         let tension = self.frame.xx_pa + self.frame.yy_pa;
         let frame = 0.5 * tension * tension / pane.material.young_modulus_pa.value;
-        self.thermal.energy_j_m * pane.thickness_m + frame * pane.outline.area_m2() * pane.thickness_m
+        self.thermal.energy_j_m * pane.thickness_m
+            + frame * pane.outline.area_m2() * pane.thickness_m
     }
 
     /// The place of the rim with the highest tension along it: where, the direction inwards, and
@@ -80,7 +96,8 @@ impl PaneStress {
         let mut best = ([0.0; 2], [1.0, 0.0], f64::NEG_INFINITY);
         let mut hint = 0;
         for k in 0..RIM_SAMPLES {
-            let (point, inward) = rim_place(&self.outline, (f64::from(k) + 0.5) / f64::from(RIM_SAMPLES));
+            let (point, inward) =
+                rim_place(&self.outline, (f64::from(k) + 0.5) / f64::from(RIM_SAMPLES));
             let Some(stress) = self.stress_at(point, &mut hint) else {
                 continue;
             };
@@ -133,7 +150,13 @@ pub(super) fn grow_long_crack(
     let start = match long_crack.origin {
         LongCrackOrigin::Rim => {
             let (point, inward, tension) = field.most_stressed_rim();
-            Some((None, point, inward, long_crack.flaw_m, EDGE_FACTOR * tension))
+            Some((
+                None,
+                point,
+                inward,
+                long_crack.flaw_m,
+                EDGE_FACTOR * tension,
+            ))
         }
         LongCrackOrigin::Impact => farthest_tip(web).map(|(node, direction, length_m)| {
             let point = web.nodes[node as usize];
@@ -141,9 +164,19 @@ pub(super) fn grow_long_crack(
             let (tension, _, [nx, ny]) = stress.principal();
             // It leaves the old crack across the tension, to the side that the leg points to.
             let along = [-ny, nx];
-            let sign = if along[0] * direction[0] + along[1] * direction[1] < 0.0 { -1.0 } else { 1.0 };
+            let sign = if along[0] * direction[0] + along[1] * direction[1] < 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
             let heading = [along[0] * sign, along[1] * sign];
-            (Some(node), point, heading, long_crack.flaw_m.max(length_m), tension)
+            (
+                Some(node),
+                point,
+                heading,
+                long_crack.flaw_m.max(length_m),
+                tension,
+            )
         }),
     };
     let Some((node, point, direction, flaw_m, tension_pa)) = start else {
@@ -163,8 +196,20 @@ pub(super) fn grow_long_crack(
     let first_piece = web.pieces.len();
     let node = node.unwrap_or_else(|| web.add_node(point));
     // The flaw counts as its length; at the rim with the factor of an edge.
-    let factor = if matches!(long_crack.origin, LongCrackOrigin::Rim) { EDGE_FACTOR * EDGE_FACTOR } else { 1.0 };
-    let tip = Tip::new(web, seed, SegmentKind::Edge, node, direction, factor * flaw_m, after_s);
+    let factor = if matches!(long_crack.origin, LongCrackOrigin::Rim) {
+        EDGE_FACTOR * EDGE_FACTOR
+    } else {
+        1.0
+    };
+    let tip = Tip::new(
+        web,
+        seed,
+        SegmentKind::Edge,
+        node,
+        direction,
+        factor * flaw_m,
+        after_s,
+    );
     let motion = match long_crack.growth {
         LongCrackGrowth::Sudden => Motion::Dynamic,
         LongCrackGrowth::Slow { period_s } => Motion::Corrosion { period_s },
@@ -175,15 +220,26 @@ pub(super) fn grow_long_crack(
         motion,
         step_m: [2e-4, (0.002 * width.max(height)).clamp(2e-4, 2e-3)],
         forks: true,
+        competition: COMPETITION,
         rim_shields: true,
     };
     let mut tips = vec![tip];
-    trace(web, &mut tips, &field, &tracing, &mut ledger, seed, f64::INFINITY);
+    trace(
+        web,
+        &mut tips,
+        &field,
+        &tracing,
+        &mut ledger,
+        seed,
+        f64::INFINITY,
+    );
     let length_m = web.pieces[first_piece..]
         .iter()
         .map(|piece| piece.along_m[1] - piece.along_m[0])
         .sum();
-    let meets_rim = tips.iter().any(|tip| pane.outline.depth_m(tip.at_m) <= 1e-6);
+    let meets_rim = tips
+        .iter()
+        .any(|tip| pane.outline.depth_m(tip.at_m) <= 1e-6);
     let class = if web.pieces.len() == first_piece {
         "intact"
     } else {

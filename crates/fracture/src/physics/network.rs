@@ -1,8 +1,8 @@
 //! Pieces of crack to a network: planar, in order of time, with the surface of each.
 
 use starbreak_glass::{
-    CrackNetwork, Generator, GlassKind, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData, Nodes,
-    Pane, Seed, SegmentKind, Segments, Summary, Zone,
+    CrackNetwork, Generator, GlassKind, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData,
+    Nodes, Pane, Seed, SegmentKind, Segments, Summary, Zone,
 };
 
 use super::outcome::{ImpactReport, LongCrackReport};
@@ -50,7 +50,14 @@ pub(super) fn network(
 ) -> Result<CrackNetwork, FractureError> {
     let sheet = network_pane(pane);
     let lattice = Lattice::of_pane(&sheet);
-    let place = |[x, y]: [f64; 2]| {
+    let place = |node: [f64; 2]| {
+        let [x, y] = node;
+        // The lattice would put a node of a round rim off the rim.
+        let is_on_circle = sheet.is_disc()
+            && pane.outline.depth_m(node) * MM_PER_M <= Lattice::of_pane(&sheet).step();
+        if is_on_circle {
+            return [x * MM_PER_M, y * MM_PER_M];
+        }
         [
             lattice.round(x * MM_PER_M).clamp(0.0, sheet.width),
             lattice.round(y * MM_PER_M).clamp(0.0, sheet.height),
@@ -82,8 +89,8 @@ pub(super) fn network(
         })
         .filter(|stroke| stroke.a != stroke.b)
         .collect();
-    let arranged = arrange(&sheet, places, strokes)
-        .map_err(|limit| FractureError::TooManyCracks { limit })?;
+    let arranged =
+        arrange(&sheet, places, strokes).map_err(|limit| FractureError::TooManyCracks { limit })?;
     let segments = segments(pane, web, &arranged.nodes, arranged.strokes);
     let impacts = history
         .stones
@@ -123,7 +130,10 @@ pub(super) fn network(
 /// The class of the hit that did most.
 fn worst(reports: &[ImpactReport]) -> Option<&'static str> {
     let rank = |report: &&ImpactReport| (report.damage.rank(), report.reach_m.to_bits());
-    reports.iter().max_by_key(rank).map(|report| report.damage.name())
+    reports
+        .iter()
+        .max_by_key(rank)
+        .map(|report| report.damage.name())
 }
 
 fn impact(stone: &StoneImpact, report: &ImpactReport, [x, y]: [f64; 2]) -> Impact {
@@ -157,7 +167,10 @@ fn segments(pane: &GlassPane, web: &Web, nodes: &Nodes, mut strokes: Vec<Stroke>
     let mut segments = Segments::default();
     for stroke in &strokes {
         let piece = &web.pieces[stroke.source as usize];
-        let is_leg = matches!(piece.kind, SegmentKind::Radial | SegmentKind::Fork | SegmentKind::Ring);
+        let is_leg = matches!(
+            piece.kind,
+            SegmentKind::Radial | SegmentKind::Fork | SegmentKind::Ring
+        );
         let depth = match piece.kind {
             SegmentKind::Cone => (piece.along_m[1] / pane.thickness_m).clamp(0.02, 1.0),
             _ if is_leg => bending_depth(&law, piece.stress_pa, piece.effective_m),
@@ -179,7 +192,9 @@ fn segments(pane: &GlassPane, web: &Web, nodes: &Nodes, mut strokes: Vec<Stroke>
         columns.zone.push(zone);
         columns.roughness_um.push(roughness_um);
         columns.tilt_deg.push(piece.tilt_rad.to_degrees());
-        columns.k_ratio.push(piece.intensity_pa_sqrt_m / law.toughness_pa_sqrt_m);
+        columns
+            .k_ratio
+            .push(piece.intensity_pa_sqrt_m / law.toughness_pa_sqrt_m);
     }
     segments.parent = Some(parents);
     segments.arrival_us = Some(columns.arrival_us);
@@ -253,7 +268,8 @@ fn parents(web: &Web, n_nodes: usize, strokes: &[Stroke]) -> Vec<Option<u32>> {
             let candidates = || ending[stroke.a as usize].iter().filter(before);
             let own = candidates().find(|&&idx| crack(&strokes[idx as usize]) == crack(stroke));
             let goes_on = matches!(stroke.kind, SegmentKind::Fork | SegmentKind::Edge);
-            own.or_else(|| candidates().last().filter(|_| goes_on)).copied()
+            own.or_else(|| candidates().last().filter(|_| goes_on))
+                .copied()
         })
         .collect()
 }

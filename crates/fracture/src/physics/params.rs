@@ -255,7 +255,7 @@ impl GlassPane {
                 )?;
                 check(
                     "interlayer_modulus_mpa",
-                    interlayer_modulus_pa * 1e-6,
+                    interlayer_modulus_pa / 1e6,
                     0.1,
                     1e4,
                     "0.1 to 10000 MPa",
@@ -265,7 +265,7 @@ impl GlassPane {
                 surface_compression_pa,
             } => check(
                 "surface_compression_mpa",
-                surface_compression_pa * 1e-6,
+                surface_compression_pa / 1e6,
                 0.1,
                 1000.0,
                 "0.1 to 1000 MPa",
@@ -344,7 +344,7 @@ impl LongCrack {
         )?;
         check(
             "frame_tension_mpa",
-            load.frame_tension_pa * 1e-6,
+            load.frame_tension_pa / 1e6,
             0.0,
             100.0,
             "0 to 100 MPa",
@@ -382,7 +382,7 @@ impl PhysicsParams {
         )?;
         check(
             "strength_mpa",
-            self.strength_pa * 1e-6,
+            self.strength_pa / 1e6,
             1.0,
             1e4,
             "1 to 10000 MPa",

@@ -105,6 +105,13 @@ impl Stiffness {
         16.0 * PI * self.bending_n_m * deflection_m / (radius_m * radius_m)
     }
 
+    /// What ln(reach) adds to the stress in the middle of a clamped disc per force,
+    /// 6/h² · (1 + ν)/4π \[Timoshenko1959\], Pa/N.
+    pub(super) fn stress_per_log_reach_pa_n(&self) -> f64 {
+        let h = self.properties.thickness_m;
+        6.0 / (h * h) * (1.0 + self.properties.poisson_ratio) / (4.0 * PI)
+    }
+
     /// Radius of the patch that gives a thick plate's stress under a load on a disc of `radius_m`:
     /// √(1.6 r² + h²) − 0.675 h for r < h/2 \[Westergaard1926\].
     pub(super) fn patch_radius_m(&self, radius_m: f64) -> f64 {
@@ -150,10 +157,12 @@ pub(super) struct Bending {
     field: PlateField,
     /// Metres per unit of the mesh.
     scale: f64,
+    /// Stress over that of the solution, which is linear in the force.
+    gain: f64,
+    load: Load,
     /// Where the mesh's origin lies on the pane, m.
     origin_m: [f64; 2],
     outline: Outline,
-    pub(super) energy_j: f64,
 }
 
 /// One face of a bent pane.
@@ -163,6 +172,27 @@ pub(super) struct BentFace<'a> {
 }
 
 impl Bending {
+    /// The same plate under another force and, where a wave carries it, another reach: its stress
+    /// is linear in the force, and depends on place over reach alone (but for the patch, whose
+    /// size is felt only under it).
+    pub(super) fn set_load(&mut self, force_n: f64, reach_m: Option<f64>) {
+        self.gain = force_n / self.load.force_n;
+        if let (Carrying::Wave { reach_m: old_m }, Some(reach_m)) = (self.load.carrying, reach_m) {
+            let center = self.load.center_m;
+            let unit_m = self.scale / old_m * reach_m;
+            for (origin, center) in self.origin_m.iter_mut().zip(center) {
+                *origin = center + (*origin - center) / self.scale * unit_m;
+            }
+            self.scale = unit_m;
+            self.load.carrying = Carrying::Wave { reach_m };
+        }
+    }
+
+    /// Strain energy, J.
+    pub(super) fn energy_j(&self) -> f64 {
+        self.field.energy_j * self.scale * self.scale * self.gain * self.gain
+    }
+
     pub(super) fn face(&self, face: Face) -> BentFace<'_> {
         BentFace {
             bending: self,
@@ -182,12 +212,11 @@ impl StressField for BentFace<'_> {
             (point_m[1] - bending.origin_m[1]) / bending.scale,
         ];
         // Beyond the mesh the plate is at rest.
-        Some(
-            bending
-                .field
-                .surface_stress_at(&bending.mesh, local, self.face, hint)
-                .unwrap_or_default(),
-        )
+        let stress = bending
+            .field
+            .surface_stress_at(&bending.mesh, local, self.face, hint)
+            .unwrap_or_default();
+        Some(PlaneStress::default().plus(&stress, bending.gain))
     }
 }
 
@@ -222,14 +251,24 @@ impl Plates {
         }
     }
 
+    /// Whether the pane carries a hit as if it had no rim.
+    pub(super) fn is_free(&self, center_m: [f64; 2], carrying: Carrying) -> bool {
+        let free = self.outline.depth_m(center_m);
+        match carrying {
+            Carrying::Foundation { length_m } => free > 0.6 * FOUNDATION_REACH * length_m,
+            Carrying::Wave { reach_m } => free >= reach_m,
+            Carrying::Rim => false,
+        }
+    }
+
     /// The bending of the intact pane.
     pub(super) fn bend(&mut self, load: &Load) -> Result<Bending, FractureError> {
-        let free = self.outline.depth_m(load.center_m);
+        let is_free = self.is_free(load.center_m, load.carrying);
         match load.carrying {
-            Carrying::Foundation { length_m } if free > 0.6 * FOUNDATION_REACH * length_m => {
+            Carrying::Foundation { length_m } if is_free => {
                 self.bend_kept(load, length_m, FOUNDATION_REACH)
             }
-            Carrying::Wave { reach_m } if free >= reach_m => self.bend_kept(load, reach_m, 1.0),
+            Carrying::Wave { reach_m } if is_free => self.bend_kept(load, reach_m, 1.0),
             _ => self.bend_around(load, &[]),
         }
     }
@@ -282,10 +321,11 @@ impl Plates {
             force_n: load.force_n,
         })?;
         Ok(Bending {
-            energy_j: field.energy_j * unit_m * unit_m,
             mesh: Rc::clone(&kept.mesh),
             field,
             scale: unit_m,
+            gain: 1.0,
+            load: *load,
             origin_m: load.center_m.map(|center| center - radius * unit_m),
             outline: self.outline,
         })
@@ -322,10 +362,11 @@ impl Plates {
             force_n: load.force_n,
         })?;
         Ok(Bending {
-            energy_j: field.energy_j,
             mesh: solved.mesh,
             field,
             scale: 1.0,
+            gain: 1.0,
+            load: *load,
             origin_m: [0.0, 0.0],
             outline: self.outline,
         })

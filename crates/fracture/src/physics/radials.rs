@@ -30,8 +30,8 @@ pub fn mean_radial_count(
     normal_speed_m_s: f64,
     factor: f64,
 ) -> f64 {
-    let toughness_length = material.young_modulus_pa.value * thickness_m
-        / material.fracture_energy_j_m2();
+    let toughness_length =
+        material.young_modulus_pa.value * thickness_m / material.fracture_energy_j_m2();
     factor
         * (normal_speed_m_s / material.bar_wave_speed_m_s()).sqrt()
         * toughness_length.sqrt().sqrt()
@@ -71,7 +71,10 @@ pub(super) fn draw_angles(
     while angles.len() < count as usize && tries < 400 * count {
         tries += 1;
         let angle = 2.0 * PI * uniform(rng);
-        let weight = libm::pow((hoop_stress_pa(angle) / peak).clamp(0.0, 1.0), weibull_modulus);
+        let weight = libm::pow(
+            (hoop_stress_pa(angle) / peak).clamp(0.0, 1.0),
+            weibull_modulus,
+        );
         let is_free = angles.iter().all(|&other| {
             let distance = (angle - other).abs();
             distance.min(2.0 * PI - distance) >= least
@@ -95,7 +98,11 @@ pub(super) fn cull(
         let n = angles.len();
         let gap_m = |from: usize, to: usize| {
             let angle = (angles[to] - angles[from]).rem_euclid(2.0 * PI);
-            if n == 1 { f64::INFINITY } else { start_m * angle }
+            if n == 1 {
+                f64::INFINITY
+            } else {
+                start_m * angle
+            }
         };
         let intensity = |k: usize| {
             let gaps = Gaps {

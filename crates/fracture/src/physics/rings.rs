@@ -101,7 +101,15 @@ impl Rings<'_> {
         let tilt_rad = 0.12 * normal(rng);
         for sign in [1.0, -1.0] {
             let heading = [-direction[1] * sign, direction[0] * sign];
-            self.run(sector, start, heading, crack, start_s, strength_pa, tilt_rad);
+            self.run(
+                sector,
+                start,
+                heading,
+                crack,
+                start_s,
+                strength_pa,
+                tilt_rad,
+            );
         }
         taken_m.push(radius);
         true
@@ -121,7 +129,10 @@ impl Rings<'_> {
             .fold(0.0, f64::max)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "one half of a ring is all of these")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "one half of a ring is all of these"
+    )]
     fn run(
         &mut self,
         sector: &Sector,

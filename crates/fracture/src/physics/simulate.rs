@@ -9,7 +9,7 @@ use super::outcome::{Broken, DamageClass, ImpactReport, Stage};
 use super::params::{Dicing, GlassBuild, GlassPane, LongCrack, PhysicsParams, StoneImpact};
 use super::plate::Plates;
 use crate::FractureError;
-use crate::dice::{Diced, dice_cells, dice_cells as dice_cascade, fragment_density_per_m2};
+use crate::dice::{dice_cascade, dice_cells, fragment_density_per_m2};
 use crate::mesh::to_u32;
 use crate::tips::{Piece, TipLaw, Web};
 
@@ -62,6 +62,7 @@ pub fn simulate(
             GlassBuild::Annealed | GlassBuild::Laminated { .. } => false,
         },
         is_diced: false,
+        n_older: 0,
     };
     let mut reports: Vec<ImpactReport> = Vec::with_capacity(impacts.len());
     let mut time_s = 0.0;
@@ -159,17 +160,21 @@ fn dice(
     };
     let center = stone.position_m;
     let start_s = report.time_s;
-    let make = match breaking.params.dicing {
-        Dicing::Cells => dice_cells,
-        Dicing::Cascade => dice_cascade,
-    };
-    let diced: Diced = make(
-        &pane.outline,
-        pane.thickness_m,
-        surface_compression_pa,
-        &[center],
-        breaking.seed,
-    )?;
+    let diced = match breaking.params.dicing {
+        Dicing::Cells => dice_cells(
+            &pane.outline,
+            pane.thickness_m,
+            surface_compression_pa,
+            &[center],
+            breaking.seed,
+        ),
+        Dicing::Cascade => dice_cascade(
+            &pane.outline,
+            surface_compression_pa,
+            &[center],
+            breaking.seed,
+        ),
+    }?;
     let web = &mut breaking.web;
     let first_node = web.nodes.len();
     web.nodes.extend_from_slice(&diced.nodes);
@@ -177,7 +182,9 @@ fn dice(
     let core_tension_pa = 0.5 * surface_compression_pa;
     let law = TipLaw::new(&pane.material, pane.thickness_m, false);
     let effective_m = 0.25 * pane.thickness_m;
-    let intensity = law.intensity(core_tension_pa, effective_m).max(law.toughness_pa_sqrt_m);
+    let intensity = law
+        .intensity(core_tension_pa, effective_m)
+        .max(law.toughness_pa_sqrt_m);
     let crack = web.new_crack();
     let mut dissipated_j = 0.0;
     let mut reach_m: f64 = 0.0;
@@ -192,7 +199,7 @@ fn dice(
             b,
             crack,
             kind: SegmentKind::Dice,
-            time_s: diced.edge_times_s(idx).map(|time| start_s + time),
+            time_s: diced.times_s[idx].map(|time| start_s + time),
             along_m: [0.0, length],
             stress_pa: core_tension_pa,
             intensity_pa_sqrt_m: intensity,

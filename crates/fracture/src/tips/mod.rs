@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::mesh::uniform;
 
 pub(crate) use law::{Gaps, TERMINAL_SPEED_M_S, TipLaw, crack_direction};
-pub(crate) use tracer::{Ledger, Motion, Tip, TipState, Tracing, rotated, trace, unit};
+pub(crate) use tracer::{COMPETITION, Ledger, Motion, Tip, TipState, Tracing, trace, unit};
 pub(crate) use web::{Piece, Web};
 
 /// A standard normal number \[BoxMuller1958\].

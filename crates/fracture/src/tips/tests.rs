@@ -41,6 +41,7 @@ fn tracing(law: TipLaw, forks: bool) -> Tracing {
         motion: Motion::Dynamic,
         step_m: [1e-4, 5e-4],
         forks,
+        competition: COMPETITION,
         rim_shields: false,
     }
 }
@@ -132,7 +133,11 @@ fn a_crack_under_shear_runs_at_45_degrees() {
 /// Stress around a hole of radius a in a plate under uniform tension S along x \[Kirsch1898\].
 fn kirsch([x, y]: [f64; 2], a: f64, s: f64) -> PlaneStress {
     let (r, theta) = (libm::hypot(x, y), libm::atan2(y, x));
-    let (q, cos2, sin2) = ((a / r).powi(2), libm::cos(2.0 * theta), libm::sin(2.0 * theta));
+    let (q, cos2, sin2) = (
+        (a / r).powi(2),
+        libm::cos(2.0 * theta),
+        libm::sin(2.0 * theta),
+    );
     let rr = 0.5 * s * (1.0 - q) + 0.5 * s * (1.0 - 4.0 * q + 3.0 * q * q) * cos2;
     let tt = 0.5 * s * (1.0 + q) - 0.5 * s * (1.0 + 3.0 * q * q) * cos2;
     let rt = -0.5 * s * (1.0 + 2.0 * q - 3.0 * q * q) * sin2;
@@ -166,10 +171,20 @@ fn a_crack_past_a_hole_follows_the_principal_trajectory() {
             p[1] + step / 6.0 * (k1[1] + 2.0 * k2[1] + 2.0 * k3[1] + k4[1]),
         ]);
     }
-    let bend = trajectory.iter().map(|p| (p[0] - start[0]).abs()).fold(0.0, f64::max);
+    let bend = trajectory
+        .iter()
+        .map(|p| (p[0] - start[0]).abs())
+        .fold(0.0, f64::max);
     assert!(bend > 0.01, "the hole bends the way, by {bend} m");
     let field = Formula(stress);
-    let (web, _) = path(&field, start, slope(start), 0.01, &tracing(law(h, false), false), 3);
+    let (web, _) = path(
+        &field,
+        start,
+        slope(start),
+        0.01,
+        &tracing(law(h, false), false),
+        3,
+    );
     let mut worst: f64 = 0.0;
     for &[x, y] in web.nodes.iter().filter(|[_, y]| *y < 0.9) {
         let nearest = trajectory
@@ -204,11 +219,28 @@ fn star(n: u32, s: f64, r0: f64, h: f64) -> (Vec<f64>, TipLaw) {
             center[1] + direction[1] * start_m,
         ]);
         let kind = SegmentKind::Radial;
-        tips.push(Tip::new(&mut web, Seed(1), kind, node, direction, start_m, 0.0));
+        tips.push(Tip::new(
+            &mut web,
+            Seed(1),
+            kind,
+            node,
+            direction,
+            start_m,
+            0.0,
+        ));
     }
     let mut tracing = tracing(law, false);
     tracing.step_m = [2e-5, 5e-5];
-    trace(&mut web, &mut tips, &field, &tracing, &mut endless(), Seed(1), f64::INFINITY);
+    tracing.competition = 0.0;
+    trace(
+        &mut web,
+        &mut tips,
+        &field,
+        &tracing,
+        &mut endless(),
+        Seed(1),
+        f64::INFINITY,
+    );
     let radii = tips
         .iter()
         .map(|tip| libm::hypot(tip.at_m[0] - center[0], tip.at_m[1] - center[1]))
@@ -223,8 +255,8 @@ fn a_star_arrests_where_k_falls_to_toughness() {
         let (radii, law) = star(n, s, r0, h);
         // S r0/r √(f r/2n·...): K = S (r0/r) √(f π s/2π), s = 2πr/n, is K_IC at
         // r = f π (S r0/K_IC)²/n.
-        let expected = law.shape_factor * PI * (s * r0 / law.toughness_pa_sqrt_m).powi(2)
-            / f64::from(n);
+        let expected =
+            law.shape_factor * PI * (s * r0 / law.toughness_pa_sqrt_m).powi(2) / f64::from(n);
         let mean = radii.iter().sum::<f64>() / f64::from(n);
         assert!(
             (mean / expected - 1.0).abs() < 0.02,
@@ -246,7 +278,10 @@ fn the_way_to_a_fork_falls_with_the_square_of_stress() {
             tracing.step_m = [2e-6, 1e-4];
             let start_m = 1e-4_f64.max(1.2 * (law.toughness_pa_sqrt_m / s).powi(2) / PI);
             let (web, _) = path(&field, [0.5, 0.2], [0.0, 1.0], start_m, &tracing, seed);
-            let first = web.pieces.iter().find(|piece| piece.kind == SegmentKind::Fork);
+            let first = web
+                .pieces
+                .iter()
+                .find(|piece| piece.kind == SegmentKind::Fork);
             let Some(first) = first else { continue };
             let distance = first.along_m[0] + start_m;
             points.push((s.ln(), distance.ln()));
@@ -255,7 +290,9 @@ fn the_way_to_a_fork_falls_with_the_square_of_stress() {
     }
     assert!(points.len() > 200, "they fork");
     let n = f64::from(u32::try_from(points.len()).unwrap());
-    let (mx, my) = points.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
+    let (mx, my) = points
+        .iter()
+        .fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
     let cov: f64 = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum();
     let var: f64 = points.iter().map(|p| (p.0 - mx).powi(2)).sum();
     let slope = cov / var;
@@ -294,24 +331,49 @@ fn the_ledger_is_never_overdrawn() {
     let mut web = web();
     let node = web.add_node([0.5, 0.5]);
     let kind = SegmentKind::Radial;
-    let mut tips = vec![Tip::new(&mut web, Seed(1), kind, node, [1.0, 0.0], 1e-3, 0.0)];
+    let mut tips = vec![Tip::new(
+        &mut web,
+        Seed(1),
+        kind,
+        node,
+        [1.0, 0.0],
+        1e-3,
+        0.0,
+    )];
     let mut ledger = Ledger {
         available_j: 1e-2,
         dissipated_j: 0.0,
     };
-    trace(&mut web, &mut tips, &field, &tracing(law, true), &mut ledger, Seed(1), f64::INFINITY);
+    trace(
+        &mut web,
+        &mut tips,
+        &field,
+        &tracing(law, true),
+        &mut ledger,
+        Seed(1),
+        f64::INFINITY,
+    );
     let length: f64 = web.pieces.iter().map(|p| p.along_m[1] - p.along_m[0]).sum();
     let cost = length * law.fracture_energy_j_m2 * law.thickness_m;
-    assert!((cost - ledger.dissipated_j).abs() < 1e-9, "what was paid was made");
+    assert!(
+        (cost - ledger.dissipated_j).abs() < 1e-9,
+        "what was paid was made"
+    );
     assert!(ledger.dissipated_j <= ledger.available_j, "not overdrawn");
-    assert!(ledger.dissipated_j > 0.99 * ledger.available_j, "spent, in this strong field");
+    assert!(
+        ledger.dissipated_j > 0.99 * ledger.available_j,
+        "spent, in this strong field"
+    );
 }
 
 #[test]
 fn tips_end_at_cracks_and_share_a_node_with_them() {
     let field = Formula(|_| uniform_stress(10e6, 0.0, 0.0));
     let mut web = web();
-    let wall: Vec<u32> = [[0.1, 0.6], [0.9, 0.6]].iter().map(|&p| web.add_node(p)).collect();
+    let wall: Vec<u32> = [[0.1, 0.6], [0.9, 0.6]]
+        .iter()
+        .map(|&p| web.add_node(p))
+        .collect();
     let crack = web.new_crack();
     web.add_piece(Piece {
         a: wall[0],
@@ -336,13 +398,23 @@ fn tips_end_at_cracks_and_share_a_node_with_them() {
         0.0,
     )];
     let plan = tracing(law(4e-3, false), false);
-    trace(&mut web, &mut tips, &field, &plan, &mut endless(), Seed(2), f64::INFINITY);
+    trace(
+        &mut web,
+        &mut tips,
+        &field,
+        &plan,
+        &mut endless(),
+        Seed(2),
+        f64::INFINITY,
+    );
     assert_eq!(tips[0].state, TipState::Ended, "it is over");
     assert!((tips[0].at_m[1] - 0.6).abs() < 1e-9, "at the wall");
     let shared = web
         .pieces
         .iter()
-        .filter(|piece| piece.crack == crack && (piece.a == tips[0].node || piece.b == tips[0].node))
+        .filter(|piece| {
+            piece.crack == crack && (piece.a == tips[0].node || piece.b == tips[0].node)
+        })
         .count();
     assert_eq!(shared, 2, "the wall is divided at the node of the tip");
 }
@@ -361,6 +433,10 @@ fn corrosion_runs_only_under_load() {
         .iter()
         .map(|p| (p.along_m[1] - p.along_m[0]) / (p.time_s[1] - p.time_s[0]))
         .collect();
-    assert!(speeds[0] < 1e-3, "below toughness it creeps, {} m/s", speeds[0]);
+    assert!(
+        speeds[0] < 1e-3,
+        "below toughness it creeps, {} m/s",
+        speeds[0]
+    );
     assert!(web.pieces[0].time_s[1] > 1.0, "which takes seconds");
 }

@@ -67,6 +67,8 @@ pub(crate) struct Tip {
     pub(crate) tilt_rad: f64,
     pub(crate) state: TipState,
     pub(crate) hint: u32,
+    /// Node of the fork that it comes from.
+    fork_node: Option<u32>,
     branching_scatter: f64,
     rng: ChaCha8Rng,
 }
@@ -99,6 +101,7 @@ impl Tip {
             tilt_rad,
             state: TipState::Alive,
             hint: 0,
+            fork_node: None,
             branching_scatter,
             rng,
         }
@@ -132,6 +135,8 @@ pub(crate) struct Tracing {
     pub(crate) step_m: [f64; 2],
     /// Whether tips may fork.
     pub(crate) forks: bool,
+    /// [`COMPETITION`], or 0 for tips that do not.
+    pub(crate) competition: f64,
     /// Whether the rim feeds a tip less than glass does, as under stress in the plane.
     pub(crate) rim_shields: bool,
 }
@@ -201,15 +206,15 @@ fn branch_of(web: &mut Web, parent: &Tip, seed: Seed, turn_rad: f64) -> Tip {
         parent.time_s,
     );
     branch.hint = parent.hint;
+    branch.fork_node = Some(parent.node);
     branch.along_m = parent.along_m;
     branch.tilt_rad = parent.tilt_rad;
     branch
 }
 
-/// How fast a lead over a neighbor frees a tip from it, and holds the neighbor back. FIT: arrays of
-/// parallel cracks lose every other one about where the spacing falls to the length
-/// \[NematNasser1978\].
-const COMPETITION: f64 = 4.0;
+/// How fast a lead over a neighbor frees a tip from it, and holds the neighbor back: the stress in a
+/// strip of width s fades like exp(−π d/s) from its end.
+pub(crate) const COMPETITION: f64 = PI;
 
 /// Lead over the distance that makes no difference yet.
 const EQUAL_LEAD: f64 = 0.1;
@@ -225,7 +230,9 @@ fn gaps_beside(web: &Web, tips: &[Tip], own_idx: usize, tracing: &Tracing) -> Ga
     let [tx, ty] = own.direction;
     let mut gaps = Gaps::NONE;
     for (idx, other) in tips.iter().enumerate() {
-        if idx == own_idx || other.state == TipState::Forked {
+        // The two branches of a fork share their energy already.
+        let is_sibling = own.fork_node.is_some() && own.fork_node == other.fork_node;
+        if idx == own_idx || other.state == TipState::Forked || is_sibling {
             continue;
         }
         let (dx, dy) = (other.at_m[0] - own.at_m[0], other.at_m[1] - own.at_m[1]);
@@ -251,7 +258,7 @@ fn gaps_beside(web: &Web, tips: &[Tip], own_idx: usize, tracing: &Tracing) -> Ga
         }
         let lead = -lag / arc;
         let beyond = (lead.abs() - EQUAL_LEAD).max(0.0).copysign(lead);
-        let counts = arc * libm::exp((COMPETITION * beyond).clamp(-20.0, 20.0));
+        let counts = arc * libm::exp((tracing.competition * beyond).clamp(-20.0, 20.0));
         let gap = if tx * dy - ty * dx > 0.0 {
             &mut gaps.left_m
         } else {
@@ -347,12 +354,7 @@ impl Step<'_> {
         (speed > 0.0).then(|| speed.max(1e-9))
     }
 
-    fn fork(
-        &self,
-        tip: &Tip,
-        stress: &PlaneStress,
-        intensity: f64,
-    ) -> Option<f64> {
+    fn fork(&self, tip: &Tip, stress: &PlaneStress, intensity: f64) -> Option<f64> {
         let law = &self.tracing.law;
         let may = self.tracing.forks
             && tip.since_fork_m > law.thickness_m

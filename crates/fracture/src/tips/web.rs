@@ -84,6 +84,11 @@ impl Web {
         self.n_cracks - 1
     }
 
+    /// How many cracks there are.
+    pub(crate) fn n_cracks(&self) -> u32 {
+        self.n_cracks
+    }
+
     pub(crate) fn add_node(&mut self, point_m: [f64; 2]) -> u32 {
         self.nodes.push(point_m);
         to_u32(self.nodes.len() - 1)

@@ -92,6 +92,12 @@ impl PaperOptics {
         self.blur_kernel_px / 2
     }
 
+    /// How far beyond the frame a crack may lie and still be seen in it: half its width and the
+    /// blur, and a pixel for their edges, px.
+    pub(super) fn reach_px(&self) -> f64 {
+        0.5 * self.line_width_px + f64::from(self.blur_radius_px()) + 1.0
+    }
+
     /// Every parameter is in its range.
     ///
     /// # Errors

@@ -6,8 +6,8 @@ use starbreak_glass::CrackNetwork;
 use super::canvas::blend_and_blur;
 use super::params::PaperOptics;
 use super::shading::crack_energies;
-use crate::OpticsError;
 use crate::coverage::{Coverage, Line, gray_image};
+use crate::{OpticsError, View};
 
 /// Where a render changed the image, and where the cracks are.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,9 +25,10 @@ pub struct Masks {
 pub fn render(
     image: &mut DynamicImage,
     network: &CrackNetwork,
+    view: &View,
     optics: &PaperOptics,
 ) -> Result<Masks, OpticsError> {
-    render_at(image, network, f64::INFINITY, optics)
+    render_at(image, network, view, f64::INFINITY, optics)
 }
 
 /// Renders the network as far as it has grown at `time` (in the unit of its arrival column) over
@@ -38,33 +39,27 @@ pub fn render(
 pub fn render_at(
     image: &mut DynamicImage,
     network: &CrackNetwork,
+    view: &View,
     time: f64,
     optics: &PaperOptics,
 ) -> Result<Masks, OpticsError> {
     optics.check()?;
-    let drawn = draw(network, (image.width(), image.height()), time, optics);
+    let drawn = draw(network, view, time, optics);
     composite(image, &drawn, optics)
 }
 
-/// The cracks as far as they have grown at `time`, drawn over a frame of `width × height`
-/// pixels: coverage M, and E(L_r)/S of each pixel as its weight. The pane is stretched to the
-/// frame.
+/// The cracks as far as they have grown at `time`, drawn over the frame of the view: coverage M,
+/// and E(L_r)/S of each pixel as its weight.
 #[must_use]
-pub fn draw(
-    network: &CrackNetwork,
-    (width, height): (u32, u32),
-    time: f64,
-    optics: &PaperOptics,
-) -> Coverage {
-    let pane = &network.data().pane;
-    let scale = [
-        f64::from(width) / pane.width,
-        f64::from(height) / pane.height,
-    ];
-    let energies = crack_energies(network, scale, optics);
-    let lines = network.grown_at(time).map(|(idx, [x0, y0, x1, y1])| Line {
-        ends: [x0 * scale[0], y0 * scale[1], x1 * scale[0], y1 * scale[1]],
-        weight: energies[idx],
+pub fn draw(network: &CrackNetwork, view: &View, time: f64, optics: &PaperOptics) -> Coverage {
+    let (width, height) = view.size();
+    let energies = crack_energies(network, view, optics);
+    let margin = optics.reach_px();
+    let lines = network.grown_at(time).filter_map(|(idx, ends)| {
+        Some(Line {
+            ends: view.visible(ends, margin)?,
+            weight: energies[idx],
+        })
     });
     Coverage::of_lines(width, height, optics.line_width_px, lines)
 }

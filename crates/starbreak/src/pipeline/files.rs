@@ -239,7 +239,8 @@ pub fn stage_cracked(
         input_sha256: &file.sha256,
         output_name: &output_name,
         output_sha256: &sha256_hex(&bytes),
-        fracture: &cracked.fracture,
+        network: &cracked.network,
+        details: &cracked.details,
         region_fraction,
         timings: &timings,
     })?;

@@ -2,9 +2,8 @@
 
 use image::{DynamicImage, GrayImage};
 use starbreak_glass::CrackNetwork;
-use starbreak_optics::Coverage;
-use starbreak_optics::Line;
 use starbreak_optics::paper::{PaperOptics, render_at};
+use starbreak_optics::{Coverage, Line, View};
 
 use crate::Error;
 
@@ -15,22 +14,20 @@ pub fn growth_times(network: &CrackNetwork, n_frames: u32) -> impl Iterator<Item
     (1..=n_frames).map(move |k| last * f64::from(k) / f64::from(n_frames))
 }
 
-/// The cracks at a time, white on black, on a frame of the pane's own size in whole pixels.
+/// The cracks at a time, white on black, on the frame of the view.
 #[must_use]
 pub fn growth_drawing(
     network: &CrackNetwork,
-    (width, height): (u32, u32),
+    view: &View,
     time: f64,
     line_width_px: f64,
 ) -> GrayImage {
-    let pane = &network.data().pane;
-    let (scale_x, scale_y) = (
-        f64::from(width) / pane.width,
-        f64::from(height) / pane.height,
-    );
-    let lines = network.grown_at(time).map(|(_, [x0, y0, x1, y1])| Line {
-        ends: [x0 * scale_x, y0 * scale_y, x1 * scale_x, y1 * scale_y],
-        weight: 1.0,
+    let (width, height) = view.size();
+    let lines = network.grown_at(time).filter_map(|(_, ends)| {
+        Some(Line {
+            ends: view.visible(ends, line_width_px + 1.0)?,
+            weight: 1.0,
+        })
     });
     Coverage::of_lines(width, height, line_width_px, lines).to_mask()
 }
@@ -42,10 +39,11 @@ pub fn growth_drawing(
 pub fn growth_over(
     scene: &DynamicImage,
     network: &CrackNetwork,
+    view: &View,
     time: f64,
     optics: &PaperOptics,
 ) -> Result<DynamicImage, Error> {
     let mut frame = scene.clone();
-    render_at(&mut frame, network, time, optics)?;
+    render_at(&mut frame, network, view, time, optics)?;
     Ok(frame)
 }

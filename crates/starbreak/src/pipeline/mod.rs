@@ -1,30 +1,36 @@
 //! Settings and seed in, cracked images out: one image in memory, or many files.
 
+mod details;
 mod files;
 mod growth;
 mod provenance;
 mod timings;
 
 use image::DynamicImage;
-use starbreak_fracture::paper::{Fracture, Stage, simulate as simulate_paper};
-use starbreak_glass::{Pane, Seed};
+use starbreak_fracture::paper::{Stage, simulate as simulate_paper};
+use starbreak_glass::{CrackNetwork, Pane, Seed};
+use starbreak_optics::View;
 use starbreak_optics::paper::{Masks, composite, draw};
 
-use crate::{Error, Settings};
+use crate::{Error, FractureSettings, PaperSettings, Settings};
+
+pub use details::{Details, PaperDetails};
 
 pub use files::{
     Failure, ImageJob, JobResult, Written, crack_file, crack_files, plan_images, stage_cracked,
     with_threads,
 };
 pub use growth::{growth_drawing, growth_over, growth_times};
-pub use provenance::{PROVENANCE_SCHEMA, RunContext, convergence_json};
+pub use provenance::{PROVENANCE_SCHEMA, RunContext};
 pub use timings::{Stopwatch, Timings};
 
 /// A simulated crack network and how long each stage took.
 #[derive(Debug, Clone)]
 pub struct Simulated {
-    /// The cracks and how they came to rest.
-    pub fracture: Fracture,
+    /// The cracks.
+    pub network: CrackNetwork,
+    /// What the model says about them.
+    pub details: Details,
     /// Wall-clock time per stage.
     pub timings: Timings,
 }
@@ -32,8 +38,10 @@ pub struct Simulated {
 /// What [`crack_image`] leaves beside the image.
 #[derive(Debug, Clone)]
 pub struct Cracked {
-    /// The cracks and how they came to rest.
-    pub fracture: Fracture,
+    /// The cracks.
+    pub network: CrackNetwork,
+    /// What the model says about them.
+    pub details: Details,
     /// Where the image changed, and where the cracks are.
     pub masks: Masks,
     /// Wall-clock time per stage.
@@ -50,10 +58,22 @@ pub fn simulate(
     height_px: u32,
     seed: Seed,
 ) -> Result<Simulated, Error> {
+    match &settings.fracture {
+        FractureSettings::Paper(paper) => paper_network(paper, width_px, height_px, seed),
+        FractureSettings::Physics(_) => Err(Error::Unfinished),
+    }
+}
+
+fn paper_network(
+    settings: &PaperSettings,
+    width_px: u32,
+    height_px: u32,
+    seed: Seed,
+) -> Result<Simulated, Error> {
     let mut watch = Stopwatch::start();
     let pane = Pane::from_frame_px(width_px, height_px);
     let impacts = settings.impacts_on(&pane);
-    let fracture = simulate_paper(&pane, &impacts, &settings.fracture, seed, |stage| {
+    let fracture = simulate_paper(&pane, &impacts, &settings.params, seed, |stage| {
         watch.lap(match stage {
             Stage::Mesh => "mesh",
             Stage::Propagation => "propagation",
@@ -62,7 +82,13 @@ pub fn simulate(
         });
     })?;
     Ok(Simulated {
-        fracture,
+        details: Details::Paper(PaperDetails {
+            convergence: fracture.convergence,
+            n_mesh_nodes: fracture.n_mesh_nodes,
+            n_triangles: fracture.n_triangles,
+            n_stressed_nodes: fracture.n_stressed_nodes,
+        }),
+        network: fracture.network,
         timings: watch.stop(),
     })
 }
@@ -79,22 +105,20 @@ pub fn crack_image(
     seed: Seed,
 ) -> Result<Cracked, Error> {
     let Simulated {
-        fracture,
+        network,
+        details,
         mut timings,
     } = simulate(settings, image.width(), image.height(), seed)?;
     let mut watch = Stopwatch::start();
-    let drawn = draw(
-        &fracture.network,
-        (image.width(), image.height()),
-        f64::INFINITY,
-        &settings.optics,
-    );
+    let view = View::stretched(&network.data().pane, (image.width(), image.height()));
+    let drawn = draw(&network, &view, f64::INFINITY, &settings.optics);
     watch.lap("draw");
     let masks = composite(image, &drawn, &settings.optics)?;
     watch.lap("render");
     timings.append(watch.stop());
     Ok(Cracked {
-        fracture,
+        network,
+        details,
         masks,
         timings,
     })

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::{Value, json};
+use serde_json::{Map, json};
 use starbreak_dataset::{Provenance, sha256_hex};
-use starbreak_fracture::paper::{ConvergenceReport, Fracture};
-use starbreak_glass::Seed;
+use starbreak_glass::{CrackNetwork, Seed};
 
+use super::details::Details;
 use super::timings::Timings;
 use crate::{Error, Recipe, Settings};
 
@@ -38,7 +38,8 @@ pub(super) struct Item<'a> {
     pub(super) input_sha256: &'a str,
     pub(super) output_name: &'a str,
     pub(super) output_sha256: &'a str,
-    pub(super) fracture: &'a Fracture,
+    pub(super) network: &'a CrackNetwork,
+    pub(super) details: &'a Details,
     pub(super) region_fraction: f64,
     pub(super) timings: &'a Timings,
 }
@@ -61,7 +62,13 @@ impl RunContext {
     }
 
     pub(super) fn provenance(&self, item: &Item<'_>) -> Result<Provenance, Error> {
-        let data = item.fracture.network.data();
+        let data = item.network.data();
+        let mut network = Map::from_iter([
+            ("model".to_owned(), json!(data.model)),
+            ("impacts".to_owned(), json!(data.impacts)),
+            ("summary".to_owned(), json!(item.network.summary())),
+        ]);
+        network.extend(item.details.to_json());
         let record = json!({
             "schema": PROVENANCE_SCHEMA,
             "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
@@ -72,30 +79,10 @@ impl RunContext {
             "camera": { "width_px": item.width_px, "height_px": item.height_px },
             "input": { "name": item.name, "sha256": item.input_sha256 },
             "output": { "name": item.output_name, "sha256": item.output_sha256 },
-            "network": {
-                "model": data.model,
-                "impacts": data.impacts,
-                "summary": item.fracture.network.summary(),
-                "convergence": convergence_json(&item.fracture.convergence),
-            },
+            "network": network,
             "region_fraction": item.region_fraction,
             "timings_ms": item.timings.to_json(),
         });
         Ok(Provenance::new(record)?)
     }
-}
-
-/// How the propagation came to rest, for people and scripts.
-#[must_use]
-pub fn convergence_json(report: &ConvergenceReport) -> Value {
-    json!({
-        "converged": report.converged(),
-        "n_steps": report.n_steps(),
-        "n_fronts": report.n_fronts,
-        "stopped_below_threshold": report.stopped_below_threshold,
-        "stopped_at_crack": report.stopped_at_crack,
-        "stopped_without_neighbor": report.stopped_without_neighbor,
-        "impacts_without_fracture": report.impacts_without_fracture,
-        "max_stress_change": report.max_stress_change,
-    })
 }

@@ -75,6 +75,29 @@ pub enum RecipeError {
         /// The nearest known key, or all of them.
         hint: String,
     },
+    /// A key or table of the other fracture model.
+    #[error(
+        "{place}: {key} is a {what} of model \"{other}\", but this recipe's model is \"{model}\"; remove it or set \
+         fracture.model = \"{other}\""
+    )]
+    OtherModel {
+        /// Where the text came from.
+        place: Place,
+        /// The key with its table.
+        key: String,
+        /// "key" or "table".
+        what: &'static str,
+        /// The model that has it.
+        other: &'static str,
+        /// The model of the recipe.
+        model: &'static str,
+    },
+    /// A severity that presets do not have.
+    #[error("severity {found}; expected 1 (mild) to 5 (severe), 3 is the preset itself")]
+    Severity {
+        /// What was asked for.
+        found: u8,
+    },
     /// A preset that does not exist.
     #[error("unknown preset `{name}`; {hint}")]
     UnknownPreset {
@@ -106,7 +129,7 @@ pub enum RecipeError {
         expected: String,
     },
     /// Not of the form `table.key=value`.
-    #[error("{place}: not an override; write table.key=value, e.g. fracture.particles=5000")]
+    #[error("{place}: not an override; write table.key=value, e.g. impact.speed_m_s=30")]
     NotAnAssignment {
         /// The text.
         place: Place,
@@ -136,13 +159,15 @@ pub(super) fn printable(text: &str) -> String {
         .collect()
 }
 
+/// A value that went to SI and back, without the last digits that this costs.
+fn as_given(value: f64) -> f64 {
+    format!("{value:.12e}").parse().unwrap_or(value)
+}
+
 impl RecipeError {
     pub(super) fn unknown_preset(name: &str) -> Self {
-        let names: Vec<String> = PRESETS
-            .iter()
-            .map(|(known, _)| (*known).to_owned())
-            .collect();
-        let hint = super::known_keys::hint(name, &names, "presets");
+        let names = PRESETS.iter().map(|(known, _)| *known);
+        let hint = super::known_keys::hint(name, names, "presets");
         Self::UnknownPreset {
             name: name.escape_debug().to_string(),
             hint,
@@ -159,7 +184,7 @@ impl RecipeError {
             } => Self::Range {
                 place: place.clone(),
                 key: format!("{table}.{}", name.trim_start_matches("impact.")),
-                value: value.to_string(),
+                value: as_given(value).to_string(),
                 expected: expected.to_owned(),
             },
             other => Self::Type {

@@ -1,37 +1,39 @@
 //! Unknown keys, found by the schema that the definition generates.
 
-use serde_json::Value as Json;
+use serde_json::{Map, Value as Json};
 use toml::{Table, Value};
 
 use super::error::{Place, RecipeError};
-use super::schema;
+use super::schema::{all, keys, of_model};
+use super::tables::ModelWord;
 
 /// Names of the presets or keys nearer than this are suggested.
 const NEAR: f64 = 0.6;
 
-/// Every key of a recipe exists.
-pub(super) fn check(place: &Place, given: &Table) -> Result<(), RecipeError> {
-    let schema = schema();
-    let tables = keys(schema);
+/// Keys by their names, with what the schema says of each.
+type Keys = Map<String, Json>;
+
+/// Every key of a recipe exists, and in this model.
+pub(super) fn check(place: &Place, given: &Table, model: ModelWord) -> Result<(), RecipeError> {
+    let (Some(own), Some(all)) = (keys(of_model(model)), keys(all())) else {
+        return Ok(());
+    };
+    check_table(place, "", given, own, all, model)?;
     for (name, value) in given {
-        if !tables.contains(name) {
-            return Err(unknown(place, name, "", &tables));
-        }
-        let known = keys(table_schema(schema, name));
-        if known.is_empty() {
+        let (Some(own_keys), Some(all_keys)) = (keys(&own[name]), keys(&all[name])) else {
             continue;
-        }
+        };
         match value {
-            Value::Table(table) if !schema["properties"][name]["items"].is_object() => {
-                check_table(place, name, table, &known)?;
+            Value::Table(table) if own[name]["items"].is_null() => {
+                check_table(place, name, table, own_keys, all_keys, model)?;
             }
-            Value::Array(entries) if schema["properties"][name]["items"].is_object() => {
+            Value::Array(entries) if own[name]["items"].is_object() => {
                 for (k, entry) in entries.iter().enumerate() {
                     let name = format!("{name}.{k}");
-                    match entry {
-                        Value::Table(table) => check_table(place, &name, table, &known)?,
-                        other => return Err(no_table(place, &name, other)),
-                    }
+                    let Value::Table(table) = entry else {
+                        return Err(no_table(place, &name, entry));
+                    };
+                    check_table(place, &name, table, own_keys, all_keys, model)?;
                 }
             }
             other => return Err(no_table(place, name, other)),
@@ -40,33 +42,40 @@ pub(super) fn check(place: &Place, given: &Table) -> Result<(), RecipeError> {
     Ok(())
 }
 
+/// Drops the keys and tables that a model does not have.
+pub(super) fn retain(recipe: &mut Table, model: ModelWord) {
+    let Some(own) = keys(of_model(model)) else {
+        return;
+    };
+    recipe.retain(|name, _| own.contains_key(name));
+    for (name, value) in recipe {
+        let Some(own) = keys(&own[name]) else {
+            continue;
+        };
+        let tables: &mut [Value] = match value {
+            Value::Array(entries) => entries,
+            one => std::slice::from_mut(one),
+        };
+        for table in tables.iter_mut().filter_map(Value::as_table_mut) {
+            table.retain(|key, _| own.contains_key(key));
+        }
+    }
+}
+
 /// "did you mean …?" for a near name, else the list of all.
-pub(super) fn hint(given: &str, known: &[String], what: &str) -> String {
+pub(super) fn hint<'a>(
+    given: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+    what: &str,
+) -> String {
     let lower = given.to_lowercase();
     let nearest = known
-        .iter()
+        .clone()
         .map(|name| (strsim::normalized_damerau_levenshtein(&lower, name), name))
         .max_by(|a, b| a.0.total_cmp(&b.0));
     match nearest {
         Some((nearness, name)) if nearness >= NEAR => format!("did you mean `{name}`?"),
-        _ => format!("known {what}: {}", known.join(", ")),
-    }
-}
-
-/// The schema of a table of the recipe, whether it stands alone or in a list.
-pub(super) fn table_schema<'a>(schema: &'a Json, name: &str) -> &'a Json {
-    let property = &schema["properties"][name];
-    let target = if property["items"].is_object() {
-        &property["items"]
-    } else {
-        property
-    };
-    let reference = target["$ref"]
-        .as_str()
-        .or_else(|| target["allOf"][0]["$ref"].as_str());
-    match reference.and_then(|path| path.strip_prefix("#/$defs/")) {
-        Some(definition) => &schema["$defs"][definition],
-        None => target,
+        _ => format!("known {what}: {}", known.collect::<Vec<_>>().join(", ")),
     }
 }
 
@@ -74,12 +83,39 @@ fn check_table(
     place: &Place,
     name: &str,
     table: &Table,
-    known: &[String],
+    own: &Keys,
+    all: &Keys,
+    model: ModelWord,
 ) -> Result<(), RecipeError> {
-    match table.keys().find(|key| !known.contains(key)) {
-        Some(key) => Err(unknown(place, key, &format!("{name}."), known)),
-        None => Ok(()),
+    let Some(key) = table.keys().find(|key| !own.contains_key(*key)) else {
+        return Ok(());
+    };
+    let what = if name.is_empty() { "table" } else { "key" };
+    let prefix = if name.is_empty() {
+        String::new()
+    } else {
+        format!("{name}.")
+    };
+    let full = format!("{prefix}{}", key.escape_debug());
+    if all.contains_key(key) {
+        let (model, other) = match model {
+            ModelWord::Physics => ("physics", "paper"),
+            ModelWord::Paper => ("paper", "physics"),
+        };
+        return Err(RecipeError::OtherModel {
+            place: place.clone(),
+            key: full,
+            what,
+            other,
+            model,
+        });
     }
+    let hint = hint(key, all.keys().map(String::as_str), &format!("{what}s"));
+    Err(RecipeError::UnknownKey {
+        place: place.clone(),
+        key: full,
+        hint: hint.replace("mean `", &format!("mean `{prefix}")),
+    })
 }
 
 fn no_table(place: &Place, name: &str, found: &Value) -> RecipeError {
@@ -89,21 +125,4 @@ fn no_table(place: &Place, name: &str, found: &Value) -> RecipeError {
         key: name.to_owned(),
         what,
     }
-}
-
-fn unknown(place: &Place, key: &str, prefix: &str, known: &[String]) -> RecipeError {
-    let what = if prefix.is_empty() { "tables" } else { "keys" };
-    let hint = hint(key, known, what).replace("mean `", &format!("mean `{prefix}"));
-    RecipeError::UnknownKey {
-        place: place.clone(),
-        key: format!("{prefix}{}", key.escape_debug()),
-        hint,
-    }
-}
-
-fn keys(schema: &Json) -> Vec<String> {
-    schema["properties"]
-        .as_object()
-        .map(|all| all.keys().cloned().collect())
-        .unwrap_or_default()
 }

@@ -2,43 +2,42 @@
 
 mod error;
 mod known_keys;
+mod physics_tables;
+mod presets;
 mod print;
+mod schema;
 mod settings;
 mod tables;
-
-use std::sync::OnceLock;
 
 use toml::{Table, Value};
 
 pub use error::RecipeError;
-pub use settings::{OutputFormat, OutputSettings, Settings};
+pub use presets::{DEFAULT_PRESET, PRESETS};
+pub use schema::json_schema;
+pub use settings::{
+    CameraSettings, FocalLength, FractureSettings, Mount, OutputFormat, OutputSettings,
+    PaperSettings, PhysicsSettings, Settings, StoneSettings,
+};
 
 use error::{Place, printable};
+use presets::{KEYS_OF_KINDS, Preset};
+use tables::{KindWord, ModelWord, from_table};
 
 /// Version of the recipe format, the value of its `schema` key.
 pub const SCHEMA_VERSION: i64 = 1;
-
-/// Names of the presets, with what each is for.
-pub const PRESETS: [(&str, &str); 1] = [(
-    "paper",
-    "the model of \"Fractured Glass, Failing Cameras\": stress propagation and grey cracks",
-)];
-
-/// The preset that fills in what a recipe leaves out.
-const BASE: &str = "paper";
 
 /// All parameters of a run, complete and checked.
 ///
 /// # Example
 /// ```
 /// use starbreak::Recipe;
-/// let recipe = Recipe::parse("mine.toml", "schema = 1\n[fracture]\nparticles = 500")?;
-/// assert_eq!(recipe.settings()?.fracture.particles, 500);
+/// let recipe = Recipe::parse("mine.toml", "schema = 1\n[camera]\nf_px = 1900")?;
+/// assert_eq!(recipe.settings()?.camera.f_px.of_frame(1920), 1900.0);
 ///
-/// let typo = Recipe::parse("mine.toml", "schema = 1\n[fracture]\npartikles = 500").unwrap_err();
+/// let typo = Recipe::parse("mine.toml", "schema = 1\n[camera]\nfpx = 1900").unwrap_err();
 /// assert_eq!(
 ///     typo.to_string(),
-///     "mine.toml: unknown key `fracture.partikles`; did you mean `fracture.particles`?"
+///     "mine.toml: unknown key `camera.fpx`; did you mean `camera.f_px`?"
 /// );
 /// # Ok::<(), starbreak::RecipeError>(())
 /// ```
@@ -53,27 +52,42 @@ impl Recipe {
     /// # Errors
     /// [`RecipeError::UnknownPreset`] with the names that exist.
     pub fn preset(name: &str) -> Result<Self, RecipeError> {
-        if !PRESETS.iter().any(|(known, _)| *known == name) {
-            return Err(RecipeError::unknown_preset(name));
-        }
-        let table = parse_table(
-            &Place::preset(name),
-            include_str!("../../presets/paper.toml"),
-        )?;
+        let table = Preset::named(name)?.table;
         Ok(Self { table })
     }
 
-    /// A recipe from TOML text; what it leaves out comes from the preset `paper`. `name` stands
-    /// for the text in messages. If the text has `[[impact]]` tables, they replace the preset's.
+    /// A preset scaled to a severity from 1 (mild) to 5 (severe); 3 is the preset itself. Each
+    /// preset file says which physical parameters that sets.
+    ///
+    /// # Errors
+    /// [`RecipeError::UnknownPreset`], [`RecipeError::Severity`].
+    pub fn preset_at(name: &str, severity: u8) -> Result<Self, RecipeError> {
+        let place = Place::preset(name);
+        let preset = Preset::named(name)?;
+        let mut recipe = Self {
+            table: preset.table.clone(),
+        };
+        for (key, value) in preset.at(severity)? {
+            recipe.edit(&place, key, value)?;
+        }
+        recipe.finish(&place)?;
+        Ok(recipe)
+    }
+
+    /// A recipe from TOML text; `name` stands for it in messages. What it leaves out comes from
+    /// [`DEFAULT_PRESET`], or from `paper` where `fracture.model = "paper"`; a pane of another
+    /// kind from the preset that has one. If the text has `[[impact]]` tables, they replace the
+    /// preset's.
     ///
     /// # Errors
     /// [`RecipeError`] in one line: syntax with line and column, an unknown key with the nearest
-    /// known one, a value of the wrong type or out of range.
+    /// known one, a key of the other model, a value of the wrong type or out of range.
     pub fn parse(name: &str, text: &str) -> Result<Self, RecipeError> {
         let place = Place::file(name);
-        let given = parse_table(&place, text)?;
-        known_keys::check(&place, &given)?;
-        match given.get("schema") {
+        let mut recipe = Self {
+            table: parse_table(&place, text)?,
+        };
+        match recipe.table.get("schema") {
             None => return Err(RecipeError::NoSchema { place }),
             Some(Value::Integer(SCHEMA_VERSION)) => {}
             Some(other) => {
@@ -83,15 +97,15 @@ impl Recipe {
                 });
             }
         }
-        let mut recipe = Self::preset(BASE)?;
-        merge(&mut recipe.table, given);
-        complete_impacts(&mut recipe.table, &Self::preset(BASE)?.table);
-        recipe.settings_of(&place)?;
+        recipe.finish(&place)?;
         Ok(recipe)
     }
 
     /// Overrides one key: `table.key=value`, `impact.key=value` for every impact, or
     /// `impact.0.key=value` for one. The value is TOML, or else a string.
+    ///
+    /// `fracture.model=…` drops the keys that only the old model has and fills in those of the new
+    /// one; `glass.kind=…` does the same with the keys that only some kinds have.
     ///
     /// # Errors
     /// [`RecipeError`] as for [`Recipe::parse`]; the recipe is then unchanged.
@@ -100,12 +114,19 @@ impl Recipe {
         let Some((key, text)) = assignment.split_once('=') else {
             return Err(RecipeError::NotAnAssignment { place });
         };
-        let value = parse_value(text.trim());
-        let parts: Vec<&str> = key.trim().split('.').collect();
         let mut changed = self.clone();
-        match parts.as_slice() {
+        changed.edit(&place, key.trim(), parse_value(text.trim()))?;
+        changed.finish(&place)?;
+        *self = changed;
+        Ok(())
+    }
+
+    /// Writes one value, which nothing has checked yet.
+    fn edit(&mut self, place: &Place, key: &str, value: Value) -> Result<(), RecipeError> {
+        let place = place.clone();
+        match key.split('.').collect::<Vec<_>>().as_slice() {
             ["impact", index, key] => {
-                let impacts = changed.impacts();
+                let impacts = self.impacts();
                 let count = impacts.len();
                 let impact = index
                     .parse::<usize>()
@@ -121,29 +142,65 @@ impl Recipe {
                 impact.insert((*key).to_owned(), value);
             }
             ["impact", key] => {
-                for impact in changed.impacts() {
+                for impact in self.impacts() {
                     if let Value::Table(impact) = impact {
                         impact.insert((*key).to_owned(), value.clone());
                     }
                 }
             }
-            [table, key] => match changed.table.get_mut(*table) {
-                Some(Value::Table(table)) => {
-                    table.insert((*key).to_owned(), value);
-                }
-                _ => {
-                    let unknown =
-                        Table::from_iter([((*table).to_owned(), Value::Table(Table::new()))]);
-                    known_keys::check(&place, &unknown)?;
+            [name, key] => {
+                let table = self.table.entry(*name);
+                let Value::Table(table) = table.or_insert_with(|| Table::new().into()) else {
                     return Err(RecipeError::NotAnAssignment { place });
+                };
+                if (*name, *key) == ("glass", "kind") {
+                    table.retain(|key, _| !KEYS_OF_KINDS.contains(&key));
                 }
-            },
+                table.insert((*key).to_owned(), value);
+                if (*name, *key) == ("fracture", "model") {
+                    let model = self.model(&place)?;
+                    known_keys::retain(&mut self.table, model);
+                }
+            }
             _ => return Err(RecipeError::NotAnAssignment { place }),
         }
-        known_keys::check(&place, &changed.table)?;
-        changed.settings_of(&place)?;
-        *self = changed;
         Ok(())
+    }
+
+    /// Every key exists, and what was left out comes from presets; then all values are in range.
+    fn finish(&mut self, place: &Place) -> Result<(), RecipeError> {
+        let model = self.model(place)?;
+        known_keys::check(place, &self.table, model)?;
+        let mut complete = Self::preset(presets::base(model))?.table;
+        let default_impact = complete.get("impact").and_then(|impacts| impacts.get(0));
+        let default_impact = default_impact.and_then(Value::as_table).cloned();
+        if let Some(kind) = self.table.get("glass").and_then(|glass| glass.get("kind")) {
+            let kind: KindWord = word(place, "glass.kind", kind)?;
+            complete.insert("glass".to_owned(), presets::glass_of(kind)?.into());
+        }
+        if self.table.contains_key("long_crack") {
+            complete.insert("long_crack".to_owned(), presets::long_crack()?.into());
+        }
+        merge(&mut complete, std::mem::take(&mut self.table));
+        self.table = complete;
+        for impact in self.impacts() {
+            if let (Value::Table(impact), Some(default)) = (impact, &default_impact) {
+                for (key, value) in default {
+                    impact.entry(key.clone()).or_insert_with(|| value.clone());
+                }
+            }
+        }
+        self.settings_of(place)?;
+        Ok(())
+    }
+
+    /// The fracture model that the recipe names, which decides the rest.
+    fn model(&self, place: &Place) -> Result<ModelWord, RecipeError> {
+        let fracture = self.table.get("fracture");
+        match fracture.and_then(|fracture| fracture.get("model")) {
+            Some(model) => word(place, "fracture.model", model),
+            None => Ok(ModelWord::Physics),
+        }
     }
 
     /// The recipe in SI units, every value in its range.
@@ -167,8 +224,10 @@ impl Recipe {
     }
 
     fn settings_of(&self, place: &Place) -> Result<Settings, RecipeError> {
-        let tables = tables::RecipeTables::from_table(place, &self.table)?;
-        settings::from_tables(place, &tables)
+        match self.model(place)? {
+            ModelWord::Paper => settings::of_paper(place, &from_table(place, &self.table)?),
+            ModelWord::Physics => settings::of_physics(place, &from_table(place, &self.table)?),
+        }
     }
 
     fn impacts(&mut self) -> &mut [Value] {
@@ -177,18 +236,6 @@ impl Recipe {
             _ => &mut [],
         }
     }
-}
-
-/// The JSON Schema of a recipe, for editors; generated from the definition that parses it.
-#[must_use]
-pub fn json_schema() -> serde_json::Value {
-    schema().clone()
-}
-
-/// The schema, generated once.
-fn schema() -> &'static serde_json::Value {
-    static SCHEMA: OnceLock<serde_json::Value> = OnceLock::new();
-    SCHEMA.get_or_init(|| serde_json::Value::from(schemars::schema_for!(tables::RecipeTables)))
 }
 
 fn parse_table(place: &Place, text: &str) -> Result<Table, RecipeError> {
@@ -240,21 +287,15 @@ fn merge(table: &mut Table, given: Table) {
     }
 }
 
-/// Fills in what an impact leaves out.
-fn complete_impacts(table: &mut Table, base: &Table) {
-    let Some(Value::Array(defaults)) = base.get("impact") else {
-        return;
-    };
-    let Some(Value::Table(default)) = defaults.first() else {
-        return;
-    };
-    if let Some(Value::Array(impacts)) = table.get_mut("impact") {
-        for impact in impacts {
-            if let Value::Table(impact) = impact {
-                for (key, value) in default {
-                    impact.entry(key.clone()).or_insert_with(|| value.clone());
-                }
-            }
-        }
-    }
+/// One of the words that a key knows.
+fn word<T: serde::de::DeserializeOwned>(
+    place: &Place,
+    key: &str,
+    value: &Value,
+) -> Result<T, RecipeError> {
+    T::deserialize(value.clone()).map_err(|error| RecipeError::Type {
+        place: place.clone(),
+        key: key.to_owned(),
+        what: printable(error.message()),
+    })
 }

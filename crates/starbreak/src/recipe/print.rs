@@ -5,11 +5,18 @@ use std::fmt::Write as _;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::known_keys::table_schema;
-use super::schema;
+use super::schema::{all, keys};
 
 /// Tables in the order in which a reader thinks of them.
-const ORDER: [&str; 5] = ["camera", "impact", "fracture", "optics", "output"];
+const ORDER: [&str; 7] = [
+    "camera",
+    "glass",
+    "impact",
+    "fracture",
+    "long_crack",
+    "optics",
+    "output",
+];
 
 /// Width of a comment line.
 const COLUMNS: usize = 96;
@@ -19,7 +26,7 @@ pub(super) fn plain(table: &Table) -> String {
 }
 
 pub(super) fn commented(table: &Table) -> String {
-    write_recipe(table, Some(schema()))
+    write_recipe(table, Some(all()))
 }
 
 fn write_recipe(table: &Table, schema: Option<&Json>) -> String {
@@ -53,8 +60,11 @@ fn write_recipe(table: &Table, schema: Option<&Json>) -> String {
             let _ = writeln!(text, "{header}");
             for (key, value) in *entry {
                 if let Some(schema) = described {
-                    let property = &table_schema(schema, name)["properties"][key];
-                    comment(&mut text, property["description"].as_str());
+                    let property = keys(&schema["properties"][name]).and_then(|keys| keys.get(key));
+                    comment(
+                        &mut text,
+                        property.and_then(|known| known["description"].as_str()),
+                    );
                 }
                 let _ = writeln!(text, "{key} = {value}");
             }

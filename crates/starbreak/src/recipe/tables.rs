@@ -2,24 +2,54 @@
 //! that the parser, the JSON Schema and the printed comments come from.
 
 use schemars::JsonSchema;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
 use super::error::{Place, RecipeError, printable};
+pub(super) use super::physics_tables::{
+    DicingWord, GlassTable, GrowthWord, KindWord, LongCrackTable, MeshWord, OriginWord,
+    PhysicsFractureTable, StoneTable, SupportWord,
+};
 
 /// A starbreak recipe: all parameters of a cracked glass.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "starbreak recipe")]
-pub(super) struct RecipeTables {
+pub(super) struct PaperRecipe {
     /// Version of the recipe format.
     pub(super) schema: i64,
     /// The camera behind the glass.
     pub(super) camera: CameraTable,
     /// The hits, one table each, in the order in which they happen.
-    pub(super) impact: Vec<ImpactTable>,
+    pub(super) impact: Vec<PaperImpactTable>,
     /// How the glass breaks.
-    pub(super) fracture: FractureTable,
+    pub(super) fracture: PaperFractureTable,
+    /// How the crack looks.
+    pub(super) optics: OpticsTable,
+    /// What is written.
+    pub(super) output: OutputTable,
+}
+
+/// A starbreak recipe: all parameters of a cracked glass.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "starbreak recipe")]
+pub(super) struct PhysicsRecipe {
+    /// Version of the recipe format.
+    pub(super) schema: i64,
+    /// The camera behind the glass.
+    pub(super) camera: CameraTable,
+    /// The pane, and how it stands before the camera.
+    pub(super) glass: GlassTable,
+    /// The hits, one table each, in the order in which they happen.
+    pub(super) impact: Vec<StoneTable>,
+    /// How the glass breaks.
+    pub(super) fracture: PhysicsFractureTable,
+    /// A long crack under heat or the pull of the frame, after the hits. Without this table there
+    /// is none.
+    #[schemars(with = "LongCrackTable")]
+    pub(super) long_crack: Option<LongCrackTable>,
     /// How the crack looks.
     pub(super) optics: OpticsTable,
     /// What is written.
@@ -30,9 +60,30 @@ pub(super) struct RecipeTables {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CameraTable {
+    /// Focal length, px, > 0, or "auto": 0.5809 times the width of the frame, KITTI's field of
+    /// view at any resolution. Lays the frame over a pane that is measured in mm.
+    pub(super) f_px: FocalEntry,
     /// What is sharp: "far" (the scene, the crack blurred over it) or "short" (the crack, the
     /// scene blurred behind it).
     pub(super) focus_distance_m: FocusEntry,
+}
+
+/// Focal length of the camera.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected \"auto\" or a focal length in px")]
+pub(super) enum FocalEntry {
+    /// In px.
+    Px(f64),
+    /// That of KITTI's field of view.
+    Auto(AutoWord),
+}
+
+/// `"auto"`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum AutoWord {
+    /// From the width of the frame.
+    Auto,
 }
 
 /// Where the camera is focused.
@@ -56,10 +107,10 @@ pub(super) enum FocusWord {
     Short,
 }
 
-/// One hit.
+/// One hit of the paper's model.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct ImpactTable {
+pub(super) struct PaperImpactTable {
     /// Where: [x, y] as fractions of the frame, from the top left corner, or "random".
     pub(super) position: PositionEntry,
     /// Impact force F of the paper, in its own unit, > 0. Nothing breaks unless it exceeds
@@ -104,9 +155,9 @@ pub(super) enum DirectionEntry {
 /// How the glass breaks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct FractureTable {
-    /// Fracture model: "paper".
-    pub(super) model: PaperWord,
+pub(super) struct PaperFractureTable {
+    /// Fracture model: "physics" or "paper"; decides which keys this recipe has.
+    pub(super) model: ModelWord,
     /// Number of particles, 1 to 10000000.
     pub(super) particles: u32,
     /// Radius of the neighborhood of a particle, px, > 0.
@@ -133,6 +184,16 @@ pub(super) struct FractureTable {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum PaperWord {
+    /// As in "Fractured Glass, Failing Cameras".
+    Paper,
+}
+
+/// The fracture models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ModelWord {
+    /// Contact, plate stress and crack tips, in SI units.
+    Physics,
     /// As in "Fractured Glass, Failing Cameras".
     Paper,
 }
@@ -257,14 +318,16 @@ pub(super) enum FormatWord {
     Jpeg,
 }
 
-impl RecipeTables {
-    pub(super) fn from_table(place: &Place, table: &Table) -> Result<Self, RecipeError> {
-        serde_path_to_error::deserialize(toml::Value::Table(table.clone())).map_err(|error| {
-            RecipeError::Type {
-                place: place.clone(),
-                key: error.path().to_string().replace('[', ".").replace(']', ""),
-                what: printable(error.inner().message()),
-            }
-        })
-    }
+/// The tables of a recipe, each key of the right type.
+pub(super) fn from_table<T: DeserializeOwned>(
+    place: &Place,
+    table: &Table,
+) -> Result<T, RecipeError> {
+    serde_path_to_error::deserialize(toml::Value::Table(table.clone())).map_err(|error| {
+        RecipeError::Type {
+            place: place.clone(),
+            key: error.path().to_string().replace('[', ".").replace(']', ""),
+            what: printable(error.inner().message()),
+        }
+    })
 }

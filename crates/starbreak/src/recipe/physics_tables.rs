@@ -1,0 +1,172 @@
+//! The tables of a recipe that only the `physics` model has.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::tables::{DirectionEntry, ModelWord, PositionEntry};
+
+/// The pane, and how it stands before the camera.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GlassTable {
+    /// How the pane was made: "annealed" (one sheet), "laminated" (windscreen), "tempered" or
+    /// "cover" (a disc over a lens, annealed unless surface_compression_mpa is given).
+    pub(super) kind: KindWord,
+    /// Width, mm, 2 to 10000.
+    pub(super) width_mm: f64,
+    /// Height, mm, 2 to 10000; that of a cover is its width.
+    pub(super) height_mm: f64,
+    /// Thickness of the sheet that is hit (laminated: of the outer ply), mm, 0.1 to 30.
+    pub(super) thickness_mm: f64,
+    /// Laminated only: thickness of the interlayer, mm, 0.05 to 20.
+    #[schemars(with = "f64")]
+    pub(super) interlayer_thickness_mm: Option<f64>,
+    /// Laminated only: Young's modulus of the interlayer over the time of the hit, MPa, 0.1 to
+    /// 10000 (PVB: 30 at 0.1 s to 1000 at microseconds).
+    #[schemars(with = "f64")]
+    pub(super) interlayer_modulus_mpa: Option<f64>,
+    /// Tempered or cover only: compression of the surfaces, MPa, 0.1 to 1000.
+    #[schemars(with = "f64")]
+    pub(super) surface_compression_mpa: Option<f64>,
+    /// How the rim is held: "simply-supported" (gasket) or "clamped" (stiff ring).
+    pub(super) support: SupportWord,
+    /// Distance from the camera to the pane along the optical axis, m, 0.001 to 10.
+    pub(super) distance_m: f64,
+    /// Tilt of the pane about its horizontal axis, degrees from facing the camera (0), -80 to 80;
+    /// positive: the upper edge leans towards the camera.
+    pub(super) rake_deg: f64,
+    /// Where the optical axis meets the pane: [x, y] as fractions of its width and height.
+    pub(super) axis_at: [f64; 2],
+}
+
+/// How a pane was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum KindWord {
+    /// One sheet, free of stress.
+    Annealed,
+    /// Two plies with a polymer between them.
+    Laminated,
+    /// Surfaces in compression.
+    Tempered,
+    /// A disc over a lens.
+    Cover,
+}
+
+/// How the rim of a pane is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum SupportWord {
+    /// It cannot move, but turn.
+    SimplySupported,
+    /// It can neither move nor turn.
+    Clamped,
+}
+
+/// One hit by a stone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StoneTable {
+    /// Where: [x, y] as fractions of the frame, from the top left corner, or "random".
+    pub(super) position: PositionEntry,
+    /// Speed of the stone, m/s, 0.01 to 1000.
+    pub(super) speed_m_s: f64,
+    /// Radius of the sphere of the stone's mass, mm, 0.05 to 200.
+    pub(super) radius_mm: f64,
+    /// Radius of curvature where the stone touches, mm, 0.01 to radius_mm: small for a sharp stone.
+    pub(super) tip_radius_mm: f64,
+    /// Angle between the path and the normal of the pane, degrees, 0 (head-on) to 85.
+    pub(super) angle_deg: f64,
+    /// Direction of the path in the plane of the pane, degrees from +x towards +y (down), or
+    /// "random".
+    pub(super) azimuth_deg: DirectionEntry,
+    /// Density of the stone, kg/m3, 100 to 25000 (granite: 2650).
+    pub(super) density_kg_m3: f64,
+}
+
+/// How the glass breaks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PhysicsFractureTable {
+    /// Fracture model: "physics" or "paper"; decides which keys this recipe has.
+    pub(super) model: ModelWord,
+    /// How fine the mesh of the plate is: "default" or "fast".
+    pub(super) mesh: MeshWord,
+    /// How often the stress is solved anew as cracks grow, 1 to 6.
+    pub(super) epochs: u32,
+    /// How tempered glass goes to pieces: "cells" (as many as stress and thickness give) or
+    /// "cascade" (cracks that branch under the tension of the core).
+    pub(super) dicing: DicingWord,
+    /// Prefactor of the number of radial cracks, 0.1 to 100.
+    pub(super) radial_count_factor: f64,
+    /// Characteristic tensile strength of the surface under a hit, MPa, 1 to 10000.
+    pub(super) strength_mpa: f64,
+    /// Weibull modulus of that strength, 1 to 100: how little it scatters.
+    pub(super) weibull_modulus: f64,
+}
+
+/// How fine the mesh is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum MeshWord {
+    /// About 1500 nodes.
+    Fast,
+    /// About 6000 nodes.
+    Default,
+}
+
+/// How tempered glass goes to pieces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum DicingWord {
+    /// Cells around random points.
+    Cells,
+    /// Branching cracks.
+    Cascade,
+}
+
+/// A crack under heat or the pull of the frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LongCrackTable {
+    /// Where it begins: "rim" (at the most stressed place of the rim) or "impact" (at the tip of
+    /// the longest crack of the first hit).
+    pub(super) origin: OriginWord,
+    /// Temperature of the warm spot over that of the rest, K, -300 to 300 (negative: a cold spot).
+    pub(super) temperature_difference_k: f64,
+    /// Centre of the warm spot: [x, y] as fractions of the pane's width and height.
+    pub(super) spot: [f64; 2],
+    /// Standard deviation of the spot, as a fraction of the pane's shorter side, 0.05 to 5.
+    pub(super) spot_size: f64,
+    /// Uniform tension from the frame, MPa, 0 to 100.
+    pub(super) frame_tension_mpa: f64,
+    /// Direction of that tension, degrees from +x towards +y (down).
+    pub(super) frame_direction_deg: f64,
+    /// Length of the flaw that the crack begins at, mm, 0.01 to 100.
+    pub(super) flaw_mm: f64,
+    /// How fast it grows: "sudden" (a running crack) or "slow" (stress corrosion under repeated
+    /// load).
+    pub(super) growth: GrowthWord,
+    /// For slow growth: time between two loads, s, 0.001 to 1000000.
+    pub(super) period_s: f64,
+}
+
+/// Where a long crack begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum OriginWord {
+    /// At the rim.
+    Rim,
+    /// At a crack of the first hit.
+    Impact,
+}
+
+/// How fast a long crack grows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum GrowthWord {
+    /// As a running crack.
+    Sudden,
+    /// By stress corrosion.
+    Slow,
+}

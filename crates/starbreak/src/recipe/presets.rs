@@ -1,0 +1,130 @@
+//! The named sets of parameters, and how severity scales them.
+
+use toml::{Table, Value};
+
+use super::error::{Place, RecipeError};
+use super::parse_table;
+use super::tables::{KindWord, ModelWord};
+
+/// Names of the presets, with what each is for.
+pub const PRESETS: [(&str, &str); 7] = [
+    (
+        "windshield-star",
+        "a sharp stone on a laminated windscreen: straight legs out of one point",
+    ),
+    (
+        "windshield-bullseye",
+        "a blunt stone on a laminated windscreen: a ring around a cone",
+    ),
+    (
+        "windshield-combination",
+        "a heavy stone on a laminated windscreen: legs and rings",
+    ),
+    (
+        "windshield-long-crack",
+        "a star that heat and the frame drive on into a long crack",
+    ),
+    (
+        "tempered-cover",
+        "a tempered cover before a camera: the whole pane goes to dice",
+    ),
+    (
+        "lens-cover-star",
+        "a small annealed disc right before the lens",
+    ),
+    (
+        "paper",
+        "the model of \"Fractured Glass, Failing Cameras\": stress propagation and grey cracks",
+    ),
+];
+
+/// The preset that a recipe without a model, and a command without flags, is filled in from.
+pub const DEFAULT_PRESET: &str = "windshield-star";
+
+/// The severities of a preset; its own is 3.
+const SEVERITIES: std::ops::RangeInclusive<u8> = 1..=5;
+
+/// Keys of `[glass]` that only some kinds have.
+pub(super) const KEYS_OF_KINDS: [&str; 3] = [
+    "interlayer_thickness_mm",
+    "interlayer_modulus_mpa",
+    "surface_compression_mpa",
+];
+
+/// The preset that fills in what a recipe of this model leaves out.
+pub(super) fn base(model: ModelWord) -> &'static str {
+    match model {
+        ModelWord::Physics => DEFAULT_PRESET,
+        ModelWord::Paper => "paper",
+    }
+}
+
+/// A preset, and what severity makes of it.
+pub(super) struct Preset {
+    pub(super) table: Table,
+    severity: Table,
+}
+
+impl Preset {
+    pub(super) fn named(name: &str) -> Result<Self, RecipeError> {
+        let text = match name {
+            "windshield-star" => include_str!("../../presets/windshield-star.toml"),
+            "windshield-bullseye" => include_str!("../../presets/windshield-bullseye.toml"),
+            "windshield-combination" => include_str!("../../presets/windshield-combination.toml"),
+            "windshield-long-crack" => include_str!("../../presets/windshield-long-crack.toml"),
+            "tempered-cover" => include_str!("../../presets/tempered-cover.toml"),
+            "lens-cover-star" => include_str!("../../presets/lens-cover-star.toml"),
+            "paper" => include_str!("../../presets/paper.toml"),
+            _ => return Err(RecipeError::unknown_preset(name)),
+        };
+        let mut table = parse_table(&Place::preset(name), text)?;
+        let severity = match table.remove("severity") {
+            Some(Value::Table(severity)) => severity,
+            _ => Table::new(),
+        };
+        Ok(Self { table, severity })
+    }
+
+    /// What this severity sets: keys and values.
+    pub(super) fn at(&self, severity: u8) -> Result<Vec<(&str, Value)>, RecipeError> {
+        if !SEVERITIES.contains(&severity) {
+            return Err(RecipeError::Severity { found: severity });
+        }
+        let mut values = Vec::new();
+        for (key, five) in &self.severity {
+            if let Some(value) = five.get(usize::from(severity - 1)) {
+                values.push((key.as_str(), value.clone()));
+            }
+        }
+        Ok(values)
+    }
+}
+
+/// The `[glass]` table that fills in what a recipe leaves out of a pane of this kind: that of the
+/// preset that has one.
+pub(super) fn glass_of(kind: KindWord) -> Result<Table, RecipeError> {
+    let preset = match kind {
+        KindWord::Annealed | KindWord::Laminated => "windshield-star",
+        KindWord::Tempered => "tempered-cover",
+        KindWord::Cover => "lens-cover-star",
+    };
+    let mut glass = table_of(preset, "glass")?;
+    if kind == KindWord::Annealed {
+        for key in KEYS_OF_KINDS {
+            glass.remove(key);
+        }
+    }
+    Ok(glass)
+}
+
+/// The `[long_crack]` table that fills in what a recipe leaves out of it.
+pub(super) fn long_crack() -> Result<Table, RecipeError> {
+    table_of("windshield-long-crack", "long_crack")
+}
+
+fn table_of(preset: &str, name: &str) -> Result<Table, RecipeError> {
+    match Preset::named(preset)?.table.remove(name) {
+        Some(Value::Table(table)) => Ok(table),
+        _ => Ok(Table::new()),
+    }
+}

@@ -1,0 +1,89 @@
+//! Settings of the paper's model.
+
+use starbreak_fracture::paper::{Neighborhood, PaperImpact, PaperParams, Position, Rule};
+use starbreak_glass::Pane;
+
+use super::super::error::{Place, RecipeError};
+use super::super::tables::{NeighborhoodWord, PaperImpactTable, PaperRecipe, RuleWord};
+use super::{direction, impacts, position};
+
+/// What the paper's model needs to know.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaperSettings {
+    /// Parameters of the model.
+    pub params: PaperParams,
+    /// Impacts on a pane of one by one.
+    unit_impacts: Vec<PaperImpact>,
+}
+
+impl PaperSettings {
+    /// The impacts on a given pane.
+    #[must_use]
+    pub fn impacts_on(&self, pane: &Pane) -> Vec<PaperImpact> {
+        let on_pane = |impact: &PaperImpact| match impact.position {
+            Position::Random => *impact,
+            Position::At { x, y } => PaperImpact {
+                position: Position::At {
+                    x: x * pane.width,
+                    y: y * pane.height,
+                },
+                ..*impact
+            },
+        };
+        self.unit_impacts.iter().map(on_pane).collect()
+    }
+}
+
+pub(super) fn settings(place: &Place, recipe: &PaperRecipe) -> Result<PaperSettings, RecipeError> {
+    let given = &recipe.fracture;
+    let params = PaperParams {
+        particles: given.particles,
+        neighbor_radius: given.neighbour_radius_px,
+        neighborhood: match given.neighbourhood {
+            NeighborhoodWord::Radius => Neighborhood::Radius,
+            NeighborhoodWord::MeshEdges => Neighborhood::MeshEdges,
+        },
+        critical_stress: given.critical_stress,
+        safety_factor: given.safety_factor,
+        rule: match given.rule {
+            RuleWord::Algorithm1 => Rule::Algorithm1,
+            RuleWord::Caption => Rule::Caption,
+            RuleWord::Literal => Rule::Literal,
+        },
+        branches: given.branches,
+        two_sided: given.two_sided,
+        snap_to_mesh: given.snap_to_mesh,
+    };
+    params
+        .check()
+        .map_err(|error| RecipeError::of_fracture(place, "fracture", error))?;
+    let unit_impacts = impacts(place, &recipe.impact, |k, impact| {
+        unit_impact(place, k, impact)
+    })?;
+    Ok(PaperSettings {
+        params,
+        unit_impacts,
+    })
+}
+
+fn unit_impact(
+    place: &Place,
+    k: usize,
+    impact: &PaperImpactTable,
+) -> Result<PaperImpact, RecipeError> {
+    let resolved = PaperImpact {
+        position: position(place, k, impact.position)?,
+        force: impact.force,
+        direction: direction(impact.direction_deg),
+    };
+    let unit_pane = Pane {
+        width: 1.0,
+        height: 1.0,
+        thickness_mm: None,
+        kind: None,
+    };
+    resolved
+        .check(&unit_pane)
+        .map_err(|error| RecipeError::of_fracture(place, &format!("impact.{k}"), error))?;
+    Ok(resolved)
+}

@@ -1,0 +1,301 @@
+//! Settings of the physics: pane, stones and loads in SI units.
+
+use starbreak_fracture::mesh::Outline;
+use starbreak_fracture::paper::{Direction, Position};
+use starbreak_fracture::physics::{
+    Dicing, GlassBuild, GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad,
+    MeshResolution, PhysicsParams, StoneImpact, Support,
+};
+use starbreak_glass::{GlassKind, Material};
+
+use super::super::error::{Place, RecipeError};
+use super::super::tables::{
+    DicingWord, GlassTable, GrowthWord, KindWord, LongCrackTable, MeshWord, OriginWord,
+    PhysicsFractureTable, PhysicsRecipe, StoneTable, SupportWord,
+};
+use super::{direction, fractions, impacts, out_of_range, position};
+
+/// What the physics needs to know.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhysicsSettings {
+    /// The pane that breaks.
+    pub pane: GlassPane,
+    /// What kind of pane it is called.
+    pub kind: GlassKind,
+    /// How it stands before the camera.
+    pub mount: Mount,
+    /// The hits, in the order in which they happen.
+    pub stones: Vec<StoneSettings>,
+    /// A long crack after the hits.
+    pub long_crack: Option<LongCrack>,
+    /// Parameters of the model.
+    pub params: PhysicsParams,
+}
+
+/// How a pane stands before the camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mount {
+    /// Distance to the pane along the optical axis, m, 0.001 to 10.
+    pub distance_m: f64,
+    /// Tilt about the pane's horizontal axis, rad, 0 where it faces the camera, -80° to 80°;
+    /// positive: the upper edge leans towards the camera.
+    pub rake_rad: f64,
+    /// Where the optical axis meets the pane, as fractions of its width and height.
+    pub axis_at: [f64; 2],
+}
+
+/// A hit by a stone, of which place and direction may still be open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StoneSettings {
+    /// Where, as fractions of the frame.
+    pub position: Position,
+    /// Direction of the path in the plane of the pane.
+    pub azimuth: Direction,
+    /// The rest.
+    stone: StoneImpact,
+}
+
+impl StoneSettings {
+    /// The stone that hits the pane here, flying this way in its plane.
+    #[must_use]
+    pub fn at(&self, position_m: [f64; 2], azimuth_rad: f64) -> StoneImpact {
+        StoneImpact {
+            position_m,
+            azimuth_rad,
+            ..self.stone
+        }
+    }
+}
+
+pub(super) fn settings(
+    place: &Place,
+    recipe: &PhysicsRecipe,
+) -> Result<PhysicsSettings, RecipeError> {
+    let pane = pane(place, &recipe.glass)?;
+    Ok(PhysicsSettings {
+        pane,
+        kind: match recipe.glass.kind {
+            KindWord::Annealed => GlassKind::Annealed,
+            KindWord::Laminated => GlassKind::Laminated,
+            KindWord::Tempered => GlassKind::Tempered,
+            KindWord::Cover => GlassKind::Cover,
+        },
+        mount: mount(place, &recipe.glass)?,
+        stones: impacts(place, &recipe.impact, |k, stone| {
+            stone_settings(place, k, stone)
+        })?,
+        long_crack: recipe
+            .long_crack
+            .as_ref()
+            .map(|given| long_crack(place, given))
+            .transpose()?,
+        params: params(place, &recipe.fracture)?,
+    })
+}
+
+fn pane(place: &Place, given: &GlassTable) -> Result<GlassPane, RecipeError> {
+    let outline = if given.kind == KindWord::Cover {
+        if given.width_mm.to_bits() != given.height_mm.to_bits() {
+            let expected = format!(
+                "glass.width_mm ({}): a cover is a disc; for a rectangle choose another glass.kind",
+                given.width_mm
+            );
+            return Err(out_of_range(
+                place,
+                "glass.height_mm",
+                given.height_mm,
+                &expected,
+            ));
+        }
+        Outline::Disc {
+            diameter_m: given.width_mm / 1e3,
+        }
+    } else {
+        Outline::Rectangle {
+            width_m: given.width_mm / 1e3,
+            height_m: given.height_mm / 1e3,
+        }
+    };
+    let material = Material::soda_lime().map_err(|error| RecipeError::Type {
+        place: place.clone(),
+        key: "glass".to_owned(),
+        what: error.to_string(),
+    })?;
+    let pane = GlassPane {
+        outline,
+        thickness_m: given.thickness_mm / 1e3,
+        build: build(place, given)?,
+        support: match given.support {
+            SupportWord::SimplySupported => Support::SimplySupported,
+            SupportWord::Clamped => Support::Clamped,
+        },
+        material,
+    };
+    pane.check()
+        .map_err(|error| RecipeError::of_fracture(place, "glass", error))?;
+    Ok(pane)
+}
+
+/// How the pane was made; keys that its kind does not have are refused, not ignored.
+fn build(place: &Place, given: &GlassTable) -> Result<GlassBuild, RecipeError> {
+    let thickness = ("interlayer_thickness_mm", given.interlayer_thickness_mm);
+    let modulus = ("interlayer_modulus_mpa", given.interlayer_modulus_mpa);
+    let compression = ("surface_compression_mpa", given.surface_compression_mpa);
+    let wrong = |key: &str, what: &str| RecipeError::Type {
+        place: place.clone(),
+        key: format!("glass.{key}"),
+        what: what.to_owned(),
+    };
+    let required = |(key, value): (&str, Option<f64>)| {
+        value.ok_or_else(|| wrong(key, "this kind of glass needs it; add it"))
+    };
+    let absent = |keys: &[(&str, Option<f64>)]| match keys.iter().find(|(_, value)| value.is_some())
+    {
+        Some((key, _)) => Err(wrong(
+            key,
+            "glass of this glass.kind has none; remove it or choose another kind",
+        )),
+        None => Ok(()),
+    };
+    if given.kind == KindWord::Laminated {
+        absent(&[compression])?;
+        return Ok(GlassBuild::Laminated {
+            interlayer_thickness_m: required(thickness)? / 1e3,
+            interlayer_modulus_pa: required(modulus)? * 1e6,
+        });
+    }
+    absent(&[thickness, modulus])?;
+    match (given.kind, compression.1) {
+        (KindWord::Annealed, _) => absent(&[compression])?,
+        (KindWord::Cover, None) => {}
+        _ => {
+            return Ok(GlassBuild::Tempered {
+                surface_compression_pa: required(compression)? * 1e6,
+            });
+        }
+    }
+    Ok(GlassBuild::Annealed)
+}
+
+fn mount(place: &Place, given: &GlassTable) -> Result<Mount, RecipeError> {
+    check(
+        place,
+        "glass.distance_m",
+        given.distance_m,
+        0.001,
+        10.0,
+        "m",
+    )?;
+    check(
+        place,
+        "glass.rake_deg",
+        given.rake_deg,
+        -80.0,
+        80.0,
+        "degrees",
+    )?;
+    fractions(place, "glass.axis_at", given.axis_at, "the pane")?;
+    Ok(Mount {
+        distance_m: given.distance_m,
+        rake_rad: given.rake_deg.to_radians(),
+        axis_at: given.axis_at,
+    })
+}
+
+fn stone_settings(
+    place: &Place,
+    k: usize,
+    given: &StoneTable,
+) -> Result<StoneSettings, RecipeError> {
+    let table = format!("impact.{k}");
+    let position = position(place, k, given.position)?;
+    let azimuth = direction(given.azimuth_deg);
+    let density_kg_m3 = given.density_kg_m3;
+    let key = format!("{table}.density_kg_m3");
+    check(place, &key, density_kg_m3, 100.0, 25_000.0, "kg/m3")?;
+    let stone = StoneImpact {
+        obliquity_rad: given.angle_deg.to_radians(),
+        azimuth_rad: match azimuth {
+            Direction::Random => 0.0,
+            Direction::Angle { rad } => rad,
+        },
+        tip_radius_m: given.tip_radius_mm / 1e3,
+        density_kg_m3,
+        ..StoneImpact::granite([0.0; 2], given.speed_m_s, given.radius_mm / 1e3)
+    };
+    stone
+        .check()
+        .map_err(|error| RecipeError::of_fracture(place, &table, error))?;
+    Ok(StoneSettings {
+        position,
+        azimuth,
+        stone,
+    })
+}
+
+fn long_crack(place: &Place, given: &LongCrackTable) -> Result<LongCrack, RecipeError> {
+    fractions(place, "long_crack.spot", given.spot, "the pane")?;
+    let long_crack = LongCrack {
+        load: MembraneLoad {
+            temperature_difference_k: given.temperature_difference_k,
+            spot: given.spot,
+            spot_size: given.spot_size,
+            frame_tension_pa: given.frame_tension_mpa * 1e6,
+            frame_direction_rad: given.frame_direction_deg.to_radians(),
+        },
+        origin: match given.origin {
+            OriginWord::Rim => LongCrackOrigin::Rim,
+            OriginWord::Impact => LongCrackOrigin::Impact,
+        },
+        flaw_m: given.flaw_mm / 1e3,
+        growth: match given.growth {
+            GrowthWord::Sudden => LongCrackGrowth::Sudden,
+            GrowthWord::Slow => LongCrackGrowth::Slow {
+                period_s: given.period_s,
+            },
+        },
+    };
+    // A period that is not used is still in its range, so that changing `growth` alone works.
+    check(place, "long_crack.period_s", given.period_s, 1e-3, 1e6, "s")?;
+    long_crack
+        .check()
+        .map_err(|error| RecipeError::of_fracture(place, "long_crack", error))?;
+    Ok(long_crack)
+}
+
+fn params(place: &Place, given: &PhysicsFractureTable) -> Result<PhysicsParams, RecipeError> {
+    let params = PhysicsParams {
+        mesh: match given.mesh {
+            MeshWord::Fast => MeshResolution::Fast,
+            MeshWord::Default => MeshResolution::Default,
+        },
+        epochs: given.epochs,
+        dicing: match given.dicing {
+            DicingWord::Cells => Dicing::Cells,
+            DicingWord::Cascade => Dicing::Cascade,
+        },
+        radial_count_factor: given.radial_count_factor,
+        strength_pa: given.strength_mpa * 1e6,
+        weibull_modulus: given.weibull_modulus,
+    };
+    params
+        .check()
+        .map_err(|error| RecipeError::of_fracture(place, "fracture", error))?;
+    Ok(params)
+}
+
+fn check(
+    place: &Place,
+    key: &str,
+    value: f64,
+    low: f64,
+    high: f64,
+    unit: &str,
+) -> Result<(), RecipeError> {
+    if (low..=high).contains(&value) {
+        Ok(())
+    } else {
+        let expected = format!("{low} to {high} {unit}");
+        Err(out_of_range(place, key, value, &expected))
+    }
+}
