@@ -19,11 +19,17 @@ pub enum Error {
     /// The optics refused.
     #[error(transparent)]
     Optics(#[from] OpticsError),
-    /// The physics do not break glass yet.
+    /// A stone that would fly past the pane.
     #[error(
-        "fracture.model = \"physics\" does not simulate yet; use --preset paper or set fracture.model = \"paper\""
+        "impact {impact}: {}; move the impact or the pane (glass.distance_m, glass.axis_at, glass.width_mm)",
+        if *.is_random { "the frame shows no glass" } else { "its position in the frame shows no glass" }
     )]
-    Unfinished,
+    OffGlass {
+        /// Which one, from 0.
+        impact: u64,
+        /// Whether its place was drawn.
+        is_random: bool,
+    },
     /// A file could not be read or written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),

@@ -8,9 +8,8 @@ use starbreak::dataset::{
     AnimationParams, Encoding, ImageLimits, OutputBatch, StreetScene, decode_image,
     encode_animation, encode_image, street_scene,
 };
-use starbreak::optics::View;
 use starbreak::pipeline::{
-    ImageJob, RunContext, Stopwatch, Written, growth_over, growth_times, stage_cracked,
+    ImageJob, RunContext, Stopwatch, Written, growth_over, growth_times, stage_cracked, view,
 };
 
 use super::crack::item_json;
@@ -73,7 +72,7 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
         batch.stage(&recipe_path, recipe.to_commented_toml().as_bytes())?;
     }
     let mut frames = Vec::new();
-    let view = View::stretched(&network.data().pane, (pixels.width(), pixels.height()));
+    let view = view(&settings, pixels.width(), pixels.height())?;
     for time in growth_times(network, GROWTH_FRAMES) {
         interrupt.check()?;
         frames.push(growth_over(&pixels, network, &view, time, &settings.optics)?.into_rgb8());

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use serde_json::{Map, Value, json};
 use starbreak::dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
+use starbreak::fracture::physics::ImpactReport;
 use starbreak::glass::{CrackNetwork, Pane};
-use starbreak::optics::View;
 use starbreak::pipeline::{self, Details, Simulated, growth_drawing, growth_times};
 use starbreak::{FractureSettings, PaperSettings, Settings};
 
@@ -20,7 +20,15 @@ pub(super) fn why_intact(network: &CrackNetwork, details: &Details) -> Option<&'
     if network.n_segments() > 0 {
         return None;
     }
-    let Details::Paper(paper) = details;
+    let paper = match details {
+        Details::Paper(paper) => paper,
+        Details::Physics(_) => {
+            return Some(
+                "nothing broke: the stone is too slow or too blunt for this glass; raise impact.speed_m_s or \
+                 impact.radius_mm, or --severity",
+            );
+        }
+    };
     let all_too_weak = paper.convergence.impacts_without_fracture == network.data().impacts.len();
     Some(if all_too_weak {
         "nothing broke: no impact.force exceeds fracture.critical_stress / fracture.safety_factor (eq. 2)"
@@ -110,6 +118,7 @@ pub(crate) fn run(
     }
     if let Some((n_frames, to)) = &request.frames {
         stage_frames(
+            &settings,
             &simulated,
             request.size,
             *n_frames,
@@ -144,6 +153,7 @@ fn with_timings(simulated: &Simulated) -> Result<String, Failure> {
 
 /// Growth frames as one animated PNG, or as numbered PNG files in a folder.
 fn stage_frames(
+    settings: &Settings,
     simulated: &Simulated,
     size: (u32, u32),
     n_frames: u32,
@@ -153,7 +163,7 @@ fn stage_frames(
 ) -> Result<(), Failure> {
     let network = &simulated.network;
     let times = growth_times(network, n_frames).take_while(|_| !interrupt.is_set());
-    let view = View::stretched(&network.data().pane, size);
+    let view = pipeline::view(settings, size.0, size.1)?;
     let drawings = times.map(|time| growth_drawing(network, &view, time, 1.0));
     let extension = to
         .extension()
@@ -188,11 +198,19 @@ fn describe(simulated: &Simulated) -> String {
     }
     let summary = network.summary();
     let unit = network.data().unit.symbol();
-    let end = match &simulated.details {
+    let cracks = format!(
+        "{} segments, {:.0} {unit} of cracks",
+        summary.n_segments, summary.total_length
+    );
+    let total_ms = simulated.timings.total_ms();
+    match &simulated.details {
         Details::Paper(paper) => {
             let report = &paper.convergence;
             format!(
-                "{} steps; {} fronts came to rest: {} below the threshold, {} at another crack, {} without a neighbor",
+                "{cracks}, {} arms from {} impact(s), {} steps; {} fronts came to rest: {} below the threshold, {} \
+                 at another crack, {} without a neighbor; {total_ms:.1} ms",
+                summary.n_radial,
+                network.data().impacts.len(),
                 report.n_steps(),
                 report.n_fronts,
                 report.stopped_below_threshold,
@@ -200,14 +218,38 @@ fn describe(simulated: &Simulated) -> String {
                 report.stopped_without_neighbor,
             )
         }
-    };
+        Details::Physics(physics) => {
+            let mut lines: Vec<String> = physics.impacts.iter().map(describe_hit).collect();
+            if let Some(report) = &physics.long_crack {
+                lines.push(format!(
+                    "long crack: {}, {:.0} mm, flaw at {:.2} of the toughness",
+                    report.class,
+                    report.length_m * 1e3,
+                    report.flaw_k_ratio
+                ));
+            }
+            let longest = summary.longest_crack.unwrap_or_default();
+            lines.push(format!(
+                "{cracks}, longest {longest:.1} mm, {} fragment(s); {:.2} mJ of {:.2} mJ went into cracks; {total_ms:.1} ms",
+                summary.n_fragments.unwrap_or(1),
+                summary.dissipated_j.unwrap_or_default() * 1e3,
+                summary.available_j.unwrap_or_default() * 1e3,
+            ));
+            lines.join("\n")
+        }
+    }
+}
+
+/// Class and key figures of a hit.
+fn describe_hit(report: &ImpactReport) -> String {
     format!(
-        "{} segments, {:.0} {unit} of cracks, {} arms from {} impact(s), {end}; {:.1} ms",
-        summary.n_segments,
-        summary.total_length,
-        summary.n_radial,
-        network.data().impacts.len(),
-        simulated.timings.total_ms(),
+        "{}: {:.3} J, peak force {:.0} N, contact {:.1} us, {} arms, reach {:.1} mm",
+        report.damage.name(),
+        report.kinetic_energy_j,
+        report.peak_force_n,
+        report.contact_time_s * 1e6,
+        report.n_arms,
+        report.reach_m * 1e3,
     )
 }
 

@@ -2,12 +2,28 @@
 
 use serde_json::{Map, Value, json};
 use starbreak_fracture::paper::ConvergenceReport;
+use starbreak_fracture::physics::{ImpactReport, LongCrackReport};
 
 /// What a fracture model says about its cracks.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Details {
     /// From the paper's model.
     Paper(PaperDetails),
+    /// From the physics.
+    Physics(PhysicsDetails),
+}
+
+/// What the physics says of hits and loads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhysicsDetails {
+    /// The hits, in their order.
+    pub impacts: Vec<ImpactReport>,
+    /// The long crack, if one was asked for.
+    pub long_crack: Option<LongCrackReport>,
+    /// How often the plate's stress was solved.
+    pub n_solutions: usize,
+    /// Nodes of the largest mesh.
+    pub n_mesh_nodes: usize,
 }
 
 /// How the paper's model came to rest.
@@ -38,9 +54,47 @@ impl Details {
                 });
                 named.insert("mesh".to_owned(), mesh);
             }
+            Self::Physics(physics) => {
+                let hits: Vec<Value> = physics.impacts.iter().map(hit).collect();
+                named.insert("hits".to_owned(), Value::Array(hits));
+                if let Some(report) = &physics.long_crack {
+                    named.insert("long_crack".to_owned(), long_crack(report));
+                }
+                let plate = json!({
+                    "n_mesh_nodes": physics.n_mesh_nodes,
+                    "n_solutions": physics.n_solutions,
+                });
+                named.insert("plate".to_owned(), plate);
+            }
         }
         named
     }
+}
+
+fn hit(report: &ImpactReport) -> Value {
+    json!({
+        "damage_class": report.damage.name(),
+        "time_us": report.time_s * 1e6,
+        "kinetic_energy_j": report.kinetic_energy_j,
+        "peak_force_n": report.peak_force_n,
+        "contact_time_us": report.contact_time_s * 1e6,
+        "contact_radius_mm": report.contact_radius_m * 1e3,
+        "crushed_radius_mm": report.crushed_radius_m * 1e3,
+        "n_arms": report.n_arms,
+        "reach_mm": report.reach_m * 1e3,
+        "available_j": report.available_j,
+        "dissipated_j": report.dissipated_j,
+    })
+}
+
+fn long_crack(report: &LongCrackReport) -> Value {
+    json!({
+        "class": report.class,
+        "length_mm": report.length_m * 1e3,
+        "flaw_k_ratio": report.flaw_k_ratio,
+        "available_j": report.available_j,
+        "dissipated_j": report.dissipated_j,
+    })
 }
 
 fn convergence(report: &ConvergenceReport) -> Value {

@@ -1,5 +1,6 @@
 //! Settings and seed in, cracked images out: one image in memory, or many files.
 
+mod broken_pane;
 mod details;
 mod files;
 mod growth;
@@ -12,9 +13,11 @@ use starbreak_glass::{CrackNetwork, Pane, Seed};
 use starbreak_optics::View;
 use starbreak_optics::paper::{Masks, composite, draw};
 
+use broken_pane::{physics_network, view_of};
+
 use crate::{Error, FractureSettings, PaperSettings, Settings};
 
-pub use details::{Details, PaperDetails};
+pub use details::{Details, PaperDetails, PhysicsDetails};
 
 pub use files::{
     Failure, ImageJob, JobResult, Written, crack_file, crack_files, plan_images, stage_cracked,
@@ -60,7 +63,25 @@ pub fn simulate(
 ) -> Result<Simulated, Error> {
     match &settings.fracture {
         FractureSettings::Paper(paper) => paper_network(paper, width_px, height_px, seed),
-        FractureSettings::Physics(_) => Err(Error::Unfinished),
+        FractureSettings::Physics(physics) => {
+            physics_network(physics, &settings.camera, (width_px, height_px), seed)
+        }
+    }
+}
+
+/// How the frame shows the pane: the paper's is the frame itself, that of the physics stands
+/// before the camera.
+///
+/// # Errors
+/// [`Error::Optics`] for a camera that sees nothing.
+pub fn view(settings: &Settings, width_px: u32, height_px: u32) -> Result<View, Error> {
+    let size = (width_px, height_px);
+    match &settings.fracture {
+        FractureSettings::Paper(_) => Ok(View::stretched(
+            &Pane::from_frame_px(width_px, height_px),
+            size,
+        )),
+        FractureSettings::Physics(physics) => view_of(physics, &settings.camera, size),
     }
 }
 
@@ -110,7 +131,7 @@ pub fn crack_image(
         mut timings,
     } = simulate(settings, image.width(), image.height(), seed)?;
     let mut watch = Stopwatch::start();
-    let view = View::stretched(&network.data().pane, (image.width(), image.height()));
+    let view = view(settings, image.width(), image.height())?;
     let drawn = draw(&network, &view, f64::INFINITY, &settings.optics);
     watch.lap("draw");
     let masks = composite(image, &drawn, &settings.optics)?;

@@ -62,12 +62,15 @@ impl Stopwatch {
         }
     }
 
-    /// Ends a stage and starts the next.
+    /// Ends a stage and starts the next; a stage that comes again adds to its time.
     pub fn lap(&mut self, stage: &'static str) {
         let now = Instant::now();
-        self.timings
-            .stages
-            .push((stage, (now - self.last).as_secs_f64() * 1e3));
+        let spent_ms = (now - self.last).as_secs_f64() * 1e3;
+        let stages = &mut self.timings.stages;
+        match stages.iter_mut().find(|(name, _)| *name == stage) {
+            Some((_, total_ms)) => *total_ms += spent_ms,
+            None => stages.push((stage, spent_ms)),
+        }
         self.last = now;
     }
 

@@ -1,0 +1,118 @@
+//! Physics: which part of the pane the camera sees, where the stones hit it, and what breaks.
+
+use std::f64::consts::TAU;
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::Rng;
+use starbreak_fracture::paper::{Direction, Position};
+use starbreak_fracture::physics::{Stage, StoneImpact, simulate};
+use starbreak_glass::{Seed, Stream};
+use starbreak_optics::{Camera, View};
+
+use super::{Details, PhysicsDetails, Simulated, Stopwatch};
+use crate::{CameraSettings, Error, PhysicsSettings};
+
+/// How often a random place is drawn before the frame is said to show no glass.
+const MAX_DRAWS: u32 = 10_000;
+
+const MM_PER_M: f64 = 1e3;
+
+/// The pane in mm as the camera sees it in a frame of `size` px.
+pub(super) fn view_of(
+    settings: &PhysicsSettings,
+    camera: &CameraSettings,
+    size: (u32, u32),
+) -> Result<View, Error> {
+    let [width_m, height_m] = settings.pane.outline.size_m();
+    let [x, y] = settings.mount.axis_at;
+    let camera = Camera {
+        f_px: camera.f_px.of_frame(size.0),
+        distance_m: settings.mount.distance_m,
+        rake_rad: settings.mount.rake_rad,
+        axis_at_mm: [x * width_m * MM_PER_M, y * height_m * MM_PER_M],
+    };
+    Ok(View::through(&camera, size)?)
+}
+
+pub(super) fn physics_network(
+    settings: &PhysicsSettings,
+    camera: &CameraSettings,
+    size: (u32, u32),
+    seed: Seed,
+) -> Result<Simulated, Error> {
+    let mut watch = Stopwatch::start();
+    let view = view_of(settings, camera, size)?;
+    let stones = stones_on(settings, &view, seed)?;
+    let broken = simulate(
+        &settings.pane,
+        &stones,
+        settings.long_crack.as_ref(),
+        &settings.params,
+        seed,
+        |stage| {
+            watch.lap(match stage {
+                Stage::Contact => "contact",
+                Stage::Stress => "stress",
+                Stage::Tips => "tips",
+                Stage::Rings => "rings",
+                Stage::Dice => "dice",
+                Stage::LongCrack => "long_crack",
+                Stage::Network => "network",
+            });
+        },
+    )?;
+    Ok(Simulated {
+        network: broken.network,
+        details: Details::Physics(PhysicsDetails {
+            impacts: broken.impacts,
+            long_crack: broken.long_crack,
+            n_solutions: broken.n_solutions,
+            n_mesh_nodes: broken.n_mesh_nodes,
+        }),
+        timings: watch.stop(),
+    })
+}
+
+/// The stones where they hit the pane, m; what is random is drawn, each from a stream of its own.
+fn stones_on(
+    settings: &PhysicsSettings,
+    view: &View,
+    seed: Seed,
+) -> Result<Vec<StoneImpact>, Error> {
+    let outline = &settings.pane.outline;
+    let on_pane = |[u, v]: [f64; 2]| {
+        let (width, height) = view.size();
+        let point = view.unproject([u * f64::from(width), v * f64::from(height)])?;
+        let point_m = point.map(|coordinate| coordinate / MM_PER_M);
+        (outline.depth_m(point_m) >= 0.0).then_some(point_m)
+    };
+    let mut stones = Vec::with_capacity(settings.stones.len());
+    for (k, stone) in (0_u64..).zip(&settings.stones) {
+        let position_m = match stone.position {
+            Position::At { x, y } => on_pane([x, y]),
+            Position::Random => {
+                let mut rng = seed.stream(Stream::ImpactPosition, k);
+                (0..MAX_DRAWS).find_map(|_| on_pane([uniform(&mut rng), uniform(&mut rng)]))
+            }
+        };
+        let Some(position_m) = position_m else {
+            return Err(Error::OffGlass {
+                impact: k,
+                is_random: matches!(stone.position, Position::Random),
+            });
+        };
+        let azimuth_rad = match stone.azimuth {
+            Direction::Angle { rad } => rad,
+            Direction::Random => uniform(&mut seed.stream(Stream::ImpactDirection, k)) * TAU,
+        };
+        stones.push(stone.at(position_m, azimuth_rad));
+    }
+    Ok(stones)
+}
+
+/// A number in [0, 1).
+fn uniform(rng: &mut ChaCha8Rng) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "53 bits fit an f64 exactly")]
+    let bits = (rng.next_u64() >> 11) as f64;
+    bits / 9_007_199_254_740_992.0
+}
