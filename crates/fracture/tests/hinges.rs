@@ -216,3 +216,135 @@ fn stars_bend_as_cantilevers() {
     let dense = dense_star_energy_j(0.3);
     assert!((got / dense - 1.0).abs() < 0.1, "{got} {dense}");
 }
+
+/// Energy of a disc of radius 1 m under a force in its middle with a star of `n` arms, J.
+fn star_energy_j(plate: PlateProperties, n: u32, arm_m: f64) -> f64 {
+    let disc = Outline::Disc { diameter_m: 2.0 };
+    let load = patch([1.0; 2], 0.01);
+    let cracks = star(n, arm_m, 0.1);
+    let (_, field) = solve(disc, plate, Support::Clamped, load, 12_000, &cracks);
+    field.energy_j
+}
+
+#[test]
+fn energy_release_of_stars_is_that_of_the_tip_formula() {
+    let (h, e, nu) = (
+        PLATE.thickness_m,
+        PLATE.young_modulus_pa,
+        PLATE.poisson_ratio,
+    );
+    let f = (1.0 + nu) / (3.0 * (3.0 + nu));
+    // Hoop tension of the intact disc's back face, less its rim's part for a crack: −ν.
+    let tension = |log: f64| FORCE_N / (4.0 * PI) * ((1.0 + nu) * log - nu) * 6.0 / (h * h);
+    for (n, arm_m) in [(2, 0.2), (3, 0.2), (3, 0.4), (6, 0.2), (6, 0.4), (12, 0.2), (12, 0.4)] {
+        let [low, high] = [0.85, 1.15].map(|part| part * arm_m);
+        let released = star_energy_j(PLATE, n, high) - star_energy_j(PLATE, n, low);
+        let rate = released / ((high - low) * f64::from(n) * h);
+        let got = (e * rate).sqrt();
+        let n = f64::from(n);
+        let at = (0.64 + 0.035 * n).min(1.0) * arm_m;
+        let weight = (1.5 * f).min(1.9 / n);
+        let fitted = tension(-libm::log(at)) * (weight * PI * arm_m).sqrt();
+        assert!((got / fitted - 1.0).abs() < 0.15, "n = {n}, {arm_m}: {got} {fitted}");
+        if n < 3.0 {
+            // One crack, closed form: mean of the tension with the weight 1/√(r² − x²), by which
+            // a logarithm is that at half of the way.
+            let closed = tension(-libm::log(0.5 * arm_m)) * (f * PI * arm_m).sqrt();
+            assert!((got / closed - 1.0).abs() < 0.06, "{got} {closed}");
+        }
+    }
+}
+
+#[test]
+fn cracks_of_any_kind_are_meshed_and_solved() {
+    let pane = Outline::Rectangle {
+        width_m: 1.0,
+        height_m: 0.6,
+    };
+    let center = [0.4, 0.3];
+    let arms = |n: u32, from: f64, to: f64| -> Vec<Vec<[f64; 2]>> {
+        (0..n)
+            .map(|k| {
+                let (sin, cos) = libm::sincos(2.0 * PI * f64::from(k) / f64::from(n) + 0.3);
+                [from, to].map(|r| [0.4 + r * cos, 0.3 + r * sin]).to_vec()
+            })
+            .collect()
+    };
+    let spiral: Vec<[f64; 2]> = (0..20_000)
+        .map(|k| {
+            let angle = 0.002 * f64::from(k);
+            let (sin, cos) = libm::sincos(angle);
+            [0.4 + 0.005 * angle * cos, 0.3 + 0.005 * angle * sin]
+        })
+        .collect();
+    let wild: Vec<Vec<[f64; 2]>> = (0..60)
+        .map(|k| {
+            (0..5)
+                .map(|j| {
+                    let x = f64::from(5 * k + j);
+                    [(x * 0.754_877_666).fract(), 0.6 * (x * 0.569_840_291).fract()]
+                })
+                .collect()
+        })
+        .collect();
+    let fork = vec![
+        vec![center, [0.5, 0.3]],
+        vec![[0.5, 0.3], [0.6, 0.301]],
+        vec![[0.5, 0.3], [0.6, 0.299]],
+        vec![[0.55, 0.2], [0.5, 0.3]],
+    ];
+    let rims = vec![
+        vec![[0.0, 0.0], [1.0, 0.6]],
+        vec![[-1.0, 0.1], [2.0, 0.1]],
+        vec![[0.0, 0.0], [1.0, 0.0]],
+        vec![[0.3, 0.6], [0.3, 0.599_999]],
+        vec![[0.7, 0.0], [0.7, 1e-5]],
+        vec![[5.0, 5.0], [6.0, 6.0]],
+    ];
+    let none = vec![
+        vec![],
+        vec![[0.1, 0.1]],
+        vec![[0.1, 0.1]; 3],
+        vec![[f64::NAN, 0.1], [0.2, 0.2]],
+        vec![[f64::INFINITY, 0.1], [0.2, 0.2]],
+        vec![[0.2, 0.2], [0.2 + 1e-12, 0.2]],
+    ];
+    for (name, cracks) in [
+        ("a star to the rim", arms(7, 0.0, 2.0)),
+        ("a star of 200 arms", arms(200, 0.0, 0.1)),
+        ("arms without a middle", arms(12, 0.01, 0.1)),
+        ("a spiral", vec![spiral]),
+        ("all across each other", wild),
+        ("a narrow fork", fork),
+        ("on the rim", rims),
+        ("none at all", none),
+    ] {
+        for radius_m in [None, Some(0.15), Some(0.35)] {
+            let energy = || {
+                let mesh = PlateMesh::graded_around_cracks(
+                    &pane, center, 1e-3, radius_m, 2500, &cracks,
+                )
+                .unwrap();
+                let n = mesh.nodes().len();
+                assert!((1500..5000).contains(&n), "{name}: {n} nodes");
+                let solver = PlateSolver::new(mesh, PLATE, Support::SimplySupported)
+                    .unwrap_or_else(|e| panic!("{name}, {radius_m:?}: {e}"));
+                let field = solver
+                    .solve(&patch(center, 3e-3))
+                    .unwrap_or_else(|e| panic!("{name}, {radius_m:?}: {e}"));
+                let n_sides = u32::try_from(solver.mesh().nodes_of_sides().len()).unwrap();
+                for side in 0..n_sides {
+                    let stress = field.surface_stress(side, Face::Back);
+                    assert!(stress.xx_pa.is_finite(), "{name}: {side}");
+                }
+                field.energy_j
+            };
+            let mesh = PlateMesh::graded_to(&pane, center, 1e-3, radius_m, 2500).unwrap();
+            let solver = PlateSolver::new(mesh, PLATE, Support::SimplySupported).unwrap();
+            let whole = solver.solve(&patch(center, 3e-3)).unwrap().energy_j;
+            let cracked = energy();
+            assert!(cracked > 0.999 * whole, "{name}, {radius_m:?}: {cracked} {whole}");
+            assert_eq!(cracked.to_bits(), energy().to_bits(), "{name}: again");
+        }
+    }
+}

@@ -19,6 +19,12 @@ const WITHIN: f64 = 0.4;
 /// Distance over the local size between a crack and other nodes.
 const CLEAR: f64 = 0.5;
 
+/// Distance over the local size at which a crack is drawn to a node of another one.
+const DRAWN: f64 = 0.3;
+
+/// How often a piece that is drawn to others may be divided.
+const MAX_DETOURS: u32 = 16;
+
 /// Cracks as nodes and edges.
 pub(super) struct Chains {
     /// Nodes within the domain; their numbers follow those of the border.
@@ -35,8 +41,8 @@ struct Stop {
 
 /// Brings cracks to the size of the mesh. Their ends and the vertices that they share stay, the
 /// rest is sampled anew. Where cracks run nearer to each other than the size allows, samples are
-/// left out and the crack goes straight from the one before to the one after. An end on the border
-/// takes the nearest node of the border with it.
+/// left out: the crack goes straight from the one before to the one after, or along the other
+/// crack. An end on the border takes the nearest node of the border with it.
 pub(super) fn chains(
     cracks: &[Vec<[f64; 2]>],
     grading: &Grading,
@@ -76,7 +82,9 @@ pub(super) fn chains(
     for nodes in &nodes {
         let mut chain: Vec<u32> = nodes.iter().copied().flatten().collect();
         chain.dedup();
-        edges.extend(chain.windows(2).map(|pair| [pair[0], pair[1]]));
+        for pair in chain.windows(2) {
+            placed.connect([pair[0], pair[1]], MAX_DETOURS, &mut edges);
+        }
     }
     Chains {
         nodes_m: placed.nodes_m,
@@ -158,6 +166,42 @@ impl Placed<'_> {
                 .iter()
                 .all(|node| distance(*node, point) >= APART * size);
         is_free.then(|| self.add(point))
+    }
+
+    /// An edge, or, where it passes too near to other nodes, edges through those.
+    fn connect(&self, [a, b]: [u32; 2], detours: u32, edges: &mut Vec<[u32; 2]>) {
+        let (from, to) = (self.position(a), self.position(b));
+        let span = distance(from, to);
+        let middle = at(from, to, 0.5);
+        let drawing = (0..)
+            .zip(&self.nodes_m)
+            .map(|(idx, node)| (to_u32(self.n_border) + idx, *node))
+            // Nearer to both ends than these are to each other, so that detours come to an end.
+            .filter(|&(idx, node)| {
+                let farther = distance(node, from).max(distance(node, to));
+                idx != a && idx != b && farther < span
+            })
+            .filter(|&(_, node)| {
+                distance_to_piece(node, from, to) < DRAWN * self.grading.size_at_m(node)
+            })
+            // The middle one, so that they come to an end soon.
+            .map(|(idx, node)| (distance(node, middle), idx))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        match drawing {
+            None => edges.push([a, b]),
+            Some((_, node)) if detours > 0 => {
+                self.connect([a, node], detours - 1, edges);
+                self.connect([node, b], detours - 1, edges);
+            }
+            Some(_) => (),
+        }
+    }
+
+    fn position(&self, node: u32) -> [f64; 2] {
+        match self.border.get(node as usize) {
+            Some(node) => node.position_m,
+            None => self.nodes_m[node as usize - self.n_border],
+        }
     }
 
     fn add(&mut self, point: [f64; 2]) -> u32 {

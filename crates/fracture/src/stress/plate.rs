@@ -11,6 +11,16 @@ use crate::physics::Support;
 /// Greatest residual, relative to the terms of the equations, that counts as solved.
 const MAX_RESIDUAL: f64 = 1e-9;
 
+/// Foundation of a cracked plate, in D over the fourth power of its size. Hinges may leave parts
+/// that nothing holds, such as the sectors of a star that has come to a simply supported rim. This
+/// stands for their inertia, which is spread over them as a foundation's pressure is; a plate that
+/// is held gives way by less than 1e-5 of its deflection less.
+const INERTIA: f64 = 1e-3;
+
+/// Part of the stiffness that cracked triangles keep as if they were not cracked, so that the
+/// equations have a solution where cracks leave single triangles.
+const REMAINDER: f64 = 1e-9;
+
 /// What a plate is made of and what it lies on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlateProperties {
@@ -130,11 +140,20 @@ impl PlateSolver {
             is_held.push([true, along, across]);
         }
         let elements = elements(&mesh, &frames);
-        let stiffness: Vec<_> = elements.iter().map(|e| e.stiffness(&rigidity)).collect();
+        let mut stiffness: Vec<_> = elements.iter().map(|e| e.stiffness(&rigidity)).collect();
+        let corners = mesh.triangles().iter().zip(mesh.sides()).enumerate();
+        for (t, _) in corners.filter(|(_, (nodes, sides))| nodes != sides) {
+            stiffness.push(stiffness[t].map(|entry| REMAINDER * entry));
+        }
+        let mut pressure_pa_m = plate.foundation_pa_m;
+        if mesh.nodes_of_sides().len() > mesh.nodes().len() {
+            let size_m = extent_m(&mesh);
+            pressure_pa_m = pressure_pa_m.max(INERTIA * plate.rigidity_n_m() / size_m.powi(4));
+        }
         let mut foundation = vec![0.0; mesh.nodes().len()];
         for (triangle, element) in mesh.triangles().iter().zip(&elements) {
             for &node in triangle {
-                foundation[node as usize] += plate.foundation_pa_m * element.area_m2 / 3.0;
+                foundation[node as usize] += pressure_pa_m * element.area_m2 / 3.0;
             }
         }
         let mut system = System::new(&mesh)?;
@@ -206,6 +225,15 @@ impl PlateSolver {
             back,
         })
     }
+}
+
+/// The longer side of a mesh, m.
+fn extent_m(mesh: &PlateMesh) -> f64 {
+    let side = |axis: usize| {
+        let places = || mesh.nodes().iter().map(|node| node[axis]);
+        places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min)
+    };
+    side(0).max(side(1))
 }
 
 /// The unknowns of a system, or why they are none.

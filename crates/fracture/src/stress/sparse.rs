@@ -48,11 +48,15 @@ impl System {
     /// The pattern of a mesh with its ordering and symbolic factor.
     pub(super) fn new(mesh: &PlateMesh) -> Result<Self, FractureError> {
         let n_nodes = mesh.nodes_of_sides().len();
-        let stencils: Vec<Stencil> = mesh
-            .triangles()
-            .iter()
-            .zip(mesh.sides())
-            .map(|(nodes, sides)| [nodes[0], nodes[1], nodes[2], sides[0], sides[1], sides[2]])
+        let corners = || mesh.triangles().iter().zip(mesh.sides());
+        let stencil = |[a, b, c]: [u32; 3], [d, e, f]: [u32; 3]| [a, b, c, d, e, f];
+        let stencils: Vec<Stencil> = corners()
+            .map(|(nodes, sides)| stencil(*nodes, *sides))
+            .chain(
+                corners()
+                    .filter(|(nodes, sides)| nodes != sides)
+                    .map(|(nodes, _)| stencil(*nodes, *nodes)),
+            )
             .collect();
         let place = elimination_order(n_nodes, &stencils)?;
         let placed: Vec<Stencil> = stencils
@@ -106,8 +110,11 @@ impl System {
         })
     }
 
-    /// Assembles the elements' packed matrices (in the order of the triangles) and a diagonal for
-    /// the first unknown of each node, holds the unknowns in `is_fixed`, and factors.
+    /// Assembles the elements' packed matrices and a diagonal for the first unknown of each node,
+    /// holds the unknowns in `is_fixed`, and factors.
+    ///
+    /// Elements are those of the triangles, then once more those of the triangles with a side that
+    /// is not the first of its node, for unknowns of the first sides.
     pub(super) fn factor<'a>(
         &mut self,
         elements: impl Iterator<Item = &'a [f64; N_PACKED]>,
