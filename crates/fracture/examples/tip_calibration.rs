@@ -1,8 +1,16 @@
 //! Prints the calibration of the tip's K: stars of n arms in a plate, as a table in CSV.
 //!
 //! K = √(E G) with G = (1/n h) dU/dr at constant load, from energies U of plates that are hinged
-//! along n straight arms of length r. Beside it what the tip law is made of: hoop tension of the
-//! intact plate's back face at the tip and its mean along the arm.
+//! along n straight arms of length r; slopes are those of parabolas through seven lengths. Beside
+//! it two laws, from the hoop tension σ of the intact plate's back face and the distance
+//! s = 2πr/n of neighboring arms, with f = (1+ν)/(3(3+ν)):
+//!
+//! - `k_tip` = σ(r) √(π min(f r, f s/2π)), of the tension at the tip;
+//! - `k_fit` = σ(q r) √(π min(1.5 f r, 1.9 s/2π)), q = min(1, 0.64 + 0.035 n): tension is taken at
+//!   a place behind the tip, for a crack is driven by what acts on all of it.
+//!
+//! Run with `cargo run --release -p starbreak-fracture --example tip_calibration`, five minutes;
+//! with a number for that many nodes per mesh instead of 12 000.
 #![expect(clippy::print_stdout, reason = "a table is what it is for")]
 
 use std::f64::consts::PI;
@@ -15,7 +23,6 @@ use starbreak_fracture::stress::{Face, PatchLoad, PlateField, PlateProperties, P
 const H_M: f64 = 3e-3;
 const E_PA: f64 = 70e9;
 const FORCE_N: f64 = 100.0;
-const N_NODES: u32 = 12_000;
 
 /// Where the star grows, in units of 1 m: a clamped disc of radius 1, or a foundation of length
 /// ℓ = 1 under a disc of radius 8.
@@ -46,20 +53,40 @@ const PLACES: [Place; 2] = [
 ];
 
 fn main() -> Result<(), FractureError> {
-    println!("place,nu,n,r,k_fem,sigma_tip,sigma_mean,sigma_half,k_law,ratio");
+    let asked = std::env::args().nth(1).and_then(|text| text.parse().ok());
+    let n_nodes = asked.unwrap_or(12_000);
+    println!(
+        "place,nu,n,r_m,sigma_tip_pa,sigma_mean_pa,k_fem,k_tip,fem_over_tip,k_fit,fem_over_fit"
+    );
     for place in PLACES {
         for poisson_ratio in [0.22, 0.0] {
-            for n in [2, 3, 4, 6, 8, 12] {
-                table(place, poisson_ratio, n)?;
+            let plate = Plate {
+                place,
+                poisson_ratio,
+                n_nodes,
+            };
+            for n in [2, 3, 4, 6, 8, 12, 20] {
+                table(plate, n)?;
             }
         }
     }
     Ok(())
 }
 
-fn solve(
+/// A plate and its mesh.
+#[derive(Debug, Clone, Copy)]
+struct Plate {
     place: Place,
     poisson_ratio: f64,
+    n_nodes: u32,
+}
+
+fn solve(
+    Plate {
+        place,
+        poisson_ratio,
+        n_nodes,
+    }: Plate,
     cracks: &[Vec<[f64; 2]>],
 ) -> Result<(PlateMesh, PlateField), FractureError> {
     let mut plate = PlateProperties {
@@ -79,7 +106,7 @@ fn solve(
         [radius; 2],
         0.5 * place.patch_m,
         None,
-        N_NODES,
+        n_nodes,
         cracks,
     )?;
     let solver = PlateSolver::new(mesh, plate, Support::Clamped)?;
@@ -91,8 +118,13 @@ fn solve(
     Ok((solver.mesh().clone(), field))
 }
 
-fn table(place: Place, poisson_ratio: f64, n: u32) -> Result<(), FractureError> {
-    let (mesh, intact) = solve(place, poisson_ratio, &[])?;
+fn table(plate: Plate, n: u32) -> Result<(), FractureError> {
+    let Plate {
+        place,
+        poisson_ratio,
+        ..
+    } = plate;
+    let (mesh, intact) = solve(plate, &[])?;
     let hoop = |r: f64| {
         let sum: f64 = (0..24)
             .map(|k| {
@@ -123,7 +155,7 @@ fn table(place: Place, poisson_ratio: f64, n: u32) -> Result<(), FractureError> 
                 vec![center, [center[0] + arm(k) * cos, center[1] + arm(k) * sin]]
             })
             .collect();
-        energies.push(solve(place, poisson_ratio, &cracks)?.1.energy_j);
+        energies.push(solve(plate, &cracks)?.1.energy_j);
     }
     let factor = (1.0 + poisson_ratio) / (3.0 * (3.0 + poisson_ratio));
     for k in 3..n_arms - 3 {
@@ -133,15 +165,17 @@ fn table(place: Place, poisson_ratio: f64, n: u32) -> Result<(), FractureError> 
         let r = arm(k);
         let rate = slope(&places) / (f64::from(n) * H_M);
         let k_fem = (E_PA * rate.max(0.0)).sqrt();
+        let n_gaps = f64::from(n);
         let tip = hoop(r);
-        let gap = 2.0 * PI * r / f64::from(n);
-        let k_law = tip.max(0.0) * (factor * PI * r.min(gap / (2.0 * PI))).sqrt();
+        let at_tip = tip.max(0.0) * (factor * PI * r.min(r / n_gaps)).sqrt();
+        let behind = hoop((0.64 + 0.035 * n_gaps).min(1.0) * r);
+        let fit = behind.max(0.0) * (PI * r * (1.5 * factor).min(1.9 / n_gaps)).sqrt();
         println!(
-            "{},{poisson_ratio},{n},{r:.4},{k_fem:.5e},{tip:.5e},{:.5e},{:.5e},{k_law:.5e},{:.3}",
+            "{},{poisson_ratio},{n},{r:.4},{tip:.4e},{:.4e},{k_fem:.4e},{at_tip:.4e},{:.3},{fit:.4e},{:.3}",
             place.name,
             mean(0.0, r),
-            mean(0.5 * r, r),
-            k_fem / k_law
+            k_fem / at_tip,
+            k_fem / fit,
         );
     }
     Ok(())
@@ -164,8 +198,9 @@ fn slope(places: &[(f64, f64)]) -> f64 {
         for row in 0..3 {
             if row != pivot {
                 let part = matrix[row][pivot] / matrix[pivot][pivot];
-                for column in 0..4 {
-                    matrix[row][column] -= part * matrix[pivot][column];
+                let taken = matrix[pivot].map(|entry| part * entry);
+                for (entry, taken) in matrix[row].iter_mut().zip(taken) {
+                    *entry -= taken;
                 }
             }
         }

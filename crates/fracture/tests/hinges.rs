@@ -65,8 +65,7 @@ fn a_hinged_strip_is_two_cantilevers() {
     let crack = vec![vec![[l, 0.0], [l, height]]];
     for a in [0.6 * l, l] {
         let load = patch([a, 0.5 * height], 0.0);
-        let (solver, field) =
-            solve(outline, plate, Support::Clamped, load, 20_000, &crack);
+        let (solver, field) = solve(outline, plate, Support::Clamped, load, 20_000, &crack);
         let mesh = solver.mesh();
         // What the far half holds of the load, from equal deflections at the hinge.
         let shear = FORCE_N * a * a * (3.0 * l - a) / (4.0 * l.powi(3));
@@ -107,7 +106,10 @@ fn moment_across_a_hinge_vanishes_with_the_mesh() {
     let whole = rest(20_000, &[]);
     let parts = [1500, 6000, 24_000].map(|n| rest(n, &crack) / whole);
     assert!(parts[0] < 0.1, "{parts:?}");
-    assert!(parts[1] < 0.6 * parts[0] && parts[2] < 0.6 * parts[1], "{parts:?}");
+    assert!(
+        parts[1] < 0.6 * parts[0] && parts[2] < 0.6 * parts[1],
+        "{parts:?}"
+    );
 }
 
 /// Deflection under a force in the middle of a simply supported square of side 1 m, which has a
@@ -139,7 +141,14 @@ fn a_square_with_a_hinge_is_two_plates_with_a_free_edge() {
     let crack = vec![vec![[0.5, 0.0], [0.5, 1.0]]];
     let closed = levy_m(&PLATE);
     let load = patch([0.5; 2], 0.0);
-    let (_, field) = solve(square, PLATE, Support::SimplySupported, load, 10_000, &crack);
+    let (_, field) = solve(
+        square,
+        PLATE,
+        Support::SimplySupported,
+        load,
+        10_000,
+        &crack,
+    );
     let got = 2.0 * field.energy_j / FORCE_N;
     assert!((got / closed - 1.0).abs() < 5e-3, "{got} {closed}");
 }
@@ -206,7 +215,10 @@ fn stars_bend_as_cantilevers() {
     };
     for n in [3, 6, 12] {
         let energies = [0.1, 0.2, 0.3, 0.4].map(|arm| energy(n, arm).0);
-        assert!(energies.windows(2).all(|pair| pair[1] > pair[0]), "{energies:?}");
+        assert!(
+            energies.windows(2).all(|pair| pair[1] > pair[0]),
+            "{energies:?}"
+        );
     }
     // Many arms: a cantilever bears M_r = −P/2π all along, and nothing across.
     let (got, [radial, hoop]) = energy(24, 0.3);
@@ -236,7 +248,15 @@ fn energy_release_of_stars_is_that_of_the_tip_formula() {
     let f = (1.0 + nu) / (3.0 * (3.0 + nu));
     // Hoop tension of the intact disc's back face, less its rim's part for a crack: −ν.
     let tension = |log: f64| FORCE_N / (4.0 * PI) * ((1.0 + nu) * log - nu) * 6.0 / (h * h);
-    for (n, arm_m) in [(2, 0.2), (3, 0.2), (3, 0.4), (6, 0.2), (6, 0.4), (12, 0.2), (12, 0.4)] {
+    for (n, arm_m) in [
+        (2, 0.2),
+        (3, 0.2),
+        (3, 0.4),
+        (6, 0.2),
+        (6, 0.4),
+        (12, 0.2),
+        (12, 0.4),
+    ] {
         let [low, high] = [0.85, 1.15].map(|part| part * arm_m);
         let released = star_energy_j(PLATE, n, high) - star_energy_j(PLATE, n, low);
         let rate = released / ((high - low) * f64::from(n) * h);
@@ -245,7 +265,10 @@ fn energy_release_of_stars_is_that_of_the_tip_formula() {
         let at = (0.64 + 0.035 * n).min(1.0) * arm_m;
         let weight = (1.5 * f).min(1.9 / n);
         let fitted = tension(-libm::log(at)) * (weight * PI * arm_m).sqrt();
-        assert!((got / fitted - 1.0).abs() < 0.15, "n = {n}, {arm_m}: {got} {fitted}");
+        assert!(
+            (got / fitted - 1.0).abs() < 0.15,
+            "n = {n}, {arm_m}: {got} {fitted}"
+        );
         if n < 3.0 {
             // One crack, closed form: mean of the tension with the weight 1/√(r² − x²), by which
             // a logarithm is that at half of the way.
@@ -282,7 +305,10 @@ fn cracks_of_any_kind_are_meshed_and_solved() {
             (0..5)
                 .map(|j| {
                     let x = f64::from(5 * k + j);
-                    [(x * 0.754_877_666).fract(), 0.6 * (x * 0.569_840_291).fract()]
+                    [
+                        (x * 0.754_877_666).fract(),
+                        0.6 * (x * 0.569_840_291).fract(),
+                    ]
                 })
                 .collect()
         })
@@ -321,10 +347,9 @@ fn cracks_of_any_kind_are_meshed_and_solved() {
     ] {
         for radius_m in [None, Some(0.15), Some(0.35)] {
             let energy = || {
-                let mesh = PlateMesh::graded_around_cracks(
-                    &pane, center, 1e-3, radius_m, 2500, &cracks,
-                )
-                .unwrap();
+                let mesh =
+                    PlateMesh::graded_around_cracks(&pane, center, 1e-3, radius_m, 2500, &cracks)
+                        .unwrap();
                 let n = mesh.nodes().len();
                 assert!((1500..5000).contains(&n), "{name}: {n} nodes");
                 let solver = PlateSolver::new(mesh, PLATE, Support::SimplySupported)
@@ -343,7 +368,10 @@ fn cracks_of_any_kind_are_meshed_and_solved() {
             let solver = PlateSolver::new(mesh, PLATE, Support::SimplySupported).unwrap();
             let whole = solver.solve(&patch(center, 3e-3)).unwrap().energy_j;
             let cracked = energy();
-            assert!(cracked > 0.999 * whole, "{name}, {radius_m:?}: {cracked} {whole}");
+            assert!(
+                cracked > 0.999 * whole,
+                "{name}, {radius_m:?}: {cracked} {whole}"
+            );
             assert_eq!(cracked.to_bits(), energy().to_bits(), "{name}: again");
         }
     }

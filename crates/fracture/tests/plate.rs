@@ -5,9 +5,7 @@ use std::f64::consts::PI;
 
 use starbreak_fracture::mesh::{Outline, PlateMesh};
 use starbreak_fracture::physics::{MeshResolution, Support};
-use starbreak_fracture::stress::{
-    Face, PatchLoad, PlateProperties, PlateSolver, membrane_stress,
-};
+use starbreak_fracture::stress::{Face, PatchLoad, PlateProperties, PlateSolver, membrane_stress};
 
 const PLATE: PlateProperties = PlateProperties {
     thickness_m: 3e-3,

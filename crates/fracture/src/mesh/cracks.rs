@@ -103,11 +103,7 @@ pub(super) fn clear_of(
         Some(node) => node.position_m,
         None => chains.nodes_m[node as usize - border.len()],
     };
-    let pieces: Vec<[[f64; 2]; 2]> = chains
-        .edges
-        .iter()
-        .map(|edge| edge.map(position))
-        .collect();
+    let pieces: Vec<[[f64; 2]; 2]> = chains.edges.iter().map(|edge| edge.map(position)).collect();
     let is_clear = |point: &[f64; 2]| {
         let least = CLEAR * grading.size_at_m(*point);
         pieces
@@ -212,7 +208,11 @@ impl Placed<'_> {
 
 /// Vertices that cracks have in common, in the order of their bits.
 fn shared_vertices(cracks: &[Vec<[f64; 2]>]) -> Vec<[u64; 2]> {
-    let mut all: Vec<[u64; 2]> = cracks.iter().flatten().map(|p| p.map(f64::to_bits)).collect();
+    let mut all: Vec<[u64; 2]> = cracks
+        .iter()
+        .flatten()
+        .map(|p| p.map(f64::to_bits))
+        .collect();
     all.sort_unstable();
     let mut shared: Vec<[u64; 2]> = all
         .windows(2)

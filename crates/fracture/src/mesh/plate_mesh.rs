@@ -66,7 +66,14 @@ impl PlateMesh {
         domain_radius_m: Option<f64>,
         n_nodes: u32,
     ) -> Result<Self, FractureError> {
-        Self::graded_around_cracks(outline, center_m, inner_size_m, domain_radius_m, n_nodes, &[])
+        Self::graded_around_cracks(
+            outline,
+            center_m,
+            inner_size_m,
+            domain_radius_m,
+            n_nodes,
+            &[],
+        )
     }
 
     /// [`PlateMesh::graded_to`] with edges along cracks, which are chains of straight pieces, m.

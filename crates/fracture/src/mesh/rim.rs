@@ -184,7 +184,10 @@ pub(super) fn move_nearest(
         let on_circle = |around: [f64; 2], radius: f64| {
             let offset = [point[0] - around[0], point[1] - around[1]];
             let factor = radius / libm::hypot(offset[0], offset[1]);
-            [around[0] + factor * offset[0], around[1] + factor * offset[1]]
+            [
+                around[0] + factor * offset[0],
+                around[1] + factor * offset[1],
+            ]
         };
         let old = node.position_m;
         #[expect(clippy::float_cmp, reason = "on a side means exactly on it")]

@@ -8,7 +8,7 @@ use super::sparse::System;
 use crate::FractureError;
 use crate::mesh::PlateMesh;
 
-/// Thermal expansion of soda-lime glass, 1/K.
+/// Thermal expansion of soda-lime glass, 1/K \[EN2012\].
 pub const EXPANSION_PER_K: f64 = 9e-6;
 
 /// What thermal strain does to a plate in its plane.

@@ -293,7 +293,11 @@ mod tests {
         web.add_piece(other);
         web.node_on(1, [0.7, 0.5], 1e-6);
         let xs = |chain: &Vec<[f64; 2]>| chain.iter().map(|p| p[0]).collect::<Vec<_>>();
-        let chains: Vec<_> = web.chains(|piece| piece.crack == 0).iter().map(xs).collect();
+        let chains: Vec<_> = web
+            .chains(|piece| piece.crack == 0)
+            .iter()
+            .map(xs)
+            .collect();
         assert_eq!(
             chains,
             [vec![0.5, 0.6, 0.7, 0.8], vec![0.5, 0.4, 0.1]],
