@@ -108,14 +108,14 @@ pub(super) fn clear_of(
         let least = CLEAR * grading.size_at_m(*point);
         pieces
             .iter()
-            .all(|[a, b]| distance_to_piece(*point, *a, *b) >= least)
+            .all(|[a, b]| !is_near_piece(*point, *a, *b, least))
             && chains
                 .nodes_m
                 .iter()
-                .all(|node| distance(*node, *point) >= least)
+                .all(|node| !is_near(*node, *point, least))
             && border
                 .iter()
-                .all(|node| distance(node.position_m, *point) >= 0.3 * least)
+                .all(|node| !is_near(node.position_m, *point, 0.3 * least))
     };
     points.into_iter().filter(is_clear).collect()
 }
@@ -160,7 +160,7 @@ impl Placed<'_> {
             && self
                 .nodes_m
                 .iter()
-                .all(|node| distance(*node, point) >= APART * size);
+                .all(|node| !is_near(*node, point, APART * size));
         is_free.then(|| self.add(point))
     }
 
@@ -174,11 +174,10 @@ impl Placed<'_> {
             .map(|(idx, node)| (to_u32(self.n_border) + idx, *node))
             // Nearer to both ends than these are to each other, so that detours come to an end.
             .filter(|&(idx, node)| {
-                let farther = distance(node, from).max(distance(node, to));
-                idx != a && idx != b && farther < span
+                idx != a && idx != b && is_near(node, from, span) && is_near(node, to, span)
             })
             .filter(|&(_, node)| {
-                distance_to_piece(node, from, to) < DRAWN * self.grading.size_at_m(node)
+                is_near_piece(node, from, to, DRAWN * self.grading.size_at_m(node))
             })
             // The middle one, so that they come to an end soon.
             .map(|(idx, node)| (distance(node, middle), idx))
@@ -353,9 +352,21 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(a[0] - b[0], a[1] - b[1])
 }
 
-fn distance_to_piece(point: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+/// Whether two points are less than a distance apart, without its root.
+fn is_near(a: [f64; 2], b: [f64; 2], least: f64) -> bool {
+    let (dx, dy) = (a[0] - b[0], a[1] - b[1]);
+    dx * dx + dy * dy < least * least
+}
+
+/// Whether a point is less than a distance from the straight piece from a to b.
+fn is_near_piece(point: [f64; 2], a: [f64; 2], b: [f64; 2], least: f64) -> bool {
+    let is_beside =
+        |k: usize| point[k] > a[k].min(b[k]) - least && point[k] < a[k].max(b[k]) + least;
+    if !(is_beside(0) && is_beside(1)) {
+        return false;
+    }
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let along = (point[0] - a[0]) * dx + (point[1] - a[1]) * dy;
     let t = (along / (dx * dx + dy * dy)).clamp(0.0, 1.0);
-    libm::hypot(point[0] - a[0] - t * dx, point[1] - a[1] - t * dy)
+    is_near(point, [a[0] + t * dx, a[1] + t * dy], least)
 }
