@@ -45,6 +45,9 @@ const MAX_WINDOWS: usize = 60;
 /// of a parabola.
 const COMPRESSION_DEPTH: f64 = 0.211_324_865_405_187_1;
 
+/// Least radius of a ring over thickness and contact radius.
+const RING_LEAST_RADIUS: f64 = 1.5;
+
 /// A radial that reaches this part of the farthest is a leg; the others end in the crushed zone.
 const LEG_PART: f64 = 0.3;
 
@@ -492,6 +495,7 @@ impl Breaking<'_> {
             });
             tip.node = tip_node;
             tip.at_m = end;
+            tip.origin_m = center;
             tip.along_m = start_m;
             tips.push(tip);
         }
@@ -585,12 +589,13 @@ impl Breaking<'_> {
             })
             .collect();
         arms.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let low = 1.3
+        // Nearer to the load than its thickness a plate does not bend as a plate.
+        let low = RING_LEAST_RADIUS
             * hit
                 .contact
                 .contact_radius_m
                 .max(hit.contact.crushed_radius_m)
-                .max(0.5 * self.pane.thickness_m);
+                .max(self.pane.thickness_m);
         (0..arms.len())
             .filter(|_| arms.len() > 2)
             .map(|k| {

@@ -28,7 +28,8 @@ const SAMPLES: u32 = 64;
 /// than a flaw.
 const RUNNING_PART: f64 = 0.5;
 
-/// Least distance of two rings over their radius; nearer ones relieve each other.
+/// Least distance of two rings over their radius, and a thickness at least; nearer ones relieve each
+/// other.
 const LEAST_SPACING: f64 = 0.22;
 
 /// Most steps of one half of a ring.
@@ -69,10 +70,9 @@ impl Rings<'_> {
         let mut best: Option<(f64, f64)> = None;
         for k in 0..=SAMPLES {
             let radius = low + (high - low) * f64::from(k) / f64::from(SAMPLES);
-            if taken_m
-                .iter()
-                .any(|&taken| (taken - radius).abs() < LEAST_SPACING * radius)
-            {
+            if taken_m.iter().any(|&taken| {
+                (taken - radius).abs() < (LEAST_SPACING * radius).max(self.law.thickness_m)
+            }) {
                 continue;
             }
             let point = at(sector.center_m, direction, radius);

@@ -219,15 +219,9 @@ fn star(n: u32, s: f64, r0: f64, h: f64) -> (Vec<f64>, TipLaw) {
             center[1] + direction[1] * start_m,
         ]);
         let kind = SegmentKind::Radial;
-        tips.push(Tip::new(
-            &mut web,
-            Seed(1),
-            kind,
-            node,
-            direction,
-            start_m,
-            0.0,
-        ));
+        let mut tip = Tip::new(&mut web, Seed(1), kind, node, direction, start_m, 0.0);
+        tip.origin_m = center;
+        tips.push(tip);
     }
     let mut tracing = tracing(law, false);
     tracing.step_m = [2e-5, 5e-5];
@@ -250,14 +244,15 @@ fn star(n: u32, s: f64, r0: f64, h: f64) -> (Vec<f64>, TipLaw) {
 
 #[test]
 fn a_star_arrests_where_k_falls_to_toughness() {
-    for (n, s) in [(6, 200e6), (12, 300e6)] {
+    for (n, s) in [(4, 60e6), (6, 100e6), (12, 200e6), (16, 250e6)] {
         let (r0, h) = (2e-3, 2e-3);
         let (radii, law) = star(n, s, r0, h);
-        // S r0/r √(f r/2n·...): K = S (r0/r) √(f π s/2π), s = 2πr/n, is K_IC at
-        // r = f π (S r0/K_IC)²/n.
-        let expected =
-            law.shape_factor * PI * (s * r0 / law.toughness_pa_sqrt_m).powi(2) / f64::from(n);
-        let mean = radii.iter().sum::<f64>() / f64::from(n);
+        // K = S r0/(q r) √(min(1.5 f π r, 0.95 · 2πr/n)) is K_IC at one r.
+        let n = f64::from(n);
+        let q = (0.64 + 0.035 * n).min(1.0);
+        let per_r = (1.5 * law.shape_factor * PI).min(0.95 * 2.0 * PI / n);
+        let expected = per_r * (s * r0 / (q * law.toughness_pa_sqrt_m)).powi(2);
+        let mean = radii.iter().sum::<f64>() / n;
         assert!(
             (mean / expected - 1.0).abs() < 0.02,
             "n = {n}: {mean} m instead of {expected} m"

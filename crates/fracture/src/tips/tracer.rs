@@ -61,6 +61,8 @@ pub(crate) struct Tip {
     pub(crate) at_m: [f64; 2],
     /// Unit vector.
     pub(crate) direction: [f64; 2],
+    /// Where the crack began, with all that it forked from, m.
+    pub(crate) origin_m: [f64; 2],
     /// Length that counts for K (a fork hands half of it to each branch), m.
     pub(crate) length_m: f64,
     /// Way from where the crack began, m.
@@ -104,6 +106,7 @@ impl Tip {
             kind,
             node,
             at_m: web.nodes[node as usize],
+            origin_m: web.nodes[node as usize],
             direction,
             length_m,
             along_m: 0.0,
@@ -220,6 +223,7 @@ fn branch_of(web: &mut Web, parent: &Tip, seed: Seed, turn_rad: f64) -> Tip {
         parent.time_s,
     );
     branch.hint = parent.hint;
+    branch.origin_m = parent.origin_m;
     branch.apart_m = APART * parent.effective_m;
     branch.mean_stress_pa = parent.mean_stress_pa;
     branch.fork_node = Some(parent.node);
@@ -342,7 +346,10 @@ impl Step<'_> {
         let effective_m = law.effective_length_m(tip.length_m, self.gaps);
         let normal_stress = stress.normal_pa(side);
         tip.effective_m = effective_m;
-        let counts_pa = tip.mean_stress_pa.unwrap_or(normal_stress);
+        let counts_pa = match tip.mean_stress_pa {
+            Some(mean_pa) => mean_pa,
+            None => self.stress_behind(tip, side).unwrap_or(normal_stress),
+        };
         let mut intensity = law.intensity(counts_pa, effective_m);
         if self.tracing.rim_shields {
             let ligament_m = way_to_rim(self.web, tip.at_m, tip.direction);
@@ -367,6 +374,18 @@ impl Step<'_> {
             direction,
             [normal_stress, intensity, effective_m, speed],
         )
+    }
+
+    /// The stress across the crack at the place behind the tip that counts for K.
+    fn stress_behind(&self, tip: &Tip, side: [f64; 2]) -> Option<f64> {
+        let place = self.tracing.law.stress_place(tip.length_m, self.gaps);
+        if place >= 1.0 {
+            return None;
+        }
+        let [x, y] = tip.origin_m;
+        let point = [x + (tip.at_m[0] - x) * place, y + (tip.at_m[1] - y) * place];
+        let stress = self.field.stress_at(point, &mut tip.hint.clone())?;
+        Some(stress.normal_pa(side))
     }
 
     /// Speed, or `None` where the tip rests.
