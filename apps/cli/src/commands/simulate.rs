@@ -244,12 +244,13 @@ fn describe(simulated: &Simulated) -> String {
 /// Class and key figures of a hit.
 fn describe_hit(report: &ImpactReport) -> String {
     format!(
-        "{}: {:.3} J, peak force {:.0} N, contact {:.1} us, {} arms, reach {:.1} mm",
+        "{}: {:.3} J, peak force {:.0} N, contact {:.1} us, {} arms, {} of them legs, reach {:.1} mm",
         report.damage.name(),
         report.kinetic_energy_j,
         report.peak_force_n,
         report.contact_time_s * 1e6,
         report.n_arms,
+        report.n_legs,
         report.reach_m * 1e3,
     )
 }

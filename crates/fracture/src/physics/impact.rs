@@ -45,6 +45,9 @@ const MAX_WINDOWS: usize = 60;
 /// of a parabola.
 const COMPRESSION_DEPTH: f64 = 0.211_324_865_405_187_1;
 
+/// A radial that reaches this part of the farthest is a leg; the others end in the crushed zone.
+const LEG_PART: f64 = 0.3;
+
 /// A cone that goes deeper than this part of the sheet is seen as a bullseye.
 const VISIBLE_CONE: f64 = 0.5;
 
@@ -222,6 +225,9 @@ impl Breaking<'_> {
             .history
             .iter()
             .find(|&&[time_s, force_n]| time_s > 0.0 && opens([time_s, force_n]));
+        // A cone that comes through first takes the load off the plate: its plug rests on what
+        // lies behind, or leaves.
+        let first = first.filter(|[_, force_n]| *force_n < hit.cone.through_n);
         Ok(first.map(|&[time_s, force_n]| Opening {
             load,
             bending,
@@ -605,17 +611,26 @@ impl Breaking<'_> {
     /// The Hertzian cone where it shows: as a circle or an arc on the far face.
     fn cone(&mut self, hit: &Hit<'_>) {
         let h = self.pane.thickness_m;
-        let (radius_m, depth_m) = match hit.cone.outcome {
+        let ring = (hit.cone.ring_radius_m, 0.05 * h);
+        let circles = match hit.cone.outcome {
             ConeOutcome::None => return,
-            ConeOutcome::Ring => (hit.cone.ring_radius_m, 0.05 * h),
+            ConeOutcome::Ring => vec![ring],
             ConeOutcome::Partial {
                 depth_m,
                 base_radius_m,
-            } => (base_radius_m, depth_m),
+            } => vec![ring, (base_radius_m, depth_m)],
             ConeOutcome::Through {
                 bottom_radius_m, ..
-            } => (bottom_radius_m, h),
+            } => vec![ring, (bottom_radius_m, h)],
         };
+        for circle in circles {
+            self.circle(hit, circle);
+        }
+    }
+
+    /// A circle or an arc of a cone's trace, of a radius and a depth, m.
+    fn circle(&mut self, hit: &Hit<'_>, (radius_m, depth_m): (f64, f64)) {
+        let h = self.pane.thickness_m;
         let mut rng = self.seed.stream(Stream::StoneFlaws, (2 << 32) | hit.k);
         // Cones are round to a few percent: low harmonics of the radius.
         let harmonics: Vec<[f64; 3]> = (2_u8..6)
@@ -672,8 +687,25 @@ impl Breaking<'_> {
         }
     }
 
+    /// Radial cracks that reach, with their forks, as far as a glazier would count.
+    fn n_legs(&self, hit: &Hit<'_>, tips: &[Tip], first_piece: usize, reach_m: f64) -> usize {
+        let [x, y] = hit.stone.position_m;
+        let own = &self.web.pieces[first_piece..];
+        let reaches = |tip: &&Tip| {
+            let pieces = own.iter().filter(|piece| piece.crack == tip.crack);
+            let far = |piece: &Piece| {
+                let at = self.web.nodes[piece.b as usize];
+                libm::hypot(at[0] - x, at[1] - y)
+            };
+            let farthest = pieces.map(far).fold(0.0, f64::max);
+            tip.state == TipState::Forked || farthest >= LEG_PART * reach_m
+        };
+        let radials = tips.iter().filter(|tip| tip.kind == SegmentKind::Radial);
+        radials.filter(reaches).count()
+    }
+
     fn report(
-        &mut self,
+        &self,
         hit: &Hit<'_>,
         tips: &[Tip],
         first_piece: usize,
@@ -692,6 +724,7 @@ impl Breaking<'_> {
             .iter()
             .filter(|tip| tip.kind == SegmentKind::Radial)
             .count();
+        let n_legs = self.n_legs(hit, tips, first_piece, reach_m);
         let h = self.pane.thickness_m;
         let cone_depth_m = self.cone_depth_m(hit);
         let has_cone = cone_depth_m >= VISIBLE_CONE * h;
@@ -728,6 +761,7 @@ impl Breaking<'_> {
             contact_radius_m: hit.contact.contact_radius_m,
             crushed_radius_m: hit.contact.crushed_radius_m,
             n_arms,
+            n_legs,
             reach_m,
             available_j: ledger.available_j,
             dissipated_j: ledger.dissipated_j,

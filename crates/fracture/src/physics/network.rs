@@ -268,7 +268,7 @@ fn parents(web: &Web, n_nodes: usize, strokes: &[Stroke]) -> Vec<Option<u32>> {
             let candidates = || ending[stroke.a as usize].iter().filter(before);
             let own = candidates().find(|&&idx| crack(&strokes[idx as usize]) == crack(stroke));
             let goes_on = matches!(stroke.kind, SegmentKind::Fork | SegmentKind::Edge);
-            own.or_else(|| candidates().last().filter(|_| goes_on))
+            own.or_else(|| candidates().next_back().filter(|_| goes_on))
                 .copied()
         })
         .collect()

@@ -83,6 +83,8 @@ pub struct ImpactReport {
     pub crushed_radius_m: f64,
     /// Radial cracks that this hit made.
     pub n_arms: usize,
+    /// Those of them that reach at least 0.3 of the farthest, or fork.
+    pub n_legs: usize,
     /// Distance of the farthest crack tip from the hit, m.
     pub reach_m: f64,
     /// Elastic energy that cracks could use, J.

@@ -125,7 +125,8 @@ fn check(
     }
     for stone in impacts {
         stone.check()?;
-        if !(pane.outline.depth_m(stone.position_m) >= 0.0) {
+        let depth_m = pane.outline.depth_m(stone.position_m);
+        if depth_m.is_nan() || depth_m < 0.0 {
             let sheet = network_pane(pane);
             return Err(FractureError::ImpactOffPane {
                 x: stone.position_m[0] * 1e3,

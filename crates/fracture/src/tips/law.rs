@@ -29,6 +29,9 @@ const BRANCHING_OVER_MIRROR: f64 = 1.15;
 /// Coefficient of variation of the branching constant. FIT: design value.
 pub(crate) const BRANCHING_SCATTER: f64 = 0.06;
 
+/// Effective lengths over the way that a tip remembers.
+const MEMORY: f64 = 1.75;
+
 /// Wander of a tip's direction over a way of one thickness, rad. FIT: legs look straight.
 pub(crate) const WANDER_RAD: f64 = 2.0 * PI / 180.0;
 
@@ -41,6 +44,8 @@ pub(crate) struct TipLaw {
     /// f of K = σ √(f π L).
     pub(crate) shape_factor: f64,
     pub(crate) thickness_m: f64,
+    /// Whether stress behind the tip counts.
+    has_memory: bool,
 }
 
 /// Distances to the cracks that run beside a tip, m; infinite where there is none.
@@ -74,6 +79,7 @@ impl TipLaw {
             rayleigh_m_s: rayleigh_fraction(nu) * shear_speed,
             shape_factor: if is_bent { bending_factor(nu) } else { 1.0 },
             thickness_m,
+            has_memory: !is_bent,
         }
     }
 
@@ -86,6 +92,24 @@ impl TipLaw {
     /// K = σ_n √(f π L_eff), 0 under compression.
     pub(crate) fn intensity(&self, normal_stress_pa: f64, effective_m: f64) -> f64 {
         normal_stress_pa.max(0.0) * (self.shape_factor * PI * effective_m).sqrt()
+    }
+
+    /// Mean stress after a step of `way_m` through `stress_pa`; `None` where only the stress at the tip
+    /// counts.
+    ///
+    /// K of a crack is the integral of the intact body's stress along it with the weight
+    /// (2/π)/√(1 − (x/L)²) \[TadaParisIrwin2000\], whose mean lies at 2L/π; a running mean over L/1.75
+    /// has the same mean place.
+    pub(crate) fn mean_stress_pa(
+        &self,
+        mean_pa: f64,
+        stress_pa: f64,
+        way_m: f64,
+        effective_m: f64,
+    ) -> Option<f64> {
+        let forgotten = 1.0 - libm::exp(-MEMORY * way_m / effective_m.max(1e-9));
+        self.has_memory
+            .then_some(mean_pa + (stress_pa - mean_pa) * forgotten)
     }
 
     /// v = c_R (1 − (K_IC/K)²) up to the terminal speed \[Freund1990\]; 0 below K_IC.

@@ -37,6 +37,10 @@ const CORROSION_SPEED_M_S: f64 = 1e-2;
 /// K/K_IC below which stress corrosion ends.
 const CORROSION_LIMIT: f64 = 0.35;
 
+/// Way over which the branches of a fork part, over the length that counts for K. FIT: forks of long
+/// cracks keep their angle over about a quarter of the crack before they run side by side.
+const APART: f64 = 0.25;
+
 /// What a tip is doing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TipState {
@@ -67,6 +71,13 @@ pub(crate) struct Tip {
     pub(crate) tilt_rad: f64,
     pub(crate) state: TipState,
     pub(crate) hint: u32,
+    /// Length that counted for K at the last step, m.
+    effective_m: f64,
+    /// Way over which it forgets its direction, besides a thickness, m: the branches of a fork
+    /// push each other apart for as long as the crack that they share is.
+    apart_m: f64,
+    /// Normal stress as it counts for K: that of the way behind the tip, the nearer the more.
+    mean_stress_pa: Option<f64>,
     /// Node of the fork that it comes from.
     fork_node: Option<u32>,
     branching_scatter: f64,
@@ -101,6 +112,9 @@ impl Tip {
             tilt_rad,
             state: TipState::Alive,
             hint: 0,
+            effective_m: length_m,
+            apart_m: 0.0,
+            mean_stress_pa: None,
             fork_node: None,
             branching_scatter,
             rng,
@@ -206,6 +220,8 @@ fn branch_of(web: &mut Web, parent: &Tip, seed: Seed, turn_rad: f64) -> Tip {
         parent.time_s,
     );
     branch.hint = parent.hint;
+    branch.apart_m = APART * parent.effective_m;
+    branch.mean_stress_pa = parent.mean_stress_pa;
     branch.fork_node = Some(parent.node);
     branch.along_m = parent.along_m;
     branch.tilt_rad = parent.tilt_rad;
@@ -277,6 +293,18 @@ fn gaps_beside(web: &Web, tips: &[Tip], own_idx: usize, tracing: &Tracing) -> Ga
     gaps
 }
 
+/// What the nearness of the rim ahead adds to K: √(tan φ/φ), φ = πL/2W with W = L + ligament
+/// \[TadaParisIrwin2000\].
+fn finite_width(length_m: f64, ligament_m: f64) -> f64 {
+    let angle = 0.5 * PI * length_m / (length_m + ligament_m.max(1e-6));
+    (libm::tan(angle) / angle)
+        .sqrt()
+        .clamp(1.0, MAX_FINITE_WIDTH)
+}
+
+/// At this the ligament breaks in any case.
+const MAX_FINITE_WIDTH: f64 = 50.0;
+
 /// Distance to the rim along a direction, m.
 fn way_to_rim(web: &Web, from: [f64; 2], direction: [f64; 2]) -> f64 {
     let [width, height] = web.outline.size_m();
@@ -313,7 +341,13 @@ impl Step<'_> {
         let side = [-tip.direction[1], tip.direction[0]];
         let effective_m = law.effective_length_m(tip.length_m, self.gaps);
         let normal_stress = stress.normal_pa(side);
-        let intensity = law.intensity(normal_stress, effective_m);
+        tip.effective_m = effective_m;
+        let counts_pa = tip.mean_stress_pa.unwrap_or(normal_stress);
+        let mut intensity = law.intensity(counts_pa, effective_m);
+        if self.tracing.rim_shields {
+            let ligament_m = way_to_rim(self.web, tip.at_m, tip.direction);
+            intensity *= finite_width(tip.length_m, ligament_m);
+        }
         let Some(speed) = self.speed(intensity) else {
             return Outcome::Rests;
         };
@@ -322,6 +356,7 @@ impl Step<'_> {
         }
         let length = (0.1 * tip.length_m).clamp(step_m[0], step_m[1]);
         let direction = self.turned(tip, &stress, length);
+        tip.mean_stress_pa = law.mean_stress_pa(counts_pa, normal_stress, length, effective_m);
         let to = [
             tip.at_m[0] + direction[0] * length,
             tip.at_m[1] + direction[1] * length,
@@ -368,7 +403,7 @@ impl Step<'_> {
     /// \[FrankLawn1967\], and wanders a little.
     fn turned(&self, tip: &mut Tip, stress: &PlaneStress, length: f64) -> [f64; 2] {
         let way = length / self.tracing.law.thickness_m;
-        let memory = libm::exp(-way);
+        let memory = libm::exp(-length / (self.tracing.law.thickness_m + tip.apart_m));
         let target = crack_direction(stress, tip.direction);
         let x = memory * tip.direction[0] + (1.0 - memory) * target[0];
         let y = memory * tip.direction[1] + (1.0 - memory) * target[1];

@@ -81,6 +81,7 @@ fn hit(report: &ImpactReport) -> Value {
         "contact_radius_mm": report.contact_radius_m * 1e3,
         "crushed_radius_mm": report.crushed_radius_m * 1e3,
         "n_arms": report.n_arms,
+        "n_legs": report.n_legs,
         "reach_mm": report.reach_m * 1e3,
         "available_j": report.available_j,
         "dissipated_j": report.dissipated_j,
