@@ -40,49 +40,48 @@ const WHOLE: [&str; 3] = ["windshield-long-crack", "tempered-cover", "paper"];
 /// Damage classes: name, preset, what is set beside it, and width of the drawing, mm.
 const CLASSES: [(&str, &str, &[&str], f64); 12] = [
     ("pit", "windshield-star", &["impact.speed_m_s=8"], 12.0),
-    (
-        "bullseye",
-        "windshield-bullseye",
-        &["impact.speed_m_s=10"],
-        20.0,
-    ),
+    ("bullseye", "windshield-bullseye", &[], 20.0),
     (
         "half-moon",
         "windshield-bullseye",
-        &["impact.angle_deg=65", "impact.speed_m_s=25"],
+        &["impact.angle_deg=70", "impact.speed_m_s=90"],
         20.0,
     ),
-    ("star", "windshield-star", &[], 20.0),
-    ("combination", "windshield-combination", &[], 20.0),
+    ("star", "windshield-star", &[], 30.0),
+    ("combination", "windshield-combination", &[], 30.0),
     (
         "rim-to-impact",
         "lens-cover-star",
-        &["impact.speed_m_s=30"],
+        &["impact.speed_m_s=40", "impact.radius_mm=6"],
         44.0,
     ),
     ("diced", "tempered-cover", &[], 200.0),
-    (
-        "long-crack",
-        "windshield-long-crack",
-        &["impact.speed_m_s=36"],
-        1500.0,
-    ),
+    ("long-crack", "windshield-long-crack", &[], 1500.0),
     (
         "floater-crack",
         "windshield-long-crack",
-        &["impact.speed_m_s=36", "long_crack.frame_tension_mpa=0.5"],
+        &["long_crack.frame_tension_mpa=0.5"],
         1500.0,
     ),
     (
         "edge-crack",
         "windshield-long-crack",
-        &["long_crack.origin=rim"],
+        &[
+            "long_crack.origin=rim",
+            "long_crack.temperature_difference_k=40",
+            "long_crack.spot=[0.5,0.5]",
+        ],
         1500.0,
     ),
     (
         "stress-crack",
         "windshield-long-crack",
-        &["long_crack.origin=rim", "long_crack.frame_tension_mpa=0"],
+        &[
+            "long_crack.origin=rim",
+            "long_crack.temperature_difference_k=40",
+            "long_crack.spot=[0.5,0.5]",
+            "long_crack.frame_tension_mpa=0",
+        ],
         1500.0,
     ),
     ("paper", "paper", &[], 0.0),
@@ -108,7 +107,11 @@ fn main() -> Result<()> {
         let severities: Vec<RgbImage> = (1..=5)
             .map(|severity| cracked(&Recipe::preset_at(preset, severity)?, &sky(), 1))
             .collect::<Result<_>>()?;
-        let gray = DynamicImage::from(strip(preset, &severities)).into_luma8();
+        let mut gray = DynamicImage::from(strip(preset, &severities)).into_luma8();
+        // 16 levels are enough, and smaller.
+        for level in gray.iter_mut().filter(|level| **level < 240) {
+            *level &= 0xf0;
+        }
         let bytes = encode_image(&gray.into(), &Encoding::Png, None)?;
         stage(&mut batch, &out, &format!("{preset}-severity.png"), &bytes)?;
     }
@@ -140,12 +143,9 @@ fn cracked(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
     Ok(image.into_rgb8())
 }
 
-/// A gray sky that grows lighter towards the horizon.
+/// An even sky, darker than most, on which gray cracks show.
 fn sky() -> RgbImage {
-    RgbImage::from_fn(FRAME.0, FRAME.1, |_, y| {
-        let level = u8::try_from(90 + y * 50 / FRAME.1).unwrap_or(u8::MAX);
-        Rgb([level; 3])
-    })
+    RgbImage::from_pixel(FRAME.0, FRAME.1, Rgb([64; 3]))
 }
 
 /// Pictures side by side: cut out around the middle, or whole ones at half size below each other.
