@@ -13,7 +13,8 @@ use image::{DynamicImage, GrayImage, Rgb, RgbImage};
 use starbreak::dataset::{
     Encoding, JpegQuality, OutputBatch, encode_image, encode_mask, street_scene,
 };
-use starbreak::optics::{Camera, View};
+use starbreak::glass::{GlassKind, Pane};
+use starbreak::optics::{Camera, Coverage, Line, View};
 use starbreak::pipeline::{Details, crack_image, growth_drawing, simulate};
 use starbreak::{PRESETS, Recipe, Seed};
 
@@ -25,8 +26,8 @@ const FRAME: (u32, u32) = (1242, 375);
 /// Between two pictures of a strip, px.
 const GAP: u32 = 4;
 
-/// Seeds of the pictures over the street.
-const SEEDS: [u64; 3] = [1, 2, 3];
+/// Seeds of the pictures over the street, and what the camera is focused on.
+const SEEDS: [(u64, &str); 3] = [(1, "far"), (2, "far"), (3, "short")];
 
 /// Side of a drawing of a damage class, px.
 const DRAWING: u32 = 400;
@@ -96,7 +97,11 @@ fn main() -> Result<()> {
     for (preset, _) in PRESETS {
         let seeds: Vec<RgbImage> = SEEDS
             .iter()
-            .map(|&seed| cracked(&Recipe::preset(preset)?, &street, seed))
+            .map(|&(seed, focus)| {
+                let mut recipe = Recipe::preset(preset)?;
+                recipe.set(&format!("camera.focus_distance_m={focus}"))?;
+                cracked(&recipe, &street, seed)
+            })
             .collect::<Result<_>>()?;
         let jpeg = Encoding::Jpeg {
             quality: JpegQuality::new(85)?,
@@ -226,10 +231,40 @@ fn drawing(
             View::stretched(&data.pane, (FRAME.0 / 2, FRAME.1 / 2))
         };
         let mut drawing = growth_drawing(&simulated.network, &view, f64::INFINITY, 1.2);
-        for pixel in drawing.iter_mut() {
-            *pixel = u8::MAX - *pixel;
+        let rim = rim(&data.pane, &view);
+        for (pixel, rim) in drawing.iter_mut().zip(rim.iter()) {
+            *pixel = u8::MAX - (*pixel).max(*rim);
         }
         return Ok(Some((seed, drawing)));
     }
     Ok(None)
+}
+
+/// The rim of a pane in mm, pale, as far as it is in view.
+fn rim(pane: &Pane, view: &View) -> GrayImage {
+    let (width, height) = view.size();
+    let corners = if pane.kind == Some(GlassKind::Cover) {
+        (0..64_u8)
+            .map(|k| {
+                let angle = std::f64::consts::TAU * f64::from(k) / 64.0;
+                let radius = 0.5 * pane.width;
+                [radius * (1.0 + angle.cos()), radius * (1.0 + angle.sin())]
+            })
+            .collect()
+    } else {
+        let (right, bottom) = (pane.width, pane.height);
+        vec![[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]]
+    };
+    let next = corners.iter().cycle().skip(1);
+    let lines = corners.iter().zip(next).filter_map(|([x0, y0], [x1, y1])| {
+        Some(Line {
+            ends: view.visible([*x0, *y0, *x1, *y1], 2.0)?,
+            weight: 1.0,
+        })
+    });
+    let mut rim = Coverage::of_lines(width, height, 1.0, lines).to_mask();
+    for level in rim.iter_mut() {
+        *level /= 3;
+    }
+    rim
 }
