@@ -5,9 +5,7 @@ use std::f64::consts::PI;
 
 use starbreak_fracture::mesh::{Outline, PlateMesh};
 use starbreak_fracture::physics::{MeshResolution, Support};
-use starbreak_fracture::stress::{
-    ActiveDisc, Face, Hinge, PatchLoad, PlateProperties, PlateSolver, membrane_stress,
-};
+use starbreak_fracture::stress::{Face, PatchLoad, PlateProperties, PlateSolver, membrane_stress};
 
 const PLATE: PlateProperties = PlateProperties {
     thickness_m: 3e-3,
@@ -199,76 +197,6 @@ fn a_warm_spot_stresses_a_free_disc_as_in_the_closed_form() {
 }
 
 #[test]
-fn no_moment_crosses_a_line_of_hinges() {
-    // A square with hinges along its middle line, loaded in its left half.
-    let mesh = PlateMesh::graded(&SQUARE, [0.3, 0.5], 2e-3, None, MeshResolution::Default).unwrap();
-    let mut solver = PlateSolver::new(mesh, PLATE, Support::SimplySupported).unwrap();
-    let patch = load([0.3, 0.5], 0.01);
-    let intact = solver.solve(&patch).unwrap();
-    let mut triangles = Vec::new();
-    let mesh = solver.mesh();
-    mesh.crossed_by([0.5, 0.0], [0.5, 1.0], &mut 0, &mut triangles);
-    let line = triangles.clone();
-    let hinges: Vec<Hinge> = triangles
-        .into_iter()
-        .map(|triangle| Hinge {
-            triangle,
-            normal: [2.0, 0.0],
-            residual: 1e-3,
-        })
-        .collect();
-    solver.factor(&hinges, None).unwrap();
-    let cracked = solver.solve(&patch).unwrap();
-    assert!(
-        cracked.energy_j > 1.02 * intact.energy_j,
-        "it gives way more"
-    );
-    // What the triangles beside the line see of its moment, away from its ends.
-    let mesh = solver.mesh();
-    let (mut left, mut before) = (0.0, 0.0);
-    for &triangle in &line {
-        for node in mesh.triangles()[triangle as usize] {
-            if (mesh.nodes()[node as usize][1] - 0.5).abs() < 0.3 {
-                left += cracked.surface_stress(node, Face::Back).xx_pa.abs();
-                before += intact.surface_stress(node, Face::Back).xx_pa.abs();
-            }
-        }
-    }
-    assert!(left < 0.25 * before, "{left} {before}");
-    // A refactor without hinges is the intact plate, to the bit.
-    solver.factor(&[], None).unwrap();
-    let again = solver.solve(&patch).unwrap();
-    assert_eq!(again.energy_j.to_bits(), intact.energy_j.to_bits());
-}
-
-#[test]
-fn only_the_active_disc_moves() {
-    // Clamped outside of radius R: close to the clamped disc of that radius.
-    let mesh = PlateMesh::graded(&SQUARE, [0.5; 2], 1e-3, None, MeshResolution::Default).unwrap();
-    let mut solver = PlateSolver::new(mesh, PLATE, Support::SimplySupported).unwrap();
-    let disc = ActiveDisc {
-        center_m: [0.5; 2],
-        radius_m: 0.2,
-    };
-    solver.factor(&[], Some(disc)).unwrap();
-    let field = solver.solve(&load([0.5; 2], 0.0)).unwrap();
-    let deflection = 2.0 * field.energy_j / FORCE_N;
-    let closed = |r: f64| FORCE_N * r * r / (16.0 * PI * PLATE.rigidity_n_m());
-    assert!(
-        deflection > 0.97 * closed(0.2),
-        "{deflection} {}",
-        closed(0.2)
-    );
-    assert!(deflection < closed(0.24), "{deflection} {}", closed(0.24));
-    for radius_m in [0.0, 1e-6] {
-        let disc = ActiveDisc { radius_m, ..disc };
-        solver.factor(&[], Some(disc)).unwrap();
-        let energy = solver.solve(&load([0.5; 2], 1e-3)).unwrap().energy_j;
-        assert!(energy.is_finite() && energy >= 0.0, "{energy}");
-    }
-}
-
-#[test]
 fn extremes_are_meshed_and_solved() {
     let rectangle = |width_m, height_m| Outline::Rectangle { width_m, height_m };
     let lens = Outline::Disc { diameter_m: 0.07 };
@@ -303,6 +231,9 @@ fn extremes_are_meshed_and_solved() {
             field.energy_j.is_finite() && field.energy_j > 0.0,
             "{outline:?} {center:?}"
         );
+        let mesh =
+            PlateMesh::graded(&outline, center, inner, radius, MeshResolution::Fast).unwrap();
+        let solver = PlateSolver::new(mesh, PLATE, Support::SimplySupported).unwrap();
         let again = solver.solve(&load(center, 0.5e-3)).unwrap();
         assert_eq!(field.energy_j.to_bits(), again.energy_j.to_bits());
     }
@@ -342,13 +273,8 @@ fn walks_find_what_a_search_finds() {
             let back: f64 = (0..3).map(|i| l[i] * corners[i][axis]).sum();
             assert!((back - p[axis]).abs() < 1e-12, "{p:?}");
         }
-        let (a, b) = (p, point(k + 1));
-        let mut crossed = Vec::new();
-        mesh.crossed_by(a, b, &mut hint, &mut crossed);
-        let mut by_search: Vec<u32> = (0..n).filter(|&t| overlaps(&mesh, t, a, b)).collect();
-        by_search.sort_unstable();
-        crossed.sort_unstable();
-        assert_eq!(crossed, by_search, "{a:?} to {b:?}");
+        let inside = |t: u32| mesh.barycentric(t, p).iter().all(|l| *l >= 0.0);
+        assert_eq!((0..n).find(|&t| inside(t)), Some(triangle), "{p:?}");
     }
     for off in [[-1.0, 0.5], [2.0, 2.0], [f64::NAN, 0.0]] {
         assert!(mesh.locate(off, &mut hint).is_none(), "{off:?}");
@@ -356,21 +282,4 @@ fn walks_find_what_a_search_finds() {
     for on in [[0.0, 0.0], [1.0, 1.0], [0.0, 0.33], [0.77, 1.0]] {
         assert!(mesh.locate(on, &mut hint).is_some(), "{on:?}");
     }
-}
-
-/// Whether the piece from a to b has a part of its length in a triangle.
-fn overlaps(mesh: &PlateMesh, triangle: u32, a: [f64; 2], b: [f64; 2]) -> bool {
-    let (from, to) = (mesh.barycentric(triangle, a), mesh.barycentric(triangle, b));
-    let (mut low, mut high) = (0.0_f64, 1.0_f64);
-    for k in 0..3 {
-        let step = to[k] - from[k];
-        if step > 0.0 {
-            low = low.max(-from[k] / step);
-        } else if step < 0.0 {
-            high = high.min(-from[k] / step);
-        } else if from[k] < 0.0 {
-            return false;
-        }
-    }
-    high - low > 1e-9
 }

@@ -44,7 +44,7 @@ impl Domain {
     }
 
     /// Distance to the border of the domain, m: positive inside.
-    fn depth_m(&self, point: [f64; 2]) -> f64 {
+    pub(super) fn depth_m(&self, point: [f64; 2]) -> f64 {
         self.outline
             .depth_m(point)
             .min(self.radius_m - self.distance_m(point))

@@ -1,11 +1,13 @@
 //! Pane to mesh: particles, outline, and their constrained Delaunay triangulation; and the graded
 //! mesh of a plate.
 
+mod cracks;
 mod grading;
 mod outline;
 mod particles;
 mod plate_mesh;
 mod rim;
+mod sides;
 mod triangulation;
 mod walk;
 

@@ -1,19 +1,21 @@
 //! A triangle mesh of a pane that is fine where it is hit.
 
-use spade::handles::FixedFaceHandle;
-use spade::{DelaunayTriangulation, Point2, Triangulation};
+use spade::handles::{FixedFaceHandle, FixedVertexHandle};
+use spade::{ConstrainedDelaunayTriangulation, DelaunayTriangulation, Point2, Triangulation};
 
 use super::Outline;
+use super::cracks::{chains, clear_of};
 use super::grading::{Domain, Grading};
 use super::particles::to_u32;
 use super::rim::{BorderNode, border};
+use super::sides::Sides;
 use crate::FractureError;
 use crate::physics::MeshResolution;
 
 /// No triangle there: the other side of a border edge.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A Delaunay mesh of a pane, or of the part of it around a point, in m.
+/// A Delaunay mesh of a pane, or of the part of it around a point, in m; cracks run along its edges.
 ///
 /// Corners of a triangle are in the order of increasing angle (from +x towards +y). Nodes on the
 /// border come first.
@@ -25,6 +27,8 @@ pub struct PlateMesh {
     /// The triangle across the edge opposite to each corner.
     pub(super) neighbors: Vec<[u32; 3]>,
     border: Vec<BorderNode>,
+    sides: Sides,
+    crack_edges: Vec<[u32; 2]>,
     inner_size_m: f64,
 }
 
@@ -62,6 +66,33 @@ impl PlateMesh {
         domain_radius_m: Option<f64>,
         n_nodes: u32,
     ) -> Result<Self, FractureError> {
+        Self::graded_around_cracks(
+            outline,
+            center_m,
+            inner_size_m,
+            domain_radius_m,
+            n_nodes,
+            &[],
+        )
+    }
+
+    /// [`PlateMesh::graded_to`] with edges along cracks, which are chains of straight pieces, m.
+    ///
+    /// Cracks meet where they share a vertex. They are sampled anew by the local size of the
+    /// mesh; ends and junctions nearer to each other than 0.4 of it become one, and what would
+    /// cross another crack without a shared vertex is left out. What of a crack lies off the mesh
+    /// does not count.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn graded_around_cracks(
+        outline: &Outline,
+        center_m: [f64; 2],
+        inner_size_m: f64,
+        domain_radius_m: Option<f64>,
+        n_nodes: u32,
+        cracks: &[Vec<[f64; 2]>],
+    ) -> Result<Self, FractureError> {
         let [width, height] = outline.size_m();
         for (name, value) in [
             ("width_m", width),
@@ -87,19 +118,33 @@ impl PlateMesh {
             });
         }
         let domain = Domain::new(*outline, center_m, domain_radius_m);
-        let (border, interior, grading) = place(domain, inner_size_m, n_nodes.clamp(200, 100_000));
+        let target = n_nodes.clamp(200, 100_000);
+        let (mut border, mut interior, grading) = place(domain, inner_size_m, target);
+        let chains = chains(cracks, &grading, &mut border);
+        if !chains.edges.is_empty() {
+            interior = clear_of(interior, &chains, &border, &grading);
+        }
         let nodes_m: Vec<[f64; 2]> = border
             .iter()
             .map(|node| node.position_m)
+            .chain(chains.nodes_m)
             .chain(interior)
             .collect();
-        let (triangles, neighbors) = triangulate(&nodes_m)?;
+        let Faces {
+            triangles,
+            neighbors,
+            is_crack,
+        } = triangulate(&nodes_m, &chains.edges)?;
+        let sides = Sides::new(nodes_m.len(), &triangles, &neighbors, &is_crack);
+        let crack_edges = crack_edges(&triangles, &neighbors, &is_crack);
         Ok(Self {
             outline: *outline,
             nodes_m,
             triangles,
             neighbors,
             border,
+            sides,
+            crack_edges,
             inner_size_m: grading.size_at_m(center_m),
         })
     }
@@ -114,6 +159,26 @@ impl PlateMesh {
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// The side of the cracks that each corner of each triangle lies on. A node has one side,
+    /// with its own number, or, where cracks meet or reach the rim, one for each sector between
+    /// them.
+    #[must_use]
+    pub fn sides(&self) -> &[[u32; 3]] {
+        &self.sides.of_triangle
+    }
+
+    /// The node of each side.
+    #[must_use]
+    pub fn nodes_of_sides(&self) -> &[u32] {
+        &self.sides.node_of
+    }
+
+    /// Edges that are cracks, by their nodes.
+    #[must_use]
+    pub fn crack_edges(&self) -> &[[u32; 2]] {
+        &self.crack_edges
     }
 
     /// The rim of the pane that was meshed.
@@ -191,10 +256,16 @@ fn place(domain: Domain, inner_m: f64, target: u32) -> (Vec<BorderNode>, Vec<[f6
     })
 }
 
-type Faces = (Vec<[u32; 3]>, Vec<[u32; 3]>);
+/// Triangles, what lies opposite to their corners, and whether a crack is in between.
+struct Faces {
+    triangles: Vec<[u32; 3]>,
+    neighbors: Vec<[u32; 3]>,
+    is_crack: Vec<[bool; 3]>,
+}
 
-/// Triangles and their neighbors. The domain is convex, so its border is the hull of the nodes.
-fn triangulate(nodes_m: &[[f64; 2]]) -> Result<Faces, FractureError> {
+/// The triangles of the nodes, with edges along the cracks except where those cross. The domain is
+/// convex, so its border is the hull of the nodes.
+fn triangulate(nodes_m: &[[f64; 2]], cracks: &[[u32; 2]]) -> Result<Faces, FractureError> {
     let failed = |cause: String| FractureError::Triangulation {
         n_nodes: nodes_m.len(),
         cause,
@@ -207,16 +278,51 @@ fn triangulate(nodes_m: &[[f64; 2]]) -> Result<Faces, FractureError> {
             "two nodes at one place, or all on a line".to_owned(),
         ));
     }
-    let mut triangles = Vec::with_capacity(mesh.num_inner_faces());
-    let mut neighbors = Vec::with_capacity(mesh.num_inner_faces());
+    let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::from(mesh);
+    for edge in cracks {
+        let [from, to] = edge.map(|node| FixedVertexHandle::from_index(node as usize));
+        if mesh.can_add_constraint(from, to) {
+            mesh.add_constraint(from, to);
+        }
+    }
+    let n = mesh.num_inner_faces();
+    let mut faces = Faces {
+        triangles: Vec::with_capacity(n),
+        neighbors: Vec::with_capacity(n),
+        is_crack: Vec::with_capacity(n),
+    };
     for face in mesh.inner_faces() {
         // Edge k leaves corner k and lies opposite to corner k + 2.
         let edges = face.adjacent_edges();
-        triangles.push(edges.map(|edge| to_u32(edge.from().index())));
-        neighbors.push([1, 2, 0].map(|k| {
+        faces
+            .triangles
+            .push(edges.map(|edge| to_u32(edge.from().index())));
+        faces.neighbors.push([1, 2, 0].map(|k| {
             let other: FixedFaceHandle<_> = edges[k].rev().face().fix();
             other.index().checked_sub(1).map_or(NONE, to_u32)
         }));
+        faces
+            .is_crack
+            .push([1, 2, 0].map(|k| edges[k].is_constraint_edge()));
     }
-    Ok((triangles, neighbors))
+    Ok(faces)
+}
+
+/// Edges between triangles that are cracks, each once.
+fn crack_edges(
+    triangles: &[[u32; 3]],
+    neighbors: &[[u32; 3]],
+    is_crack: &[[bool; 3]],
+) -> Vec<[u32; 2]> {
+    let mut edges = Vec::new();
+    for ((t, nodes), (neighbors, is_crack)) in
+        (0_u32..).zip(triangles).zip(neighbors.iter().zip(is_crack))
+    {
+        for k in 0..3 {
+            if is_crack[k] && neighbors[k] != NONE && t < neighbors[k] {
+                edges.push([nodes[(k + 1) % 3], nodes[(k + 2) % 3]]);
+            }
+        }
+    }
+    edges
 }

@@ -161,6 +161,51 @@ fn thin_out(nodes: &[BorderNode], grading: &Grading) -> Vec<BorderNode> {
     kept
 }
 
+/// Moves the node of the border that is nearest to `point`, a place on the border, to it and gives
+/// its number. Corners stay where they are, and so does what has been moved before.
+pub(super) fn move_nearest(
+    border: &mut [BorderNode],
+    is_taken: &mut [bool],
+    domain: &Domain,
+    point: [f64; 2],
+) -> Option<usize> {
+    let away = |node: &BorderNode| {
+        let [x, y] = node.position_m;
+        libm::hypot(x - point[0], y - point[1])
+    };
+    let (idx, _) = border
+        .iter()
+        .map(away)
+        .enumerate()
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let node = &mut border[idx];
+    let stays = node.is_corner || (node.is_on_rim && node.is_on_cut);
+    if !std::mem::replace(&mut is_taken[idx], true) && !stays {
+        let on_circle = |around: [f64; 2], radius: f64| {
+            let offset = [point[0] - around[0], point[1] - around[1]];
+            let factor = radius / libm::hypot(offset[0], offset[1]);
+            [
+                around[0] + factor * offset[0],
+                around[1] + factor * offset[1],
+            ]
+        };
+        let old = node.position_m;
+        #[expect(clippy::float_cmp, reason = "on a side means exactly on it")]
+        let new = match domain.outline {
+            _ if node.is_on_cut => on_circle(domain.center_m, domain.radius_m),
+            Outline::Rectangle { width_m, .. } if old[0] == 0.0 || old[0] == width_m => {
+                [old[0], point[1]]
+            }
+            Outline::Rectangle { .. } => [point[0], old[1]],
+            Outline::Disc { diameter_m } => on_circle([0.5 * diameter_m; 2], 0.5 * diameter_m),
+        };
+        if new.iter().all(|x| x.is_finite()) {
+            node.position_m = new;
+        }
+    }
+    Some(idx)
+}
+
 fn around_rectangle(domain: &Domain, width: f64, height: f64) -> Vec<Piece> {
     let corners = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]];
     let (center, radius) = (domain.center_m, domain.radius_m);

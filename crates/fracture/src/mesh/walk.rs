@@ -1,4 +1,4 @@
-//! Finding the triangle at a point, and those on the way from one point to another.
+//! Finding the triangle at a point.
 
 use super::PlateMesh;
 use super::particles::to_u32;
@@ -42,7 +42,8 @@ impl PlateMesh {
         let mut target = point;
         let mut at = (*hint).min(n - 1);
         let mut projections = 0;
-        // On a Delaunay mesh no such walk visits a triangle twice; the bound guards rounding.
+        // On a Delaunay mesh no such walk visits a triangle twice; the bound guards rounding and
+        // the edges that cracks force.
         for _ in 0..n + 16 {
             let lambda = self.barycentric(at, target);
             let neighbors = &self.neighbors[at as usize];
@@ -87,55 +88,6 @@ impl PlateMesh {
             *hint = best.0;
             (best.0, clamped(best.1))
         })
-    }
-
-    /// Appends the triangles that the straight piece from `from` to `to` runs through, in that
-    /// order. Where it runs along an edge it is one of the two; a triangle that is only touched
-    /// at a corner is left out. What lies off the mesh is left out.
-    pub fn crossed_by(&self, from: [f64; 2], to: [f64; 2], hint: &mut u32, crossed: &mut Vec<u32>) {
-        let first = crossed.len();
-        if let Some((start, _)) = self.locate(from, hint) {
-            *hint = self.follow(start, from, to, crossed);
-        } else if let Some((start, _)) = self.locate(to, hint) {
-            self.follow(start, to, from, crossed);
-            crossed[first..].reverse();
-        }
-    }
-
-    /// Walks along the piece from a triangle at its start; returns the last triangle.
-    fn follow(&self, start: u32, from: [f64; 2], to: [f64; 2], crossed: &mut Vec<u32>) -> u32 {
-        let (mut at, mut entered, mut entry) = (start, 0.0, 3);
-        for _ in 0..self.triangles().len() + 16 {
-            let a = self.barycentric(at, from);
-            let b = self.barycentric(at, to);
-            // Where the piece leaves: the first coordinate that falls to zero.
-            let mut exit = 1.0;
-            let mut side = 3;
-            for k in 0..3 {
-                let falls = a[k] - b[k];
-                if k != entry && falls > 0.0 && a[k] < exit * falls {
-                    exit = a[k] / falls;
-                    side = k;
-                }
-            }
-            if exit - entered > 1e-9 || (side == 3 && entry == 3) {
-                crossed.push(at);
-            }
-            if side == 3 {
-                break;
-            }
-            let next = self.neighbors[at as usize][side];
-            if next == NONE {
-                break;
-            }
-            entry = self.neighbors[next as usize]
-                .iter()
-                .position(|&t| t == at)
-                .unwrap_or(3);
-            entered = f64::max(exit, entered);
-            at = next;
-        }
-        at
     }
 }
 

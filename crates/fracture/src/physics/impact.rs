@@ -61,8 +61,8 @@ pub(super) struct Breaking<'a> {
     /// Whether a crack anywhere sends the whole pane to pieces.
     pub(super) dices: bool,
     pub(super) is_diced: bool,
-    /// Pieces that were there before the hit.
-    pub(super) n_older: usize,
+    /// Cracks that were there before the hit.
+    pub(super) n_older: u32,
 }
 
 /// A load and the time in which it holds.
@@ -125,7 +125,7 @@ impl Breaking<'_> {
         };
         done(Stage::Contact);
         let first_piece = self.web.pieces.len();
-        self.n_older = first_piece;
+        self.n_older = self.web.n_cracks();
         let mut ledger = Ledger {
             available_j: 0.0,
             dissipated_j: 0.0,
@@ -384,35 +384,35 @@ impl Breaking<'_> {
     /// A crack's own faces need not be in it: K of a crack is that of the stress which the body
     /// without the crack has along its line \[Bueckner1958\].
     fn bend_for_tips(&mut self, load: &Load) -> Result<Bending, FractureError> {
-        let earlier = self.pieces_near(load, self.n_older);
+        let earlier = self.cracks_near(load, self.n_older);
         if earlier.is_empty() {
             self.plates.bend(load)
         } else {
-            let mut around = self.plates.around(load)?;
-            self.plates.bend_around(&mut around, &earlier)
+            self.plates.bend_around(load, &earlier)
         }
     }
 
     fn has_older_near(&self, load: &Load) -> bool {
-        !self.pieces_near(load, self.n_older).is_empty()
+        !self.cracks_near(load, self.n_older).is_empty()
     }
 
-    /// Ends of those of the first `count` pieces that the bending of a load reaches.
-    fn pieces_near(&self, load: &Load, count: usize) -> Vec<[[f64; 2]; 2]> {
+    /// Chains of those of the first `count` cracks through the pane that the bending of a load
+    /// reaches.
+    fn cracks_near(&self, load: &Load, count: u32) -> Vec<Vec<[f64; 2]>> {
         let reach = match load.carrying {
             Carrying::Foundation { length_m } => 6.0 * length_m,
             Carrying::Wave { reach_m } => reach_m,
             Carrying::Rim => f64::INFINITY,
         };
-        let is_near =
-            |[x, y]: [f64; 2]| libm::hypot(x - load.center_m[0], y - load.center_m[1]) < reach;
-        let ends = self.web.pieces[..count].iter().map(|piece| {
-            [
-                self.web.nodes[piece.a as usize],
-                self.web.nodes[piece.b as usize],
-            ]
-        });
-        ends.filter(|[a, b]| is_near(*a) || is_near(*b)).collect()
+        let is_near = |node: u32| {
+            let [x, y] = self.web.nodes[node as usize];
+            libm::hypot(x - load.center_m[0], y - load.center_m[1]) < reach
+        };
+        self.web.chains(|piece| {
+            piece.crack < count
+                && piece.kind != SegmentKind::Cone
+                && (is_near(piece.a) || is_near(piece.b))
+        })
     }
 
     fn start_radials(
@@ -528,9 +528,8 @@ impl Breaking<'_> {
             Carrying::Wave { .. } | Carrying::Rim => self.pane.thickness_m,
         };
         let strength_pa = self.strength_of_area_pa(length_m * length_m);
-        let mut around = None;
-        for epoch in loads {
-            if around.is_none() || !is_steady {
+        for (pass, epoch) in loads.iter().enumerate() {
+            if pass == 0 || !is_steady {
                 // Bending between free radial cuts is at most some times that of the whole plate.
                 let intact = self.plates.bend(&epoch.load)?;
                 if !may_ring(&intact.face(Face::Front), &sectors, strength_pa) {
@@ -539,11 +538,9 @@ impl Breaking<'_> {
                     }
                     continue;
                 }
-                around = Some(self.plates.around(&epoch.load)?);
             }
-            let Some(around) = &mut around else { break };
-            let cracks = self.pieces_near(&epoch.load, self.web.pieces.len());
-            let bending = self.plates.bend_around(around, &cracks)?;
+            let cracks = self.cracks_near(&epoch.load, self.web.n_cracks());
+            let bending = self.plates.bend_around(&epoch.load, &cracks)?;
             let front = bending.face(Face::Front);
             let mut has_broken = false;
             for (sector, taken) in sectors.iter().zip(&mut taken) {

@@ -12,7 +12,7 @@ use super::params::{GlassBuild, GlassPane, MeshResolution, Support};
 use crate::FractureError;
 use crate::mesh::{Outline, PlateMesh};
 use crate::stress::{
-    Face, Hinge, PatchLoad, PlaneStress, PlateField, PlateProperties, PlateSolver, StressField,
+    Face, PatchLoad, PlaneStress, PlateField, PlateProperties, PlateSolver, StressField,
 };
 
 /// Poisson's ratio of the interlayer under confinement. FIT: it gives a constrained modulus of
@@ -26,9 +26,6 @@ const WAVE_REACH: f64 = 2.506_628_274_631_000_5;
 /// Radius of the kept disc on a foundation, in lengths ℓ of the foundation; at 12 ℓ a Winkler plate
 /// has come to rest to 10⁻³.
 const FOUNDATION_REACH: f64 = 16.0;
-
-/// Residual bending stiffness of a cracked element across its crack.
-const HINGE_RESIDUAL: f64 = 1e-3;
 
 /// Size of the kept disc's innermost elements over its radius.
 const KEPT_INNER_SIZE: f64 = 0.004;
@@ -131,12 +128,6 @@ impl Stiffness {
 struct Solved {
     mesh: Rc<PlateMesh>,
     solver: PlateSolver,
-}
-
-/// The plate around one hit, whose cracks grow from one solution to the next.
-pub(super) struct Around {
-    load: Load,
-    solved: Solved,
 }
 
 /// The solvers of one pane.
@@ -278,10 +269,7 @@ impl Plates {
                 self.bend_kept(load, length_m, FOUNDATION_REACH)
             }
             Carrying::Wave { reach_m } if is_free => self.bend_kept(load, reach_m, 1.0),
-            _ => {
-                let mut around = self.around(load)?;
-                self.bend_around(&mut around, &[])
-            }
+            _ => self.bend_around(load, &[]),
         }
     }
 
@@ -301,9 +289,7 @@ impl Plates {
             // In lengths of the foundation: ℓ = 1.
             properties.foundation_pa_m = self.stiffness.bending_n_m;
         }
-        let mut solved = self.solved(mesh, properties, Support::Clamped)?;
-        solved.solver.factor(&[], None)?;
-        let kept = Rc::new(solved);
+        let kept = Rc::new(self.solved(mesh, properties, Support::Clamped)?);
         self.kept = Some(Rc::clone(&kept));
         Ok(kept)
     }
@@ -345,60 +331,38 @@ impl Plates {
         })
     }
 
-    /// A mesh of its own around a hit.
-    pub(super) fn around(&mut self, load: &Load) -> Result<Around, FractureError> {
+    /// The bending on a mesh of its own around a hit, with cracks as hinges.
+    pub(super) fn bend_around(
+        &mut self,
+        load: &Load,
+        cracks: &[Vec<[f64; 2]>],
+    ) -> Result<Bending, FractureError> {
         let domain_m = match load.carrying {
             Carrying::Foundation { length_m } => Some(FOUNDATION_REACH * length_m),
             Carrying::Wave { reach_m } => Some(reach_m),
             Carrying::Rim => None,
         };
-        let mesh = PlateMesh::graded(
-            &self.outline,
-            load.center_m,
-            INNER_SIZE * load.patch_radius_m,
-            domain_m,
-            self.resolution,
-        )?;
-        Ok(Around {
-            load: *load,
-            solved: self.solved(mesh, self.stiffness.properties, self.support)?,
-        })
-    }
-
-    /// The bending with straight cracks, given by their ends, as hinges.
-    pub(super) fn bend_around(
-        &mut self,
-        around: &mut Around,
-        cracks: &[[[f64; 2]; 2]],
-    ) -> Result<Bending, FractureError> {
-        let Around { load, solved } = around;
-        let mut hinges = Vec::new();
-        let (mut hint, mut crossed) = (0, Vec::new());
-        for [a, b] in cracks {
-            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
-            let length = libm::hypot(dx, dy);
-            if length <= 0.0 {
-                continue;
-            }
-            crossed.clear();
-            solved.mesh.crossed_by(*a, *b, &mut hint, &mut crossed);
-            hinges.extend(crossed.iter().map(|&triangle| Hinge {
-                triangle,
-                normal: [-dy / length, dx / length],
-                residual: HINGE_RESIDUAL,
-            }));
-        }
-        // In the order of triangles; those of one triangle in the order of the cracks.
-        hinges.sort_by_key(|hinge| hinge.triangle);
-        solved.solver.factor(&hinges, None)?;
+        let inner_m = INNER_SIZE * load.patch_radius_m;
+        let center_m = load.center_m;
+        let mesh = if cracks.is_empty() {
+            PlateMesh::graded(&self.outline, center_m, inner_m, domain_m, self.resolution)?
+        } else {
+            let n_nodes = match self.resolution {
+                MeshResolution::Fast => 1500,
+                MeshResolution::Default => 2500,
+            };
+            let outline = &self.outline;
+            PlateMesh::graded_around_cracks(outline, center_m, inner_m, domain_m, n_nodes, cracks)?
+        };
+        let solved = self.solved(mesh, self.stiffness.properties, self.support)?;
         self.n_solutions += 1;
         let field = solved.solver.solve(&PatchLoad {
-            center_m: load.center_m,
+            center_m,
             radius_m: load.patch_radius_m,
             force_n: load.force_n,
         })?;
         Ok(Bending {
-            mesh: Rc::clone(&solved.mesh),
+            mesh: solved.mesh,
             field,
             scale: 1.0,
             gain: 1.0,

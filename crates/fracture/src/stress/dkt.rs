@@ -145,16 +145,6 @@ pub(super) fn isotropic(rigidity: f64, poisson_ratio: f64) -> Rigidity {
     ]
 }
 
-/// What remains of the rigidity of a cracked triangle.
-///
-/// All of it is scaled, not only bending across the crack: on triangles that are not aligned with
-/// the crack, bending along it, if kept, takes up the kink between its sides and the crack bears
-/// nearly all of the moment that it should not. A crack through the thickness transfers no shear
-/// either.
-pub(super) fn cracked(rigidity: &Rigidity, residual: f64) -> Rigidity {
-    rigidity.map(|row| row.map(|entry| residual * entry))
-}
-
 /// w at barycentric coordinates `l` as a linear function of the unknowns: the cubic of Bazeley
 /// and others \[Bazeley1965\], which keeps force and moment of a load.
 pub(super) fn deflection(

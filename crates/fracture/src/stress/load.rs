@@ -72,7 +72,7 @@ pub(super) fn patch(
         });
     }
     let force = load.force_n / found.len() as f64;
-    let mut forces = vec![[0.0; 3]; mesh.nodes().len()];
+    let mut forces = vec![[0.0; 3]; mesh.nodes_of_sides().len()];
     for (triangle, l) in found {
         let nodes = mesh.triangles()[triangle as usize];
         let row = deflection(
@@ -80,8 +80,11 @@ pub(super) fn patch(
             &nodes.map(|node| frames[node as usize]),
             &l,
         );
+        // A force is of the node, a moment of its side.
+        let sides = mesh.sides()[triangle as usize];
         for (k, part) in row.iter().enumerate() {
-            forces[nodes[k / 3] as usize][k % 3] += force * part;
+            let takes = if k % 3 == 0 { nodes } else { sides };
+            forces[takes[k / 3] as usize][k % 3] += force * part;
         }
     }
     Ok(forces)

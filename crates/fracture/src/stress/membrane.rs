@@ -8,7 +8,7 @@ use super::sparse::System;
 use crate::FractureError;
 use crate::mesh::PlateMesh;
 
-/// Thermal expansion of soda-lime glass, 1/K.
+/// Thermal expansion of soda-lime glass, 1/K \[EN2012\].
 pub const EXPANSION_PER_K: f64 = 9e-6;
 
 /// What thermal strain does to a plate in its plane.
@@ -23,7 +23,7 @@ impl MembraneField {
     /// Stress at a node.
     #[must_use]
     pub fn stress(&self, node: u32) -> PlaneStress {
-        self.stress.at_node(node)
+        self.stress.at_side(node)
     }
 
     /// Stress at a point; `None` off the mesh.
@@ -47,7 +47,8 @@ impl MembraneField {
 /// must have no hole, and rigid motions do not come up.
 ///
 /// # Errors
-/// [`FractureError::Parameter`] for a material that is none or a mesh of only a part of the pane,
+/// [`FractureError::Parameter`] for a material that is none or a mesh with cracks or of only a
+/// part of the pane,
 /// [`FractureError::Residual`] or [`FractureError::Solver`] if the equations are not solved.
 pub fn membrane_stress(
     mesh: &PlateMesh,
@@ -77,12 +78,13 @@ pub fn membrane_stress(
             expansion_per_k.is_finite(),
         ),
         ("mesh radius", 0.0, !is_cut),
+        ("cracks", 0.0, mesh.nodes_of_sides().len() == n),
     ] {
         if !is_right {
             return Err(FractureError::Parameter {
                 name,
                 value,
-                expected: "an elastic material, on a mesh of the whole pane",
+                expected: "an elastic material, on a mesh of the whole pane without cracks",
             });
         }
     }
@@ -93,7 +95,7 @@ pub fn membrane_stress(
     let packed: Vec<_> = elements.iter().map(|e| e.stiffness(&compliance)).collect();
     let mut is_fixed = vec![[false; 3]; n];
     is_fixed[..mesh.n_border_nodes()].fill([true; 3]);
-    let mut system = System::new(n, mesh.triangles())?;
+    let mut system = System::new(mesh)?;
     system.factor(packed.iter(), &[], &is_fixed)?;
 
     let mut load = vec![[0.0; 3]; n];
@@ -127,7 +129,7 @@ pub fn membrane_stress(
         .map(|(f, u)| f[0] * u[0] + f[1] * u[1] + f[2] * u[2])
         .sum();
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.5]];
-    let stress = NodalStress::recover(mesh, &elements, &potential, &unit, &[], |[xx, yy, xy]| {
+    let stress = NodalStress::recover(mesh, &elements, &potential, &unit, |[xx, yy, xy]| {
         PlaneStress {
             xx_pa: young_modulus_pa * yy,
             yy_pa: young_modulus_pa * xx,

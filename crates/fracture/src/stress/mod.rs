@@ -9,5 +9,5 @@ mod sparse;
 mod tensor;
 
 pub use membrane::{EXPANSION_PER_K, MembraneField, membrane_stress};
-pub use plate::{ActiveDisc, Face, Hinge, PatchLoad, PlateField, PlateProperties, PlateSolver};
+pub use plate::{Face, PatchLoad, PlateField, PlateProperties, PlateSolver};
 pub use tensor::{PlaneStress, StressField};

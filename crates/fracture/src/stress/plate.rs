@@ -1,8 +1,6 @@
 //! A thin plate under a load across it.
 
-use super::dkt::{
-    AXES, Element, Frame, N_LOCAL, N_PACKED, Rigidity, cracked, deflection, isotropic,
-};
+use super::dkt::{AXES, Element, Frame, N_LOCAL, deflection, isotropic};
 use super::recovery::NodalStress;
 use super::sparse::System;
 use super::{PlaneStress, load};
@@ -12,6 +10,16 @@ use crate::physics::Support;
 
 /// Greatest residual, relative to the terms of the equations, that counts as solved.
 const MAX_RESIDUAL: f64 = 1e-9;
+
+/// Foundation of a cracked plate, in D over the fourth power of its size. Hinges may leave parts
+/// that nothing holds, such as the sectors of a star that has come to a simply supported rim. This
+/// stands for their inertia, which is spread over them as a foundation's pressure is; a plate that
+/// is held gives way by less than 1e-5 of its deflection less.
+const INERTIA: f64 = 1e-3;
+
+/// Part of the stiffness that cracked triangles keep as if they were not cracked, so that the
+/// equations have a solution where cracks leave single triangles.
+const REMAINDER: f64 = 1e-9;
 
 /// What a plate is made of and what it lies on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,27 +83,6 @@ impl PlateProperties {
     }
 }
 
-/// A crack through a triangle, which loses its stiffness with it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hinge {
-    /// The triangle.
-    pub triangle: u32,
-    /// Normal of the crack, not zero. The stiffness is lost in all directions, so that it does not
-    /// change the result yet.
-    pub normal: [f64; 2],
-    /// What remains of the stiffness, 1e-9 to 1.
-    pub residual: f64,
-}
-
-/// The part of the plate that moves, while a wave has not come farther.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ActiveDisc {
-    /// Its center, m.
-    pub center_m: [f64; 2],
-    /// Its radius, m.
-    pub radius_m: f64,
-}
-
 /// A force spread evenly over a disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PatchLoad {
@@ -122,21 +109,20 @@ pub struct PlateSolver {
     plate: PlateProperties,
     frames: Vec<Frame>,
     elements: Vec<Element>,
-    intact: Vec<[f64; N_PACKED]>,
-    foundation: Vec<f64>,
     is_held: Vec<[bool; 3]>,
-    /// As of the last factor.
-    is_fixed: Vec<[bool; 3]>,
-    /// Triangles with hinges and their rigidity, in the order of triangles, as of the last factor.
-    cracked: Vec<(u32, Rigidity)>,
     system: System,
 }
 
 impl PlateSolver {
-    /// The plate on its support, intact and active as a whole.
+    /// The plate on its support.
     ///
     /// A simply supported rim has w = 0, and along it no slope either (at nodes; of a disc along
     /// the true circle). Where the mesh ends within the pane, it is clamped.
+    ///
+    /// Cracks of the mesh are hinges: their faces touch, so that w is one on both sides and shear
+    /// passes, but each side has its own slope and no moment passes. Both components of the slope
+    /// are free, as the deflection at the nodes holds the faces together; a line with bends, held
+    /// together all along, could not fold.
     ///
     /// # Errors
     /// [`FractureError::Parameter`] for properties that no plate has, [`FractureError::Solver`]
@@ -148,30 +134,38 @@ impl PlateSolver {
     ) -> Result<Self, FractureError> {
         plate.check()?;
         let rigidity = isotropic(plate.rigidity_n_m(), plate.poisson_ratio);
-        let (frames, is_held) = supported(&mesh, support);
+        let (frames, mut is_held) = supported(&mesh, support);
+        for &node in &mesh.nodes_of_sides()[mesh.nodes().len()..] {
+            let [_, along, across] = is_held[node as usize];
+            is_held.push([true, along, across]);
+        }
         let elements = elements(&mesh, &frames);
-        let intact: Vec<_> = elements.iter().map(|e| e.stiffness(&rigidity)).collect();
+        let mut stiffness: Vec<_> = elements.iter().map(|e| e.stiffness(&rigidity)).collect();
+        let corners = mesh.triangles().iter().zip(mesh.sides()).enumerate();
+        for (t, _) in corners.filter(|(_, (nodes, sides))| nodes != sides) {
+            stiffness.push(stiffness[t].map(|entry| REMAINDER * entry));
+        }
+        let mut pressure_pa_m = plate.foundation_pa_m;
+        if mesh.nodes_of_sides().len() > mesh.nodes().len() {
+            let size_m = extent_m(&mesh);
+            pressure_pa_m = pressure_pa_m.max(INERTIA * plate.rigidity_n_m() / size_m.powi(4));
+        }
         let mut foundation = vec![0.0; mesh.nodes().len()];
         for (triangle, element) in mesh.triangles().iter().zip(&elements) {
             for &node in triangle {
-                foundation[node as usize] += plate.foundation_pa_m * element.area_m2 / 3.0;
+                foundation[node as usize] += pressure_pa_m * element.area_m2 / 3.0;
             }
         }
-        let system = System::new(mesh.nodes().len(), mesh.triangles())?;
-        let mut solver = Self {
+        let mut system = System::new(&mesh)?;
+        system.factor(stiffness.iter(), &foundation, &is_held)?;
+        Ok(Self {
             mesh,
             plate,
             frames,
             elements,
-            intact,
-            foundation,
-            is_fixed: is_held.clone(),
             is_held,
-            cracked: Vec::new(),
             system,
-        };
-        solver.factor(&[], None)?;
-        Ok(solver)
+        })
     }
 
     /// The mesh.
@@ -186,74 +180,6 @@ impl PlateSolver {
         &self.plate
     }
 
-    /// Factors the plate anew, with these cracks and clamped outside of the active disc.
-    ///
-    /// # Errors
-    /// [`FractureError::Solver`] if the equations cannot be factored,
-    /// [`FractureError::Parameter`] for a hinge or disc that is none.
-    pub fn factor(
-        &mut self,
-        hinges: &[Hinge],
-        active: Option<ActiveDisc>,
-    ) -> Result<(), FractureError> {
-        self.cracked = self.cracked_rigidities(hinges)?;
-        self.is_fixed.clone_from(&self.is_held);
-        if let Some(disc) = active {
-            if !(disc.radius_m >= 0.0 && disc.center_m.iter().all(|x| x.is_finite())) {
-                return Err(FractureError::Parameter {
-                    name: "active radius_m",
-                    value: disc.radius_m,
-                    expected: "0 or more, around a finite center",
-                });
-            }
-            for (fixed, [x, y]) in self.is_fixed.iter_mut().zip(self.mesh.nodes()) {
-                if libm::hypot(x - disc.center_m[0], y - disc.center_m[1]) > disc.radius_m {
-                    *fixed = [true; 3];
-                }
-            }
-        }
-        let weakened: Vec<(u32, [f64; N_PACKED])> = self
-            .cracked
-            .iter()
-            .map(|(t, rigidity)| (*t, self.elements[*t as usize].stiffness(rigidity)))
-            .collect();
-        let mut next = weakened.iter().peekable();
-        let packed = (0_u32..).zip(&self.intact).map(|(t, intact)| {
-            match next.next_if(|(cracked, _)| *cracked == t) {
-                Some((_, packed)) => packed,
-                None => intact,
-            }
-        });
-        self.system.factor(packed, &self.foundation, &self.is_fixed)
-    }
-
-    fn cracked_rigidities(&self, hinges: &[Hinge]) -> Result<Vec<(u32, Rigidity)>, FractureError> {
-        let intact = isotropic(self.plate.rigidity_n_m(), self.plate.poisson_ratio);
-        let mut sorted: Vec<&Hinge> = hinges.iter().collect();
-        sorted.sort_by_key(|hinge| hinge.triangle);
-        let mut weak: Vec<(u32, Rigidity)> = Vec::new();
-        for hinge in sorted {
-            let length = libm::hypot(hinge.normal[0], hinge.normal[1]);
-            let is_right = (hinge.triangle as usize) < self.elements.len()
-                && length > 0.0
-                && length.is_finite()
-                && (1e-9..=1.0).contains(&hinge.residual);
-            if !is_right {
-                return Err(FractureError::Parameter {
-                    name: "hinge residual",
-                    value: hinge.residual,
-                    expected: "1e-9 to 1, in a triangle of the mesh, with a normal",
-                });
-            }
-            match weak.last_mut() {
-                // A second crack takes nothing more.
-                Some((t, _)) if *t == hinge.triangle => (),
-                _ => weak.push((hinge.triangle, cracked(&intact, hinge.residual))),
-            }
-        }
-        Ok(weak)
-    }
-
     /// Deflection and stress under a load. What of its disc lies off the mesh is taken by the
     /// rest of it, so that the force is kept.
     ///
@@ -262,19 +188,23 @@ impl PlateSolver {
     /// [`FractureError::Residual`] if the solution does not solve the equations.
     pub fn solve(&self, load: &PatchLoad) -> Result<PlateField, FractureError> {
         let mut forces = load::patch(&self.mesh, &self.frames, load)?;
-        for (force, fixed) in forces.iter_mut().zip(&self.is_fixed) {
+        for (force, fixed) in forces.iter_mut().zip(&self.is_held) {
             for c in 0..3 {
                 if fixed[c] {
                     force[c] = 0.0;
                 }
             }
         }
-        let unknowns = solved(&self.system, &forces)?;
+        let mut unknowns = solved(&self.system, &forces)?;
         let work: f64 = forces
             .iter()
             .zip(&unknowns)
             .map(|(f, u)| f[0] * u[0] + f[1] * u[1] + f[2] * u[2])
             .sum();
+        // From here on each side has the deflection of its node.
+        for (side, &node) in self.mesh.nodes_of_sides().iter().enumerate() {
+            unknowns[side][0] = unknowns[node as usize][0];
+        }
         let rigidity = isotropic(self.plate.rigidity_n_m(), self.plate.poisson_ratio);
         let factor = -6.0 / (self.plate.thickness_m * self.plate.thickness_m);
         let back = NodalStress::recover(
@@ -282,7 +212,6 @@ impl PlateSolver {
             &self.elements,
             &unknowns,
             &rigidity,
-            &self.cracked,
             |[xx, yy, xy]| PlaneStress {
                 xx_pa: factor * xx,
                 yy_pa: factor * yy,
@@ -296,6 +225,15 @@ impl PlateSolver {
             back,
         })
     }
+}
+
+/// The longer side of a mesh, m.
+fn extent_m(mesh: &PlateMesh) -> f64 {
+    let side = |axis: usize| {
+        let places = || mesh.nodes().iter().map(|node| node[axis]);
+        places().fold(f64::NEG_INFINITY, f64::max) - places().fold(f64::INFINITY, f64::min)
+    };
+    side(0).max(side(1))
 }
 
 /// The unknowns of a system, or why they are none.
@@ -376,19 +314,20 @@ impl PlateField {
     ) -> Option<f64> {
         let (triangle, l) = mesh.locate(point, hint)?;
         let nodes = mesh.triangles()[triangle as usize];
+        let sides = mesh.sides()[triangle as usize];
         let frames = nodes.map(|node| self.frames[node as usize]);
         let row = deflection(&mesh.corners_m(triangle), &frames, &l);
         Some(
             (0..N_LOCAL)
-                .map(|k| row[k] * self.unknowns[nodes[k / 3] as usize][k % 3])
+                .map(|k| row[k] * self.unknowns[sides[k / 3] as usize][k % 3])
                 .sum(),
         )
     }
 
-    /// Bending stress on a face at a node.
+    /// Bending stress on a face at a side of a node.
     #[must_use]
-    pub fn surface_stress(&self, node: u32, face: Face) -> PlaneStress {
-        on_face(self.back.at_node(node), face)
+    pub fn surface_stress(&self, side: u32, face: Face) -> PlaneStress {
+        on_face(self.back.at_side(side), face)
     }
 
     /// Bending stress σ = 6M/h² on a face at a point; `None` off the mesh.

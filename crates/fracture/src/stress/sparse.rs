@@ -1,4 +1,8 @@
-//! The sparse system of a mesh with three unknowns per node: assembly, Cholesky factor, solution.
+//! The sparse system of a mesh with three unknowns per side of a node: assembly, Cholesky factor,
+//! solution.
+//!
+//! The sides of a node share its deflection, which is the first unknown of its first side. That of
+//! the others is held and stands for nothing.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
@@ -12,7 +16,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::dkt::{N_LOCAL, N_PACKED};
 use crate::FractureError;
-use crate::mesh::to_u32;
+use crate::mesh::{PlateMesh, to_u32};
 
 /// A symmetric positive definite matrix (its lower triangle, column by column) and its factor.
 ///
@@ -31,6 +35,9 @@ pub(super) struct System {
     scratch: MemBuffer,
 }
 
+/// The nodes of a triangle, then their sides.
+type Stencil = [u32; 6];
+
 fn failed(cause: impl std::fmt::Debug) -> FractureError {
     FractureError::Solver {
         cause: format!("{cause:?}"),
@@ -39,11 +46,22 @@ fn failed(cause: impl std::fmt::Debug) -> FractureError {
 
 impl System {
     /// The pattern of a mesh with its ordering and symbolic factor.
-    pub(super) fn new(n_nodes: usize, triangles: &[[u32; 3]]) -> Result<Self, FractureError> {
-        let place = elimination_order(n_nodes, triangles)?;
-        let placed: Vec<[u32; 3]> = triangles
+    pub(super) fn new(mesh: &PlateMesh) -> Result<Self, FractureError> {
+        let n_nodes = mesh.nodes_of_sides().len();
+        let corners = || mesh.triangles().iter().zip(mesh.sides());
+        let stencil = |[a, b, c]: [u32; 3], [d, e, f]: [u32; 3]| [a, b, c, d, e, f];
+        let stencils: Vec<Stencil> = corners()
+            .map(|(nodes, sides)| stencil(*nodes, *sides))
+            .chain(
+                corners()
+                    .filter(|(nodes, sides)| nodes != sides)
+                    .map(|(nodes, _)| stencil(*nodes, *nodes)),
+            )
+            .collect();
+        let place = elimination_order(n_nodes, &stencils)?;
+        let placed: Vec<Stencil> = stencils
             .iter()
-            .map(|t| t.map(|node| place[node as usize]))
+            .map(|stencil| stencil.map(|node| place[node as usize]))
             .collect();
         let later = later_neighbors(n_nodes, &placed);
         let mut columns = vec![0];
@@ -92,8 +110,11 @@ impl System {
         })
     }
 
-    /// Assembles the elements' packed matrices (in the order of the triangles) and a diagonal for
-    /// the first unknown of each node, holds the unknowns in `is_fixed`, and factors.
+    /// Assembles the elements' packed matrices and a diagonal for the first unknown of each node,
+    /// holds the unknowns in `is_fixed`, and factors.
+    ///
+    /// Elements are those of the triangles, then once more those of the triangles with a side that
+    /// is not the first of its node, for unknowns of the first sides.
     pub(super) fn factor<'a>(
         &mut self,
         elements: impl Iterator<Item = &'a [f64; N_PACKED]>,
@@ -214,8 +235,8 @@ pub(super) struct Solution {
 
 /// Place of each node in an order that keeps the factor sparse (approximate minimum degree of
 /// the graph of nodes, a third of the work of that of unknowns) \[Amestoy1996\].
-fn elimination_order(n_nodes: usize, triangles: &[[u32; 3]]) -> Result<Vec<u32>, FractureError> {
-    let later = later_neighbors(n_nodes, triangles);
+fn elimination_order(n_nodes: usize, stencils: &[Stencil]) -> Result<Vec<u32>, FractureError> {
+    let later = later_neighbors(n_nodes, stencils);
     let mut columns = vec![0];
     let mut rows = Vec::new();
     for (node, later) in (0..).zip(&later) {
@@ -243,12 +264,13 @@ fn elimination_order(n_nodes: usize, triangles: &[[u32; 3]]) -> Result<Vec<u32>,
 }
 
 /// For each node its neighbors of higher number, in order.
-fn later_neighbors(n_nodes: usize, triangles: &[[u32; 3]]) -> Vec<Vec<u32>> {
+fn later_neighbors(n_nodes: usize, stencils: &[Stencil]) -> Vec<Vec<u32>> {
     let mut later: Vec<Vec<u32>> = vec![Vec::with_capacity(8); n_nodes];
-    for triangle in triangles {
-        for k in 0..3 {
-            let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
-            later[a.min(b) as usize].push(a.max(b));
+    for stencil in stencils {
+        for (k, &a) in stencil.iter().enumerate() {
+            for &b in stencil[..k].iter().filter(|&&b| b != a) {
+                later[a.min(b) as usize].push(a.max(b));
+            }
         }
     }
     for neighbors in &mut later {
@@ -283,7 +305,7 @@ fn upper(later: &[Vec<u32>]) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// Where the packed entries of an element go.
-fn scatter(triangle: &[u32; 3], columns: &[u32], later: &[Vec<u32>]) -> [u32; N_PACKED] {
+fn scatter(stencil: &Stencil, columns: &[u32], later: &[Vec<u32>]) -> [u32; N_PACKED] {
     let place = |high: u32, row: u32, low: u32, column: u32| {
         let start = columns[(3 * low + column) as usize];
         if high == low {
@@ -295,7 +317,11 @@ fn scatter(triangle: &[u32; 3], columns: &[u32], later: &[Vec<u32>]) -> [u32; N_
     };
     let mut out = [0; N_PACKED];
     let mut at = 0;
-    let unknown = |local: usize| (triangle[local / 3], to_u32(local % 3));
+    let unknown = |local: usize| {
+        let corner = local / 3;
+        let of_side = if local.is_multiple_of(3) { 0 } else { 3 };
+        (stencil[corner + of_side], to_u32(local % 3))
+    };
     for i in 0..N_LOCAL {
         for j in 0..=i {
             let (a, b) = (unknown(i), unknown(j));

@@ -84,6 +84,11 @@ impl Web {
         self.n_cracks - 1
     }
 
+    /// How many cracks there are.
+    pub(crate) fn n_cracks(&self) -> u32 {
+        self.n_cracks
+    }
+
     pub(crate) fn add_node(&mut self, point_m: [f64; 2]) -> u32 {
         self.nodes.push(point_m);
         to_u32(self.nodes.len() - 1)
@@ -117,6 +122,35 @@ impl Web {
             (column(from[0].min(to[0])), column(from[0].max(to[0]))),
             (row(from[1].min(to[1])), row(from[1].max(to[1]))),
         )
+    }
+
+    /// The pieces that count as chains of points, m: each crack, or half of a crack that began in
+    /// its middle, from where it began.
+    pub(crate) fn chains(&self, counts: impl Fn(&Piece) -> bool) -> Vec<Vec<[f64; 2]>> {
+        let mut order: Vec<&Piece> = self.pieces.iter().filter(|piece| counts(piece)).collect();
+        order.sort_by(|a, b| {
+            let along = a.along_m[0].total_cmp(&b.along_m[0]);
+            a.crack.cmp(&b.crack).then(along)
+        });
+        // Chains with the node where each ends, those of the present crack last.
+        let mut chains: Vec<(u32, Vec<[f64; 2]>)> = Vec::new();
+        let mut first = 0;
+        let mut crack = None;
+        for piece in order {
+            if crack != Some(piece.crack) {
+                crack = Some(piece.crack);
+                first = chains.len();
+            }
+            let to = self.nodes[piece.b as usize];
+            match chains[first..].iter_mut().find(|(end, _)| *end == piece.a) {
+                Some((end, chain)) => {
+                    *end = piece.b;
+                    chain.push(to);
+                }
+                None => chains.push((piece.b, vec![self.nodes[piece.a as usize], to])),
+            }
+        }
+        chains.into_iter().map(|(_, chain)| chain).collect()
     }
 
     /// The first piece that a step meets, of those that `counts` and do not start or end at
@@ -236,6 +270,40 @@ mod tests {
             effective_m: 0.0,
             tilt_rad: 0.0,
         }
+    }
+
+    #[test]
+    fn a_crack_is_a_chain_from_where_it_began() {
+        let mut web = Web::new(Outline::Rectangle {
+            width_m: 1.0,
+            height_m: 1.0,
+        });
+        let nodes: Vec<u32> = [0.5, 0.6, 0.8, 0.4, 0.1]
+            .into_iter()
+            .map(|x| web.add_node([x, 0.5]))
+            .collect();
+        // Both halves of a crack from the middle; the longest piece is then divided.
+        for (from, to, along) in [(0, 1, 0.0), (1, 2, 0.1), (0, 3, 0.0), (3, 4, 0.1)] {
+            let mut piece = piece(nodes[from], nodes[to]);
+            piece.along_m = [along, 2.0 * along + 0.1];
+            web.add_piece(piece);
+        }
+        let mut other = piece(nodes[2], nodes[4]);
+        other.crack = 1;
+        web.add_piece(other);
+        web.node_on(1, [0.7, 0.5], 1e-6);
+        let xs = |chain: &Vec<[f64; 2]>| chain.iter().map(|p| p[0]).collect::<Vec<_>>();
+        let chains: Vec<_> = web
+            .chains(|piece| piece.crack == 0)
+            .iter()
+            .map(xs)
+            .collect();
+        assert_eq!(
+            chains,
+            [vec![0.5, 0.6, 0.7, 0.8], vec![0.5, 0.4, 0.1]],
+            "in the order of the way"
+        );
+        assert_eq!(web.chains(|_| true).len(), 3, "the other crack is its own");
     }
 
     #[test]
