@@ -23,7 +23,7 @@ def crack(starbreak, folder, image, *overrides):
     path = folder / "scene.png"
     cv2.imwrite(str(path), image)
     sets = [part for override in overrides for part in ("--set", override)]
-    subprocess.run([starbreak, "crack", path, "-o", folder / "out", "--seed", "5", "--quiet", *sets], check=True)
+    subprocess.run([starbreak, "crack", path, "-o", folder / "out", "--preset", "paper", "--seed", "5", "--quiet", *sets], check=True)
     out = cv2.imread(str(folder / "out/scene.png")).astype(float)
     mask = cv2.imread(str(folder / "out/scene.crack.png"), cv2.IMREAD_GRAYSCALE).astype(float) / 255
     region = cv2.imread(str(folder / "out/scene.region.png"), cv2.IMREAD_GRAYSCALE) > 0
@@ -57,7 +57,7 @@ def main():
         out, mask, _, record = crack(starbreak, folder, image, *overrides)
         size = f"{image.shape[1]}x{image.shape[0]}"
         network = folder / "network.json"
-        command = [starbreak, "simulate", "--seed", str(record["item"]["seed"]), "--size", size, "-o", network, "--quiet"]
+        command = [starbreak, "simulate", "--preset", "paper", "--seed", str(record["item"]["seed"]), "--size", size, "-o", network, "--quiet"]
         subprocess.run(command, check=True)
         data = json.loads(network.read_text())
         ends = np.array([[data["nodes"][c][k] for c in "xy"] for side in ("from", "to") for k in data["segments"][side]])

@@ -29,7 +29,7 @@ def simulate(seed, size=FRAME, **keys):
     """Result line and network of `starbreak simulate`; `table__key` stands for table.key."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "network.json")
-        command = [BINARY, "simulate", "--seed", str(seed), "--size", f"{size[0]}x{size[1]}"]
+        command = [BINARY, "simulate", "--preset", "paper", "--seed", str(seed), "--size", f"{size[0]}x{size[1]}"]
         command += ["--json", "-q", "-o", path]
         for key, value in {"impact__0__position": "[0.5,0.5]", **keys}.items():
             command += ["--set", f"{key.replace('__', '.')}={value}"]

@@ -1,6 +1,6 @@
 """Makes the numbers of paper-optics.md.
 
-    starbreak demo -o DEMO --seed 3; python3 docs/theory/check_paper_optics.py DEMO
+    starbreak demo --preset paper -o DEMO --seed 3; python3 docs/theory/check_paper_optics.py DEMO
 
 Renders the cracks of a demo folder by the formulas of the page and compares the pictures with
 those in the folder. Needs numpy and Pillow. The recipe must be the preset `paper`, or that with

@@ -9,6 +9,7 @@
 pub mod command;
 pub mod deps;
 pub mod failure;
+pub mod gallery;
 pub mod licences;
 pub mod lint;
 pub mod metadata;

@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use xtask::{deps, licences, lint, refs, root, test};
+use xtask::{deps, gallery, licences, lint, refs, root, test};
 
 const USAGE: &str = "\
 usage: cargo xtask <task>
@@ -15,7 +15,8 @@ usage: cargo xtask <task>
   lint            fmt, clippy, rustdoc, licences, deps --check, refs
   licences        every package's licence is on the allow-list and every source is crates.io
   deps [--check]  writes the dependency graph into ARCHITECTURE.md, or says that it is stale
-  refs            every [AuthorYear] has an entry in a .bib file";
+  refs            every [AuthorYear] has an entry in a .bib file
+  gallery         writes docs/figures/gallery: every preset and damage class";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
         ["deps"] => deps::run(root(), deps::Mode::Write),
         ["deps", "--check"] => deps::run(root(), deps::Mode::Check),
         ["refs"] => refs::run(root()),
+        ["gallery"] => gallery::run(root()),
         [] | ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args as ClapArgs, Parser, Subcommand};
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use starbreak::dataset::same_file;
 use starbreak::{DEFAULT_PRESET, Recipe, Seed};
 
@@ -109,7 +109,7 @@ pub(crate) enum Verb {
         #[arg(long)]
         list: bool,
     },
-    /// Repeat the paper's timing figure on this machine: table, CSV and plot
+    /// Measure the time per stage on this machine: the paper's timing figure, and the physics
     Bench {
         /// Output folder
         #[arg(short, long, value_name = "DIR", default_value = "starbreak-bench")]
@@ -117,12 +117,16 @@ pub(crate) enum Verb {
         /// Numbers of particles
         #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000), default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
         particles: Vec<u32>,
-        /// Runs per number of particles, each with its own mesh, impact point and direction
-        #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-        runs: u32,
+        /// Runs per number of particles (100 unless given) and per pane (10 unless given), each
+        /// with its own impact point and direction
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+        runs: Option<u32>,
         /// Keep the recipe's neighborhood radius instead of scaling it with the mesh
         #[arg(long)]
         fixed_radius: bool,
+        /// Measure only this fracture model; without it both
+        #[arg(long, value_enum)]
+        model: Option<BenchModel>,
     },
     /// Print shell completions
     Completions {
@@ -135,6 +139,15 @@ pub(crate) enum Verb {
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
     },
+}
+
+/// A fracture model to measure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BenchModel {
+    /// The paper's, over the number of particles
+    Paper,
+    /// The physics, over kinds of panes
+    Physics,
 }
 
 impl Global {

@@ -46,7 +46,17 @@ fn writers(to: &str) -> Vec<(Vec<String>, String)> {
         ),
         (words(&["man", "-o", to]), to.to_owned()),
         (
-            words(&["bench", "--runs", "1", "--particles", "50", "-o", to]),
+            words(&[
+                "bench",
+                "--model",
+                "paper",
+                "--runs",
+                "1",
+                "--particles",
+                "50",
+                "-o",
+                to,
+            ]),
             to.to_owned(),
         ),
     ]

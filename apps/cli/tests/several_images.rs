@@ -207,7 +207,17 @@ fn json_is_one_document_and_nothing_else() {
         "schema"
     );
     assert!(json(&["man", "-o", "m"])["pages"].is_array(), "man");
-    let bench = json(&["bench", "-o", "b", "--runs", "1", "--particles", "50"]);
+    let bench = json(&[
+        "bench",
+        "--model",
+        "paper",
+        "-o",
+        "b",
+        "--runs",
+        "1",
+        "--particles",
+        "50",
+    ]);
     assert_eq!(bench["series"].as_array().map(Vec::len), Some(1), "{bench}");
 }
 

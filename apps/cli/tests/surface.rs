@@ -143,7 +143,17 @@ fn the_schema_holds_every_key_of_the_recipe() {
 #[test]
 fn bench_writes_table_rows_and_plots() {
     let dir = folder();
-    let args = ["bench", "--runs", "2", "--particles", "500,1000", "-o", "b"];
+    let args = [
+        "bench",
+        "--model",
+        "paper",
+        "--runs",
+        "2",
+        "--particles",
+        "500,1000",
+        "-o",
+        "b",
+    ];
     let outcome = succeed(dir.path(), &args);
     let out = dir.path().join("b");
     assert_eq!(
@@ -210,7 +220,17 @@ fn every_verb_bears_a_closed_pipe() {
         &["man", "-o", "m"],
         &["demo", "-o", "d", "--preset", "paper"],
         &["crack", "a.png", "-o", "o", "--preset", "paper"],
-        &["bench", "--runs", "1", "--particles", "50", "-o", "b"],
+        &[
+            "bench",
+            "--model",
+            "paper",
+            "--runs",
+            "1",
+            "--particles",
+            "50",
+            "-o",
+            "b",
+        ],
         &["--help"],
         &["crack", "--help"],
         &["--version"],

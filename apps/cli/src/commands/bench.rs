@@ -1,4 +1,4 @@
-//! `starbreak bench`: the paper's timing figure on this machine.
+//! `starbreak bench`: the paper's timing figure on this machine, and the time of the physics.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -11,8 +11,8 @@ use starbreak::fracture::paper::PaperParams;
 use starbreak::pipeline::{Timings, crack_image, with_threads};
 use starbreak::{FractureSettings, Recipe, Seed, Settings};
 
-use super::plot;
-use crate::args::Global;
+use super::{bench_physics, plot};
+use crate::args::{BenchModel, Global};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::{Progress, Screen, path_text};
@@ -31,9 +31,17 @@ const STAGES: [(&str, &str); 6] = [
 pub(crate) struct Request {
     pub(crate) output: PathBuf,
     pub(crate) particles: Vec<u32>,
-    pub(crate) runs: u32,
+    pub(crate) runs: Option<u32>,
     pub(crate) fixed_radius: bool,
+    /// `None`: both.
+    pub(crate) model: Option<BenchModel>,
 }
+
+/// Runs per number of particles, unless asked for others.
+const PAPER_RUNS: u32 = 100;
+
+/// Runs per pane of the physics, unless asked for others.
+const PHYSICS_RUNS: u32 = 10;
 
 /// All runs with one number of particles.
 struct Series {
@@ -62,8 +70,59 @@ pub(crate) fn run(
     request: &Request,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let names = ["bench.csv", "bench.txt", "bench.svg", "bench.png"];
+    let names = [
+        "bench.csv",
+        "bench.txt",
+        "bench.svg",
+        "bench.png",
+        "bench-physics.csv",
+    ];
     global.refuse_recipe_among(&names.map(|name| request.output.join(name)))?;
+    let interrupt = Interrupt::listen();
+    let mut batch = OutputBatch::new();
+    let mut tables = Vec::new();
+    let mut result = json!({ "output": path_text(&request.output) });
+    if request.model != Some(BenchModel::Physics) {
+        let series = paper_series(global, request, &interrupt, screen)?;
+        let (svg, png) =
+            plot::timing_figure(&series_for_plot(&series)).map_err(Failure::wrong_input)?;
+        batch.stage(&request.output.join("bench.csv"), csv(&series).as_bytes())?;
+        batch.stage(&request.output.join("bench.svg"), svg.as_bytes())?;
+        batch.stage(&request.output.join("bench.png"), &png)?;
+        tables.push(table(&series));
+        result["series"] = series.iter().map(series_json).collect();
+    }
+    if request.model != Some(BenchModel::Paper) {
+        let runs = request.runs.unwrap_or(PHYSICS_RUNS);
+        let progress = screen.progress(bench_physics::n_steps(runs), "runs");
+        let section = with_threads(1, || {
+            bench_physics::measure(runs, global.seed(), &interrupt, &progress)
+        })??;
+        progress.finish();
+        let csv = section.csv();
+        batch.stage(&request.output.join("bench-physics.csv"), csv.as_bytes())?;
+        tables.push(section.table());
+        result["physics"] = section.to_json();
+    }
+    let table = tables.join("\n");
+    batch.stage(&request.output.join("bench.txt"), table.as_bytes())?;
+    batch.commit()?;
+    screen.say(&table);
+    screen.say(&format!(
+        "bench.txt with every run as CSV in {}",
+        request.output.display()
+    ));
+    screen.result(|| result)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The paper's series: one for each number of particles.
+fn paper_series(
+    global: &Global,
+    request: &Request,
+    interrupt: &Interrupt,
+    screen: &Screen,
+) -> Result<Vec<Series>, Failure> {
     let recipe = global.recipe_or("paper")?;
     let mut plan = Vec::new();
     for &particles in &request.particles {
@@ -72,38 +131,15 @@ pub(crate) fn run(
             settings_for(&recipe, particles, request.fixed_radius)?,
         ));
     }
+    let runs = request.runs.unwrap_or(PAPER_RUNS);
     let scene = DynamicImage::ImageRgb8(street_scene().image);
-    let interrupt = Interrupt::listen();
-    let progress = screen.progress(u64::from(request.runs) * plan.len() as u64, "runs");
+    let progress = screen.progress(u64::from(runs) * plan.len() as u64, "runs");
     // One thread, whatever the machine has: times per core are what can be compared.
     let series = with_threads(1, || {
-        measure(
-            &plan,
-            request.runs,
-            &scene,
-            global.seed(),
-            &interrupt,
-            &progress,
-        )
+        measure(&plan, runs, &scene, global.seed(), interrupt, &progress)
     })??;
     progress.finish();
-
-    let table = table(&series);
-    let (svg, png) =
-        plot::timing_figure(&series_for_plot(&series)).map_err(Failure::wrong_input)?;
-    let mut batch = OutputBatch::new();
-    batch.stage(&request.output.join("bench.csv"), csv(&series).as_bytes())?;
-    batch.stage(&request.output.join("bench.txt"), table.as_bytes())?;
-    batch.stage(&request.output.join("bench.svg"), svg.as_bytes())?;
-    batch.stage(&request.output.join("bench.png"), &png)?;
-    batch.commit()?;
-    screen.say(&table);
-    screen.say(&format!(
-        "bench.txt, bench.csv, bench.svg and bench.png in {}",
-        request.output.display()
-    ));
-    screen.result(|| json!({ "output": path_text(&request.output), "series": series.iter().map(series_json).collect::<Vec<_>>() }))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(series)
 }
 
 fn settings_for(recipe: &Recipe, particles: u32, fixed_radius: bool) -> Result<Settings, Failure> {
@@ -164,7 +200,7 @@ fn peak_rss_mib() -> Option<f64> {
     Some(kib / 1024.0)
 }
 
-fn spread(mut values: Vec<f64>) -> Spread {
+pub(super) fn spread(mut values: Vec<f64>) -> Spread {
     values.sort_by(f64::total_cmp);
     let n = values.len();
     #[expect(clippy::cast_precision_loss, reason = "a count")]
@@ -275,8 +311,16 @@ fn series_for_plot(series: &[Series]) -> Vec<(&'static str, Vec<(f64, Spread)>)>
     lines
 }
 
+pub(super) fn spread_json(spread: &Spread) -> Value {
+    json!({
+        "min": spread.min,
+        "mean": spread.mean,
+        "median": spread.median,
+        "max": spread.max,
+    })
+}
+
 fn series_json(one: &Series) -> Value {
-    let spread_json = |spread: &Spread| json!({ "min": spread.min, "mean": spread.mean, "median": spread.median, "max": spread.max });
     let stages: serde_json::Map<String, Value> = STAGES
         .iter()
         .map(|(stage, _)| ((*stage).to_owned(), spread_json(&one.stage(stage))))

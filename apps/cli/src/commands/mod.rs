@@ -1,6 +1,7 @@
 //! One module per verb.
 
 mod bench;
+mod bench_physics;
 mod crack;
 mod demo;
 mod plot;
@@ -48,12 +49,14 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             particles,
             runs,
             fixed_radius,
+            model,
         } => {
             let request = bench::Request {
                 output,
                 particles,
                 runs,
                 fixed_radius,
+                model,
             };
             bench::run(global, &request, screen)
         }

@@ -222,9 +222,10 @@ fn describe(simulated: &Simulated) -> String {
             let mut lines: Vec<String> = physics.impacts.iter().map(describe_hit).collect();
             if let Some(report) = &physics.long_crack {
                 lines.push(format!(
-                    "long crack: {}, {:.0} mm, flaw at {:.2} of the toughness",
+                    "long crack: {}, {:.1} mm, flaw at {:.2} of the toughness",
                     report.class,
-                    report.length_m * 1e3,
+                    // An empty sum is -0.
+                    report.length_m.abs() * 1e3,
                     report.flaw_k_ratio
                 ));
             }

@@ -1,0 +1,270 @@
+//! Every preset and damage class as small pictures for the documentation (`cargo xtask gallery`).
+//!
+//! Street scenes are JPEG, since their grain makes a PNG of them six times as large; all others are
+//! PNG. Damage that is small in the frame is cut out at full size, damage of the whole pane is
+//! shown at half size.
+#![expect(clippy::print_stdout, reason = "a report is what this is for")]
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use image::imageops::{FilterType, crop_imm, replace, resize};
+use image::{DynamicImage, GrayImage, Rgb, RgbImage};
+use starbreak::dataset::{
+    Encoding, JpegQuality, OutputBatch, encode_image, encode_mask, street_scene,
+};
+use starbreak::glass::{GlassKind, Pane};
+use starbreak::optics::{Camera, Coverage, Line, View};
+use starbreak::pipeline::{Details, crack_image, growth_drawing, simulate};
+use starbreak::{PRESETS, Recipe, Seed};
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// The frame, px.
+const FRAME: (u32, u32) = (1242, 375);
+
+/// Between two pictures of a strip, px.
+const GAP: u32 = 4;
+
+/// Seeds of the pictures over the street, and what the camera is focused on.
+const SEEDS: [(u64, &str); 3] = [(1, "far"), (2, "far"), (3, "short")];
+
+/// Side of a drawing of a damage class, px.
+const DRAWING: u32 = 400;
+
+/// Seeds among which a damage class is looked for.
+const TRIES: u64 = 20;
+
+/// Presets whose damage spans the pane.
+const WHOLE: [&str; 3] = ["windshield-long-crack", "tempered-cover", "paper"];
+
+/// Damage classes: name, preset, what is set beside it, and width of the drawing, mm.
+const CLASSES: [(&str, &str, &[&str], f64); 12] = [
+    ("pit", "windshield-star", &["impact.speed_m_s=8"], 12.0),
+    ("bullseye", "windshield-bullseye", &[], 20.0),
+    (
+        "half-moon",
+        "windshield-bullseye",
+        &["impact.angle_deg=70", "impact.speed_m_s=90"],
+        20.0,
+    ),
+    ("star", "windshield-star", &[], 30.0),
+    ("combination", "windshield-combination", &[], 30.0),
+    (
+        "rim-to-impact",
+        "lens-cover-star",
+        &["impact.speed_m_s=40", "impact.radius_mm=6"],
+        44.0,
+    ),
+    ("diced", "tempered-cover", &[], 200.0),
+    ("long-crack", "windshield-long-crack", &[], 1500.0),
+    (
+        "floater-crack",
+        "windshield-long-crack",
+        &["long_crack.frame_tension_mpa=0.5"],
+        1500.0,
+    ),
+    (
+        "edge-crack",
+        "windshield-long-crack",
+        &[
+            "long_crack.origin=rim",
+            "long_crack.temperature_difference_k=40",
+            "long_crack.spot=[0.5,0.5]",
+        ],
+        1500.0,
+    ),
+    (
+        "stress-crack",
+        "windshield-long-crack",
+        &[
+            "long_crack.origin=rim",
+            "long_crack.temperature_difference_k=40",
+            "long_crack.spot=[0.5,0.5]",
+            "long_crack.frame_tension_mpa=0",
+        ],
+        1500.0,
+    ),
+    ("paper", "paper", &[], 0.0),
+];
+
+fn main() -> Result<()> {
+    let out = std::env::args()
+        .nth(1)
+        .map_or_else(|| PathBuf::from("docs/figures/gallery"), PathBuf::from);
+    let mut batch = OutputBatch::new();
+    let street = street_scene().image;
+    for (preset, _) in PRESETS {
+        let seeds: Vec<RgbImage> = SEEDS
+            .iter()
+            .map(|&(seed, focus)| {
+                let mut recipe = Recipe::preset(preset)?;
+                recipe.set(&format!("camera.focus_distance_m={focus}"))?;
+                cracked(&recipe, &street, seed)
+            })
+            .collect::<Result<_>>()?;
+        let jpeg = Encoding::Jpeg {
+            quality: JpegQuality::new(85)?,
+        };
+        let bytes = encode_image(&strip(preset, &seeds).into(), &jpeg, None)?;
+        stage(&mut batch, &out, &format!("{preset}-street.jpg"), &bytes)?;
+
+        let severities: Vec<RgbImage> = (1..=5)
+            .map(|severity| cracked(&Recipe::preset_at(preset, severity)?, &sky(), 1))
+            .collect::<Result<_>>()?;
+        let mut gray = DynamicImage::from(strip(preset, &severities)).into_luma8();
+        // 16 levels are enough, and smaller.
+        for level in gray.iter_mut().filter(|level| **level < 240) {
+            *level &= 0xf0;
+        }
+        let bytes = encode_image(&gray.into(), &Encoding::Png, None)?;
+        stage(&mut batch, &out, &format!("{preset}-severity.png"), &bytes)?;
+    }
+    for (class, preset, sets, width_mm) in CLASSES {
+        let Some((seed, drawing)) = drawing(class, preset, sets, width_mm)? else {
+            println!("{class}: not among {TRIES} seeds of {preset} {sets:?}; no picture");
+            continue;
+        };
+        let sets: String = sets.iter().map(|set| format!(" --set {set}")).collect();
+        println!("{class}: starbreak simulate --preset {preset} --seed {seed}{sets}");
+        let bytes = encode_mask(&drawing)?;
+        stage(&mut batch, &out, &format!("class-{class}.png"), &bytes)?;
+    }
+    batch.commit()?;
+    Ok(())
+}
+
+fn stage(batch: &mut OutputBatch, out: &Path, name: &str, bytes: &[u8]) -> Result<()> {
+    println!("{name}: {} kB", bytes.len().div_ceil(1000));
+    Ok(batch.stage(&out.join(name), bytes)?)
+}
+
+/// The frame through glass that a stone hits in its middle.
+fn cracked(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
+    let mut recipe = recipe.clone();
+    recipe.set("impact.position=[0.5,0.5]")?;
+    let mut image = DynamicImage::ImageRgb8(scene.clone());
+    crack_image(&recipe.settings()?, &mut image, Seed(seed))?;
+    Ok(image.into_rgb8())
+}
+
+/// An even sky, darker than most, on which gray cracks show.
+fn sky() -> RgbImage {
+    RgbImage::from_pixel(FRAME.0, FRAME.1, Rgb([64; 3]))
+}
+
+/// Pictures side by side: cut out around the middle, or whole ones at half size below each other.
+fn strip(preset: &str, pictures: &[RgbImage]) -> RgbImage {
+    let count = u32::try_from(pictures.len()).unwrap_or(1).max(1);
+    let is_whole = WHOLE.contains(&preset);
+    let (width, height) = if is_whole {
+        (FRAME.0 / 2, FRAME.1 / 2)
+    } else {
+        ((FRAME.0 - (count - 1) * GAP) / count, FRAME.1)
+    };
+    let size = if is_whole {
+        (width, count * (height + GAP) - GAP)
+    } else {
+        (count * (width + GAP) - GAP, height)
+    };
+    let mut strip = RgbImage::from_pixel(size.0, size.1, Rgb([255; 3]));
+    for (k, picture) in (0..).zip(pictures) {
+        let tile = if is_whole {
+            resize(picture, width, height, FilterType::Triangle)
+        } else {
+            crop_imm(picture, (FRAME.0 - width) / 2, 0, width, height).to_image()
+        };
+        let place = if is_whole {
+            (0, k * i64::from(height + GAP))
+        } else {
+            (k * i64::from(width + GAP), 0)
+        };
+        replace(&mut strip, &tile, place.0, place.1);
+    }
+    strip
+}
+
+/// The first seed whose damage is of this class, and a drawing of it, black on white.
+fn drawing(
+    class: &str,
+    preset: &str,
+    sets: &[&str],
+    width_mm: f64,
+) -> Result<Option<(u64, GrayImage)>> {
+    let mut recipe = Recipe::preset(preset)?;
+    for set in sets {
+        recipe.set(set)?;
+    }
+    let settings = recipe.settings()?;
+    for seed in 1..=TRIES {
+        let simulated = simulate(&settings, FRAME.0, FRAME.1, Seed(seed))?;
+        let is_found = match &simulated.details {
+            Details::Paper(_) => true,
+            Details::Physics(physics) => {
+                let long = physics.long_crack.iter().map(|report| report.class);
+                let mut all = physics
+                    .impacts
+                    .iter()
+                    .map(|hit| hit.damage.name())
+                    .chain(long);
+                all.any(|name| name == class)
+            }
+        };
+        if !is_found {
+            continue;
+        }
+        let data = simulated.network.data();
+        let is_whole = width_mm > 0.6 * data.pane.width;
+        let middle = match data.impacts.first() {
+            Some(impact) if !is_whole => [impact.x, impact.y],
+            _ => [0.5 * data.pane.width, 0.5 * data.pane.height],
+        };
+        let view = if width_mm > 0.0 {
+            let camera = Camera {
+                f_px: f64::from(DRAWING) / width_mm * 1e3,
+                distance_m: 1.0,
+                rake_rad: 0.0,
+                axis_at_mm: middle,
+            };
+            View::through(&camera, (DRAWING, DRAWING))?
+        } else {
+            View::stretched(&data.pane, (FRAME.0 / 2, FRAME.1 / 2))
+        };
+        let mut drawing = growth_drawing(&simulated.network, &view, f64::INFINITY, 1.2);
+        let rim = rim(&data.pane, &view);
+        for (pixel, rim) in drawing.iter_mut().zip(rim.iter()) {
+            *pixel = u8::MAX - (*pixel).max(*rim);
+        }
+        return Ok(Some((seed, drawing)));
+    }
+    Ok(None)
+}
+
+/// The rim of a pane in mm, pale, as far as it is in view.
+fn rim(pane: &Pane, view: &View) -> GrayImage {
+    let (width, height) = view.size();
+    let corners = if pane.kind == Some(GlassKind::Cover) {
+        (0..64_u8)
+            .map(|k| {
+                let angle = std::f64::consts::TAU * f64::from(k) / 64.0;
+                let radius = 0.5 * pane.width;
+                [radius * (1.0 + angle.cos()), radius * (1.0 + angle.sin())]
+            })
+            .collect()
+    } else {
+        let (right, bottom) = (pane.width, pane.height);
+        vec![[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]]
+    };
+    let next = corners.iter().cycle().skip(1);
+    let lines = corners.iter().zip(next).filter_map(|([x0, y0], [x1, y1])| {
+        Some(Line {
+            ends: view.visible([*x0, *y0, *x1, *y1], 2.0)?,
+            weight: 1.0,
+        })
+    });
+    let mut rim = Coverage::of_lines(width, height, 1.0, lines).to_mask();
+    for level in rim.iter_mut() {
+        *level /= 3;
+    }
+    rim
+}
