@@ -46,15 +46,12 @@ impl Row {
         }
     }
 
-    /// A row for what a unit test checks, which sees what is private.
-    pub(crate) fn unit(law: &str, expected: &str, test: &str) -> Self {
+    /// A row for what something else checks: unit tests, which see what is private.
+    pub(crate) fn elsewhere(law: &str, expected: &str, place: &str) -> Self {
+        let got = format!("see {place}");
         Self {
-            law: law.to_owned(),
-            expected: expected.to_owned(),
-            got: "below, with the unit tests".to_owned(),
-            tolerance: format!("cargo test -p starbreak-fracture {test}"),
-            source: "-",
-            holds: None,
+            tolerance: "-".to_owned(),
+            ..Self::report(law, expected, got, "-")
         }
     }
 

@@ -29,21 +29,25 @@ const PMMA: &str = r#"{
 pub(crate) fn rows() -> Rows {
     let mut rows = counts()?;
     rows.extend(acrylic()?);
-    rows.push(Row::unit(
+    rows.push(Row::elsewhere(
         "V5 where a star comes to rest",
         "root of K(r) = K_IC to 2 %",
-        "a_star_arrests",
+        "unit test a_star_arrests",
     ));
     rows.extend(long_cracks()?);
     for (law, expected, test) in [
-        ("V8 crack under shear", "45° ± 1°", "a_crack_under_shear"),
+        (
+            "V8 crack under shear",
+            "45° ± 1°",
+            "unit test a_crack_under_shear",
+        ),
         (
             "V8 crack past a hole",
             "principal trajectory to an edge",
-            "a_crack_past_a_hole",
+            "unit test a_crack_past_a_hole",
         ),
     ] {
-        rows.push(Row::unit(law, expected, test));
+        rows.push(Row::elsewhere(law, expected, test));
     }
     Ok(rows)
 }
@@ -67,11 +71,13 @@ fn counts() -> Rows {
         let law = mean_radial_count(&glass.material, glass.thickness_m, speed_m_s, factor);
         drawn.push((speed_m_s, law));
         let stone = StoneImpact::granite([0.7, 0.4], speed_m_s, 3e-3);
+        let mut arms = Vec::new();
         for seed in 0..N_SEEDS {
             let broken = simulate(&glass, &[stone], None, &params(), Seed(seed), |_| ())?;
-            kept.push((speed_m_s, broken.impacts[0].n_arms));
+            arms.push(broken.impacts[0].n_arms);
         }
-        let n = mean(kept.iter().rev().take(200).map(|&(_, n)| count(n)));
+        let n = mean(arms.iter().map(|&n| count(n)));
+        kept.extend(arms.into_iter().map(|n| (speed_m_s, n)));
         text.push_str(&format!(" {n:.1}/{law:.1}"));
     }
     let n_whole = kept.iter().filter(|&&(_, n)| n == 0).count();
@@ -108,10 +114,10 @@ fn counts() -> Rows {
             text.trim().to_owned(),
             "-",
         ),
-        Row::unit(
+        Row::elsewhere(
             "V4 exponent with a peridynamic plate",
             "0.5 ± 0.1",
-            "-> peridynamics.txt",
+            "peridynamics.txt",
         ),
     ])
 }
@@ -131,6 +137,12 @@ fn acrylic() -> Rows {
         support: Support::SimplySupported,
         material,
     };
+    // Handbook values: a tensile strength of 75 MPa that scatters by a few percent.
+    let acrylic_params = PhysicsParams {
+        strength_pa: 75e6,
+        weibull_modulus: 20.0,
+        ..params()
+    };
     let mut rows = Vec::new();
     for (speed_m_s, expected, tolerance) in [(22.2, 4.0, 1.0), (56.7, 7.0, 1.5)] {
         let stone = StoneImpact {
@@ -141,7 +153,7 @@ fn acrylic() -> Rows {
         };
         let mut arms = Vec::new();
         for seed in 0..N_SEEDS {
-            let broken = simulate(&plate, &[stone], None, &params(), Seed(seed), |_| ())?;
+            let broken = simulate(&plate, &[stone], None, &acrylic_params, Seed(seed), |_| ())?;
             arms.push(count(broken.impacts[0].n_arms));
         }
         let factor = params().radial_count_factor;
@@ -169,13 +181,9 @@ fn acrylic() -> Rows {
     Ok(rows)
 }
 
-/// A disc of 0.6 m pulled along x until it cracks from its rim, where that is at right angles.
-fn pulled(tension_pa: f64, seed: u64) -> Result<Broken, Box<dyn Error>> {
-    let disc = pane(
-        Outline::Disc { diameter_m: 0.6 },
-        4e-3,
-        GlassBuild::Annealed,
-    )?;
+/// A disc pulled along x that cracks from its rim, where that lies along x.
+fn pulled(diameter_m: f64, tension_pa: f64, seed: u64) -> Result<Broken, Box<dyn Error>> {
+    let disc = pane(Outline::Disc { diameter_m }, 4e-3, GlassBuild::Annealed)?;
     let crack = LongCrack {
         load: MembraneLoad {
             temperature_difference_k: 0.0,
@@ -206,11 +214,11 @@ fn long_cracks() -> Rows {
     let mut points = Vec::new();
     let mut ratios = Vec::new();
     let mut n_cracks = 0;
-    let (mut fastest, mut worst_angle): (f64, f64) = (0.0, 0.0);
+    let mut fastest: f64 = 0.0;
     for k in 0..6 {
-        let tension_pa = 8e6 * 1.2_f64.powi(k);
+        let tension_pa = 10e6 * 1.2_f64.powi(k);
         for seed in 0..40 {
-            let broken = pulled(tension_pa, seed)?;
+            let broken = pulled(3.0, tension_pa, seed)?;
             n_cracks += 1;
             let network = &broken.network;
             fastest = fastest.max(fastest_tip_m_s(network));
@@ -218,24 +226,39 @@ fn long_cracks() -> Rows {
             let fork = (0..segments.kind.len()).find(|&i| segments.kind[i] == SegmentKind::Fork);
             let Some(fork) = fork else { continue };
             // The way from the rim, and the flaw that was there before with its edge factor.
-            let [x, y, ..] = network.ends(fork);
+            let [_, y, ..] = network.ends(fork);
             let way_m = 1e-3 * y;
             let flaw_m =
                 1.05 * (soda_lime_toughness()? / tension_pa).powi(2) / std::f64::consts::PI;
             points.push((tension_pa, way_m + flaw_m));
             ratios.push((way_m + flaw_m) * tension_pa * tension_pa);
-            if way_m > 0.01 {
-                worst_angle = worst_angle.max(libm::atan2((x - 300.0).abs(), y).to_degrees());
-            }
         }
     }
     let slope = exponent(&points);
     let middle = mean(ratios.iter().copied());
     let scatter = mean(ratios.iter().map(|r| (r / middle - 1.0).powi(2))).sqrt();
     let constant = middle.sqrt() * 1e-6;
+    let (mut n_long, mut worst_angle) = (0, 0.0_f64);
+    for seed in 0..20 {
+        let broken = pulled(3.0, 4e6, seed)?;
+        let segments = &broken.network.data().segments;
+        let is_fork = |&idx: &usize| segments.kind[idx] == SegmentKind::Fork;
+        let n_before = (0..segments.kind.len())
+            .find(is_fork)
+            .unwrap_or(segments.kind.len());
+        if n_before == 0 {
+            continue;
+        }
+        // Segments come in the order of time, so this is the last of the crack before it forks.
+        let [.., x, y] = broken.network.ends(n_before - 1);
+        if y > 100.0 {
+            n_long += 1;
+            worst_angle = worst_angle.max(libm::atan2((x - 1500.0).abs(), y).to_degrees());
+        }
+    }
     let (mut way, mut time) = (0.0, 0.0);
     for seed in 0..5 {
-        let broken = pulled(60e6, seed)?;
+        let broken = pulled(0.6, 60e6, seed)?;
         fastest = fastest.max(fastest_tip_m_s(&broken.network));
         let segments = &broken.network.data().segments;
         let (Some(arrival), Some(departure)) = (&segments.arrival_us, &segments.departure_us)
@@ -251,7 +274,7 @@ fn long_cracks() -> Rows {
     let speed = way / time;
     Ok(vec![
         Row::judged(
-            "V6 exponent of the way to a fork over stress, 8-20 MPa",
+            "V6 exponent of the way to a fork over stress, 10-25 MPa",
             "-2",
             format!("{slope:.3}; {} of {n_cracks} cracks forked", points.len()),
             "± 0.05",
@@ -270,9 +293,9 @@ fn long_cracks() -> Rows {
             "V7 fastest tip of these cracks",
             "≤ 1500 m/s",
             format!("{fastest:.1} m/s"),
-            "0.1 %, for rounded nodes",
+            "rounding of nodes taken off",
             "Schardin1959",
-            fastest <= 1501.5,
+            fastest <= 1500.001,
         ),
         Row::judged(
             "V7 mean speed at 60 MPa",
@@ -283,12 +306,12 @@ fn long_cracks() -> Rows {
             (1300.0..=1500.0).contains(&speed),
         ),
         Row::judged(
-            "V8 crack under uniform tension, worst of its way to the fork",
+            "V8 crack under uniform tension of 4 MPa, worst of its way to the fork",
             "straight across",
-            format!("{worst_angle:.2}° off"),
+            format!("{worst_angle:.2}° off, {n_long} cracks over 100 mm"),
             "0.5°",
             "maximum principal stress",
-            worst_angle <= 0.5,
+            worst_angle <= 0.5 && n_long > 10,
         ),
     ])
 }

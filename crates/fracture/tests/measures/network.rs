@@ -149,20 +149,25 @@ pub(crate) fn leg_reach_m(network: &CrackNetwork) -> Option<[f64; 2]> {
     Some([farthest, mean(ends)])
 }
 
-/// Highest speed of a crack tip, m/s, over segments longer than what the lattice of the network
-/// rounds; cones and dice, whose times are not those of a traced tip, are left out.
+/// Highest speed of a crack tip, m/s, of which the network's rounding of positions (to 2⁻²⁶ of the
+/// next power of two of the longer side, at both ends) is taken off. Cones and dice, whose times
+/// are not those of a traced tip, are left out.
 pub(crate) fn fastest_tip_m_s(network: &CrackNetwork) -> f64 {
-    let segments = &network.data().segments;
+    let data = network.data();
+    let segments = &data.segments;
     let (Some(arrival), Some(departure)) = (&segments.arrival_us, &segments.departure_us) else {
         return 0.0;
     };
+    let longer = data.pane.width.max(data.pane.height);
+    let step_mm = libm::exp2(libm::ceil(libm::log2(longer)) - 26.0);
     (0..segments.kind.len())
         .filter(|&idx| !matches!(segments.kind[idx], SegmentKind::Cone | SegmentKind::Dice))
-        .filter_map(|idx| {
+        .map(|idx| {
             let [x0, y0, x1, y1] = network.ends(idx);
-            let length_mm = libm::hypot(x1 - x0, y1 - y0);
+            let length_mm = libm::hypot(x1 - x0, y1 - y0) - 2.0 * step_mm;
             let time_us = arrival[idx] - departure[idx];
-            (length_mm > 1e-3).then_some(1e3 * length_mm / time_us)
+            // NaN, where nothing is left of a length, is passed over.
+            1e3 * length_mm.max(0.0) / time_us
         })
         .fold(0.0, f64::max)
 }
