@@ -114,7 +114,8 @@ fn stones_of_the_road_make_damage_of_the_size_that_repairers_see() {
 fn any_pane_obeys_the_laws() {
     let mut angles = Vec::new();
     let mut n_broken = 0;
-    for k in 0..40 {
+    // The last two have rings whose radials come late.
+    for k in (0..40).chain([246, 255]) {
         let (pane, stone) = any_hit(k).unwrap();
         let broken = broken(&pane, &[stone], k);
         n_broken += u32::from(!broken.is_intact());
