@@ -18,10 +18,10 @@ mod areas;
 #[path = "../../tests/measures/mod.rs"]
 mod measures;
 
-use table::Rows;
+use table::Measure;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
-    let groups: [(&str, fn() -> Rows); 4] = [
+    let groups: [(&str, Measure); 4] = [
         ("plate", plate::rows),
         ("tips", tips::rows),
         ("dice", dice::rows),

@@ -5,6 +5,9 @@ use std::error::Error;
 /// Rows, or why they could not be measured.
 pub(crate) type Rows = Result<Vec<Row>, Box<dyn Error>>;
 
+/// What measures some rows.
+pub(crate) type Measure = fn() -> Rows;
+
 /// One law and its check.
 #[derive(Debug, Clone)]
 pub(crate) struct Row {

@@ -53,8 +53,9 @@ pub(crate) fn faces(diced: &Diced) -> Vec<(f64, [f64; 2])> {
                 }
                 // Next: the one before the way back, in the order around the end.
                 let around = &to[starts[end]..starts[end + 1]];
-                let back = around.iter().position(|&k| k as usize == from).unwrap();
-                half = starts[end] + (back + around.len() - 1) % around.len();
+                let back = around.iter().position(|&k| k as usize == from);
+                // Every edge has a way back.
+                half = starts[end] + (back.unwrap_or(0) + around.len() - 1) % around.len();
                 from = end;
             }
             if area > 0.0 {
