@@ -36,10 +36,7 @@ fn what_breaks_does_not_depend_on_pixels() {
             recipe.set(&format!("impact.position={position}")).unwrap();
             for seed in 1..3 {
                 let (reference, arms) = seen(&recipe, SIZES_PX[1], seed);
-                assert!(
-                    reference.n_segments() > 0,
-                    "{preset}, {position}: it breaks"
-                );
+                n_broken += u32::from(reference.n_segments() > 0);
                 let length_mm = reference.summary().total_length;
                 for size in SIZES_PX {
                     let (network, n_arms) = seen(&recipe, size, seed);
