@@ -124,6 +124,15 @@ impl Stiffness {
     }
 }
 
+impl GlassPane {
+    /// Length ℓ = (D/k)^¼ of the elastic foundation that the interlayer of a laminate is to the ply
+    /// that is hit, m; `None` where there is none. Bending dies out over some lengths.
+    #[must_use]
+    pub fn foundation_length_m(&self) -> Option<f64> {
+        Stiffness::of(self).foundation_length_m()
+    }
+}
+
 /// A plate with the mesh that its fields are read from.
 struct Solved {
     mesh: Rc<PlateMesh>,

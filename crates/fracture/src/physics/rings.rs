@@ -99,9 +99,11 @@ impl Rings<'_> {
         let start = self.web.add_node(start_m);
         let crack = self.web.new_crack();
         let tilt_rad = 0.12 * normal(rng);
+        let first_piece = self.web.pieces.len();
+        let mut early_s: f64 = 0.0;
         for sign in [1.0, -1.0] {
             let heading = [-direction[1] * sign, direction[0] * sign];
-            self.run(
+            early_s = early_s.max(self.run(
                 sector,
                 start,
                 heading,
@@ -109,7 +111,13 @@ impl Rings<'_> {
                 start_s,
                 strength_pa,
                 tilt_rad,
-            );
+            ));
+        }
+        // What it ended at may have passed there later than at the radius where the ring started:
+        // the ring waits for it.
+        let own = |piece: &&mut Piece| piece.crack == crack;
+        for piece in self.web.pieces[first_piece..].iter_mut().filter(own) {
+            piece.time_s = piece.time_s.map(|time_s| time_s + early_s);
         }
         taken_m.push(radius);
         true
@@ -129,6 +137,8 @@ impl Rings<'_> {
             .fold(0.0, f64::max)
     }
 
+    /// One half of a ring. Returns by how much it leaves for what it ends at before that is there,
+    /// s.
     #[expect(
         clippy::too_many_arguments,
         reason = "one half of a ring is all of these"
@@ -142,7 +152,8 @@ impl Rings<'_> {
         start_s: f64,
         strength_pa: f64,
         tilt_rad: f64,
-    ) {
+    ) -> f64 {
+        let mut early_s: f64 = 0.0;
         let law = self.law;
         let [x, y] = self.web.nodes[start as usize];
         let radius = libm::hypot(x - sector.center_m[0], y - sector.center_m[1]);
@@ -152,7 +163,7 @@ impl Rings<'_> {
         let (mut along, mut time, mut hint) = (0.0, start_s, 0);
         for _ in 0..MAX_STEPS {
             let Some(stress) = self.front.stress_at(at_m, &mut hint) else {
-                return;
+                break;
             };
             let (major, ..) = stress.principal();
             // Beyond its sector the plate is whole, and does not bend like a cantilever.
@@ -160,7 +171,7 @@ impl Rings<'_> {
             let inside = (bearing - sector.angles_rad[0]).rem_euclid(2.0 * PI);
             let has_left = inside > span + 0.05 && inside < 2.0 * PI - 0.05;
             if major < RUNNING_PART * strength_pa || along > PI * radius || has_left {
-                return;
+                break;
             }
             let target = crack_direction(&stress, running);
             let memory = libm::exp(-step / law.thickness_m);
@@ -183,7 +194,10 @@ impl Rings<'_> {
             let end = match hit {
                 Some(hit) => {
                     is_over = true;
-                    self.web.node_on(hit.piece, hit.point_m, 0.1 * step)
+                    let node = self.web.node_on(hit.piece, hit.point_m, 0.1 * step);
+                    let met = &self.web.pieces[hit.piece as usize];
+                    early_s = (met.time_s[usize::from(met.b == node)] - time).max(0.0);
+                    node
                 }
                 None => self.web.add_node(to),
             };
@@ -194,7 +208,7 @@ impl Rings<'_> {
                     .ledger
                     .pay(law.fracture_energy_j_m2 * law.thickness_m * length)
             {
-                return;
+                break;
             }
             let effective_m = (along + step).min(law.thickness_m);
             let intensity = law.intensity(major, effective_m);
@@ -216,9 +230,10 @@ impl Rings<'_> {
             node = end;
             at_m = to;
             if is_over {
-                return;
+                break;
             }
         }
+        early_s
     }
 }
 

@@ -287,11 +287,20 @@ fn gaps_beside(web: &Web, tips: &[Tip], own_idx: usize, tracing: &Tracing) -> Ga
         *gap = gap.min(counts);
     }
     if tracing.rim_shields {
+        // The flaw that a crack grew out of is not drawn: the tip lies deeper by its length. On a
+        // round rim there is no glass beside the flaw's mouth.
+        let flaw_m = (own.length_m - own.along_m).max(0.0);
+        let deeper = [own.at_m[0] + tx * flaw_m, own.at_m[1] + ty * flaw_m];
+        let from = if web.outline.depth_m(deeper) > 0.0 {
+            deeper
+        } else {
+            own.at_m
+        };
         for (gap, normal) in [
             (&mut gaps.left_m, [-ty, tx]),
             (&mut gaps.right_m, [ty, -tx]),
         ] {
-            *gap = gap.min(2.0 * way_to_rim(web, own.at_m, normal));
+            *gap = gap.min(2.0 * way_to_rim(web, from, normal));
         }
     }
     gaps

@@ -1,0 +1,327 @@
+//! Laws that every broken pane obeys, and panes that hardly exist. The table of laws measures the
+//! same and more on many panes: `cargo run --release --example laws`.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+mod measures;
+
+use std::f64::consts::PI;
+use std::thread;
+
+use measures::network::{
+    euler_defect, fastest_tip_m_s, leg_reach_m, mean, ring_joints, stored_j, surface_j,
+};
+use measures::panes::{any_hit, between, case, pane, rectangle, road_stone, windscreen};
+use starbreak_fracture::mesh::Outline;
+use starbreak_fracture::physics::{
+    Broken, DamageClass, GlassBuild, GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin,
+    MembraneLoad, MeshResolution, PhysicsParams, StoneImpact, Support, simulate,
+};
+use starbreak_glass::Seed;
+
+const TEMPERED: GlassBuild = GlassBuild::Tempered {
+    surface_compression_pa: 100e6,
+};
+
+const LAMINATED: GlassBuild = GlassBuild::Laminated {
+    interlayer_thickness_m: 0.76e-3,
+    interlayer_modulus_pa: 300e6,
+};
+
+fn fast() -> PhysicsParams {
+    PhysicsParams {
+        mesh: MeshResolution::Fast,
+        ..PhysicsParams::default()
+    }
+}
+
+/// Breaks a pane, and checks all that must hold whatever broke.
+fn broken(pane: &GlassPane, stones: &[StoneImpact], seed: u64) -> Broken {
+    let broken = simulate(pane, stones, None, &fast(), Seed(seed), |_| ()).unwrap();
+    let network = &broken.network;
+    let text = || format!("seed {seed}: {pane:?} {stones:?}");
+    network
+        .check_invariants()
+        .unwrap_or_else(|error| panic!("{error}, {}", text()));
+    assert_eq!(euler_defect(network), 0, "Euler's formula, {}", text());
+    let fastest = fastest_tip_m_s(network);
+    assert!(fastest <= 1500.001, "a tip at {fastest} m/s, {}", text());
+    for joint in ring_joints(network) {
+        assert!(
+            joint.delay_us >= 0.0,
+            "a ring starts {} µs before the radial that it ends at is there, {}",
+            -joint.delay_us,
+            text()
+        );
+    }
+    let mut dissipated_j = 0.0;
+    for hit in &broken.impacts {
+        let stored = if hit.damage == DamageClass::Diced {
+            stored_j(pane)
+        } else {
+            0.0
+        };
+        assert!(
+            hit.dissipated_j <= hit.available_j
+                && hit.available_j <= (hit.kinetic_energy_j + stored) * (1.0 + 1e-12),
+            "{hit:?} spends more than it has, {}",
+            text()
+        );
+        for value in [
+            hit.reach_m,
+            hit.peak_force_n,
+            hit.contact_time_s,
+            hit.time_s,
+        ] {
+            assert!(value.is_finite() && value >= 0.0, "{hit:?}, {}", text());
+        }
+        dissipated_j += hit.dissipated_j;
+    }
+    let lines_j = surface_j(network, pane);
+    assert!(
+        (lines_j - dissipated_j).abs() <= 0.01 * dissipated_j + 1e-12,
+        "lines for {lines_j} J, {dissipated_j} J spent, {}",
+        text()
+    );
+    broken
+}
+
+#[test]
+fn stones_of_the_road_make_damage_of_the_size_that_repairers_see() {
+    let (mut n, mut n_right, mut n_cones) = (0.0, 0.0, 0);
+    for k in 0..60 {
+        let mut rng = case(12, k);
+        let modulus_pa = 30e6 * libm::pow(1000.0 / 30.0, between(&mut rng, 0.0, 1.0));
+        let place = [between(&mut rng, 0.2, 1.2), between(&mut rng, 0.1, 0.7)];
+        let stone = road_stone(place, &mut rng);
+        let hit = broken(&windscreen(modulus_pa).unwrap(), &[stone], k).impacts[0];
+        let width_m = 2.0 * hit.reach_m;
+        let limit_m = match hit.damage {
+            DamageClass::Star => 76e-3,
+            DamageClass::Combination => {
+                n_cones += 1;
+                51e-3
+            }
+            _ => continue,
+        };
+        n += 1.0;
+        n_right += f64::from(u8::from(width_m <= limit_m));
+    }
+    assert!(n > 20.0 && n_cones > 0, "{n} stars, {n_cones} with a cone");
+    assert!(n_right >= 0.95 * n, "{n_right} of {n}");
+}
+
+#[test]
+fn any_pane_obeys_the_laws() {
+    let mut angles = Vec::new();
+    let mut n_broken = 0;
+    // The last two have rings whose radials come late.
+    for k in (0..40).chain([246, 255]) {
+        let (pane, stone) = any_hit(k).unwrap();
+        let broken = broken(&pane, &[stone], k);
+        n_broken += u32::from(!broken.is_intact());
+        angles.extend(
+            ring_joints(&broken.network)
+                .iter()
+                .map(|joint| joint.angle_deg),
+        );
+    }
+    assert!(n_broken > 10, "{n_broken} break");
+    // Onto a free face, across which there is no stress, at right angles.
+    let angle = mean(angles.iter().copied());
+    assert!(
+        angles.len() > 20 && angle > 75.0,
+        "{angle}° over {}",
+        angles.len()
+    );
+}
+
+#[test]
+fn stars_of_laminates_have_the_length_of_their_foundation() {
+    // The closed form for a 5 mm stone at 30 m/s: 11.4, 5.9 and 4.2 mm.
+    let moduli = [30e6, 300e6, 1e9];
+    for (modulus_pa, expected) in moduli
+        .into_iter()
+        .zip([[4.9, 11.4], [2.7, 5.9], [2.0, 4.2]])
+    {
+        let screen = windscreen(modulus_pa).unwrap();
+        let length_mm = 1e3 * screen.foundation_length_m().unwrap();
+        assert!((length_mm - expected[0]).abs() < 0.05, "{length_mm} mm");
+        let stone = StoneImpact::granite([0.7, 0.4], 30.0, 5e-3);
+        let reach_mm = mean((0..6).filter_map(|seed| {
+            leg_reach_m(&broken(&screen, &[stone], seed).network).map(|[far, _]| 1e3 * far)
+        }));
+        let ratio = reach_mm / expected[1];
+        assert!(
+            (1.0 / 1.6..1.6).contains(&ratio),
+            "{reach_mm} mm at {modulus_pa} Pa"
+        );
+    }
+}
+
+#[test]
+fn the_same_comes_out_again_and_in_threads() {
+    let run = |k: u64| {
+        let (pane, stone) = any_hit(k).unwrap();
+        let broken = simulate(&pane, &[stone], None, &fast(), Seed(k), |_| ()).unwrap();
+        broken.network.to_json()
+    };
+    // Panes of each kind.
+    let alone: Vec<String> = (0..8).map(run).collect();
+    thread::scope(|scope| {
+        let workers: Vec<_> = (0..2)
+            .map(|_| scope.spawn(|| (0..8).map(run).collect::<Vec<_>>()))
+            .collect();
+        for worker in workers {
+            assert_eq!(worker.join().unwrap(), alone, "threads do not matter");
+        }
+    });
+}
+
+#[test]
+fn slow_and_fast_stones_on_thin_and_thick_glass() {
+    for (thickness_m, outline) in [
+        (0.3e-3, Outline::Disc { diameter_m: 0.04 }),
+        (2.1e-3, rectangle(1.4, 0.8)),
+        (19e-3, rectangle(1.0, 1.0)),
+        (4e-3, rectangle(5e-3, 5e-3)),
+        (6e-3, rectangle(3.0, 3.0)),
+    ] {
+        let [width, height] = outline.size_m();
+        for build in [GlassBuild::Annealed, LAMINATED, TEMPERED] {
+            // Tempered, the largest would be in half a million dice.
+            if width > 2.0 && build == TEMPERED {
+                continue;
+            }
+            let pane = pane(outline, thickness_m, build).unwrap();
+            for speed_m_s in [0.1, 200.0] {
+                let stone = StoneImpact::granite([0.5 * width, 0.45 * height], speed_m_s, 3e-3);
+                let hit = broken(&pane, &[stone], 3).impacts[0];
+                if speed_m_s < 1.0 && thickness_m > 2e-3 {
+                    assert_eq!(hit.damage, DamageClass::Intact, "{pane:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn hits_on_the_rim_in_the_corner_and_under_a_flat_angle() {
+    let places = [
+        [0.0, 0.1],
+        [0.0, 0.0],
+        [1e-4, 0.1],
+        [0.3, 0.2],
+        [0.15, 0.2],
+        [0.299_999, 0.1],
+    ];
+    for build in [GlassBuild::Annealed, LAMINATED, TEMPERED] {
+        let pane = pane(rectangle(0.3, 0.2), 3e-3, build).unwrap();
+        for place in places {
+            for obliquity_deg in [0.0, 85.0] {
+                let stone = StoneImpact {
+                    obliquity_rad: f64::to_radians(obliquity_deg),
+                    azimuth_rad: 0.25 * PI,
+                    ..StoneImpact::granite(place, 40.0, 4e-3)
+                };
+                broken(&pane, &[stone], 5);
+            }
+        }
+    }
+    let disc = pane(
+        Outline::Disc { diameter_m: 0.07 },
+        1e-3,
+        GlassBuild::Annealed,
+    )
+    .unwrap();
+    for place in [[0.0, 0.035], [0.069_999, 0.035], [0.035, 0.07]] {
+        broken(&disc, &[StoneImpact::granite(place, 30.0, 2e-3)], 5);
+    }
+    let off = simulate(
+        &disc,
+        &[StoneImpact::granite([0.0, 0.0], 30.0, 2e-3)],
+        None,
+        &fast(),
+        Seed(1),
+        |_| (),
+    );
+    assert!(
+        off.is_err(),
+        "the corner of the box of a disc is off the pane"
+    );
+}
+
+#[test]
+fn hits_on_older_cracks() {
+    for build in [GlassBuild::Annealed, LAMINATED, TEMPERED] {
+        let pane = pane(rectangle(0.4, 0.3), 2.1e-3, build).unwrap();
+        let stone = |x, y| StoneImpact::granite([x, y], 35.0, 4e-3);
+        // At the same place, a hair beside it, on a leg, and where the legs of two meet.
+        broken(&pane, &[stone(0.2, 0.15), stone(0.2, 0.15)], 1);
+        broken(&pane, &[stone(0.2, 0.15), stone(0.200_001, 0.15)], 2);
+        let first = broken(&pane, &[stone(0.2, 0.15)], 3);
+        let [_, _, x, y] = first.network.ends(first.network.n_segments() / 2);
+        broken(&pane, &[stone(0.2, 0.15), stone(1e-3 * x, 1e-3 * y)], 3);
+        broken(
+            &pane,
+            &[stone(0.2, 0.15), stone(0.21, 0.15), stone(0.205, 0.16)],
+            4,
+        );
+    }
+}
+
+#[test]
+fn tempered_glass_below_the_onset_does_not_dice() {
+    for compression in [1e5, 20e6, 48e6] {
+        let build = GlassBuild::Tempered {
+            surface_compression_pa: compression,
+        };
+        let pane = pane(rectangle(0.3, 0.2), 4e-3, build).unwrap();
+        let hit = broken(&pane, &[StoneImpact::granite([0.1, 0.1], 60.0, 5e-3)], 1).impacts[0];
+        assert_ne!(hit.damage, DamageClass::Diced, "at {compression} Pa");
+    }
+}
+
+#[test]
+fn a_hundred_hits_on_one_pane() {
+    let pane = windscreen(300e6).unwrap();
+    let stones: Vec<StoneImpact> = (0..100)
+        .map(|k| {
+            let mut rng = case(100, k);
+            let place = [between(&mut rng, 0.0, 1.4), between(&mut rng, 0.0, 0.8)];
+            StoneImpact::granite(place, between(&mut rng, 10.0, 40.0), 4e-3)
+        })
+        .collect();
+    let broken = broken(&pane, &stones, 1);
+    assert_eq!(broken.impacts.len(), 100, "all of them are told of");
+}
+
+#[test]
+fn a_round_pane_cracks_from_its_rim_as_a_square_one_does() {
+    // At the mouth of a flaw of a round rim there is no glass on either side.
+    let load = MembraneLoad {
+        temperature_difference_k: 0.0,
+        spot: [0.5; 2],
+        spot_size: 1.0,
+        frame_tension_pa: 20e6,
+        frame_direction_rad: 0.0,
+    };
+    let crack = LongCrack {
+        load,
+        origin: LongCrackOrigin::Rim,
+        flaw_m: 1e-3,
+        growth: LongCrackGrowth::Sudden,
+    };
+    for outline in [Outline::Disc { diameter_m: 0.3 }, rectangle(0.3, 0.3)] {
+        let pane = GlassPane {
+            support: Support::Clamped,
+            ..pane(outline, 4e-3, GlassBuild::Annealed).unwrap()
+        };
+        let broken = simulate(&pane, &[], Some(&crack), &fast(), Seed(1), |_| ()).unwrap();
+        broken.network.check_invariants().unwrap();
+        let report = broken.long_crack.unwrap();
+        assert!(
+            report.flaw_k_ratio > 1.0 && report.length_m > 0.05,
+            "{outline:?}: {report:?}"
+        );
+    }
+}
