@@ -35,8 +35,8 @@ const DRAWING: u32 = 400;
 /// Seeds among which a damage class is looked for.
 const TRIES: u64 = 20;
 
-/// Presets whose damage spans the pane.
-const WHOLE: [&str; 3] = ["windshield-long-crack", "tempered-cover", "paper"];
+/// Presets whose damage spans the frame and makes sense only as a whole.
+const WHOLE: [&str; 2] = ["windshield-long-crack", "paper"];
 
 /// Damage classes: name, preset, what is set beside it, and width of the drawing, mm.
 const CLASSES: [(&str, &str, &[&str], f64); 12] = [
@@ -110,12 +110,16 @@ fn main() -> Result<()> {
         stage(&mut batch, &out, &format!("{preset}-street.jpg"), &bytes)?;
 
         let severities: Vec<RgbImage> = (1..=5)
-            .map(|severity| cracked(&Recipe::preset_at(preset, severity)?, &sky(), 1))
+            .map(|severity| {
+                let mut recipe = Recipe::preset_at(preset, severity)?;
+                recipe.set("camera.focus_distance_m=short")?;
+                cracked(&recipe, &sky(), 1)
+            })
             .collect::<Result<_>>()?;
         let mut gray = DynamicImage::from(strip(preset, &severities)).into_luma8();
-        // 16 levels are enough, and smaller.
-        for level in gray.iter_mut().filter(|level| **level < 240) {
-            *level &= 0xf0;
+        // 32 levels are enough, and smaller.
+        for level in gray.iter_mut().filter(|level| **level < 248) {
+            *level &= 0xf8;
         }
         let bytes = encode_image(&gray.into(), &Encoding::Png, None)?;
         stage(&mut batch, &out, &format!("{preset}-severity.png"), &bytes)?;
@@ -148,9 +152,9 @@ fn cracked(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
     Ok(image.into_rgb8())
 }
 
-/// An even sky, darker than most, on which gray cracks show.
+/// An even gray sky, on which bright and dark cracks show.
 fn sky() -> RgbImage {
-    RgbImage::from_pixel(FRAME.0, FRAME.1, Rgb([64; 3]))
+    RgbImage::from_pixel(FRAME.0, FRAME.1, Rgb([112; 3]))
 }
 
 /// Pictures side by side: cut out around the middle, or whole ones at half size below each other.
