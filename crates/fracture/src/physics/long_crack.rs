@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use starbreak_glass::{Seed, SegmentKind};
+use starbreak_glass::{Seed, SegmentKind, Stream};
 
 use super::outcome::LongCrackReport;
 use super::params::{
@@ -11,10 +11,13 @@ use super::params::{
 use crate::FractureError;
 use crate::mesh::{Outline, PlateMesh};
 use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, membrane_stress};
-use crate::tips::{COMPETITION, Ledger, Motion, Tip, TipLaw, Tracing, Web, trace, unit};
+use crate::tips::{COMPETITION, Ledger, Motion, Tip, TipLaw, Tracing, Web, normal, trace, unit};
 
 /// Factor of K of a flaw at a free edge \[TadaParisIrwin2000\].
 const EDGE_FACTOR: f64 = 1.12;
+
+/// Scatter of the flaws along a rim. FIT: small, so that stress decides where it differs.
+const FLAW_SCATTER: f64 = 0.05;
 
 /// Places along the rim that are looked at for the most stressed one.
 const RIM_SAMPLES: u32 = 400;
@@ -90,9 +93,11 @@ impl PaneStress {
             + frame * pane.outline.area_m2() * pane.thickness_m
     }
 
-    /// The place of the rim with the highest tension along it: where, the direction inwards, and
-    /// the tension.
-    fn most_stressed_rim(&self) -> ([f64; 2], [f64; 2], f64) {
+    /// The place of the rim whose flaw opens first: where, the direction inwards, and the tension
+    /// along the rim. Flaws differ by some percent, so that of equal places any may be it.
+    fn weakest_rim(&self, seed: Seed) -> ([f64; 2], [f64; 2], f64) {
+        let mut rng = seed.stream(Stream::LongCrack, 0);
+        let mut best_counts = f64::NEG_INFINITY;
         let mut best = ([0.0; 2], [1.0, 0.0], f64::NEG_INFINITY);
         let mut hint = 0;
         for k in 0..RIM_SAMPLES {
@@ -102,7 +107,9 @@ impl PaneStress {
                 continue;
             };
             let tension = stress.normal_pa([-inward[1], inward[0]]);
-            if tension > best.2 {
+            let counts = tension * libm::exp(FLAW_SCATTER * normal(&mut rng));
+            if counts > best_counts {
+                best_counts = counts;
                 best = (point, inward, tension);
             }
         }
@@ -149,7 +156,7 @@ pub(super) fn grow_long_crack(
     let energy_j = field.energy_j(pane);
     let start = match long_crack.origin {
         LongCrackOrigin::Rim => {
-            let (point, inward, tension) = field.most_stressed_rim();
+            let (point, inward, tension) = field.weakest_rim(seed);
             Some((
                 None,
                 point,
@@ -236,7 +243,7 @@ pub(super) fn grow_long_crack(
     let length_m = web.pieces[first_piece..]
         .iter()
         .map(|piece| piece.along_m[1] - piece.along_m[0])
-        .sum();
+        .fold(0.0, |sum, length| sum + length);
     let meets_rim = tips
         .iter()
         .any(|tip| pane.outline.depth_m(tip.at_m) <= 1e-6);

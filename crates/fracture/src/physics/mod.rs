@@ -1,6 +1,8 @@
 //! The physics tier: contact, plate stress, and crack tips traced through it.
 
+mod cone_trace;
 mod impact;
+mod legs;
 mod long_crack;
 mod network;
 mod outcome;
@@ -8,8 +10,10 @@ mod params;
 mod plate;
 mod radials;
 mod rings;
+mod sectors;
 mod simulate;
 mod surface;
+mod windows;
 
 pub use outcome::{Broken, DamageClass, ImpactReport, LongCrackReport, Stage};
 pub use params::{

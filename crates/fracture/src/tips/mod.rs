@@ -1,5 +1,6 @@
 //! Crack tips: the law of their motion, and the tracing of many at once.
 
+mod gaps;
 mod law;
 #[cfg(test)]
 mod tests;
@@ -12,8 +13,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::mesh::uniform;
 
+pub(crate) use gaps::COMPETITION;
 pub(crate) use law::{Gaps, TERMINAL_SPEED_M_S, TipLaw, crack_direction};
-pub(crate) use tracer::{COMPETITION, Ledger, Motion, Tip, TipState, Tracing, trace, unit};
+pub(crate) use tracer::{Ledger, Motion, Tip, TipState, Tracing, trace, unit};
 pub(crate) use web::{Piece, Web};
 
 /// A standard normal number \[BoxMuller1958\].

@@ -1,0 +1,94 @@
+//! The Hertzian cone where it shows in the plane of the pane.
+
+use std::f64::consts::PI;
+
+use starbreak_glass::{SegmentKind, Stream};
+
+use super::impact::{Breaking, Hit};
+use crate::contact::ConeOutcome;
+use crate::mesh::uniform;
+use crate::tips::{Piece, TERMINAL_SPEED_M_S, normal, unit};
+
+/// A cone leans by 68° from the normal of the pane: 22° to its surface \[FrankLawn1967\].
+const CONE_TILT_RAD: f64 = 68.0 * PI / 180.0;
+
+impl Breaking<'_> {
+    /// The Hertzian cone where it shows: as a circle or an arc on the far face.
+    pub(super) fn cone(&mut self, hit: &Hit<'_>) {
+        let h = self.pane.thickness_m;
+        let ring = (hit.cone.ring_radius_m, 0.05 * h);
+        let circles = match hit.cone.outcome {
+            ConeOutcome::None => return,
+            ConeOutcome::Ring => vec![ring],
+            ConeOutcome::Partial {
+                depth_m,
+                base_radius_m,
+            } => vec![ring, (base_radius_m, depth_m)],
+            ConeOutcome::Through {
+                bottom_radius_m, ..
+            } => vec![ring, (bottom_radius_m, h)],
+        };
+        for circle in circles {
+            self.circle(hit, circle);
+        }
+    }
+
+    /// A circle or an arc of a cone's trace, of a radius and a depth, m.
+    pub(super) fn circle(&mut self, hit: &Hit<'_>, (radius_m, depth_m): (f64, f64)) {
+        let h = self.pane.thickness_m;
+        let mut rng = self.seed.stream(Stream::StoneFlaws, (2 << 32) | hit.k);
+        // Cones are round to a few percent: low harmonics of the radius.
+        let harmonics: Vec<[f64; 3]> = (2_u8..6)
+            .map(|n| {
+                let n = f64::from(n);
+                [n, 0.03 / n * normal(&mut rng), 2.0 * PI * uniform(&mut rng)]
+            })
+            .collect();
+        let n_steps = 96_u32;
+        let arc = hit.cone.arc_rad;
+        let is_closed = arc > 2.0 * PI - 1e-9;
+        let center = hit.stone.position_m;
+        let place = |k: u32| {
+            let angle = hit.cone.arc_center_rad + arc * (f64::from(k) / f64::from(n_steps) - 0.5);
+            let swell: f64 = harmonics
+                .iter()
+                .map(|[n, size, phase]| size * libm::cos(n * angle + phase))
+                .sum();
+            let [cos, sin] = unit(angle);
+            let radius = radius_m * (1.0 + swell);
+            [center[0] + radius * cos, center[1] + radius * sin]
+        };
+        // It opens as the force peaks, over its depth at the speed of a running crack.
+        let time_s = hit.start_s + hit.peak_s;
+        let end_s = time_s + radius_m / TERMINAL_SPEED_M_S;
+        let crack = self.web.new_crack();
+        let intensity = 1.2 * hit.law.toughness_pa_sqrt_m;
+        let mut nodes: Vec<Option<u32>> = Vec::new();
+        for k in 0..=n_steps {
+            let node = if is_closed && k == n_steps {
+                nodes[0]
+            } else {
+                let point = place(k);
+                (self.pane.outline.depth_m(point) > 0.0).then(|| self.web.add_node(point))
+            };
+            nodes.push(node);
+        }
+        for pair in nodes.windows(2) {
+            let (Some(a), Some(b)) = (pair[0], pair[1]) else {
+                continue;
+            };
+            self.web.add_piece(Piece {
+                a,
+                b,
+                crack,
+                kind: SegmentKind::Cone,
+                time_s: [time_s, end_s],
+                along_m: [0.0, depth_m],
+                stress_pa: hit.law.toughness_pa_sqrt_m / (PI * h).sqrt(),
+                intensity_pa_sqrt_m: intensity,
+                effective_m: h,
+                tilt_rad: CONE_TILT_RAD,
+            });
+        }
+    }
+}
