@@ -337,3 +337,12 @@ fn keys_of_the_other_model_are_named_with_the_way_out() {
         );
     }
 }
+
+#[test]
+fn one_override_changes_the_diameter_of_a_cover() {
+    let mut recipe = Recipe::preset("lens-cover-star").unwrap();
+    recipe.set("glass.width_mm=24").unwrap();
+    let text = recipe.to_toml();
+    assert!(text.contains("width_mm = 24"), "{text}");
+    assert!(text.contains("height_mm = 24"), "{text}");
+}

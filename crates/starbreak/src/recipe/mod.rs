@@ -156,6 +156,12 @@ impl Recipe {
                 if (*name, *key) == ("glass", "kind") {
                     table.retain(|key, _| !KEYS_OF_KINDS.contains(&key));
                 }
+                // A cover is round: one override gives its diameter.
+                let is_cover = table.get("kind").and_then(Value::as_str) == Some("cover");
+                if *name == "glass" && is_cover && ["width_mm", "height_mm"].contains(key) {
+                    table.insert("width_mm".to_owned(), value.clone());
+                    table.insert("height_mm".to_owned(), value.clone());
+                }
                 table.insert((*key).to_owned(), value);
                 if (*name, *key) == ("fracture", "model") {
                     let model = self.model(&place)?;
