@@ -11,6 +11,7 @@ use measures::network::{
     euler_defect, fastest_tip_m_s, leg_reach_m, mean, ring_joints, stored_j, surface_j,
 };
 use measures::panes::{any_hit, between, case, pane, rectangle, road_stone, windscreen};
+use measures::star::{StarLaw, arrest_m};
 use starbreak_fracture::mesh::Outline;
 use starbreak_fracture::physics::{
     Broken, DamageClass, GlassBuild, GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin,
@@ -36,7 +37,16 @@ fn fast() -> PhysicsParams {
 
 /// Breaks a pane, and checks all that must hold whatever broke.
 fn broken(pane: &GlassPane, stones: &[StoneImpact], seed: u64) -> Broken {
-    let broken = simulate(pane, stones, None, &fast(), Seed(seed), |_| ()).unwrap();
+    broken_by(&fast(), pane, stones, seed)
+}
+
+fn broken_by(
+    params: &PhysicsParams,
+    pane: &GlassPane,
+    stones: &[StoneImpact],
+    seed: u64,
+) -> Broken {
+    let broken = simulate(pane, stones, None, params, Seed(seed), |_| ()).unwrap();
     let network = &broken.network;
     let text = || format!("seed {seed}: {pane:?} {stones:?}");
     network
@@ -137,23 +147,55 @@ fn any_pane_obeys_the_laws() {
 
 #[test]
 fn stars_of_laminates_have_the_length_of_their_foundation() {
-    // The closed form for a 5 mm stone at 30 m/s: 11.4, 5.9 and 4.2 mm.
-    let moduli = [30e6, 300e6, 1e9];
-    for (modulus_pa, expected) in moduli
-        .into_iter()
-        .zip([[4.9, 11.4], [2.7, 5.9], [2.0, 4.2]])
-    {
+    let stone = StoneImpact::granite([0.7, 0.4], 30.0, 5e-3);
+    let mut of_moduli = Vec::new();
+    for (modulus_pa, expected_mm) in [(30e6, 4.9), (300e6, 2.7), (1e9, 2.0)] {
         let screen = windscreen(modulus_pa).unwrap();
         let length_mm = 1e3 * screen.foundation_length_m().unwrap();
-        assert!((length_mm - expected[0]).abs() < 0.05, "{length_mm} mm");
-        let stone = StoneImpact::granite([0.7, 0.4], 30.0, 5e-3);
-        let reach_mm = mean((0..6).filter_map(|seed| {
-            leg_reach_m(&broken(&screen, &[stone], seed).network).map(|[far, _]| 1e3 * far)
-        }));
-        let ratio = reach_mm / expected[1];
+        assert!((length_mm - expected_mm).abs() < 0.05, "{length_mm} mm");
+        let (mut legs, mut farthest, mut n_legs) = (Vec::new(), Vec::new(), Vec::new());
+        for seed in 0..8 {
+            let broken = broken(&screen, &[stone], seed);
+            if let Some([middle, far]) = leg_reach_m(&broken.network) {
+                legs.push(middle);
+                farthest.push(far);
+                n_legs.push(f64::from(u16::try_from(broken.impacts[0].n_legs).unwrap()));
+            }
+        }
+        assert!(legs.len() >= 6, "{} of 8 stones make stars", legs.len());
+        let [legs_m, farthest_m, n_legs] = [legs, farthest, n_legs].map(mean);
+        let [equal_m, lone_m] =
+            [n_legs, 1.0].map(|n| arrest_m(&screen, &stone, n, StarLaw::Calibrated).unwrap());
+        // The table of laws has it within 4 % over 40 seeds.
+        let ratio = legs_m / equal_m;
         assert!(
-            (1.0 / 1.6..1.6).contains(&ratio),
-            "{reach_mm} mm at {modulus_pa} Pa"
+            (ratio - 1.0).abs() < 0.15,
+            "mean leg {legs_m} m, {ratio} of {n_legs} equal legs at {modulus_pa} Pa"
+        );
+        // Those that lead have few neighbors.
+        assert!(
+            farthest_m > equal_m && farthest_m < lone_m,
+            "{farthest_m} m, not {equal_m} to {lone_m} m at {modulus_pa} Pa"
+        );
+        of_moduli.push([legs_m, equal_m]);
+    }
+    let [got, expected] = [0, 1].map(|k| of_moduli[0][k] / of_moduli[2][k]);
+    assert!(
+        (got / expected - 1.0).abs() < 0.15,
+        "30 MPa over 1 GPa: {got}, not {expected}"
+    );
+}
+
+#[test]
+fn the_law_of_stars_has_the_numbers_of_the_design_where_it_is_that_of_the_design() {
+    // Six legs of the closed form that the tip's K was not calibrated in, 5 mm at 30 m/s.
+    let stone = StoneImpact::granite([0.7, 0.4], 30.0, 5e-3);
+    for (modulus_pa, expected_mm) in [(30e6, 11.4), (300e6, 5.9), (1e9, 4.2)] {
+        let screen = windscreen(modulus_pa).unwrap();
+        let got_mm = 1e3 * arrest_m(&screen, &stone, 6.0, StarLaw::Design).unwrap();
+        assert!(
+            (got_mm / expected_mm - 1.0).abs() < 0.03,
+            "{got_mm} mm, not {expected_mm} mm"
         );
     }
 }
@@ -179,6 +221,10 @@ fn the_same_comes_out_again_and_in_threads() {
 
 #[test]
 fn slow_and_fast_stones_on_thin_and_thick_glass() {
+    let params = PhysicsParams {
+        epochs: 2,
+        ..fast()
+    };
     for (thickness_m, outline) in [
         (0.3e-3, Outline::Disc { diameter_m: 0.04 }),
         (2.1e-3, rectangle(1.4, 0.8)),
@@ -186,16 +232,20 @@ fn slow_and_fast_stones_on_thin_and_thick_glass() {
         (4e-3, rectangle(5e-3, 5e-3)),
         (6e-3, rectangle(3.0, 3.0)),
     ] {
-        let [width, height] = outline.size_m();
         for build in [GlassBuild::Annealed, LAMINATED, TEMPERED] {
-            // Tempered, the largest would be in half a million dice.
-            if width > 2.0 && build == TEMPERED {
-                continue;
-            }
+            // Tempered, the large ones would be in half a million dice, which are as others are.
+            let outline = if build == TEMPERED && outline.area_m2() > 0.05 {
+                rectangle(0.25, 0.2)
+            } else {
+                outline
+            };
+            let [width, height] = outline.size_m();
             let pane = pane(outline, thickness_m, build).unwrap();
-            for speed_m_s in [0.1, 200.0] {
+            // Thin glass would be in thousands of forks, of which each sees all others.
+            let fastest_m_s = if thickness_m < 1e-3 { 40.0 } else { 200.0 };
+            for speed_m_s in [0.1, fastest_m_s] {
                 let stone = StoneImpact::granite([0.5 * width, 0.45 * height], speed_m_s, 3e-3);
-                let hit = broken(&pane, &[stone], 3).impacts[0];
+                let hit = broken_by(&params, &pane, &[stone], 3).impacts[0];
                 if speed_m_s < 1.0 && thickness_m > 2e-3 {
                     assert_eq!(hit.damage, DamageClass::Intact, "{pane:?}");
                 }
@@ -291,7 +341,11 @@ fn a_hundred_hits_on_one_pane() {
             StoneImpact::granite(place, between(&mut rng, 10.0, 40.0), 4e-3)
         })
         .collect();
-    let broken = broken(&pane, &stones, 1);
+    let params = PhysicsParams {
+        epochs: 2,
+        ..fast()
+    };
+    let broken = broken_by(&params, &pane, &stones, 1);
     assert_eq!(broken.impacts.len(), 100, "all of them are told of");
 }
 

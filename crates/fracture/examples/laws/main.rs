@@ -1,7 +1,7 @@
 //! The table of laws: what is published or known in closed form, and what comes out.
 //!
 //! `cargo run --release --package starbreak-fracture --example laws [GROUP]...` with the groups
-//! plate, tips, dice, broken; all of them without one. Ends with 1 if a law does not hold.
+//! plate, tips, dice, broken, stars; all of them without one. Ends with 1 if a law does not hold.
 #![expect(clippy::print_stdout, reason = "the table is what this program is for")]
 
 use std::error::Error;
@@ -10,6 +10,7 @@ use std::process::ExitCode;
 mod broken;
 mod dice;
 mod plate;
+mod stars;
 mod table;
 mod tips;
 
@@ -21,11 +22,12 @@ mod measures;
 use table::Measure;
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
-    let groups: [(&str, Measure); 4] = [
+    let groups: [(&str, Measure); 5] = [
         ("plate", plate::rows),
         ("tips", tips::rows),
         ("dice", dice::rows),
         ("broken", broken::rows),
+        ("stars", stars::rows),
     ];
     let asked: Vec<String> = std::env::args().skip(1).collect();
     let mut rows = Vec::new();

@@ -66,7 +66,7 @@ impl Row {
         let verdict = match self.holds {
             Some(true) => "ok",
             Some(false) => "FAIL",
-            None => "-",
+            None => "info",
         };
         [
             &self.law,

@@ -9,7 +9,7 @@ use super::params::{GlassPane, PhysicsParams, StoneImpact};
 use super::plate::Plates;
 use crate::FractureError;
 use crate::contact::{ConeOutcome, ContactLoad, HertzianCrack, contact_load, hertzian_crack};
-use crate::tips::{Ledger, Piece, Tip, TipLaw, TipState, Web};
+use crate::tips::{Ledger, MAX_STEPS, Piece, Tip, TipLaw, TipState, Web};
 
 /// A crack longer than this is not repaired: it is a class of its own, m \[ROLAGS\].
 const LONG_CRACK_M: f64 = 0.152;
@@ -84,6 +84,7 @@ impl Breaking<'_> {
         let mut ledger = Ledger {
             available_j: 0.0,
             dissipated_j: 0.0,
+            steps_left: MAX_STEPS,
         };
         let mut tips = Vec::new();
         let mut has_burst = false;

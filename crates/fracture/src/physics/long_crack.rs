@@ -11,7 +11,9 @@ use super::params::{
 use crate::FractureError;
 use crate::mesh::{Outline, PlateMesh};
 use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, membrane_stress};
-use crate::tips::{COMPETITION, Ledger, Motion, Tip, TipLaw, Tracing, Web, normal, trace, unit};
+use crate::tips::{
+    COMPETITION, Ledger, MAX_STEPS, Motion, Tip, TipLaw, Tracing, Web, normal, trace, unit,
+};
 
 /// Factor of K of a flaw at a free edge \[TadaParisIrwin2000\].
 const EDGE_FACTOR: f64 = 1.12;
@@ -199,6 +201,7 @@ pub(super) fn grow_long_crack(
     let mut ledger = Ledger {
         available_j: energy_j,
         dissipated_j: 0.0,
+        steps_left: MAX_STEPS,
     };
     let first_piece = web.pieces.len();
     let node = node.unwrap_or_else(|| web.add_node(point));

@@ -88,7 +88,7 @@ impl TipLaw {
     ///
     /// Under stress in the plane min(L, s/2π), as G = σ²s/2E of a strip. In a bent plate
     /// min(1.5 L, 0.95 s/πf): FIT to the energy release of hinge-line stars of 2 to 12 arms in
-    /// the plate's own finite elements, within 13 % (`examples/tip_calibration.rs`).
+    /// the plate's own finite elements, within 15 % (13 % for glass; `examples/tip_calibration.rs`).
     pub(crate) fn effective_length_m(&self, length_m: f64, gaps: Gaps) -> f64 {
         if self.is_bent {
             let strip_m = 0.95 * gaps.strip_m() / (PI * self.shape_factor);

@@ -15,7 +15,7 @@ use crate::mesh::uniform;
 
 pub(crate) use gaps::COMPETITION;
 pub(crate) use law::{Gaps, TERMINAL_SPEED_M_S, TipLaw, crack_direction};
-pub(crate) use tracer::{Ledger, Motion, Tip, TipState, Tracing, trace, unit};
+pub(crate) use tracer::{Ledger, MAX_STEPS, Motion, Tip, TipState, Tracing, trace, unit};
 pub(crate) use web::{Piece, Web};
 
 /// A standard normal number \[BoxMuller1958\].

@@ -54,6 +54,7 @@ fn endless() -> Ledger {
     Ledger {
         available_j: 1e9,
         dissipated_j: 0.0,
+        steps_left: MAX_STEPS,
     }
 }
 
@@ -338,6 +339,7 @@ fn the_ledger_is_never_overdrawn() {
     let mut ledger = Ledger {
         available_j: 1e-2,
         dissipated_j: 0.0,
+        steps_left: MAX_STEPS,
     };
     trace(
         &mut web,

@@ -13,11 +13,11 @@ use super::normal;
 use super::web::{Piece, Web};
 use crate::stress::{PlaneStress, StressField};
 
-/// Most steps of all tips of one load.
-const MAX_STEPS: usize = 300_000;
+/// Most steps of all tips of one hit or load.
+pub(crate) const MAX_STEPS: u32 = 300_000;
 
-/// Most tips of one load.
-const MAX_TIPS: usize = 4000;
+/// Most tips of one hit or load; from here on they run on without forks.
+const MAX_TIPS: usize = 600;
 
 /// How fast tips run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,6 +131,8 @@ impl Tip {
 pub(crate) struct Ledger {
     pub(crate) available_j: f64,
     pub(crate) dissipated_j: f64,
+    /// Steps that tips may still take, so that work is bounded.
+    pub(crate) steps_left: u32,
 }
 
 impl Ledger {
@@ -178,12 +180,11 @@ pub(crate) fn trace(
         .filter(|(_, tip)| tip.state == TipState::Alive)
         .map(|(idx, tip)| Reverse((tip.time_s.to_bits(), idx)))
         .collect();
-    let mut n_steps = 0;
     while let Some(Reverse((_, idx))) = queue.pop() {
-        n_steps += 1;
-        if tips[idx].time_s >= until_s || n_steps > MAX_STEPS {
+        if tips[idx].time_s >= until_s || ledger.steps_left == 0 {
             continue;
         }
+        ledger.steps_left -= 1;
         let gaps = gaps_beside(web, tips, idx, tracing);
         let step = Step {
             web,

@@ -2,3 +2,4 @@
 
 pub(crate) mod network;
 pub(crate) mod panes;
+pub(crate) mod star;

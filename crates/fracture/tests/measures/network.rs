@@ -123,30 +123,34 @@ pub(crate) fn ring_joints(network: &CrackNetwork) -> Vec<Joint> {
     joints
 }
 
-/// Distances of the ends of radials and forks from the first impact, m: the farthest, and the
-/// mean over those where no other leg goes on.
-pub(crate) fn leg_reach_m(network: &CrackNetwork) -> Option<[f64; 2]> {
+/// Distances of the ends of radials and forks from the first impact, m, where no other goes on;
+/// none without an impact.
+fn leg_ends_m(network: &CrackNetwork) -> Vec<f64> {
     let data = network.data();
     let segments = &data.segments;
-    let center = data.impacts.first()?;
+    let Some(center) = data.impacts.first() else {
+        return Vec::new();
+    };
     let is_leg =
         |&idx: &usize| matches!(segments.kind[idx], SegmentKind::Radial | SegmentKind::Fork);
     let legs: Vec<usize> = (0..segments.kind.len()).filter(is_leg).collect();
     let goes_on = |node: u32| legs.iter().any(|&idx| segments.from[idx] == node);
-    let ends: Vec<f64> = legs
-        .iter()
+    legs.iter()
         .map(|&idx| segments.to[idx])
         .filter(|&node| !goes_on(node))
         .map(|node| {
             let [x, y] = point(network, node);
             1e-3 * libm::hypot(x - center.x, y - center.y)
         })
-        .collect();
-    if ends.is_empty() {
-        return None;
-    }
+        .collect()
+}
+
+/// Mean of the legs, those of [`leg_ends_m`] that come to 0.3 of the farthest, and the farthest, m.
+pub(crate) fn leg_reach_m(network: &CrackNetwork) -> Option<[f64; 2]> {
+    let ends = leg_ends_m(network);
     let farthest = ends.iter().copied().fold(0.0, f64::max);
-    Some([farthest, mean(ends)])
+    let is_leg = |end: &f64| *end >= 0.3 * farthest;
+    (!ends.is_empty()).then(|| [mean(ends.into_iter().filter(is_leg)), farthest])
 }
 
 /// Highest speed of a crack tip, m/s, of which the network's rounding of positions (to 2⁻²⁶ of the
