@@ -175,8 +175,8 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
             "glass.thickness_mm = 0.07; expected 0.1 to 30 mm",
         ),
         (
-            "schema = 1\n[[impact]]\ntip_radius_mm = 5",
-            "impact.0.tip_radius_mm = 5",
+            "schema = 1\n[[impact]]\ntip_radius_mm = 9",
+            "impact.0.tip_radius_mm = 9",
         ),
         (
             "schema = 1\n[[impact]]\nazimuth_deg = nan",

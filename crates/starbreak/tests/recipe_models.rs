@@ -67,6 +67,7 @@ fn an_override_of_the_model_changes_the_base() {
     recipe.set("output.quality=77").unwrap();
     recipe.set("fracture.model=paper").unwrap();
     let mut expected = Recipe::preset("paper").unwrap();
+    expected.set("optics.line_width_px=2.5").unwrap();
     expected.set("impact.position=[0.25, 0.75]").unwrap();
     expected.set("output.quality=77").unwrap();
     assert_eq!(recipe, expected, "what both models have stays");
@@ -132,7 +133,7 @@ fn severity_grows_and_three_is_the_preset() {
             let header = if table == "impact" { "[impact]" } else { table };
             let values = at.each_ref().map(|recipe| printed(recipe, header, key));
             assert!(
-                values.windows(2).all(|pair| pair[0] < pair[1]),
+                values.windows(2).all(|pair| pair[0].abs() < pair[1].abs()),
                 "{name}: {table}.{key} = {values:?}"
             );
         }
@@ -228,6 +229,10 @@ fn the_bounds_of_each_key_are_possible() {
     ] {
         for bound in bounds {
             let mut recipe = Recipe::preset(preset).unwrap();
+            // A tip that suits every stone.
+            if preset != "paper" {
+                recipe.set("impact.tip_radius_mm=0.01").unwrap();
+            }
             let result = recipe.set(&format!("{key}={bound}"));
             assert!(result.is_ok(), "{preset}: {key} = {bound}: {result:?}");
         }

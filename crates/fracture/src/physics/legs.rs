@@ -41,7 +41,7 @@ impl Breaking<'_> {
         let Opening {
             load: first,
             mut bending,
-            mut rng,
+            rng,
             ..
         } = opening;
         let is_foundation = matches!(first.carrying, Carrying::Foundation { .. });
@@ -65,10 +65,11 @@ impl Breaking<'_> {
                 .available_j
                 .max(bending.energy_j().min(hit.contact.plate_energy_j));
             let back = bending.face(Face::Back);
-            if k == 0 {
-                tips = self.start_radials(hit, &back, *from_s, ledger, &mut rng);
+            if tips.is_empty() {
+                // A weak flaw opens before the force can drive a crack; then they start later.
+                tips = self.start_radials(hit, &back, *from_s, ledger, &mut rng.clone());
                 if tips.is_empty() {
-                    break;
+                    continue;
                 }
             }
             for tip in tips.iter_mut().filter(|tip| tip.state == TipState::Alive) {

@@ -66,7 +66,8 @@ impl FocalLength {
     #[must_use]
     pub fn of_frame(self, width_px: u32) -> f64 {
         match self {
-            Self::Auto => 721.5377 / 1242.0 * f64::from(width_px),
+            // At least the least that a camera may have, on a frame of one pixel.
+            Self::Auto => (721.5377 / 1242.0 * f64::from(width_px)).max(1.0),
             Self::Px(f_px) => f_px,
         }
     }
