@@ -357,8 +357,8 @@ impl Plates {
             PlateMesh::graded(&self.outline, center_m, inner_m, domain_m, self.resolution)?
         } else {
             let n_nodes = match self.resolution {
-                MeshResolution::Fast => 1500,
-                MeshResolution::Default => 2500,
+                MeshResolution::Fast => 900,
+                MeshResolution::Default => 2000,
             };
             let outline = &self.outline;
             PlateMesh::graded_around_cracks(outline, center_m, inner_m, domain_m, n_nodes, cracks)?

@@ -37,7 +37,7 @@ impl Breaking<'_> {
         let is_steady = matches!(windows[0].load.carrying, Carrying::Foundation { .. });
         let n_solved = self.params.epochs as usize;
         let loads: Vec<Window> = if is_steady {
-            vec![windows[windows.len() - 1]; n_solved - 1]
+            vec![windows[windows.len() - 1]; n_solved / 2]
         } else {
             let stride = windows.len().div_ceil(n_solved.div_ceil(2));
             windows.iter().step_by(stride).copied().collect()
