@@ -23,6 +23,7 @@
 mod arrangement;
 pub mod contact;
 pub mod dice;
+mod draw;
 mod error;
 mod growth;
 mod lattice;

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use starbreak_glass::{Material, Seed, Stream};
 
 use super::ContactLoad;
-use crate::mesh::uniform;
+use crate::draw::{normal, uniform};
 use crate::physics::StoneImpact;
 
 /// Median of Auerbach's constant of soda-lime glass, N/m: critical force over radius of the tip.
@@ -95,10 +95,7 @@ pub fn auerbach_constant_n_m(seed: Seed, index: u64) -> f64 {
 }
 
 fn auerbach(rng: &mut impl rand_chacha::rand_core::Rng) -> f64 {
-    // Box and Muller.
-    let radius = (-2.0 * libm::log(1.0 - uniform(rng))).sqrt();
-    let normal = radius * libm::cos(TAU * uniform(rng));
-    AUERBACH_MEDIAN_N_M * libm::exp(AUERBACH_SPREAD * normal)
+    AUERBACH_MEDIAN_N_M * libm::exp(AUERBACH_SPREAD * normal(rng))
 }
 
 /// The ring or cone crack under a contact.

@@ -11,7 +11,8 @@ use super::count::ONSET_PA;
 use super::graph::Diced;
 use super::tracks::{Meeting, Tracks};
 use crate::FractureError;
-use crate::mesh::{Outline, uniform};
+use crate::draw::{normal, uniform};
+use crate::mesh::Outline;
 
 /// Speed of a running tip, m/s.
 const TIP_SPEED_M_S: f64 = 1500.0;
@@ -131,14 +132,9 @@ struct Cascade {
 }
 
 impl Cascade {
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * libm::log(1.0 - uniform(&mut self.rng))).sqrt();
-        radius * libm::cos(TAU * uniform(&mut self.rng))
-    }
-
     fn launch(&mut self, node: u32, direction_rad: f64, time_s: f64) {
-        let turn_rad = TURN_RAD / STEPS * self.normal();
-        let to_fork_m = self.fork_m * libm::exp(BRANCHING_SPREAD * self.normal());
+        let turn_rad = TURN_RAD / STEPS * normal(&mut self.rng);
+        let to_fork_m = self.fork_m * libm::exp(BRANCHING_SPREAD * normal(&mut self.rng));
         self.tips.push(Tip {
             node,
             direction_rad,
@@ -205,7 +201,7 @@ impl Cascade {
         let to = self.tracks.add_node(end);
         let end_s = time_s + step_m / TIP_SPEED_M_S;
         self.tracks.add_track([node, to], [time_s, end_s]);
-        let half = HALF_FORK_RAD[0] + HALF_FORK_RAD[1] * self.normal();
+        let half = HALF_FORK_RAD[0] + HALF_FORK_RAD[1] * normal(&mut self.rng);
         let half = half.clamp(0.35, 1.4);
         if is_fork && self.has_room(to, [direction_rad - half, direction_rad + half]) {
             self.launch(to, direction_rad + half, end_s);

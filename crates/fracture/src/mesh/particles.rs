@@ -1,8 +1,8 @@
 //! Uniform particles over a pane, sorted into the cells of a grid.
 
-use rand_chacha::rand_core::Rng;
 use starbreak_glass::{Pane, Seed, Stream};
 
+use crate::draw::uniform;
 use crate::lattice::Lattice;
 
 /// Particles per grid cell on average.
@@ -52,13 +52,6 @@ fn scramble(node: u32) -> u64 {
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     bits ^ (bits >> 31)
-}
-
-/// A uniform number in [0, 1) with 53 random bits.
-pub(crate) fn uniform(rng: &mut impl Rng) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "53 bits fit an f64 exactly")]
-    let bits = (rng.next_u64() >> 11) as f64;
-    bits / 9_007_199_254_740_992.0
 }
 
 impl Particles {

@@ -9,11 +9,10 @@ use super::params::{
     GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad, MeshResolution,
 };
 use crate::FractureError;
+use crate::draw::normal;
 use crate::mesh::{Outline, PlateMesh};
 use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, membrane_stress};
-use crate::tips::{
-    COMPETITION, Ledger, MAX_STEPS, Motion, Tip, TipLaw, Tracing, Web, normal, trace, unit,
-};
+use crate::tips::{COMPETITION, Ledger, MAX_STEPS, Motion, Tip, TipLaw, Tracing, Web, trace, unit};
 
 /// Factor of K of a flaw at a free edge \[TadaParisIrwin2000\].
 const EDGE_FACTOR: f64 = 1.12;

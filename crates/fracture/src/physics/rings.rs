@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use rand_chacha::ChaCha8Rng;
 use starbreak_glass::SegmentKind;
 
-use crate::mesh::uniform;
+use crate::draw::{normal, uniform, weibull_factor};
 use crate::stress::StressField;
-use crate::tips::{Ledger, Piece, TipLaw, Web, crack_direction, normal, unit};
+use crate::tips::{Ledger, Piece, TipLaw, Web, crack_direction, unit};
 
 /// A sector between two neighboring radial cracks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,8 +60,7 @@ impl Rings<'_> {
         let span = (sector.angles_rad[1] - sector.angles_rad[0]).rem_euclid(2.0 * PI);
         // The weakest flaw is not on the axis of the sector.
         let axis = sector.angles_rad[0] + span * (0.3 + 0.4 * uniform(rng));
-        let scatter = libm::pow(-libm::log(1.0 - uniform(rng)), 1.0 / self.weibull_modulus);
-        let strength_pa = self.strength_pa * scatter.clamp(0.5, 1.5);
+        let strength_pa = self.strength_pa * weibull_factor(self.weibull_modulus, rng);
         if !(high > low && span < PI) {
             return false;
         }

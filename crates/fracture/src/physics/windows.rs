@@ -10,7 +10,7 @@ use super::outcome::Stage;
 use super::params::GlassBuild;
 use super::plate::{Bending, Carrying, Load};
 use crate::FractureError;
-use crate::mesh::uniform;
+use crate::draw::weibull_factor;
 use crate::stress::{Face, StressField};
 
 /// Area of a bending test of glass that the strength is measured on, m².
@@ -80,8 +80,7 @@ impl Breaking<'_> {
             .map_or(0.0, |stress| stress.principal().0)
             / load.force_n;
         let mut rng = self.seed.stream(Stream::StoneFlaws, (1 << 32) | hit.k);
-        let modulus = self.params.weibull_modulus;
-        let scatter = libm::pow(-libm::log(1.0 - uniform(&mut rng)), 1.0 / modulus);
+        let scatter = weibull_factor(self.params.weibull_modulus, &mut rng);
         let residual_pa = match self.pane.build {
             GlassBuild::Tempered {
                 surface_compression_pa,
@@ -89,7 +88,7 @@ impl Breaking<'_> {
             GlassBuild::Annealed | GlassBuild::Laminated { .. } => 0.0,
         };
         let area_m2 = PI * patch_radius_m * patch_radius_m;
-        let strength_pa = self.strength_of_area_pa(area_m2) * scatter.clamp(0.5, 1.5) + residual_pa;
+        let strength_pa = self.strength_of_area_pa(area_m2) * scatter + residual_pa;
         let opens = |[time_s, force_n]: [f64; 2]| {
             // A younger wave bends a smaller disc, less by the logarithm of its reach.
             let younger = match carrying {
@@ -200,7 +199,7 @@ impl Breaking<'_> {
     }
 
     pub(super) fn has_older_near(&self, load: &Load) -> bool {
-        !self.cracks_near(load, self.n_older).is_empty()
+        self.n_older > 0 && !self.cracks_near(load, self.n_older).is_empty()
     }
 
     /// Chains of those of the first `count` cracks through the pane that the bending of a load

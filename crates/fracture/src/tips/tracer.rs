@@ -9,8 +9,8 @@ use starbreak_glass::{Seed, SegmentKind, Stream};
 
 use super::gaps::{finite_width, gaps_beside, way_to_rim};
 use super::law::{BRANCHING_SCATTER, Gaps, TipLaw, WANDER_RAD, crack_direction, fork_angle_rad};
-use super::normal;
 use super::web::{Piece, Web};
+use crate::draw::normal;
 use crate::stress::{PlaneStress, StressField};
 
 /// Most steps of all tips of one hit or load.
