@@ -42,6 +42,10 @@ pub enum Stream {
     LongCrack,
     /// What is left open of a stone.
     ImpactShape,
+    /// Grains of a crushed zone, facets of chips and fragments.
+    CrackRelief,
+    /// Noise of the sensor.
+    SensorNoise,
 }
 
 impl Stream {
@@ -57,6 +61,8 @@ impl Stream {
             Self::Dice => b"dice",
             Self::LongCrack => b"long-crack",
             Self::ImpactShape => b"impact-shape",
+            Self::CrackRelief => b"crack-relief",
+            Self::SensorNoise => b"sensor-noise",
         }
     }
 }

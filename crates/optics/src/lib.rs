@@ -35,8 +35,11 @@ mod bit_rows;
 mod blur;
 mod camera;
 mod coverage;
+pub mod environment;
 mod error;
+pub mod lens;
 pub mod paper;
+pub mod physical;
 
 pub use camera::{Camera, View};
 pub use coverage::{Coverage, Line};

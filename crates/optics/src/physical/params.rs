@@ -1,0 +1,214 @@
+//! Parameters of the physical optics.
+
+use crate::OpticsError;
+use crate::environment::EnvironmentParams;
+use crate::lens::Lens;
+
+/// Parameters of the physical optics: lens, glass, surfaces of the cracks, light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PhysicalOptics {
+    /// The lens.
+    pub lens: Lens,
+    /// The light around the camera.
+    pub environment: EnvironmentParams,
+    /// Thickness of the sheet that is broken, mm, 0.05 to 100. **Default**: 2.1, the outer ply of
+    /// a windscreen.
+    pub thickness_mm: f64,
+    /// Refractive index of the glass, 1.3 to 2. **Default**: 1.52, soda-lime.
+    pub refractive_index: f64,
+    /// Surfaces of the cracks.
+    pub surface: SurfaceParams,
+    /// Share of the light that the lens spreads over the whole frame on top of what the image
+    /// already has, 0 to 0.5. **Default**: 0.
+    pub veiling_glare: f64,
+    /// Noise that is put back where light was added or taken away. **Default**: none.
+    pub noise: Option<SensorNoise>,
+    /// Influence from which a pixel belongs to the region mask, 10⁻⁴ to 1. **Default**: 0.01.
+    pub region_threshold: f64,
+}
+
+/// What the surfaces of cracks are like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceParams {
+    /// GGX α of a mirror zone, 0 to 1. FIT. **Default**: 0.02.
+    pub mirror_alpha: f64,
+    /// GGX α of a mist zone, 0 to 1. FIT. **Default**: 0.08.
+    pub mist_alpha: f64,
+    /// GGX α of a hackle zone, 0 to 1. FIT. **Default**: 0.3.
+    pub hackle_alpha: f64,
+    /// Opening of cracks of a network without that column, µm, 0 to 1000. **Default**: 10.
+    pub opening_um: f64,
+    /// Radius of the white, crushed zone over that of the network, 0 (none) to 10. **Default**: 1.
+    pub crushed_zone: f64,
+    /// Radius of the shell that chips off around the crushed zone, over the crushed radius, 0 or
+    /// 1 to 10; up to 1 there is none. FIT. **Default**: 2.
+    pub chip: f64,
+    /// Slope of the chipped surface at its rim, degrees, 0 to 60. FIT. **Default**: 12.
+    pub chip_slope_deg: f64,
+    /// Standard deviation of the wedge angle between the faces of a fragment, degrees, 0 to 10.
+    /// **Default**: 0: the faces of a broken plate stay parallel.
+    pub fragment_wedge_deg: f64,
+}
+
+/// Noise of the sensor, as it is left in the 8-bit image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorNoise {
+    /// Standard deviation in the dark, linear, in units of white, 0 to 1.
+    pub read: f64,
+    /// Variance over signal, both linear in units of white, 0 to 1.
+    pub shot: f64,
+}
+
+impl Default for SurfaceParams {
+    fn default() -> Self {
+        Self {
+            mirror_alpha: 0.02,
+            mist_alpha: 0.08,
+            hackle_alpha: 0.3,
+            opening_um: 10.0,
+            crushed_zone: 1.0,
+            chip: 2.0,
+            chip_slope_deg: 12.0,
+            fragment_wedge_deg: 0.0,
+        }
+    }
+}
+
+impl Default for PhysicalOptics {
+    fn default() -> Self {
+        Self {
+            lens: Lens::default(),
+            environment: EnvironmentParams::default(),
+            thickness_mm: 2.1,
+            refractive_index: 1.52,
+            surface: SurfaceParams::default(),
+            veiling_glare: 0.0,
+            noise: None,
+            region_threshold: 0.01,
+        }
+    }
+}
+
+impl PhysicalOptics {
+    /// Every parameter is in its range.
+    ///
+    /// # Errors
+    /// [`OpticsError::Parameter`] naming the first that is not.
+    pub fn check(&self) -> Result<(), OpticsError> {
+        self.lens.check()?;
+        let surface = &self.surface;
+        let environment = &self.environment;
+        let noise = self.noise.unwrap_or(SensorNoise {
+            read: 0.0,
+            shot: 0.0,
+        });
+        let ranges = [
+            (
+                "thickness_mm",
+                self.thickness_mm,
+                0.05,
+                100.0,
+                "0.05 to 100 mm",
+            ),
+            (
+                "refractive_index",
+                self.refractive_index,
+                1.3,
+                2.0,
+                "1.3 to 2",
+            ),
+            ("mirror_alpha", surface.mirror_alpha, 0.0, 1.0, "0 to 1"),
+            ("mist_alpha", surface.mist_alpha, 0.0, 1.0, "0 to 1"),
+            ("hackle_alpha", surface.hackle_alpha, 0.0, 1.0, "0 to 1"),
+            (
+                "opening_um",
+                surface.opening_um,
+                0.0,
+                1000.0,
+                "0 to 1000 µm",
+            ),
+            ("crushed_zone", surface.crushed_zone, 0.0, 10.0, "0 to 10"),
+            ("chip", surface.chip, 0.0, 10.0, "0 to 10"),
+            (
+                "chip_slope_deg",
+                surface.chip_slope_deg,
+                0.0,
+                60.0,
+                "0 to 60 degrees",
+            ),
+            (
+                "fragment_wedge_deg",
+                surface.fragment_wedge_deg,
+                0.0,
+                10.0,
+                "0 to 10 degrees",
+            ),
+            ("veiling_glare", self.veiling_glare, 0.0, 0.5, "0 to 0.5"),
+            ("noise_read", noise.read, 0.0, 1.0, "0 to 1"),
+            ("noise_shot", noise.shot, 0.0, 1.0, "0 to 1"),
+            (
+                "region_threshold",
+                self.region_threshold,
+                1e-4,
+                1.0,
+                "0.0001 to 1",
+            ),
+            (
+                "sun_azimuth_deg",
+                environment.sun_azimuth_rad.to_degrees(),
+                -3600.0,
+                3600.0,
+                "-3600 to 3600 degrees",
+            ),
+            (
+                "sun_elevation_deg",
+                environment.sun_elevation_rad.to_degrees(),
+                -90.0,
+                90.0,
+                "-90 to 90 degrees",
+            ),
+            (
+                "sun_irradiance",
+                environment.sun_irradiance.unwrap_or(0.0),
+                0.0,
+                1e6,
+                "\"auto\", or 0 to 1000000",
+            ),
+            (
+                "horizon_row",
+                environment.horizon_row,
+                -100.0,
+                100.0,
+                "a fraction of the height, -100 to 100",
+            ),
+        ];
+        for (name, value, least, most, expected) in ranges {
+            if !(least..=most).contains(&value) {
+                return Err(OpticsError::Parameter {
+                    name,
+                    value,
+                    expected,
+                });
+            }
+        }
+        for (name, rgb) in [
+            ("sky_horizon", environment.horizon_rgb),
+            ("sky_zenith", environment.zenith_rgb),
+            ("ground", environment.ground_rgb),
+            ("cabin", environment.cabin_rgb),
+        ] {
+            if let Some(&value) = rgb
+                .iter()
+                .flatten()
+                .find(|value| !(0.0..=1e6).contains(*value))
+            {
+                return Err(OpticsError::Parameter {
+                    name,
+                    value: f64::from(value),
+                    expected: "\"auto\", or linear light, 0 to 1000000 per channel",
+                });
+            }
+        }
+        Ok(())
+    }
+}
