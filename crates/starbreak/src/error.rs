@@ -19,6 +19,9 @@ pub enum Error {
     /// The optics refused.
     #[error(transparent)]
     Optics(#[from] OpticsError),
+    /// Optics that this build does not render.
+    #[error("optics.model = \"physical\" is not rendered yet; set optics.model = \"paper\"")]
+    NotRendered,
     /// A stone that would fly past the pane.
     #[error(
         "impact {impact}: {}; move the impact or the pane (glass.distance_m, glass.axis_at, glass.width_mm)",

@@ -2,10 +2,10 @@
 
 use image::{DynamicImage, GrayImage};
 use starbreak_glass::CrackNetwork;
-use starbreak_optics::paper::{PaperOptics, render_at};
+use starbreak_optics::paper::render_at;
 use starbreak_optics::{Coverage, Line, View};
 
-use crate::Error;
+use crate::{Error, OpticsSettings};
 
 /// The times of `n_frames` growth frames, even steps from shortly after the impact to the last
 /// arrival; in the unit of the network's arrivals.
@@ -41,9 +41,14 @@ pub fn growth_over(
     network: &CrackNetwork,
     view: &View,
     time: f64,
-    optics: &PaperOptics,
+    optics: &OpticsSettings,
 ) -> Result<DynamicImage, Error> {
     let mut frame = scene.clone();
-    render_at(&mut frame, network, view, time, optics)?;
+    match optics {
+        OpticsSettings::Paper(optics) => {
+            render_at(&mut frame, network, view, time, optics)?;
+        }
+        OpticsSettings::Physical(_) => return Err(Error::NotRendered),
+    }
     Ok(frame)
 }

@@ -5,13 +5,14 @@ mod details;
 mod files;
 mod growth;
 mod provenance;
+mod show;
 mod timings;
 
 use image::DynamicImage;
 use starbreak_fracture::paper::{Stage, simulate as simulate_paper};
 use starbreak_glass::{CrackNetwork, Pane, Seed};
 use starbreak_optics::View;
-use starbreak_optics::paper::{Masks, composite, draw};
+use starbreak_optics::paper::Masks;
 
 use broken_pane::{physics_network, view_of};
 
@@ -132,10 +133,7 @@ pub fn crack_image(
     } = simulate(settings, image.width(), image.height(), seed)?;
     let mut watch = Stopwatch::start();
     let view = view(settings, image.width(), image.height())?;
-    let drawn = draw(&network, &view, f64::INFINITY, &settings.optics);
-    watch.lap("draw");
-    let masks = composite(image, &drawn, &settings.optics)?;
-    watch.lap("render");
+    let masks = show::show(&settings.optics, image, &network, &view, &mut watch)?;
     timings.append(watch.stop());
     Ok(Cracked {
         network,

@@ -75,10 +75,10 @@ pub enum RecipeError {
         /// The nearest known key, or all of them.
         hint: String,
     },
-    /// A key or table of the other fracture model.
+    /// A key or table of another model of fracture or optics.
     #[error(
         "{place}: {key} is a {what} of model \"{other}\", but this recipe's model is \"{model}\"; remove it or set \
-         fracture.model = \"{other}\""
+         {choice} = \"{other}\""
     )]
     OtherModel {
         /// Where the text came from.
@@ -91,6 +91,8 @@ pub enum RecipeError {
         other: &'static str,
         /// The model of the recipe.
         model: &'static str,
+        /// The key that chooses between the two.
+        choice: &'static str,
     },
     /// A severity that presets do not have.
     #[error("severity {found}; expected 1 (mild) to 5 (severe), 3 is the preset itself")]
@@ -159,9 +161,28 @@ pub(super) fn printable(text: &str) -> String {
         .collect()
 }
 
-/// A value that went to SI and back, without the last digits that this costs.
+/// A value that went to SI and back, or through single precision, without the last digits that
+/// this costs.
 fn as_given(value: f64) -> f64 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "compared with what it came from"
+    )]
+    let single = value as f32;
+    if f64::from(single).to_bits() == value.to_bits() {
+        return single.to_string().parse().unwrap_or(value);
+    }
     format!("{value:.12e}").parse().unwrap_or(value)
+}
+
+/// The table of a recipe that a parameter of the optics is a key of.
+fn table_of_optics(name: &str) -> &'static str {
+    match name {
+        "f_px" | "focal_length_mm" | "f_number" | "focus_distance_m" | "scene_distance_m"
+        | "blades" | "blade_angle_deg" => "camera",
+        "thickness_mm" | "distance_m" | "rake_deg" => "glass",
+        _ => "optics",
+    }
 }
 
 impl RecipeError {
@@ -204,8 +225,8 @@ impl RecipeError {
                 expected,
             } => Self::Range {
                 place: place.clone(),
-                key: format!("optics.{name}"),
-                value: value.to_string(),
+                key: format!("{}.{name}", table_of_optics(name)),
+                value: as_given(value).to_string(),
                 expected: expected.to_owned(),
             },
             other => Self::Type {
