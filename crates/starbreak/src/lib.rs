@@ -27,7 +27,7 @@ pub use error::Error;
 pub use recipe::{
     CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, Mount, OpticsSettings,
     OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe, RecipeError,
-    SCHEMA_VERSION, Settings, StoneSettings, json_schema,
+    SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
 };
 pub use starbreak_dataset as dataset;
 pub use starbreak_fracture as fracture;

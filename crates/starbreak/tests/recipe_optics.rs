@@ -387,3 +387,45 @@ fn only_the_physical_optics_have_maps() {
         "{message}"
     );
 }
+
+#[test]
+fn every_camera_suits_every_preset_and_sets_what_it_says() {
+    let cameras = starbreak::cameras().unwrap();
+    assert!(!cameras.is_empty(), "there are some");
+    for (camera, purpose) in cameras {
+        assert!(!purpose.is_empty(), "{camera} says what it is");
+        for (preset, _) in PRESETS {
+            for optics in ["physical", "paper"] {
+                let mut recipe = Recipe::preset(preset).unwrap();
+                recipe.set(&format!("optics.model={optics}")).unwrap();
+                let before = recipe.clone();
+                recipe
+                    .set_camera(&camera)
+                    .unwrap_or_else(|error| panic!("{camera} on {preset}, {optics}: {error}"));
+                recipe.settings().unwrap();
+                if optics == "physical" {
+                    assert_ne!(recipe, before, "{camera} on {preset}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_camera_leaves_out_what_the_models_do_not_have() {
+    let mut paper = Recipe::preset("paper").unwrap();
+    paper.set_camera("adas-1080p").unwrap();
+    let mut expected = Recipe::preset("paper").unwrap();
+    let f_px = match paper.settings().unwrap().camera.f_px {
+        FocalLength::Px(f_px) => f_px,
+        FocalLength::Auto => panic!("a camera of 1080p has its focal length"),
+    };
+    expected.set(&format!("camera.f_px={f_px:?}")).unwrap();
+    assert_eq!(paper, expected, "of the paper's keys only f_px");
+
+    let mut recipe = Recipe::preset(DEFAULT_PRESET).unwrap();
+    let before = recipe.clone();
+    let message = recipe.set_camera("kity").unwrap_err().to_string();
+    assert_eq!(message, "unknown camera `kity`; did you mean `kitti`?");
+    assert_eq!(recipe, before, "unchanged");
+}

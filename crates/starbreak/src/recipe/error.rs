@@ -18,6 +18,14 @@ impl Place {
         Self(format!("preset {name}"))
     }
 
+    pub(super) fn cameras() -> Self {
+        Self("cameras".to_owned())
+    }
+
+    pub(super) fn camera(name: &str) -> Self {
+        Self(format!("camera {name}"))
+    }
+
     pub(super) fn assignment(text: &str) -> Self {
         Self(format!("--set {}", text.escape_debug()))
     }
@@ -108,6 +116,14 @@ pub enum RecipeError {
         /// The nearest preset, and all of them.
         hint: String,
     },
+    /// A camera that does not exist.
+    #[error("unknown camera `{name}`; {hint}")]
+    UnknownCamera {
+        /// What was asked for.
+        name: String,
+        /// The nearest camera, or all of them.
+        hint: String,
+    },
     /// A value of the wrong type.
     #[error("{place}: {key}: {what}")]
     Type {
@@ -190,6 +206,15 @@ impl RecipeError {
         let names = PRESETS.iter().map(|(known, _)| *known);
         let hint = super::known_keys::hint(name, names, "presets");
         Self::UnknownPreset {
+            name: name.escape_debug().to_string(),
+            hint,
+        }
+    }
+
+    pub(super) fn unknown_camera(name: &str, known: &[String]) -> Self {
+        let names = known.iter().map(String::as_str);
+        let hint = super::known_keys::hint(name, names, "cameras");
+        Self::UnknownCamera {
             name: name.escape_debug().to_string(),
             hint,
         }

@@ -1,5 +1,6 @@
 //! Text to valid settings: parse, complete from a preset, override, validate, convert to SI.
 
+mod cameras;
 mod error;
 mod known_keys;
 mod paper_tables;
@@ -13,6 +14,7 @@ mod tables;
 
 use toml::{Table, Value};
 
+pub use cameras::cameras;
 pub use error::RecipeError;
 pub use presets::{DEFAULT_PRESET, PRESETS};
 pub use schema::json_schema;
@@ -119,6 +121,27 @@ impl Recipe {
         };
         let mut changed = self.clone();
         changed.edit(&place, key.trim(), parse_value(text.trim()))?;
+        changed.finish(&place)?;
+        *self = changed;
+        Ok(())
+    }
+
+    /// Lays a named camera over the recipe: what it sets of `[camera]` and `[glass]`. Keys that the
+    /// recipe's models do not have are left out.
+    ///
+    /// # Errors
+    /// [`RecipeError::UnknownCamera`] with the names that exist, or as for [`Recipe::set`]; the
+    /// recipe is then unchanged.
+    pub fn set_camera(&mut self, name: &str) -> Result<(), RecipeError> {
+        let overlay = cameras::overlay(name)?;
+        let place = Place::camera(name);
+        let choice = self.choice(&place)?;
+        let mut changed = self.clone();
+        for (table, key, value) in overlay {
+            if schema::has(choice, &table, &key) {
+                changed.edit(&place, &format!("{table}.{key}"), value)?;
+            }
+        }
         changed.finish(&place)?;
         *self = changed;
         Ok(())
