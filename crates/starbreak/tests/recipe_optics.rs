@@ -398,6 +398,9 @@ fn every_camera_suits_every_preset_and_sets_what_it_says() {
             for optics in ["physical", "paper"] {
                 let mut recipe = Recipe::preset(preset).unwrap();
                 recipe.set(&format!("optics.model={optics}")).unwrap();
+                if optics == "physical" {
+                    recipe.set("camera.focal_length_mm=9.5").unwrap();
+                }
                 let before = recipe.clone();
                 recipe
                     .set_camera(&camera)
