@@ -38,6 +38,7 @@ mod coverage;
 pub mod environment;
 mod error;
 pub mod lens;
+mod maps;
 pub mod paper;
 pub mod physical;
 
