@@ -40,6 +40,7 @@ mod error;
 pub mod lens;
 pub mod paper;
 pub mod physical;
+pub mod srgb;
 
 pub use camera::{Camera, View};
 pub use coverage::{Coverage, Line};
