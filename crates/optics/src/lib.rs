@@ -38,8 +38,10 @@ mod coverage;
 pub mod environment;
 mod error;
 pub mod lens;
+mod maps;
 pub mod paper;
 pub mod physical;
+pub mod srgb;
 
 pub use camera::{Camera, View};
 pub use coverage::{Coverage, Line};
