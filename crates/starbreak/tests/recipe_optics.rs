@@ -52,7 +52,7 @@ fn optics_come_out_in_si_units() {
         [optics]\nsun_azimuth_deg = -90\nsun_elevation_deg = 30\nsun_irradiance = 5.5\n\
         sky_horizon = [0.125, 0.25, 0.5]\nsky_zenith = [1, 2, 4]\nground = [0.0625, 0, 3]\ncabin = [8, 16, 32]\n\
         horizon_row = 0.4\nrefractive_index = 1.5\nmirror_alpha = 0.01\nmist_alpha = 0.06\nhackle_alpha = 0.4\n\
-        opening_um = 12\ncrushed_zone = 1.5\nchip = 3\nchip_slope_deg = 10\nfragment_wedge_deg = 0.2\n\
+        opening_um = 12\ncrushed_zone = 1.5\nchip = 3\nchip_slope_deg = 10\nfilm = 4\nfilm_um = 2\nfragment_wedge_deg = 0.2\n\
         veiling_glare = 0.03\nnoise_read = 0.002\nnoise_shot = 0.0004\nregion_threshold = 0.02",
     );
     let settings = recipe.settings().unwrap();
@@ -80,6 +80,8 @@ fn optics_come_out_in_si_units() {
         ("crushed", surface.crushed_zone, 1.5),
         ("chip", surface.chip, 3.0),
         ("slope", surface.chip_slope_deg, 10.0),
+        ("film", surface.film, 4.0),
+        ("film's thickness", surface.film_um, 2.0),
         ("wedge", surface.fragment_wedge_deg, 0.2),
         ("glare", optics.veiling_glare, 0.03),
         ("read noise", noise.read, 0.002),
@@ -230,6 +232,8 @@ fn the_bounds_of_each_key_are_possible_and_nothing_beyond_them() {
         ("optics.crushed_zone", &["0", "10"], &["-1", "11"]),
         ("optics.chip", &["0", "10"], &["-1", "11"]),
         ("optics.chip_slope_deg", &["0", "60"], &["-1", "61"]),
+        ("optics.film", &["0", "10"], &["-1", "11"]),
+        ("optics.film_um", &["0", "100"], &["-1", "101"]),
         ("optics.fragment_wedge_deg", &["0", "10"], &["-1", "11"]),
         ("optics.veiling_glare", &["0", "0.5"], &["-1", "0.6"]),
         ("optics.noise_read", &["0", "1"], &["-0.1", "1.1"]),

@@ -175,6 +175,11 @@ pub(super) struct PhysicalOpticsTable {
     pub(super) chip: f64,
     /// Slope of the chipped surface at its rim, degrees, 0 to 60.
     pub(super) chip_slope_deg: f64,
+    /// Radius of the film of air that runs sideways under the crushed zone, as a multiple of that
+    /// zone's, 0 to 10; none up to 1.
+    pub(super) film: f64,
+    /// Greatest thickness of that film, um, 0 to 100.
+    pub(super) film_um: f64,
     /// Standard deviation of the wedge angle between the faces of a fragment, degrees, 0 to 10.
     pub(super) fragment_wedge_deg: f64,
     /// Share of the light that the lens spreads over the whole frame on top of what the image

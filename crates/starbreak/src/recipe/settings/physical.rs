@@ -54,6 +54,8 @@ pub(super) fn settings(
             crushed_zone: given.crushed_zone,
             chip: given.chip,
             chip_slope_deg: given.chip_slope_deg,
+            film: given.film,
+            film_um: given.film_um,
             fragment_wedge_deg: given.fragment_wedge_deg,
         },
         veiling_glare: given.veiling_glare,
