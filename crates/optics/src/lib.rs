@@ -34,6 +34,7 @@
 mod bit_rows;
 mod blur;
 mod camera;
+mod contrast;
 mod coverage;
 pub mod environment;
 mod error;
@@ -44,5 +45,6 @@ pub mod physical;
 pub mod srgb;
 
 pub use camera::{Camera, View};
+pub use contrast::Contrast;
 pub use coverage::{Coverage, Line};
 pub use error::OpticsError;
