@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use starbreak_dataset::DatasetError;
 use starbreak_fracture::FractureError;
@@ -19,9 +19,6 @@ pub enum Error {
     /// The optics refused.
     #[error(transparent)]
     Optics(#[from] OpticsError),
-    /// Optics that this build does not render.
-    #[error("optics.model = \"physical\" is not rendered yet; set optics.model = \"paper\"")]
-    NotRendered,
     /// A stone that would fly past the pane.
     #[error(
         "impact {impact}: {}; move the impact or the pane (glass.distance_m, glass.axis_at, glass.width_mm)",
@@ -80,4 +77,14 @@ pub enum Error {
         /// What the system said.
         cause: String,
     },
+}
+
+impl Error {
+    /// An error that came up with this image.
+    pub(crate) fn of_image(input: &Path, error: Self) -> Self {
+        Self::OfImage {
+            input: input.to_owned(),
+            cause: Box::new(error),
+        }
+    }
 }
