@@ -13,7 +13,9 @@ use starbreak::optics::environment::{Environment, EnvironmentParams, HemisphereW
 const F_OVER_WIDTH: f64 = 721.5377 / 1242.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("            sky at 0°        zenith           ground           sun, E   white  60°/ground     µs");
+    println!(
+        "            sky at 0°        zenith           ground           sun, E   white  60°/ground     µs"
+    );
     let params = EnvironmentParams::default();
     for path in std::env::args_os().skip(1) {
         let path = Path::new(&path);

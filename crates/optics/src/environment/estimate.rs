@@ -279,4 +279,3 @@ fn scaled(rgb: Rgb, factor: f64) -> Rgb {
         scaled
     })
 }
-
