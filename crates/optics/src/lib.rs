@@ -37,6 +37,7 @@ mod camera;
 mod coverage;
 pub mod environment;
 mod error;
+pub mod interface;
 pub mod lens;
 mod maps;
 pub mod paper;
