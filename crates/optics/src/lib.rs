@@ -42,6 +42,7 @@ pub mod lens;
 mod maps;
 pub mod paper;
 pub mod physical;
+pub mod srgb;
 
 pub use camera::{Camera, View};
 pub use coverage::{Coverage, Line};
