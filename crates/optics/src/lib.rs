@@ -38,13 +38,17 @@ mod contrast;
 mod coverage;
 pub mod environment;
 mod error;
+pub mod interface;
 pub mod lens;
 mod maps;
+mod masks;
 pub mod paper;
 pub mod physical;
 pub mod srgb;
+mod surface;
 
 pub use camera::{Camera, View};
 pub use contrast::Contrast;
 pub use coverage::{Coverage, Line};
 pub use error::OpticsError;
+pub use masks::Masks;

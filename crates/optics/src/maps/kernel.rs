@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::lens::Lens;
+
 /// Lines per cell along which a kernel is integrated: Gauss-Legendre abscissae and weights on
 /// [0, 1], \[AbramowitzStegun1964\] table 25.4.
 const LINES: [(f64, f64); 6] = [
@@ -28,6 +30,17 @@ pub(crate) enum Pupil {
 }
 
 impl Pupil {
+    /// The pupil of a lens.
+    pub(crate) fn of(lens: &Lens) -> Self {
+        match lens.blades {
+            0 => Self::Round,
+            n => Self::Polygon {
+                n,
+                angle_rad: lens.blade_angle_rad,
+            },
+        }
+    }
+
     /// Corners of the polygon for a disc of radius 1.
     fn corners(self) -> Vec<[f64; 2]> {
         match self {

@@ -36,6 +36,9 @@ const LEVELS: std::ops::RangeInclusive<i32> = -3..=3;
 /// sharing would blur more than the disc.
 const FEW_CELLS: f64 = 2.5;
 
+/// A disc of a smaller radius, px, is a point.
+const IN_FOCUS_PX: f64 = 0.02;
+
 /// Radii within this ratio share a kernel.
 const RADIUS_RATIO: f64 = 1.004;
 
@@ -74,6 +77,13 @@ struct Level {
 
 impl Level {
     fn of(radius_px: f64) -> Self {
+        if radius_px.abs() < IN_FOCUS_PX {
+            // Exact coverage of the pixels themselves.
+            return Self {
+                exponent: 0,
+                is_halved: false,
+            };
+        }
         let exponent_for = |cells: f64| -> i32 {
             // Also right for a radius of 0, whose logarithm is −∞.
             let exact = libm::log2(cells / radius_px.abs()).clamp(-9.0, 9.0);

@@ -80,7 +80,10 @@ pub(crate) fn crack_facets(
 fn segment(network: &CrackNetwork, idx: usize, surface: &SurfaceParams) -> Segment {
     let segments = &network.data().segments;
     let of = |column: &Option<Vec<f64>>| column.as_ref().map(|values| values[idx]);
-    let zone = segments.zone.as_ref().map_or(Zone::Mirror, |zone| zone[idx]);
+    let zone = segments
+        .zone
+        .as_ref()
+        .map_or(Zone::Mirror, |zone| zone[idx]);
     Segment {
         alpha: match zone {
             Zone::Mirror => surface.mirror_alpha,
@@ -193,7 +196,11 @@ fn add_piece(
         radius_px,
     });
     add_tint(facets, corners, radius_px, sent.tint, 1.0);
-    debug_assert_eq!((FRAME_U, FRAME_V), (LANES - 2, LANES - 1), "the lanes that lean");
+    debug_assert_eq!(
+        (FRAME_U, FRAME_V),
+        (LANES - 2, LANES - 1),
+        "the lanes that lean"
+    );
     Some(())
 }
 
@@ -240,7 +247,13 @@ mod tests {
 
     #[test]
     fn the_mean_width_is_the_integral_over_the_pupil() {
-        for (width, spread) in [(0.0, 1.0), (0.3, 1.0), (-0.7, 1.0), (0.99, -1.0), (2.0, 1.0)] {
+        for (width, spread) in [
+            (0.0, 1.0),
+            (0.3, 1.0),
+            (-0.7, 1.0),
+            (0.99, -1.0),
+            (2.0, 1.0),
+        ] {
             let n = 20_000;
             let (mut sum, mut weight) = (0.0, 0.0);
             for k in 0..n {
@@ -251,7 +264,10 @@ mod tests {
             }
             let expected = sum / weight;
             let found = mean_width(width, spread);
-            assert!((found - expected).abs() < 1e-4, "{width}, {spread}: {found}, not {expected}");
+            assert!(
+                (found - expected).abs() < 1e-4,
+                "{width}, {spread}: {found}, not {expected}"
+            );
         }
     }
 }

@@ -47,7 +47,11 @@ pub(crate) fn hit_facets(
         };
         let crushed = crushed_mm * surface.crushed_zone;
         patch.film(crushed_mm, crushed_mm * surface.film, surface.film_um);
-        patch.shell(crushed_mm, crushed_mm * surface.chip, surface.chip_slope_deg.to_radians());
+        patch.shell(
+            crushed_mm,
+            crushed_mm * surface.chip,
+            surface.chip_slope_deg.to_radians(),
+        );
         patch.crushed(crushed);
     }
 }
@@ -111,12 +115,17 @@ impl Patch<'_, '_> {
                 let tangent = libm::tan(slope);
                 // The surface falls towards the middle: its normal leans inward.
                 let length = (1.0 + tangent * tangent).sqrt();
-                let normal = [-tangent * cos / length, -tangent * sin / length, 1.0 / length];
+                let normal = [
+                    -tangent * cos / length,
+                    -tangent * sin / length,
+                    1.0 / length,
+                ];
                 let Some(out) = out_of_glass(into_glass(sight, n), normal, n) else {
                     continue;
                 };
                 let mut sent = Sent::default();
-                self.from.seen(&mut sent, self.from.sheet.to_camera(out), 1.0);
+                self.from
+                    .seen(&mut sent, self.from.sheet.to_camera(out), 1.0);
                 self.add(cell, depth, &sent);
             }
         }
@@ -140,7 +149,10 @@ impl Patch<'_, '_> {
                 };
                 let left = 1.0 - 0.5 * (way[0] + way[1]);
                 let inside = into_glass(sight, self.from.sheet.index);
-                let rgb = self.from.gaps.rgb(inside[2], thickest_um * left * left.sqrt());
+                let rgb = self
+                    .from
+                    .gaps
+                    .rgb(inside[2], thickest_um * left * left.sqrt());
                 let mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
                 let mut sent = Sent::default();
                 sent.lanes[CABIN] = mean;
@@ -165,7 +177,8 @@ impl Patch<'_, '_> {
         let radius_px = sheet.blur_radius_px(self.place(cell.middle()), depth_mm)?;
         let share = sent.lanes[super::lobe::FRAME];
         #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
-        let (lanes, share): ([f32; LANES], f32) = (sent.lanes.map(|lane| lane as f32), share as f32);
+        let (lanes, share): ([f32; LANES], f32) =
+            (sent.lanes.map(|lane| lane as f32), share as f32);
         self.facets.light.push(Facet {
             corners,
             lanes,

@@ -72,7 +72,9 @@ impl LightFrom<'_> {
         let n = self.sheet.index;
         let sight = into_glass(mirror.sight, n);
         let facing = dot(sight, mirror.normal);
-        let normal = mirror.normal.map(|part| if facing > 0.0 { -part } else { part });
+        let normal = mirror
+            .normal
+            .map(|part| if facing > 0.0 { -part } else { part });
         let view = sight.map(|part| -part);
         let mut sent = Sent::default();
         if facing.abs() < 1e-9 {
@@ -80,7 +82,12 @@ impl LightFrom<'_> {
         }
         if mirror.alpha < MIRROR_ALPHA {
             let r = self.mean_reflectance(facing.abs(), mirror.gap_um);
-            self.leave(&mut sent, mirror.sight, reflected(sight, normal, facing.abs()), r);
+            self.leave(
+                &mut sent,
+                mirror.sight,
+                reflected(sight, normal, facing.abs()),
+                r,
+            );
         } else {
             let share = 1.0 / f64::from(N_SAMPLES);
             let frame = Frame::about(normal);
@@ -91,7 +98,11 @@ impl LightFrom<'_> {
                 let r = self.mean_reflectance(cos_h.abs(), mirror.gap_um);
                 let direction = reflected(sight, facet, cos_h);
                 let cos_o = dot(direction, normal);
-                let seen = if cos_o > 0.0 { g1(cos_o, mirror.alpha) } else { 0.0 };
+                let seen = if cos_o > 0.0 {
+                    g1(cos_o, mirror.alpha)
+                } else {
+                    0.0
+                };
                 self.leave(&mut sent, mirror.sight, direction, share * r * seen);
                 self.diffuse(&mut sent, share * r * (1.0 - seen));
             }
@@ -151,7 +162,8 @@ impl LightFrom<'_> {
         } else {
             let out = [n * x, n * y, (1.0 - sine2).sqrt()];
             // The image has the transmittance at the angle of sight already.
-            let passes = (1.0 - reflectance(out[2], n)) / (1.0 - reflectance(sight[2], n)).max(1e-6);
+            let passes =
+                (1.0 - reflectance(out[2], n)) / (1.0 - reflectance(sight[2], n)).max(1e-6);
             let passes = passes.min(1.0);
             sent.lanes[CABIN] += share * (1.0 - passes);
             self.seen(sent, self.sheet.to_camera(out), share * passes);
@@ -225,7 +237,11 @@ struct Frame([[f64; 3]; 3]);
 
 impl Frame {
     fn about(normal: [f64; 3]) -> Self {
-        let aside = if normal[0].abs() < 0.7 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let aside = if normal[0].abs() < 0.7 {
+            [1.0, 0.0, 0.0]
+        } else {
+            [0.0, 1.0, 0.0]
+        };
         let x = unit(cross(aside, normal));
         Self([x, cross(normal, x), normal])
     }

@@ -11,8 +11,10 @@ mod lobe;
 mod sheet;
 mod wedge;
 
-pub(crate) use cracks::crack_facets;
+pub(crate) use cracks::{Facets, crack_facets};
 pub(crate) use hit::hit_facets;
-pub(crate) use lobe::{FRAME, LANES, LightFrom, N_SHARES, SUN};
+pub(crate) use lobe::{
+    CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, LANES, LightFrom, N_SHARES, SUN, ZENITH,
+};
 pub(crate) use sheet::SheetView;
 pub(crate) use wedge::fragment_facets;

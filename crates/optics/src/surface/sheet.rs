@@ -162,7 +162,10 @@ impl SheetView {
             return None;
         }
         let p = &self.pinhole;
-        let (u, v) = (p.center_px[0] + p.f_px * x / z, p.center_px[1] + p.f_px * y / z);
+        let (u, v) = (
+            p.center_px[0] + p.f_px * x / z,
+            p.center_px[1] + p.f_px * y / z,
+        );
         let (width, height) = self.view.size();
         ((0.0..f64::from(width)).contains(&u) && (0.0..f64::from(height)).contains(&v))
             .then_some([u, v])

@@ -47,15 +47,20 @@ pub(crate) fn fragment_facets(
             let b = outline[(k + 1) % outline.len()];
             // Triangles about the middle; those that are turned over take away what others have
             // too much.
-            let area = (a[0] - middle[0]) * (b[1] - middle[1]) - (a[1] - middle[1]) * (b[0] - middle[0]);
+            let area =
+                (a[0] - middle[0]) * (b[1] - middle[1]) - (a[1] - middle[1]) * (b[0] - middle[0]);
             let share = 1.0_f64.copysign(area);
-            let center = [(a[0] + b[0] + 2.0 * middle[0]) / 4.0, (a[1] + b[1] + 2.0 * middle[1]) / 4.0];
+            let center = [
+                (a[0] + b[0] + 2.0 * middle[0]) / 4.0,
+                (a[1] + b[1] + 2.0 * middle[1]) / 4.0,
+            ];
             let mut sent = Sent::default();
             let ray = from.sheet.ray([center[0] + turn[0], center[1] + turn[1]]);
             from.seen(&mut sent, ray, share);
             let part = sent.lanes[super::lobe::FRAME];
             #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
-            let (lanes, part): ([f32; LANES], f32) = (sent.lanes.map(|lane| lane as f32), part as f32);
+            let (lanes, part): ([f32; LANES], f32) =
+                (sent.lanes.map(|lane| lane as f32), part as f32);
             facets.light.push(Facet {
                 corners: [middle, a, b, middle],
                 lanes,
