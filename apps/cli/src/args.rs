@@ -81,6 +81,26 @@ pub(crate) enum Verb {
         /// Output folder
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
+        /// Write the maps of the optics, too: attenuation, added light, light from elsewhere in the
+        /// frame and its displacement, coverage; NumPy arrays of 32-bit floats
+        #[arg(long)]
+        maps: bool,
+    },
+    /// Show one crack over the values of one parameter: each picture, and all on one sheet
+    Sweep {
+        /// A PNG or JPEG file
+        #[arg(value_name = "IMAGE")]
+        input: PathBuf,
+        /// Output folder
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+        /// The parameter and its values
+        #[arg(
+            long,
+            value_name = "TABLE.KEY=VALUE,…",
+            default_value = "camera.focus_distance_m=far,2,1,0.5,0.3,0.2,0.1,short"
+        )]
+        over: String,
     },
     /// Simulate only the crack network: JSON, SVG and growth frames
     Simulate {

@@ -18,9 +18,13 @@ pub(crate) fn run(
     global: &Global,
     inputs: &[PathBuf],
     out: &Path,
+    maps: bool,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let recipe = global.recipe()?;
+    let mut recipe = global.recipe()?;
+    if maps {
+        recipe.set("output.maps=true")?;
+    }
     let context = RunContext::new(&recipe, global.seed(), out)?;
     let jobs = plan_images(inputs, out)?;
     global.refuse_recipe_among(&[out.join("failures.jsonl")])?;

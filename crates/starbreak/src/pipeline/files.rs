@@ -198,7 +198,7 @@ pub fn crack_file(job: &ImageJob, context: &RunContext) -> Result<Written, Error
 /// [`Error`] naming the file.
 pub fn stage_cracked(
     job: &ImageJob,
-    file: ImageFile,
+    mut file: ImageFile,
     watch: Stopwatch,
     context: &RunContext,
     batch: &mut OutputBatch,
@@ -207,24 +207,24 @@ pub fn stage_cracked(
     let (width, height) = (file.pixels.width(), file.pixels.height());
     let simulated = simulate(&context.settings, width, height, seed);
     let simulated = simulated.map_err(|error| Error::of_image(&job.input, error))?;
-    stage_shown(job, file, simulated, watch, context, batch)
+    stage_shown(job, &mut file, simulated, watch, context, batch)
 }
 
-/// Shows cracks that were simulated for an image in it, and stages its files in a batch, which the
+/// Shows cracks that were simulated for an image in it, in place, and stages its files in a batch, which the
 /// caller commits.
 ///
 /// # Errors
 /// [`Error`] naming the file.
 pub fn stage_shown(
     job: &ImageJob,
-    mut file: ImageFile,
+    file: &mut ImageFile,
     simulated: Simulated,
     mut watch: Stopwatch,
     context: &RunContext,
     batch: &mut OutputBatch,
 ) -> Result<Written, Error> {
     let RunContext { out, settings, .. } = context;
-    let encoding = encoding(settings, &file);
+    let encoding = encoding(settings, file);
     let image_path = out.join(format!(
         "{}.{}",
         job.stem,
