@@ -174,7 +174,7 @@ fn a_pixel_pitch_gives_the_focal_length_in_px_or_agrees_with_it() {
         ),
         (
             "camera.focus_distance_m = \"short\"\nglass.distance_m = 0.003",
-            "camera.focus_distance_m = 0.003; expected more than camera.focal_length_mm (4 mm)",
+            "camera.focus_distance_m = \"short\" = 0.003; expected more than camera.focal_length_mm (4 mm)",
         ),
     ] {
         let message = refusal(text);

@@ -15,6 +15,9 @@ use super::{
     physics,
 };
 
+/// Nearest scene, m.
+const LEAST_DISTANCE_M: f64 = 1e-3;
+
 /// How far the focal length in px may be from what lens and pixel pitch make it.
 const F_PX_TOLERANCE: f64 = 0.01;
 
@@ -41,8 +44,15 @@ pub(super) fn settings(
         shot: given.noise_shot,
     };
     let is_quiet = noise.read == 0.0 && noise.shot == 0.0;
+    let lens = lens(camera, mount.distance_m);
+    // Before the distance in focus, which it may be.
+    if lens.scene_m.is_nan() || lens.scene_m < LEAST_DISTANCE_M {
+        let expected = "0.001 m or more, or \"infinity\"";
+        let key = "camera.scene_distance_m";
+        return Err(out_of_range(place, key, lens.scene_m, expected));
+    }
     let optics = PhysicalOptics {
-        lens: lens(camera, mount.distance_m),
+        lens,
         environment: environment(given),
         thickness_mm,
         refractive_index: given.refractive_index,
@@ -105,10 +115,15 @@ fn f_px(
             "more than camera.focal_length_mm ({} mm): nothing nearer can be sharp",
             given.focal_length_mm
         );
+        let focus = match given.focus_distance_m {
+            DistanceEntry::Word(DistanceWord::Far) => "\"far\" = ",
+            DistanceEntry::Word(DistanceWord::Short) => "\"short\" = ",
+            _ => "",
+        };
         return Err(out_of_range(
             place,
             "camera.focus_distance_m",
-            lens.focus_m,
+            format!("{focus}{}", lens.focus_m),
             &expected,
         ));
     }
