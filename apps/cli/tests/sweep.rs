@@ -319,3 +319,45 @@ fn a_camera_is_laid_over_the_models_that_the_flags_choose() {
         )],
     );
 }
+
+#[test]
+fn the_papers_cracks_lie_where_they_lay_when_the_camera_looks_through_glass() {
+    let dir = folder();
+    write_photo(&dir.path().join("a.png"));
+    common::succeed_small(dir.path(), &["crack", "a.png", "-o", "paper"]);
+    let paper = raw_png(&dir.path().join("paper/a.crack.png")).data;
+    let (n_cracked, n_all) = (
+        paper.iter().filter(|code| **code > 128).count(),
+        paper.len(),
+    );
+    assert!(n_cracked > 100 && n_cracked < n_all / 4, "{n_cracked}");
+    for glass in [
+        "glass.rake_deg=60",
+        "glass.rake_deg=0",
+        "glass.rake_deg=-30",
+    ] {
+        let args = [
+            "crack",
+            "a.png",
+            "-o",
+            "o",
+            "--set",
+            "optics.model=physical",
+        ];
+        let sheet = ["--set", glass, "--set", "glass.distance_m=0.3"];
+        let (preset, hit) = common::SMALL.split_at(2);
+        // The preset, the model, and then the glass that it brings along.
+        let args = [preset, &args[..], hit, &sheet].concat();
+        succeed(dir.path(), &args);
+        let physical = raw_png(&dir.path().join("o/a.crack.png")).data;
+        let n_both = paper
+            .iter()
+            .zip(&physical)
+            .filter(|(paper, physical)| **paper > 128 && **physical > 0)
+            .count();
+        assert!(
+            n_both * 100 > n_cracked * 95,
+            "{glass}: {n_both} of {n_cracked}"
+        );
+    }
+}
