@@ -1,6 +1,6 @@
 //! Samples of an image to linear light and back, by the transfer function of sRGB.
 //!
-//! With s the sample over the greatest code and x the light over white [IEC61966]:
+//! With s the sample over the greatest code and x the light over white \[IEC1999\]:
 //!
 //! x = s/12.92 up to s = 0.04045, else ((s + 0.055)/1.055)^2.4
 //!
