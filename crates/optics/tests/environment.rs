@@ -145,13 +145,13 @@ fn a_clear_sky_is_recovered() {
 }
 
 #[test]
-fn trees_and_a_lamp_before_the_sky_do_not_change_it() {
+fn trees_and_lamps_before_the_sky_do_not_change_it() {
     let sky = overcast([0.75, 0.77, 0.8]);
     let plain = sky_and_ground(sky, [0.05; 3]);
     let image = scene(0.5, |x, y, sin| {
         if x % 100 < 55 {
             [0.01, 0.03, 0.01]
-        } else if x % 100 == 99 {
+        } else if x % 100 > 95 {
             [1.0; 3]
         } else {
             plain(x, y, sin)
@@ -278,6 +278,24 @@ fn the_sun_is_bounded_by_the_sky_and_gone_below_the_horizon() {
         assert!(sun <= most * 1.0001, "{sun} at {degrees}°, most {most}");
         assert_eq!(sun > 0.0, degrees > 0.0, "{sun} at {degrees}°");
     }
+}
+
+#[test]
+fn a_ground_too_bright_for_a_road_does_not_raise_the_sun() {
+    let image = scene(0.5, sky_and_ground(clear([0.03, 0.07, 0.13]), [0.9; 3]));
+    let light = Environment::estimate(
+        &image,
+        &EnvironmentParams {
+            sun_elevation_rad: PI / 2.0,
+            horizon_rgb: Some([1.0; 3]),
+            zenith_rgb: Some([1.0; 3]),
+            ..params()
+        },
+        F_PX,
+    );
+    // A white sheet shows 3 at most, of which the sky makes 1.
+    let sun = luminance(light.sun_rgb);
+    assert!((sun - 2.0 * PI).abs() < 1e-3, "{sun}");
 }
 
 #[test]
