@@ -226,7 +226,7 @@ impl Frame {
         let n_sky_rows = rows as u32;
         Self {
             horizon: Horizon::at_row(horizon_row, height, f_px),
-            f_px: f_px.max(1.0),
+            f_px,
             width,
             height,
             n_sky_rows,
