@@ -89,8 +89,8 @@ impl Environment {
     }
 }
 
-/// Luminance of linear light by the primaries of sRGB [IEC1999].
-fn luminance([red, green, blue]: Rgb) -> f32 {
+/// Luminance of linear light by the primaries of sRGB \[IEC1999\].
+pub(crate) fn luminance([red, green, blue]: Rgb) -> f32 {
     0.2126 * red + 0.7152 * green + 0.0722 * blue
 }
 
