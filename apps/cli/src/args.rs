@@ -42,8 +42,12 @@ pub(crate) struct Global {
     /// `starbreak recipe --severity N` prints what that sets
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=5))]
     pub(crate) severity: Option<u8>,
+    /// Named camera, laid over the recipe: its focal length, lens and pixels, and where it stands
+    /// behind the glass; `starbreak recipe --list` shows all
+    #[arg(long, global = true, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
     /// Override one parameter, e.g. impact.speed_m_s=30 or impact.0.position=[0.5,0.5];
-    /// repeatable, applied in order, after --severity
+    /// repeatable, applied in order, after --severity and --camera
     #[arg(long, global = true, value_name = "TABLE.KEY=VALUE")]
     pub(crate) set: Vec<String>,
     /// Seed of everything random; the same seed gives the same bytes
@@ -77,6 +81,26 @@ pub(crate) enum Verb {
         /// Output folder
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
+        /// Write the maps of the optics, too: attenuation, added light, light from elsewhere in the
+        /// frame and its displacement, coverage; NumPy arrays of 32-bit floats
+        #[arg(long)]
+        maps: bool,
+    },
+    /// Show one crack over the values of one parameter: each picture, and all on one sheet
+    Sweep {
+        /// A PNG or JPEG file
+        #[arg(value_name = "IMAGE")]
+        input: PathBuf,
+        /// Output folder
+        #[arg(short, long, value_name = "DIR")]
+        output: PathBuf,
+        /// The parameter and its values
+        #[arg(
+            long,
+            value_name = "TABLE.KEY=VALUE,…",
+            default_value = "camera.focus_distance_m=far,2,1,0.5,0.3,0.2,0.1,short"
+        )]
+        over: String,
     },
     /// Simulate only the crack network: JSON, SVG and growth frames
     Simulate {
@@ -105,7 +129,7 @@ pub(crate) enum Verb {
         /// Print the JSON Schema of recipes instead
         #[arg(long, conflicts_with = "list")]
         schema: bool,
-        /// List the presets instead
+        /// List the presets and the cameras instead
         #[arg(long)]
         list: bool,
     },
@@ -177,6 +201,17 @@ impl Global {
             (None, Some(severity)) => Recipe::preset_at(preset, severity)?,
             (None, None) => Recipe::preset(preset)?,
         };
+        if let Some(camera) = &self.camera {
+            // The models first: a camera sets only what they have.
+            for assignment in self
+                .set
+                .iter()
+                .filter(|assignment| chooses_model(assignment))
+            {
+                recipe.set(assignment)?;
+            }
+            recipe.set_camera(camera)?;
+        }
         for assignment in &self.set {
             recipe.set(assignment)?;
         }
@@ -200,6 +235,12 @@ impl Global {
     pub(crate) fn seed(&self) -> Seed {
         Seed(self.seed)
     }
+}
+
+/// Whether an override chooses a model of fracture or optics.
+fn chooses_model(assignment: &str) -> bool {
+    let key = assignment.split('=').next().unwrap_or_default().trim();
+    ["fracture.model", "optics.model"].contains(&key)
 }
 
 /// Longest side of a simulated frame, px; that of the largest image that can be read.

@@ -12,11 +12,111 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 42] = [
+const NUMERIC: [(&str, &str, &[&str]); 70] = [
     (
         "paper",
         "camera.f_px",
         &["-1", "0", "nan", "inf", "1000001"],
+    ),
+    (
+        STAR,
+        "camera.focal_length_mm",
+        &["-1", "0", "nan", "inf", "1001"],
+    ),
+    (STAR, "camera.f_number", &["-1", "0", "nan", "inf", "129"]),
+    (
+        STAR,
+        "camera.focus_distance_m",
+        &["-1", "0", "nan", "0.004"],
+    ),
+    (STAR, "camera.scene_distance_m", &["-1", "0", "nan"]),
+    (
+        STAR,
+        "camera.pixel_pitch_um",
+        &["-1", "0", "nan", "inf", "1001"],
+    ),
+    (STAR, "camera.blades", &["-1", "1", "2", "1.5", "25"]),
+    (
+        STAR,
+        "camera.blade_angle_deg",
+        &["-361", "361", "nan", "inf"],
+    ),
+    (
+        STAR,
+        "optics.sun_irradiance",
+        &["-1", "nan", "inf", "1000001"],
+    ),
+    (
+        STAR,
+        "optics.sky_horizon",
+        &[
+            "[-1,0,0]",
+            "[0,0,2000000]",
+            "[nan,0,0]",
+            "[0,inf,0]",
+            "[1,2]",
+        ],
+    ),
+    (
+        STAR,
+        "optics.sky_zenith",
+        &[
+            "[-1,0,0]",
+            "[0,0,2000000]",
+            "[nan,0,0]",
+            "[0,inf,0]",
+            "[1,2]",
+        ],
+    ),
+    (
+        STAR,
+        "optics.ground",
+        &[
+            "[-1,0,0]",
+            "[0,0,2000000]",
+            "[nan,0,0]",
+            "[0,inf,0]",
+            "[1,2]",
+        ],
+    ),
+    (
+        STAR,
+        "optics.cabin",
+        &[
+            "[-1,0,0]",
+            "[0,0,2000000]",
+            "[nan,0,0]",
+            "[0,inf,0]",
+            "[1,2]",
+        ],
+    ),
+    (STAR, "optics.horizon_row", &["-101", "101", "nan", "inf"]),
+    (
+        STAR,
+        "optics.refractive_index",
+        &["-1", "1.2", "2.1", "nan", "inf"],
+    ),
+    (STAR, "optics.mirror_alpha", &["-0.1", "1.1", "nan", "inf"]),
+    (STAR, "optics.mist_alpha", &["-0.1", "1.1", "nan", "inf"]),
+    (STAR, "optics.hackle_alpha", &["-0.1", "1.1", "nan", "inf"]),
+    (STAR, "optics.opening_um", &["-1", "nan", "inf", "1001"]),
+    (STAR, "optics.crushed_zone", &["-1", "nan", "inf", "11"]),
+    (STAR, "optics.chip", &["-1", "nan", "inf", "11"]),
+    (STAR, "optics.chip_slope_deg", &["-1", "nan", "inf", "61"]),
+    (STAR, "optics.film", &["-1", "nan", "inf", "11"]),
+    (STAR, "optics.film_um", &["-1", "nan", "inf", "101"]),
+    (
+        STAR,
+        "optics.fragment_wedge_deg",
+        &["-1", "nan", "inf", "11"],
+    ),
+    (STAR, "optics.veiling_glare", &["-0.1", "0.6", "nan", "inf"]),
+    (STAR, "optics.noise_read", &["-0.1", "1.1", "nan", "inf"]),
+    (STAR, "optics.noise_shot", &["-0.1", "1.1", "nan", "inf"]),
+    (
+        STAR,
+        "optics.region_threshold",
+        &["-1", "0", "nan", "inf", "1.1"],
     ),
     ("paper", "impact.force", &["-1", "0", "nan", "inf", "-inf"]),
     ("paper", "impact.direction_deg", &["nan", "inf", "-inf"]),
@@ -324,7 +424,12 @@ fn wrong_overrides_are_refused() {
             ),
             set("glass.kind=cover", "a cover is a disc"),
             set("fracture.model=papper", "expected `physics` or `paper`"),
-            set("camera.focus_distance_m=7", "camera.focus_distance_m"),
+            paper("camera.focus_distance_m=7", "camera.focus_distance_m"),
+            set("optics.model=pbr", "expected `physical` or `paper`"),
+            set(
+                "camera.focus_distance_m=near",
+                "\"far\", \"short\", \"infinity\" or a distance",
+            ),
         ],
     );
 }

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use common::{folder, json, names, raw_frames, raw_png, starbreak, succeed, write_photo};
 use serde_json::Value;
+use starbreak::optics::srgb::decode8;
 
 /// A stone that surely breaks the windscreen, on the coarse mesh.
 const HARD: [&str; 8] = [
@@ -178,7 +179,7 @@ fn crack_writes_four_files_with_the_hits_in_the_record() {
             .contains("speed_m_s = 40"),
         "{record}"
     );
-    // Outside the region nothing differs; inside, something does.
+    // Outside the region hardly anything differs; inside, something does.
     let (before, after) = (
         raw_png(&dir.path().join("a.png")),
         raw_png(&out.join("a.png")),
@@ -186,8 +187,14 @@ fn crack_writes_four_files_with_the_hits_in_the_record() {
     let region = raw_png(&out.join("a.region.png"));
     assert_eq!(before.size, after.size, "size");
     let pixels = || before.pixels().zip(after.pixels()).zip(&region.data);
-    let outside = pixels().filter(|((a, b), region)| **region == 0 && a != b);
-    assert_eq!(outside.count(), 0, "changed outside the region");
+    for ((a, b), _) in pixels().filter(|(_, region)| **region == 0) {
+        for (a, b) in a.iter().zip(b).map(|(a, b)| (decode8(*a), decode8(*b))) {
+            // Less than optics.region_threshold of its light taken and of white added, and half a
+            // code of rounding.
+            let most = 0.01 * a + 0.01 + 0.005;
+            assert!((a - b).abs() <= most, "{a} to {b} outside the region");
+        }
+    }
     let inside = pixels().filter(|((a, b), region)| **region == 255 && a != b);
     assert!(inside.count() > 20, "hardly a crack");
     // Made again from its record.

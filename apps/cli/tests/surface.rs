@@ -10,9 +10,10 @@ use std::process::{Command, Stdio};
 use common::{Outcome, folder, names, raw_png, succeed};
 use serde_json::Value;
 
-const VERBS: [&str; 7] = [
+const VERBS: [&str; 8] = [
     "demo",
     "crack",
+    "sweep",
     "simulate",
     "recipe",
     "bench",
@@ -94,9 +95,14 @@ fn presets_are_listed_and_each_prints() {
     let dir = folder();
     let list = succeed(dir.path(), &["recipe", "--list"]).stdout;
     assert!(list.starts_with("windshield-star "), "{list}");
-    for line in list.lines() {
+    let (presets, cameras) = list.split_once("\n\ncameras (--camera NAME):\n").unwrap();
+    for (line, flag) in presets
+        .lines()
+        .map(|line| (line, "--preset"))
+        .chain(cameras.lines().map(|line| (line, "--camera")))
+    {
         let name = line.split_whitespace().next().unwrap();
-        let recipe = succeed(dir.path(), &["recipe", "--preset", name]).stdout;
+        let recipe = succeed(dir.path(), &["recipe", flag, name]).stdout;
         fs::write(dir.path().join("r.toml"), &recipe).unwrap();
         let again = succeed(dir.path(), &["recipe", "--recipe", "r.toml"]).stdout;
         assert_eq!(recipe, again, "{name}");

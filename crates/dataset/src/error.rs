@@ -42,6 +42,14 @@ pub enum DatasetError {
         /// The limit, in bytes.
         max_bytes: u64,
     },
+    /// An array whose sides do not multiply to the number of its values.
+    #[error("an array of shape {shape:?} does not hold {n_values} values")]
+    ArrayShape {
+        /// The sides.
+        shape: Vec<usize>,
+        /// How many values there are.
+        n_values: usize,
+    },
     /// The first bytes are those of neither PNG nor JPEG.
     #[error("{name:?} is neither PNG nor JPEG, it looks like {looks_like}; convert it to PNG")]
     UnknownFormat {

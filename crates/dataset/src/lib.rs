@@ -1,6 +1,6 @@
 //! Samples on disk: the one library of starbreak that touches files and image codecs.
 //!
-//! It is: a strict reader for PNG and JPEG, an encoder for images, masks and animations, an
+//! It is: a strict reader for PNG and JPEG, an encoder for images, masks, arrays and animations, an
 //! all-or-nothing writer for the files of one sample, and the opaque provenance record.
 //! It is not: a place for pixel arithmetic, recipes or labels; every value passes through it
 //! unchanged, and nothing in it depends on time, threads or the platform.
@@ -29,6 +29,7 @@ mod error;
 mod image_file;
 
 mod animation;
+mod array;
 mod encode;
 
 mod output_batch;
@@ -38,6 +39,7 @@ mod provenance;
 mod scene;
 
 pub use animation::{AnimationParams, encode_animation};
+pub use array::encode_array;
 pub use encode::{Encoding, JpegQuality, encode_image, encode_mask};
 pub use error::DatasetError;
 pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_image};

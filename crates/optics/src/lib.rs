@@ -34,6 +34,7 @@
 mod bit_rows;
 mod blur;
 mod camera;
+mod contrast;
 mod coverage;
 pub mod environment;
 mod error;
@@ -47,6 +48,7 @@ pub mod srgb;
 mod surface;
 
 pub use camera::{Camera, View};
+pub use contrast::Contrast;
 pub use coverage::{Coverage, Line};
 pub use error::OpticsError;
 pub use masks::Masks;

@@ -1,4 +1,4 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use starbreak_dataset::DatasetError;
 use starbreak_fracture::FractureError;
@@ -77,4 +77,14 @@ pub enum Error {
         /// What the system said.
         cause: String,
     },
+}
+
+impl Error {
+    /// An error that came up with this image.
+    pub(crate) fn of_image(input: &Path, error: Self) -> Self {
+        Self::OfImage {
+            input: input.to_owned(),
+            cause: Box::new(error),
+        }
+    }
 }

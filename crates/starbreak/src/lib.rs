@@ -25,9 +25,9 @@ mod recipe;
 
 pub use error::Error;
 pub use recipe::{
-    CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, Mount, OutputFormat,
-    OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe, RecipeError, SCHEMA_VERSION,
-    Settings, StoneSettings, json_schema,
+    CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, Mount, OpticsSettings,
+    OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe, RecipeError,
+    SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
 };
 pub use starbreak_dataset as dataset;
 pub use starbreak_fracture as fracture;

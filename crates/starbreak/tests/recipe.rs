@@ -107,7 +107,27 @@ fn the_schema_knows_every_key_of_every_preset_and_needs_none() {
     let glass = schema["properties"]["glass"]["description"]
         .as_str()
         .unwrap();
-    assert!(glass.starts_with("(physics) "), "{glass}");
+    assert!(glass.starts_with("(physics or physical) "), "{glass}");
+    for (table, key, start) in [
+        ("glass", "kind", "(physics) "),
+        ("glass", "distance_m", "Distance"),
+        ("camera", "f_number", "(physical) "),
+        ("optics", "line_width_px", "(paper) "),
+        ("optics", "mirror_alpha", "(physical) "),
+        ("optics", "model", "Optics model"),
+    ] {
+        let description = description(table, key);
+        assert!(
+            description.starts_with(start),
+            "{table}.{key}: {description}"
+        );
+    }
+    let focus = &schema["properties"]["camera"]["properties"]["focus_distance_m"];
+    assert_eq!(
+        focus["anyOf"].as_array().map(Vec::len),
+        Some(2),
+        "that of each optics model: {focus}"
+    );
 }
 
 #[test]
@@ -245,26 +265,30 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
             "impact.0.direction_deg",
         ),
         (
-            "schema = 1\n[optics]\nblur_kernel_px = 14",
+            "schema = 1\n[optics]\nmodel = \"paper\"\nblur_kernel_px = 14",
             "optics.blur_kernel_px = 14",
         ),
         (
-            "schema = 1\n[optics]\nline_width_px = 1e9",
+            "schema = 1\n[optics]\nmodel = \"paper\"\nline_width_px = 1e9",
             "optics.line_width_px = 1000000000",
         ),
         (
-            "schema = 1\n[optics]\nlight_intensity = [1, 2]",
+            "schema = 1\n[optics]\nmodel = \"paper\"\nlight_intensity = [1, 2]",
             "optics.light_intensity",
         ),
         (
-            "schema = 1\n[optics]\nlight_intensity = [1, 2, 300]",
+            "schema = 1\n[optics]\nmodel = \"paper\"\nlight_intensity = [1, 2, 300]",
             "light_intensity = 300",
         ),
         ("schema = 1\n[output]\nquality = 0", "output.quality = 0"),
         ("schema = 1\n[output]\nmasks = \"yes\"", "output.masks"),
         (
-            "schema = 1\n[camera]\nfocus_distance_m = 3.0",
-            "camera.focus_distance_m",
+            "schema = 1\noptics.model = \"paper\"\n[camera]\nfocus_distance_m = 3.0",
+            "camera.focus_distance_m: expected \"far\" or \"short\" (the paper's optics know no distance",
+        ),
+        (
+            "schema = 1\n[optics]\nmodel = \"pbr\"",
+            "optics.model: unknown variant `pbr`, expected `physical` or `paper`",
         ),
         ("schema = 1\n[fracture\n", "r.toml:2:"),
         ("schema = 1\nschema = 1", "r.toml:2:"),
@@ -340,6 +364,10 @@ fn scalar() -> impl Strategy<Value = String> {
             "[1,2,3]",
             "\"paper\"",
             "\"physics\"",
+            "\"physical\"",
+            "\"short\"",
+            "\"infinity\"",
+            "\"auto\"",
             "\"cover\"",
             "\"tempered\"",
             "\"slow\"",
@@ -356,7 +384,9 @@ proptest! {
     #[test]
     fn any_override_is_refused_in_one_line_or_gives_valid_settings(
         key in prop::sample::select(vec![
-            "camera.focus_distance_m", "impact.position", "impact.0.force", "impact.direction_deg", "fracture.model",
+            "camera.focus_distance_m", "camera.pixel_pitch_um", "camera.scene_distance_m", "camera.focal_length_mm",
+            "camera.blades", "optics.model", "optics.sky_zenith", "optics.sun_irradiance", "optics.noise_shot",
+            "output.maps", "impact.position", "impact.0.force", "impact.direction_deg", "fracture.model",
             "fracture.particles", "fracture.neighbour_radius_px", "fracture.critical_stress", "fracture.safety_factor",
             "fracture.branches", "optics.sun_azimuth_deg", "optics.light_intensity", "optics.line_width_px",
             "optics.blur_kernel_px", "optics.blur_sigma_px", "output.quality", "output.masks",

@@ -67,12 +67,14 @@ fn an_override_of_the_model_changes_the_base() {
     recipe.set("output.quality=77").unwrap();
     recipe.set("fracture.model=paper").unwrap();
     let mut expected = Recipe::preset("paper").unwrap();
-    expected.set("optics.line_width_px=2.5").unwrap();
+    expected.set("optics.model=physical").unwrap();
+    expected.set("glass.distance_m=0.3").unwrap();
     expected.set("impact.position=[0.25, 0.75]").unwrap();
     expected.set("output.quality=77").unwrap();
     assert_eq!(recipe, expected, "what both models have stays");
     recipe.set("fracture.model=physics").unwrap();
     let mut expected = Recipe::preset(DEFAULT_PRESET).unwrap();
+    expected.set("glass.distance_m=0.3").unwrap();
     expected.set("impact.position=[0.25, 0.75]").unwrap();
     expected.set("output.quality=77").unwrap();
     assert_eq!(recipe, expected, "and back");

@@ -18,9 +18,13 @@ pub(crate) fn run(
     global: &Global,
     inputs: &[PathBuf],
     out: &Path,
+    maps: bool,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let recipe = global.recipe()?;
+    let mut recipe = global.recipe()?;
+    if maps {
+        recipe.set("output.maps=true")?;
+    }
     let context = RunContext::new(&recipe, global.seed(), out)?;
     let jobs = plan_images(inputs, out)?;
     global.refuse_recipe_among(&[out.join("failures.jsonl")])?;
@@ -147,8 +151,10 @@ pub(super) fn item_json(item: &Written) -> Value {
         "image": path_text(&item.image),
         "region": item.region.as_ref().map(path_text),
         "crack": item.crack.as_ref().map(path_text),
+        "maps": item.maps.iter().map(path_text).collect::<Vec<_>>(),
         "provenance": path_text(&item.provenance),
         "region_fraction": item.region_fraction,
+        "optics": item.cracked.optics.to_json(),
         "intact": item.cracked.network.n_segments() == 0,
         "summary": item.cracked.network.summary(),
         "timings_ms": item.timings.to_json(),

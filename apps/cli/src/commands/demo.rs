@@ -9,7 +9,7 @@ use starbreak::dataset::{
     encode_animation, encode_image, street_scene,
 };
 use starbreak::pipeline::{
-    ImageJob, RunContext, Stopwatch, Written, growth_over, growth_times, stage_cracked, view,
+    ImageJob, RunContext, Stopwatch, Written, growth_over, growth_times, stage_cracked,
 };
 
 use super::crack::item_json;
@@ -72,10 +72,10 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
         batch.stage(&recipe_path, recipe.to_commented_toml().as_bytes())?;
     }
     let mut frames = Vec::new();
-    let view = view(&settings, pixels.width(), pixels.height())?;
+    let seed = global.seed().of_item(SCENE, 0);
     for time in growth_times(network, GROWTH_FRAMES) {
         interrupt.check()?;
-        frames.push(growth_over(&pixels, network, &view, time, &settings.optics)?.into_rgb8());
+        frames.push(growth_over(&settings, &pixels, network, time, seed)?.into_rgb8());
     }
     let delays = AnimationParams {
         delay_ms: 80,

@@ -2,12 +2,14 @@
 
 mod bench;
 mod bench_physics;
+mod contact_sheet;
 mod crack;
 mod demo;
 mod plot;
 mod recipe;
 mod shell;
 mod simulate;
+mod sweep;
 
 use std::process::ExitCode;
 
@@ -20,7 +22,16 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
     let global = &args.global;
     match args.verb {
         Verb::Demo { output } => demo::run(global, &output, screen),
-        Verb::Crack { inputs, output } => crack::run(global, &inputs, &output, screen),
+        Verb::Crack {
+            inputs,
+            output,
+            maps,
+        } => crack::run(global, &inputs, &output, maps, screen),
+        Verb::Sweep {
+            input,
+            output,
+            over,
+        } => sweep::run(global, &input, &output, &over, screen),
         Verb::Simulate {
             output,
             svg,

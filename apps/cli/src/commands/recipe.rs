@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use serde_json::json;
-use starbreak::{PRESETS, json_schema};
+use starbreak::{PRESETS, cameras, json_schema};
 
 use crate::args::Global;
 use crate::failure::Failure;
@@ -18,13 +18,23 @@ pub(crate) fn run(
     if schema {
         screen.data(&format!("{:#}", json_schema()))?;
     } else if list {
+        let cameras = cameras()?;
         let presets = PRESETS
             .iter()
             .map(|(name, purpose)| json!({ "name": name, "purpose": purpose }));
         if global.json {
-            screen.result(|| json!({ "presets": presets.collect::<Vec<_>>() }))?;
+            let cameras: Vec<_> = cameras
+                .iter()
+                .map(|(name, purpose)| json!({ "name": name, "purpose": purpose }))
+                .collect();
+            screen
+                .result(|| json!({ "presets": presets.collect::<Vec<_>>(), "cameras": cameras }))?;
         } else {
             for (name, purpose) in PRESETS {
+                screen.data(&format!("{name:24} {purpose}"))?;
+            }
+            screen.data("\ncameras (--camera NAME):")?;
+            for (name, purpose) in cameras {
                 screen.data(&format!("{name:24} {purpose}"))?;
             }
         }

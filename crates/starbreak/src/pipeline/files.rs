@@ -4,15 +4,27 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use image::GrayImage;
 use rayon::prelude::*;
 use starbreak_dataset::{
-    Encoding, FileSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, encode_image, encode_mask,
-    read_image, same_file, sha256_hex,
+    Encoding, FileSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, encode_array,
+    encode_image, encode_mask, read_image, same_file, sha256_hex,
 };
 
+use starbreak_optics::physical::OpticalMaps;
+
 use super::provenance::{Item, RunContext};
-use super::{Cracked, Stopwatch, Timings, crack_image};
+use super::{Cracked, Simulated, Stopwatch, Timings, show_cracks, simulate};
 use crate::{Error, OutputFormat, Settings};
+
+/// Names of the maps of the optics in their files' names.
+const MAPS: [&str; 5] = [
+    "attenuation",
+    "added",
+    "elsewhere",
+    "displacement",
+    "coverage",
+];
 
 /// One image to crack.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,6 +46,8 @@ pub struct Written {
     pub region: Option<PathBuf>,
     /// The crack mask, if asked for.
     pub crack: Option<PathBuf>,
+    /// The maps of the optics, if asked for: NumPy arrays.
+    pub maps: Vec<PathBuf>,
     /// The provenance.
     pub provenance: PathBuf,
     /// Share of the frame that may have changed.
@@ -113,6 +127,7 @@ fn possible_outputs(job: &ImageJob) -> Vec<String> {
         .iter()
         .map(|suffix| format!("{stem}.{suffix}"))
         .collect();
+    names.extend(MAPS.map(|map| format!("{stem}.{map}.npy")));
     if !names.contains(&job.name) {
         names.push(job.name.clone());
     }
@@ -184,12 +199,32 @@ pub fn crack_file(job: &ImageJob, context: &RunContext) -> Result<Written, Error
 pub fn stage_cracked(
     job: &ImageJob,
     mut file: ImageFile,
+    watch: Stopwatch,
+    context: &RunContext,
+    batch: &mut OutputBatch,
+) -> Result<Written, Error> {
+    let seed = context.seed.of_item(&job.name, 0);
+    let (width, height) = (file.pixels.width(), file.pixels.height());
+    let simulated = simulate(&context.settings, width, height, seed);
+    let simulated = simulated.map_err(|error| Error::of_image(&job.input, error))?;
+    stage_shown(job, &mut file, simulated, watch, context, batch)
+}
+
+/// Shows cracks that were simulated for an image in it, in place, and stages its files in a batch, which the
+/// caller commits.
+///
+/// # Errors
+/// [`Error`] naming the file.
+pub fn stage_shown(
+    job: &ImageJob,
+    file: &mut ImageFile,
+    simulated: Simulated,
     mut watch: Stopwatch,
     context: &RunContext,
     batch: &mut OutputBatch,
 ) -> Result<Written, Error> {
     let RunContext { out, settings, .. } = context;
-    let encoding = encoding(settings, &file);
+    let encoding = encoding(settings, file);
     let image_path = out.join(format!(
         "{}.{}",
         job.stem,
@@ -198,7 +233,9 @@ pub fn stage_cracked(
     let beside = |suffix: &str| out.join(format!("{}.{suffix}", job.stem));
     let (region_path, crack_path, provenance_path) =
         (beside("region.png"), beside("crack.png"), beside("json"));
-    for output in [&image_path, &region_path, &crack_path, &provenance_path] {
+    let map_paths = MAPS.map(|map| beside(&format!("{map}.npy")));
+    let outputs = [&image_path, &region_path, &crack_path, &provenance_path];
+    for output in outputs.into_iter().chain(&map_paths) {
         if same_file(&job.input, output) {
             return Err(Error::OutputIsInput {
                 input: job.input.clone(),
@@ -207,11 +244,8 @@ pub fn stage_cracked(
         }
     }
     let seed = context.seed.of_item(&job.name, 0);
-    let of_image = |error| Error::OfImage {
-        input: job.input.clone(),
-        cause: Box::new(error),
-    };
-    let cracked = crack_image(settings, &mut file.pixels, seed).map_err(of_image)?;
+    let of_image = |error| Error::of_image(&job.input, error);
+    let cracked = show_cracks(settings, &mut file.pixels, simulated, seed).map_err(of_image)?;
     watch.append(cracked.timings.clone());
 
     let bytes = encode_image(&file.pixels, &encoding, file.icc_profile.as_deref())
@@ -222,6 +256,16 @@ pub fn stage_cracked(
         batch.stage(&region_path, &encode_mask(&cracked.masks.region)?)?;
         batch.stage(&crack_path, &encode_mask(&cracked.masks.crack)?)?;
         (region, crack) = (Some(region_path), Some(crack_path));
+    }
+    let mut maps = Vec::new();
+    if let Some(of_optics) = &cracked.maps {
+        for (path, array) in map_paths
+            .iter()
+            .zip(encode_maps(of_optics, &cracked.masks.crack)?)
+        {
+            batch.stage(path, &array)?;
+            maps.push(path.clone());
+        }
     }
     watch.lap("write");
     let timings = watch.stop();
@@ -241,6 +285,7 @@ pub fn stage_cracked(
         output_sha256: &sha256_hex(&bytes),
         network: &cracked.network,
         details: &cracked.details,
+        optics: &cracked.optics,
         region_fraction,
         timings: &timings,
     })?;
@@ -249,11 +294,32 @@ pub fn stage_cracked(
         image: image_path,
         region,
         crack,
+        maps,
         provenance: provenance_path,
         region_fraction,
         cracked,
         timings,
     })
+}
+
+/// What each of [`MAPS`] is as a file: row by row, then by color or coordinate.
+fn encode_maps(maps: &OpticalMaps, crack: &GrayImage) -> Result<[Vec<u8>; 5], Error> {
+    let (width, height) = (maps.width as usize, maps.height as usize);
+    let coverage: Vec<f32> = crack
+        .as_raw()
+        .iter()
+        .map(|code| f32::from(*code) / 255.0)
+        .collect();
+    let array = |channels: &[usize], values: &[f32]| {
+        encode_array(&[&[height, width], channels].concat(), values)
+    };
+    Ok([
+        array(&[], &maps.attenuation)?,
+        array(&[3], maps.added.as_flattened())?,
+        array(&[], &maps.elsewhere)?,
+        array(&[2], maps.displacement.as_flattened())?,
+        array(&[], &coverage)?,
+    ])
 }
 
 /// How the cracked image is stored.
@@ -284,7 +350,7 @@ fn extension(input: &Path, format: ImageFormat) -> String {
     }
 }
 
-fn region_fraction(region: &image::GrayImage) -> f64 {
+fn region_fraction(region: &GrayImage) -> f64 {
     let changed = region.as_raw().iter().filter(|level| **level > 0).count();
     #[expect(clippy::cast_precision_loss, reason = "counts of pixels")]
     let fraction = changed as f64 / region.as_raw().len().max(1) as f64;

@@ -1,11 +1,12 @@
 //! The crack as it grows, frame by frame.
 
 use image::{DynamicImage, GrayImage};
-use starbreak_glass::CrackNetwork;
-use starbreak_optics::paper::{PaperOptics, render_at};
+use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::{Coverage, Line, View};
 
-use crate::Error;
+use super::Stopwatch;
+use super::show::show;
+use crate::{Error, Settings};
 
 /// The times of `n_frames` growth frames, even steps from shortly after the impact to the last
 /// arrival; in the unit of the network's arrivals.
@@ -37,13 +38,14 @@ pub fn growth_drawing(
 /// # Errors
 /// [`Error::Optics`] as for the full-grown crack.
 pub fn growth_over(
+    settings: &Settings,
     scene: &DynamicImage,
     network: &CrackNetwork,
-    view: &View,
     time: f64,
-    optics: &PaperOptics,
+    seed: Seed,
 ) -> Result<DynamicImage, Error> {
     let mut frame = scene.clone();
-    render_at(&mut frame, network, view, time, optics)?;
+    let mut watch = Stopwatch::start();
+    show(settings, &mut frame, network, time, seed, &mut watch)?;
     Ok(frame)
 }

@@ -5,13 +5,19 @@ mod details;
 mod files;
 mod growth;
 mod provenance;
+mod show;
 mod timings;
 
 use image::DynamicImage;
 use starbreak_fracture::paper::{Stage, simulate as simulate_paper};
 use starbreak_glass::{CrackNetwork, Pane, Seed};
+<<<<<<< HEAD
 use starbreak_optics::paper::{composite, draw};
 use starbreak_optics::{Masks, View};
+=======
+use starbreak_optics::physical::OpticalMaps;
+use starbreak_optics::{Camera, Masks, View};
+>>>>>>> 7dbd7e4fe5d6154648a2959bea39b87e480306f1
 
 use broken_pane::{physics_network, view_of};
 
@@ -21,10 +27,11 @@ pub use details::{Details, PaperDetails, PhysicsDetails};
 
 pub use files::{
     Failure, ImageJob, JobResult, Written, crack_file, crack_files, plan_images, stage_cracked,
-    with_threads,
+    stage_shown, with_threads,
 };
 pub use growth::{growth_drawing, growth_over, growth_times};
 pub use provenance::{PROVENANCE_SCHEMA, RunContext};
+pub use show::{OpticsReport, SceneReport, show_cracks};
 pub use timings::{Stopwatch, Timings};
 
 /// A simulated crack network and how long each stage took.
@@ -47,6 +54,10 @@ pub struct Cracked {
     pub details: Details,
     /// Where the image changed, and where the cracks are.
     pub masks: Masks,
+    /// What the physical optics did to the light of each pixel, if asked for.
+    pub maps: Option<OpticalMaps>,
+    /// What the optics say about the picture.
+    pub optics: OpticsReport,
     /// Wall-clock time per stage.
     pub timings: Timings,
 }
@@ -82,6 +93,25 @@ pub fn view(settings: &Settings, width_px: u32, height_px: u32) -> Result<View, 
             size,
         )),
         FractureSettings::Physics(physics) => view_of(physics, &settings.camera, size),
+    }
+}
+
+/// The pane as the physical optics see it: every camera looks through glass, also where the cracks
+/// are those of the paper, which lie over the frame.
+fn sheet_view(settings: &Settings, width_px: u32, height_px: u32) -> Result<View, Error> {
+    let size = (width_px, height_px);
+    match (&settings.fracture, settings.fracture.mount()) {
+        (FractureSettings::Paper(_), Some(mount)) => {
+            let camera = Camera {
+                f_px: settings.camera.f_px.of_frame(width_px),
+                distance_m: mount.distance_m,
+                rake_rad: mount.rake_rad,
+                // The sheet goes on beyond the frame, so that any of its points will do.
+                axis_at_mm: [0.0; 2],
+            };
+            Ok(View::through(&camera, size)?)
+        }
+        _ => view(settings, width_px, height_px),
     }
 }
 
@@ -125,22 +155,6 @@ pub fn crack_image(
     image: &mut DynamicImage,
     seed: Seed,
 ) -> Result<Cracked, Error> {
-    let Simulated {
-        network,
-        details,
-        mut timings,
-    } = simulate(settings, image.width(), image.height(), seed)?;
-    let mut watch = Stopwatch::start();
-    let view = view(settings, image.width(), image.height())?;
-    let drawn = draw(&network, &view, f64::INFINITY, &settings.optics);
-    watch.lap("draw");
-    let masks = composite(image, &drawn, &settings.optics)?;
-    watch.lap("render");
-    timings.append(watch.stop());
-    Ok(Cracked {
-        network,
-        details,
-        masks,
-        timings,
-    })
+    let simulated = simulate(settings, image.width(), image.height(), seed)?;
+    show_cracks(settings, image, simulated, seed)
 }

@@ -7,6 +7,7 @@ use starbreak_dataset::{Provenance, sha256_hex};
 use starbreak_glass::{CrackNetwork, Seed};
 
 use super::details::Details;
+use super::show::OpticsReport;
 use super::timings::Timings;
 use crate::{Error, Recipe, Settings};
 
@@ -40,6 +41,7 @@ pub(super) struct Item<'a> {
     pub(super) output_sha256: &'a str,
     pub(super) network: &'a CrackNetwork,
     pub(super) details: &'a Details,
+    pub(super) optics: &'a OpticsReport,
     pub(super) region_fraction: f64,
     pub(super) timings: &'a Timings,
 }
@@ -69,6 +71,12 @@ impl RunContext {
             ("summary".to_owned(), json!(item.network.summary())),
         ]);
         network.extend(item.details.to_json());
+        let mut camera = json!({ "width_px": item.width_px, "height_px": item.height_px });
+        if let Some(scene) = &item.optics.scene {
+            camera["f_px"] = scene.f_px.into();
+            camera["glass_disc_px"] = scene.glass_disc_px.into();
+            camera["scene_disc_px"] = scene.scene_disc_px.into();
+        }
         let record = json!({
             "schema": PROVENANCE_SCHEMA,
             "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
@@ -76,10 +84,11 @@ impl RunContext {
             "recipe_sha256": self.recipe_sha256,
             "seed": self.seed.0,
             "item": { "name": item.name, "sample_index": 0, "seed": item.seed.0 },
-            "camera": { "width_px": item.width_px, "height_px": item.height_px },
+            "camera": camera,
             "input": { "name": item.name, "sha256": item.input_sha256 },
             "output": { "name": item.output_name, "sha256": item.output_sha256 },
             "network": network,
+            "optics": item.optics.to_json(),
             "region_fraction": item.region_fraction,
             "timings_ms": item.timings.to_json(),
         });

@@ -18,6 +18,14 @@ impl Place {
         Self(format!("preset {name}"))
     }
 
+    pub(super) fn cameras() -> Self {
+        Self("cameras".to_owned())
+    }
+
+    pub(super) fn camera(name: &str) -> Self {
+        Self(format!("camera {name}"))
+    }
+
     pub(super) fn assignment(text: &str) -> Self {
         Self(format!("--set {}", text.escape_debug()))
     }
@@ -75,10 +83,10 @@ pub enum RecipeError {
         /// The nearest known key, or all of them.
         hint: String,
     },
-    /// A key or table of the other fracture model.
+    /// A key or table of another model of fracture or optics.
     #[error(
         "{place}: {key} is a {what} of model \"{other}\", but this recipe's model is \"{model}\"; remove it or set \
-         fracture.model = \"{other}\""
+         {choice} = \"{other}\""
     )]
     OtherModel {
         /// Where the text came from.
@@ -91,6 +99,8 @@ pub enum RecipeError {
         other: &'static str,
         /// The model of the recipe.
         model: &'static str,
+        /// The key that chooses between the two.
+        choice: &'static str,
     },
     /// A severity that presets do not have.
     #[error("severity {found}; expected 1 (mild) to 5 (severe), 3 is the preset itself")]
@@ -104,6 +114,14 @@ pub enum RecipeError {
         /// What was asked for.
         name: String,
         /// The nearest preset, and all of them.
+        hint: String,
+    },
+    /// A camera that does not exist.
+    #[error("unknown camera `{name}`; {hint}")]
+    UnknownCamera {
+        /// What was asked for.
+        name: String,
+        /// The nearest camera, or all of them.
         hint: String,
     },
     /// A value of the wrong type.
@@ -159,9 +177,28 @@ pub(super) fn printable(text: &str) -> String {
         .collect()
 }
 
-/// A value that went to SI and back, without the last digits that this costs.
+/// A value that went to SI and back, or through single precision, without the last digits that
+/// this costs.
 fn as_given(value: f64) -> f64 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "compared with what it came from"
+    )]
+    let single = value as f32;
+    if f64::from(single).to_bits() == value.to_bits() {
+        return single.to_string().parse().unwrap_or(value);
+    }
     format!("{value:.12e}").parse().unwrap_or(value)
+}
+
+/// The table of a recipe that a parameter of the optics is a key of.
+fn table_of_optics(name: &str) -> &'static str {
+    match name {
+        "f_px" | "focal_length_mm" | "f_number" | "focus_distance_m" | "scene_distance_m"
+        | "blades" | "blade_angle_deg" => "camera",
+        "thickness_mm" | "distance_m" | "rake_deg" => "glass",
+        _ => "optics",
+    }
 }
 
 impl RecipeError {
@@ -169,6 +206,15 @@ impl RecipeError {
         let names = PRESETS.iter().map(|(known, _)| *known);
         let hint = super::known_keys::hint(name, names, "presets");
         Self::UnknownPreset {
+            name: name.escape_debug().to_string(),
+            hint,
+        }
+    }
+
+    pub(super) fn unknown_camera(name: &str, known: &[String]) -> Self {
+        let names = known.iter().map(String::as_str);
+        let hint = super::known_keys::hint(name, names, "cameras");
+        Self::UnknownCamera {
             name: name.escape_debug().to_string(),
             hint,
         }
@@ -204,8 +250,8 @@ impl RecipeError {
                 expected,
             } => Self::Range {
                 place: place.clone(),
-                key: format!("optics.{name}"),
-                value: value.to_string(),
+                key: format!("{}.{name}", table_of_optics(name)),
+                value: as_given(value).to_string(),
                 expected: expected.to_owned(),
             },
             other => Self::Type {

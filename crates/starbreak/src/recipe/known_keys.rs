@@ -4,8 +4,8 @@ use serde_json::{Map, Value as Json};
 use toml::{Table, Value};
 
 use super::error::{Place, RecipeError};
-use super::schema::{all, keys, of_model};
-use super::tables::ModelWord;
+use super::schema::{all, has, keys, of_choice};
+use super::tables::Choice;
 
 /// Names of the presets or keys nearer than this are suggested.
 const NEAR: f64 = 0.6;
@@ -13,19 +13,19 @@ const NEAR: f64 = 0.6;
 /// Keys by their names, with what the schema says of each.
 type Keys = Map<String, Json>;
 
-/// Every key of a recipe exists, and in this model.
-pub(super) fn check(place: &Place, given: &Table, model: ModelWord) -> Result<(), RecipeError> {
-    let (Some(own), Some(all)) = (keys(of_model(model)), keys(all())) else {
+/// Every key of a recipe exists, and in these models.
+pub(super) fn check(place: &Place, given: &Table, choice: Choice) -> Result<(), RecipeError> {
+    let (Some(own), Some(all)) = (keys(of_choice(choice)), keys(all())) else {
         return Ok(());
     };
-    check_table(place, "", given, own, all, model)?;
+    check_table(place, "", given, own, all, choice)?;
     for (name, value) in given {
         let (Some(own_keys), Some(all_keys)) = (keys(&own[name]), keys(&all[name])) else {
             continue;
         };
         match value {
             Value::Table(table) if own[name]["items"].is_null() => {
-                check_table(place, name, table, own_keys, all_keys, model)?;
+                check_table(place, name, table, own_keys, all_keys, choice)?;
             }
             Value::Array(entries) if own[name]["items"].is_object() => {
                 for (k, entry) in entries.iter().enumerate() {
@@ -33,7 +33,7 @@ pub(super) fn check(place: &Place, given: &Table, model: ModelWord) -> Result<()
                     let Value::Table(table) = entry else {
                         return Err(no_table(place, &name, entry));
                     };
-                    check_table(place, &name, table, own_keys, all_keys, model)?;
+                    check_table(place, &name, table, own_keys, all_keys, choice)?;
                 }
             }
             other => return Err(no_table(place, name, other)),
@@ -42,9 +42,9 @@ pub(super) fn check(place: &Place, given: &Table, model: ModelWord) -> Result<()
     Ok(())
 }
 
-/// Drops the keys and tables that a model does not have.
-pub(super) fn retain(recipe: &mut Table, model: ModelWord) {
-    let Some(own) = keys(of_model(model)) else {
+/// Drops the keys and tables that these models do not have.
+pub(super) fn retain(recipe: &mut Table, choice: Choice) {
+    let Some(own) = keys(of_choice(choice)) else {
         return;
     };
     recipe.retain(|name, _| own.contains_key(name));
@@ -85,7 +85,7 @@ fn check_table(
     table: &Table,
     own: &Keys,
     all: &Keys,
-    model: ModelWord,
+    choice: Choice,
 ) -> Result<(), RecipeError> {
     let Some(key) = table.keys().find(|key| !own.contains_key(*key)) else {
         return Ok(());
@@ -97,17 +97,16 @@ fn check_table(
         format!("{name}.")
     };
     let full = format!("{prefix}{}", key.escape_debug());
-    if all.contains_key(key) {
-        let (model, other) = match model {
-            ModelWord::Physics => ("physics", "paper"),
-            ModelWord::Paper => ("paper", "physics"),
-        };
+    // The table's name without the number of an impact.
+    let table = name.split('.').next().unwrap_or_default();
+    if let Some((by, model, other)) = other_model(table, key, choice) {
         return Err(RecipeError::OtherModel {
             place: place.clone(),
             key: full,
             what,
             other,
             model,
+            choice: by,
         });
     }
     let hint = hint(key, all.keys().map(String::as_str), &format!("{what}s"));
@@ -116,6 +115,21 @@ fn check_table(
         key: full,
         hint: hint.replace("mean `", &format!("mean `{prefix}")),
     })
+}
+
+/// What to change for a key to exist: the key that chooses a model, that model and the other one.
+fn other_model(
+    table: &str,
+    key: &str,
+    choice: Choice,
+) -> Option<(&'static str, &'static str, &'static str)> {
+    let Choice { fracture, optics } = choice;
+    if has(Choice::new(fracture.other(), optics), table, key) {
+        let names = (fracture.name(), fracture.other().name());
+        return Some(("fracture.model", names.0, names.1));
+    }
+    has(Choice::new(fracture, optics.other()), table, key)
+        .then(|| ("optics.model", optics.name(), optics.other().name()))
 }
 
 fn no_table(place: &Place, name: &str, found: &Value) -> RecipeError {

@@ -1,7 +1,10 @@
 //! Text to valid settings: parse, complete from a preset, override, validate, convert to SI.
 
+mod cameras;
 mod error;
 mod known_keys;
+mod paper_tables;
+mod physical_tables;
 mod physics_tables;
 mod presets;
 mod print;
@@ -11,17 +14,18 @@ mod tables;
 
 use toml::{Table, Value};
 
+pub use cameras::cameras;
 pub use error::RecipeError;
 pub use presets::{DEFAULT_PRESET, PRESETS};
 pub use schema::json_schema;
 pub use settings::{
-    CameraSettings, FocalLength, FractureSettings, Mount, OutputFormat, OutputSettings,
-    PaperSettings, PhysicsSettings, Settings, StoneSettings,
+    CameraSettings, FocalLength, FractureSettings, Mount, OpticsSettings, OutputFormat,
+    OutputSettings, PaperSettings, PhysicsSettings, Settings, StoneSettings,
 };
 
 use error::{Place, printable};
 use presets::{KEYS_OF_KINDS, Preset};
-use tables::{KindWord, ModelWord, from_table};
+use tables::{Choice, KindWord, ModelWord, OpticsWord};
 
 /// Version of the recipe format, the value of its `schema` key.
 pub const SCHEMA_VERSION: i64 = 1;
@@ -75,9 +79,9 @@ impl Recipe {
     }
 
     /// A recipe from TOML text; `name` stands for it in messages. What it leaves out comes from
-    /// [`DEFAULT_PRESET`], or from `paper` where `fracture.model = "paper"`; a pane of another
-    /// kind from the preset that has one. If the text has `[[impact]]` tables, they replace the
-    /// preset's.
+    /// [`DEFAULT_PRESET`], or from `paper` where `fracture.model = "paper"`; its optics from
+    /// `paper` where `optics.model = "paper"`; a pane of another kind from the preset that has one.
+    /// If the text has `[[impact]]` tables, they replace the preset's.
     ///
     /// # Errors
     /// [`RecipeError`] in one line: syntax with line and column, an unknown key with the nearest
@@ -104,8 +108,9 @@ impl Recipe {
     /// Overrides one key: `table.key=value`, `impact.key=value` for every impact, or
     /// `impact.0.key=value` for one. The value is TOML, or else a string.
     ///
-    /// `fracture.model=…` drops the keys that only the old model has and fills in those of the new
-    /// one; `glass.kind=…` does the same with the keys that only some kinds have.
+    /// `fracture.model=…` and `optics.model=…` drop the keys that only the old model has and fill
+    /// in those of the new one; `glass.kind=…` does the same with the keys that only some kinds
+    /// have.
     ///
     /// # Errors
     /// [`RecipeError`] as for [`Recipe::parse`]; the recipe is then unchanged.
@@ -116,6 +121,27 @@ impl Recipe {
         };
         let mut changed = self.clone();
         changed.edit(&place, key.trim(), parse_value(text.trim()))?;
+        changed.finish(&place)?;
+        *self = changed;
+        Ok(())
+    }
+
+    /// Lays a named camera over the recipe: what it sets of `[camera]` and `[glass]`. Keys that the
+    /// recipe's models do not have are left out.
+    ///
+    /// # Errors
+    /// [`RecipeError::UnknownCamera`] with the names that exist, or as for [`Recipe::set`]; the
+    /// recipe is then unchanged.
+    pub fn set_camera(&mut self, name: &str) -> Result<(), RecipeError> {
+        let overlay = cameras::overlay(name)?;
+        let place = Place::camera(name);
+        let choice = self.choice(&place)?;
+        let mut changed = self.clone();
+        for (table, key, value) in overlay {
+            if schema::has(choice, &table, &key) {
+                changed.edit(&place, &format!("{table}.{key}"), value)?;
+            }
+        }
         changed.finish(&place)?;
         *self = changed;
         Ok(())
@@ -163,9 +189,9 @@ impl Recipe {
                     table.insert("height_mm".to_owned(), value.clone());
                 }
                 table.insert((*key).to_owned(), value);
-                if (*name, *key) == ("fracture", "model") {
-                    let model = self.model(&place)?;
-                    known_keys::retain(&mut self.table, model);
+                if ["fracture", "optics"].contains(name) && *key == "model" {
+                    let choice = self.choice(&place)?;
+                    known_keys::retain(&mut self.table, choice);
                 }
             }
             _ => return Err(RecipeError::NotAnAssignment { place }),
@@ -175,9 +201,9 @@ impl Recipe {
 
     /// Every key exists, and what was left out comes from presets; then all values are in range.
     fn finish(&mut self, place: &Place) -> Result<(), RecipeError> {
-        let model = self.model(place)?;
-        known_keys::check(place, &self.table, model)?;
-        let mut complete = Self::preset(presets::base(model))?.table;
+        let choice = self.choice(place)?;
+        known_keys::check(place, &self.table, choice)?;
+        let mut complete = presets::base(choice)?;
         let default_impact = complete.get("impact").and_then(|impacts| impacts.get(0));
         let default_impact = default_impact.and_then(Value::as_table).cloned();
         if let Some(kind) = self.table.get("glass").and_then(|glass| glass.get("kind")) {
@@ -200,13 +226,20 @@ impl Recipe {
         Ok(())
     }
 
-    /// The fracture model that the recipe names, which decides the rest.
-    fn model(&self, place: &Place) -> Result<ModelWord, RecipeError> {
-        let fracture = self.table.get("fracture");
-        match fracture.and_then(|fracture| fracture.get("model")) {
-            Some(model) => word(place, "fracture.model", model),
-            None => Ok(ModelWord::Physics),
-        }
+    /// The models that the recipe names, which decide the rest. The physics goes with the physical
+    /// optics and the paper's fracture with its optics, unless the recipe says otherwise.
+    fn choice(&self, place: &Place) -> Result<Choice, RecipeError> {
+        let model = |name: &str| self.table.get(name).and_then(|table| table.get("model"));
+        let fracture = match model("fracture") {
+            Some(model) => word(place, "fracture.model", model)?,
+            None => ModelWord::Physics,
+        };
+        let optics = match (model("optics"), fracture) {
+            (Some(model), _) => word(place, "optics.model", model)?,
+            (None, ModelWord::Physics) => OpticsWord::Physical,
+            (None, ModelWord::Paper) => OpticsWord::Paper,
+        };
+        Ok(Choice::new(fracture, optics))
     }
 
     /// The recipe in SI units, every value in its range.
@@ -220,7 +253,9 @@ impl Recipe {
     /// The complete recipe as TOML, each key with a comment that says what it is.
     #[must_use]
     pub fn to_commented_toml(&self) -> String {
-        print::commented(&self.table)
+        // A recipe that was checked names models that exist.
+        let choice = self.choice(&Place::recipe());
+        print::commented(&self.table, choice.unwrap_or(Choice::ALL[0]))
     }
 
     /// The complete recipe as plain TOML: the same text for the same recipe.
@@ -230,10 +265,7 @@ impl Recipe {
     }
 
     fn settings_of(&self, place: &Place) -> Result<Settings, RecipeError> {
-        match self.model(place)? {
-            ModelWord::Paper => settings::of_paper(place, &from_table(place, &self.table)?),
-            ModelWord::Physics => settings::of_physics(place, &from_table(place, &self.table)?),
-        }
+        settings::of(place, &self.table, self.choice(place)?)
     }
 
     fn impacts(&mut self) -> &mut [Value] {

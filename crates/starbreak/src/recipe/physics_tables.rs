@@ -5,6 +5,21 @@ use serde::{Deserialize, Serialize};
 
 use super::tables::{DirectionEntry, ModelWord, PositionEntry};
 
+/// What the physics reads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct PhysicsFractureTables {
+    /// The pane, and how it stands before the camera.
+    pub(super) glass: GlassTable,
+    /// The hits, one table each, in the order in which they happen.
+    pub(super) impact: Vec<StoneTable>,
+    /// How the glass breaks.
+    pub(super) fracture: PhysicsFractureTable,
+    /// A long crack under heat or the pull of the frame, after the hits. Without this table there
+    /// is none.
+    #[schemars(with = "LongCrackTable")]
+    pub(super) long_crack: Option<LongCrackTable>,
+}
+
 /// The pane, and how it stands before the camera.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -88,7 +103,7 @@ pub(super) struct StoneTable {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PhysicsFractureTable {
-    /// Fracture model: "physics" or "paper"; decides which keys this recipe has.
+    /// Fracture model: "physics" or "paper"; decides which keys [fracture] and [[impact]] have.
     pub(super) model: ModelWord,
     /// How fine the mesh of the plate is: "default" or "fast".
     pub(super) mesh: MeshWord,

@@ -3,8 +3,9 @@
 use toml::{Table, Value};
 
 use super::error::{Place, RecipeError};
+use super::known_keys;
 use super::parse_table;
-use super::tables::{KindWord, ModelWord};
+use super::tables::{Choice, KindWord, ModelWord, OpticsWord};
 
 /// Names of the presets, with what each is for.
 pub const PRESETS: [(&str, &str); 7] = [
@@ -51,12 +52,27 @@ pub(super) const KEYS_OF_KINDS: [&str; 3] = [
     "surface_compression_mpa",
 ];
 
-/// The preset that fills in what a recipe of this model leaves out.
-pub(super) fn base(model: ModelWord) -> &'static str {
-    match model {
+/// What fills in the tables that a recipe of these models leaves out: those of the preset with
+/// this fracture model, shown as by the preset with these optics.
+pub(super) fn base(choice: Choice) -> Result<Table, RecipeError> {
+    let breaks = match choice.fracture {
         ModelWord::Physics => DEFAULT_PRESET,
         ModelWord::Paper => "paper",
+    };
+    let shows = match choice.optics {
+        OpticsWord::Physical => DEFAULT_PRESET,
+        OpticsWord::Paper => "paper",
+    };
+    let mut table = Preset::named(breaks)?.table;
+    for (name, of) in [
+        ("camera", shows),
+        ("optics", shows),
+        ("glass", DEFAULT_PRESET),
+    ] {
+        table.insert(name.to_owned(), table_of(of, name)?.into());
     }
+    known_keys::retain(&mut table, choice);
+    Ok(table)
 }
 
 /// A preset, and what severity makes of it.

@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use serde_json::Value as Json;
 use toml::{Table, Value};
 
-use super::schema::{all, keys};
+use super::schema::{keys, of_choice};
+use super::tables::Choice;
 
 /// Tables in the order in which a reader thinks of them.
 const ORDER: [&str; 7] = [
@@ -25,8 +26,8 @@ pub(super) fn plain(table: &Table) -> String {
     write_recipe(table, None)
 }
 
-pub(super) fn commented(table: &Table) -> String {
-    write_recipe(table, Some(all()))
+pub(super) fn commented(table: &Table, choice: Choice) -> String {
+    write_recipe(table, Some(of_choice(choice)))
 }
 
 fn write_recipe(table: &Table, schema: Option<&Json>) -> String {

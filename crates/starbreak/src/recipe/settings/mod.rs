@@ -1,24 +1,30 @@
 //! The recipe as it is used: SI units, every value in range.
 
 mod paper;
+mod paper_optics;
+mod physical;
 mod physics;
 
 use starbreak_dataset::JpegQuality;
 use starbreak_fracture::paper::{Direction, Position};
-use starbreak_optics::paper::{FarFocusBlur, Focus, Light, Normalization, PaperOptics};
+use starbreak_optics::paper::PaperOptics;
+use starbreak_optics::physical::PhysicalOptics;
+use toml::Table;
 
 pub use paper::PaperSettings;
 pub use physics::{Mount, PhysicsSettings, StoneSettings};
 
 use super::error::{Place, RecipeError};
 use super::tables::{
-    CameraTable, DirectionEntry, FarFocusBlurWord, FocalEntry, FocusEntry, FocusWord, FormatWord,
-    LightEntry, NormalizationWord, OpticsTable, OutputTable, PaperRecipe, PhysicsRecipe,
-    PositionEntry,
+    Choice, CommonTables, DirectionEntry, FocalEntry, FormatWord, ModelWord, OpticsWord,
+    OutputTable, PositionEntry, from_table,
 };
 
 /// Most impacts on one pane.
 const MAX_IMPACTS: usize = 1000;
+
+/// Longest focal length, px.
+const MAX_F_PX: f64 = 1e6;
 
 /// Everything that a run needs to know.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +33,8 @@ pub struct Settings {
     pub fracture: FractureSettings,
     /// The camera behind the glass.
     pub camera: CameraSettings,
-    /// Parameters of the optics.
-    pub optics: PaperOptics,
+    /// How the crack looks, by which model.
+    pub optics: OpticsSettings,
     /// What is written.
     pub output: OutputSettings,
 }
@@ -40,6 +46,27 @@ pub enum FractureSettings {
     Paper(PaperSettings),
     /// By the physics, on a pane of its own before the camera.
     Physics(Box<PhysicsSettings>),
+}
+
+impl FractureSettings {
+    /// How the pane stands before the camera; none where the paper's cracks lie in the frame
+    /// itself.
+    #[must_use]
+    pub fn mount(&self) -> Option<Mount> {
+        match self {
+            Self::Paper(paper) => paper.mount,
+            Self::Physics(physics) => Some(physics.mount),
+        }
+    }
+}
+
+/// How the crack looks.
+#[derive(Debug, Clone, PartialEq)]
+pub enum OpticsSettings {
+    /// As in the paper: grey lines.
+    Paper(PaperOptics),
+    /// By the light that the glass mirrors, scatters and takes away.
+    Physical(Box<PhysicalOptics>),
 }
 
 /// The camera behind the glass.
@@ -82,6 +109,8 @@ pub struct OutputSettings {
     pub quality: JpegQuality,
     /// Whether the region mask and the crack mask are written.
     pub masks: bool,
+    /// Whether the maps of the physical optics are written.
+    pub maps: bool,
 }
 
 /// Format of cracked images.
@@ -95,21 +124,37 @@ pub enum OutputFormat {
     Jpeg,
 }
 
-pub(super) fn of_paper(place: &Place, recipe: &PaperRecipe) -> Result<Settings, RecipeError> {
+/// The settings of a recipe that is complete.
+pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settings, RecipeError> {
+    let common: CommonTables = from_table(place, recipe)?;
+    // The sheet that is broken, mm, and how it stands before the camera.
+    let (fracture, sheet) = match choice.fracture {
+        ModelWord::Paper => {
+            let sheet = match choice.optics {
+                OpticsWord::Physical => Some(physical::mount(place, recipe)?),
+                OpticsWord::Paper => None,
+            };
+            let mount = sheet.map(|(_, mount)| mount);
+            let paper = paper::settings(place, &from_table(place, recipe)?, mount)?;
+            (FractureSettings::Paper(paper), sheet)
+        }
+        ModelWord::Physics => {
+            let physics = physics::settings(place, &from_table(place, recipe)?)?;
+            let sheet = (physics.pane.thickness_m * 1e3, physics.mount);
+            (FractureSettings::Physics(Box::new(physics)), Some(sheet))
+        }
+    };
+    let (camera, optics) = match sheet {
+        Some(sheet) if choice.optics == OpticsWord::Physical => {
+            physical::settings(place, &from_table(place, recipe)?, sheet)?
+        }
+        _ => paper_optics::settings(place, &from_table(place, recipe)?)?,
+    };
     Ok(Settings {
-        fracture: FractureSettings::Paper(paper::settings(place, recipe)?),
-        camera: camera(place, &recipe.camera)?,
-        optics: optics(place, &recipe.camera, &recipe.optics)?,
-        output: output(place, &recipe.output)?,
-    })
-}
-
-pub(super) fn of_physics(place: &Place, recipe: &PhysicsRecipe) -> Result<Settings, RecipeError> {
-    Ok(Settings {
-        fracture: FractureSettings::Physics(Box::new(physics::settings(place, recipe)?)),
-        camera: camera(place, &recipe.camera)?,
-        optics: optics(place, &recipe.camera, &recipe.optics)?,
-        output: output(place, &recipe.output)?,
+        output: output(place, &common.output, &optics)?,
+        fracture,
+        camera,
+        optics,
     })
 }
 
@@ -168,19 +213,31 @@ fn direction(entry: DirectionEntry) -> Direction {
     }
 }
 
-fn camera(place: &Place, given: &CameraTable) -> Result<CameraSettings, RecipeError> {
-    let f_px = match given.f_px {
-        FocalEntry::Auto(_) => FocalLength::Auto,
-        FocalEntry::Px(f_px) if f_px > 0.0 && f_px <= 1e6 => FocalLength::Px(f_px),
+fn focal_length(place: &Place, given: FocalEntry) -> Result<FocalLength, RecipeError> {
+    match given {
+        FocalEntry::Auto(_) => Ok(FocalLength::Auto),
+        FocalEntry::Px(f_px) if f_px > 0.0 && f_px <= MAX_F_PX => Ok(FocalLength::Px(f_px)),
         FocalEntry::Px(f_px) => {
             let expected = "\"auto\", or above 0 and up to 1000000 px";
-            return Err(out_of_range(place, "camera.f_px", f_px, expected));
+            Err(out_of_range(place, "camera.f_px", f_px, expected))
         }
-    };
-    Ok(CameraSettings { f_px })
+    }
 }
 
-fn output(place: &Place, given: &OutputTable) -> Result<OutputSettings, RecipeError> {
+fn output(
+    place: &Place,
+    given: &OutputTable,
+    optics: &OpticsSettings,
+) -> Result<OutputSettings, RecipeError> {
+    if given.maps && matches!(optics, OpticsSettings::Paper(_)) {
+        return Err(RecipeError::Type {
+            place: place.clone(),
+            key: "output.maps".to_owned(),
+            what:
+                "the paper's optics have no maps; leave it false or set optics.model = \"physical\""
+                    .to_owned(),
+        });
+    }
     let quality = JpegQuality::new(given.quality)
         .map_err(|_| out_of_range(place, "output.quality", given.quality, "1 to 100"))?;
     let format = match given.format {
@@ -192,54 +249,6 @@ fn output(place: &Place, given: &OutputTable) -> Result<OutputSettings, RecipeEr
         format,
         quality,
         masks: given.masks,
+        maps: given.maps,
     })
-}
-
-fn optics(
-    place: &Place,
-    camera: &CameraTable,
-    given: &OpticsTable,
-) -> Result<PaperOptics, RecipeError> {
-    for (key, degrees) in [
-        ("optics.sun_azimuth_deg", given.sun_azimuth_deg),
-        ("optics.sun_elevation_deg", given.sun_elevation_deg),
-    ] {
-        // Checked before it becomes a zenith angle, so that the message repeats what was given.
-        if !degrees.is_finite() {
-            return Err(out_of_range(place, key, degrees, "a finite angle"));
-        }
-    }
-    let optics = paper_optics(camera, given);
-    optics
-        .check()
-        .map_err(|error| RecipeError::of_optics(place, error))?;
-    Ok(optics)
-}
-
-fn paper_optics(camera: &CameraTable, given: &OpticsTable) -> PaperOptics {
-    PaperOptics {
-        focus: match camera.focus_distance_m {
-            FocusEntry::Word(FocusWord::Far) => Focus::Far,
-            FocusEntry::Word(FocusWord::Short) => Focus::Short,
-        },
-        far_focus_blur: match given.far_focus_blur {
-            FarFocusBlurWord::Crack => FarFocusBlur::Crack,
-            FarFocusBlurWord::CrackAndScene => FarFocusBlur::CrackAndScene,
-        },
-        sun_azimuth_rad: given.sun_azimuth_deg.to_radians(),
-        sun_zenith_rad: (90.0 - given.sun_elevation_deg).to_radians(),
-        light: match given.light_intensity {
-            LightEntry::Rgb(levels) => Light::Rgb(levels),
-            LightEntry::ImageMean(_) => Light::ImageMean,
-        },
-        normalization: match given.normalization {
-            NormalizationWord::Sum => Normalization::Sum,
-            NormalizationWord::Max => Normalization::Max,
-            NormalizationWord::Mean => Normalization::Mean,
-            NormalizationWord::One => Normalization::One,
-        },
-        line_width_px: given.line_width_px,
-        blur_kernel_px: given.blur_kernel_px,
-        blur_sigma_px: given.blur_sigma_px,
-    }
 }

@@ -4,14 +4,17 @@ use starbreak_fracture::paper::{Neighborhood, PaperImpact, PaperParams, Position
 use starbreak_glass::Pane;
 
 use super::super::error::{Place, RecipeError};
-use super::super::tables::{NeighborhoodWord, PaperImpactTable, PaperRecipe, RuleWord};
-use super::{direction, impacts, position};
+use super::super::tables::{NeighborhoodWord, PaperFractureTables, PaperImpactTable, RuleWord};
+use super::{Mount, direction, impacts, position};
 
 /// What the paper's model needs to know.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PaperSettings {
     /// Parameters of the model.
     pub params: PaperParams,
+    /// How the pane stands before the camera, for the physical optics; the paper's own optics
+    /// have no glass.
+    pub mount: Option<Mount>,
     /// Impacts on a pane of one by one.
     unit_impacts: Vec<PaperImpact>,
 }
@@ -34,7 +37,11 @@ impl PaperSettings {
     }
 }
 
-pub(super) fn settings(place: &Place, recipe: &PaperRecipe) -> Result<PaperSettings, RecipeError> {
+pub(super) fn settings(
+    place: &Place,
+    recipe: &PaperFractureTables,
+    mount: Option<Mount>,
+) -> Result<PaperSettings, RecipeError> {
     let given = &recipe.fracture;
     let params = PaperParams {
         particles: given.particles,
@@ -62,6 +69,7 @@ pub(super) fn settings(place: &Place, recipe: &PaperRecipe) -> Result<PaperSetti
     })?;
     Ok(PaperSettings {
         params,
+        mount,
         unit_impacts,
     })
 }

@@ -11,7 +11,7 @@ use starbreak_glass::{GlassKind, Material};
 use super::super::error::{Place, RecipeError};
 use super::super::tables::{
     DicingWord, GlassTable, GrowthWord, KindWord, LongCrackTable, MeshWord, OriginWord,
-    PhysicsFractureTable, PhysicsRecipe, StoneTable, SupportWord,
+    PhysicsFractureTable, PhysicsFractureTables, StoneTable, SupportWord,
 };
 use super::{direction, fractions, impacts, out_of_range, position};
 
@@ -69,7 +69,7 @@ impl StoneSettings {
 
 pub(super) fn settings(
     place: &Place,
-    recipe: &PhysicsRecipe,
+    recipe: &PhysicsFractureTables,
 ) -> Result<PhysicsSettings, RecipeError> {
     let pane = pane(place, &recipe.glass)?;
     Ok(PhysicsSettings {
@@ -80,7 +80,12 @@ pub(super) fn settings(
             KindWord::Tempered => GlassKind::Tempered,
             KindWord::Cover => GlassKind::Cover,
         },
-        mount: mount(place, &recipe.glass)?,
+        mount: mount(
+            place,
+            recipe.glass.distance_m,
+            recipe.glass.rake_deg,
+            recipe.glass.axis_at,
+        )?,
         stones: impacts(place, &recipe.impact, |k, stone| {
             stone_settings(place, k, stone)
         })?,
@@ -177,28 +182,19 @@ fn build(place: &Place, given: &GlassTable) -> Result<GlassBuild, RecipeError> {
     Ok(GlassBuild::Annealed)
 }
 
-fn mount(place: &Place, given: &GlassTable) -> Result<Mount, RecipeError> {
-    check(
-        place,
-        "glass.distance_m",
-        given.distance_m,
-        0.001,
-        10.0,
-        "m",
-    )?;
-    check(
-        place,
-        "glass.rake_deg",
-        given.rake_deg,
-        -80.0,
-        80.0,
-        "degrees",
-    )?;
-    fractions(place, "glass.axis_at", given.axis_at, "the pane")?;
+pub(super) fn mount(
+    place: &Place,
+    distance_m: f64,
+    rake_deg: f64,
+    axis_at: [f64; 2],
+) -> Result<Mount, RecipeError> {
+    check(place, "glass.distance_m", distance_m, 0.001, 10.0, "m")?;
+    check(place, "glass.rake_deg", rake_deg, -80.0, 80.0, "degrees")?;
+    fractions(place, "glass.axis_at", axis_at, "the pane")?;
     Ok(Mount {
-        distance_m: given.distance_m,
-        rake_rad: given.rake_deg.to_radians(),
-        axis_at: given.axis_at,
+        distance_m,
+        rake_rad: rake_deg.to_radians(),
+        axis_at,
     })
 }
 
@@ -284,7 +280,7 @@ fn params(place: &Place, given: &PhysicsFractureTable) -> Result<PhysicsParams, 
     Ok(params)
 }
 
-fn check(
+pub(super) fn check(
     place: &Place,
     key: &str,
     value: f64,

@@ -1,0 +1,278 @@
+//! `starbreak sweep`: one crack over the values of one parameter.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+use starbreak::dataset::{
+    Encoding, ImageFile, ImageLimits, OutputBatch, encode_image, read_image, same_file,
+};
+use starbreak::pipeline::{
+    ImageJob, RunContext, Simulated, Stopwatch, Written, plan_images, simulate, stage_shown,
+};
+use starbreak::{CameraSettings, FractureSettings};
+
+use super::contact_sheet::{Cell, contact_sheet};
+use super::crack::item_json;
+use crate::args::Global;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::{Screen, path_text};
+
+/// Most values of one sweep.
+const MOST_VALUES: usize = 1000;
+
+/// One value of the parameter, and what came out.
+struct Step {
+    value: String,
+    context: RunContext,
+    written: Written,
+}
+
+/// Cracks, and what they depend on.
+struct Cracks {
+    fracture: FractureSettings,
+    camera: CameraSettings,
+    simulated: Simulated,
+}
+
+pub(crate) fn run(
+    global: &Global,
+    input: &Path,
+    out: &Path,
+    over: &str,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let (key, values) = values_of(over)?;
+    let jobs = plan_images(&[input.to_owned()], out)?;
+    let Some(job) = jobs.first() else {
+        return Err(Failure::wrong_input("no image"));
+    };
+    let sheet_path = out.join(format!("{}.sweep.png", job.stem));
+    let csv_path = out.join(format!("{}.sweep.csv", job.stem));
+    for output in [&sheet_path, &csv_path] {
+        if same_file(input, output) {
+            return Err(Failure::wrong_input(format!(
+                "the output {output:?} would replace the input {input:?}; choose another output folder"
+            )));
+        }
+    }
+    global.refuse_recipe_among(std::slice::from_ref(&csv_path))?;
+    let contexts = contexts(global, &key, &values, out)?;
+    let interrupt = Interrupt::listen();
+    let file = read_image(input, &ImageLimits::default())?;
+
+    let progress = screen.progress(values.len() as u64, "values");
+    let mut batch = OutputBatch::new();
+    let mut steps = Vec::with_capacity(values.len());
+    let mut cells = Vec::with_capacity(values.len());
+    let mut cracks: Option<Cracks> = None;
+    for (k, (value, context)) in (1..).zip(values.into_iter().zip(contexts)) {
+        interrupt.check()?;
+        let simulated = cracks_for(&mut cracks, &context, job, &file)?;
+        let job = ImageJob {
+            stem: format!("{}.{k:02}-{}", job.stem, file_part(&value)),
+            ..job.clone()
+        };
+        let mut file = file.clone();
+        let watch = Stopwatch::start();
+        let written = stage_shown(&job, &mut file, simulated, watch, &context, &mut batch)?;
+        let caption = [format!("{key} = {value}"), figures(&written)];
+        cells.push(Cell::new(&file.pixels.to_rgb8(), caption));
+        steps.push(Step {
+            value,
+            context,
+            written,
+        });
+        progress.step();
+    }
+    progress.finish();
+    let title = format!("{}, seed {}", job.name, global.seed);
+    let sheet = contact_sheet(&title, &cells)?;
+    let sheet = encode_image(&sheet.into(), &Encoding::Png, None)?;
+    batch.stage(&sheet_path, &sheet)?;
+    batch.stage(&csv_path, csv(&key, &steps).as_bytes())?;
+    interrupt.check()?;
+    batch.commit()?;
+
+    for step in &steps {
+        let why = super::simulate::why_intact(
+            &step.written.cracked.network,
+            &step.written.cracked.details,
+        );
+        let what = why.map_or_else(|| figures(&step.written), str::to_owned);
+        screen.say(&format!("{key} = {}: {what}", step.value));
+    }
+    screen.say(&format!("all on {}", sheet_path.display()));
+    screen.result(|| {
+        json!({
+            "output": path_text(out),
+            "key": key,
+            "sheet": path_text(&sheet_path),
+            "csv": path_text(&csv_path),
+            "steps": steps.iter().map(step_json).collect::<Vec<_>>(),
+        })
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The key and its values: `camera.focus_distance_m=far,2,1`. Commas in brackets do not separate.
+fn values_of(over: &str) -> Result<(String, Vec<String>), Failure> {
+    let wrong = |what: &str| {
+        Failure::wrong_input(format!(
+            "--over {}: {what}; write table.key=value,value,…, e.g. camera.focus_distance_m=far,1,0.3,short",
+            over.escape_debug()
+        ))
+    };
+    let Some((key, list)) = over.split_once('=') else {
+        return Err(wrong("no values"));
+    };
+    let mut values = vec![String::new()];
+    let mut depth = 0_i32;
+    for character in list.chars() {
+        match character {
+            '[' => depth += 1,
+            ']' => depth -= 1,
+            _ => {}
+        }
+        if character == ',' && depth == 0 {
+            values.push(String::new());
+        } else if let Some(value) = values.last_mut() {
+            value.push(character);
+        }
+    }
+    for value in &mut values {
+        *value = value.trim().to_owned();
+    }
+    if values.iter().any(String::is_empty) {
+        return Err(wrong("a value is empty"));
+    }
+    if values.len() > MOST_VALUES {
+        return Err(wrong("more than 1000 values"));
+    }
+    Ok((key.trim().to_owned(), values))
+}
+
+/// The run of each value; all of them are valid before anything is rendered.
+fn contexts(
+    global: &Global,
+    key: &str,
+    values: &[String],
+    out: &Path,
+) -> Result<Vec<RunContext>, Failure> {
+    let recipe = global.recipe()?;
+    let of_value = |value: &String| -> Result<RunContext, Failure> {
+        let mut recipe = recipe.clone();
+        recipe.set(&format!("{key}={value}"))?;
+        Ok(RunContext::new(&recipe, global.seed(), out)?)
+    };
+    values.iter().map(of_value).collect()
+}
+
+/// The cracks of a run: those of the one before, unless glass, hits or field of view differ.
+fn cracks_for(
+    last: &mut Option<Cracks>,
+    context: &RunContext,
+    job: &ImageJob,
+    file: &ImageFile,
+) -> Result<Simulated, Failure> {
+    let settings = &context.settings;
+    if let Some(cracks) = last
+        && cracks.fracture == settings.fracture
+        && cracks.camera == settings.camera
+    {
+        return Ok(cracks.simulated.clone());
+    }
+    let seed = context.seed.of_item(&job.name, 0);
+    let (width, height) = (file.pixels.width(), file.pixels.height());
+    let simulated = simulate(settings, width, height, seed)?;
+    *last = Some(Cracks {
+        fracture: settings.fracture.clone(),
+        camera: settings.camera,
+        simulated: simulated.clone(),
+    });
+    Ok(simulated)
+}
+
+/// A value as a part of a file name.
+fn file_part(value: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || ['.', '-', '+'].contains(&c);
+    value
+        .chars()
+        .take(40)
+        .map(|c| if plain(c) { c } else { '_' })
+        .collect()
+}
+
+/// What a caption says of a picture.
+fn figures(written: &Written) -> String {
+    let optics = &written.cracked.optics;
+    let contrast = format!("contrast {:.3}", optics.contrast.mean);
+    optics.scene.map_or_else(
+        || contrast.clone(),
+        |scene| {
+            format!(
+                "glass disc {:.1} px, scene disc {:.1} px, {contrast}",
+                scene.glass_disc_px, scene.scene_disc_px
+            )
+        },
+    )
+}
+
+fn csv(key: &str, steps: &[Step]) -> String {
+    let mut text = format!(
+        "{key},image,f_px,glass_disc_px,scene_disc_px,contrast_mean,contrast_weber,contrast_brighter,\
+         contrast_darker,contrast_rms_code,region_fraction\n"
+    );
+    for step in steps {
+        let optics = &step.written.cracked.optics;
+        let contrast = &optics.contrast;
+        let scene = optics.scene.map_or_else(
+            || ",,".to_owned(),
+            |scene| {
+                format!(
+                    "{},{},{}",
+                    scene.f_px, scene.glass_disc_px, scene.scene_disc_px
+                )
+            },
+        );
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "{},{},{scene},{},{},{},{},{},{}",
+            quoted(&step.value),
+            quoted(&file_name(&step.written.image)),
+            contrast.mean,
+            contrast.weber,
+            contrast.brighter,
+            contrast.darker,
+            contrast.rms_code,
+            step.written.region_fraction
+        );
+    }
+    text
+}
+
+/// A field of a CSV file \[RFC4180\].
+fn quoted(field: &str) -> String {
+    if field.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", field.replace('"', "\"\""))
+    } else {
+        field.to_owned()
+    }
+}
+
+fn file_name(path: &PathBuf) -> String {
+    path.file_name().map_or_else(
+        || path_text(path),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}
+
+fn step_json(step: &Step) -> Value {
+    let mut item = item_json(&step.written);
+    item["value"] = json!(step.value);
+    item["recipe_sha256"] = json!(step.context.recipe_sha256);
+    item
+}

@@ -1,0 +1,184 @@
+//! Settings of the physical optics: lens, light and the surfaces of cracks in SI units.
+
+use starbreak_optics::environment::{EnvironmentParams, Rgb};
+use starbreak_optics::lens::Lens;
+use starbreak_optics::physical::{PhysicalOptics, SensorNoise, SurfaceParams};
+use toml::Table;
+
+use super::super::error::{Place, RecipeError};
+use super::super::tables::{
+    AutoRgb, DistanceEntry, DistanceWord, GlassMountTables, PhysicalCameraTable,
+    PhysicalOpticsTable, PhysicalOpticsTables, SceneEntry, from_table,
+};
+use super::{
+    CameraSettings, FocalLength, MAX_F_PX, Mount, OpticsSettings, focal_length, out_of_range,
+    physics,
+};
+
+/// Nearest scene, m.
+const LEAST_DISTANCE_M: f64 = 1e-3;
+
+/// How far the focal length in px may be from what lens and pixel pitch make it.
+const F_PX_TOLERANCE: f64 = 0.01;
+
+/// The pane that the paper's cracks lie in: its thickness, mm, and how it stands before the
+/// camera. The optical axis meets it in the middle of the frame.
+pub(super) fn mount(place: &Place, recipe: &Table) -> Result<(f64, Mount), RecipeError> {
+    let GlassMountTables { glass } = from_table(place, recipe)?;
+    let thickness_mm = glass.thickness_mm;
+    physics::check(place, "glass.thickness_mm", thickness_mm, 0.1, 30.0, "mm")?;
+    let mount = physics::mount(place, glass.distance_m, glass.rake_deg, [0.5; 2])?;
+    Ok((thickness_mm, mount))
+}
+
+/// Camera and optics before a sheet of this thickness, mm, that stands like this.
+pub(super) fn settings(
+    place: &Place,
+    recipe: &PhysicalOpticsTables,
+    (thickness_mm, mount): (f64, Mount),
+) -> Result<(CameraSettings, OpticsSettings), RecipeError> {
+    let camera = &recipe.camera;
+    let given = &recipe.optics;
+    let noise = SensorNoise {
+        read: given.noise_read,
+        shot: given.noise_shot,
+    };
+    let is_quiet = noise.read == 0.0 && noise.shot == 0.0;
+    let lens = lens(camera, mount.distance_m);
+    // Before the distance in focus, which it may be.
+    if lens.scene_m.is_nan() || lens.scene_m < LEAST_DISTANCE_M {
+        let expected = "0.001 m or more, or \"infinity\"";
+        let key = "camera.scene_distance_m";
+        return Err(out_of_range(place, key, lens.scene_m, expected));
+    }
+    let optics = PhysicalOptics {
+        lens,
+        environment: environment(given),
+        thickness_mm,
+        refractive_index: given.refractive_index,
+        surface: SurfaceParams {
+            mirror_alpha: given.mirror_alpha,
+            mist_alpha: given.mist_alpha,
+            hackle_alpha: given.hackle_alpha,
+            opening_um: given.opening_um,
+            crushed_zone: given.crushed_zone,
+            chip: given.chip,
+            chip_slope_deg: given.chip_slope_deg,
+            film: given.film,
+            film_um: given.film_um,
+            fragment_wedge_deg: given.fragment_wedge_deg,
+        },
+        veiling_glare: given.veiling_glare,
+        noise: (!is_quiet).then_some(noise),
+        region_threshold: given.region_threshold,
+    };
+    optics
+        .check()
+        .map_err(|error| RecipeError::of_optics(place, error))?;
+    let f_px = f_px(place, camera, &optics.lens)?;
+    Ok((
+        CameraSettings { f_px },
+        OpticsSettings::Physical(Box::new(optics)),
+    ))
+}
+
+fn lens(given: &PhysicalCameraTable, glass_m: f64) -> Lens {
+    let scene_m = match given.scene_distance_m {
+        SceneEntry::Meters(scene_m) => scene_m,
+        SceneEntry::Word(_) => f64::INFINITY,
+    };
+    Lens {
+        focal_length_m: given.focal_length_mm / 1e3,
+        f_number: given.f_number,
+        focus_m: match given.focus_distance_m {
+            DistanceEntry::Meters(focus_m) => focus_m,
+            DistanceEntry::Word(DistanceWord::Far) => scene_m,
+            DistanceEntry::Word(DistanceWord::Short) => glass_m,
+            DistanceEntry::Word(DistanceWord::Infinity) => f64::INFINITY,
+        },
+        scene_m,
+        blades: given.blades,
+        blade_angle_rad: given.blade_angle_deg.to_radians(),
+    }
+}
+
+/// The focal length in px, from the pixel pitch where that is given: f_px = v/pitch with
+/// v = f s₁/(s₁ − f), the distance of the image plane from the lens.
+fn f_px(
+    place: &Place,
+    given: &PhysicalCameraTable,
+    lens: &Lens,
+) -> Result<FocalLength, RecipeError> {
+    let f_m = lens.focal_length_m;
+    if lens.focus_m <= f_m {
+        let expected = format!(
+            "more than camera.focal_length_mm ({} mm): nothing nearer can be sharp",
+            given.focal_length_mm
+        );
+        let focus = match given.focus_distance_m {
+            DistanceEntry::Word(DistanceWord::Far) => "\"far\" = ",
+            DistanceEntry::Word(DistanceWord::Short) => "\"short\" = ",
+            _ => "",
+        };
+        return Err(out_of_range(
+            place,
+            "camera.focus_distance_m",
+            format!("{focus}{}", lens.focus_m),
+            &expected,
+        ));
+    }
+    let f_px = focal_length(place, given.f_px)?;
+    let Some(pitch_um) = given.pixel_pitch_um.given() else {
+        return Ok(f_px);
+    };
+    let key = "camera.pixel_pitch_um";
+    physics::check(place, key, pitch_um, 0.1, 1000.0, "um")?;
+    // 1 − f/s₁ is 1 at infinity, where f s₁/(s₁ − f) is not a number.
+    let image_plane_um = f_m / (1.0 - f_m / lens.focus_m) * 1e6;
+    let by_pitch = image_plane_um / pitch_um;
+    match f_px {
+        FocalLength::Auto if (1.0..=MAX_F_PX).contains(&by_pitch) => Ok(FocalLength::Px(by_pitch)),
+        FocalLength::Auto => {
+            let expected = format!(
+                "a pitch that makes the focal length 1 to {MAX_F_PX} px; it would be {by_pitch:.4}"
+            );
+            Err(out_of_range(place, key, pitch_um, &expected))
+        }
+        FocalLength::Px(f_px) if (by_pitch / f_px - 1.0).abs() <= F_PX_TOLERANCE => {
+            Ok(FocalLength::Px(f_px))
+        }
+        FocalLength::Px(f_px) => {
+            let expected = format!(
+                "{:.4} within 1 %, as camera.f_px = {f_px} and camera.focal_length_mm = {} make it; set one of the \
+                 two to \"auto\"",
+                image_plane_um / f_px,
+                given.focal_length_mm
+            );
+            Err(out_of_range(place, key, pitch_um, &expected))
+        }
+    }
+}
+
+fn environment(given: &PhysicalOpticsTable) -> EnvironmentParams {
+    EnvironmentParams {
+        sun_azimuth_rad: given.sun_azimuth_deg.to_radians(),
+        sun_elevation_rad: given.sun_elevation_deg.to_radians(),
+        sun_irradiance: given.sun_irradiance.given(),
+        horizon_rgb: rgb(given.sky_horizon),
+        zenith_rgb: rgb(given.sky_zenith),
+        ground_rgb: rgb(given.ground),
+        cabin_rgb: rgb(given.cabin),
+        horizon_row: given.horizon_row,
+    }
+}
+
+fn rgb(given: AutoRgb) -> Option<Rgb> {
+    match given {
+        AutoRgb::Rgb(rgb) => {
+            #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
+            let rgb = rgb.map(|channel| channel as f32);
+            Some(rgb)
+        }
+        AutoRgb::Auto(_) => None,
+    }
+}
