@@ -1,5 +1,8 @@
-//! The light that the physical optics takes from photos: `light PHOTO...`, with the default
-//! camera of each.
+//! The light that the physical optics takes from photos: `light PHOTO...`.
+//!
+//! Radiance in red, green and blue of the sky at the horizon, of the zenith and of the ground;
+//! then, in green: irradiance of the sun, a white sheet under the sky alone, and the sky 60° up
+//! over the ground. The camera is level with the field of view of KITTI's.
 #![expect(clippy::print_stdout, reason = "a report is what this is for")]
 
 use std::error::Error;
@@ -14,7 +17,8 @@ const F_OVER_WIDTH: f64 = 721.5377 / 1242.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
     println!(
-        "            sky at 0°        zenith           ground           sun, E   white  60°/ground     µs"
+        "{:>12} {:14} {:14} {:14}  sun  white  60°/gr        µs",
+        "", "sky at 0°", "zenith", "ground"
     );
     let params = EnvironmentParams::default();
     for path in std::env::args_os().skip(1) {
@@ -49,5 +53,5 @@ fn green(rgb: Rgb) -> f32 {
 }
 
 fn show([red, green, blue]: Rgb) -> String {
-    format!("{red:4.2} {green:4.2} {blue:4.2}  ")
+    format!("{red:4.2} {green:4.2} {blue:4.2}")
 }

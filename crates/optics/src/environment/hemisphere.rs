@@ -10,11 +10,11 @@ use super::{Environment, Rgb};
 ///
 /// - g = (1 − cos θ)/2, the half space below the horizon;
 /// - z = (2/3π)(sin θ + (π − θ) cos θ), the integral of the product of two clamped cosines
-///   [ChoSaul2009];
+///   \[ChoSaul2009\];
 /// - h = (1 + cos θ)/2 − z, the rest of the sky.
 ///
 /// They sum to 1. A plane that faces up has h = 1/3 and z = 2/3, and hence 7π/9 Z from the
-/// overcast sky [MoonSpencer1942]. Nothing shades the plane, and the sun is not in it.
+/// overcast sky \[MoonSpencer1942\]. Nothing shades the plane, and the sun is not in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HemisphereWeights {
     /// Share of the horizon's radiance.

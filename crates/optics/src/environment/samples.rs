@@ -131,6 +131,17 @@ mod tests {
     }
 
     #[test]
+    fn the_middle_of_the_grid_is_that_of_the_rows() {
+        let image = DynamicImage::ImageLuma8(image::GrayImage::new(1242, 375));
+        let places = samples(&image, 100..200);
+        let count = f64::from(u32::try_from(places.len()).unwrap_or(0));
+        let column = places.iter().map(|sample| sample.column_px).sum::<f64>() / count;
+        let row = places.iter().map(|sample| sample.row_px).sum::<f64>() / count;
+        assert!((column - 621.0).abs() < 0.6, "column {column}");
+        assert!((row - 150.0).abs() < 0.6, "row {row}");
+    }
+
+    #[test]
     fn every_pixel_of_a_small_image_is_taken_once() {
         let image = DynamicImage::ImageLuma8(image::GrayImage::new(7, 5));
         let places: Vec<_> = samples(&image, 1..4)

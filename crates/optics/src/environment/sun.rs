@@ -8,8 +8,8 @@ const WAVELENGTHS_UM: [f64; 3] = [0.61, 0.55, 0.465];
 /// Color of sunlight at an elevation above the horizon, of luminance 1; that of 0 below it.
 ///
 /// White of the image is daylight as a whole. Of it the air scatters away exp(−0.008735 λ^−4.08 m)
-/// [Preetham1999], blue before red, with the air mass
-/// m = 1/(sin e + 0.50572 (e + 6.07995°)^−1.6364) [KastenYoung1989]. Clean, dry air: haze and
+/// \[Preetham1999\], blue before red, with the air mass
+/// m = 1/(sin e + 0.50572 (e + 6.07995°)^−1.6364) \[KastenYoung1989\]. Clean, dry air: haze and
 /// ozone are left out.
 pub(super) fn sun_color(elevation_rad: f64) -> Rgb {
     let elevation_rad = elevation_rad.clamp(0.0, std::f64::consts::FRAC_PI_2);

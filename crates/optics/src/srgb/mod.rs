@@ -1,6 +1,6 @@
 //! Samples of an image to linear light and back, by the transfer function of sRGB.
 //!
-//! With s the sample over the greatest code and x the light over white [IEC61966]:
+//! With s the sample over the greatest code and x the light over white \[IEC1999\]:
 //!
 //! x = s/12.92 up to s = 0.04045, else ((s + 0.055)/1.055)^2.4
 //!
@@ -54,7 +54,8 @@ pub fn encode16(light: f32) -> u16 {
     if light >= 1.0 {
         return u16::MAX;
     }
-    // Between two 8-bit codes the curve is straight within two 16-bit codes.
+    // Between two 8-bit codes the curve is straight within two 16-bit codes, and lies above its
+    // chord: the code is found from below.
     let mut below = usize::from(encode8(light));
     if light < DECODE8[below] {
         below -= 1;
@@ -69,9 +70,6 @@ pub fn encode16(light: f32) -> u16 {
     let within = ((light - low) / (high - low) * 257.0) as usize;
     let limits = &TABLES16.limit;
     let mut code = below * 257 + within;
-    while code > 0 && light < limits[code - 1] {
-        code -= 1;
-    }
     while code < limits.len() && light >= limits[code] {
         code += 1;
     }
