@@ -89,11 +89,7 @@ impl Environment {
     }
 }
 
-<<<<<<< HEAD
 /// Luminance of linear light by the primaries of sRGB \[IEC1999\].
-=======
-/// Luminance of linear light by the primaries of sRGB [IEC1999].
->>>>>>> 7dbd7e4fe5d6154648a2959bea39b87e480306f1
 pub(crate) fn luminance([red, green, blue]: Rgb) -> f32 {
     0.2126 * red + 0.7152 * green + 0.0722 * blue
 }

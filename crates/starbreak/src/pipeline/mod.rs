@@ -11,13 +11,8 @@ mod timings;
 use image::DynamicImage;
 use starbreak_fracture::paper::{Stage, simulate as simulate_paper};
 use starbreak_glass::{CrackNetwork, Pane, Seed};
-<<<<<<< HEAD
-use starbreak_optics::paper::{composite, draw};
-use starbreak_optics::{Masks, View};
-=======
 use starbreak_optics::physical::OpticalMaps;
 use starbreak_optics::{Camera, Masks, View};
->>>>>>> 7dbd7e4fe5d6154648a2959bea39b87e480306f1
 
 use broken_pane::{physics_network, view_of};
 
