@@ -27,14 +27,14 @@ pub(crate) struct Facet<const L: usize> {
 }
 
 /// Fewest cells per radius of a disc where cells are no larger than pixels, and where they are.
-const CELLS_PER_RADIUS: [f64; 2] = [6.0, 8.0];
+const CELLS_PER_RADIUS: [f64; 2] = [4.0, 6.0];
 
 /// Exponents of two of the finest and the coarsest number of cells per pixel.
-const LEVELS: std::ops::RangeInclusive<i32> = -3..=3;
+const LEVELS: std::ops::RangeInclusive<i32> = -3..=2;
 
 /// Discs of fewer cells are scattered from the cells that were covered, not from shared ones:
 /// sharing would blur more than the disc.
-const FEW_CELLS: f64 = 2.5;
+const FEW_CELLS: f64 = 0.5;
 
 /// A disc of a smaller radius, px, is a point.
 const IN_FOCUS_PX: f64 = 0.02;
@@ -99,23 +99,20 @@ impl Level {
         }
     }
 
-    /// What covering, sharing, the kernel's cells and interpolation blur beyond a pixel's own
-    /// width, as a variance per axis, cells².
-    fn excess(self) -> f64 {
-        let cells_per_px = f64::exp2(f64::from(self.exponent));
-        // Halves of a cell share it ¾ to ¼ with the next: ³⁄₁₆.
-        let covered = if self.is_halved {
-            1.0 / 48.0 + 3.0 / 16.0
+    /// Weights by which a half of a cell, a quarter of a cell off its middle, is shared along one
+    /// axis: with the cell on its far side, its own, the one on its near side.
+    ///
+    /// They keep sum and mean, and their second moment, cells², makes up for all that blurs
+    /// besides the disc and the pixel itself: the half's own width, and for coarse cells the
+    /// kernel's cells and the straight lines between cells.
+    fn weights(self) -> [f32; 3] {
+        let straight = if self.exponent >= 0 {
+            0.0
         } else {
-            1.0 / 12.0
+            1.0 / 12.0 + 1.0 / 6.0
         };
-        if self.exponent >= 0 {
-            // Kernel 1/12 and mean over a pixel's cells make up a pixel's width.
-            return covered;
-        }
-        // Kernel, and the straight lines between coarse cells at the places of pixels.
-        let between = (2.0 + cells_per_px * cells_per_px) / 12.0;
-        covered + 1.0 / 12.0 + between - cells_per_px * cells_per_px / 12.0
+        let second = 1.0 / 16.0 - 1.0 / 48.0 - straight;
+        [0.5 * (second - 0.25), 1.0 - second, 0.5 * (second + 0.25)]
     }
 }
 
@@ -201,7 +198,7 @@ impl<const L: usize> Layer<L> {
     ) -> Self {
         let exponent = level.exponent;
         let scale = f64::exp2(f64::from(exponent));
-        let (kernels, kernel_of) = kernels_of(level, scale, facets, pupil);
+        let (kernels, kernel_of) = kernels_of(scale, facets, pupil);
         let reach = kernels.iter().map(Kernel::reach).max().unwrap_or(0);
         // A whole number of px, and of cells.
         let step = 1_usize << exponent.max(0);
@@ -267,11 +264,11 @@ impl<const L: usize> Layer<L> {
                 );
             }
             self.share(fine_row, &mut covered, &mut shared);
-            // The first half of the next row was the last to share with this one.
+            // The second half of the next row was the last to share with this one.
             let complete = if per_cell == 1 {
                 Some(fine_row)
             } else {
-                (fine_row % 2 == 0)
+                (fine_row % 2 == 1)
                     .then(|| (fine_row / 2).checked_sub(1))
                     .flatten()
             };
@@ -324,13 +321,26 @@ impl<const L: usize> Layer<L> {
                 give(fine_row, column, 1.0);
                 return;
             }
-            // A cell's value is the mean over its four halves: hence the quarters.
-            let own = [fine_row / 2, column / 2];
-            let next = [beside(fine_row), beside(column)];
-            give(own[0], own[1], 0.25 * 0.75 * 0.75);
-            give(own[0], next[1], 0.25 * 0.75 * 0.25);
-            give(next[0], own[1], 0.25 * 0.25 * 0.75);
-            give(next[0], next[1], 0.25 * 0.25 * 0.25);
+            let [far, own, near] = self.level.weights();
+            let along = |half: usize| {
+                let cell = half / 2;
+                let (before, after) = if half.is_multiple_of(2) {
+                    (near, far)
+                } else {
+                    (far, near)
+                };
+                [
+                    (cell.wrapping_sub(1), before),
+                    (cell, own),
+                    (cell + 1, after),
+                ]
+            };
+            for (row, part) in along(fine_row) {
+                for (column, share) in along(column) {
+                    // A cell's value is the mean over its four halves.
+                    give(row, column, 0.25 * part * share);
+                }
+            }
         });
     }
 
@@ -385,15 +395,6 @@ impl<const L: usize> Layer<L> {
             self.spans[slot] = [usize::MAX, 0];
         }
         emitter.end_row(row, frame);
-    }
-}
-
-/// The cell beside the one that a half lies in, on the half's side.
-fn beside(half: usize) -> usize {
-    if half.is_multiple_of(2) {
-        (half / 2).wrapping_sub(1)
-    } else {
-        half / 2 + 1
     }
 }
 
@@ -479,12 +480,10 @@ fn cover<const L: usize>(
 
 /// The kernels that facets need, and which each needs.
 fn kernels_of<const L: usize>(
-    level: Level,
     scale: f64,
     facets: &[&Facet<L>],
     pupil: Pupil,
 ) -> (Vec<Kernel>, Vec<u32>) {
-    let excess = level.excess();
     let mut kernels = Vec::new();
     let mut known: BTreeMap<i32, u32> = BTreeMap::new();
     let kernel_of = facets
@@ -497,9 +496,7 @@ fn kernels_of<const L: usize>(
                 .entry(2 * key + i32::from(radius < 0.0))
                 .or_insert_with(|| {
                     let rounded = libm::exp(f64::from(key) * RADIUS_RATIO.ln());
-                    // Sharper than the disc only while it is wider than what blurs on top.
-                    let excess = excess.min(0.1 * rounded * rounded);
-                    kernels.push(Kernel::new(pupil, rounded.copysign(radius), excess));
+                    kernels.push(Kernel::new(pupil, rounded.copysign(radius)));
                     #[expect(clippy::cast_possible_truncation, reason = "some hundreds")]
                     let place = (kernels.len() - 1) as u32;
                     place

@@ -134,11 +134,11 @@ fn add_edge(a: [f64; 2], b: [f64; 2], top: f64, steps: &mut [f32]) -> Option<[us
     );
     let (left, right) = if xa <= xb { (xa, xb) } else { (xb, xa) };
     let height = direction * (y1 - y0);
-    let first = left.floor();
-    let cell = first as usize;
-    let end = right.ceil() as usize;
+    // Neither is negative: to cut off is to round down.
+    let cell = left as usize;
+    let end = right as usize + usize::from(right > right as usize as f64);
     if end <= cell + 1 {
-        let mean = 0.5 * (left + right) - first;
+        let mean = 0.5 * (left + right) - cell as f64;
         steps[cell] += (height * (1.0 - mean)) as f32;
         steps[cell + 1] += (height * mean) as f32;
         return Some([cell, cell + 1]);

@@ -12,7 +12,7 @@ pub(super) fn defocus<const COLORS: usize>(
     pupil: Pupil,
     radius_px: f64,
 ) -> Vec<f32> {
-    let kernel = Kernel::new(pupil, radius_px, 0.0);
+    let kernel = Kernel::new(pupil, radius_px);
     let reach = kernel.reach();
     // Room for discs that reach out of the rows.
     let stride = width + 4 * reach;

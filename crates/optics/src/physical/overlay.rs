@@ -193,7 +193,15 @@ impl OverlayLayer {
             };
             let (mut is_touched, mut has_other) = (false, false);
             for (k, lanes) in pixels.iter().enumerate() {
-                let share: f32 = lanes[..N_SHARES].iter().sum();
+                let mut lanes = *lanes;
+                let mut share: f32 = lanes[..N_SHARES].iter().sum();
+                if share > 1.0 {
+                    // Facets of different blur over each other.
+                    for lane in &mut lanes {
+                        *lane /= share;
+                    }
+                    share = 1.0;
+                }
                 let mut add = [0.0_f32; 3];
                 for (lane, rgb) in &lit {
                     for (sum, color) in add.iter_mut().zip(rgb) {

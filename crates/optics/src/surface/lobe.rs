@@ -29,6 +29,9 @@ const SUN_RADIUS_RAD: f64 = 0.004_65;
 /// Below this α a surface is a mirror.
 const MIRROR_ALPHA: f64 = 2e-3;
 
+/// Below this α its facets differ too little in their reflectance to ask each.
+const NARROW_ALPHA: f64 = 0.05;
+
 /// Directions that a rough surface is sampled by.
 const N_SAMPLES: u32 = 12;
 
@@ -80,14 +83,11 @@ impl LightFrom<'_> {
         if facing.abs() < 1e-9 {
             return sent;
         }
+        let rgb = self.gaps.rgb(facing.abs(), mirror.gap_um);
+        let mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
         if mirror.alpha < MIRROR_ALPHA {
-            let r = self.mean_reflectance(facing.abs(), mirror.gap_um);
-            self.leave(
-                &mut sent,
-                mirror.sight,
-                reflected(sight, normal, facing.abs()),
-                r,
-            );
+            let direction = reflected(sight, normal, facing.abs());
+            self.leave(&mut sent, mirror.sight, direction, mean);
         } else {
             let share = 1.0 / f64::from(N_SAMPLES);
             let frame = Frame::about(normal);
@@ -95,7 +95,12 @@ impl LightFrom<'_> {
             for k in 0..N_SAMPLES {
                 let facet = frame.world(sample_visible_normal(local, mirror.alpha, point(k)));
                 let cos_h = dot(view, facet);
-                let r = self.mean_reflectance(cos_h.abs(), mirror.gap_um);
+                // Facets of a nearly smooth surface reflect as the whole does.
+                let r = if mirror.alpha < NARROW_ALPHA {
+                    mean
+                } else {
+                    self.mean_reflectance(cos_h.abs(), mirror.gap_um)
+                };
                 let direction = reflected(sight, facet, cos_h);
                 let cos_o = dot(direction, normal);
                 let seen = if cos_o > 0.0 {
@@ -108,8 +113,6 @@ impl LightFrom<'_> {
             }
         }
         sent.lanes[SUN] += self.glint(mirror, view, normal);
-        let rgb = self.gaps.rgb(facing.abs(), mirror.gap_um);
-        let mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
         sent.tint = rgb.map(|color| color - mean);
         sent
     }

@@ -25,9 +25,12 @@ pub(crate) struct SheetView {
     pupil_mm: f64,
 }
 
-/// Rounds of the search for the place where a refracted ray enters; each is better by the ratio
-/// of thickness to distance.
-const ROUNDS: u32 = 5;
+/// Most rounds of the search for the place where a refracted ray enters; each is better by about
+/// the ratio of thickness to distance.
+const ROUNDS: u32 = 12;
+
+/// A place found to this share of the thickness is found.
+const CLOSE: f64 = 1e-4;
 
 impl SheetView {
     /// # Errors
@@ -118,11 +121,19 @@ impl SheetView {
     /// face towards the camera: within the glass it runs at sin θ′ = sin θ/n.
     fn entry(&self, point: [f64; 2], depth_mm: f64, pupil: [f64; 2]) -> Option<[f64; 2]> {
         let mut entry = point;
+        if depth_mm <= 0.0 {
+            return Some(entry);
+        }
         for _ in 0..ROUNDS {
             let [x, y, _] = self.sight(entry, pupil)?;
             // z tan θ′ along the ray's direction in the plane.
             let per_sine = depth_mm / (self.index * self.index - x * x - y * y).sqrt();
-            entry = [point[0] - per_sine * x, point[1] - per_sine * y];
+            let next = [point[0] - per_sine * x, point[1] - per_sine * y];
+            let moved = (next[0] - entry[0]).abs() + (next[1] - entry[1]).abs();
+            entry = next;
+            if moved < CLOSE * self.thickness_mm {
+                break;
+            }
         }
         Some(entry)
     }
