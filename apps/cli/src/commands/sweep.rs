@@ -254,7 +254,7 @@ fn csv(key: &str, steps: &[Step]) -> String {
     text
 }
 
-/// A field of a CSV file \[RFC4180\].
+/// A field of a CSV file, quoted where it must be (RFC 4180).
 fn quoted(field: &str) -> String {
     if field.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", field.replace('"', "\"\""))
