@@ -83,6 +83,14 @@ impl<const L: usize> Chunks<L> {
             })
     }
 
+    /// A pixel within the frame that something touched.
+    pub(crate) fn pixel(&self, x: usize, y: usize) -> Option<&[f32; L]> {
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        self.run_at(x, y).map(|run| &run[x % CHUNK])
+    }
+
     /// The run that holds a pixel, if it exists.
     pub(crate) fn run_at(&self, x: usize, y: usize) -> Option<&[[f32; L]; CHUNK]> {
         let place = self.places[y * self.n_across + x / CHUNK] as usize;

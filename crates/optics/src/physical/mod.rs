@@ -6,6 +6,7 @@
 //! they were checked against, and their limits.
 
 mod defocus;
+mod elsewhere;
 mod overlay;
 mod params;
 mod pattern;

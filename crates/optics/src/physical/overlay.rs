@@ -3,6 +3,7 @@
 use image::GrayImage;
 
 use super::PhysicalOptics;
+use super::elsewhere::Elsewhere;
 use super::pattern::{Pattern, PatternLayer};
 use crate::environment::{Environment, Rgb};
 use crate::maps::CHUNK;
@@ -36,14 +37,6 @@ pub(super) struct Run {
     pub(super) add: [[f32; CHUNK]; 3],
     /// Place among the runs that take light from elsewhere in the frame.
     pub(super) elsewhere: Option<usize>,
-}
-
-/// Light from elsewhere in the frame: its share, and the place, px.
-#[derive(Debug, Clone)]
-pub(super) struct Elsewhere {
-    pub(super) share: [f32; CHUNK],
-    pub(super) u: [f32; CHUNK],
-    pub(super) v: [f32; CHUNK],
 }
 
 /// Per-pixel maps of an overlay, row by row.
@@ -186,11 +179,7 @@ impl OverlayLayer {
                 add: [[0.0; CHUNK]; 3],
                 elsewhere: None,
             };
-            let mut other = Elsewhere {
-                share: [0.0; CHUNK],
-                u: [0.0; CHUNK],
-                v: [0.0; CHUNK],
-            };
+            let mut other = Elsewhere::new();
             let (mut is_touched, mut has_other) = (false, false);
             for (k, lanes) in pixels.iter().enumerate() {
                 let mut lanes = *lanes;
@@ -220,9 +209,13 @@ impl OverlayLayer {
                 }
                 if lanes[FRAME] > LEAST_ELSEWHERE {
                     has_other = true;
-                    other.share[k] = lanes[FRAME];
-                    other.u[k] = lanes[FRAME_U] / lanes[FRAME];
-                    other.v[k] = lanes[FRAME_V] / lanes[FRAME];
+                    other.set(k, [lanes[FRAME], lanes[FRAME_U], lanes[FRAME_V]]);
+                    let beside = [(x + k + 1, y), (x + k, y + 1)].map(|(x, y)| {
+                        let lanes = layer.light.pixel(x, y)?;
+                        (lanes[FRAME] > LEAST_ELSEWHERE)
+                            .then(|| [lanes[FRAME_U] / lanes[FRAME], lanes[FRAME_V] / lanes[FRAME]])
+                    });
+                    other.widen(k, beside, layer.blur_px);
                 } else {
                     for keep in &mut run.keep {
                         keep[k] += lanes[FRAME];

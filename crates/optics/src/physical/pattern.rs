@@ -33,6 +33,8 @@ pub struct Pattern {
 pub(super) struct PatternLayer {
     pub(super) light: Chunks<LANES>,
     pub(super) tint: Chunks<4>,
+    /// Mean radius of the discs, px.
+    pub(super) blur_px: f32,
 }
 
 /// Bakes a network as far as it has grown at `time` (in the unit of its arrival column; infinity
@@ -93,7 +95,11 @@ pub fn bake(
         let light = spread(&facets.light, N_SHARES, pupil, size);
         if !light.is_empty() {
             let tint = spread(&facets.tint, 1, pupil, size);
-            pattern.layers.push(PatternLayer { light, tint });
+            pattern.layers.push(PatternLayer {
+                light,
+                tint,
+                blur_px: mean_blur_px(&facets.light),
+            });
         }
     }
     Ok(pattern)
@@ -159,6 +165,18 @@ impl Pattern {
         }
         mask
     }
+}
+
+/// Mean radius of the discs of some facets, px.
+fn mean_blur_px(facets: &[Facet<LANES>]) -> f32 {
+    let sum: f64 = facets.iter().map(|facet| facet.radius_px.abs()).sum();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_precision_loss,
+        reason = "a mean as f32"
+    )]
+    let mean = (sum / facets.len().max(1) as f64) as f32;
+    mean
 }
 
 /// How far beyond the frame a crack may lie and still reach into it, px: the largest blur at the

@@ -6,7 +6,7 @@ use rand_chacha::rand_core::Rng;
 use starbreak_glass::{CrackNetwork, Seed, Stream};
 
 use super::defocus::defocus;
-use super::overlay::{Elsewhere, Overlay, OverlayLayer, Run};
+use super::overlay::{Overlay, OverlayLayer, Run};
 use super::samples::{Layout, Sample, per_color};
 use super::{PhysicalOptics, SensorNoise, bake};
 use crate::environment::Environment;
@@ -209,15 +209,8 @@ impl OverlayLayer {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         let height = samples.len() / (width * stride);
         // All of it before anything is changed: a place may lie anywhere in the frame.
-        let elsewhere: Vec<_> = self
-            .elsewhere
-            .iter()
-            .map(|other| {
-                light_from::<COLORS>(other, (width, height), |at, c| {
-                    samples[at * stride + c].light()
-                })
-            })
-            .collect();
+        let elsewhere =
+            self.gather::<COLORS>((width, height), |at, c| samples[at * stride + c].light());
         for run in &self.runs {
             let n = CHUNK.min(width - run.x);
             let first = (run.y * width + run.x) * stride;
@@ -235,13 +228,7 @@ impl OverlayLayer {
     /// Over linear light, in place.
     fn over_light<const COLORS: usize>(&self, light: &mut [f32], width: usize) {
         let height = light.len() / (width * COLORS);
-        let elsewhere: Vec<_> = self
-            .elsewhere
-            .iter()
-            .map(|other| {
-                light_from::<COLORS>(other, (width, height), |at, c| light[at * COLORS + c])
-            })
-            .collect();
+        let elsewhere = self.gather::<COLORS>((width, height), |at, c| light[at * COLORS + c]);
         for run in &self.runs {
             let n = CHUNK.min(width - run.x);
             let first = (run.y * width + run.x) * COLORS;
@@ -338,40 +325,6 @@ impl Run {
             }
         }
     }
-}
-
-/// Light of a run from elsewhere in the frame, weighted by its share; between pixels it is
-/// interpolated.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "px of a frame"
-)]
-fn light_from<const COLORS: usize>(
-    other: &Elsewhere,
-    (width, height): (usize, usize),
-    light: impl Fn(usize, usize) -> f32,
-) -> [[f32; COLORS]; CHUNK] {
-    let mut gathered = [[0.0; COLORS]; CHUNK];
-    for (k, gathered) in gathered.iter_mut().enumerate() {
-        let share = other.share[k];
-        if share <= 0.0 {
-            continue;
-        }
-        let u = (other.u[k] - 0.5).clamp(0.0, (width - 1) as f32);
-        let v = (other.v[k] - 0.5).clamp(0.0, (height - 1) as f32);
-        let (x, y) = (u as usize, v as usize);
-        let (s, t) = (u - x as f32, v - y as f32);
-        let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
-        for (c, gathered) in gathered.iter_mut().enumerate() {
-            let at = |x: usize, y: usize| light(y * width + x, c);
-            let top = at(x, y) + s * (at(right, y) - at(x, y));
-            let bottom = at(x, below) + s * (at(right, below) - at(x, below));
-            *gathered = share * (top + t * (bottom - top));
-        }
-    }
-    gathered
 }
 
 /// Spreads a share of all light evenly over the frame: I₂ = (1 − g) I₁ + g ⟨I₁⟩.
