@@ -3,7 +3,8 @@
 use starbreak_glass::{CrackNetwork, Zone};
 
 use super::SheetView;
-use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, Sent, cross, unit};
+use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, N_SHARES, Sent, cross, unit};
+use crate::interface::fresnel::reflectance;
 use crate::maps::Facet;
 use crate::physical::SurfaceParams;
 
@@ -127,7 +128,8 @@ fn add_piece(
         middle[0] + 0.5 * lean * left[0],
         middle[1] + 0.5 * lean * left[1],
     ];
-    let sight = sheet.sight(half_leaned, [0.0; 2])?;
+    let entry = sheet.entry(half_leaned, 0.5 * (outer + inner), [0.0; 2])?;
+    let sight = sheet.sight(entry, [0.0; 2])?;
     // Into the glass from the outer face, leaning.
     let down = [segment.lean * left[0], segment.lean * left[1], -1.0];
     let mirror = Mirror {
@@ -140,19 +142,32 @@ fn add_piece(
     strip.add(facets, &sent);
     add_tint(facets, strip.corners, strip.radius_px, sent.tint, 1.0);
     // Once more beyond the trace, by light that the outer face reflects onto the crack's back.
-    let ghost = from.ghost(&mirror);
+    let mut ghost = from.ghost(&mirror);
     if ghost.lanes.iter().any(|lane| lane.abs() > LEAST_GHOST)
         && let Some(behind) = Strip::new(sheet, ends, [outer, 2.0 * outer - inner])
-        && behind.width_px * strip.width_px < 0.0
     {
-        // What of it is not beyond the trace is hidden by the crack itself.
+        // Where a crack leans over its own ghost, only what it lets through is seen of that.
+        let hidden = (strip.width_px / behind.width_px).clamp(0.0, 1.0);
+        let passes = 1.0 - hidden * sent.lanes[..N_SHARES].iter().sum::<f64>();
+        ghost.lanes = ghost.lanes.map(|lane| passes * lane);
         behind.add(facets, &ghost);
+    }
+    // And by light that both faces reflect, which is much in a steep sheet only.
+    let twice = reflectance(sight[2], sheet.index) * reflectance(sight[2], sheet.index);
+    if twice > LEAST_TWICE
+        && let Some(beyond) = Strip::new(sheet, ends, [3.0 * outer, 2.0 * outer + inner])
+    {
+        let lanes = sent.lanes.map(|lane| twice * lane);
+        beyond.add(facets, &Sent { lanes, ..sent });
     }
     Some(())
 }
 
 /// Lanes of a ghost that are weaker are none.
 const LEAST_GHOST: f64 = 1e-3;
+
+/// Light that both faces reflect is none below this share.
+const LEAST_TWICE: f64 = 0.02;
 
 /// Where one face of a straight piece of crack appears in the frame.
 struct Strip {
@@ -182,8 +197,7 @@ impl Strip {
             return None;
         }
         let normal_px = [-dv / length_px, du / length_px];
-        let between =
-            |p: [f64; 2], q: [f64; 2]| [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+        let between = |p: [f64; 2], q: [f64; 2]| [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
         let (trace, edge) = (between(ends[0], ends[1]), between(ends[2], ends[3]));
 
         // Both from two opposite points of the pupil across the crack.
