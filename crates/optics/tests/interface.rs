@@ -468,6 +468,27 @@ proptest! {
 }
 
 #[test]
+fn a_rough_face_has_the_values_of_mitsuba() {
+    // Written by validation/mitsuba/bsdf.py.
+    let text = std::fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../validation/mitsuba/bsdf.json"
+    ));
+    let rows: Vec<Value> = serde_json::from_str(&text.unwrap()).unwrap();
+    assert_eq!(rows.len(), 120, "all rows are there");
+    let mut sides = [0; 4];
+    for row in &rows {
+        let vector = |key: &str| [0, 1, 2].map(|k| row[key][k].as_f64().unwrap());
+        let (wi, wo) = (unit(vector("wi")), unit(vector("wo")));
+        let got = rough_dielectric(wi, wo, row["alpha"].as_f64().unwrap(), N);
+        let expected = row["value"].as_f64().unwrap();
+        assert!((got / expected - 1.0).abs() < 1e-4, "{row}: {got}");
+        sides[usize::from(wi[2] > 0.0) + 2 * usize::from(wo[2] > 0.0)] += 1;
+    }
+    assert!(sides.iter().all(|&n| n > 10), "all four ways: {sides:?}");
+}
+
+#[test]
 fn a_rough_face_keeps_what_mitsuba_keeps() {
     let Some(numbers) = reference("mitsuba_bsdf.json") else {
         return;

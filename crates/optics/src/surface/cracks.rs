@@ -2,7 +2,9 @@
 
 use starbreak_glass::{CrackNetwork, Zone};
 
-use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, cross, unit};
+use super::SheetView;
+use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, N_SHARES, Sent, cross, unit};
+use crate::interface::fresnel::reflectance;
 use crate::maps::Facet;
 use crate::physical::SurfaceParams;
 
@@ -118,56 +120,16 @@ fn add_piece(
     let inner = outer * (1.0 - segment.depth_fraction);
     let lean = (outer - inner) * segment.lean;
     let leaned = |p: [f64; 2]| [p[0] + lean * left[0], p[1] + lean * left[1]];
-    let chief = [0.0, 0.0];
-    let mut corners = [
-        sheet.project(a, outer, chief)?,
-        sheet.project(b, outer, chief)?,
-        sheet.project(leaned(b), inner, chief)?,
-        sheet.project(leaned(a), inner, chief)?,
-    ];
-    let [du, dv] = [corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]];
-    let length_px = (du * du + dv * dv).sqrt();
-    if length_px <= 1e-9 {
-        return None;
-    }
-    let normal_px = [-dv / length_px, du / length_px];
+    let ends = [a, b, leaned(b), leaned(a)];
+    let strip = Strip::new(sheet, ends, [outer, inner])?;
     let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-
-    // Both traces from two opposite points of the pupil across the crack.
-    let across = |point: [f64; 2], depth: f64, side: f64| {
-        let pupil = normal_px.map(|part| side * part * sheet.pupil_mm());
-        let [u, v] = sheet.project(point, depth, pupil)?;
-        Some(u * normal_px[0] + v * normal_px[1])
-    };
-    let (outer_plus, outer_minus) = (across(middle, outer, 1.0)?, across(middle, outer, -1.0)?);
-    let (inner_plus, inner_minus) = (
-        across(leaned(middle), inner, 1.0)?,
-        across(leaned(middle), inner, -1.0)?,
-    );
-    let outer_radius = 0.5 * (outer_minus - outer_plus);
-    let inner_radius = 0.5 * (inner_minus - inner_plus);
-    let width = 0.5 * (inner_plus + inner_minus - outer_plus - outer_minus);
-    let spread = inner_radius - outer_radius;
-    let seen = mean_width(width, spread);
-    if width.abs() < spread.abs() {
-        // Parts of the pupil see the one face of the crack, others the other.
-        for k in 0..2 {
-            let (o, i) = (corners[k], corners[3 - k]);
-            let mid = [0.5 * (o[0] + i[0]), 0.5 * (o[1] + i[1])];
-            for (corner, side) in [(k, -0.5), (3 - k, 0.5)] {
-                corners[corner] = [
-                    mid[0] + side * seen * normal_px[0],
-                    mid[1] + side * seen * normal_px[1],
-                ];
-            }
-        }
-    }
 
     let half_leaned = [
         middle[0] + 0.5 * lean * left[0],
         middle[1] + 0.5 * lean * left[1],
     ];
-    let sight = sheet.sight(half_leaned, chief)?;
+    let entry = sheet.entry(half_leaned, 0.5 * (outer + inner), [0.0; 2])?;
+    let sight = sheet.sight(entry, [0.0; 2])?;
     // Into the glass from the outer face, leaning.
     let down = [segment.lean * left[0], segment.lean * left[1], -1.0];
     let mirror = Mirror {
@@ -177,31 +139,124 @@ fn add_piece(
         gap_um: segment.gap_um,
     };
     let sent = from.mirror(&mirror);
-    #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
-    let lanes = sent.lanes.map(|lane| lane as f32);
-    // A mirrored place moves along with the crack and against it across.
-    let [nx, ny] = normal_px;
-    let share = sent.lanes[FRAME];
-    #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
-    let lean_px = [
-        [1.0 - 2.0 * nx * nx, -2.0 * nx * ny],
-        [-2.0 * nx * ny, 1.0 - 2.0 * ny * ny],
-    ]
-    .map(|row: [f64; 2]| row.map(|part| (share * part) as f32));
-    let radius_px = 0.5 * (outer_radius + inner_radius);
-    facets.light.push(Facet {
-        corners,
-        lanes,
-        lean: lean_px,
-        radius_px,
-    });
-    add_tint(facets, corners, radius_px, sent.tint, 1.0);
-    debug_assert_eq!(
-        (FRAME_U, FRAME_V),
-        (LANES - 2, LANES - 1),
-        "the lanes that lean"
-    );
+    strip.add(facets, &sent);
+    add_tint(facets, strip.corners, strip.radius_px, sent.tint, 1.0);
+    // Once more beyond the trace, by light that the outer face reflects onto the crack's back.
+    let mut ghost = from.ghost(&mirror);
+    if ghost.lanes.iter().any(|lane| lane.abs() > LEAST_GHOST)
+        && let Some(behind) = Strip::new(sheet, ends, [outer, 2.0 * outer - inner])
+    {
+        // Where a crack leans over its own ghost, only what it lets through is seen of that.
+        let hidden = (strip.width_px / behind.width_px).clamp(0.0, 1.0);
+        let passes = 1.0 - hidden * sent.lanes[..N_SHARES].iter().sum::<f64>();
+        ghost.lanes = ghost.lanes.map(|lane| passes * lane);
+        behind.add(facets, &ghost);
+    }
+    // And by light that both faces reflect, which is much in a steep sheet only.
+    let twice = reflectance(sight[2], sheet.index) * reflectance(sight[2], sheet.index);
+    if twice > LEAST_TWICE
+        && let Some(beyond) = Strip::new(sheet, ends, [3.0 * outer, 2.0 * outer + inner])
+    {
+        let lanes = sent.lanes.map(|lane| twice * lane);
+        beyond.add(facets, &Sent { lanes, ..sent });
+    }
     Some(())
+}
+
+/// Lanes of a ghost that are weaker are none.
+const LEAST_GHOST: f64 = 1e-3;
+
+/// Light that both faces reflect is none below this share.
+const LEAST_TWICE: f64 = 0.02;
+
+/// Where one face of a straight piece of crack appears in the frame.
+struct Strip {
+    corners: [[f64; 2]; 4],
+    /// Across the outer trace, of length 1.
+    normal_px: [f64; 2],
+    /// From the outer trace along that normal, from the middle of the pupil.
+    width_px: f64,
+    radius_px: f64,
+}
+
+impl Strip {
+    /// The strip between a trace (the first two `ends`) and the crack's edge (the other two), mm
+    /// on the sheet, at their depths, mm.
+    fn new(sheet: &SheetView, ends: [[f64; 2]; 4], depths: [f64; 2]) -> Option<Self> {
+        let [outer, inner] = depths;
+        let chief = [0.0, 0.0];
+        let mut corners = [
+            sheet.project(ends[0], outer, chief)?,
+            sheet.project(ends[1], outer, chief)?,
+            sheet.project(ends[2], inner, chief)?,
+            sheet.project(ends[3], inner, chief)?,
+        ];
+        let [du, dv] = [corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]];
+        let length_px = (du * du + dv * dv).sqrt();
+        if length_px <= 1e-9 {
+            return None;
+        }
+        let normal_px = [-dv / length_px, du / length_px];
+        let between = |p: [f64; 2], q: [f64; 2]| [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+        let (trace, edge) = (between(ends[0], ends[1]), between(ends[2], ends[3]));
+
+        // Both from two opposite points of the pupil across the crack.
+        let across = |point: [f64; 2], depth: f64, side: f64| {
+            let pupil = normal_px.map(|part| side * part * sheet.pupil_mm());
+            let [u, v] = sheet.project(point, depth, pupil)?;
+            Some(u * normal_px[0] + v * normal_px[1])
+        };
+        let (outer_plus, outer_minus) = (across(trace, outer, 1.0)?, across(trace, outer, -1.0)?);
+        let (inner_plus, inner_minus) = (across(edge, inner, 1.0)?, across(edge, inner, -1.0)?);
+        let outer_radius = 0.5 * (outer_minus - outer_plus);
+        let inner_radius = 0.5 * (inner_minus - inner_plus);
+        let width = 0.5 * (inner_plus + inner_minus - outer_plus - outer_minus);
+        let spread = inner_radius - outer_radius;
+        let seen = mean_width(width, spread);
+        if width.abs() < spread.abs() {
+            // Parts of the pupil see the one face of the crack, others the other.
+            for k in 0..2 {
+                let mid = between(corners[k], corners[3 - k]);
+                for (corner, side) in [(k, -0.5), (3 - k, 0.5)] {
+                    corners[corner] = [
+                        mid[0] + side * seen * normal_px[0],
+                        mid[1] + side * seen * normal_px[1],
+                    ];
+                }
+            }
+        }
+        Some(Self {
+            corners,
+            normal_px,
+            width_px: width,
+            radius_px: 0.5 * (outer_radius + inner_radius),
+        })
+    }
+
+    fn add(&self, facets: &mut Facets, sent: &Sent) {
+        #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
+        let lanes = sent.lanes.map(|lane| lane as f32);
+        // A mirrored place moves along with the crack and against it across.
+        let [nx, ny] = self.normal_px;
+        let share = sent.lanes[FRAME];
+        #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
+        let lean = [
+            [1.0 - 2.0 * nx * nx, -2.0 * nx * ny],
+            [-2.0 * nx * ny, 1.0 - 2.0 * ny * ny],
+        ]
+        .map(|row: [f64; 2]| row.map(|part| (share * part) as f32));
+        debug_assert_eq!(
+            (FRAME_U, FRAME_V),
+            (LANES - 2, LANES - 1),
+            "the lanes that lean"
+        );
+        facets.light.push(Facet {
+            corners: self.corners,
+            lanes,
+            lean,
+            radius_px: self.radius_px,
+        });
+    }
 }
 
 /// Adds a tint where there is one.

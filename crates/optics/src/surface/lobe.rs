@@ -72,8 +72,24 @@ impl LightFrom<'_> {
     /// by GGX \[Walter2007\]; light that facets hide from each other, and light that the faces
     /// hold in the sheet, leaves it as from a white surface, half to either side. Nothing is lost.
     pub(crate) fn mirror(&self, mirror: &Mirror) -> Sent {
+        self.reflected(mirror, into_glass(mirror.sight, self.sheet.index))
+    }
+
+    /// What is seen in the back of a surface by way of the outer face, which reflects R of the
+    /// light of sight. It takes the place of as much light of the cabin, so that all shares sum
+    /// to 0: a surface across the sheet has no ghost, for it shows the cabin once more.
+    pub(crate) fn ghost(&self, mirror: &Mirror) -> Sent {
         let n = self.sheet.index;
-        let sight = into_glass(mirror.sight, n);
+        let [x, y, z] = into_glass(mirror.sight, n);
+        let mut sent = self.reflected(mirror, [x, y, -z]);
+        let face = reflectance(mirror.sight[2], n);
+        sent.lanes = sent.lanes.map(|lane| face * lane);
+        sent.lanes[CABIN] -= sent.lanes[..N_SHARES].iter().sum::<f64>();
+        sent
+    }
+
+    /// What a ray of sight that runs along `sight` in the glass sees in a surface.
+    fn reflected(&self, mirror: &Mirror, sight: [f64; 3]) -> Sent {
         let facing = dot(sight, mirror.normal);
         let normal = mirror
             .normal
@@ -164,10 +180,11 @@ impl LightFrom<'_> {
             sent.lanes[CABIN] += share;
         } else {
             let out = [n * x, n * y, (1.0 - sine2).sqrt()];
-            // The image has the transmittance at the angle of sight already.
-            let passes =
-                (1.0 - reflectance(out[2], n)) / (1.0 - reflectance(sight[2], n)).max(1e-6);
-            let passes = passes.min(1.0);
+            // Through both faces, over the transmittance at the angle of sight that the image has
+            // already: above 1 where the light meets the outer face more steeply. The rest is the
+            // cabin's, of which the image then has too much.
+            let (enters, leaves) = (reflectance(out[2], n), reflectance(sight[2], n));
+            let passes = (1.0 - enters) * (1.0 + leaves) / (1.0 - enters * leaves);
             sent.lanes[CABIN] += share * (1.0 - passes);
             self.seen(sent, self.sheet.to_camera(out), share * passes);
         }

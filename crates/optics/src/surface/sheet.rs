@@ -119,7 +119,12 @@ impl SheetView {
 
     /// Where the ray from a point of the pupil to a point at a depth in the sheet crosses the
     /// face towards the camera: within the glass it runs at sin θ′ = sin θ/n.
-    fn entry(&self, point: [f64; 2], depth_mm: f64, pupil: [f64; 2]) -> Option<[f64; 2]> {
+    pub(crate) fn entry(
+        &self,
+        point: [f64; 2],
+        depth_mm: f64,
+        pupil: [f64; 2],
+    ) -> Option<[f64; 2]> {
         let mut entry = point;
         if depth_mm <= 0.0 {
             return Some(entry);
