@@ -66,6 +66,9 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
         "solvers do not serialize; serialization is a boundary",
     ),
     ("toml", &["starbreak"], "only a recipe is TOML"),
+    ("roxmltree", &["starbreak"], "only an import reads SVG"),
+    ("simplecss", &["starbreak"], "only an import reads SVG"),
+    ("svgtypes", &["starbreak"], "only an import reads SVG"),
     ("spdx", &["xtask"], "a chore"),
 ];
 

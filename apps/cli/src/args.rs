@@ -77,6 +77,10 @@ pub(crate) enum Verb {
         /// Output folder
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
+        /// Crack network to use instead of simulating one: JSON, or an SVG drawing whose stroked
+        /// shapes are cracks; in px it is stretched over the frame, in mm it lies on the pane
+        #[arg(long, value_name = "FILE")]
+        network: Option<PathBuf>,
     },
     /// Simulate only the crack network: JSON, SVG and growth frames
     Simulate {
@@ -86,6 +90,9 @@ pub(crate) enum Verb {
         /// Drawing of the network
         #[arg(long, value_name = "FILE")]
         svg: Option<PathBuf>,
+        /// Crack network (JSON or SVG) to convert instead of simulating one
+        #[arg(long, value_name = "FILE")]
+        network: Option<PathBuf>,
         /// Size of the frame, px
         #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
         size: (u32, u32),

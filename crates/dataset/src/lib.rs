@@ -36,6 +36,7 @@ mod paths;
 mod provenance;
 
 mod scene;
+mod text_file;
 
 pub use animation::{AnimationParams, encode_animation};
 pub use encode::{Encoding, JpegQuality, encode_image, encode_mask};
@@ -45,3 +46,4 @@ pub use output_batch::OutputBatch;
 pub use paths::{FileSet, same_file};
 pub use provenance::{Provenance, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
+pub use text_file::{TextFile, read_text};

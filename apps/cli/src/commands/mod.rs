@@ -4,6 +4,7 @@ mod bench;
 mod bench_physics;
 mod crack;
 mod demo;
+mod network_file;
 mod plot;
 mod recipe;
 mod shell;
@@ -20,10 +21,15 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
     let global = &args.global;
     match args.verb {
         Verb::Demo { output } => demo::run(global, &output, screen),
-        Verb::Crack { inputs, output } => crack::run(global, &inputs, &output, screen),
+        Verb::Crack {
+            inputs,
+            output,
+            network,
+        } => crack::run(global, &inputs, &output, network.as_deref(), screen),
         Verb::Simulate {
             output,
             svg,
+            network,
             size,
             frames,
             frames_to,
@@ -31,6 +37,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
         } => {
             let request = simulate::Request {
                 svg,
+                network,
                 size,
                 frames: frames.map(|n_frames| {
                     (

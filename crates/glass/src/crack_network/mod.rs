@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::{Impact, LengthUnit, Pane, Seed};
 
 pub use columns::{Nodes, SegmentKind, Segments, Zone};
-pub use contact::{Contact, ContactKind, find_contacts, find_contacts_of};
+pub use contact::{Contact, ContactKind, find_contacts, find_contacts_of, find_contacts_up_to};
 pub use error::NetworkError;
 pub use fragments::Fragment;
 pub use summary::Summary;

@@ -11,7 +11,7 @@ use starbreak_dataset::{
 };
 
 use super::provenance::{Item, RunContext};
-use super::{Cracked, Stopwatch, Timings, crack_image};
+use super::{Cracked, Stopwatch, Timings, crack_image, crack_image_with};
 use crate::{Error, OutputFormat, Settings};
 
 /// One image to crack.
@@ -23,6 +23,22 @@ pub struct ImageJob {
     pub name: String,
     /// Its file name without the extension, which its outputs are named by.
     pub stem: String,
+}
+
+impl ImageJob {
+    /// Names of all files that the image may become, whatever its format turns out to be.
+    #[must_use]
+    pub fn possible_outputs(&self) -> Vec<String> {
+        let stem = &self.stem;
+        let mut names: Vec<String> = ["png", "jpg", "region.png", "crack.png", "json"]
+            .iter()
+            .map(|suffix| format!("{stem}.{suffix}"))
+            .collect();
+        if !names.contains(&self.name) {
+            names.push(self.name.clone());
+        }
+        names
+    }
 }
 
 /// What was written for one image.
@@ -78,7 +94,7 @@ pub fn plan_images(inputs: &[PathBuf], out: &Path) -> Result<Vec<ImageJob>, Erro
             name,
             stem,
         };
-        for output in possible_outputs(&job) {
+        for output in job.possible_outputs() {
             // Letters of either case are one name on some file systems.
             if let Some(first) = writer_of.insert(output.to_lowercase(), input)
                 && first != input
@@ -104,19 +120,6 @@ pub fn plan_images(inputs: &[PathBuf], out: &Path) -> Result<Vec<ImageJob>, Erro
         jobs.push(job);
     }
     Ok(jobs)
-}
-
-/// Names of all files that an image may become, whatever its format turns out to be.
-fn possible_outputs(job: &ImageJob) -> Vec<String> {
-    let stem = &job.stem;
-    let mut names: Vec<String> = ["png", "jpg", "region.png", "crack.png", "json"]
-        .iter()
-        .map(|suffix| format!("{stem}.{suffix}"))
-        .collect();
-    if !names.contains(&job.name) {
-        names.push(job.name.clone());
-    }
-    names
 }
 
 /// Cracks many images, in parallel over images; results in the order of the jobs.
@@ -211,7 +214,11 @@ pub fn stage_cracked(
         input: job.input.clone(),
         cause: Box::new(error),
     };
-    let cracked = crack_image(settings, &mut file.pixels, seed).map_err(of_image)?;
+    let cracked = match &context.imported {
+        Some(imported) => crack_image_with(settings, &mut file.pixels, imported),
+        None => crack_image(settings, &mut file.pixels, seed),
+    }
+    .map_err(of_image)?;
     watch.append(cracked.timings.clone());
 
     let bytes = encode_image(&file.pixels, &encoding, file.icc_profile.as_deref())

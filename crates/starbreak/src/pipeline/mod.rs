@@ -4,6 +4,7 @@ mod broken_pane;
 mod details;
 mod files;
 mod growth;
+mod imported;
 mod provenance;
 mod timings;
 
@@ -13,17 +14,18 @@ use starbreak_glass::{CrackNetwork, Pane, Seed};
 use starbreak_optics::View;
 use starbreak_optics::paper::{Masks, composite, draw};
 
-use broken_pane::{physics_network, view_of};
+use broken_pane::{own_view, physics_network};
 
 use crate::{Error, FractureSettings, PaperSettings, Settings};
 
-pub use details::{Details, PaperDetails, PhysicsDetails};
+pub use details::{Details, ImportedDetails, PaperDetails, PhysicsDetails};
 
 pub use files::{
     Failure, ImageJob, JobResult, Written, crack_file, crack_files, plan_images, stage_cracked,
     with_threads,
 };
 pub use growth::{growth_drawing, growth_over, growth_times};
+pub use imported::{crack_image_with, use_network, view_of_network};
 pub use provenance::{PROVENANCE_SCHEMA, RunContext};
 pub use timings::{Stopwatch, Timings};
 
@@ -81,7 +83,7 @@ pub fn view(settings: &Settings, width_px: u32, height_px: u32) -> Result<View, 
             &Pane::from_frame_px(width_px, height_px),
             size,
         )),
-        FractureSettings::Physics(physics) => view_of(physics, &settings.camera, size),
+        FractureSettings::Physics(physics) => own_view(physics, &settings.camera, size),
     }
 }
 
@@ -125,14 +127,25 @@ pub fn crack_image(
     image: &mut DynamicImage,
     seed: Seed,
 ) -> Result<Cracked, Error> {
+    let simulated = simulate(settings, image.width(), image.height(), seed)?;
+    let view = view(settings, image.width(), image.height())?;
+    show(settings, image, simulated, &view)
+}
+
+/// Shows a network in an image, in place.
+fn show(
+    settings: &Settings,
+    image: &mut DynamicImage,
+    simulated: Simulated,
+    view: &View,
+) -> Result<Cracked, Error> {
     let Simulated {
         network,
         details,
         mut timings,
-    } = simulate(settings, image.width(), image.height(), seed)?;
+    } = simulated;
     let mut watch = Stopwatch::start();
-    let view = view(settings, image.width(), image.height())?;
-    let drawn = draw(&network, &view, f64::INFINITY, &settings.optics);
+    let drawn = draw(&network, view, f64::INFINITY, &settings.optics);
     watch.lap("draw");
     let masks = composite(image, &drawn, &settings.optics)?;
     watch.lap("render");
