@@ -23,11 +23,20 @@ fn page(content: &str) -> CrackNetwork {
     network
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "a place on a small page")]
+fn whole(value: f64) -> i64 {
+    value.floor() as i64
+}
+
+fn thousandths(value: f64) -> i64 {
+    whole(value * 1e3 + 0.5)
+}
+
 /// Ends of all segments, sorted, each from its lower end, to a thousandth.
 fn ends(network: &CrackNetwork) -> Vec<[i64; 4]> {
     let mut all: Vec<[i64; 4]> = (0..network.n_segments())
         .map(|idx| {
-            let [a, b, c, d] = network.ends(idx).map(|value| (value * 1e3).round() as i64);
+            let [a, b, c, d] = network.ends(idx).map(thousandths);
             if (a, b) <= (c, d) {
                 [a, b, c, d]
             } else {
@@ -67,13 +76,18 @@ fn every_preset_reads_back_from_its_own_drawing() {
 
 fn assert_reads_back(network: &CrackNetwork, again: &CrackNetwork, what: &str) {
     assert_eq!(again.data().unit, network.data().unit, "{what}");
-    assert!(
-        again.data().pane.width == network.data().pane.width
-            && again.data().pane.height == network.data().pane.height,
-        "{what}: the pane is another"
+    assert_eq!(
+        again.data().pane.width.to_bits(),
+        network.data().pane.width.to_bits(),
+        "{what}: width"
+    );
+    assert_eq!(
+        again.data().pane.height.to_bits(),
+        network.data().pane.height.to_bits(),
+        "{what}: height"
     );
     let impacts = |network: &CrackNetwork| -> Vec<[i64; 2]> {
-        let at = |value: f64| (value * 1e3).round() as i64;
+        let at = thousandths;
         network
             .data()
             .impacts
@@ -118,7 +132,7 @@ impl Index {
         let mut by_cell: BTreeMap<[i64; 2], Vec<usize>> = BTreeMap::new();
         for idx in 0..network.n_segments() {
             let [a, b, c, d] = network.ends(idx);
-            let at = |value: f64| (value / cell).floor() as i64;
+            let at = |value: f64| whole(value / cell);
             for x in at(a.min(c) - 0.01)..=at(a.max(c) + 0.01) {
                 for y in at(b.min(d) - 0.01)..=at(b.max(d) + 0.01) {
                     by_cell.entry([x, y]).or_default().push(idx);
@@ -130,7 +144,7 @@ impl Index {
 
     /// To the nearest segment of this kind.
     fn distance(&self, network: &CrackNetwork, [x, y]: [f64; 2], kind: SegmentKind) -> f64 {
-        let at = |value: f64| (value / self.cell).floor() as i64;
+        let at = |value: f64| whole(value / self.cell);
         let near = self.by_cell.get(&[at(x), at(y)]).into_iter().flatten();
         near.filter(|idx| network.data().segments.kind[**idx] == kind)
             .map(|idx| {
@@ -295,8 +309,8 @@ fn the_page_says_unit_and_size() {
         let data = network.data();
         assert_eq!(data.unit, unit, "{attributes}");
         assert_eq!(
-            [data.pane.width, data.pane.height].map(|side| (side * 1e6).round()),
-            [width * 1e6, height * 1e6],
+            [data.pane.width, data.pane.height].map(thousandths),
+            [width, height].map(thousandths),
             "{attributes}"
         );
         let got = network.ends(0);
@@ -355,17 +369,17 @@ fn names_say_kinds_and_impacts() {
          <circle class=\"impact\" cx=\"25\" cy=\"25\" r=\"3\" transform=\"scale(2)\"/>\
          <g id=\"impact_3\"><ellipse cx=\"120\" cy=\"20\" rx=\"3\" ry=\"2\" fill=\"red\"/></g>"
     ));
-    let length = |kind| (lengths(&network)[&kind] * 1e3).round();
-    assert_eq!(length(SegmentKind::Ring), 4000.0, "by the group");
-    assert_eq!(length(SegmentKind::Fork), 3000.0, "by a class");
-    assert_eq!(length(SegmentKind::Edge), 5000.0, "by a label");
-    let impacts: Vec<[f64; 2]> = network
+    let length = |kind| thousandths(lengths(&network)[&kind]);
+    assert_eq!(length(SegmentKind::Ring), 4000, "by the group");
+    assert_eq!(length(SegmentKind::Fork), 3000, "by a class");
+    assert_eq!(length(SegmentKind::Edge), 5000, "by a label");
+    let impacts: Vec<[i64; 2]> = network
         .data()
         .impacts
         .iter()
-        .map(|hit| [hit.x, hit.y])
+        .map(|hit| [hit.x, hit.y].map(thousandths))
         .collect();
-    assert_eq!(impacts, [[50.0, 50.0], [120.0, 20.0]], "impacts");
+    assert_eq!(impacts, [[50_000, 50_000], [120_000, 20_000]], "impacts");
     // One starts at the impact, the other was drawn towards it.
     assert_eq!(network.summary().n_radial, 2, "arms");
 }
