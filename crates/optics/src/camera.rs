@@ -93,6 +93,18 @@ enum Mapping {
     },
 }
 
+/// A pinhole camera and the pane before it, measured in mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Pinhole {
+    pub(crate) f_px: f64,
+    pub(crate) center_px: [f64; 2],
+    pub(crate) distance_mm: f64,
+    /// Sine and cosine of the rake.
+    pub(crate) sin: f64,
+    pub(crate) cos: f64,
+    pub(crate) axis_at_mm: [f64; 2],
+}
+
 impl View {
     /// The pane stretched to a frame of `width × height` pixels.
     #[must_use]
@@ -249,6 +261,27 @@ impl View {
                 let [u0, v0, u1, v1] = self.visible(ends, margin_px)?;
                 Some([u1 - u0, v1 - v0])
             }
+        }
+    }
+
+    /// The camera of a view through one; none of a stretched pane.
+    pub(crate) fn pinhole(&self) -> Option<Pinhole> {
+        match self.mapping {
+            Mapping::Stretch { .. } => None,
+            Mapping::Pinhole {
+                f_px,
+                distance_mm,
+                sin,
+                cos,
+                axis_at_mm,
+            } => Some(Pinhole {
+                f_px,
+                center_px: self.center(),
+                distance_mm,
+                sin,
+                cos,
+                axis_at_mm,
+            }),
         }
     }
 

@@ -26,6 +26,9 @@ pub enum OpticsError {
         /// Its height.
         height: u32,
     },
+    /// A view without a camera, through which no light can be followed.
+    #[error("the physical optics need a camera before the pane; a stretched pane has none")]
+    NoCamera,
     /// Cracks drawn for a frame of another size.
     #[error(
         "the image is {width} × {height} px, but the cracks were drawn for {drawn_width} × {drawn_height} px"

@@ -37,10 +37,16 @@ mod camera;
 mod coverage;
 pub mod environment;
 mod error;
+pub mod interface;
 pub mod lens;
+mod maps;
+mod masks;
 pub mod paper;
 pub mod physical;
+pub mod srgb;
+mod surface;
 
 pub use camera::{Camera, View};
 pub use coverage::{Coverage, Line};
 pub use error::OpticsError;
+pub use masks::Masks;

@@ -3,6 +3,15 @@
 //! Directions are in camera coordinates: x to the right, y down, z along the optical axis. All
 //! light is linear, in units of the image: 1 is what white shows.
 
+mod direction;
+mod estimate;
+mod hemisphere;
+mod samples;
+mod sun;
+
+pub use direction::Horizon;
+pub use hemisphere::HemisphereWeights;
+
 /// Light of one color, linear, in units of the image's white.
 pub type Rgb = [f32; 3];
 
@@ -59,4 +68,61 @@ pub struct Environment {
     pub cabin_rgb: Rgb,
     /// Irradiance of the sun on a plane that faces it.
     pub sun_rgb: Rgb,
+}
+
+impl Environment {
+    /// Radiance from a direction by the sine of its elevation: above the horizon
+    /// H + (Z − H) sin e of horizon and zenith, below it the ground's. The sun is not in it.
+    #[must_use]
+    pub fn radiance(&self, sin_elevation: f64) -> Rgb {
+        if sin_elevation < 0.0 {
+            return self.ground_rgb;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "light is kept in single precision"
+        )]
+        let sin = sin_elevation.min(1.0) as f32;
+        std::array::from_fn(|k| {
+            self.horizon_rgb[k] + (self.zenith_rgb[k] - self.horizon_rgb[k]) * sin
+        })
+    }
+}
+
+/// Luminance of linear light by the primaries of sRGB [IEC1999].
+fn luminance([red, green, blue]: Rgb) -> f32 {
+    0.2126 * red + 0.7152 * green + 0.0722 * blue
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn radiance_runs_from_the_horizons_to_the_zeniths_and_is_the_grounds_below() {
+        let environment = Environment {
+            horizon_rgb: [0.3, 0.6, 0.9],
+            zenith_rgb: [0.1, 0.2, 1.1],
+            ground_rgb: [0.05, 0.06, 0.07],
+            cabin_rgb: [0.0; 3],
+            sun_rgb: [9.0; 3],
+        };
+        for (sin, expected) in [
+            (-1.0, [0.05, 0.06, 0.07]),
+            (-1e-9, [0.05, 0.06, 0.07]),
+            (0.0, [0.3, 0.6, 0.9]),
+            (0.5, [0.2, 0.4, 1.0]),
+            (1.0, [0.1, 0.2, 1.1]),
+            (1.5, [0.1, 0.2, 1.1]),
+        ] {
+            for (found, expected) in environment.radiance(sin).into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-6, "{found} at sine {sin}");
+            }
+        }
+    }
+
+    #[test]
+    fn white_has_luminance_1() {
+        assert!((luminance([1.0; 3]) - 1.0).abs() < 1e-6, "white");
+    }
 }

@@ -9,5 +9,5 @@ mod render;
 mod shading;
 
 pub use params::{FarFocusBlur, Focus, Light, Normalization, PaperOptics};
-pub use render::{Masks, composite, draw, render, render_at};
+pub use render::{composite, draw, render, render_at};
 pub use shading::crack_energies;

@@ -1,22 +1,13 @@
 //! Far focus and short focus over any 8-bit or 16-bit image.
 
-use image::{DynamicImage, GrayImage};
+use image::DynamicImage;
 use starbreak_glass::CrackNetwork;
 
 use super::canvas::blend_and_blur;
 use super::params::PaperOptics;
 use super::shading::crack_energies;
 use crate::coverage::{Coverage, Line, gray_image};
-use crate::{OpticsError, View};
-
-/// Where a render changed the image, and where the cracks are.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Masks {
-    /// 255 where the image may differ from the input, 0 where it is the input to the byte.
-    pub region: GrayImage,
-    /// Coverage by cracks, 255 = in full.
-    pub crack: GrayImage,
-}
+use crate::{Masks, OpticsError, View};
 
 /// Renders the full-grown network over the image, in place. See [`render_at`].
 ///

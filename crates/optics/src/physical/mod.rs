@@ -1,5 +1,18 @@
 //! The physical optics: mirrors, glints and crushed glass through a real lens, in linear light.
+//!
+//! [`render`] does it all for one image. For many images before one crack, [`bake`] once, give the
+//! [`Pattern`] the light of an [`Environment`](crate::environment::Environment), and
+//! [apply](Overlay::apply) the [`Overlay`] to each. docs/theory/optics.md has the equations, what
+//! they were checked against, and their limits.
 
+mod defocus;
+mod overlay;
 mod params;
+mod pattern;
+mod render;
+mod samples;
 
+pub use overlay::{OpticalMaps, Overlay};
 pub use params::{PhysicalOptics, SensorNoise, SurfaceParams};
+pub use pattern::{Pattern, bake};
+pub use render::{Rendered, render};

@@ -45,6 +45,11 @@ pub struct SurfaceParams {
     pub chip: f64,
     /// Slope of the chipped surface at its rim, degrees, 0 to 60. FIT. **Default**: 12.
     pub chip_slope_deg: f64,
+    /// Radius of the film of air that runs sideways under the crushed zone (lateral cracks), over
+    /// the crushed radius, 0 or 1 to 10; up to 1 there is none. FIT. **Default**: 2.5.
+    pub film: f64,
+    /// Greatest thickness of that film, µm, 0 to 100. FIT. **Default**: 1.5.
+    pub film_um: f64,
     /// Standard deviation of the wedge angle between the faces of a fragment, degrees, 0 to 10.
     /// **Default**: 0: the faces of a broken plate stay parallel.
     pub fragment_wedge_deg: f64,
@@ -69,6 +74,8 @@ impl Default for SurfaceParams {
             crushed_zone: 1.0,
             chip: 2.0,
             chip_slope_deg: 12.0,
+            film: 2.5,
+            film_um: 1.5,
             fragment_wedge_deg: 0.0,
         }
     }
@@ -136,6 +143,8 @@ impl PhysicalOptics {
                 60.0,
                 "0 to 60 degrees",
             ),
+            ("film", surface.film, 0.0, 10.0, "0 to 10"),
+            ("film_um", surface.film_um, 0.0, 100.0, "0 to 100 µm"),
             (
                 "fragment_wedge_deg",
                 surface.fragment_wedge_deg,

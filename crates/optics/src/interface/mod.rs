@@ -1,0 +1,27 @@
+//! One surface of glass: how much light it reflects, transmits and scatters, and where to.
+//!
+//! [`fresnel`] is a smooth face, [`gap`] the film of air in an open crack, [`ggx`] a rough face.
+//! All are pure functions of directions and of the refractive index; lengths are in m unless the
+//! name says otherwise.
+
+pub mod fresnel;
+pub mod gap;
+pub mod ggx;
+
+/// A direction or a normal.
+type Vector = [f64; 3];
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `a x + b y`.
+fn combine(a: f64, x: Vector, b: f64, y: Vector) -> Vector {
+    [0, 1, 2].map(|i| a * x[i] + b * y[i])
+}
+
+/// The unit vector along `v`; `None` if `v` has no direction.
+fn unit(v: Vector) -> Option<Vector> {
+    let length = dot(v, v).sqrt();
+    (length > 0.0 && length.is_finite()).then(|| v.map(|x| x / length))
+}

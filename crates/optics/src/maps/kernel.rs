@@ -1,0 +1,309 @@
+//! The image of the pupil: how a point out of focus is spread over cells.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::lens::Lens;
+
+/// Lines per cell along which a kernel is integrated: Gauss-Legendre abscissae and weights on
+/// [0, 1], \[AbramowitzStegun1964\] table 25.4.
+const LINES: [(f64, f64); 6] = [
+    (0.033_765_242_898_424, 0.085_662_246_189_585),
+    (0.169_395_306_766_868, 0.180_380_786_524_069),
+    (0.380_690_406_958_402, 0.233_956_967_286_346),
+    (0.619_309_593_041_598, 0.233_956_967_286_346),
+    (0.830_604_693_233_132, 0.180_380_786_524_069),
+    (0.966_234_757_101_576, 0.085_662_246_189_585),
+];
+
+/// Shape of the pupil.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Pupil {
+    /// A disc.
+    Round,
+    /// A regular polygon of the disc's area, with the direction of a corner.
+    Polygon {
+        /// Number of corners.
+        n: u32,
+        /// Direction of the first corner, rad.
+        angle_rad: f64,
+    },
+}
+
+impl Pupil {
+    /// The pupil of a lens.
+    pub(crate) fn of(lens: &Lens) -> Self {
+        match lens.blades {
+            0 => Self::Round,
+            n => Self::Polygon {
+                n,
+                angle_rad: lens.blade_angle_rad,
+            },
+        }
+    }
+
+    /// Corners of the polygon for a disc of radius 1.
+    fn corners(self) -> Vec<[f64; 2]> {
+        match self {
+            Self::Round => Vec::new(),
+            Self::Polygon { n, angle_rad } => {
+                let step = TAU / f64::from(n);
+                // Area n/2 ρ² sin(2π/n) = π.
+                let rho = (2.0 * PI / (f64::from(n) * libm::sin(step))).sqrt();
+                (0..n)
+                    .map(|k| {
+                        let (sin, cos) = libm::sincos(angle_rad + step * f64::from(k));
+                        [rho * cos, rho * sin]
+                    })
+                    .collect()
+            }
+        }
+    }
+}
+
+/// What a cell of unit value becomes: for each row the *steps* from one cell to the next, so
+/// that a running sum along the row restores the kernel. It sums to 1.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Kernel {
+    /// Row offset, and where its steps end in `steps`.
+    rows: Vec<(i32, usize)>,
+    /// Column offset and step.
+    steps: Vec<(i32, f32)>,
+    reach: i32,
+}
+
+impl Kernel {
+    /// The image of a pupil of signed radius `radius`, in cells, each cell holding its exact
+    /// share; a negative radius turns the pupil over.
+    ///
+    /// `excess` is the variance per axis, cells², by which other steps blur on top: the kernel is
+    /// sharpened by as much, K − ½ `excess` ∇²K.
+    pub(crate) fn new(pupil: Pupil, radius: f64, excess: f64) -> Self {
+        let corners: Vec<[f64; 2]> = pupil
+            .corners()
+            .iter()
+            .map(|corner| corner.map(|coordinate| coordinate * radius))
+            .collect();
+        let size = if corners.is_empty() {
+            radius.abs()
+        } else {
+            corners
+                .iter()
+                .map(|[x, y]| (x * x + y * y).sqrt())
+                .fold(0.0, f64::max)
+        };
+        let chord = |y: f64| -> Option<[f64; 2]> {
+            if corners.is_empty() {
+                let square = radius * radius - y * y;
+                return (square > 0.0).then(|| [-square.sqrt(), square.sqrt()]);
+            }
+            polygon_chord(&corners, y)
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "radii of some cells")]
+        let reach = (size + 0.5).ceil() as i32 + i32::from(excess > 0.0);
+        let columns = (2 * reach + 3).cast_unsigned() as usize;
+        let mut kernel = Self {
+            rows: Vec::new(),
+            steps: Vec::new(),
+            reach,
+        };
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        let mut total = 0.0;
+        for dy in -reach..=reach {
+            let mut row = vec![0.0; columns];
+            let (top, bottom) = (
+                (f64::from(dy) - 0.5).max(-size),
+                (f64::from(dy) + 0.5).min(size),
+            );
+            if top < bottom {
+                // Over the angle, in which the chord of a disc is smooth up to its ends.
+                let (from, to) = (libm::asin(top / size), libm::asin(bottom / size));
+                for (at, weight) in LINES {
+                    let (sin, cos) = libm::sincos(from + at * (to - from));
+                    let weight = weight * (to - from) * size * cos;
+                    if let Some([left, right]) = chord(size * sin) {
+                        // Cell 0 spans ±0.5 about the point.
+                        add_edge(&mut row, left + f64::from(reach) + 0.5, weight);
+                        add_edge(&mut row, right + f64::from(reach) + 0.5, -weight);
+                        total += weight * (right - left);
+                    }
+                }
+            }
+            rows.push(row);
+        }
+        if total <= 0.0 {
+            // A point: all in one cell.
+            kernel.steps = vec![(0, 1.0), (1, -1.0)];
+            kernel.rows = vec![(0, 2)];
+            return kernel;
+        }
+        for (k, dy) in (-reach..=reach).enumerate() {
+            let at = |k: Option<usize>, column: Option<usize>| -> f64 {
+                let row = k.and_then(|k| rows.get(k));
+                let cell = row.and_then(|row| column.and_then(|column| row.get(column)));
+                cell.copied().unwrap_or(0.0)
+            };
+            for (column, dx) in (-reach..).enumerate().take(columns) {
+                let own = at(Some(k), Some(column));
+                let around = at(k.checked_sub(1), Some(column))
+                    + at(Some(k + 1), Some(column))
+                    + at(Some(k), column.checked_sub(1))
+                    + at(Some(k), Some(column + 1));
+                let step = (own - 0.5 * excess * (around - 4.0 * own)) / total;
+                #[expect(clippy::cast_possible_truncation, reason = "weights as f32")]
+                let step = step as f32;
+                if step.abs() > 0.0 {
+                    kernel.steps.push((dx, step));
+                }
+            }
+            kernel.rows.push((dy, kernel.steps.len()));
+        }
+        kernel
+    }
+
+    /// Rows and columns beyond the middle that the steps reach at most.
+    pub(crate) fn reach(&self) -> usize {
+        self.reach.unsigned_abs() as usize + 1
+    }
+
+    /// Row offsets with the steps of each row.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (i32, &[(i32, f32)])> {
+        let mut start = 0;
+        self.rows.iter().map(move |&(dy, end)| {
+            let steps = &self.steps[start..end];
+            start = end;
+            (dy, steps)
+        })
+    }
+}
+
+/// Adds the steps of coverage right of a place: cells are [k, k + 1).
+fn add_edge(row: &mut [f64], at: f64, weight: f64) {
+    let cell = at.floor();
+    let within = at - cell;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "within the row, which is wide enough"
+    )]
+    let cell = cell.max(0.0) as usize;
+    if let Some(step) = row.get_mut(cell) {
+        *step += weight * (1.0 - within);
+    }
+    if let Some(step) = row.get_mut(cell + 1) {
+        *step += weight * within;
+    }
+}
+
+/// Where a horizontal line crosses a convex polygon.
+fn polygon_chord(corners: &[[f64; 2]], y: f64) -> Option<[f64; 2]> {
+    let (mut left, mut right) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (k, &[x0, y0]) in corners.iter().enumerate() {
+        let [x1, y1] = corners[(k + 1) % corners.len()];
+        if (y0 - y) * (y1 - y) <= 0.0 && (y1 - y0).abs() > 0.0 {
+            let x = x0 + (y - y0) / (y1 - y0) * (x1 - x0);
+            left = left.min(x);
+            right = right.max(x);
+        }
+    }
+    (right > left).then_some([left, right])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The kernel as a dense square of side 2·reach + 1.
+    fn dense(kernel: &Kernel) -> (i32, Vec<f64>) {
+        let reach = i32::try_from(kernel.reach()).unwrap();
+        let side = usize::try_from(2 * reach + 1).unwrap();
+        let mut cells = vec![0.0; side * side];
+        for (dy, steps) in kernel.rows() {
+            let row = usize::try_from(dy + reach).unwrap() * side;
+            let mut steps = steps.iter().peekable();
+            let mut sum = 0.0;
+            for dx in -reach..=reach {
+                while let Some((_, step)) = steps.next_if(|(at, _)| *at == dx) {
+                    sum += f64::from(*step);
+                }
+                cells[row + usize::try_from(dx + reach).unwrap()] = sum;
+            }
+            assert!(sum.abs() < 1e-6, "row {dy} does not close: {sum}");
+        }
+        (reach, cells)
+    }
+
+    #[test]
+    fn kernels_sum_to_one_and_have_the_variance_of_the_pupil() {
+        for pupil in [
+            Pupil::Round,
+            Pupil::Polygon {
+                n: 5,
+                angle_rad: 0.3,
+            },
+            Pupil::Polygon {
+                n: 6,
+                angle_rad: 0.0,
+            },
+            Pupil::Polygon {
+                n: 3,
+                angle_rad: 1.0,
+            },
+        ] {
+            for radius in [0.0, 0.1, 0.5, 1.0, 2.3, 5.0, 9.7, -4.2, 33.3] {
+                let (reach, cells) = dense(&Kernel::new(pupil, radius, 0.0));
+                let side = 2 * reach + 1;
+                let (mut sum, mut x_sum, mut square) = (0.0, 0.0, 0.0);
+                for (k, cell) in (0..).zip(&cells) {
+                    let (dx, dy) = (f64::from(k % side - reach), f64::from(k / side - reach));
+                    sum += cell;
+                    x_sum += cell * dx;
+                    square += cell * (dx * dx + dy * dy);
+                    assert!(
+                        *cell > -1e-7,
+                        "no negative weight at radius {radius}: {cell}"
+                    );
+                }
+                assert!((sum - 1.0).abs() < 1e-6, "{pupil:?}, {radius}: sum {sum}");
+                assert!(
+                    x_sum.abs() < 5e-3,
+                    "{pupil:?}, {radius}: off centre by {x_sum}"
+                );
+                // ⟨x² + y²⟩ = ρ²/2 of a disc; of a polygon n: ρ²/6 (2 + cos 2π/n); and 1/12 per axis
+                // for the cells.
+                let expected = 1.0 / 6.0
+                    + match pupil {
+                        Pupil::Round => radius * radius / 2.0,
+                        Pupil::Polygon { n, .. } => {
+                            let step = TAU / f64::from(n);
+                            let rho2 = 2.0 * PI / (f64::from(n) * step.sin());
+                            radius * radius * rho2 / 6.0 * (2.0 + step.cos())
+                        }
+                    };
+                if radius.abs() >= 2.0 {
+                    assert!(
+                        (square / expected - 1.0).abs() < 0.02,
+                        "{pupil:?}, {radius}: second moment {square}, not {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_negative_radius_turns_the_pupil_over() {
+        let pupil = Pupil::Polygon {
+            n: 3,
+            angle_rad: 0.0,
+        };
+        let (_, cells) = dense(&Kernel::new(pupil, 6.0, 0.0));
+        let (_, mut turned) = dense(&Kernel::new(pupil, -6.0, 0.0));
+        assert!(
+            cells.iter().zip(&turned).any(|(a, b)| (a - b).abs() > 1e-3),
+            "a triangle is not its own mirror image"
+        );
+        turned.reverse();
+        for (a, b) in cells.iter().zip(&turned) {
+            assert!((a - b).abs() < 1e-6, "{a} against {b}");
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Facets to per-pixel maps: exact coverage, spread by the pupil of the lens.
+//!
+//! A [`Facet`] is a polygon of the frame with what it sends along each of a few *lanes*: shares
+//! of the light of the sky, of the ground and so on. [`spread`] covers the frame with them and
+//! blurs each by the disc that its own depth has.
+
+mod chunks;
+mod kernel;
+mod layer;
+mod raster;
+
+pub(crate) use chunks::{CHUNK, Chunks};
+pub(crate) use kernel::{Kernel, Pupil};
+pub(crate) use layer::{Facet, spread};

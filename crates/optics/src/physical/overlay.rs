@@ -1,0 +1,234 @@
+//! A baked crack under the light of one environment.
+
+use image::GrayImage;
+
+use super::PhysicalOptics;
+use super::pattern::{Pattern, PatternLayer};
+use crate::environment::{Environment, Rgb};
+use crate::maps::CHUNK;
+use crate::surface::{CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, N_SHARES, SUN, ZENITH};
+
+/// A baked crack under the light of one environment: what to do to each pixel of an image.
+///
+/// Light out = `keep` · light in + `add` + share · light at another place of the frame.
+#[derive(Debug, Clone)]
+pub struct Overlay {
+    pub(super) size: (u32, u32),
+    pub(super) layers: Vec<OverlayLayer>,
+    pub(super) optics: PhysicalOptics,
+    pub(super) f_px: f64,
+    environment: Environment,
+}
+
+/// One layer of it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct OverlayLayer {
+    pub(super) runs: Vec<Run>,
+    pub(super) elsewhere: Vec<Elsewhere>,
+}
+
+/// [`CHUNK`] pixels of a row, per color.
+#[derive(Debug, Clone)]
+pub(super) struct Run {
+    pub(super) x: usize,
+    pub(super) y: usize,
+    pub(super) keep: [[f32; CHUNK]; 3],
+    pub(super) add: [[f32; CHUNK]; 3],
+    /// Place among the runs that take light from elsewhere in the frame.
+    pub(super) elsewhere: Option<usize>,
+}
+
+/// Light from elsewhere in the frame: its share, and the place, px.
+#[derive(Debug, Clone)]
+pub(super) struct Elsewhere {
+    pub(super) share: [f32; CHUNK],
+    pub(super) u: [f32; CHUNK],
+    pub(super) v: [f32; CHUNK],
+}
+
+/// Per-pixel maps of an overlay, row by row.
+///
+/// With I the linear light of the image, 1 for white, the light that comes out is
+/// I·(1 − `attenuation`) + `added` + `elsewhere` · I(at pixel + `displacement`).
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpticalMaps {
+    /// Width of the frame, px.
+    pub width: u32,
+    /// Height of the frame, px.
+    pub height: u32,
+    /// Share of the image's light that is lost, the mean of the colors.
+    pub attenuation: Vec<f32>,
+    /// Light that is added, linear, red, green and blue, without what comes from the image.
+    pub added: Vec<[f32; 3]>,
+    /// Share of light from another place of the image.
+    pub elsewhere: Vec<f32>,
+    /// From a pixel to that place, px, right and down; 0 where the share is 0.
+    pub displacement: Vec<[f32; 2]>,
+}
+
+/// Less influence is none: below a step of an 8-bit image.
+const LEAST_INFLUENCE: f32 = 2e-4;
+
+/// A smaller share of light from elsewhere is taken from the pixel itself.
+const LEAST_ELSEWHERE: f32 = 5e-4;
+
+impl Overlay {
+    pub(super) fn new(
+        pattern: &Pattern,
+        environment: &Environment,
+        optics: &PhysicalOptics,
+    ) -> Self {
+        Self {
+            size: pattern.size(),
+            layers: pattern
+                .layers()
+                .iter()
+                .map(|layer| OverlayLayer::new(layer, environment))
+                .collect(),
+            optics: *optics,
+            f_px: pattern.f_px(),
+            environment: *environment,
+        }
+    }
+
+    /// The light it is under.
+    #[must_use]
+    pub fn environment(&self) -> &Environment {
+        &self.environment
+    }
+
+    /// Where the crack takes away or adds at least `region_threshold`: 255, else 0.
+    ///
+    /// What is added counts in units of white. It does not depend on what the image shows, so
+    /// that a crack before a scene of its own brightness counts as well.
+    #[must_use]
+    pub fn region(&self) -> GrayImage {
+        #[expect(clippy::cast_possible_truncation, reason = "a threshold as f32")]
+        let threshold = self.optics.region_threshold as f32;
+        let (width, height) = self.size;
+        let mut mask = GrayImage::new(width, height);
+        let width = width as usize;
+        for run in self.layers.iter().flat_map(|layer| &layer.runs) {
+            let row = &mut mask.as_mut()[run.y * width..(run.y + 1) * width];
+            for (k, pixel) in row.iter_mut().skip(run.x).take(CHUNK).enumerate() {
+                if run.influence(k) >= threshold {
+                    *pixel = 255;
+                }
+            }
+        }
+        mask
+    }
+
+    /// The maps, pixel by pixel.
+    #[must_use]
+    pub fn maps(&self) -> OpticalMaps {
+        let (width, height) = self.size;
+        let n = width as usize * height as usize;
+        let mut maps = OpticalMaps {
+            width,
+            height,
+            attenuation: vec![0.0; n],
+            added: vec![[0.0; 3]; n],
+            elsewhere: vec![0.0; n],
+            displacement: vec![[0.0; 2]; n],
+        };
+        let width = width as usize;
+        for layer in &self.layers {
+            for run in &layer.runs {
+                for k in 0..CHUNK.min(width - run.x) {
+                    let at = run.y * width + run.x + k;
+                    let keep = (run.keep[0][k] + run.keep[1][k] + run.keep[2][k]) / 3.0;
+                    maps.attenuation[at] = 1.0 - (1.0 - maps.attenuation[at]) * keep;
+                    for c in 0..3 {
+                        maps.added[at][c] = maps.added[at][c] * run.keep[c][k] + run.add[c][k];
+                    }
+                    if let Some(place) = run.elsewhere {
+                        let other = &layer.elsewhere[place];
+                        if other.share[k] > 0.0 {
+                            #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                            let own = [(run.x + k) as f32 + 0.5, run.y as f32 + 0.5];
+                            maps.elsewhere[at] = other.share[k];
+                            maps.displacement[at] = [other.u[k] - own[0], other.v[k] - own[1]];
+                        }
+                    }
+                }
+            }
+        }
+        maps
+    }
+}
+
+impl Run {
+    /// What a pixel loses or gains at most, in units of its own light or of white.
+    fn influence(&self, k: usize) -> f32 {
+        let lost = (0..3).map(|c| (1.0 - self.keep[c][k]).abs());
+        let added = (0..3).map(|c| self.add[c][k]);
+        lost.chain(added).fold(0.0, f32::max)
+    }
+}
+
+impl OverlayLayer {
+    fn new(layer: &PatternLayer, environment: &Environment) -> Self {
+        let mut overlay = Self::default();
+        let lit: [(usize, Rgb); 5] = [
+            (HORIZON, environment.horizon_rgb),
+            (ZENITH, environment.zenith_rgb),
+            (GROUND, environment.ground_rgb),
+            (CABIN, environment.cabin_rgb),
+            (SUN, environment.sun_rgb),
+        ];
+        for (x, y, pixels) in layer.light.iter() {
+            let tint = layer.tint.run_at(x, y);
+            let mut run = Run {
+                x,
+                y,
+                keep: [[1.0; CHUNK]; 3],
+                add: [[0.0; CHUNK]; 3],
+                elsewhere: None,
+            };
+            let mut other = Elsewhere {
+                share: [0.0; CHUNK],
+                u: [0.0; CHUNK],
+                v: [0.0; CHUNK],
+            };
+            let (mut is_touched, mut has_other) = (false, false);
+            for (k, lanes) in pixels.iter().enumerate() {
+                let share: f32 = lanes[..N_SHARES].iter().sum();
+                let mut add = [0.0_f32; 3];
+                for (lane, rgb) in &lit {
+                    for (sum, color) in add.iter_mut().zip(rgb) {
+                        *sum += lanes[*lane] * color;
+                    }
+                }
+                if share.abs().max(add[0]).max(add[1]).max(add[2]) < LEAST_INFLUENCE {
+                    continue;
+                }
+                is_touched = true;
+                let colors = tint.map_or([0.0; 3], |tint| [tint[k][1], tint[k][2], tint[k][3]]);
+                for c in 0..3 {
+                    run.keep[c][k] = 1.0 - share - colors[c];
+                    // What is reflected more of one color is so at the expense of what passes.
+                    run.add[c][k] = add[c] * (1.0 + colors[c] / share.max(1e-3));
+                }
+                if lanes[FRAME] > LEAST_ELSEWHERE {
+                    has_other = true;
+                    other.share[k] = lanes[FRAME];
+                    other.u[k] = lanes[FRAME_U] / lanes[FRAME];
+                    other.v[k] = lanes[FRAME_V] / lanes[FRAME];
+                } else {
+                    for keep in &mut run.keep {
+                        keep[k] += lanes[FRAME];
+                    }
+                }
+            }
+            if has_other {
+                run.elsewhere = Some(overlay.elsewhere.len());
+                overlay.elsewhere.push(other);
+            }
+            if is_touched {
+                overlay.runs.push(run);
+            }
+        }
+        overlay
+    }
+}

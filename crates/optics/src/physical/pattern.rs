@@ -1,0 +1,196 @@
+//! A crack before a camera, baked: what each pixel loses, and which light it gains.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use image::GrayImage;
+use starbreak_glass::{CrackNetwork, Seed};
+
+use super::{Overlay, PhysicalOptics};
+use crate::environment::{Environment, HemisphereWeights, Horizon};
+use crate::interface::gap::GapTable;
+use crate::maps::{CHUNK, Chunks, Facet, Pupil, spread};
+use crate::surface::{
+    Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, fragment_facets, hit_facets,
+};
+use crate::{OpticsError, View};
+
+/// A crack network before one camera, ready for any image of the camera's size.
+///
+/// It holds no light yet: each pixel has its shares of the light of the sky, the ground, the
+/// cabin, the sun and other places of the frame. [`Pattern::light`] gives it the light of an
+/// environment. One pattern serves all frames of a video, and all images of a bank.
+#[derive(Debug, Clone)]
+pub struct Pattern {
+    size: (u32, u32),
+    f_px: f64,
+    /// What is rendered one after the other: fragments, then cracks and hits.
+    layers: Vec<PatternLayer>,
+    outlines: Vec<[[f64; 2]; 4]>,
+}
+
+/// Facets that are rendered together.
+#[derive(Debug, Clone)]
+pub(super) struct PatternLayer {
+    pub(super) light: Chunks<LANES>,
+    pub(super) tint: Chunks<4>,
+}
+
+/// Bakes a network as far as it has grown at `time` (in the unit of its arrival column; infinity
+/// for all of it).
+///
+/// The seed places what the network leaves open: grains of crushed glass, chips, wedges.
+///
+/// # Errors
+/// [`OpticsError::Parameter`] for a parameter out of range, [`OpticsError::NoCamera`] for a view
+/// of a stretched pane.
+pub fn bake(
+    network: &CrackNetwork,
+    time: f64,
+    view: &View,
+    optics: &PhysicalOptics,
+    seed: Seed,
+) -> Result<Pattern, OpticsError> {
+    optics.check()?;
+    let (width, height) = view.size();
+    let sheet = SheetView::new(
+        view,
+        &optics.lens,
+        optics.thickness_mm,
+        optics.refractive_index,
+    )?;
+    let environment = &optics.environment;
+    let horizon = Horizon::at_row(environment.horizon_row, height, sheet.f_px());
+    let sun = horizon.sun(environment.sun_azimuth_rad, environment.sun_elevation_rad);
+    let gaps = gap_table(optics.refractive_index);
+    let outward = sheet.to_camera([0.0, 0.0, 1.0]);
+    let from = LightFrom {
+        sheet: &sheet,
+        horizon,
+        sun: sheet.to_sheet(sun),
+        gaps: &gaps,
+        outside: HemisphereWeights::facing(horizon.sin_elevation(outward)),
+    };
+    let mut pattern = Pattern {
+        size: (width, height),
+        f_px: sheet.f_px(),
+        layers: Vec::new(),
+        outlines: Vec::new(),
+    };
+    if network.n_segments() == 0 || width == 0 || height == 0 {
+        return Ok(pattern);
+    }
+    let pupil = Pupil::of(&optics.lens);
+    let wedge_rad = optics.surface.fragment_wedge_deg.to_radians();
+    let mut fragments = Facets::default();
+    fragment_facets(&from, network, wedge_rad, seed, &mut fragments);
+    let mut cracks = Facets::default();
+    let reach_px = reach_px(&sheet);
+    crack_facets(&from, network, time, &optics.surface, reach_px, &mut cracks);
+    hit_facets(&from, network, &optics.surface, seed, &mut cracks);
+    pattern.outlines = cracks.light.iter().map(|facet| facet.corners).collect();
+    let size = (width as usize, height as usize);
+    for facets in [fragments, cracks] {
+        let light = spread(&facets.light, N_SHARES, pupil, size);
+        if !light.is_empty() {
+            let tint = spread(&facets.tint, 1, pupil, size);
+            pattern.layers.push(PatternLayer { light, tint });
+        }
+    }
+    Ok(pattern)
+}
+
+impl Pattern {
+    /// Width and height of the frame, px.
+    #[must_use]
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Focal length of the camera, px.
+    #[must_use]
+    pub fn f_px(&self) -> f64 {
+        self.f_px
+    }
+
+    /// Whether nothing of a crack is in the frame.
+    #[must_use]
+    pub fn is_intact(&self) -> bool {
+        self.layers.is_empty()
+    }
+
+    pub(super) fn layers(&self) -> &[PatternLayer] {
+        &self.layers
+    }
+
+    /// The pattern under the light of an environment, ready to be put over images.
+    #[must_use]
+    pub fn light(&self, environment: &Environment, optics: &PhysicalOptics) -> Overlay {
+        Overlay::new(self, environment, optics)
+    }
+
+    /// Coverage of the frame by cracks, crushed glass and chips, as if all were in focus.
+    #[must_use]
+    pub fn coverage(&self) -> GrayImage {
+        let (width, height) = self.size;
+        let facets: Vec<Facet<2>> = self
+            .outlines
+            .iter()
+            .map(|&corners| Facet {
+                corners,
+                lanes: [1.0, 0.0],
+                lean: [[0.0; 2]; 2],
+                radius_px: 0.0,
+            })
+            .collect();
+        let covered = spread(&facets, 1, Pupil::Round, (width as usize, height as usize));
+        let mut mask = GrayImage::new(width, height);
+        for (x, y, run) in covered.iter() {
+            let pixels = mask.as_mut();
+            let row = &mut pixels[y * width as usize..(y + 1) * width as usize];
+            for (pixel, [share, _]) in row.iter_mut().skip(x).take(CHUNK).zip(run) {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a share as a code"
+                )]
+                let code = (share.clamp(0.0, 1.0) * 255.0).round() as u8;
+                *pixel = code;
+            }
+        }
+        mask
+    }
+}
+
+/// How far beyond the frame a crack may lie and still reach into it, px: the largest blur at the
+/// frame's corners, and the parallax of the sheet.
+fn reach_px(sheet: &SheetView) -> f64 {
+    let (width, height) = sheet.view().size();
+    let (width, height) = (f64::from(width), f64::from(height));
+    let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]];
+    let mut reach = 0.0_f64;
+    for corner in corners {
+        if let Some(point) = sheet.view().unproject(corner)
+            && let Some(radius) = sheet.blur_radius_px(point, 0.0)
+            && let Some([u, v]) = sheet.project(point, sheet.thickness_mm, [0.0; 2])
+        {
+            let parallax = (u - corner[0]).abs().max((v - corner[1]).abs());
+            reach = reach.max(radius.abs() + parallax);
+        }
+    }
+    // The rim of the frame is not its corners' equal where the sheet leaves the view.
+    (1.1 * reach + 4.0).min(width + height)
+}
+
+/// The table of an index; the last one is kept.
+fn gap_table(index: f64) -> Arc<GapTable> {
+    static LAST: Mutex<Option<(u64, Arc<GapTable>)>> = Mutex::new(None);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    match &*last {
+        Some((of, table)) if *of == index.to_bits() => Arc::clone(table),
+        _ => {
+            let table = Arc::new(GapTable::new(index));
+            *last = Some((index.to_bits(), Arc::clone(&table)));
+            table
+        }
+    }
+}

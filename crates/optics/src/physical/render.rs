@@ -1,0 +1,398 @@
+//! An overlay over images: in place where only some pixels change, over the whole frame where
+//! the scene is out of focus too.
+
+use image::DynamicImage;
+use rand_chacha::rand_core::Rng;
+use starbreak_glass::{CrackNetwork, Seed, Stream};
+
+use super::defocus::defocus;
+use super::overlay::{Elsewhere, Overlay, OverlayLayer, Run};
+use super::samples::{Layout, Sample, per_color};
+use super::{PhysicalOptics, SensorNoise, bake};
+use crate::environment::Environment;
+use crate::maps::{CHUNK, Pupil};
+use crate::{Masks, OpticsError, View};
+
+/// A scene blurred by less, px of radius, is sharp.
+const SHARP_PX: f64 = 0.05;
+
+/// What [`render`] leaves beside the image.
+#[derive(Debug, Clone)]
+pub struct Rendered {
+    /// Where the image changed, and where the cracks are.
+    pub masks: Masks,
+    /// What was done to each pixel, and under which light.
+    pub overlay: Overlay,
+}
+
+/// Renders a network as far as it has grown at `time` over the image, in place: [`bake`], the
+/// light of the image's own [environment](Environment::estimate), and [`Overlay::apply`].
+///
+/// Where nothing is broken the image stays as it is, to the byte.
+///
+/// # Errors
+/// As for [`bake`] and [`Overlay::apply`].
+pub fn render(
+    image: &mut DynamicImage,
+    network: &CrackNetwork,
+    time: f64,
+    view: &View,
+    optics: &PhysicalOptics,
+    seed: Seed,
+) -> Result<Rendered, OpticsError> {
+    let pattern = bake(network, time, view, optics, seed)?;
+    let environment = Environment::estimate(image, &optics.environment, pattern.f_px());
+    let overlay = pattern.light(&environment, optics);
+    overlay.apply(image, seed)?;
+    Ok(Rendered {
+        masks: Masks {
+            region: overlay.region(),
+            crack: pattern.coverage(),
+        },
+        overlay,
+    })
+}
+
+impl Overlay {
+    /// Puts the crack over an image, in place.
+    ///
+    /// In linear light, I₁ = (1 − A) I₀ + β + Σ W I₀(x + d); the sum is clipped once, when it is
+    /// encoded. Only pixels that the crack touches are read and written, unless the scene is out
+    /// of focus or `veiling_glare` spreads light over the frame. Alpha is never changed; grey
+    /// images get the luminance of what is added. The seed is that of the sensor's noise.
+    ///
+    /// # Errors
+    /// [`OpticsError`] for an image without pixels or of another size than the overlay, or one
+    /// whose samples are floating point.
+    pub fn apply(&self, image: &mut DynamicImage, seed: Seed) -> Result<(), OpticsError> {
+        let (width, height) = (image.width(), image.height());
+        if width == 0 || height == 0 {
+            return Err(OpticsError::EmptyImage { width, height });
+        }
+        if self.size != (width, height) {
+            return Err(OpticsError::SizeMismatch {
+                width,
+                height,
+                drawn_width: self.size.0 as usize,
+                drawn_height: self.size.1 as usize,
+            });
+        }
+        match image {
+            DynamicImage::ImageLuma8(image) => self.over(Layout::<1, 0>, image.as_mut(), seed),
+            DynamicImage::ImageLumaA8(image) => self.over(Layout::<1, 1>, image.as_mut(), seed),
+            DynamicImage::ImageRgb8(image) => self.over(Layout::<3, 0>, image.as_mut(), seed),
+            DynamicImage::ImageRgba8(image) => self.over(Layout::<3, 1>, image.as_mut(), seed),
+            DynamicImage::ImageLuma16(image) => self.over(Layout::<1, 0>, image.as_mut(), seed),
+            DynamicImage::ImageLumaA16(image) => self.over(Layout::<1, 1>, image.as_mut(), seed),
+            DynamicImage::ImageRgb16(image) => self.over(Layout::<3, 0>, image.as_mut(), seed),
+            DynamicImage::ImageRgba16(image) => self.over(Layout::<3, 1>, image.as_mut(), seed),
+            other => {
+                return Err(OpticsError::ImageMode {
+                    mode: format!("{:?}", other.color()),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
+        &self,
+        layout: Layout<COLORS, EXTRA>,
+        samples: &mut [S],
+        seed: Seed,
+    ) {
+        if self.layers.is_empty() {
+            return;
+        }
+        let lens = &self.optics.lens;
+        let scene_px = 0.5 * lens.circle_of_confusion_px(self.f_px, lens.scene_m);
+        if scene_px.abs() < SHARP_PX && self.optics.veiling_glare <= 0.0 {
+            let width = self.size.0 as usize;
+            for layer in &self.layers {
+                layer.over(layout, samples, width, self.noise(seed).as_ref());
+            }
+        } else {
+            self.over_all(layout, samples, scene_px, seed);
+        }
+    }
+
+    /// Over a scene that is out of focus, or under glare: every pixel.
+    fn over_all<S: Sample, const COLORS: usize, const EXTRA: usize>(
+        &self,
+        layout: Layout<COLORS, EXTRA>,
+        samples: &mut [S],
+        scene_px: f64,
+        seed: Seed,
+    ) {
+        let stride = Layout::<COLORS, EXTRA>::STRIDE;
+        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
+        let mut light: Vec<f32> = samples
+            .chunks_exact(stride)
+            .flat_map(|pixel| pixel[..COLORS].iter().map(|sample| sample.light()))
+            .collect();
+        if scene_px.abs() >= SHARP_PX {
+            let pupil = Pupil::of(&self.optics.lens);
+            light = defocus::<COLORS>(&light, (width, height), pupil, scene_px);
+        }
+        for layer in &self.layers {
+            layer.over_light::<COLORS>(&mut light, width);
+        }
+        if self.optics.veiling_glare > 0.0 {
+            veil::<COLORS>(&mut light, self.optics.veiling_glare);
+        }
+        for (pixel, light) in samples
+            .chunks_exact_mut(stride)
+            .zip(light.chunks_exact(COLORS))
+        {
+            for (sample, light) in pixel.iter_mut().zip(light) {
+                *sample = S::code(*light);
+            }
+        }
+        if let Some(noise) = self.noise(seed) {
+            for layer in &self.layers {
+                layer.add_noise(layout, samples, width, &noise);
+            }
+        }
+    }
+
+    fn noise(&self, seed: Seed) -> Option<Noise> {
+        let params = self.optics.noise?;
+        (params.read > 0.0 || params.shot > 0.0).then_some(Noise { params, seed })
+    }
+}
+
+/// The sensor's noise, a stream of it for each row.
+struct Noise {
+    params: SensorNoise,
+    seed: Seed,
+}
+
+impl Noise {
+    /// A number of standard deviation 1 for each color of a run.
+    fn of_run<const COLORS: usize>(&self, run: &Run, width: usize) -> [[f32; COLORS]; CHUNK] {
+        let key = (run.y * width + run.x) as u64;
+        let mut rng = self.seed.stream(Stream::SensorNoise, key);
+        std::array::from_fn(|_| {
+            std::array::from_fn(|_| {
+                // The sum of three uniform numbers, of variance ¼: bounded, and near a normal one.
+                let sum: f64 = (0..3)
+                    .map(|_| f64::from(rng.next_u32()) / 4_294_967_296.0)
+                    .sum();
+                #[expect(clippy::cast_possible_truncation, reason = "noise as f32")]
+                let unit = (2.0 * (sum - 1.5)) as f32;
+                unit
+            })
+        })
+    }
+
+    /// Standard deviation of what is missing: the noise of the light that is there now, less
+    /// what the image's own share brought along.
+    fn missing(&self, keep: f32, before: f32, after: f32) -> f32 {
+        let SensorNoise { read, shot } = self.params;
+        let variance = |light: f32| read * read + shot * f64::from(light.max(0.0));
+        let brought = f64::from(keep * keep) * variance(before);
+        #[expect(clippy::cast_possible_truncation, reason = "noise as f32")]
+        let deviation = (variance(after) - brought).max(0.0).sqrt() as f32;
+        deviation
+    }
+}
+
+impl OverlayLayer {
+    /// Over the samples of an image, in place.
+    fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
+        &self,
+        _: Layout<COLORS, EXTRA>,
+        samples: &mut [S],
+        width: usize,
+        noise: Option<&Noise>,
+    ) {
+        let stride = Layout::<COLORS, EXTRA>::STRIDE;
+        let height = samples.len() / (width * stride);
+        // All of it before anything is changed: a place may lie anywhere in the frame.
+        let elsewhere: Vec<_> = self
+            .elsewhere
+            .iter()
+            .map(|other| {
+                light_from::<COLORS>(other, (width, height), |at, c| {
+                    samples[at * stride + c].light()
+                })
+            })
+            .collect();
+        for run in &self.runs {
+            let n = CHUNK.min(width - run.x);
+            let first = (run.y * width + run.x) * stride;
+            let pixels = &mut samples[first..first + n * stride];
+            let other = run.elsewhere.map(|place| &elsewhere[place]);
+            match noise {
+                None => run.over::<S, COLORS, EXTRA>(pixels, other),
+                Some(noise) => {
+                    run.over_with_noise::<S, COLORS, EXTRA>(pixels, other, noise, width);
+                }
+            }
+        }
+    }
+
+    /// Over linear light, in place.
+    fn over_light<const COLORS: usize>(&self, light: &mut [f32], width: usize) {
+        let height = light.len() / (width * COLORS);
+        let elsewhere: Vec<_> = self
+            .elsewhere
+            .iter()
+            .map(|other| {
+                light_from::<COLORS>(other, (width, height), |at, c| light[at * COLORS + c])
+            })
+            .collect();
+        for run in &self.runs {
+            let n = CHUNK.min(width - run.x);
+            let first = (run.y * width + run.x) * COLORS;
+            for k in 0..n {
+                let (keep, mut add) = run.pixel::<COLORS>(k);
+                if let Some(place) = run.elsewhere {
+                    for (sum, more) in add.iter_mut().zip(&elsewhere[place][k]) {
+                        *sum += more;
+                    }
+                }
+                for c in 0..COLORS {
+                    let light = &mut light[first + k * COLORS + c];
+                    *light = *light * keep[c] + add[c];
+                }
+            }
+        }
+    }
+
+    /// Adds noise to samples that have been rendered without.
+    fn add_noise<S: Sample, const COLORS: usize, const EXTRA: usize>(
+        &self,
+        _: Layout<COLORS, EXTRA>,
+        samples: &mut [S],
+        width: usize,
+        noise: &Noise,
+    ) {
+        let stride = Layout::<COLORS, EXTRA>::STRIDE;
+        for run in &self.runs {
+            let units = noise.of_run::<COLORS>(run, width);
+            let first = (run.y * width + run.x) * stride;
+            for k in 0..CHUNK.min(width - run.x) {
+                let (keep, _) = run.pixel::<COLORS>(k);
+                for c in 0..COLORS {
+                    let sample = &mut samples[first + k * stride + c];
+                    let light = sample.light();
+                    let missing = noise.missing(keep[c], light, light);
+                    *sample = S::code(light + missing * units[k][c]);
+                }
+            }
+        }
+    }
+}
+
+impl Run {
+    /// What is kept and added of each color of a pixel.
+    #[inline]
+    fn pixel<const COLORS: usize>(&self, k: usize) -> ([f32; COLORS], [f32; COLORS]) {
+        (
+            per_color([self.keep[0][k], self.keep[1][k], self.keep[2][k]]),
+            per_color([self.add[0][k], self.add[1][k], self.add[2][k]]),
+        )
+    }
+
+    fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
+        &self,
+        pixels: &mut [S],
+        other: Option<&[[f32; COLORS]; CHUNK]>,
+    ) {
+        let stride = Layout::<COLORS, EXTRA>::STRIDE;
+        for (k, pixel) in pixels.chunks_exact_mut(stride).enumerate() {
+            let (keep, mut add) = self.pixel::<COLORS>(k);
+            if let Some(other) = other {
+                for (sum, more) in add.iter_mut().zip(&other[k]) {
+                    *sum += more;
+                }
+            }
+            for c in 0..COLORS {
+                pixel[c] = S::code(pixel[c].light() * keep[c] + add[c]);
+            }
+        }
+    }
+
+    fn over_with_noise<S: Sample, const COLORS: usize, const EXTRA: usize>(
+        &self,
+        pixels: &mut [S],
+        other: Option<&[[f32; COLORS]; CHUNK]>,
+        noise: &Noise,
+        width: usize,
+    ) {
+        let stride = Layout::<COLORS, EXTRA>::STRIDE;
+        let units = noise.of_run::<COLORS>(self, width);
+        for (k, pixel) in pixels.chunks_exact_mut(stride).enumerate() {
+            let (keep, mut add) = self.pixel::<COLORS>(k);
+            if let Some(other) = other {
+                for (sum, more) in add.iter_mut().zip(&other[k]) {
+                    *sum += more;
+                }
+            }
+            for c in 0..COLORS {
+                let before = pixel[c].light();
+                let after = before * keep[c] + add[c];
+                let missing = noise.missing(keep[c], before, after);
+                pixel[c] = S::code(after + missing * units[k][c]);
+            }
+        }
+    }
+}
+
+/// Light of a run from elsewhere in the frame, weighted by its share; between pixels it is
+/// interpolated.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "px of a frame"
+)]
+fn light_from<const COLORS: usize>(
+    other: &Elsewhere,
+    (width, height): (usize, usize),
+    light: impl Fn(usize, usize) -> f32,
+) -> [[f32; COLORS]; CHUNK] {
+    let mut gathered = [[0.0; COLORS]; CHUNK];
+    for (k, gathered) in gathered.iter_mut().enumerate() {
+        let share = other.share[k];
+        if share <= 0.0 {
+            continue;
+        }
+        let u = (other.u[k] - 0.5).clamp(0.0, (width - 1) as f32);
+        let v = (other.v[k] - 0.5).clamp(0.0, (height - 1) as f32);
+        let (x, y) = (u as usize, v as usize);
+        let (s, t) = (u - x as f32, v - y as f32);
+        let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
+        for (c, gathered) in gathered.iter_mut().enumerate() {
+            let at = |x: usize, y: usize| light(y * width + x, c);
+            let top = at(x, y) + s * (at(right, y) - at(x, y));
+            let bottom = at(x, below) + s * (at(right, below) - at(x, below));
+            *gathered = share * (top + t * (bottom - top));
+        }
+    }
+    gathered
+}
+
+/// Spreads a share of all light evenly over the frame: I₂ = (1 − g) I₁ + g ⟨I₁⟩.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "light as f32; a number of pixels"
+)]
+fn veil<const COLORS: usize>(light: &mut [f32], glare: f64) {
+    let mut sums = [0.0_f64; COLORS];
+    for pixel in light.chunks_exact(COLORS) {
+        for (sum, light) in sums.iter_mut().zip(pixel) {
+            *sum += f64::from(*light);
+        }
+    }
+    let n = (light.len() / COLORS) as f64;
+    let means = sums.map(|sum| (glare * sum / n) as f32);
+    let kept = (1.0 - glare) as f32;
+    for pixel in light.chunks_exact_mut(COLORS) {
+        for (light, mean) in pixel.iter_mut().zip(&means) {
+            *light = *light * kept + mean;
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! Samples of an image to linear light and back, by the transfer function of sRGB.
+//!
+//! With s the sample over the greatest code and x the light over white [IEC61966]:
+//!
+//! x = s/12.92 up to s = 0.04045, else ((s + 0.055)/1.055)^2.4
+//!
+//! Encoding gives the code whose light is nearest in s: code k from the light of (k − ½) up to
+//! that of (k + ½). It looks up, then compares with that limit, so it is the rounded inverse
+//! itself rather than an approximation of it: every code comes back as it was, and more light
+//! never gives a lower code. Light below 0 and NaN give 0, light above 1 gives the greatest code.
+//!
+//! What it assumes: that the image was encoded for display by this function and nothing else.
+//! Cameras also apply a tone curve; light is then linear on the display, not in the scene, and
+//! what was clipped is gone.
+
+mod transfer;
+
+use std::sync::LazyLock;
+
+use transfer::linear;
+
+/// Light of each 8-bit code, in units of white.
+pub static DECODE8: [f32; 256] = decode8_table();
+
+/// Light of an 8-bit code, in units of white.
+#[inline]
+#[must_use]
+pub fn decode8(code: u8) -> f32 {
+    DECODE8[usize::from(code)]
+}
+
+/// Light of a 16-bit code, in units of white. The first call fills a table of 256 KiB.
+#[inline]
+#[must_use]
+pub fn decode16(code: u16) -> f32 {
+    TABLES16.light[usize::from(code)]
+}
+
+/// The 8-bit code of light in units of white.
+#[inline]
+#[must_use]
+pub fn encode8(light: f32) -> u8 {
+    let code = FIRST8[bin(light)];
+    // At most one limit lies in a bin.
+    code + u8::from(light >= LIMITS8[usize::from(code)])
+}
+
+/// The 16-bit code of light in units of white. The first call fills a table of 256 KiB.
+#[must_use]
+pub fn encode16(light: f32) -> u16 {
+    if light.is_nan() || light <= 0.0 {
+        return 0;
+    }
+    if light >= 1.0 {
+        return u16::MAX;
+    }
+    // Between two 8-bit codes the curve is straight within two 16-bit codes.
+    let mut below = usize::from(encode8(light));
+    if light < DECODE8[below] {
+        below -= 1;
+    }
+    let below = below.min(254);
+    let (low, high) = (DECODE8[below], DECODE8[below + 1]);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a code within the 257 of an 8-bit step"
+    )]
+    let within = ((light - low) / (high - low) * 257.0) as usize;
+    let limits = &TABLES16.limit;
+    let mut code = below * 257 + within;
+    while code > 0 && light < limits[code - 1] {
+        code -= 1;
+    }
+    while code < limits.len() && light >= limits[code] {
+        code += 1;
+    }
+    u16::try_from(code).unwrap_or(u16::MAX)
+}
+
+/// Bins of light between 0 and 1, narrower than the narrowest 8-bit step, 1/(255 · 12.92).
+const BINS: usize = 4096;
+
+/// The bin that light falls into, also outside 0 to 1.
+#[inline]
+fn bin(light: f32) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "negative light and NaN become bin 0; the number of bins is exact"
+    )]
+    let bin = (light * BINS as f32) as usize;
+    bin.min(BINS - 1)
+}
+
+/// Least light of the code after each; NaN, which nothing reaches, after the last.
+static LIMITS8: [f32; 256] = limits8();
+
+/// Code of the darkest light of each bin.
+static FIRST8: [u8; BINS] = first8();
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "rounded once, to f32"
+)]
+const fn decode8_table() -> [f32; 256] {
+    let mut table = [0.0; 256];
+    let mut code = 0;
+    while code < 256 {
+        table[code] = linear(code as f64 / 255.0) as f32;
+        code += 1;
+    }
+    table
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "rounded once, to f32"
+)]
+const fn limits8() -> [f32; 256] {
+    let mut table = [f32::NAN; 256];
+    let mut code = 0;
+    while code < 255 {
+        table[code] = linear((code as f64 + 0.5) / 255.0) as f32;
+        code += 1;
+    }
+    table
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "a code is below 256, and the edge of a bin is exact"
+)]
+const fn first8() -> [u8; BINS] {
+    let limits = limits8();
+    let mut table = [0; BINS];
+    let (mut bin, mut code) = (0, 0);
+    while bin < BINS {
+        while bin as f32 / BINS as f32 >= limits[code] {
+            code += 1;
+        }
+        table[bin] = code as u8;
+        bin += 1;
+    }
+    table
+}
+
+struct Tables16 {
+    /// Light of each code.
+    light: Vec<f32>,
+    /// Least light of the code after each but the last.
+    limit: Vec<f32>,
+}
+
+static TABLES16: LazyLock<Tables16> = LazyLock::new(|| {
+    #[expect(clippy::cast_possible_truncation, reason = "rounded once, to f32")]
+    let at = |code: f64| linear(code / 65535.0) as f32;
+    Tables16 {
+        light: (0..=u16::MAX).map(|code| at(f64::from(code))).collect(),
+        limit: (0..u16::MAX)
+            .map(|code| at(f64::from(code) + 0.5))
+            .collect(),
+    }
+});
+
+#[cfg(test)]
+mod tests;

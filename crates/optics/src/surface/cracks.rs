@@ -1,0 +1,273 @@
+//! Segments of a network as facets of the frame.
+
+use starbreak_glass::{CrackNetwork, Zone};
+
+use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, cross, unit};
+use crate::maps::Facet;
+use crate::physical::SurfaceParams;
+
+/// Longest piece of a segment, px, that one facet stands for.
+const LONGEST_PX: f64 = 48.0;
+
+/// Most pieces of one segment.
+const MOST_PIECES: f64 = 4096.0;
+
+/// Colors weaker than this are none.
+const LEAST_TINT: f64 = 0.004;
+
+/// Facets of a crack network, and of what tints them.
+#[derive(Debug, Default)]
+pub(crate) struct Facets {
+    pub(crate) light: Vec<Facet<LANES>>,
+    /// Share, and by how much more than the mean each color is reflected.
+    pub(crate) tint: Vec<Facet<4>>,
+}
+
+/// What one segment is like.
+#[derive(Debug, Clone, Copy)]
+struct Segment {
+    alpha: f64,
+    gap_um: f64,
+    depth_fraction: f64,
+    /// Tangent of the tilt to the left of the walk.
+    lean: f64,
+}
+
+/// The facets of all segments of a network as far as they have grown, within `reach_px` of the
+/// frame.
+pub(crate) fn crack_facets(
+    from: &LightFrom<'_>,
+    network: &CrackNetwork,
+    time: f64,
+    surface: &SurfaceParams,
+    reach_px: f64,
+    facets: &mut Facets,
+) {
+    let data = network.data();
+    let pane = [data.pane.width, data.pane.height];
+    for (idx, [x0, y0, x1, y1]) in network.grown_at(time) {
+        let (Some(a), Some(b)) = (
+            from.sheet.on_sheet([x0, y0], data.unit, pane),
+            from.sheet.on_sheet([x1, y1], data.unit, pane),
+        ) else {
+            continue;
+        };
+        let Some([u0, v0, u1, v1]) = from
+            .sheet
+            .view()
+            .visible([a[0], a[1], b[0], b[1]], reach_px)
+        else {
+            continue;
+        };
+        let (Some(a), Some(b)) = (
+            from.sheet.view().unproject([u0, v0]),
+            from.sheet.view().unproject([u1, v1]),
+        ) else {
+            continue;
+        };
+        let length_px = ((u1 - u0) * (u1 - u0) + (v1 - v0) * (v1 - v0)).sqrt();
+        let segment = segment(network, idx, surface);
+        let n = (length_px / LONGEST_PX).ceil().clamp(1.0, MOST_PIECES);
+        let mut k = 0.0;
+        while k < n {
+            let at = |t: f64| std::array::from_fn(|axis| a[axis] + (b[axis] - a[axis]) * t / n);
+            add_piece(from, at(k), at(k + 1.0), &segment, facets);
+            k += 1.0;
+        }
+    }
+}
+
+fn segment(network: &CrackNetwork, idx: usize, surface: &SurfaceParams) -> Segment {
+    let segments = &network.data().segments;
+    let of = |column: &Option<Vec<f64>>| column.as_ref().map(|values| values[idx]);
+    let zone = segments
+        .zone
+        .as_ref()
+        .map_or(Zone::Mirror, |zone| zone[idx]);
+    Segment {
+        alpha: match zone {
+            Zone::Mirror => surface.mirror_alpha,
+            Zone::Mist => surface.mist_alpha,
+            Zone::Hackle => surface.hackle_alpha,
+        },
+        gap_um: of(&segments.opening_um).unwrap_or(surface.opening_um),
+        depth_fraction: of(&segments.depth_fraction).unwrap_or(1.0),
+        lean: libm::tan(of(&segments.tilt_deg).unwrap_or(0.0).to_radians()),
+    }
+}
+
+/// The facet of a straight piece of crack from `a` to `b`, mm on the sheet.
+fn add_piece(
+    from: &LightFrom<'_>,
+    a: [f64; 2],
+    b: [f64; 2],
+    segment: &Segment,
+    facets: &mut Facets,
+) -> Option<()> {
+    let sheet = from.sheet;
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let length = (along[0] * along[0] + along[1] * along[1]).sqrt();
+    if length <= 0.0 {
+        return None;
+    }
+    let along = along.map(|part| part / length);
+    // With y down the left of a walk along +x is −y.
+    let left = [along[1], -along[0]];
+    // From the outer face, which was hit, to the crack's depth.
+    let outer = sheet.thickness_mm;
+    let inner = outer * (1.0 - segment.depth_fraction);
+    let lean = (outer - inner) * segment.lean;
+    let leaned = |p: [f64; 2]| [p[0] + lean * left[0], p[1] + lean * left[1]];
+    let chief = [0.0, 0.0];
+    let mut corners = [
+        sheet.project(a, outer, chief)?,
+        sheet.project(b, outer, chief)?,
+        sheet.project(leaned(b), inner, chief)?,
+        sheet.project(leaned(a), inner, chief)?,
+    ];
+    let [du, dv] = [corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]];
+    let length_px = (du * du + dv * dv).sqrt();
+    if length_px <= 1e-9 {
+        return None;
+    }
+    let normal_px = [-dv / length_px, du / length_px];
+    let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+
+    // Both traces from two opposite points of the pupil across the crack.
+    let across = |point: [f64; 2], depth: f64, side: f64| {
+        let pupil = normal_px.map(|part| side * part * sheet.pupil_mm());
+        let [u, v] = sheet.project(point, depth, pupil)?;
+        Some(u * normal_px[0] + v * normal_px[1])
+    };
+    let (outer_plus, outer_minus) = (across(middle, outer, 1.0)?, across(middle, outer, -1.0)?);
+    let (inner_plus, inner_minus) = (
+        across(leaned(middle), inner, 1.0)?,
+        across(leaned(middle), inner, -1.0)?,
+    );
+    let outer_radius = 0.5 * (outer_minus - outer_plus);
+    let inner_radius = 0.5 * (inner_minus - inner_plus);
+    let width = 0.5 * (inner_plus + inner_minus - outer_plus - outer_minus);
+    let spread = inner_radius - outer_radius;
+    let seen = mean_width(width, spread);
+    if width.abs() < spread.abs() {
+        // Parts of the pupil see the one face of the crack, others the other.
+        for k in 0..2 {
+            let (o, i) = (corners[k], corners[3 - k]);
+            let mid = [0.5 * (o[0] + i[0]), 0.5 * (o[1] + i[1])];
+            for (corner, side) in [(k, -0.5), (3 - k, 0.5)] {
+                corners[corner] = [
+                    mid[0] + side * seen * normal_px[0],
+                    mid[1] + side * seen * normal_px[1],
+                ];
+            }
+        }
+    }
+
+    let half_leaned = [
+        middle[0] + 0.5 * lean * left[0],
+        middle[1] + 0.5 * lean * left[1],
+    ];
+    let sight = sheet.sight(half_leaned, chief)?;
+    // Into the glass from the outer face, leaning.
+    let down = [segment.lean * left[0], segment.lean * left[1], -1.0];
+    let mirror = Mirror {
+        sight,
+        normal: unit(cross([along[0], along[1], 0.0], down)),
+        alpha: segment.alpha,
+        gap_um: segment.gap_um,
+    };
+    let sent = from.mirror(&mirror);
+    #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
+    let lanes = sent.lanes.map(|lane| lane as f32);
+    // A mirrored place moves along with the crack and against it across.
+    let [nx, ny] = normal_px;
+    let share = sent.lanes[FRAME];
+    #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
+    let lean_px = [
+        [1.0 - 2.0 * nx * nx, -2.0 * nx * ny],
+        [-2.0 * nx * ny, 1.0 - 2.0 * ny * ny],
+    ]
+    .map(|row: [f64; 2]| row.map(|part| (share * part) as f32));
+    let radius_px = 0.5 * (outer_radius + inner_radius);
+    facets.light.push(Facet {
+        corners,
+        lanes,
+        lean: lean_px,
+        radius_px,
+    });
+    add_tint(facets, corners, radius_px, sent.tint, 1.0);
+    debug_assert_eq!(
+        (FRAME_U, FRAME_V),
+        (LANES - 2, LANES - 1),
+        "the lanes that lean"
+    );
+    Some(())
+}
+
+/// Adds a tint where there is one.
+pub(super) fn add_tint(
+    facets: &mut Facets,
+    corners: [[f64; 2]; 4],
+    radius_px: f64,
+    tint: [f64; 3],
+    share: f64,
+) {
+    if tint.iter().all(|part| part.abs() < LEAST_TINT) {
+        return;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
+    let lanes = [share, share * tint[0], share * tint[1], share * tint[2]].map(|lane| lane as f32);
+    facets.tint.push(Facet {
+        corners,
+        lanes,
+        lean: [[0.0; 2]; 2],
+        radius_px,
+    });
+}
+
+/// Mean over a round pupil of |w + s a|, a across the pupil from −1 to 1: the width at which a
+/// crack is seen whose width is `width` from the middle of the pupil and changes by `spread`
+/// towards its rim.
+///
+/// With u = w/s: |w| (2 F(u) − 1) + s 4/(3π) (1 − u²)^{3/2}, F the share of the disc below u.
+fn mean_width(width: f64, spread: f64) -> f64 {
+    let (width, spread) = (width.abs(), spread.abs());
+    if width >= spread {
+        return width;
+    }
+    let u = width / spread;
+    let root = (1.0 - u * u).sqrt();
+    let below = 0.5 + (u * root + libm::asin(u)) / std::f64::consts::PI;
+    width * (2.0 * below - 1.0) + spread * 4.0 / (3.0 * std::f64::consts::PI) * root * root * root
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_width_is_the_integral_over_the_pupil() {
+        for (width, spread) in [
+            (0.0, 1.0),
+            (0.3, 1.0),
+            (-0.7, 1.0),
+            (0.99, -1.0),
+            (2.0, 1.0),
+        ] {
+            let n = 20_000;
+            let (mut sum, mut weight) = (0.0, 0.0);
+            for k in 0..n {
+                let a = (f64::from(k) + 0.5) / f64::from(n) * 2.0 - 1.0;
+                let chord = (1.0 - a * a).sqrt();
+                sum += chord * (width + spread * a).abs();
+                weight += chord;
+            }
+            let expected = sum / weight;
+            let found = mean_width(width, spread);
+            assert!(
+                (found - expected).abs() < 1e-4,
+                "{width}, {spread}: {found}, not {expected}"
+            );
+        }
+    }
+}

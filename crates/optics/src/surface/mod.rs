@@ -1,0 +1,20 @@
+//! What the glass shows where it is broken: facets of the frame, and the light that each sends.
+//!
+//! A crack is a mirror within the glass. Seen from the camera it is a quadrilateral: its trace on
+//! one face of the sheet, swept by the parallax of refraction to its trace at its depth. What it
+//! shows is the environment mirrored in it, see [`lobe`]. Crushed glass, chips and films of air
+//! are small patches of other surfaces.
+
+mod cracks;
+mod hit;
+mod lobe;
+mod sheet;
+mod wedge;
+
+pub(crate) use cracks::{Facets, crack_facets};
+pub(crate) use hit::hit_facets;
+pub(crate) use lobe::{
+    CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, LANES, LightFrom, N_SHARES, SUN, ZENITH,
+};
+pub(crate) use sheet::SheetView;
+pub(crate) use wedge::fragment_facets;
