@@ -483,6 +483,7 @@ mod each_rule_can_fail {
             ("starbreak-optics", "kuva"),
             ("starbreak-fracture", "serde"),
             ("starbreak-optics", "png"),
+            ("starbreak-glass", "svgtypes"),
         ] {
             let found = packages_out_of_place(&package(name, used, &[]));
             assert_eq!(found.len(), 1, "{name} -> {used}: {found:?}");

@@ -116,7 +116,7 @@ pub(crate) enum Verb {
         #[arg(long)]
         list: bool,
     },
-    /// Measure the time per stage on this machine: the paper's timing figure, and the physics
+    /// Measure the time per stage on this machine: the paper's timing figure, physics and optics
     Bench {
         /// Output folder
         #[arg(short, long, value_name = "DIR", default_value = "starbreak-bench")]
@@ -124,14 +124,14 @@ pub(crate) enum Verb {
         /// Numbers of particles
         #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000), default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
         particles: Vec<u32>,
-        /// Runs per number of particles (100 unless given) and per pane (10 unless given), each
-        /// with its own impact point and direction
+        /// Runs per number of particles (100 unless given), per pane and per frame (10 unless
+        /// given), each with its own impact point and direction
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
         runs: Option<u32>,
         /// Keep the recipe's neighborhood radius instead of scaling it with the mesh
         #[arg(long)]
         fixed_radius: bool,
-        /// Measure only this fracture model; without it both
+        /// Measure only this; without it all
         #[arg(long, value_enum)]
         model: Option<BenchModel>,
     },
@@ -148,13 +148,15 @@ pub(crate) enum Verb {
     },
 }
 
-/// A fracture model to measure.
+/// A model to measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BenchModel {
     /// The paper's, over the number of particles
     Paper,
     /// The physics, over kinds of panes
     Physics,
+    /// The physical optics, over frames and discs
+    Optics,
 }
 
 impl Global {

@@ -1,6 +1,7 @@
 //! One module per verb.
 
 mod bench;
+mod bench_optics;
 mod bench_physics;
 mod crack;
 mod demo;

@@ -11,8 +11,8 @@ mod timings;
 use image::DynamicImage;
 use starbreak_fracture::paper::{Stage, simulate as simulate_paper};
 use starbreak_glass::{CrackNetwork, Pane, Seed};
-use starbreak_optics::{Masks, View};
 use starbreak_optics::paper::{composite, draw};
+use starbreak_optics::{Masks, View};
 
 use broken_pane::{own_view, physics_network};
 
