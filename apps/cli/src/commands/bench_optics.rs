@@ -143,7 +143,7 @@ impl Run {
     /// Milliseconds from the network to the first frame.
     fn still_ms(&self) -> f64 {
         let of = |stage: &&str| self.timings.of(stage).unwrap_or(f64::NAN);
-        STAGES.iter().take(3).map(|stage| of(stage)).sum()
+        STAGES.iter().take(3).map(of).sum()
     }
 }
 
