@@ -46,6 +46,17 @@ pub enum Error {
         "the network is in mm, but the recipe has no [glass] that says where the pane stands; use a preset of the          physics, such as windshield-star"
     )]
     NoMount,
+    /// A crack that was drawn where the frame shows no glass.
+    #[error(
+        "the network has a crack at ({x:.1}, {y:.1}) px, where the frame shows no glass; move the pane or make it larger \
+         (glass.distance_m, glass.axis_at, glass.width_mm)"
+    )]
+    CracksOffGlass {
+        /// The place, in the network's px.
+        x: f64,
+        /// The place, in the network's px.
+        y: f64,
+    },
     /// Two inputs would write the same file.
     #[error(
         "{first:?} and {second:?} would both write {name:?}; give them different names or run them apart"

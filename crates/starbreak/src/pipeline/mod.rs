@@ -25,7 +25,7 @@ pub use files::{
     with_threads,
 };
 pub use growth::{growth_drawing, growth_over, growth_times};
-pub use imported::{crack_image_with, use_network, view_of_network};
+pub use imported::{crack_image_with, onto_pane, use_network, view_of_network};
 pub use provenance::{PROVENANCE_SCHEMA, RunContext};
 pub use timings::{Stopwatch, Timings};
 
