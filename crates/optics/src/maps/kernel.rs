@@ -223,18 +223,18 @@ mod tests {
 
     /// The kernel as a dense square of side 2·reach + 1.
     fn dense(kernel: &Kernel) -> (i32, Vec<f64>) {
-        let reach = i32::try_from(kernel.reach()).unwrap();
-        let side = usize::try_from(2 * reach + 1).unwrap();
+        let reach = kernel.reach + 1;
+        let side = (2 * reach + 1).cast_unsigned() as usize;
         let mut cells = vec![0.0; side * side];
         for (dy, steps) in kernel.rows() {
-            let row = usize::try_from(dy + reach).unwrap() * side;
+            let row = (dy + reach).cast_unsigned() as usize * side;
             let mut steps = steps.iter().peekable();
             let mut sum = 0.0;
             for dx in -reach..=reach {
                 while let Some((_, step)) = steps.next_if(|(at, _)| *at == dx) {
                     sum += f64::from(*step);
                 }
-                cells[row + usize::try_from(dx + reach).unwrap()] = sum;
+                cells[row + (dx + reach).cast_unsigned() as usize] = sum;
             }
             assert!(sum.abs() < 1e-6, "row {dy} does not close: {sum}");
         }

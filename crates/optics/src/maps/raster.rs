@@ -149,10 +149,12 @@ fn add_edge(a: [f64; 2], b: [f64; 2], top: f64, steps: &mut [f32]) -> Option<[us
     // Area right of the edge within each cell it crosses: a triangle, trapezia, a triangle.
     let per_cell = 1.0 / (right - left);
     let (mut before, mut own_before) = (0.0, 0.0);
-    for k in cell..=end {
-        let covered = area_up_to((k + 1) as f64, left, right, per_cell);
+    let mut x = cell as f64;
+    for step in &mut steps[cell..=end] {
+        x += 1.0;
+        let covered = area_up_to(x, left, right, per_cell);
         let own = covered - before;
-        steps[k] += (height * (own - own_before)) as f32;
+        *step += (height * (own - own_before)) as f32;
         (before, own_before) = (covered, own);
     }
     Some([cell, end])
@@ -178,7 +180,7 @@ mod tests {
         let mut scratch = vec![0.0; width + 2];
         let mut cells = vec![0.0; width * height];
         for y in 0..height {
-            polygon.cover_row(i64::try_from(y).unwrap(), &mut scratch, |x, area| {
+            polygon.cover_row(y as i64, &mut scratch, |x, area| {
                 if x < width {
                     cells[y * width + x] += area;
                 }

@@ -7,6 +7,7 @@ use super::elsewhere::Elsewhere;
 use super::pattern::{Pattern, PatternLayer};
 use crate::environment::{Environment, Rgb};
 use crate::maps::CHUNK;
+use crate::srgb::{decode16, encode16};
 use crate::surface::{CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, N_SHARES, SUN, ZENITH};
 
 /// A baked crack under the light of one environment: what to do to each pixel of an image.
@@ -90,10 +91,12 @@ impl Overlay {
         &self.environment
     }
 
-    /// Where the crack takes away or adds at least `region_threshold`: 255, else 0.
+    /// Where the crack influences the image by at least `region_threshold`: 255, else 0.
     ///
-    /// What is added counts in units of white. It does not depend on what the image shows, so
-    /// that a crack before a scene of its own brightness counts as well.
+    /// It is the greater of what a pixel loses of its own light and of what the added light
+    /// changes, in codes over the greatest code, in a pixel as bright as the ground. It does not
+    /// depend on what the image shows there, so that a crack before a scene of its own
+    /// brightness counts as well.
     #[must_use]
     pub fn region(&self) -> GrayImage {
         #[expect(clippy::cast_possible_truncation, reason = "a threshold as f32")]
@@ -101,10 +104,26 @@ impl Overlay {
         let (width, height) = self.size;
         let mut mask = GrayImage::new(width, height);
         let width = width as usize;
+        // Light that raises the ground's code by the threshold.
+        let ground = self.environment.ground_rgb;
+        let visible: [f32; 3] = std::array::from_fn(|c| {
+            let code = encode16(ground[c].min(1.0));
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a code"
+            )]
+            let step = (threshold * 65535.0) as u16;
+            match code.checked_add(step) {
+                Some(raised) => (decode16(raised) - decode16(code)).max(LEAST_INFLUENCE),
+                // Brighter than white: what darkens it counts as much.
+                None => decode16(code) - decode16(code.saturating_sub(step)),
+            }
+        });
         for run in self.layers.iter().flat_map(|layer| &layer.runs) {
             let row = &mut mask.as_mut()[run.y * width..(run.y + 1) * width];
             for (k, pixel) in row.iter_mut().skip(run.x).take(CHUNK).enumerate() {
-                if run.influence(k) >= threshold {
+                if run.influences(k, threshold, visible) {
                     *pixel = 255;
                 }
             }
@@ -152,11 +171,9 @@ impl Overlay {
 }
 
 impl Run {
-    /// What a pixel loses or gains at most, in units of its own light or of white.
-    fn influence(&self, k: usize) -> f32 {
-        let lost = (0..3).map(|c| (1.0 - self.keep[c][k]).abs());
-        let added = (0..3).map(|c| self.add[c][k]);
-        lost.chain(added).fold(0.0, f32::max)
+    /// Whether a pixel loses at least this share of its light, or gains light that is visible.
+    fn influences(&self, k: usize, threshold: f32, visible: [f32; 3]) -> bool {
+        (0..3).any(|c| (1.0 - self.keep[c][k]).abs() >= threshold || self.add[c][k] >= visible[c])
     }
 }
 

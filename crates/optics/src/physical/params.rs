@@ -23,7 +23,8 @@ pub struct PhysicalOptics {
     pub veiling_glare: f64,
     /// Noise that is put back where light was added or taken away. **Default**: none.
     pub noise: Option<SensorNoise>,
-    /// Influence from which a pixel belongs to the region mask, 10⁻⁴ to 1. **Default**: 0.01.
+    /// Influence from which a pixel belongs to the region mask, see
+    /// [`Overlay::region`](super::Overlay::region), 10⁻⁴ to 1. **Default**: 0.01.
     pub region_threshold: f64,
 }
 

@@ -64,11 +64,11 @@ pub fn bake(
     let horizon = Horizon::at_row(environment.horizon_row, height, sheet.f_px());
     let sun = horizon.sun(environment.sun_azimuth_rad, environment.sun_elevation_rad);
     let gaps = gap_table(optics.refractive_index);
-    let outward = sheet.to_camera([0.0, 0.0, 1.0]);
+    let outward = sheet.camera_from_sheet([0.0, 0.0, 1.0]);
     let from = LightFrom {
         sheet: &sheet,
         horizon,
-        sun: sheet.to_sheet(sun),
+        sun: sheet.sheet_from_camera(sun),
         gaps: &gaps,
         outside: HemisphereWeights::facing(horizon.sin_elevation(outward)),
     };

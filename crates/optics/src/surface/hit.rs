@@ -125,7 +125,7 @@ impl Patch<'_, '_> {
                 };
                 let mut sent = Sent::default();
                 self.from
-                    .seen(&mut sent, self.from.sheet.to_camera(out), 1.0);
+                    .seen(&mut sent, self.from.sheet.camera_from_sheet(out), 1.0);
                 self.add(cell, depth, &sent);
             }
         }

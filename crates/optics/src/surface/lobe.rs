@@ -32,8 +32,8 @@ const MIRROR_ALPHA: f64 = 2e-3;
 /// Below this α its facets differ too little in their reflectance to ask each.
 const NARROW_ALPHA: f64 = 0.05;
 
-/// Directions that a rough surface is sampled by.
-const N_SAMPLES: u32 = 12;
+/// Directions that a nearly smooth and a rough surface are sampled by.
+const N_SAMPLES: [u32; 2] = [4, 12];
 
 /// What is the same for all cracks before one camera.
 #[derive(Debug)]
@@ -105,10 +105,11 @@ impl LightFrom<'_> {
             let direction = reflected(sight, normal, facing.abs());
             self.leave(&mut sent, mirror.sight, direction, mean);
         } else {
-            let share = 1.0 / f64::from(N_SAMPLES);
+            let n_samples = N_SAMPLES[usize::from(mirror.alpha >= NARROW_ALPHA)];
+            let share = 1.0 / f64::from(n_samples);
             let frame = Frame::about(normal);
             let local = frame.local(view);
-            for k in 0..N_SAMPLES {
+            for k in 0..n_samples {
                 let facet = frame.world(sample_visible_normal(local, mirror.alpha, point(k)));
                 let cos_h = dot(view, facet);
                 // Facets of a nearly smooth surface reflect as the whole does.
@@ -186,7 +187,7 @@ impl LightFrom<'_> {
             let (enters, leaves) = (reflectance(out[2], n), reflectance(sight[2], n));
             let passes = (1.0 - enters) * (1.0 + leaves) / (1.0 - enters * leaves);
             sent.lanes[CABIN] += share * (1.0 - passes);
-            self.seen(sent, self.sheet.to_camera(out), share * passes);
+            self.seen(sent, self.sheet.camera_from_sheet(out), share * passes);
         }
     }
 

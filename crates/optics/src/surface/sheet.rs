@@ -92,13 +92,13 @@ impl SheetView {
     }
 
     /// A direction of the camera's coordinates in those of the sheet.
-    pub(crate) fn to_sheet(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn sheet_from_camera(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let p = &self.pinhole;
         [x, y * p.cos + z * p.sin, -y * p.sin + z * p.cos]
     }
 
     /// A direction of the sheet's coordinates in those of the camera.
-    pub(crate) fn to_camera(&self, [x, y, n]: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn camera_from_sheet(&self, [x, y, n]: [f64; 3]) -> [f64; 3] {
         let p = &self.pinhole;
         [x, y * p.cos - n * p.sin, y * p.sin + n * p.cos]
     }
@@ -113,7 +113,7 @@ impl SheetView {
         }
         let (x, y) = (x - pupil[0], y - pupil[1]);
         let length = (x * x + y * y + z * z).sqrt();
-        let sight = self.to_sheet([x / length, y / length, z / length]);
+        let sight = self.sheet_from_camera([x / length, y / length, z / length]);
         (sight[2] > 1e-3).then_some(sight)
     }
 
