@@ -1,7 +1,9 @@
 //! Drawings in SVG to networks.
 
 mod clip;
+mod label;
 mod outline;
+mod shape;
 mod style;
 mod transform;
 mod walk;
@@ -23,7 +25,7 @@ const MAX_XML_NODES: u32 = 4_000_000;
 /// **What counts.** Every visible `path`, `polyline`, `polygon`, `line`, `circle` and `ellipse`
 /// with a stroke is a crack along its outline; a fill alone, a `rect`, text and images are not.
 /// Groups, nested `svg`, `use`, `symbol`, `switch`, transforms, view boxes, percentages, style
-/// sheets, `display`, `visibility` and clip paths are resolved [SVG2]; masks, filters, markers,
+/// sheets, `display`, `visibility` and clip paths are resolved [SVG2018]; masks, filters, markers,
 /// dashes and opacity change nothing.
 ///
 /// **Kinds.** The first of `inkscape:label`, `id`, `data-name` and `class` that names a
