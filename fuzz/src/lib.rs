@@ -8,10 +8,12 @@
 mod mutation;
 mod network;
 mod recipe;
+mod svg;
 
 pub use mutation::{Mutator, Vocabulary};
 pub use network::network;
 pub use recipe::recipe;
+pub use svg::svg;
 
 /// A fuzz target: its name is the name of its corpus folder.
 #[derive(Clone, Copy)]
@@ -27,7 +29,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 2] = [
+pub const TARGETS: [Target; 3] = [
     Target {
         name: "recipe",
         check: recipe,
@@ -38,6 +40,12 @@ pub const TARGETS: [Target; 2] = [
         name: "network",
         check: network,
         vocabulary: network::VOCABULARY,
+        n_mutations: 100_000,
+    },
+    Target {
+        name: "svg",
+        check: svg,
+        vocabulary: svg::VOCABULARY,
         n_mutations: 100_000,
     },
 ];

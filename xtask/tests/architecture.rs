@@ -66,6 +66,9 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
         "solvers do not serialize; serialization is a boundary",
     ),
     ("toml", &["starbreak"], "only a recipe is TOML"),
+    ("roxmltree", &["starbreak"], "only an import reads SVG"),
+    ("simplecss", &["starbreak"], "only an import reads SVG"),
+    ("svgtypes", &["starbreak"], "only an import reads SVG"),
     ("spdx", &["xtask"], "a chore"),
 ];
 
@@ -480,6 +483,7 @@ mod each_rule_can_fail {
             ("starbreak-optics", "kuva"),
             ("starbreak-fracture", "serde"),
             ("starbreak-optics", "png"),
+            ("starbreak-glass", "svgtypes"),
         ] {
             let found = packages_out_of_place(&package(name, used, &[]));
             assert_eq!(found.len(), 1, "{name} -> {used}: {found:?}");

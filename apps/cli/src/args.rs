@@ -85,6 +85,10 @@ pub(crate) enum Verb {
         /// frame and its displacement, coverage; NumPy arrays of 32-bit floats
         #[arg(long)]
         maps: bool,
+        /// Crack network to use instead of simulating one: JSON, or an SVG drawing whose stroked
+        /// shapes are cracks; in px it is stretched over the frame, in mm it lies on the pane
+        #[arg(long, value_name = "FILE")]
+        network: Option<PathBuf>,
     },
     /// Show one crack over the values of one parameter: each picture, and all on one sheet
     Sweep {
@@ -110,6 +114,9 @@ pub(crate) enum Verb {
         /// Drawing of the network
         #[arg(long, value_name = "FILE")]
         svg: Option<PathBuf>,
+        /// Crack network (JSON or SVG) to convert instead of simulating one
+        #[arg(long, value_name = "FILE")]
+        network: Option<PathBuf>,
         /// Size of the frame, px
         #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
         size: (u32, u32),
@@ -133,7 +140,7 @@ pub(crate) enum Verb {
         #[arg(long)]
         list: bool,
     },
-    /// Measure the time per stage on this machine: the paper's timing figure, and the physics
+    /// Measure the time per stage on this machine: the paper's timing figure, physics and optics
     Bench {
         /// Output folder
         #[arg(short, long, value_name = "DIR", default_value = "starbreak-bench")]
@@ -141,14 +148,14 @@ pub(crate) enum Verb {
         /// Numbers of particles
         #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000), default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
         particles: Vec<u32>,
-        /// Runs per number of particles (100 unless given) and per pane (10 unless given), each
-        /// with its own impact point and direction
+        /// Runs per number of particles (100 unless given), per pane and per frame (10 unless
+        /// given), each with its own impact point and direction
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
         runs: Option<u32>,
         /// Keep the recipe's neighborhood radius instead of scaling it with the mesh
         #[arg(long)]
         fixed_radius: bool,
-        /// Measure only this fracture model; without it both
+        /// Measure only this; without it all
         #[arg(long, value_enum)]
         model: Option<BenchModel>,
     },
@@ -165,13 +172,15 @@ pub(crate) enum Verb {
     },
 }
 
-/// A fracture model to measure.
+/// A model to measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BenchModel {
     /// The paper's, over the number of particles
     Paper,
     /// The physics, over kinds of panes
     Physics,
+    /// The physical optics, over frames and discs
+    Optics,
 }
 
 impl Global {

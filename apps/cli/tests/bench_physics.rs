@@ -74,6 +74,7 @@ fn both_models_are_measured_unless_one_is_named() {
     assert_eq!(
         names(&out),
         [
+            "bench-optics.csv",
             "bench-physics.csv",
             "bench.csv",
             "bench.png",

@@ -19,7 +19,7 @@ pub enum DatasetError {
         source: io::Error,
     },
     /// The path to be read is a folder, a pipe, a socket or a device.
-    #[error("cannot read {path:?}: it is {what}; give the path of an image file")]
+    #[error("cannot read {path:?}: it is {what}; give the path of a file")]
     NotAFile {
         /// The path.
         path: PathBuf,
@@ -32,10 +32,8 @@ pub enum DatasetError {
         /// The file.
         name: String,
     },
-    /// The file has more bytes than [`crate::ImageLimits::max_file_bytes`].
-    #[error(
-        "{name:?} is longer than the limit of {max_bytes} bytes; raise the limit or make the image smaller"
-    )]
+    /// The file has more bytes than its limit, [`crate::ImageLimits::max_file_bytes`] for an image.
+    #[error("{name:?} is longer than the limit of {max_bytes} bytes; make it smaller")]
     FileTooLong {
         /// The file.
         name: String,
@@ -49,6 +47,14 @@ pub enum DatasetError {
         shape: Vec<usize>,
         /// How many values there are.
         n_values: usize,
+    },
+    /// A text file that is not UTF-8.
+    #[error("{name:?} is not UTF-8 text from byte {at} on; save it as UTF-8")]
+    NotText {
+        /// The file.
+        name: String,
+        /// Place of the first byte that is wrong, from 0.
+        at: usize,
     },
     /// The first bytes are those of neither PNG nor JPEG.
     #[error("{name:?} is neither PNG nor JPEG, it looks like {looks_like}; convert it to PNG")]

@@ -37,6 +37,7 @@ mod paths;
 mod provenance;
 
 mod scene;
+mod text_file;
 
 pub use animation::{AnimationParams, encode_animation};
 pub use array::encode_array;
@@ -47,3 +48,4 @@ pub use output_batch::OutputBatch;
 pub use paths::{FileSet, same_file};
 pub use provenance::{Provenance, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
+pub use text_file::{TextFile, read_text};

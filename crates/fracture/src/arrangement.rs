@@ -183,7 +183,7 @@ fn crossing(nodes: &Nodes, i: &Stroke, j: &Stroke) -> [f64; 2] {
 }
 
 /// Cuts strokes at nodes: `(stroke, node)` pairs, in any order and any number.
-fn cut(nodes: &Nodes, strokes: &[Stroke], mut cuts: Vec<(u32, u32)>) -> Vec<Stroke> {
+pub(crate) fn cut(nodes: &Nodes, strokes: &[Stroke], mut cuts: Vec<(u32, u32)>) -> Vec<Stroke> {
     cuts.sort_unstable();
     cuts.dedup();
     let mut pieces = Vec::with_capacity(strokes.len() + cuts.len());
@@ -238,7 +238,7 @@ fn between([from, to]: [f64; 2], t: f64) -> f64 {
 }
 
 /// Keeps one stroke per pair of nodes, and none from a node to itself.
-fn remove_duplicates(strokes: &mut Vec<Stroke>) {
+pub(crate) fn remove_duplicates(strokes: &mut Vec<Stroke>) {
     let rank = |stroke: &Stroke| {
         (
             stroke.a.min(stroke.b),

@@ -78,6 +78,24 @@ pub enum FractureError {
         /// The bound.
         limit: usize,
     },
+    /// A drawn line that leaves the pane.
+    #[error("a line has a point at ({x}, {y}), off the pane of {width} × {height}; clip it")]
+    TraceOffPane {
+        /// The point, in the pane's unit.
+        x: f64,
+        /// The point, in the pane's unit.
+        y: f64,
+        /// Width of the pane.
+        width: f64,
+        /// Height of the pane.
+        height: f64,
+    },
+    /// Drawn lines that meet more often than those of any crack.
+    #[error("the lines meet more than {limit} times, or lie too close to tell; draw fewer lines")]
+    TooManyContacts {
+        /// The bound.
+        limit: usize,
+    },
     /// So many dice that nobody could see them.
     #[error(
         "a pane of {width_mm:.0} × {height_mm:.0} mm at surface_compression_mpa = {compression_mpa} breaks into \

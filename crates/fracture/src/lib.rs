@@ -32,5 +32,6 @@ pub mod paper;
 pub mod physics;
 pub mod stress;
 mod tips;
+pub mod traced;
 
 pub use error::FractureError;

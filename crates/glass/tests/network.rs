@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use starbreak_glass::{
     CrackNetwork, Generator, GlassKind, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData,
     NetworkError, Nodes, Pane, Seed, SegmentKind, Segments, Summary, Zone, find_contacts,
-    find_contacts_of,
+    find_contacts_of, find_contacts_up_to,
 };
 
 /// A star of three arms, the last in two pieces.
@@ -522,4 +522,63 @@ proptest! {
     fn no_text_makes_the_reader_panic(text in "\\PC{0,200}") {
         prop_assert!(CrackNetwork::from_json(&text).is_err());
     }
+}
+
+/// `n` level lines across `n` upright ones.
+fn weave(n: u32) -> NetworkData {
+    let (mut nodes, mut from, mut to) = (Nodes::default(), Vec::new(), Vec::new());
+    for k in 0..n {
+        let at = (f64::from(k) + 0.5) / f64::from(n) * 50.0;
+        for ends in [[[0.0, at], [100.0, at]], [[at, 0.0], [at, 50.0]]] {
+            from.push(u32::try_from(nodes.x.len()).unwrap());
+            to.push(from[from.len() - 1] + 1);
+            for [x, y] in ends {
+                nodes.x.push(x);
+                nodes.y.push(y);
+            }
+        }
+    }
+    NetworkData {
+        nodes,
+        segments: Segments {
+            kind: vec![SegmentKind::Radial; from.len()],
+            from,
+            to,
+            ..Segments::default()
+        },
+        impacts: Vec::new(),
+        ..star()
+    }
+}
+
+#[test]
+fn a_search_for_contacts_ends_where_there_are_too_many() {
+    let data = weave(40);
+    let Segments { from, to, .. } = &data.segments;
+    let all = find_contacts(&data.nodes, from, to);
+    assert_eq!(all.len(), 1600, "every line crosses every other");
+    let within = |limit| find_contacts_up_to(&data.nodes, from, to, limit);
+    assert_eq!(within(1600), Some(all), "as many as allowed");
+    assert_eq!(within(1599), None, "one too many");
+    // Lines from one node in one direction, of many lengths.
+    let n = 200;
+    let nodes = Nodes {
+        x: (0..=n).map(f64::from).collect(),
+        y: vec![0.0; n as usize + 1],
+    };
+    let (from, to) = (vec![0; n as usize], (1..=n).collect::<Vec<u32>>());
+    let n_pairs = n as usize * (n as usize - 1) / 2;
+    assert!(
+        find_contacts_up_to(&nodes, &from, &to, n_pairs).is_some(),
+        "all pairs"
+    );
+    assert!(
+        find_contacts_up_to(&nodes, &from, &to, n_pairs - 1).is_none(),
+        "one less"
+    );
+    let refused = CrackNetwork::new(weave(2100)).unwrap_err();
+    assert!(
+        matches!(refused, NetworkError::Crowded { n_segments: 4200 }),
+        "{refused}"
+    );
 }

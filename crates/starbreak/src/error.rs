@@ -4,7 +4,7 @@ use starbreak_dataset::DatasetError;
 use starbreak_fracture::FractureError;
 use starbreak_optics::OpticsError;
 
-use crate::RecipeError;
+use crate::{ImportError, RecipeError};
 
 /// Why a run or one of its items failed.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +33,19 @@ pub enum Error {
     /// A file could not be read or written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+    /// A network file that holds no network.
+    #[error("{path:?} {cause}")]
+    Import {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        cause: ImportError,
+    },
+    /// A network in mm where nothing says how far away its pane is.
+    #[error(
+        "the network is in mm, but the recipe has no [glass] that says where the pane stands; use a preset of the          physics, such as windshield-star"
+    )]
+    NoMount,
     /// Two inputs would write the same file.
     #[error(
         "{first:?} and {second:?} would both write {name:?}; give them different names or run them apart"

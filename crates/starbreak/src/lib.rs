@@ -20,10 +20,12 @@
 //! ```
 
 mod error;
+pub mod import;
 pub mod pipeline;
 mod recipe;
 
 pub use error::Error;
+pub use import::ImportError;
 pub use recipe::{
     CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, Mount, OpticsSettings,
     OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe, RecipeError,

@@ -1,4 +1,4 @@
-//! `starbreak bench`: the paper's timing figure on this machine, and the time of the physics.
+//! `starbreak bench`: the paper's timing figure on this machine, and the time of physics and optics.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -11,7 +11,7 @@ use starbreak::fracture::paper::PaperParams;
 use starbreak::pipeline::{Timings, crack_image, with_threads};
 use starbreak::{FractureSettings, Recipe, Seed, Settings};
 
-use super::{bench_physics, plot};
+use super::{bench_optics, bench_physics, plot};
 use crate::args::{BenchModel, Global};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -33,7 +33,7 @@ pub(crate) struct Request {
     pub(crate) particles: Vec<u32>,
     pub(crate) runs: Option<u32>,
     pub(crate) fixed_radius: bool,
-    /// `None`: both.
+    /// `None`: all.
     pub(crate) model: Option<BenchModel>,
 }
 
@@ -42,6 +42,9 @@ const PAPER_RUNS: u32 = 100;
 
 /// Runs per pane of the physics, unless asked for others.
 const PHYSICS_RUNS: u32 = 10;
+
+/// Runs per frame and disc of the optics, unless asked for others.
+const OPTICS_RUNS: u32 = 10;
 
 /// All runs with one number of particles.
 struct Series {
@@ -76,13 +79,15 @@ pub(crate) fn run(
         "bench.svg",
         "bench.png",
         "bench-physics.csv",
+        "bench-optics.csv",
     ];
     global.refuse_recipe_among(&names.map(|name| request.output.join(name)))?;
     let interrupt = Interrupt::listen();
     let mut batch = OutputBatch::new();
     let mut tables = Vec::new();
     let mut result = json!({ "output": path_text(&request.output) });
-    if request.model != Some(BenchModel::Physics) {
+    let is_asked = |model| request.model.is_none_or(|only| only == model);
+    if is_asked(BenchModel::Paper) {
         let series = paper_series(global, request, &interrupt, screen)?;
         let (svg, png) =
             plot::timing_figure(&series_for_plot(&series)).map_err(Failure::wrong_input)?;
@@ -92,7 +97,7 @@ pub(crate) fn run(
         tables.push(table(&series));
         result["series"] = series.iter().map(series_json).collect();
     }
-    if request.model != Some(BenchModel::Paper) {
+    if is_asked(BenchModel::Physics) {
         let runs = request.runs.unwrap_or(PHYSICS_RUNS);
         let progress = screen.progress(bench_physics::n_steps(runs), "runs");
         let section = with_threads(1, || {
@@ -103,6 +108,18 @@ pub(crate) fn run(
         batch.stage(&request.output.join("bench-physics.csv"), csv.as_bytes())?;
         tables.push(section.table());
         result["physics"] = section.to_json();
+    }
+    if is_asked(BenchModel::Optics) {
+        let runs = request.runs.unwrap_or(OPTICS_RUNS);
+        let progress = screen.progress(bench_optics::n_steps(runs), "runs");
+        let section = with_threads(1, || {
+            bench_optics::measure(runs, global.seed(), &interrupt, &progress)
+        })??;
+        progress.finish();
+        let csv = section.csv();
+        batch.stage(&request.output.join("bench-optics.csv"), csv.as_bytes())?;
+        tables.push(section.table());
+        result["optics"] = section.to_json();
     }
     let table = tables.join("\n");
     batch.stage(&request.output.join("bench.txt"), table.as_bytes())?;

@@ -6,9 +6,11 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 use starbreak::dataset::OutputBatch;
 use starbreak::pipeline::{
-    Failure as ItemFailure, JobResult, RunContext, Written, crack_files, plan_images, with_threads,
+    Failure as ItemFailure, ImageJob, JobResult, RunContext, Written, crack_files, plan_images,
+    with_threads,
 };
 
+use super::network_file;
 use crate::args::Global;
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
@@ -19,15 +21,22 @@ pub(crate) fn run(
     inputs: &[PathBuf],
     out: &Path,
     maps: bool,
+    network: Option<&Path>,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     let mut recipe = global.recipe()?;
     if maps {
         recipe.set("output.maps=true")?;
     }
-    let context = RunContext::new(&recipe, global.seed(), out)?;
+    let mut context = RunContext::new(&recipe, global.seed(), out)?;
     let jobs = plan_images(inputs, out)?;
     global.refuse_recipe_among(&[out.join("failures.jsonl")])?;
+    let outputs: Vec<PathBuf> = jobs
+        .iter()
+        .flat_map(ImageJob::possible_outputs)
+        .map(|name| out.join(name))
+        .collect();
+    context.imported = network_file::read(network, &outputs)?;
     let interrupt = Interrupt::listen();
     let progress = screen.progress(jobs.len() as u64, "images");
     let results = with_threads(usize::from(global.threads), || {
@@ -71,9 +80,10 @@ fn finish(
     let sizes = written
         .iter()
         .map(|item| item.cracked.masks.region.dimensions());
-    if let Some(hint) = sizes
-        .into_iter()
-        .find_map(|size| super::simulate::radius_hint(settings, size))
+    if context.imported.is_none()
+        && let Some(hint) = sizes
+            .into_iter()
+            .find_map(|size| super::simulate::radius_hint(settings, size))
     {
         screen.note(&hint);
     }

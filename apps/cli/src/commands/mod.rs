@@ -1,10 +1,12 @@
 //! One module per verb.
 
 mod bench;
+mod bench_optics;
 mod bench_physics;
 mod contact_sheet;
 mod crack;
 mod demo;
+mod network_file;
 mod plot;
 mod recipe;
 mod shell;
@@ -26,7 +28,8 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             inputs,
             output,
             maps,
-        } => crack::run(global, &inputs, &output, maps, screen),
+            network,
+        } => crack::run(global, &inputs, &output, maps, network.as_deref(), screen),
         Verb::Sweep {
             input,
             output,
@@ -35,6 +38,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
         Verb::Simulate {
             output,
             svg,
+            network,
             size,
             frames,
             frames_to,
@@ -42,6 +46,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
         } => {
             let request = simulate::Request {
                 svg,
+                network,
                 size,
                 frames: frames.map(|n_frames| {
                     (

@@ -10,6 +10,7 @@ use starbreak::glass::{CrackNetwork, Pane};
 use starbreak::pipeline::{self, Details, Simulated, growth_drawing, growth_times};
 use starbreak::{FractureSettings, PaperSettings, Settings};
 
+use super::network_file;
 use crate::args::Global;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -22,6 +23,7 @@ pub(super) fn why_intact(network: &CrackNetwork, details: &Details) -> Option<&'
     }
     let paper = match details {
         Details::Paper(paper) => paper,
+        Details::Imported(_) => return Some("the network has no cracks"),
         Details::Physics(_) => {
             return Some(
                 "nothing broke: the stone is too slow or too blunt for this glass; raise impact.speed_m_s or \
@@ -64,6 +66,7 @@ pub(super) fn radius_hint(
 pub(crate) struct Request {
     pub(crate) output: Option<PathBuf>,
     pub(crate) svg: Option<PathBuf>,
+    pub(crate) network: Option<PathBuf>,
     pub(crate) size: (u32, u32),
     pub(crate) frames: Option<(u32, PathBuf)>,
     pub(crate) timings: bool,
@@ -100,7 +103,11 @@ pub(crate) fn run(
     let interrupt = Interrupt::listen();
     let (width_px, height_px) = request.size;
     global.refuse_recipe_among(&request.outputs())?;
-    let simulated = pipeline::simulate(&settings, width_px, height_px, global.seed())?;
+    let imported = network_file::read(request.network.as_deref(), &request.outputs())?;
+    let simulated = match &imported {
+        Some(imported) => pipeline::use_network(imported),
+        None => pipeline::simulate(&settings, width_px, height_px, global.seed())?,
+    };
     interrupt.check()?;
     let network = &simulated.network;
     let json = if request.timings {
@@ -130,7 +137,9 @@ pub(crate) fn run(
     interrupt.check()?;
     batch.commit()?;
 
-    if let Some(hint) = radius_hint(&settings, request.size) {
+    if imported.is_none()
+        && let Some(hint) = radius_hint(&settings, request.size)
+    {
         screen.note(&hint);
     }
     if request.output.is_none() && !global.json {
@@ -163,7 +172,10 @@ fn stage_frames(
 ) -> Result<(), Failure> {
     let network = &simulated.network;
     let times = growth_times(network, n_frames).take_while(|_| !interrupt.is_set());
-    let view = pipeline::view(settings, size.0, size.1)?;
+    let view = match simulated.details {
+        Details::Imported(_) => pipeline::view_of_network(settings, network, size)?,
+        _ => pipeline::view(settings, size.0, size.1)?,
+    };
     let drawings = times.map(|time| growth_drawing(network, &view, time, 1.0));
     let extension = to
         .extension()
@@ -204,6 +216,12 @@ fn describe(simulated: &Simulated) -> String {
     );
     let total_ms = simulated.timings.total_ms();
     match &simulated.details {
+        Details::Imported(imported) => format!(
+            "{}: {cracks}, {} impact(s), {} fragment(s)",
+            imported.name,
+            network.data().impacts.len(),
+            summary.n_fragments.unwrap_or(1),
+        ),
         Details::Paper(paper) => {
             let report = &paper.convergence;
             format!(

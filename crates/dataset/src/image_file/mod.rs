@@ -101,16 +101,6 @@ impl ImageLimits {
         }
         Ok(())
     }
-
-    fn check_file_len(&self, name: &str, n_bytes: u64) -> Result<(), DatasetError> {
-        if n_bytes > self.max_file_bytes {
-            return Err(DatasetError::FileTooLong {
-                name: name.to_owned(),
-                max_bytes: self.max_file_bytes,
-            });
-        }
-        Ok(())
-    }
 }
 
 /// The image in the file at `path`, upright, in the bit depth of the file.
@@ -124,7 +114,7 @@ impl ImageLimits {
 /// every error of [`decode_image`].
 pub fn read_image(path: &Path, limits: &ImageLimits) -> Result<ImageFile, DatasetError> {
     let name = path.to_string_lossy();
-    let bytes = read_file(path, &name, limits)?;
+    let bytes = read_file(path, &name, limits.max_file_bytes)?;
     decode_image(&name, &bytes, limits)
 }
 
@@ -148,7 +138,7 @@ pub fn decode_image(
     bytes: &[u8],
     limits: &ImageLimits,
 ) -> Result<ImageFile, DatasetError> {
-    limits.check_file_len(name, bytes.len() as u64)?;
+    check_file_len(name, bytes.len() as u64, limits.max_file_bytes)?;
     let format = sniff::format_from_bytes(name, bytes)?;
     let decoded = match format {
         ImageFormat::Png => png::decode(name, bytes, limits)?,
@@ -171,7 +161,8 @@ struct Decoded {
     icc_profile: Option<Vec<u8>>,
 }
 
-fn read_file(path: &Path, name: &str, limits: &ImageLimits) -> Result<Vec<u8>, DatasetError> {
+/// The bytes of an ordinary file; one more than `max_bytes` where it grew beyond that.
+pub(crate) fn read_file(path: &Path, name: &str, max_bytes: u64) -> Result<Vec<u8>, DatasetError> {
     let read_error = |source| DatasetError::Read {
         path: path.to_owned(),
         source,
@@ -184,7 +175,7 @@ fn read_file(path: &Path, name: &str, limits: &ImageLimits) -> Result<Vec<u8>, D
             what,
         });
     }
-    limits.check_file_len(name, metadata.len())?;
+    check_file_len(name, metadata.len(), max_bytes)?;
 
     let mut bytes = Vec::new();
     let n_expected = usize::try_from(metadata.len()).unwrap_or(usize::MAX);
@@ -194,11 +185,22 @@ fn read_file(path: &Path, name: &str, limits: &ImageLimits) -> Result<Vec<u8>, D
     // The file may grow while it is read.
     File::open(path)
         .and_then(|file| {
-            file.take(limits.max_file_bytes.saturating_add(1))
+            file.take(max_bytes.saturating_add(1))
                 .read_to_end(&mut bytes)
         })
         .map_err(read_error)?;
     Ok(bytes)
+}
+
+/// A file is not longer than its limit.
+pub(crate) fn check_file_len(name: &str, n_bytes: u64, max_bytes: u64) -> Result<(), DatasetError> {
+    if n_bytes > max_bytes {
+        return Err(DatasetError::FileTooLong {
+            name: name.to_owned(),
+            max_bytes,
+        });
+    }
+    Ok(())
 }
 
 /// What the thing is when it is not an ordinary file, with its article.

@@ -15,6 +15,7 @@ mod simulate;
 mod surface;
 mod windows;
 
+pub use network::network_pane;
 pub use outcome::{Broken, DamageClass, ImpactReport, LongCrackReport, Stage};
 pub use params::{
     Dicing, GlassBuild, GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad,

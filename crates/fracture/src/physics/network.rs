@@ -18,7 +18,8 @@ const MM_PER_M: f64 = 1e3;
 const US_PER_S: f64 = 1e6;
 
 /// The pane in mm, as a network has it.
-pub(super) fn network_pane(pane: &GlassPane) -> Pane {
+#[must_use]
+pub fn network_pane(pane: &GlassPane) -> Pane {
     let [width_m, height_m] = pane.outline.size_m();
     let kind = match (pane.outline, pane.build) {
         (Outline::Disc { .. }, _) => GlassKind::Cover,

@@ -25,6 +25,18 @@ pub enum SegmentKind {
 }
 
 impl SegmentKind {
+    /// All kinds, in their order.
+    pub const ALL: [Self; 8] = [
+        Self::Propagated,
+        Self::Mst,
+        Self::Radial,
+        Self::Fork,
+        Self::Ring,
+        Self::Cone,
+        Self::Edge,
+        Self::Dice,
+    ];
+
     /// The word that stands in the file.
     #[must_use]
     pub fn name(self) -> &'static str {

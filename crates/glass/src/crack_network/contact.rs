@@ -53,6 +53,30 @@ pub struct Contact {
 /// If an index of `from` or `to` is not a node.
 #[must_use]
 pub fn find_contacts(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
+    search(nodes, from, to, usize::MAX).unwrap_or_default()
+}
+
+/// Pairs whose boxes overlap, over contacts: so many are looked at before a search gives up.
+const PAIRS_PER_CONTACT: usize = 64;
+
+/// As [`find_contacts`], for lines from outside: none where there are more contacts than
+/// `max_contacts`, or more than 64 times as many pairs to look at, so that neither time nor
+/// memory runs away.
+///
+/// # Panics
+/// If an index of `from` or `to` is not a node.
+#[must_use]
+pub fn find_contacts_up_to(
+    nodes: &Nodes,
+    from: &[u32],
+    to: &[u32],
+    max_contacts: usize,
+) -> Option<Vec<Contact>> {
+    search(nodes, from, to, max_contacts)
+}
+
+fn search(nodes: &Nodes, from: &[u32], to: &[u32], max_contacts: usize) -> Option<Vec<Contact>> {
+    let mut pairs_left = max_contacts.saturating_mul(PAIRS_PER_CONTACT);
     let n = from.len().min(to.len());
     let point = |node: u32| Coord {
         x: nodes.x[node as usize],
@@ -61,7 +85,7 @@ pub fn find_contacts(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
     let ends: Vec<(Coord<f64>, Coord<f64>)> =
         (0..n).map(|i| (point(from[i]), point(to[i]))).collect();
     let strips = Strips::new(&ends);
-    let mut contacts = overlaps_at_nodes(nodes, &from[..n], &to[..n]);
+    let mut contacts = overlaps_at_nodes(nodes, &from[..n], &to[..n], max_contacts)?;
     let mut swept: Vec<InStrip> = Vec::new();
     for strip in 0..strips.count() {
         swept.clear();
@@ -79,6 +103,7 @@ pub fn find_contacts(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
                 if other.x_min > one.x_max {
                     break;
                 }
+                pairs_left = pairs_left.checked_sub(1)?;
                 if one.y_min > other.y_max || other.y_min > one.y_max || one.shares_node(other) {
                     continue;
                 }
@@ -97,12 +122,15 @@ pub fn find_contacts(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
                         kind,
                     });
                 });
+                if contacts.len() > max_contacts {
+                    return None;
+                }
             }
         }
     }
     contacts.sort_unstable();
     contacts.dedup();
-    contacts
+    Some(contacts)
 }
 
 /// As [`find_contacts`], for the pairs of which at least one is among the `suspects`: each of
@@ -164,7 +192,12 @@ pub fn find_contacts_of(nodes: &Nodes, from: &[u32], to: &[u32], suspects: &[u32
 /// Segments with a common node that leave it in the same direction: the only way in which such
 /// two meet again. Found by sorting the segments around each node, so that a star of many arms
 /// costs no more than its sorting.
-fn overlaps_at_nodes(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
+fn overlaps_at_nodes(
+    nodes: &Nodes,
+    from: &[u32],
+    to: &[u32],
+    max_contacts: usize,
+) -> Option<Vec<Contact>> {
     let mut starts = vec![0_u32; nodes.x.len() + 1];
     for &node in from.iter().chain(to) {
         starts[node as usize + 1] += 1;
@@ -198,19 +231,22 @@ fn overlaps_at_nodes(nodes: &Nodes, from: &[u32], to: &[u32]) -> Vec<Contact> {
                 spokes,
                 point,
                 &mut contacts,
-            );
+                max_contacts,
+            )?;
         }
     }
-    contacts
+    Some(contacts)
 }
 
-/// Pairs of segments around one node that leave it in the same direction.
+/// Pairs of segments around one node that leave it in the same direction; none if they are more
+/// than `max_contacts` in all.
 fn overlapping_spokes(
     center: Coord<f64>,
     spokes: &mut [(u32, u32)],
     point: impl Fn(u32) -> Coord<f64>,
     contacts: &mut Vec<Contact>,
-) {
+    max_contacts: usize,
+) -> Option<()> {
     #[expect(
         clippy::float_cmp,
         reason = "half planes are exact, their border included"
@@ -241,10 +277,14 @@ fn overlapping_spokes(
                         kind: ContactKind::Overlap,
                     });
                 }
+                if contacts.len() > max_contacts {
+                    return None;
+                }
             }
         }
         rest = after;
     }
+    Some(())
 }
 
 /// Reports how two segments without a common node meet.

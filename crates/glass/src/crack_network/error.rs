@@ -95,6 +95,14 @@ pub enum NetworkError {
         /// In which way they meet.
         how: &'static str,
     },
+    /// So many segments beside each other that looking for crossings would not end.
+    #[error(
+        "the {n_segments} segments cross or lie beside each other too often to be checked; use fewer"
+    )]
+    Crowded {
+        /// How many.
+        n_segments: usize,
+    },
     /// A segment that arrives before the one it grew out of, or is its own ancestor.
     #[error(
         "segment {segment} arrives at {arrival}, before its parent {parent} at {parent_arrival}"

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::{Impact, LengthUnit, Pane, Seed};
 
 pub use columns::{Nodes, SegmentKind, Segments, Zone};
-pub use contact::{Contact, ContactKind, find_contacts, find_contacts_of};
+pub use contact::{Contact, ContactKind, find_contacts, find_contacts_of, find_contacts_up_to};
 pub use error::NetworkError;
 pub use fragments::Fragment;
 pub use summary::Summary;
@@ -177,10 +177,18 @@ impl CrackNetwork {
     }
 }
 
+/// Contacts up to which the first one is named.
+const MAX_CONTACTS: usize = 1 << 22;
+
 fn check_planar(data: &NetworkData) -> Result<(), NetworkError> {
-    match find_contacts(&data.nodes, &data.segments.from, &data.segments.to).first() {
-        None => Ok(()),
-        Some(contact) => Err(NetworkError::NotPlanar {
+    let Segments { from, to, .. } = &data.segments;
+    let contacts = find_contacts_up_to(&data.nodes, from, to, MAX_CONTACTS);
+    match contacts.as_deref().map(<[Contact]>::first) {
+        None => Err(NetworkError::Crowded {
+            n_segments: from.len(),
+        }),
+        Some(None) => Ok(()),
+        Some(Some(contact)) => Err(NetworkError::NotPlanar {
             first: contact.first,
             second: contact.second,
             how: contact.kind.description(),

@@ -7,7 +7,8 @@ use crate::LengthUnit;
 
 impl CrackNetwork {
     /// The network as an SVG picture, one path per kind of segment, one user unit per length
-    /// unit of the network; impacts are circles. A network in mm is drawn at its true size.
+    /// unit of the network; impacts are circles. Classes name them: the kind, and `impact`. A
+    /// network in mm is drawn at its true size. Numbers have three decimals.
     #[must_use]
     pub fn to_svg(&self) -> String {
         let pane = &self.data.pane;
@@ -51,7 +52,7 @@ impl CrackNetwork {
         for impact in &self.data.impacts {
             let _ = writeln!(
                 svg,
-                "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"{:.2}\" fill=\"none\" stroke=\"#ff5a36\" stroke-width=\"{:.2}\"/>",
+                "<circle class=\"impact\" cx=\"{:.3}\" cy=\"{:.3}\" r=\"{:.2}\" fill=\"none\" stroke=\"#ff5a36\" stroke-width=\"{:.2}\"/>",
                 impact.x,
                 impact.y,
                 stroke * 5.0,

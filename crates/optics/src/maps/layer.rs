@@ -154,6 +154,16 @@ impl<const L: usize> Row<L> {
         cell
     }
 
+    /// Adds a part of some lanes to a cell, if it is one of the row's.
+    fn add(&mut self, column: usize, part: f32, lanes: &[f32; L], kernel: u32) {
+        if column < self.cells.len() {
+            let to = self.cell(column, kernel);
+            for (sum, lane) in to.lanes.iter_mut().zip(lanes) {
+                *sum += part * lane;
+            }
+        }
+    }
+
     /// Empties the touched cells, each given to `each` before.
     fn drain(&mut self, mut each: impl FnMut(usize, &Cell<L>)) {
         for column in self.touched.drain(..) {
@@ -239,6 +249,7 @@ impl<const L: usize> Layer<L> {
             .peekable();
         let mut active: Vec<Placed> = Vec::new();
         let mut covered = Row::new(columns + 2);
+        let mut across = Row::new(self.columns);
         let mut shared = [0; 3].map(|_| Row::new(self.columns));
         let mut scratch = vec![0.0_f32; columns + 3];
         let mut emitter = Emitter::new(
@@ -263,7 +274,7 @@ impl<const L: usize> Layer<L> {
                     &mut covered,
                 );
             }
-            self.share(fine_row, &mut covered, &mut shared);
+            self.share(fine_row, &mut covered, &mut across, &mut shared);
             // The second half of the next row was the last to share with this one.
             let complete = if per_cell == 1 {
                 Some(fine_row)
@@ -297,10 +308,18 @@ impl<const L: usize> Layer<L> {
         }
     }
 
-    /// Shares the covered cells of a row of halves among the cells of three rows; without halves
-    /// hands them on as they are.
-    fn share(&self, fine_row: usize, covered: &mut Row<L>, shared: &mut [Row<L>; 3]) {
-        let (level, n_shares, columns, rows) = (self.level, self.n_shares, self.columns, self.rows);
+    /// Shares the covered cells of a row of halves among the cells of three rows, first along the
+    /// row and then across; without halves hands them on as they are. `across` is empty before
+    /// and after.
+    fn share(
+        &self,
+        fine_row: usize,
+        covered: &mut Row<L>,
+        across: &mut Row<L>,
+        shared: &mut [Row<L>; 3],
+    ) {
+        let n_shares = self.n_shares;
+        let weights = self.level.weights();
         covered.drain(|column, cell| {
             let mut lanes = cell.lanes;
             let share: f32 = lanes[..n_shares].iter().sum();
@@ -309,36 +328,22 @@ impl<const L: usize> Layer<L> {
                     *lane /= share;
                 }
             }
-            let mut give = |row: usize, column: usize, part: f32| {
-                if row < rows && column < columns {
-                    let to = shared[row % 3].cell(column, cell.kernel);
-                    for (sum, lane) in to.lanes.iter_mut().zip(&lanes) {
-                        *sum += part * lane;
-                    }
+            if self.level.is_halved {
+                // A cell's value is the mean over its halves.
+                for (column, part) in shares_of(column, weights) {
+                    across.add(column, 0.5 * part, &lanes, cell.kernel);
                 }
-            };
-            if !level.is_halved {
-                give(fine_row, column, 1.0);
-                return;
+            } else {
+                shared[fine_row % 3].add(column, 1.0, &lanes, cell.kernel);
             }
-            let [far, own, near] = self.level.weights();
-            let along = |half: usize| {
-                let cell = half / 2;
-                let (before, after) = if half.is_multiple_of(2) {
-                    (near, far)
-                } else {
-                    (far, near)
-                };
-                [
-                    (cell.wrapping_sub(1), before),
-                    (cell, own),
-                    (cell + 1, after),
-                ]
-            };
-            for (row, part) in along(fine_row) {
-                for (column, share) in along(column) {
-                    // A cell's value is the mean over its four halves.
-                    give(row, column, 0.25 * part * share);
+        });
+        if !self.level.is_halved {
+            return;
+        }
+        across.drain(|column, cell| {
+            for (row, part) in shares_of(fine_row, weights) {
+                if row < self.rows {
+                    shared[row % 3].add(column, 0.5 * part, &cell.lanes, cell.kernel);
                 }
             }
         });
@@ -396,6 +401,22 @@ impl<const L: usize> Layer<L> {
         }
         emitter.end_row(row, frame);
     }
+}
+
+/// The cells that a half is shared among along one axis, and their parts; the first may lie before
+/// the first cell.
+fn shares_of(half: usize, [far, own, near]: [f32; 3]) -> [(usize, f32); 3] {
+    let cell = half / 2;
+    let (before, after) = if half.is_multiple_of(2) {
+        (near, far)
+    } else {
+        (far, near)
+    };
+    [
+        (cell.wrapping_sub(1), before),
+        (cell, own),
+        (cell + 1, after),
+    ]
 }
 
 /// A facet in cells: the rows from `first` to before `last`.

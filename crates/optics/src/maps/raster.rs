@@ -88,7 +88,10 @@ impl Polygon {
         let corners = self.corners();
         let (mut first, mut last) = (usize::MAX, 0);
         for (k, &a) in corners.iter().enumerate() {
-            let b = corners[(k + 1) % corners.len()];
+            let b = corners[if k + 1 < corners.len() { k + 1 } else { 0 }];
+            if a[1].max(b[1]) <= top || a[1].min(b[1]) >= top + 1.0 {
+                continue;
+            }
             if let Some([low, high]) = add_edge(a, b, top, scratch) {
                 first = first.min(low);
                 last = last.max(high);
@@ -145,19 +148,12 @@ fn add_edge(a: [f64; 2], b: [f64; 2], top: f64, steps: &mut [f32]) -> Option<[us
     }
     // Area right of the edge within each cell it crosses: a triangle, trapezia, a triangle.
     let per_cell = 1.0 / (right - left);
-    let mut before = 0.0;
+    let (mut before, mut own_before) = (0.0, 0.0);
     for k in cell..=end {
-        // Mean over the row of the covered part of the cells up to k.
         let covered = area_up_to((k + 1) as f64, left, right, per_cell);
         let own = covered - before;
-        before = covered;
-        let step = if k == cell {
-            own
-        } else {
-            own - (area_up_to(k as f64, left, right, per_cell)
-                - area_up_to(k as f64 - 1.0, left, right, per_cell))
-        };
-        steps[k] += (height * step) as f32;
+        steps[k] += (height * (own - own_before)) as f32;
+        (before, own_before) = (covered, own);
     }
     Some([cell, end])
 }

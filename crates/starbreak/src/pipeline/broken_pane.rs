@@ -10,28 +10,38 @@ use starbreak_glass::{Seed, Stream};
 use starbreak_optics::{Camera, View};
 
 use super::{Details, PhysicsDetails, Simulated, Stopwatch};
-use crate::{CameraSettings, Error, PhysicsSettings};
+use crate::{CameraSettings, Error, Mount, PhysicsSettings};
 
 /// How often a random place is drawn before the frame is said to show no glass.
 const MAX_DRAWS: u32 = 10_000;
 
 const MM_PER_M: f64 = 1e3;
 
-/// The pane in mm as the camera sees it in a frame of `size` px.
+/// A pane of `[width, height]` mm as the camera sees it in a frame of `size` px.
 pub(super) fn view_of(
+    mount: &Mount,
+    [width_mm, height_mm]: [f64; 2],
+    camera: &CameraSettings,
+    size: (u32, u32),
+) -> Result<View, Error> {
+    let [x, y] = mount.axis_at;
+    let camera = Camera {
+        f_px: camera.f_px.of_frame(size.0),
+        distance_m: mount.distance_m,
+        rake_rad: mount.rake_rad,
+        axis_at_mm: [x * width_mm, y * height_mm],
+    };
+    Ok(View::through(&camera, size)?)
+}
+
+/// Its own pane as the camera sees it.
+pub(super) fn own_view(
     settings: &PhysicsSettings,
     camera: &CameraSettings,
     size: (u32, u32),
 ) -> Result<View, Error> {
-    let [width_m, height_m] = settings.pane.outline.size_m();
-    let [x, y] = settings.mount.axis_at;
-    let camera = Camera {
-        f_px: camera.f_px.of_frame(size.0),
-        distance_m: settings.mount.distance_m,
-        rake_rad: settings.mount.rake_rad,
-        axis_at_mm: [x * width_m * MM_PER_M, y * height_m * MM_PER_M],
-    };
-    Ok(View::through(&camera, size)?)
+    let size_mm = settings.pane.outline.size_m().map(|side| side * MM_PER_M);
+    view_of(&settings.mount, size_mm, camera, size)
 }
 
 pub(super) fn physics_network(
@@ -41,7 +51,7 @@ pub(super) fn physics_network(
     seed: Seed,
 ) -> Result<Simulated, Error> {
     let mut watch = Stopwatch::start();
-    let view = view_of(settings, camera, size)?;
+    let view = own_view(settings, camera, size)?;
     let stones = stones_on(settings, &view, seed)?;
     let broken = simulate(
         &settings.pane,

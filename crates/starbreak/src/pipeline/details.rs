@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 use starbreak_fracture::paper::ConvergenceReport;
 use starbreak_fracture::physics::{ImpactReport, LongCrackReport};
+use starbreak_glass::Model;
 
 /// What a fracture model says about its cracks.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +12,19 @@ pub enum Details {
     Paper(PaperDetails),
     /// From the physics.
     Physics(PhysicsDetails),
+    /// From a file.
+    Imported(ImportedDetails),
+}
+
+/// Which file a network comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportedDetails {
+    /// Name of the file, without its folder.
+    pub name: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+    /// The model that the file names.
+    pub model: Model,
 }
 
 /// What the physics says of hits and loads.
@@ -65,6 +79,14 @@ impl Details {
                     "n_solutions": physics.n_solutions,
                 });
                 named.insert("plate".to_owned(), plate);
+            }
+            Self::Imported(imported) => {
+                let file = json!({
+                    "name": imported.name,
+                    "sha256": imported.sha256,
+                    "model": imported.model,
+                });
+                named.insert("file".to_owned(), file);
             }
         }
         named

@@ -14,7 +14,7 @@ use starbreak_dataset::{
 use starbreak_optics::physical::OpticalMaps;
 
 use super::provenance::{Item, RunContext};
-use super::{Cracked, Simulated, Stopwatch, Timings, show_cracks, simulate};
+use super::{Cracked, Simulated, Stopwatch, Timings, show_cracks, simulate, use_network};
 use crate::{Error, OutputFormat, Settings};
 
 /// Names of the maps of the optics in their files' names.
@@ -35,6 +35,23 @@ pub struct ImageJob {
     pub name: String,
     /// Its file name without the extension, which its outputs are named by.
     pub stem: String,
+}
+
+impl ImageJob {
+    /// Names of all files that the image may become, whatever its format turns out to be.
+    #[must_use]
+    pub fn possible_outputs(&self) -> Vec<String> {
+        let stem = &self.stem;
+        let mut names: Vec<String> = ["png", "jpg", "region.png", "crack.png", "json"]
+            .iter()
+            .map(|suffix| format!("{stem}.{suffix}"))
+            .collect();
+        names.extend(MAPS.map(|map| format!("{stem}.{map}.npy")));
+        if !names.contains(&self.name) {
+            names.push(self.name.clone());
+        }
+        names
+    }
 }
 
 /// What was written for one image.
@@ -92,7 +109,7 @@ pub fn plan_images(inputs: &[PathBuf], out: &Path) -> Result<Vec<ImageJob>, Erro
             name,
             stem,
         };
-        for output in possible_outputs(&job) {
+        for output in job.possible_outputs() {
             // Letters of either case are one name on some file systems.
             if let Some(first) = writer_of.insert(output.to_lowercase(), input)
                 && first != input
@@ -118,20 +135,6 @@ pub fn plan_images(inputs: &[PathBuf], out: &Path) -> Result<Vec<ImageJob>, Erro
         jobs.push(job);
     }
     Ok(jobs)
-}
-
-/// Names of all files that an image may become, whatever its format turns out to be.
-fn possible_outputs(job: &ImageJob) -> Vec<String> {
-    let stem = &job.stem;
-    let mut names: Vec<String> = ["png", "jpg", "region.png", "crack.png", "json"]
-        .iter()
-        .map(|suffix| format!("{stem}.{suffix}"))
-        .collect();
-    names.extend(MAPS.map(|map| format!("{stem}.{map}.npy")));
-    if !names.contains(&job.name) {
-        names.push(job.name.clone());
-    }
-    names
 }
 
 /// Cracks many images, in parallel over images; results in the order of the jobs.
@@ -205,7 +208,10 @@ pub fn stage_cracked(
 ) -> Result<Written, Error> {
     let seed = context.seed.of_item(&job.name, 0);
     let (width, height) = (file.pixels.width(), file.pixels.height());
-    let simulated = simulate(&context.settings, width, height, seed);
+    let simulated = match &context.imported {
+        Some(imported) => Ok(use_network(imported)),
+        None => simulate(&context.settings, width, height, seed),
+    };
     let simulated = simulated.map_err(|error| Error::of_image(&job.input, error))?;
     stage_shown(job, &mut file, simulated, watch, context, batch)
 }

@@ -5,7 +5,7 @@ use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::{Coverage, Line, View};
 
 use super::Stopwatch;
-use super::show::show;
+use super::show::{own_view, show};
 use crate::{Error, Settings};
 
 /// The times of `n_frames` growth frames, even steps from shortly after the impact to the last
@@ -46,6 +46,14 @@ pub fn growth_over(
 ) -> Result<DynamicImage, Error> {
     let mut frame = scene.clone();
     let mut watch = Stopwatch::start();
-    show(settings, &mut frame, network, time, seed, &mut watch)?;
+    let view = own_view(settings, (frame.width(), frame.height()))?;
+    show(
+        settings,
+        &mut frame,
+        (network, time),
+        &view,
+        seed,
+        &mut watch,
+    )?;
     Ok(frame)
 }

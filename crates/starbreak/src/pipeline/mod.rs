@@ -4,6 +4,7 @@ mod broken_pane;
 mod details;
 mod files;
 mod growth;
+mod imported;
 mod provenance;
 mod show;
 mod timings;
@@ -14,17 +15,18 @@ use starbreak_glass::{CrackNetwork, Pane, Seed};
 use starbreak_optics::physical::OpticalMaps;
 use starbreak_optics::{Camera, Masks, View};
 
-use broken_pane::{physics_network, view_of};
+use broken_pane::{own_view, physics_network};
 
 use crate::{Error, FractureSettings, PaperSettings, Settings};
 
-pub use details::{Details, PaperDetails, PhysicsDetails};
+pub use details::{Details, ImportedDetails, PaperDetails, PhysicsDetails};
 
 pub use files::{
     Failure, ImageJob, JobResult, Written, crack_file, crack_files, plan_images, stage_cracked,
     stage_shown, with_threads,
 };
 pub use growth::{growth_drawing, growth_over, growth_times};
+pub use imported::{crack_image_with, use_network, view_of_network};
 pub use provenance::{PROVENANCE_SCHEMA, RunContext};
 pub use show::{OpticsReport, SceneReport, show_cracks};
 pub use timings::{Stopwatch, Timings};
@@ -87,7 +89,7 @@ pub fn view(settings: &Settings, width_px: u32, height_px: u32) -> Result<View, 
             &Pane::from_frame_px(width_px, height_px),
             size,
         )),
-        FractureSettings::Physics(physics) => view_of(physics, &settings.camera, size),
+        FractureSettings::Physics(physics) => own_view(physics, &settings.camera, size),
     }
 }
 

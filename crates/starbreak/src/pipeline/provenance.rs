@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Map, json};
 use starbreak_dataset::{Provenance, sha256_hex};
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::{CrackNetwork, Model, Seed};
 
 use super::details::Details;
 use super::show::OpticsReport;
 use super::timings::Timings;
+use crate::import::ImportedNetwork;
 use crate::{Error, Recipe, Settings};
 
 /// Name and version of the provenance format.
@@ -27,6 +28,8 @@ pub struct RunContext {
     pub settings: Settings,
     /// The folder that everything is written into.
     pub out: PathBuf,
+    /// The network that stands in for a simulated one, if there is one.
+    pub imported: Option<ImportedNetwork>,
 }
 
 /// One image of a run.
@@ -60,13 +63,18 @@ impl RunContext {
             seed,
             settings,
             out: out.to_owned(),
+            imported: None,
         })
     }
 
     pub(super) fn provenance(&self, item: &Item<'_>) -> Result<Provenance, Error> {
         let data = item.network.data();
+        let model = match item.details {
+            Details::Imported(_) => Model::Imported,
+            _ => data.model,
+        };
         let mut network = Map::from_iter([
-            ("model".to_owned(), json!(data.model)),
+            ("model".to_owned(), json!(model)),
             ("impacts".to_owned(), json!(data.impacts)),
             ("summary".to_owned(), json!(item.network.summary())),
         ]);

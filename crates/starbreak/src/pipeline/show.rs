@@ -6,9 +6,9 @@ use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::paper::{composite, draw};
 use starbreak_optics::physical::{OpticalMaps, PhysicalOptics, bake};
-use starbreak_optics::{Contrast, Masks};
+use starbreak_optics::{Contrast, Masks, View};
 
-use super::{Cracked, Simulated, Stopwatch, sheet_view, view};
+use super::{Cracked, Details, Simulated, Stopwatch, sheet_view, view, view_of_network};
 use crate::{Error, OpticsSettings, Settings};
 
 /// What the optics say of a picture beside the picture.
@@ -58,8 +58,20 @@ pub fn show_cracks(
     } = simulated;
     let mut watch = Stopwatch::start();
     let before = image.clone();
-    let Shown { masks, maps, scene } =
-        show(settings, image, &network, f64::INFINITY, seed, &mut watch)?;
+    let size = (image.width(), image.height());
+    let view = if matches!(details, Details::Imported(_)) {
+        view_of_network(settings, &network, size)?
+    } else {
+        own_view(settings, size)?
+    };
+    let Shown { masks, maps, scene } = show(
+        settings,
+        image,
+        (&network, f64::INFINITY),
+        &view,
+        seed,
+        &mut watch,
+    )?;
     let contrast = Contrast::of(&before, image, &masks.region)?;
     watch.lap("contrast");
     timings.append(watch.stop());
@@ -73,20 +85,26 @@ pub fn show_cracks(
     })
 }
 
+/// How a frame shows cracks that were simulated for it.
+pub(super) fn own_view(settings: &Settings, (width, height): (u32, u32)) -> Result<View, Error> {
+    match &settings.optics {
+        OpticsSettings::Paper(_) => view(settings, width, height),
+        OpticsSettings::Physical(_) => sheet_view(settings, width, height),
+    }
+}
+
 /// Shows cracks as they are at a time.
 pub(super) fn show(
     settings: &Settings,
     image: &mut DynamicImage,
-    network: &CrackNetwork,
-    time: f64,
+    (network, time): (&CrackNetwork, f64),
+    view: &View,
     seed: Seed,
     watch: &mut Stopwatch,
 ) -> Result<Shown, Error> {
-    let (width, height) = (image.width(), image.height());
     match &settings.optics {
         OpticsSettings::Paper(optics) => {
-            let view = view(settings, width, height)?;
-            let drawn = draw(network, &view, time, optics);
+            let drawn = draw(network, view, time, optics);
             watch.lap("draw");
             let masks = composite(image, &drawn, optics)?;
             watch.lap("render");
@@ -97,8 +115,7 @@ pub(super) fn show(
             })
         }
         OpticsSettings::Physical(optics) => {
-            let view = sheet_view(settings, width, height)?;
-            let pattern = bake(network, time, &view, optics, seed)?;
+            let pattern = bake(network, time, view, optics, seed)?;
             watch.lap("bake");
             let environment = Environment::estimate(image, &optics.environment, pattern.f_px());
             let overlay = pattern.light(&environment, optics);

@@ -1,0 +1,4 @@
+//! `import::parse_network` on arbitrary text.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| starbreak_fuzz::svg(bytes));
