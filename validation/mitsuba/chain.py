@@ -8,7 +8,8 @@ origin. (Mitsuba keeps rays off surfaces by about 1e-4 (1 + |p|), so the sheet m
 is a box of air in the glass that ends 2 um below the faces. The light is a function of direction alone: what goes
 out by the outer face sees sky and ground, what comes back by the inner face sees the cabin. Light that the faces hold
 comes to the edges, which shine as a white surface under half of either side would: a sheet of any size then agrees
-with what the renderer assumes of such light.
+with what the renderer assumes of such light. Light that Mitsuba's rough surfaces lose, for they follow one reflection
+between facets, is measured in the same scene under light of 1 from everywhere, and added in the same way.
 """
 import json
 import pathlib
@@ -78,9 +79,9 @@ def fresnel(cos, n):
     return (((cos - n * cos_t) / (cos + n * cos_t)) ** 2 + ((n * cos - cos_t) / (n * cos + cos_t)) ** 2) / 2
 
 
-def edge_light(c):
-    """Radiance that the edges send into the glass, so that held light shows in the frame, where all light has the
-    sheet's transmittance, as half of either side."""
+def held_light(c):
+    """What held light shows: half of the light of either side, which in the frame has the sheet's transmittance; and
+    the radiance over n^2 in the glass for it."""
     z, phi = np.meshgrid((np.arange(400) + 0.5) / 400, (np.arange(800) + 0.5) / 400 * np.pi, indexing="ij")
     r = np.sqrt(1 - z * z)
     d = np.stack([r * np.cos(phi), r * np.sin(phi), z], -1) @ c["axes"]
@@ -90,7 +91,7 @@ def edge_light(c):
     face = fresnel(np.cos(np.radians(c["rake_deg"])), c["index"])
     t, r = (1 - face) / (1 + face), 2 * face / (1 + face)
     shown = 0.5 * c["cabin"] + 0.5 * (t * outside + r * c["cabin"])
-    return max(0.0, float((shown - face * c["cabin"]) / (1 - face)))
+    return shown, max(0.0, float((shown - face * c["cabin"]) / (1 - face)))
 
 
 def box(centre, halves, bsdf):
@@ -125,7 +126,7 @@ def scene(c, with_crack):
     glass = {"type": "dielectric", "int_ior": n, "ext_ior": 1.0}
     reach = c["reach_mm"]
     half = 1.3 * reach + 10
-    light = {"type": "area", "radiance": {"type": "rgb", "value": n * n * edge_light(c)}}
+    light = {"type": "area", "radiance": {"type": "rgb", "value": n * n * held_light(c)[1]}}
     for k, (side, other) in enumerate(((0, 1), (0, 1), (1, 0), (1, 0))):
         sign, m = 1 - 2 * (k % 2), np.eye(4)
         m[:3, 0] = axes[2] * (t / 2 - 2e-3)
@@ -167,7 +168,7 @@ def profile(c, image):
     keep = (np.abs(u) < half) & (np.abs(v) < half) & (s >= -half) & (s < half)
     count = np.bincount((s + half)[keep], minlength=2 * half)
     total = np.bincount((s + half)[keep], image[keep], minlength=2 * half)
-    return {"normal": normal.tolist(), "middle": c["middle"].tolist(), "half_px": half, "mean": [round(float(x), 6) for x in total / np.maximum(count, 1)]}
+    return {"normal": normal.tolist(), "middle": c["middle"].tolist(), "half_px": half, "mean": [round(float(x), 5) for x in total / np.maximum(count, 1)]}
 
 
 def main():
@@ -179,14 +180,19 @@ def main():
         begun = time.time()
         c = case_of(definition["base"], case)
         cracked, intact = (np.array(mi.render(scene(c, with_crack))).reshape(2 * c["half"], -1) for with_crack in (True, False))
+        if c["alpha"] > 0:
+            white = {**c, **dict.fromkeys(("horizon", "zenith", "ground", "cabin"), 1.0)}
+            white.pop("sun", None)
+            kept = np.array(mi.render(scene(white, True))).reshape(2 * c["half"], -1)
+            cracked = cracked + (1 - kept) * held_light(c)[0]
         row = {**definition["base"], **case, "outer_mm": c["outer"][:2].tolist(), "reach_mm": float(c["reach_mm"])}
         if "sun" in c:
             row["sun"] = c["sun"]
-        row["cracked"], row["intact"] = profile(c, cracked), profile(c, intact)
+        row["profile"] = profile(c, cracked)
+        row["intact"] = round(float(np.mean(profile(c, intact)["mean"])), 5)
         rows.append(row)
-        contrast = np.array(row["cracked"]["mean"]) / np.maximum(np.array(row["intact"]["mean"]), 1e-9) - 1
-        print(f"{case['name']:24} intact {np.mean(row['intact']['mean']):.4f}  contrast {contrast.min():+.4f} to {contrast.max():+.4f}  sum {contrast.sum():+.3f} px  {time.time() - begun:.0f} s", flush=True)
-    pathlib.Path(sys.argv[2]).write_text(json.dumps(rows, indent=None).replace('}, {"name"', '},\n{"name"'))
+        print(f"{case['name']:24} intact {row['intact']:.4f}  cracked {min(row['profile']['mean']):.4f} to {max(row['profile']['mean']):.4f}  {time.time() - begun:.0f} s", flush=True)
+    pathlib.Path(sys.argv[2]).write_text("[\n" + ",\n".join(json.dumps(row) for row in rows) + "\n]\n")
 
 
 if __name__ == "__main__":

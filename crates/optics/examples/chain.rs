@@ -29,7 +29,7 @@ const AXIS_MM: f64 = 1000.0;
 /// Off by at most: the intact sheet; peak and sum of the contrast, or these parts of its light.
 const RADIANCE: f64 = 0.002;
 const PEAK: f64 = 0.03;
-const SUM: f64 = 0.12;
+const SUM: f64 = 0.05;
 const LEAST_PEAK: f64 = 0.003;
 const LEAST_SUM_PX: f64 = 0.03;
 
@@ -59,7 +59,7 @@ pub(crate) fn compare_all(path: &str, with_profiles: bool) -> Result<Vec<String>
         let is_off = is_off(row.peak, peak, least)
             || is_off(
                 row.sum,
-                SUM,
+                SUM.max(peak),
                 LEAST_SUM_PX.max(least * row.sum[0].abs() / row.peak[0].abs()),
             )
             || (row.intact - 1.0).abs() > RADIANCE;

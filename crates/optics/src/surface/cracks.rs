@@ -164,7 +164,7 @@ fn add_piece(
 }
 
 /// Lanes of a ghost that are weaker are none.
-const LEAST_GHOST: f64 = 1e-3;
+const LEAST_GHOST: f64 = 2e-3;
 
 /// Light that both faces reflect is none below this share.
 const LEAST_TWICE: f64 = 0.02;
