@@ -1,17 +1,18 @@
-//! Segments of a network as facets of the frame.
+//! Cracks as facets of the frame.
 
-use starbreak_glass::{CrackNetwork, Zone};
+use starbreak_glass::CrackNetwork;
 
 use super::SheetView;
+use super::lines::{CrackSurface, lines};
 use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, N_SHARES, Sent, cross, unit};
 use crate::interface::fresnel::reflectance;
 use crate::maps::Facet;
 use crate::physical::SurfaceParams;
 
-/// Longest piece of a segment, px, that one facet stands for.
+/// Longest piece of a line, px, that one facet stands for.
 const LONGEST_PX: f64 = 48.0;
 
-/// Most pieces of one segment.
+/// Most pieces of one line.
 const MOST_PIECES: f64 = 4096.0;
 
 /// Colors weaker than this are none.
@@ -25,17 +26,7 @@ pub(crate) struct Facets {
     pub(crate) tint: Vec<Facet<4>>,
 }
 
-/// What one segment is like.
-#[derive(Debug, Clone, Copy)]
-struct Segment {
-    alpha: f64,
-    gap_um: f64,
-    depth_fraction: f64,
-    /// Tangent of the tilt to the left of the walk.
-    lean: f64,
-}
-
-/// The facets of all segments of a network as far as they have grown, within `reach_px` of the
+/// The facets of all cracks of a network as far as they have grown, within `reach_px` of the
 /// frame.
 pub(crate) fn crack_facets(
     from: &LightFrom<'_>,
@@ -45,15 +36,8 @@ pub(crate) fn crack_facets(
     reach_px: f64,
     facets: &mut Facets,
 ) {
-    let data = network.data();
-    let pane = [data.pane.width, data.pane.height];
-    for (idx, [x0, y0, x1, y1]) in network.grown_at(time) {
-        let (Some(a), Some(b)) = (
-            from.sheet.on_sheet([x0, y0], data.unit, pane),
-            from.sheet.on_sheet([x1, y1], data.unit, pane),
-        ) else {
-            continue;
-        };
+    for line in lines(from.sheet, network, time, surface) {
+        let [a, b] = line.ends;
         let Some([u0, v0, u1, v1]) = from
             .sheet
             .view()
@@ -68,33 +52,13 @@ pub(crate) fn crack_facets(
             continue;
         };
         let length_px = ((u1 - u0) * (u1 - u0) + (v1 - v0) * (v1 - v0)).sqrt();
-        let segment = segment(network, idx, surface);
         let n = (length_px / LONGEST_PX).ceil().clamp(1.0, MOST_PIECES);
         let mut k = 0.0;
         while k < n {
             let at = |t: f64| std::array::from_fn(|axis| a[axis] + (b[axis] - a[axis]) * t / n);
-            add_piece(from, at(k), at(k + 1.0), &segment, facets);
+            add_piece(from, at(k), at(k + 1.0), &line.surface, facets);
             k += 1.0;
         }
-    }
-}
-
-fn segment(network: &CrackNetwork, idx: usize, surface: &SurfaceParams) -> Segment {
-    let segments = &network.data().segments;
-    let of = |column: &Option<Vec<f64>>| column.as_ref().map(|values| values[idx]);
-    let zone = segments
-        .zone
-        .as_ref()
-        .map_or(Zone::Mirror, |zone| zone[idx]);
-    Segment {
-        alpha: match zone {
-            Zone::Mirror => surface.mirror_alpha,
-            Zone::Mist => surface.mist_alpha,
-            Zone::Hackle => surface.hackle_alpha,
-        },
-        gap_um: of(&segments.opening_um).unwrap_or(surface.opening_um),
-        depth_fraction: of(&segments.depth_fraction).unwrap_or(1.0),
-        lean: libm::tan(of(&segments.tilt_deg).unwrap_or(0.0).to_radians()),
     }
 }
 
@@ -103,7 +67,7 @@ fn add_piece(
     from: &LightFrom<'_>,
     a: [f64; 2],
     b: [f64; 2],
-    segment: &Segment,
+    surface: &CrackSurface,
     facets: &mut Facets,
 ) -> Option<()> {
     let sheet = from.sheet;
@@ -117,8 +81,8 @@ fn add_piece(
     let left = [along[1], -along[0]];
     // From the outer face, which was hit, to the crack's depth.
     let outer = sheet.thickness_mm;
-    let inner = outer * (1.0 - segment.depth_fraction);
-    let lean = (outer - inner) * segment.lean;
+    let inner = outer * (1.0 - surface.depth_fraction);
+    let lean = (outer - inner) * surface.lean;
     let leaned = |p: [f64; 2]| [p[0] + lean * left[0], p[1] + lean * left[1]];
     let ends = [a, b, leaned(b), leaned(a)];
     let strip = Strip::new(sheet, ends, [outer, inner])?;
@@ -131,12 +95,12 @@ fn add_piece(
     let entry = sheet.entry(half_leaned, 0.5 * (outer + inner), [0.0; 2])?;
     let sight = sheet.sight(entry, [0.0; 2])?;
     // Into the glass from the outer face, leaning.
-    let down = [segment.lean * left[0], segment.lean * left[1], -1.0];
+    let down = [surface.lean * left[0], surface.lean * left[1], -1.0];
     let mirror = Mirror {
         sight,
         normal: unit(cross([along[0], along[1], 0.0], down)),
-        alpha: segment.alpha,
-        gap_um: segment.gap_um,
+        alpha: surface.alpha,
+        gap_um: surface.gap_um,
     };
     let sent = from.mirror(&mirror);
     strip.add(facets, &sent);

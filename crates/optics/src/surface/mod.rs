@@ -7,6 +7,7 @@
 
 mod cracks;
 mod hit;
+mod lines;
 mod lobe;
 mod sheet;
 mod wedge;
