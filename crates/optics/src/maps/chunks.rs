@@ -44,9 +44,8 @@ impl<const L: usize> Chunks<L> {
             let n = rest.len().min(CHUNK - at);
             let run = self.run_mut(across, y);
             for (cell, value) in run[at..at + n].iter_mut().zip(rest) {
-                for (sum, add) in cell.iter_mut().zip(value) {
-                    *sum += add;
-                }
+                let sum = *cell;
+                *cell = std::array::from_fn(|l| sum[l] + value[l]);
             }
             rest = &rest[n..];
             x += n;

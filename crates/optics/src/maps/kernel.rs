@@ -64,10 +64,9 @@ impl Pupil {
 /// that a running sum along the row restores the kernel. It sums to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Kernel {
-    /// Row offset, and where its steps end in `steps`.
-    rows: Vec<(i32, usize)>,
-    /// Column offset and step.
-    steps: Vec<(i32, f32)>,
+    /// Of each run of steps the row and column offset of the first, and where it ends in `steps`.
+    runs: Vec<(i32, i32, usize)>,
+    steps: Vec<f32>,
     reach: i32,
 }
 
@@ -99,7 +98,7 @@ impl Kernel {
         let reach = (size + 0.5).ceil() as i32;
         let columns = (2 * reach + 2).cast_unsigned() as usize;
         let mut kernel = Self {
-            rows: Vec::new(),
+            runs: Vec::new(),
             steps: Vec::new(),
             reach,
         };
@@ -125,21 +124,26 @@ impl Kernel {
         }
         if total <= 0.0 {
             // A point: all in one cell.
-            kernel.steps = vec![(0, 1.0), (1, -1.0)];
-            kernel.rows = vec![(0, 2)];
+            kernel.steps = vec![1.0, -1.0];
+            kernel.runs = vec![(0, 0, 2)];
             return kernel;
         }
         for (dy, row) in (-reach..).zip(rows) {
-            let before = kernel.steps.len();
+            let mut is_open = false;
             for (dx, step) in (-reach..).zip(row) {
                 #[expect(clippy::cast_possible_truncation, reason = "weights as f32")]
                 let step = (step / total) as f32;
-                if step.abs() > 0.0 {
-                    kernel.steps.push((dx, step));
+                if step.abs() <= 0.0 {
+                    is_open = false;
+                    continue;
                 }
-            }
-            if kernel.steps.len() > before {
-                kernel.rows.push((dy, kernel.steps.len()));
+                kernel.steps.push(step);
+                let end = kernel.steps.len();
+                match kernel.runs.last_mut() {
+                    Some(run) if is_open => run.2 = end,
+                    _ => kernel.runs.push((dy, dx, end)),
+                }
+                is_open = true;
             }
         }
         kernel
@@ -150,13 +154,13 @@ impl Kernel {
         self.reach.unsigned_abs() as usize + 1
     }
 
-    /// Row offsets with the steps of each row.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = (i32, &[(i32, f32)])> {
+    /// Runs of steps: offsets of the row and of the first column, and the steps.
+    pub(crate) fn runs(&self) -> impl Iterator<Item = (i32, i32, &[f32])> {
         let mut start = 0;
-        self.rows.iter().map(move |&(dy, end)| {
+        self.runs.iter().map(move |&(dy, dx, end)| {
             let steps = &self.steps[start..end];
             start = end;
-            (dy, steps)
+            (dy, dx, steps)
         })
     }
 }
@@ -226,17 +230,18 @@ mod tests {
         let reach = kernel.reach + 1;
         let side = (2 * reach + 1).cast_unsigned() as usize;
         let mut cells = vec![0.0; side * side];
-        for (dy, steps) in kernel.rows() {
+        for (dy, dx, steps) in kernel.runs() {
             let row = (dy + reach).cast_unsigned() as usize * side;
-            let mut steps = steps.iter().peekable();
-            let mut sum = 0.0;
-            for dx in -reach..=reach {
-                while let Some((_, step)) = steps.next_if(|(at, _)| *at == dx) {
-                    sum += f64::from(*step);
+            for (at, step) in (dx..).zip(steps) {
+                // A running sum: each step raises all cells after it.
+                for column in at..=reach {
+                    cells[row + (column + reach).cast_unsigned() as usize] += f64::from(*step);
                 }
-                cells[row + (dx + reach).cast_unsigned() as usize] = sum;
             }
-            assert!(sum.abs() < 1e-6, "row {dy} does not close: {sum}");
+        }
+        for (row, cells) in cells.chunks(side).enumerate() {
+            let last = cells[side - 1];
+            assert!(last.abs() < 1e-6, "row {row} does not close: {last}");
         }
         (reach, cells)
     }

@@ -158,9 +158,8 @@ impl<const L: usize> Row<L> {
     fn add(&mut self, column: usize, part: f32, lanes: &[f32; L], kernel: u32) {
         if column < self.cells.len() {
             let to = self.cell(column, kernel);
-            for (sum, lane) in to.lanes.iter_mut().zip(lanes) {
-                *sum += part * lane;
-            }
+            let sum = to.lanes;
+            to.lanes = std::array::from_fn(|l| sum[l] + part * lanes[l]);
         }
     }
 
@@ -189,10 +188,10 @@ struct Layer<const L: usize> {
     kernels: Vec<Kernel>,
     /// Kernel of each facet.
     kernel_of: Vec<u32>,
-    /// Steps of the rows that discs now reach, `ring_rows` of them, each with room on both
+    /// Steps of the rows that discs now reach, a power of two of them, each with room on both
     /// sides for discs that reach out of the margin.
     ring: Vec<[f32; L]>,
-    ring_rows: usize,
+    ring_mask: usize,
     /// Touched cells of each row of the ring: first and last.
     spans: Vec<[usize; 2]>,
     reach: usize,
@@ -221,7 +220,7 @@ impl<const L: usize> Layer<L> {
             }
         };
         let (columns, rows) = (cells(width) + 2 * margin, cells(height) + 2 * margin);
-        let ring_rows = 2 * reach + 1;
+        let ring_rows = (2 * reach + 1).next_power_of_two();
         Self {
             level,
             n_shares,
@@ -232,7 +231,7 @@ impl<const L: usize> Layer<L> {
             kernels,
             kernel_of,
             ring: vec![[0.0; L]; ring_rows * (columns + 2 * reach)],
-            ring_rows,
+            ring_mask: ring_rows - 1,
             spans: vec![[usize::MAX, 0]; ring_rows],
             reach,
         }
@@ -353,31 +352,30 @@ impl<const L: usize> Layer<L> {
     fn scatter(&mut self, row: usize, cells: &mut Row<L>) {
         let stride = self.columns + 2 * self.reach;
         cells.drain(|column, cell| {
+            let lanes = cell.lanes;
             let middle = (column + self.reach).cast_signed();
-            for (dy, steps) in self.kernels[cell.kernel as usize].rows() {
+            for (dy, dx, steps) in self.kernels[cell.kernel as usize].runs() {
                 let Some(y) = row.checked_add_signed(dy as isize) else {
                     continue;
                 };
-                let slot = y % self.ring_rows;
-                let line = &mut self.ring[slot * stride..][..stride];
-                for &(dx, step) in steps {
-                    let to = &mut line[(middle + dx as isize).cast_unsigned()];
-                    for (sum, lane) in to.iter_mut().zip(&cell.lanes) {
-                        *sum += step * lane;
-                    }
+                let slot = y & self.ring_mask;
+                let first = (middle + dx as isize).cast_unsigned();
+                let end = first + steps.len();
+                let line = &mut self.ring[slot * stride + first..slot * stride + end];
+                for (to, step) in line.iter_mut().zip(steps) {
+                    // As one array, of which the compiler makes vectors.
+                    let sum = *to;
+                    *to = std::array::from_fn(|l| sum[l] + step * lanes[l]);
                 }
-                let [first, last] = &mut self.spans[slot];
-                if let (Some(left), Some(right)) = (steps.first(), steps.last()) {
-                    *first = (*first).min((middle + left.0 as isize).cast_unsigned());
-                    *last = (*last).max((middle + right.0 as isize).cast_unsigned());
-                }
+                let span = &mut self.spans[slot];
+                *span = [span[0].min(first), span[1].max(end - 1)];
             }
         });
     }
 
     /// Sums up a row that no later disc reaches, hands it on, and clears it.
     fn finish_row(&mut self, row: usize, emitter: &mut Emitter<L>, frame: &mut Chunks<L>) {
-        let slot = row % self.ring_rows;
+        let slot = row & self.ring_mask;
         let stride = self.columns + 2 * self.reach;
         let [first, last] = self.spans[slot];
         emitter.begin_row();
@@ -385,9 +383,7 @@ impl<const L: usize> Layer<L> {
             let line = &mut self.ring[slot * stride..][first..=last];
             let mut sum = [0.0_f32; L];
             for (column, step) in (first..).zip(line) {
-                for (sum, step) in sum.iter_mut().zip(&*step) {
-                    *sum += step;
-                }
+                sum = std::array::from_fn(|l| sum[l] + step[l]);
                 *step = [0.0; L];
                 if column >= self.reach && column < self.reach + self.columns {
                     emitter.row[column - self.reach] = sum;
@@ -489,9 +485,8 @@ fn cover<const L: usize>(
         .polygon
         .cover_row(row as i64, scratch, |column, area| {
             let cell = covered.cell(column, kernel);
-            for (sum, lane) in cell.lanes.iter_mut().zip(&facet.lanes) {
-                *sum += area * lane;
-            }
+            let sum = cell.lanes;
+            cell.lanes = std::array::from_fn(|l| sum[l] + area * facet.lanes[l]);
             let x = x_first + x_step * column as f32;
             for (k, lean) in facet.lean.iter().enumerate() {
                 cell.lanes[L - 2 + k] += area * (lean[0] * x + lean[1] * y);
