@@ -23,7 +23,8 @@ impl<const L: usize> Chunks<L> {
             height,
             n_across,
             places: vec![0; n_across * height],
-            runs: Vec::new(),
+            // Room that is not used is not touched either.
+            runs: Vec::with_capacity(n_across * height / 8),
         }
     }
 

@@ -40,7 +40,7 @@ const FEW_CELLS: f64 = 0.5;
 const IN_FOCUS_PX: f64 = 0.02;
 
 /// Radii within this ratio share a kernel.
-const RADIUS_RATIO: f64 = 1.004;
+const RADIUS_RATIO: f64 = 1.005;
 
 /// Shares below this are none; it is far below a step of an 8-bit image.
 const LEAST_SHARE: f32 = 2e-5;

@@ -12,10 +12,10 @@ use crate::maps::Facet;
 use crate::physical::SurfaceParams;
 
 /// Sectors of a patch around a hit.
-const N_SECTORS: u32 = 16;
+const N_SECTORS: u32 = 12;
 
 /// Rings of the crushed zone, of the shell, and of the film, which has fringes.
-const N_RINGS: [u32; 3] = [4, 3, 8];
+const N_RINGS: [u32; 3] = [4, 3, 6];
 
 /// Share of the crushed zone that is white at its middle, and at its rim. FIT.
 const WHITE: [f64; 2] = [0.95, 0.35];

@@ -33,7 +33,7 @@ const MIRROR_ALPHA: f64 = 2e-3;
 const NARROW_ALPHA: f64 = 0.05;
 
 /// Directions that a nearly smooth and a rough surface are sampled by.
-const N_SAMPLES: [u32; 2] = [6, 32];
+const N_SAMPLES: [u32; 2] = [4, 40];
 
 /// What is the same for all cracks before one camera.
 #[derive(Debug)]
