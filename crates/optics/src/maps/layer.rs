@@ -2,8 +2,8 @@
 //!
 //! Cracks are thin and their blur is wide, so each *covered* cell is scattered over the image of
 //! the pupil that its own depth has; a running sum along each row turns the few steps per row of
-//! a disc into the disc. Cells are of the size that suits the disc: some six to sixteen of them per
-//! radius, between eight per pixel and one per eight pixels across. Coverage is found on cells of
+//! a disc into the disc. Cells are of the size that suits the disc: four to twelve of them per
+//! radius, between four per pixel and one per eight pixels across. Coverage is found on cells of
 //! half that size, which are then shared among the four nearest cells, so that a facet keeps its
 //! place to a fraction of a cell.
 

@@ -42,7 +42,7 @@ impl<const COLORS: usize, const EXTRA: usize> Layout<COLORS, EXTRA> {
     pub(super) const STRIDE: usize = COLORS + EXTRA;
 }
 
-/// Share of each color in luminance \[IEC61966\].
+/// Share of each color in luminance \[IEC1999\].
 pub(super) const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// One value per color of an image from red, green and blue: themselves, or their luminance.

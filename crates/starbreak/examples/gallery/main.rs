@@ -1,8 +1,9 @@
-//! Every preset and damage class as small pictures for the documentation (`cargo xtask gallery`).
+//! Every preset and damage class, and the optics over its parameters, as small pictures for the
+//! documentation (`cargo xtask gallery`).
 //!
-//! Street scenes are JPEG, since their grain makes a PNG of them six times as large; all others are
+//! Street scenes are JPEG, since their grain makes a PNG of them six times as large; drawings are
 //! PNG. Damage that is small in the frame is cut out at full size, damage of the whole pane is
-//! shown at half size.
+//! shown at half size. A word behind the folder makes only the pictures whose names contain it.
 #![expect(clippy::print_stdout, reason = "a report is what this is for")]
 
 use std::error::Error;
@@ -17,6 +18,10 @@ use starbreak::glass::{GlassKind, Pane};
 use starbreak::optics::{Camera, Coverage, Line, View};
 use starbreak::pipeline::{Details, crack_image, growth_drawing, simulate};
 use starbreak::{PRESETS, Recipe, Seed};
+
+mod series;
+
+use series::SERIES;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -92,39 +97,47 @@ fn main() -> Result<()> {
     let out = std::env::args()
         .nth(1)
         .map_or_else(|| PathBuf::from("docs/figures/gallery"), PathBuf::from);
+    let part = std::env::args().nth(2).unwrap_or_default();
+    let is_wanted = |name: &str| name.contains(&part);
     let mut batch = OutputBatch::new();
     let street = street_scene().image;
     for (preset, _) in PRESETS {
-        let seeds: Vec<RgbImage> = SEEDS
-            .iter()
-            .map(|&(seed, focus)| {
-                let mut recipe = Recipe::preset(preset)?;
-                recipe.set(&format!("camera.focus_distance_m={focus}"))?;
-                cracked(&recipe, &street, seed)
-            })
-            .collect::<Result<_>>()?;
-        let jpeg = Encoding::Jpeg {
-            quality: JpegQuality::new(85)?,
-        };
-        let bytes = encode_image(&strip(preset, &seeds).into(), &jpeg, None)?;
-        stage(&mut batch, &out, &format!("{preset}-street.jpg"), &bytes)?;
-
-        let severities: Vec<RgbImage> = (1..=5)
-            .map(|severity| {
-                let mut recipe = Recipe::preset_at(preset, severity)?;
-                recipe.set("camera.focus_distance_m=short")?;
-                cracked(&recipe, &sky(), 1)
-            })
-            .collect::<Result<_>>()?;
-        let mut gray = DynamicImage::from(strip(preset, &severities)).into_luma8();
-        // 32 levels are enough, and smaller.
-        for level in gray.iter_mut().filter(|level| **level < 248) {
-            *level &= 0xf8;
+        let name = format!("{preset}-street.jpg");
+        if is_wanted(&name) {
+            let seeds: Vec<RgbImage> = SEEDS
+                .iter()
+                .map(|&(seed, focus)| {
+                    let mut recipe = Recipe::preset(preset)?;
+                    recipe.set(&format!("camera.focus_distance_m={focus}"))?;
+                    cracked(&recipe, &street, seed)
+                })
+                .collect::<Result<_>>()?;
+            stage(&mut batch, &out, &name, &jpeg(strip(preset, &seeds))?)?;
         }
-        let bytes = encode_image(&gray.into(), &Encoding::Png, None)?;
-        stage(&mut batch, &out, &format!("{preset}-severity.png"), &bytes)?;
+        let name = format!("{preset}-severity.jpg");
+        if is_wanted(&name) {
+            let severities: Vec<RgbImage> = (1..=5)
+                .map(|severity| {
+                    let mut recipe = Recipe::preset_at(preset, severity)?;
+                    recipe.set("camera.focus_distance_m=short")?;
+                    cracked(&recipe, &street, 1)
+                })
+                .collect::<Result<_>>()?;
+            stage(&mut batch, &out, &name, &jpeg(strip(preset, &severities))?)?;
+        }
+    }
+    for series in &SERIES {
+        let name = format!("{}.jpg", series.name);
+        if is_wanted(&name) {
+            println!("{}", series.command());
+            stage(&mut batch, &out, &name, &jpeg(series.strip(&street)?)?)?;
+        }
     }
     for (class, preset, sets, width_mm) in CLASSES {
+        let name = format!("class-{class}.png");
+        if !is_wanted(&name) {
+            continue;
+        }
         let Some((seed, drawing)) = drawing(class, preset, sets, width_mm)? else {
             println!("{class}: not among {TRIES} seeds of {preset} {sets:?}; no picture");
             continue;
@@ -132,7 +145,7 @@ fn main() -> Result<()> {
         let sets: String = sets.iter().map(|set| format!(" --set {set}")).collect();
         println!("{class}: starbreak simulate --preset {preset} --seed {seed}{sets}");
         let bytes = encode_mask(&drawing)?;
-        stage(&mut batch, &out, &format!("class-{class}.png"), &bytes)?;
+        stage(&mut batch, &out, &name, &bytes)?;
     }
     batch.commit()?;
     Ok(())
@@ -152,9 +165,11 @@ fn cracked(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
     Ok(image.into_rgb8())
 }
 
-/// An even gray sky, on which bright and dark cracks show.
-fn sky() -> RgbImage {
-    RgbImage::from_pixel(FRAME.0, FRAME.1, Rgb([112; 3]))
+fn jpeg(picture: RgbImage) -> Result<Vec<u8>> {
+    let encoding = Encoding::Jpeg {
+        quality: JpegQuality::new(80)?,
+    };
+    Ok(encode_image(&picture.into(), &encoding, None)?)
 }
 
 /// Pictures side by side: cut out around the middle, or whole ones at half size below each other.
