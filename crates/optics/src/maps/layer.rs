@@ -120,7 +120,9 @@ impl Level {
 #[derive(Debug, Clone, Copy)]
 struct Cell<const L: usize> {
     lanes: [f32; L],
+    /// Kernel of what covers most of it, and how much that is.
     kernel: u32,
+    most: f32,
     is_touched: bool,
 }
 
@@ -135,6 +137,7 @@ impl<const L: usize> Row<L> {
         let cell = Cell {
             lanes: [0.0; L],
             kernel: 0,
+            most: 0.0,
             is_touched: false,
         };
         Self {
@@ -144,20 +147,24 @@ impl<const L: usize> Row<L> {
     }
 
     /// A cell that will be added to.
-    fn cell(&mut self, column: usize, kernel: u32) -> &mut Cell<L> {
+    fn cell(&mut self, column: usize, kernel: u32, covers: f32) -> &mut Cell<L> {
         let cell = &mut self.cells[column];
         if !cell.is_touched {
             cell.is_touched = true;
             self.touched.push(column);
+            cell.kernel = kernel;
+            cell.most = covers;
+        } else if covers > cell.most {
+            cell.kernel = kernel;
+            cell.most = covers;
         }
-        cell.kernel = kernel;
         cell
     }
 
     /// Adds a part of some lanes to a cell, if it is one of the row's.
-    fn add(&mut self, column: usize, part: f32, lanes: &[f32; L], kernel: u32) {
+    fn add(&mut self, column: usize, part: f32, lanes: &[f32; L], from: &Cell<L>) {
         if column < self.cells.len() {
-            let to = self.cell(column, kernel);
+            let to = self.cell(column, from.kernel, part * from.most);
             let sum = to.lanes;
             to.lanes = std::array::from_fn(|l| sum[l] + part * lanes[l]);
         }
@@ -269,6 +276,7 @@ impl<const L: usize> Layer<L> {
                     placed,
                     facet,
                     (fine_row, margin, fine, kernel),
+                    self.n_shares,
                     &mut scratch,
                     &mut covered,
                 );
@@ -330,10 +338,10 @@ impl<const L: usize> Layer<L> {
             if self.level.is_halved {
                 // A cell's value is the mean over its halves.
                 for (column, part) in shares_of(column, weights) {
-                    across.add(column, 0.5 * part, &lanes, cell.kernel);
+                    across.add(column, 0.5 * part, &lanes, cell);
                 }
             } else {
-                shared[fine_row % 3].add(column, 1.0, &lanes, cell.kernel);
+                shared[fine_row % 3].add(column, 1.0, &lanes, cell);
             }
         });
         if !self.level.is_halved {
@@ -342,7 +350,7 @@ impl<const L: usize> Layer<L> {
         across.drain(|column, cell| {
             for (row, part) in shares_of(fine_row, weights) {
                 if row < self.rows {
-                    shared[row % 3].add(column, 0.5 * part, &cell.lanes, cell.kernel);
+                    shared[row % 3].add(column, 0.5 * part, &cell.lanes, cell);
                 }
             }
         });
@@ -472,19 +480,21 @@ fn cover<const L: usize>(
     placed: &Placed,
     facet: &Facet<L>,
     (row, margin, scale, kernel): (usize, usize, f64, u32),
+    n_shares: usize,
     scratch: &mut [f32],
     covered: &mut Row<L>,
 ) {
     let middle: [f64; 2] = std::array::from_fn(|axis| {
         facet.corners.iter().map(|corner| corner[axis]).sum::<f64>() * 0.25
     });
+    let weight: f32 = facet.lanes.iter().take(n_shares).sum();
     let place = |cell: usize| (cell as f64 + 0.5 - margin as f64) / scale;
     let y = (place(row) - middle[1]) as f32;
     let (x_first, x_step) = ((place(0) - middle[0]) as f32, (1.0 / scale) as f32);
     placed
         .polygon
         .cover_row(row as i64, scratch, |column, area| {
-            let cell = covered.cell(column, kernel);
+            let cell = covered.cell(column, kernel, area * weight);
             let sum = cell.lanes;
             cell.lanes = std::array::from_fn(|l| sum[l] + area * facet.lanes[l]);
             let x = x_first + x_step * column as f32;

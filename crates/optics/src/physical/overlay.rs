@@ -218,11 +218,14 @@ impl OverlayLayer {
                     continue;
                 }
                 is_touched = true;
+                // What is reflected more of one color is so at the expense of what passes. It goes by
+                // the light that does not come from the frame.
+                let own = share - lanes[FRAME];
+                let tint = tint.filter(|_| own > 0.2 * share);
                 let colors = tint.map_or([0.0; 3], |tint| [tint[k][1], tint[k][2], tint[k][3]]);
                 for c in 0..3 {
                     run.keep[c][k] = 1.0 - share - colors[c];
-                    // What is reflected more of one color is so at the expense of what passes.
-                    run.add[c][k] = add[c] * (1.0 + colors[c] / share.max(1e-3));
+                    run.add[c][k] = add[c] * (1.0 + colors[c] / own.max(1e-3));
                 }
                 if lanes[FRAME] > LEAST_ELSEWHERE {
                     has_other = true;

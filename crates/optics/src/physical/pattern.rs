@@ -89,7 +89,7 @@ pub fn bake(
     let reach_px = reach_px(&sheet);
     crack_facets(&from, network, time, &optics.surface, reach_px, &mut cracks);
     hit_facets(&from, network, &optics.surface, seed, &mut cracks);
-    pattern.outlines = cracks.light.iter().map(|facet| facet.corners).collect();
+    pattern.outlines = std::mem::take(&mut cracks.outlines);
     let size = (width as usize, height as usize);
     for facets in [fragments, cracks] {
         let light = spread(&facets.light, N_SHARES, pupil, size);

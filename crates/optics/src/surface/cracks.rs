@@ -15,6 +15,9 @@ const LONGEST_PX: f64 = 48.0;
 /// Most pieces of one line.
 const MOST_PIECES: f64 = 4096.0;
 
+/// A cone begins on the face at this part of its lower radius at least.
+const LEAST_CONE: f64 = 0.15;
+
 /// Colors weaker than this are none.
 const LEAST_TINT: f64 = 0.004;
 
@@ -24,6 +27,8 @@ pub(crate) struct Facets {
     pub(crate) light: Vec<Facet<LANES>>,
     /// Share, and by how much more than the mean each color is reflected.
     pub(crate) tint: Vec<Facet<4>>,
+    /// Where surfaces themselves lie in the frame, without their ghosts.
+    pub(crate) outlines: Vec<[[f64; 2]; 4]>,
 }
 
 /// The facets of all cracks of a network as far as they have grown, within `reach_px` of the
@@ -77,25 +82,36 @@ fn add_piece(
         return None;
     }
     let along = along.map(|part| part / length);
-    // With y down the left of a walk along +x is −y.
-    let left = [along[1], -along[0]];
     // From the outer face, which was hit, to the crack's depth.
     let outer = sheet.thickness_mm;
     let inner = outer * (1.0 - surface.depth_fraction);
-    let lean = (outer - inner) * surface.lean;
-    let leaned = |p: [f64; 2]| [p[0] + lean * left[0], p[1] + lean * left[1]];
-    let ends = [a, b, leaned(b), leaned(a)];
+    let lean = (outer - inner) * surface.lean.abs();
+    let ends = match surface.cone_about {
+        // The trace of a cone is its lower edge; it comes from a smaller circle on the face.
+        Some(middle) => {
+            let raised = |p: [f64; 2]| {
+                let (x, y) = (p[0] - middle[0], p[1] - middle[1]);
+                let radius = (x * x + y * y).sqrt();
+                let part = (1.0 - lean / radius.max(1e-9)).max(LEAST_CONE);
+                [middle[0] + part * x, middle[1] + part * y]
+            };
+            [raised(a), raised(b), b, a]
+        }
+        // That of any other crack is on the face that was hit. With y down the left of a walk
+        // along +x is −y.
+        None => {
+            let lean = lean.copysign(surface.lean);
+            let leaned = |p: [f64; 2]| [p[0] + lean * along[1], p[1] - lean * along[0]];
+            [a, b, leaned(b), leaned(a)]
+        }
+    };
     let strip = Strip::new(sheet, ends, [outer, inner])?;
-    let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-
-    let half_leaned = [
-        middle[0] + 0.5 * lean * left[0],
-        middle[1] + 0.5 * lean * left[1],
-    ];
-    let entry = sheet.entry(half_leaned, 0.5 * (outer + inner), [0.0; 2])?;
+    let between = |p: [f64; 2], q: [f64; 2]| [0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])];
+    let (upper, lower) = (between(ends[0], ends[1]), between(ends[2], ends[3]));
+    let entry = sheet.entry(between(upper, lower), 0.5 * (outer + inner), [0.0; 2])?;
     let sight = sheet.sight(entry, [0.0; 2])?;
     // Into the glass from the outer face, leaning.
-    let down = [surface.lean * left[0], surface.lean * left[1], -1.0];
+    let down = [lower[0] - upper[0], lower[1] - upper[1], inner - outer];
     let mirror = Mirror {
         sight,
         normal: unit(cross([along[0], along[1], 0.0], down)),
@@ -103,6 +119,7 @@ fn add_piece(
         gap_um: surface.gap_um,
     };
     let sent = from.mirror(&mirror);
+    facets.outlines.push(strip.corners);
     strip.add(facets, &sent);
     add_tint(facets, strip.corners, strip.radius_px, sent.tint, 1.0);
     // Once more beyond the trace, by light that the outer face reflects onto the crack's back.

@@ -179,6 +179,7 @@ impl Patch<'_, '_> {
         #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
         let (lanes, share): ([f32; LANES], f32) =
             (sent.lanes.map(|lane| lane as f32), share as f32);
+        self.facets.outlines.push(corners);
         self.facets.light.push(Facet {
             corners,
             lanes,

@@ -3,7 +3,7 @@
 //! Simulated cracks bend a little from one short segment to the next. Through a lens that blurs
 //! them, runs of such segments look like one line.
 
-use starbreak_glass::{CrackNetwork, Zone};
+use starbreak_glass::{CrackNetwork, LengthUnit, SegmentKind, Zone};
 
 use super::SheetView;
 use crate::physical::SurfaceParams;
@@ -43,8 +43,10 @@ pub(super) struct CrackSurface {
     pub(super) alpha: f64,
     pub(super) gap_um: f64,
     pub(super) depth_fraction: f64,
-    /// Tangent of the tilt to the left of the walk.
+    /// Tangent of the tilt: to the left of the walk, of a cone away from its middle.
     pub(super) lean: f64,
+    /// Middle of the cone that it is a part of, mm on the sheet.
+    pub(super) cone_about: Option<[f64; 2]>,
 }
 
 impl CrackSurface {
@@ -160,6 +162,7 @@ impl Run {
                 gap_um: 0.0,
                 depth_fraction: 0.0,
                 lean: 0.0,
+                cone_about: surface.cone_about,
             },
             length: 0.0,
             off_line_mm: off_line_px / px_per_mm,
@@ -216,6 +219,7 @@ impl Run {
                 gap_um: self.sums.gap_um / length,
                 depth_fraction: self.sums.depth_fraction / length,
                 lean: self.sums.lean / length,
+                cone_about: self.sums.cone_about,
             },
         }
     }
@@ -238,7 +242,20 @@ fn surface_of(network: &CrackNetwork, idx: usize, params: &SurfaceParams) -> Cra
         gap_um: of(&segments.opening_um).unwrap_or(params.opening_um),
         depth_fraction: of(&segments.depth_fraction).unwrap_or(1.0),
         lean: libm::tan(of(&segments.tilt_deg).unwrap_or(0.0).to_radians()),
+        cone_about: (segments.kind[idx] == SegmentKind::Cone)
+            .then(|| nearest_impact(network, idx))
+            .flatten(),
     }
+}
+
+/// The place of the hit nearest to a segment, of a network in mm.
+fn nearest_impact(network: &CrackNetwork, idx: usize) -> Option<[f64; 2]> {
+    let data = network.data();
+    let [x, y, ..] = network.ends(idx);
+    let places = data.impacts.iter().map(|impact| [impact.x, impact.y]);
+    places
+        .filter(|_| data.unit == LengthUnit::Mm)
+        .min_by(|a, b| distance(*a, [x, y]).total_cmp(&distance(*b, [x, y])))
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -175,8 +175,10 @@ impl LightFrom<'_> {
         let [x, y, z] = direction;
         let sine2 = n * n * (x * x + y * y);
         if sine2 >= 1.0 {
-            // Held by the faces, until another crack turns it.
+            // Held by the faces, until another crack turns it; hardly towards the sun.
+            let sun = sent.lanes[SUN];
             self.diffuse(sent, share);
+            sent.lanes[SUN] = sun;
         } else if z <= 0.0 {
             sent.lanes[CABIN] += share;
         } else {
