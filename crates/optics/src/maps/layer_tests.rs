@@ -1,6 +1,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use super::*;
+use crate::maps::CHUNK;
 
 /// Share of a disc of radius ρ left of x.
 fn disc_cdf(x: f64, radius: f64) -> f64 {

@@ -4,7 +4,9 @@
 //! of the light of the sky, of the ground and so on. [`spread`] covers the frame with them and
 //! blurs each by the disc that its own depth has.
 
+mod cells;
 mod chunks;
+mod emit;
 mod kernel;
 mod layer;
 mod raster;

@@ -88,7 +88,7 @@ pub fn bake(
     let mut cracks = Facets::default();
     let reach_px = reach_px(&sheet);
     crack_facets(&from, network, time, &optics.surface, reach_px, &mut cracks);
-    hit_facets(&from, network, &optics.surface, seed, &mut cracks);
+    hit_facets(&from, network, time, &optics.surface, seed, &mut cracks);
     pattern.outlines = std::mem::take(&mut cracks.outlines);
     let size = (width as usize, height as usize);
     for facets in [fragments, cracks] {

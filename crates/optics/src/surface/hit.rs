@@ -23,10 +23,12 @@ const WHITE: [f64; 2] = [0.95, 0.35];
 /// Share of the sectors of which the shell has come off. FIT.
 const CHIPPED: f64 = 0.55;
 
-/// Adds the surroundings of every hit that crushed the glass.
+/// Adds the surroundings of every hit that has crushed the glass at `time`: of which a crack has
+/// begun to run.
 pub(crate) fn hit_facets(
     from: &LightFrom<'_>,
     network: &CrackNetwork,
+    time: f64,
     surface: &SurfaceParams,
     seed: Seed,
     facets: &mut Facets,
@@ -39,6 +41,15 @@ pub(crate) fn hit_facets(
         let Some(crushed_mm) = impact.crushed_radius_mm.filter(|radius| *radius > 0.0) else {
             continue;
         };
+        let reach = crushed_mm + data.pane.rim_tolerance();
+        let has_begun = !time.is_finite()
+            || network.grown_at(time).any(|(_, [x, y, ..])| {
+                let (x, y) = (x - impact.x, y - impact.y);
+                x * x + y * y <= 9.0 * reach * reach
+            });
+        if !has_begun {
+            continue;
+        }
         let mut patch = Patch {
             from,
             middle: [impact.x, impact.y],

@@ -1,0 +1,66 @@
+//! Cells of a row, of which few are touched.
+
+/// What a grid cell holds of the facets of one row.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cell<const L: usize> {
+    pub(super) lanes: [f32; L],
+    /// Kernel of what covers most of it, and how much that is.
+    pub(super) kernel: u32,
+    most: f32,
+    is_touched: bool,
+}
+
+/// A row of cells in the making.
+pub(super) struct Row<const L: usize> {
+    cells: Vec<Cell<L>>,
+    touched: Vec<usize>,
+}
+
+impl<const L: usize> Row<L> {
+    pub(super) fn new(n: usize) -> Self {
+        let cell = Cell {
+            lanes: [0.0; L],
+            kernel: 0,
+            most: 0.0,
+            is_touched: false,
+        };
+        Self {
+            cells: vec![cell; n],
+            touched: Vec::new(),
+        }
+    }
+
+    /// A cell that will be added to.
+    pub(super) fn cell(&mut self, column: usize, kernel: u32, covers: f32) -> &mut Cell<L> {
+        let cell = &mut self.cells[column];
+        if !cell.is_touched {
+            cell.is_touched = true;
+            self.touched.push(column);
+            cell.kernel = kernel;
+            cell.most = covers;
+        } else if covers > cell.most {
+            cell.kernel = kernel;
+            cell.most = covers;
+        }
+        cell
+    }
+
+    /// Adds a part of some lanes to a cell, if it is one of the row's.
+    pub(super) fn add(&mut self, column: usize, part: f32, lanes: &[f32; L], from: &Cell<L>) {
+        if column < self.cells.len() {
+            let to = self.cell(column, from.kernel, part * from.most);
+            let sum = to.lanes;
+            to.lanes = std::array::from_fn(|l| sum[l] + part * lanes[l]);
+        }
+    }
+
+    /// Empties the touched cells, each given to `each` before.
+    pub(super) fn drain(&mut self, mut each: impl FnMut(usize, &Cell<L>)) {
+        for column in self.touched.drain(..) {
+            let cell = &mut self.cells[column];
+            each(column, cell);
+            cell.lanes = [0.0; L];
+            cell.is_touched = false;
+        }
+    }
+}
