@@ -13,9 +13,12 @@ pub(super) struct Emitter<const L: usize> {
     /// The present row of cells, and the part of it that is set.
     pub(super) row: Vec<[f32; L]>,
     pub(super) span: [usize; 2],
-    /// Coarse cells: the row before. Fine cells: the sum of the rows of a pixel so far.
+    /// Fine cells: the sum of the rows of a pixel so far.
     other: Vec<[f32; L]>,
     other_span: [usize; 2],
+    /// Coarse cells: the three rows before, and a blend of rows.
+    earlier: [Earlier<L>; 3],
+    blended: Vec<[f32; L]>,
     pixels: Vec<[f32; L]>,
 }
 
@@ -29,6 +32,11 @@ impl<const L: usize> Emitter<L> {
             span: [0, 0],
             other: vec![[0.0; L]; columns],
             other_span: [0, 0],
+            earlier: [0; 3].map(|_| Earlier {
+                cells: vec![[0.0; L]; columns],
+                span: [0, 0],
+            }),
+            blended: Vec::new(),
             pixels: Vec::new(),
         }
     }
@@ -119,23 +127,16 @@ impl<const L: usize> Emitter<L> {
     fn coarse(&mut self, row: usize, frame: &mut Chunks<L>) {
         let (width, height) = frame.size();
         let per_cell = 1_usize << -self.level;
-        let [first, last] = [
-            least(self.span, self.other_span),
-            self.span[1].max(self.other_span[1]),
-        ];
+        let spans = self.earlier.iter().map(|earlier| earlier.span);
+        let [first, last] = spans.fold(self.span, union);
         if first < last {
-            // Pixels whose centres lie between the centres of the rows `row − 1` and `row`.
+            // Pixels whose centres lie between the centres of the rows `row − 2` and `row − 1`.
             let half = per_cell / 2;
-            let begin = (row * per_cell + half).checked_sub(self.margin * per_cell + per_cell);
-            let (y_first, skip) = match begin {
-                Some(y) => (y, 0),
-                None => (
-                    0,
-                    (self.margin * per_cell + per_cell) - (row * per_cell + half),
-                ),
-            };
-            for k in skip..per_cell {
-                let y = y_first + k - skip;
+            let above = (self.margin + 2) * per_cell;
+            for k in 0..per_cell {
+                let Some(y) = (row * per_cell + half + k).checked_sub(above) else {
+                    continue;
+                };
                 if y >= height {
                     break;
                 }
@@ -144,11 +145,14 @@ impl<const L: usize> Emitter<L> {
                 self.coarse_line([first, last], t, y, width, frame);
             }
         }
-        std::mem::swap(&mut self.row, &mut self.other);
-        std::mem::swap(&mut self.span, &mut self.other_span);
+        let [one, two, three] = &mut self.earlier;
+        std::mem::swap(one, two);
+        std::mem::swap(two, three);
+        std::mem::swap(&mut self.row, &mut three.cells);
+        std::mem::swap(&mut self.span, &mut three.span);
     }
 
-    /// One row of pixels between two rows of cells, `t` of the way from the one before.
+    /// One row of pixels between the second and the third of four rows of cells, `t` of the way.
     fn coarse_line(
         &mut self,
         [first, last]: [usize; 2],
@@ -159,48 +163,68 @@ impl<const L: usize> Emitter<L> {
     ) {
         let per_cell = 1_usize << -self.level;
         let half = per_cell / 2;
-        let zero = [0.0; L];
-        let blend = |column: usize| -> [f32; L] {
-            let before = self.other.get(column).unwrap_or(&zero);
-            let now = self.row.get(column).unwrap_or(&zero);
-            std::array::from_fn(|l| before[l] + t * (now[l] - before[l]))
-        };
-        // Pixels between the centres of the cells `first − 1` and `last`.
+        let down = cubic(t);
+        // Two cells of nothing on either side, which the curves reach into.
+        self.blended.clear();
+        self.blended.resize(last - first + 6, [0.0; L]);
+        for (column, to) in (first..last).zip(&mut self.blended[3..]) {
+            let [one, two, three] = &self.earlier;
+            let cells = [&one.cells, &two.cells, &three.cells, &self.row].map(|row| &row[column]);
+            *to = weighted(cells, down);
+        }
+        // Pixels between the centres of the cells `first − 2` and `last + 1`.
         let place =
             |column: usize| (column * per_cell + half).saturating_sub(self.margin * per_cell);
-        let start = place(first.saturating_sub(1));
-        let end = place(last).min(width);
+        let start = place(first.saturating_sub(2));
+        let end = place(last + 1).min(width);
         if start >= end {
             return;
         }
         self.pixels.clear();
-        let mut x = start;
-        let shifted = |x: usize| x + self.margin * per_cell - half;
-        let mut left = shifted(x) / per_cell;
-        let (mut a, mut b) = (blend(left), blend(left + 1));
-        while x < end {
-            let at = shifted(x);
-            if at / per_cell != left {
-                left = at / per_cell;
-                a = b;
-                b = blend(left + 1);
-            }
+        for x in start..end {
+            let at = x + self.margin * per_cell - half;
             #[expect(clippy::cast_precision_loss, reason = "below 8")]
             let s = ((at % per_cell) as f32 + 0.5) / per_cell as f32;
-            self.pixels
-                .push(std::array::from_fn(|l| a[l] + s * (b[l] - a[l])));
-            x += 1;
+            // The cell to the left of the pixel, and the first of the four, in `blended`.
+            let left = (at / per_cell + 3).saturating_sub(first + 1);
+            let pixel = match self.blended.get(left..left + 4) {
+                Some([a, b, c, d]) => weighted([a, b, c, d], cubic(s)),
+                _ => [0.0; L],
+            };
+            self.pixels.push(pixel);
         }
         hand_on(frame, y, start, &self.pixels, self.n_shares);
     }
 }
 
-/// The lower start of two spans, of which those with nothing in them do not count.
-fn least(a: [usize; 2], b: [usize; 2]) -> usize {
+/// A row of cells, of which a part is set.
+struct Earlier<const L: usize> {
+    cells: Vec<[f32; L]>,
+    span: [usize; 2],
+}
+
+/// Weights of four cells for a place between the middle two, `t` of the way \[Keys1981\]: curves
+/// through the cells, right to the second order.
+fn cubic(t: f32) -> [f32; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [
+        -0.5 * t + t2 - 0.5 * t3,
+        1.0 - 2.5 * t2 + 1.5 * t3,
+        0.5 * t + 2.0 * t2 - 1.5 * t3,
+        -0.5 * t2 + 0.5 * t3,
+    ]
+}
+
+fn weighted<const L: usize>([a, b, c, d]: [&[f32; L]; 4], w: [f32; 4]) -> [f32; L] {
+    std::array::from_fn(|l| w[0] * a[l] + w[1] * b[l] + w[2] * c[l] + w[3] * d[l])
+}
+
+/// The least span that holds two, of which those with nothing in them do not count.
+fn union(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
     match (a[0] < a[1], b[0] < b[1]) {
-        (true, true) => a[0].min(b[0]),
-        (true, false) => a[0],
-        _ => b[0],
+        (true, true) => [a[0].min(b[0]), a[1].max(b[1])],
+        (true, false) => a,
+        _ => b,
     }
 }
 

@@ -103,14 +103,10 @@ impl Level {
     ///
     /// They keep sum and mean, and their second moment, cells², makes up for all that blurs
     /// besides the disc and the pixel itself: the half's own width, and for coarse cells the
-    /// kernel's cells and the straight lines between cells.
+    /// kernel's cells.
     fn weights(self) -> [f32; 3] {
-        let straight = if self.exponent >= 0 {
-            0.0
-        } else {
-            1.0 / 12.0 + 1.0 / 6.0
-        };
-        let second = 1.0 / 16.0 - 1.0 / 48.0 - straight;
+        let kernel = if self.exponent >= 0 { 0.0 } else { 1.0 / 12.0 };
+        let second = 1.0 / 16.0 - 1.0 / 48.0 - kernel;
         [0.5 * (second - 0.25), 1.0 - second, 0.5 * (second + 0.25)]
     }
 }

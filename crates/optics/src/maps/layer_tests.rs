@@ -179,3 +179,28 @@ fn the_order_of_facets_of_one_place_does_not_reach_the_bytes_twice() {
     let other = spread(&facets, 1, Pupil::Round, (80, 80));
     assert_eq!(one, other, "same facets, same bits");
 }
+
+/// The seven discs and strips that Mitsuba was asked for in the oracle `mitsuba_coc.json`: radius
+/// and width, px.
+const ORACLE_STRIPS: [(f64, f64); 7] = [
+    (7.179, 3.6075),
+    (3.571, 1.80375),
+    (1.407, 2.886),
+    (35.447, 9.5),
+    (11.697, 6.333),
+    (2.339, 6.333),
+    (36.039, 7.215),
+];
+
+#[test]
+fn the_strips_of_the_oracle_have_its_profiles() {
+    for (radius, width) in ORACLE_STRIPS {
+        for angle in [0.0, 0.3, FRAC_PI_2] {
+            let (worst, rms) = profile_error(width, radius, angle);
+            assert!(
+                rms < 1e-3 && worst < 4e-3,
+                "R = {radius}, width {width}, angle {angle}: max {worst}, rms {rms}"
+            );
+        }
+    }
+}
