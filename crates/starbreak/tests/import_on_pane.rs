@@ -2,8 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test that cannot read has failed")]
 
 use image::{DynamicImage, Rgb, RgbImage};
-use starbreak::import::ImportedNetwork;
-use starbreak::import::parse_network;
+use starbreak::import::{ImportedNetwork, parse_network};
 use starbreak::{Recipe, Seed, pipeline};
 
 const DRAWING: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="621" height="375"><path d="M150 100L310 240M250 200H390" stroke="red"/></svg>"#;
@@ -23,13 +22,7 @@ fn what_was_drawn_appears_where_it_was_drawn() {
     let mask = &cracked.masks.crack;
     // The drawing is stretched twofold across. A crack is seen between its trace on the face, and
     // that trace moved by the parallax in the glass, upward here.
-    for [x, y] in [
-        [400.0, 150.0],
-        [560.0, 220.0],
-        [640.0, 200.0],
-        [740.0, 200.0],
-    ] {
-        let (x, y) = (f64::from(x) as u32, f64::from(y) as u32);
+    for (x, y) in [(400_u32, 150_u32), (560, 220), (640, 200), (740, 200)] {
         let near = (y.saturating_sub(14)..y + 3).any(|y| mask.get_pixel(x, y).0[0] > 60);
         assert!(near, "a crack near ({x}, {y})");
     }
