@@ -154,14 +154,23 @@ impl Overlay {
                     for c in 0..3 {
                         maps.added[at][c] = maps.added[at][c] * run.keep[c][k] + run.add[c][k];
                     }
-                    if let Some(place) = run.elsewhere {
-                        let other = &layer.elsewhere[place];
-                        if other.share[k] > 0.0 {
-                            #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-                            let own = [(run.x + k) as f32 + 0.5, run.y as f32 + 0.5];
-                            maps.elsewhere[at] = other.share[k];
-                            maps.displacement[at] = [other.u[k] - own[0], other.v[k] - own[1]];
+                    // What an earlier layer took from elsewhere this one attenuates, and may add
+                    // to; the place is the mean of both.
+                    let before = maps.elsewhere[at] * keep;
+                    maps.elsewhere[at] = before;
+                    let Some(place) = run.elsewhere else {
+                        continue;
+                    };
+                    let other = &layer.elsewhere[place];
+                    let sum = before + other.share[k];
+                    if other.share[k] > 0.0 {
+                        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                        let own = [(run.x + k) as f32 + 0.5, run.y as f32 + 0.5];
+                        let to = [other.u[k] - own[0], other.v[k] - own[1]];
+                        for (mean, to) in maps.displacement[at].iter_mut().zip(to) {
+                            *mean += (to - *mean) * other.share[k] / sum;
                         }
+                        maps.elsewhere[at] = sum;
                     }
                 }
             }
@@ -171,10 +180,22 @@ impl Overlay {
 }
 
 impl Run {
-    /// Whether a pixel loses at least this share of its light, or gains light that is visible.
+    /// Whether a pixel loses at least this share of its light, or visibly more or less is added.
     fn influences(&self, k: usize, threshold: f32, visible: [f32; 3]) -> bool {
-        (0..3).any(|c| (1.0 - self.keep[c][k]).abs() >= threshold || self.add[c][k] >= visible[c])
+        (0..3).any(|c| {
+            (1.0 - self.keep[c][k]).abs() >= threshold || self.add[c][k].abs() >= visible[c]
+        })
     }
+}
+
+/// By how much more than the mean a color is reflected, over that mean: −1 where none of it is,
+/// 2 where all is of this color, and no more than there is to reflect.
+fn tint_of(color: f32, lit_share: f32, share: f32) -> f32 {
+    if lit_share <= LEAST_INFLUENCE {
+        return 0.0;
+    }
+    let most = ((1.0 - share) / lit_share).clamp(0.0, 2.0);
+    (color / lit_share).clamp(-1.0, most)
 }
 
 impl OverlayLayer {
@@ -208,24 +229,30 @@ impl OverlayLayer {
                     }
                     share = 1.0;
                 }
+                // The steps of a kernel leave a trace of less than nothing beside a glint; under the
+                // sun it would be a black pixel.
+                lanes[SUN] = lanes[SUN].max(0.0);
                 let mut add = [0.0_f32; 3];
                 for (lane, rgb) in &lit {
                     for (sum, color) in add.iter_mut().zip(rgb) {
                         *sum += lanes[*lane] * color;
                     }
                 }
-                if share.abs().max(add[0]).max(add[1]).max(add[2]) < LEAST_INFLUENCE {
+                let most = add
+                    .iter()
+                    .fold(share.abs(), |most, add| most.max(add.abs()));
+                if most < LEAST_INFLUENCE {
                     continue;
                 }
                 is_touched = true;
-                // What is reflected more of one color is so at the expense of what passes. It goes by
-                // the light that does not come from the frame.
-                let own = share - lanes[FRAME];
-                let tint = tint.filter(|_| own > 0.2 * share);
                 let colors = tint.map_or([0.0; 3], |tint| [tint[k][1], tint[k][2], tint[k][3]]);
+                let lit_share = share - lanes[FRAME];
                 for c in 0..3 {
-                    run.keep[c][k] = 1.0 - share - colors[c];
-                    run.add[c][k] = add[c] * (1.0 + colors[c] / own.max(1e-3));
+                    let tint = tint_of(colors[c], lit_share, share);
+                    // What is reflected more of one color is so at the expense of what passes,
+                    // and by as much: nothing is lost.
+                    run.keep[c][k] = 1.0 - share - lit_share * tint;
+                    run.add[c][k] = add[c] * (1.0 + tint);
                 }
                 if lanes[FRAME] > LEAST_ELSEWHERE {
                     has_other = true;
