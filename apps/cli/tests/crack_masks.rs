@@ -181,10 +181,11 @@ fn the_default_recipe_on_tiny_images_takes_seconds_at_most() {
         ]
         .concat();
         let child = common::command(dir.path(), &args).spawn().unwrap();
-        let status = status_within(5, child);
+        // 4 s for the tall one on an idle machine, in a build with debug assertions.
+        let status = status_within(20, child);
         assert!(
             status.is_some_and(|status| status.success()),
-            "{name} is not cracked after 5 s: {status:?}"
+            "{name} is not cracked after 20 s: {status:?}"
         );
     }
 }

@@ -350,10 +350,14 @@ fn the_demo_breaks_a_windscreen() {
             "{focus}: no crack"
         );
     }
-    assert!(
-        raw_png(&out.join("far-focus.crack.png")) == raw_png(&out.join("short-focus.crack.png")),
-        "focus is no part of breaking"
-    );
+    // Focus is no part of breaking. Short segments are joined to lines as far as the blur hides it,
+    // so that edges of the masks differ a little.
+    let [far, short] =
+        ["far", "short"].map(|focus| raw_png(&out.join(format!("{focus}-focus.crack.png"))).data);
+    let sum = |levels: &mut dyn Iterator<Item = u8>| levels.map(u64::from).sum::<u64>();
+    let off = sum(&mut far.iter().zip(&short).map(|(a, b)| a.abs_diff(*b)));
+    let all = sum(&mut short.iter().copied());
+    assert!(off * 50 <= all, "masks differ by {off} of {all}");
     assert!(raw_frames(&out.join("growth.png")).len() > 1, "growth");
     assert!(
         fs::read_to_string(out.join("network.svg"))
