@@ -105,7 +105,7 @@ impl OverlayLayer {
     clippy::cast_precision_loss,
     reason = "px of a frame"
 )]
-fn between<const COLORS: usize>(
+pub(super) fn between<const COLORS: usize>(
     (width, height): (usize, usize),
     [u, v]: [f32; 2],
     light: impl Fn(usize, usize) -> f32,

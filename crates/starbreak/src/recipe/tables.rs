@@ -157,8 +157,8 @@ pub(super) enum DirectionEntry {
 #[serde(deny_unknown_fields)]
 pub(super) struct OutputTable {
     /// Format of cracked images: "same" as the input, "png" or "jpeg". JPEG re-encodes every
-    /// pixel; with "png" all pixels outside the region mask are those of the input as this program
-    /// decodes it (decoders of JPEG differ by a few levels).
+    /// pixel; with "png" all pixels that the crack does not touch are those of the input as this
+    /// program decodes it (decoders of JPEG differ by a few levels), unless the scene is out of focus.
     pub(super) format: FormatWord,
     /// JPEG quality, 1 to 100.
     pub(super) quality: u8,
