@@ -146,7 +146,7 @@ fn guide(out: &Path, written: &[Written]) -> String {
         ),
         (
             names(&|item| item.region.as_ref()),
-            "where the image may differ from the street",
+            "where the crack influences the image",
         ),
         (names(&|item| item.crack.as_ref()), "where the cracks are"),
         (
