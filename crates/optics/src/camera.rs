@@ -55,13 +55,7 @@ impl Camera {
             ),
         ];
         for (name, value, range, expected) in ranges {
-            if !range.contains(&value) {
-                return Err(OpticsError::Parameter {
-                    name,
-                    value,
-                    expected,
-                });
-            }
+            OpticsError::check_range(name, value, range, expected)?;
         }
         Ok(())
     }

@@ -44,3 +44,26 @@ pub enum OpticsError {
         drawn_height: usize,
     },
 }
+
+impl OpticsError {
+    /// A parameter is in its range; not a number is in none.
+    ///
+    /// # Errors
+    /// [`OpticsError::Parameter`] with what was given and what is possible.
+    pub(crate) fn check_range(
+        name: &'static str,
+        value: f64,
+        range: std::ops::RangeInclusive<f64>,
+        expected: &'static str,
+    ) -> Result<(), Self> {
+        if range.contains(&value) {
+            Ok(())
+        } else {
+            Err(Self::Parameter {
+                name,
+                value,
+                expected,
+            })
+        }
+    }
+}

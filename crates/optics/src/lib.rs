@@ -46,6 +46,7 @@ pub mod paper;
 pub mod physical;
 pub mod srgb;
 mod surface;
+mod vector;
 
 pub use camera::{Camera, View};
 pub use contrast::Contrast;

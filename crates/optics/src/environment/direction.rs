@@ -1,5 +1,7 @@
 //! Which way is up: directions of the world in camera coordinates.
 
+use crate::vector::dot;
+
 /// The horizon of a camera without roll, by the direction that is up.
 ///
 /// Camera coordinates are x to the right, y down, z along the optical axis. What the camera's
@@ -62,10 +64,6 @@ impl Horizon {
                 + sin_elevation * self.up[k]
         })
     }
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

@@ -8,12 +8,7 @@ pub mod fresnel;
 pub mod gap;
 pub mod ggx;
 
-/// A direction or a normal.
-type Vector = [f64; 3];
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
+use crate::vector::{Vector, dot};
 
 /// `a x + b y`.
 fn combine(a: f64, x: Vector, b: f64, y: Vector) -> Vector {

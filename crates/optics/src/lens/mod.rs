@@ -87,13 +87,7 @@ impl Lens {
             ),
         ];
         for (name, value, least, most, expected) in ranges {
-            if !(least..=most).contains(&value) {
-                return Err(OpticsError::Parameter {
-                    name,
-                    value,
-                    expected,
-                });
-            }
+            OpticsError::check_range(name, value, least..=most, expected)?;
         }
         if self.blades != 0 && !(3..=24).contains(&self.blades) {
             return Err(OpticsError::Parameter {

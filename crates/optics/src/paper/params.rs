@@ -124,13 +124,7 @@ impl PaperOptics {
             ),
         ];
         for (name, value, range, expected) in ranges {
-            if !range.contains(&value) {
-                return Err(OpticsError::Parameter {
-                    name,
-                    value,
-                    expected,
-                });
-            }
+            OpticsError::check_range(name, value, range, expected)?;
         }
         if self.blur_kernel_px.is_multiple_of(2) {
             let value = f64::from(self.blur_kernel_px);

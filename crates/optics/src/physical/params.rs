@@ -193,13 +193,7 @@ impl PhysicalOptics {
             ),
         ];
         for (name, value, least, most, expected) in ranges {
-            if !(least..=most).contains(&value) {
-                return Err(OpticsError::Parameter {
-                    name,
-                    value,
-                    expected,
-                });
-            }
+            OpticsError::check_range(name, value, least..=most, expected)?;
         }
         for (name, rgb) in [
             ("sky_horizon", environment.horizon_rgb),

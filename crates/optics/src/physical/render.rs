@@ -161,7 +161,7 @@ impl Overlay {
     }
 }
 
-/// The sensor's noise, a stream of it for each row.
+/// The sensor's noise, a stream of it for each run of pixels.
 struct Noise {
     params: SensorNoise,
     seed: Seed,
@@ -232,13 +232,9 @@ impl OverlayLayer {
         for run in &self.runs {
             let n = CHUNK.min(width - run.x);
             let first = (run.y * width + run.x) * COLORS;
+            let other = run.elsewhere.map(|place| &elsewhere[place]);
             for k in 0..n {
-                let (keep, mut add) = run.pixel::<COLORS>(k);
-                if let Some(place) = run.elsewhere {
-                    for (sum, more) in add.iter_mut().zip(&elsewhere[place][k]) {
-                        *sum += more;
-                    }
-                }
+                let (keep, add) = run.pixel(k, other);
                 for c in 0..COLORS {
                     let light = &mut light[first + k * COLORS + c];
                     *light = *light * keep[c] + add[c];
@@ -260,7 +256,7 @@ impl OverlayLayer {
             let units = noise.of_run::<COLORS>(run, width);
             let first = (run.y * width + run.x) * stride;
             for k in 0..CHUNK.min(width - run.x) {
-                let (keep, _) = run.pixel::<COLORS>(k);
+                let (keep, _) = run.pixel::<COLORS>(k, None);
                 for c in 0..COLORS {
                     let sample = &mut samples[first + k * stride + c];
                     let light = sample.light();
@@ -273,13 +269,21 @@ impl OverlayLayer {
 }
 
 impl Run {
-    /// What is kept and added of each color of a pixel.
+    /// What is kept and added of each color of a pixel, light from elsewhere included.
     #[inline]
-    fn pixel<const COLORS: usize>(&self, k: usize) -> ([f32; COLORS], [f32; COLORS]) {
-        (
-            per_color([self.keep[0][k], self.keep[1][k], self.keep[2][k]]),
-            per_color([self.add[0][k], self.add[1][k], self.add[2][k]]),
-        )
+    fn pixel<const COLORS: usize>(
+        &self,
+        k: usize,
+        other: Option<&[[f32; COLORS]; CHUNK]>,
+    ) -> ([f32; COLORS], [f32; COLORS]) {
+        let keep = per_color([self.keep[0][k], self.keep[1][k], self.keep[2][k]]);
+        let mut add = per_color([self.add[0][k], self.add[1][k], self.add[2][k]]);
+        if let Some(other) = other {
+            for (sum, more) in add.iter_mut().zip(&other[k]) {
+                *sum += more;
+            }
+        }
+        (keep, add)
     }
 
     fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
@@ -289,12 +293,7 @@ impl Run {
     ) {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         for (k, pixel) in pixels.chunks_exact_mut(stride).enumerate() {
-            let (keep, mut add) = self.pixel::<COLORS>(k);
-            if let Some(other) = other {
-                for (sum, more) in add.iter_mut().zip(&other[k]) {
-                    *sum += more;
-                }
-            }
+            let (keep, add) = self.pixel(k, other);
             for c in 0..COLORS {
                 pixel[c] = S::code(pixel[c].light() * keep[c] + add[c]);
             }
@@ -311,12 +310,7 @@ impl Run {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         let units = noise.of_run::<COLORS>(self, width);
         for (k, pixel) in pixels.chunks_exact_mut(stride).enumerate() {
-            let (keep, mut add) = self.pixel::<COLORS>(k);
-            if let Some(other) = other {
-                for (sum, more) in add.iter_mut().zip(&other[k]) {
-                    *sum += more;
-                }
-            }
+            let (keep, add) = self.pixel(k, other);
             for c in 0..COLORS {
                 let before = pixel[c].light();
                 let after = before * keep[c] + add[c];

@@ -1,5 +1,6 @@
 //! Samples of an image as light, whatever their depth.
 
+use crate::environment::luminance;
 use crate::srgb::{decode8, decode16, encode8, encode16};
 
 /// A sample of an image.
@@ -42,17 +43,8 @@ impl<const COLORS: usize, const EXTRA: usize> Layout<COLORS, EXTRA> {
     pub(super) const STRIDE: usize = COLORS + EXTRA;
 }
 
-/// Share of each color in luminance \[IEC1999\].
-pub(super) const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
-
 /// One value per color of an image from red, green and blue: themselves, or their luminance.
 #[inline]
 pub(super) fn per_color<const COLORS: usize>(rgb: [f32; 3]) -> [f32; COLORS] {
-    std::array::from_fn(|c| {
-        if COLORS == 3 {
-            rgb[c]
-        } else {
-            (0..3).map(|k| LUMINANCE[k] * rgb[k]).sum()
-        }
-    })
+    std::array::from_fn(|c| if COLORS == 3 { rgb[c] } else { luminance(rgb) })
 }

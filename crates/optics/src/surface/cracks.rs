@@ -4,10 +4,11 @@ use starbreak_glass::CrackNetwork;
 
 use super::SheetView;
 use super::lines::{CrackSurface, lines};
-use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, N_SHARES, Sent, cross, unit};
+use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, N_SHARES, Sent};
 use crate::interface::fresnel::reflectance;
 use crate::maps::Facet;
 use crate::physical::SurfaceParams;
+use crate::vector::{cross, unit};
 
 /// Longest piece of a line, px, that one facet stands for.
 const LONGEST_PX: f64 = 48.0;

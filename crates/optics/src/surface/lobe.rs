@@ -7,6 +7,7 @@ use crate::environment::{HemisphereWeights, Horizon};
 use crate::interface::fresnel::reflectance;
 use crate::interface::gap::GapTable;
 use crate::interface::ggx::{distribution, g1, sample_visible_normal};
+use crate::vector::{cross, dot, unit};
 
 /// Lanes of a facet: shares of the light of the horizon, the zenith, the ground, the cabin and
 /// another place of the frame; the sun's; and that other place, weighted by its share.
@@ -229,23 +230,6 @@ pub(crate) fn into_glass([x, y, z]: [f64; 3], n: f64) -> [f64; 3] {
 
 fn reflected(sight: [f64; 3], normal: [f64; 3], cos: f64) -> [f64; 3] {
     std::array::from_fn(|k| sight[k] + 2.0 * cos * normal[k])
-}
-
-pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn unit(a: [f64; 3]) -> [f64; 3] {
-    let length = dot(a, a).sqrt();
-    a.map(|part| part / length)
-}
-
-pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }
 
 /// The k-th of evenly spread points in the unit square: the two-dimensional golden ratio
