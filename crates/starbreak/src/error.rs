@@ -46,6 +46,11 @@ pub enum Error {
         "the network is in mm, but the recipe has no [glass] that says where the pane stands; use a preset of the          physics, such as windshield-star"
     )]
     NoMount,
+    /// A baked crack under the optics of another model.
+    #[error(
+        "the pattern was baked for another optics.model than the recipe's; use the recipe that it was made with"
+    )]
+    OtherOptics,
     /// Two inputs would write the same file.
     #[error(
         "{first:?} and {second:?} would both write {name:?}; give them different names or run them apart"

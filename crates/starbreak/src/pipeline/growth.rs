@@ -5,7 +5,7 @@ use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::{Coverage, Line, View};
 
 use super::Stopwatch;
-use super::show::{own_view, show};
+use super::show::{bake_network, own_view};
 use crate::{Error, Settings};
 
 /// The times of `n_frames` growth frames, even steps from shortly after the impact to the last
@@ -47,13 +47,7 @@ pub fn growth_over(
     let mut frame = scene.clone();
     let mut watch = Stopwatch::start();
     let view = own_view(settings, (frame.width(), frame.height()))?;
-    show(
-        settings,
-        &mut frame,
-        (network, time),
-        &view,
-        seed,
-        &mut watch,
-    )?;
+    bake_network(settings, (network, time), &view, seed)?
+        .over(settings, &mut frame, seed, &mut watch)?;
     Ok(frame)
 }

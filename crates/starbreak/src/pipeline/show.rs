@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::paper::{composite, draw};
-use starbreak_optics::physical::{OpticalMaps, PhysicalOptics, bake};
-use starbreak_optics::{Contrast, Masks, View};
+use starbreak_optics::physical::{Overlay, Pattern, PhysicalOptics, bake};
+use starbreak_optics::{Contrast, Coverage, Masks, View};
 
 use super::{Cracked, Details, Simulated, Stopwatch, sheet_view, view, view_of_network};
 use crate::{Error, OpticsSettings, Settings};
@@ -33,11 +33,24 @@ pub struct SceneReport {
     pub environment: Environment,
 }
 
+/// A crack before one camera, ready to be put over any image of the camera's size.
+#[derive(Debug, Clone)]
+pub enum Baked {
+    /// The paper's: lines of the frame.
+    Paper(Coverage),
+    /// The physical optics': shares of light.
+    Physical(Pattern),
+}
+
 /// What an optics model leaves beside the image.
-pub(super) struct Shown {
-    pub(super) masks: Masks,
-    pub(super) maps: Option<OpticalMaps>,
-    pub(super) scene: Option<SceneReport>,
+#[derive(Debug, Clone)]
+pub struct Shown {
+    /// Where the image changed, and where the cracks are.
+    pub masks: Masks,
+    /// What was done to the light of each pixel; the paper's optics know no light.
+    pub overlay: Option<Overlay>,
+    /// Lens and light; the paper's optics have neither.
+    pub scene: Option<SceneReport>,
 }
 
 /// Shows cracks that were simulated for a frame of this size in an image, in place. The seed
@@ -64,14 +77,17 @@ pub fn show_cracks(
     } else {
         own_view(settings, size)?
     };
-    let Shown { masks, maps, scene } = show(
-        settings,
-        image,
-        (&network, f64::INFINITY),
-        &view,
-        seed,
-        &mut watch,
-    )?;
+    let baked = bake_network(settings, (&network, f64::INFINITY), &view, seed)?;
+    watch.lap(baked.stage());
+    let shown = baked.over(settings, image, seed, &mut watch)?;
+    let Shown {
+        masks,
+        overlay,
+        scene,
+    } = shown;
+    let maps = overlay
+        .filter(|_| settings.output.maps)
+        .map(|overlay| overlay.maps());
     let contrast = Contrast::of(&before, image, &masks.region)?;
     watch.lap("contrast");
     timings.append(watch.stop());
@@ -93,46 +109,75 @@ pub(super) fn own_view(settings: &Settings, (width, height): (u32, u32)) -> Resu
     }
 }
 
-/// Shows cracks as they are at a time.
-pub(super) fn show(
+/// Bakes cracks as they are at a time.
+///
+/// # Errors
+/// [`Error::Optics`].
+pub fn bake_network(
     settings: &Settings,
-    image: &mut DynamicImage,
     (network, time): (&CrackNetwork, f64),
     view: &View,
     seed: Seed,
-    watch: &mut Stopwatch,
-) -> Result<Shown, Error> {
-    match &settings.optics {
-        OpticsSettings::Paper(optics) => {
-            let drawn = draw(network, view, time, optics);
-            watch.lap("draw");
-            let masks = composite(image, &drawn, optics)?;
-            watch.lap("render");
-            Ok(Shown {
-                masks,
-                maps: None,
-                scene: None,
-            })
-        }
+) -> Result<Baked, Error> {
+    Ok(match &settings.optics {
+        OpticsSettings::Paper(optics) => Baked::Paper(draw(network, view, time, optics)),
         OpticsSettings::Physical(optics) => {
-            let pattern = bake(network, time, view, optics, seed)?;
-            watch.lap("bake");
-            let environment = Environment::estimate(image, &optics.environment, pattern.f_px());
-            let overlay = pattern.light(&environment, optics);
-            watch.lap("light");
-            overlay.apply(image, seed)?;
-            watch.lap("render");
-            let masks = Masks {
-                region: overlay.region(),
-                crack: pattern.coverage(),
-            };
-            watch.lap("masks");
-            let maps = settings.output.maps.then(|| overlay.maps());
-            Ok(Shown {
-                masks,
-                maps,
-                scene: Some(scene(settings, optics, pattern.f_px(), environment)),
-            })
+            Baked::Physical(bake(network, time, view, optics, seed)?)
+        }
+    })
+}
+
+impl Baked {
+    /// Name of the stage that made it.
+    #[must_use]
+    pub fn stage(&self) -> &'static str {
+        match self {
+            Self::Paper(_) => "draw",
+            Self::Physical(_) => "bake",
+        }
+    }
+
+    /// Puts the crack over an image, in place, under the light of the image. The seed is that
+    /// of the sensor's noise.
+    ///
+    /// # Errors
+    /// [`Error::Optics`]; the image may then be half changed.
+    pub fn over(
+        &self,
+        settings: &Settings,
+        image: &mut DynamicImage,
+        seed: Seed,
+        watch: &mut Stopwatch,
+    ) -> Result<Shown, Error> {
+        match (self, &settings.optics) {
+            (Self::Paper(drawn), OpticsSettings::Paper(optics)) => {
+                let masks = composite(image, drawn, optics)?;
+                watch.lap("render");
+                Ok(Shown {
+                    masks,
+                    overlay: None,
+                    scene: None,
+                })
+            }
+            (Self::Physical(pattern), OpticsSettings::Physical(optics)) => {
+                let environment = Environment::estimate(image, &optics.environment, pattern.f_px());
+                let overlay = pattern.light(&environment, optics);
+                watch.lap("light");
+                overlay.apply(image, seed)?;
+                watch.lap("render");
+                let masks = Masks {
+                    region: overlay.region(),
+                    crack: pattern.coverage(),
+                };
+                watch.lap("masks");
+                let scene = scene(settings, optics, pattern.f_px(), environment);
+                Ok(Shown {
+                    masks,
+                    overlay: Some(overlay),
+                    scene: Some(scene),
+                })
+            }
+            _ => Err(Error::OtherOptics),
         }
     }
 }
