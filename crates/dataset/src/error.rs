@@ -208,6 +208,65 @@ pub enum DatasetError {
         /// The error of the operating system.
         source: io::Error,
     },
+    /// A folder holds a set that was made from something else.
+    #[error(
+        "{path:?} holds another set: its {key} is {found}, here it is {wanted}; choose another output folder or the \
+         same settings"
+    )]
+    OtherSet {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        key: String,
+        /// Its value there, as JSON.
+        found: String,
+        /// Its value here.
+        wanted: String,
+    },
+    /// Another process works on the folder.
+    #[error("{path:?} is in use by another run; wait for it or choose another output folder")]
+    FolderInUse {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A folder that is no generated set.
+    #[error("{path:?} is not a generated set: {reason}")]
+    NotASet {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A record of ours that cannot be understood.
+    #[error("{path:?} is damaged: {reason}; generate the set again")]
+    Record {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A name that would lead out of its folder.
+    #[error("{name:?} is no path inside the set; expected a relative one without `..`")]
+    UnsafeName {
+        /// The name.
+        name: String,
+    },
+    /// Shards that are no whole.
+    #[error("the shards are no whole set: {reason}; give each of them once")]
+    Shards {
+        /// Why.
+        reason: String,
+    },
+    /// Input and output are in each other.
+    #[error(
+        "the output {output:?} and the input {input:?} lie in each other; choose a folder beside it"
+    )]
+    OutputInInput {
+        /// The input.
+        input: PathBuf,
+        /// The output.
+        output: PathBuf,
+    },
     /// A provenance record that is not a JSON object with a `schema`.
     #[error(
         "the provenance record is not valid: {reason}; expected a JSON object with a text field \"schema\""

@@ -32,6 +32,8 @@ mod animation;
 mod array;
 mod encode;
 
+mod generated;
+
 mod output_batch;
 mod paths;
 mod provenance;
@@ -43,6 +45,10 @@ pub use animation::{AnimationParams, encode_animation};
 pub use array::encode_array;
 pub use encode::{Encoding, JpegQuality, encode_image, encode_mask};
 pub use error::DatasetError;
+pub use generated::{
+    CarriedFile, Carry, Finding, GeneratedSet, ItemRecord, Manifest, MergeReport, SET_SCHEMA,
+    STATE_FOLDER, SampleFiles, SetChecker, SetLayout, merge_sets, safe_path, set_identity,
+};
 pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_image};
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, same_file};
