@@ -1,7 +1,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::ImageFormat;
+use crate::{ImageFormat, SourceFormat};
 
 /// What went wrong with a file or a codec, as one line: the file, the fact, the way out.
 ///
@@ -274,6 +274,47 @@ pub enum DatasetError {
     Provenance {
         /// What is wrong.
         reason: String,
+    },
+    /// A word that does not name a dataset, such as one without a format.
+    #[error(
+        "{text:?} {problem}; expected kitti:DIR, coco:DIR, bdd:DIR, yolo:DIR, folder:DIR or \
+         list:FILE{suggestion}"
+    )]
+    SourceSpec {
+        /// The word.
+        text: String,
+        /// What is wrong with it.
+        problem: &'static str,
+        /// The word that may be meant, as the end of the message; empty where there is no guess.
+        suggestion: String,
+    },
+    /// The folder is not laid out as its format says.
+    #[error("cannot read {path:?} as a {format} dataset: {}", one_line(.reason))]
+    SourceLayout {
+        /// The folder or file.
+        path: PathBuf,
+        /// The format.
+        format: SourceFormat,
+        /// What is wrong.
+        reason: String,
+    },
+    /// An index file of a dataset that is broken as a whole.
+    #[error("{path:?} is not a valid {format} index: {}", one_line(.reason))]
+    SourceIndex {
+        /// The file.
+        path: PathBuf,
+        /// The format of the dataset.
+        format: SourceFormat,
+        /// What is wrong, and where.
+        reason: String,
+    },
+    /// The reduced copy of an index file cannot be written.
+    #[error("cannot write the reduced copy of {name:?}: {}; {}", io_fact(.source), io_way_out(.source))]
+    SubsetWrite {
+        /// Name of the index in its dataset.
+        name: String,
+        /// The error of the writer.
+        source: io::Error,
     },
 }
 

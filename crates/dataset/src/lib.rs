@@ -39,6 +39,7 @@ mod paths;
 mod provenance;
 
 mod scene;
+mod source;
 mod text_file;
 
 pub use animation::{AnimationParams, encode_animation};
@@ -54,4 +55,8 @@ pub use output_batch::OutputBatch;
 pub use paths::{FileSet, same_file};
 pub use provenance::{Provenance, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
+pub use source::{
+    BadRecord, FileRole, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat, SourceImage,
+    SourceSpec,
+};
 pub use text_file::{TextFile, read_text};
