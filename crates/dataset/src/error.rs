@@ -318,6 +318,24 @@ pub enum DatasetError {
     },
 }
 
+impl DatasetError {
+    /// Whether it would meet every other output, too: the disk is full, read-only or not ours to
+    /// write on.
+    #[must_use]
+    pub fn is_of_the_disk(&self) -> bool {
+        let (Self::Write { source, .. } | Self::Commit { source, .. }) = self else {
+            return false;
+        };
+        matches!(
+            source.kind(),
+            io::ErrorKind::StorageFull
+                | io::ErrorKind::QuotaExceeded
+                | io::ErrorKind::ReadOnlyFilesystem
+                | io::ErrorKind::PermissionDenied
+        )
+    }
+}
+
 /// The text on one line: control characters and line breaks are escaped.
 pub(crate) fn one_line(text: &impl ToString) -> String {
     text.to_string()

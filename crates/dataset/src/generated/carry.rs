@@ -130,8 +130,19 @@ fn read_error(path: &Path) -> impl FnOnce(io::Error) -> DatasetError {
     move |source| DatasetError::Read { path, source }
 }
 
-/// SHA-256 of a file of any length, in pieces.
-pub(super) fn sha256_of_file(path: &Path) -> Result<String, DatasetError> {
+/// The length of a file, bytes.
+///
+/// # Errors
+/// [`DatasetError::Read`].
+pub fn file_len(path: &Path) -> Result<u64, DatasetError> {
+    Ok(fs::metadata(path).map_err(read_error(path))?.len())
+}
+
+/// SHA-256 of a file of any length, read in pieces: 64 lowercase hexadecimal digits.
+///
+/// # Errors
+/// [`DatasetError::Read`].
+pub fn sha256_of_file(path: &Path) -> Result<String, DatasetError> {
     let mut file = File::open(path).map_err(read_error(path))?;
     let mut digest = Sha256::new();
     let mut piece = vec![0; 1 << 16];

@@ -24,7 +24,10 @@ pub(super) fn read(path: &Path) -> Result<Value, DatasetError> {
 }
 
 /// Refuses a set of another identity, naming the first thing in which the two differ.
-pub(super) fn compare(root: &Path, found: &Value, wanted: &Value) -> Result<(), DatasetError> {
+///
+/// # Errors
+/// [`DatasetError::OtherSet`].
+pub fn compare_identity(root: &Path, found: &Value, wanted: &Value) -> Result<(), DatasetError> {
     match difference(found, wanted, "") {
         None => Ok(()),
         Some((key, found, wanted)) => Err(DatasetError::OtherSet {

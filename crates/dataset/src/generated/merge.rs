@@ -1,7 +1,6 @@
 //! Shards of one run, each in a folder of its own, to the set that one run would have made.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
@@ -10,6 +9,7 @@ use super::identity::difference;
 use super::lists::{read_list, read_manifest};
 use super::{CarriedFile, Carry, GeneratedSet, ItemRecord, Manifest, SetLayout, set_identity};
 use crate::error::DatasetError;
+use crate::paths::is_inside;
 
 /// What a merge has done.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,11 +37,7 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
     let n_samples = identity["samples"].as_u64().unwrap_or(1);
     let n_samples = u32::try_from(n_samples).unwrap_or(1);
     for part in parts.values() {
-        let inside = |a: &Path, b: &Path| {
-            let absolute = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-            absolute(a).starts_with(absolute(b))
-        };
-        if inside(out, part.layout.root()) || inside(part.layout.root(), out) {
+        if is_inside(out, part.layout.root()) || is_inside(part.layout.root(), out) {
             return Err(DatasetError::OutputInInput {
                 input: part.layout.root().to_owned(),
                 output: out.to_owned(),

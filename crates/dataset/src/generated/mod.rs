@@ -26,8 +26,9 @@ mod layout;
 mod lists;
 mod merge;
 
-pub use carry::{CarriedFile, Carry};
+pub use carry::{CarriedFile, Carry, file_len, sha256_of_file};
 pub use check::{Finding, SetChecker};
+pub use identity::compare_identity;
 pub use items::ItemRecord;
 pub use layout::{STATE_FOLDER, SampleFiles, SetLayout, safe_path};
 pub use lists::Manifest;
@@ -80,7 +81,7 @@ impl GeneratedSet {
         let lock = lock(&layout)?;
         if is_there(&run_file)? {
             let found = identity::read(&run_file)?;
-            identity::compare(root, &found, identity)?;
+            compare_identity(root, &found, identity)?;
         } else {
             let mut batch = OutputBatch::new();
             batch.stage(&run_file, format!("{identity:#}\n").as_bytes())?;

@@ -131,6 +131,7 @@ impl Source {
                     name: name.clone(),
                     path: name::path_below(&self.root, name),
                     role: self.layout.role(name),
+                    must_be_rewritten: false,
                 })
             }));
         }
@@ -141,6 +142,7 @@ impl Source {
             }
             Some(file.map(|path| SourceFile {
                 role: self.layout.role(&name),
+                must_be_rewritten: false,
                 name,
                 path,
             }))
