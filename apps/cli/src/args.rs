@@ -1,8 +1,11 @@
 //! The command line, as typed.
 
+pub(crate) mod generate;
+
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use generate::{GenerateArgs, MergeArgs, VerifyArgs};
 use starbreak::dataset::same_file;
 use starbreak::{DEFAULT_PRESET, Recipe, Seed};
 
@@ -90,6 +93,12 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "FILE")]
         network: Option<PathBuf>,
     },
+    /// Crack a whole dataset: the same layout, names and labels, with masks and records beside
+    Generate(GenerateArgs),
+    /// Check that a generated set is whole and unmixed, and that it comes out the same again
+    Verify(VerifyArgs),
+    /// Join the shards of one generated set
+    Merge(MergeArgs),
     /// Show one crack over the values of one parameter: each picture, and all on one sheet
     Sweep {
         /// A PNG or JPEG file
