@@ -29,6 +29,16 @@ pub enum OpticsError {
     /// A view without a camera, through which no light can be followed.
     #[error("the physical optics need a camera before the pane; a stretched pane has none")]
     NoCamera,
+    /// Bytes that are not a packed pattern or drawing.
+    #[error("not a packed {what}: {why}, at byte {at}")]
+    Packed {
+        /// What they should be.
+        what: &'static str,
+        /// Where they are wrong, from 0.
+        at: usize,
+        /// In which way.
+        why: &'static str,
+    },
     /// Cracks drawn for a frame of another size.
     #[error(
         "the image is {width} × {height} px, but the cracks were drawn for {drawn_width} × {drawn_height} px"

@@ -43,6 +43,7 @@ pub mod interface;
 pub mod lens;
 mod maps;
 mod masks;
+mod packed;
 pub mod paper;
 pub mod physical;
 pub mod srgb;

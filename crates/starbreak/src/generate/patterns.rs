@@ -4,6 +4,7 @@ use serde_json::{Map, Value, json};
 use starbreak_glass::{Model, Seed};
 
 use crate::Error;
+use crate::bank::PatternBank;
 use crate::import::ImportedNetwork;
 use crate::pipeline::{
     Baked, Details, RunContext, Simulated, Stopwatch, bake_network, network_view, simulate,
@@ -17,11 +18,15 @@ pub enum Patterns {
     Fresh,
     /// One network for all images.
     Network(ImportedNetwork),
+    /// Out of a bank, a pattern drawn for each sample of each image by its seed.
+    Bank(PatternBank),
 }
 
 /// A crack for one sample of one image.
 pub(super) struct ItemPattern {
     pub(super) baked: Baked,
+    /// The crack mask as a PNG file, where it is at hand.
+    pub(super) crack_mask_png: Option<Vec<u8>>,
     /// What its record says of it, by key.
     pub(super) facts: Map<String, Value>,
     /// Whether nothing is broken.
@@ -40,6 +45,7 @@ impl Patterns {
         let simulated = match self {
             Self::Fresh => simulate(&context.settings, size.0, size.1, seed)?,
             Self::Network(imported) => use_network(imported),
+            Self::Bank(bank) => return of_bank(bank, size, seed, watch),
         };
         watch.append(simulated.timings.clone());
         let view = network_view(
@@ -53,10 +59,46 @@ impl Patterns {
         watch.lap(baked.stage());
         Ok(ItemPattern {
             baked,
+            crack_mask_png: None,
             is_intact: simulated.network.n_segments() == 0,
             facts: Map::from_iter([("network".to_owned(), network_facts(&simulated))]),
         })
     }
+}
+
+fn of_bank(
+    bank: &PatternBank,
+    size: (u32, u32),
+    seed: Seed,
+    watch: &mut Stopwatch,
+) -> Result<ItemPattern, Error> {
+    let pattern = bank.pattern(bank.idx_for(seed), size)?;
+    watch.lap(if pattern.was_baked_anew {
+        "bake"
+    } else {
+        "unpack"
+    });
+    let facts = &pattern.facts;
+    let facts = Map::from_iter([
+        (
+            "pattern".to_owned(),
+            json!({ "bank_sha256": bank.sha256(), "idx": pattern.idx }),
+        ),
+        (
+            "network".to_owned(),
+            json!({
+                "model": facts.model,
+                "damage_class": facts.damage_class,
+                "summary": facts.summary,
+            }),
+        ),
+    ]);
+    Ok(ItemPattern {
+        is_intact: pattern.facts.summary.n_segments == 0,
+        baked: pattern.baked,
+        crack_mask_png: Some(pattern.crack_mask_png),
+        facts,
+    })
 }
 
 /// What a record says of a network.

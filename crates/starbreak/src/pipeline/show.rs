@@ -1,6 +1,6 @@
 //! Cracks into pixels, by either optics model.
 
-use image::DynamicImage;
+use image::{DynamicImage, GrayImage};
 use serde_json::{Value, json};
 use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::environment::{Environment, Rgb};
@@ -45,8 +45,8 @@ pub enum Baked {
 /// What an optics model leaves beside the image.
 #[derive(Debug, Clone)]
 pub struct Shown {
-    /// Where the image changed, and where the cracks are.
-    pub masks: Masks,
+    /// 255 where the crack influences the image, else 0.
+    pub region: GrayImage,
     /// What was done to the light of each pixel; the paper's optics know no light.
     pub overlay: Option<Overlay>,
     /// Lens and light; the paper's optics have neither.
@@ -77,10 +77,15 @@ pub fn show_cracks(
     watch.lap(baked.stage());
     let shown = baked.over(settings, image, seed, &mut watch)?;
     let Shown {
-        masks,
+        region,
         overlay,
         scene,
     } = shown;
+    let masks = Masks {
+        region,
+        crack: baked.crack_mask(),
+    };
+    watch.lap("masks");
     let maps = overlay
         .filter(|_| settings.output.maps)
         .map(|overlay| overlay.maps());
@@ -147,6 +152,28 @@ impl Baked {
         }
     }
 
+    /// Width and height of the frame, px.
+    #[must_use]
+    pub fn size(&self) -> (u32, u32) {
+        match self {
+            Self::Physical(pattern) => pattern.size(),
+            Self::Paper(drawn) => {
+                let (width, height) = drawn.size();
+                let side = |n| u32::try_from(n).unwrap_or(u32::MAX);
+                (side(width), side(height))
+            }
+        }
+    }
+
+    /// Coverage of the frame by cracks as they would be in focus, 255 = in full.
+    #[must_use]
+    pub fn crack_mask(&self) -> GrayImage {
+        match self {
+            Self::Paper(drawn) => drawn.to_mask(),
+            Self::Physical(pattern) => pattern.coverage(),
+        }
+    }
+
     /// Puts the crack over an image, in place, under the light of the image. The seed is that
     /// of the sensor's noise.
     ///
@@ -164,7 +191,7 @@ impl Baked {
                 let masks = composite(image, drawn, optics)?;
                 watch.lap("render");
                 Ok(Shown {
-                    masks,
+                    region: masks.region,
                     overlay: None,
                     scene: None,
                 })
@@ -175,14 +202,11 @@ impl Baked {
                 watch.lap("light");
                 overlay.apply(image, seed)?;
                 watch.lap("render");
-                let masks = Masks {
-                    region: overlay.region(),
-                    crack: pattern.coverage(),
-                };
-                watch.lap("masks");
+                let region = overlay.region();
+                watch.lap("region");
                 let scene = scene(settings, optics, pattern.f_px(), environment);
                 Ok(Shown {
-                    masks,
+                    region,
                     overlay: Some(overlay),
                     scene: Some(scene),
                 })
