@@ -44,7 +44,7 @@ pub use animation::{AnimationParams, encode_animation};
 pub use array::encode_array;
 pub use encode::{Encoding, JpegQuality, encode_image, encode_mask};
 pub use error::DatasetError;
-pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_image};
+pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_image};
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, same_file};
 pub use provenance::{Provenance, sha256_hex};
