@@ -15,8 +15,8 @@ use crate::image_file::{check_file_len, read_file};
 /// Longest label file, in bytes; real ones have at most a few kilobytes. FIT
 const MAX_LABEL_BYTES: u64 = 16 << 20;
 
-/// The folders with the frames of one part of the data.
-const PARTS: [&str; 3] = ["", "training/", "testing/"];
+/// The folders with the frames of one part of the data, in the order of their names.
+const PARTS: [&str; 3] = ["", "testing/", "training/"];
 
 /// Left and right camera, in gray and in color.
 const CAMERAS: [&str; 4] = ["image_0", "image_1", "image_2", "image_3"];
