@@ -11,7 +11,8 @@ use std::time::Instant;
 use rayon::prelude::*;
 use starbreak::Recipe;
 use starbreak::dataset::{
-    Encoding, ImageFormat, ImageLimits, OutputBatch, Source, SourceSpec, encode_image_as, read_image,
+    Encoding, ImageFormat, ImageLimits, OutputBatch, Source, SourceSpec, encode_image_as,
+    read_image,
 };
 use starbreak::pipeline::with_threads;
 
@@ -21,7 +22,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Err("expected N_THREADS FORMAT:PATH OUT".into());
     };
     let source = Source::open(&SourceSpec::parse(OsStr::new(source))?)?;
-    let quality = Recipe::preset("windshield-star")?.settings()?.output.quality;
+    let quality = Recipe::preset("windshield-star")?
+        .settings()?
+        .output
+        .quality;
     let started = Instant::now();
     let n_images = with_threads(n_threads.parse()?, || {
         let images = source.images().filter_map(Result::ok);
@@ -41,6 +45,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             })
             .sum::<Result<u64, _>>()
     })??;
-    println!("{n_images} images in {:.3} s", started.elapsed().as_secs_f64());
+    println!(
+        "{n_images} images in {:.3} s",
+        started.elapsed().as_secs_f64()
+    );
     Ok(())
 }
