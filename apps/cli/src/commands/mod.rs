@@ -8,6 +8,8 @@ mod crack;
 mod demo;
 mod generate;
 mod network_file;
+mod pattern_statistics;
+mod patterns;
 mod plot;
 mod recipe;
 mod shell;
@@ -64,6 +66,29 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             };
             simulate::run(global, &request, screen)
         }
+        Verb::Patterns {
+            n,
+            output,
+            size,
+            replace,
+            info,
+            check,
+        } => match (info, check, n, output) {
+            (Some(bank), ..) => patterns::info(&bank, screen),
+            (_, Some(bank), ..) => patterns::check(&bank, screen),
+            (_, _, Some(n), Some(output)) => {
+                let request = patterns::Request {
+                    n,
+                    output,
+                    sizes: size,
+                    replace,
+                };
+                patterns::run(global, &request, screen)
+            }
+            _ => Err(Failure::wrong_input(
+                "patterns needs a number -n and a folder -o, or --info BANK, or --check BANK",
+            )),
+        },
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
         Verb::Bench {
             output,
