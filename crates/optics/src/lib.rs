@@ -7,6 +7,8 @@
 //! [`View`] says where a point of the pane appears: stretched to the frame, or through a
 //! [`Camera`].
 //!
+//! [`photo`] puts a photograph of broken glass in the place of a network.
+//!
 //! What it is not: it knows no solver and opens no file; it takes any network that keeps the
 //! promises of [`starbreak_glass::CrackNetwork`], and any 8-bit or 16-bit image.
 //!
@@ -43,6 +45,7 @@ pub mod lens;
 mod maps;
 mod masks;
 pub mod paper;
+pub mod photo;
 pub mod physical;
 pub mod srgb;
 mod surface;
