@@ -1,5 +1,7 @@
 //! Lines to pixels: how much of each pixel a set of thin strips covers.
 
+mod of_pixels;
+
 use crate::bit_rows::BitRows;
 
 /// A strip to draw: its ends in pixels (first pixel centre at 0.5) and a weight that is
@@ -74,36 +76,6 @@ impl Coverage {
         }
         coverage.settle();
         coverage
-    }
-
-    /// The coverage of a `width × height` frame of which each pixel's (x, y) coverage, 0 to 1, and
-    /// weight are known.
-    pub fn of_pixels(width: u32, height: u32, pixel: impl Fn(usize, usize) -> (f32, f32)) -> Self {
-        let (width, height) = (width as usize, height as usize);
-        let mut cells = Vec::with_capacity(width * height);
-        let mut touched = BitRows::new(width, height);
-        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-            let (covered, weighted) = pixel(x, y);
-            if covered >= LEAST {
-                touched.set_run(y, x, x + 1);
-            }
-            cells.push(Cell {
-                covered: covered.min(1.0),
-                weighted,
-            });
-        }
-        Self {
-            width,
-            height,
-            window: Window {
-                x: 0,
-                y: 0,
-                width,
-                height,
-            },
-            cells,
-            touched,
-        }
     }
 
     fn add(&mut self, line: &Line, line_width_px: f64) {
