@@ -1,11 +1,12 @@
 use std::borrow::Cow;
 
+use image::metadata::Orientation;
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageBuffer, Pixel};
 use jpeg_encoder::SamplingFactor;
 use png::{BitDepth, ColorType, Compression, Filter};
 
-use crate::ImageFormat;
 use crate::error::{DatasetError, one_line};
+use crate::image_file::{ImageFile, ImageFormat};
 
 /// JPEG has 16 bits for each side, PNG 31.
 const MAX_JPEG_SIDE_PX: u32 = 65_535;
@@ -73,6 +74,18 @@ pub fn encode_image(
     encoding: &Encoding,
     icc_profile: Option<&[u8]>,
 ) -> Result<Vec<u8>, DatasetError> {
+    encode_oriented(pixels, encoding, icc_profile, Orientation::NoTransforms)
+}
+
+/// As [`encode_image`], with an orientation in the EXIF data unless it is the plain one.
+fn encode_oriented(
+    pixels: &DynamicImage,
+    encoding: &Encoding,
+    icc_profile: Option<&[u8]>,
+    orientation: Orientation,
+) -> Result<Vec<u8>, DatasetError> {
+    let exif = (orientation != Orientation::NoTransforms).then(|| exif_of(orientation));
+    let exif = exif.as_ref().map(<[u8; 26]>::as_slice);
     let icc_profile = icc_profile.filter(|profile| !profile.is_empty());
     let max_side_px = match encoding {
         Encoding::Png => MAX_PNG_SIDE_PX,
@@ -81,8 +94,8 @@ pub fn encode_image(
     let size_px = (pixels.width(), pixels.height());
     check_size(encoding.format(), size_px, max_side_px)?;
     match encoding {
-        Encoding::Png => encode_png(pixels, icc_profile),
-        Encoding::Jpeg { quality } => encode_jpeg(pixels, *quality, icc_profile),
+        Encoding::Png => encode_png(pixels, icc_profile, exif),
+        Encoding::Jpeg { quality } => encode_jpeg(pixels, *quality, icc_profile, exif),
     }
 }
 
@@ -94,7 +107,57 @@ pub fn encode_image(
 pub fn encode_mask(mask: &GrayImage) -> Result<Vec<u8>, DatasetError> {
     check_size(ImageFormat::Png, mask.dimensions(), MAX_PNG_SIDE_PX)?;
     let mode = (ColorType::Grayscale, BitDepth::Eight);
-    write_png(mask.dimensions(), mode, samples_of(mask), None)
+    write_png(mask.dimensions(), mode, samples_of(mask), None, None)
+}
+
+/// The bytes of an image file whose pixels lie as those of the file that `file` was read from:
+/// turned back, with the same orientation in its EXIF data, and with its color profile.
+///
+/// So a reader sees what it would see of that file, whether it minds the orientation or not.
+///
+/// # Errors
+///
+/// As for [`encode_image`].
+pub fn encode_image_as(file: &ImageFile, encoding: &Encoding) -> Result<Vec<u8>, DatasetError> {
+    let icc_profile = file.icc_profile.as_deref();
+    if file.orientation == Orientation::NoTransforms {
+        return encode_image(&file.pixels, encoding, icc_profile);
+    }
+    let mut pixels = file.pixels.clone();
+    pixels.apply_orientation(inverse(file.orientation));
+    encode_oriented(&pixels, encoding, icc_profile, file.orientation)
+}
+
+/// The bytes of a mask of an upright image, whose pixels lie as those of its file, as in
+/// [`encode_image_as`].
+///
+/// # Errors
+///
+/// As for [`encode_mask`].
+pub fn encode_mask_as(mask: &GrayImage, file: &ImageFile) -> Result<Vec<u8>, DatasetError> {
+    if file.orientation == Orientation::NoTransforms {
+        return encode_mask(mask);
+    }
+    let mut pixels = DynamicImage::ImageLuma8(mask.clone());
+    pixels.apply_orientation(inverse(file.orientation));
+    encode_oriented(&pixels, &Encoding::Png, None, file.orientation)
+}
+
+/// The orientation that undoes another.
+fn inverse(orientation: Orientation) -> Orientation {
+    match orientation {
+        Orientation::Rotate90 => Orientation::Rotate270,
+        Orientation::Rotate270 => Orientation::Rotate90,
+        // Half turns and mirrors undo themselves.
+        other => other,
+    }
+}
+
+/// EXIF data with nothing but an orientation: a TIFF header and one entry \[Exif2019\].
+fn exif_of(orientation: Orientation) -> [u8; 26] {
+    let mut exif = *b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\0\0\0\0\0\0\0\0";
+    exif[18] = orientation.to_exif();
+    exif
 }
 
 pub(crate) fn check_size(
@@ -113,7 +176,11 @@ pub(crate) fn check_size(
     })
 }
 
-fn encode_png(pixels: &DynamicImage, icc_profile: Option<&[u8]>) -> Result<Vec<u8>, DatasetError> {
+fn encode_png(
+    pixels: &DynamicImage,
+    icc_profile: Option<&[u8]>,
+    exif: Option<&[u8]>,
+) -> Result<Vec<u8>, DatasetError> {
     use BitDepth::{Eight, Sixteen};
     use ColorType::{Grayscale, GrayscaleAlpha, Rgb, Rgba};
     let (mode, samples) = match pixels {
@@ -143,6 +210,7 @@ fn encode_png(pixels: &DynamicImage, icc_profile: Option<&[u8]>) -> Result<Vec<u
         mode,
         &samples,
         icc_profile,
+        exif,
     )
 }
 
@@ -151,11 +219,13 @@ fn write_png(
     (color_type, bit_depth): (ColorType, BitDepth),
     samples: &[u8],
     icc_profile: Option<&[u8]>,
+    exif: Option<&[u8]>,
 ) -> Result<Vec<u8>, DatasetError> {
     let mut info = png::Info::with_size(width_px, height_px);
     info.color_type = color_type;
     info.bit_depth = bit_depth;
     info.icc_profile = icc_profile.map(Cow::Borrowed);
+    info.exif_metadata = exif.map(Cow::Borrowed);
 
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::with_info(&mut bytes, info).map_err(png_error)?;
@@ -184,6 +254,7 @@ fn encode_jpeg(
     pixels: &DynamicImage,
     quality: JpegQuality,
     icc_profile: Option<&[u8]>,
+    exif: Option<&[u8]>,
 ) -> Result<Vec<u8>, DatasetError> {
     let (color_type, samples) = match pixels {
         DynamicImage::ImageLuma8(i) => (jpeg_encoder::ColorType::Luma, samples_of(i)),
@@ -216,6 +287,9 @@ fn encode_jpeg(
     } else {
         SamplingFactor::F_2_2
     });
+    if let Some(exif) = exif {
+        encoder.add_exif_metadata(exif).map_err(error)?;
+    }
     if let Some(profile) = icc_profile {
         encoder.add_icc_profile(profile).map_err(error)?;
     }

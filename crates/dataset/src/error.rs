@@ -1,7 +1,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::ImageFormat;
+use crate::{ImageFormat, SourceFormat};
 
 /// What went wrong with a file or a codec, as one line: the file, the fact, the way out.
 ///
@@ -208,6 +208,65 @@ pub enum DatasetError {
         /// The error of the operating system.
         source: io::Error,
     },
+    /// A folder holds a set that was made from something else.
+    #[error(
+        "{path:?} holds another set: its {key} is {found}, here it is {wanted}; choose another output folder or the \
+         same settings"
+    )]
+    OtherSet {
+        /// The folder.
+        path: PathBuf,
+        /// What differs.
+        key: String,
+        /// Its value there, as JSON.
+        found: String,
+        /// Its value here.
+        wanted: String,
+    },
+    /// Another process works on the folder.
+    #[error("{path:?} is in use by another run; wait for it or choose another output folder")]
+    FolderInUse {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// A folder that is no generated set.
+    #[error("{path:?} is not a generated set: {reason}")]
+    NotASet {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// A record of ours that cannot be understood.
+    #[error("{path:?} is damaged: {reason}; generate the set again")]
+    Record {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A name that would lead out of its folder.
+    #[error("{name:?} is no path inside the set; expected a relative one without `..`")]
+    UnsafeName {
+        /// The name.
+        name: String,
+    },
+    /// Shards that are no whole.
+    #[error("the shards are no whole set: {reason}; give each of them once")]
+    Shards {
+        /// Why.
+        reason: String,
+    },
+    /// Input and output are in each other.
+    #[error(
+        "the output {output:?} and the input {input:?} lie in each other; choose a folder beside it"
+    )]
+    OutputInInput {
+        /// The input.
+        input: PathBuf,
+        /// The output.
+        output: PathBuf,
+    },
     /// A provenance record that is not a JSON object with a `schema`.
     #[error(
         "the provenance record is not valid: {reason}; expected a JSON object with a text field \"schema\""
@@ -216,6 +275,65 @@ pub enum DatasetError {
         /// What is wrong.
         reason: String,
     },
+    /// A word that does not name a dataset, such as one without a format.
+    #[error(
+        "{text:?} {problem}; expected kitti:DIR, coco:DIR, bdd:DIR, yolo:DIR, folder:DIR or \
+         list:FILE{suggestion}"
+    )]
+    SourceSpec {
+        /// The word.
+        text: String,
+        /// What is wrong with it.
+        problem: &'static str,
+        /// The word that may be meant, as the end of the message; empty where there is no guess.
+        suggestion: String,
+    },
+    /// The folder is not laid out as its format says.
+    #[error("cannot read {path:?} as a {format} dataset: {}", one_line(.reason))]
+    SourceLayout {
+        /// The folder or file.
+        path: PathBuf,
+        /// The format.
+        format: SourceFormat,
+        /// What is wrong.
+        reason: String,
+    },
+    /// An index file of a dataset that is broken as a whole.
+    #[error("{path:?} is not a valid {format} index: {}", one_line(.reason))]
+    SourceIndex {
+        /// The file.
+        path: PathBuf,
+        /// The format of the dataset.
+        format: SourceFormat,
+        /// What is wrong, and where.
+        reason: String,
+    },
+    /// The reduced copy of an index file cannot be written.
+    #[error("cannot write the reduced copy of {name:?}: {}; {}", io_fact(.source), io_way_out(.source))]
+    SubsetWrite {
+        /// Name of the index in its dataset.
+        name: String,
+        /// The error of the writer.
+        source: io::Error,
+    },
+}
+
+impl DatasetError {
+    /// Whether it would meet every other output, too: the disk is full, read-only or not ours to
+    /// write on.
+    #[must_use]
+    pub fn is_of_the_disk(&self) -> bool {
+        let (Self::Write { source, .. } | Self::Commit { source, .. }) = self else {
+            return false;
+        };
+        matches!(
+            source.kind(),
+            io::ErrorKind::StorageFull
+                | io::ErrorKind::QuotaExceeded
+                | io::ErrorKind::ReadOnlyFilesystem
+                | io::ErrorKind::PermissionDenied
+        )
+    }
 }
 
 /// The text on one line: control characters and line breaks are escaped.

@@ -32,20 +32,34 @@ mod animation;
 mod array;
 mod encode;
 
+mod generated;
+
 mod output_batch;
 mod paths;
 mod provenance;
 
 mod scene;
+mod source;
 mod text_file;
 
 pub use animation::{AnimationParams, encode_animation};
 pub use array::encode_array;
-pub use encode::{Encoding, JpegQuality, encode_image, encode_mask};
+pub use encode::{
+    Encoding, JpegQuality, encode_image, encode_image_as, encode_mask, encode_mask_as,
+};
 pub use error::DatasetError;
+pub use generated::{
+    CarriedFile, Carry, Finding, GeneratedSet, ItemRecord, Manifest, MergeReport, SET_SCHEMA,
+    STATE_FOLDER, SampleFiles, SetChecker, SetLayout, compare_identity, file_len, merge_sets,
+    safe_path, set_identity, sha256_of_file,
+};
 pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_image};
 pub use output_batch::OutputBatch;
-pub use paths::{FileSet, same_file};
+pub use paths::{FileSet, is_inside, same_file};
 pub use provenance::{Provenance, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
+pub use source::{
+    BadRecord, FileRole, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat, SourceImage,
+    SourceSpec,
+};
 pub use text_file::{TextFile, read_text};

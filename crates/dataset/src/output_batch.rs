@@ -200,7 +200,7 @@ impl Drop for OutputBatch {
     }
 }
 
-fn create_temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
+pub(crate) fn create_temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".starbreak-");
     // Less the umask, as for any new file; the default would be private to the user.

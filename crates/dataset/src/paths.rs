@@ -16,6 +16,12 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
     resolved(a) == resolved(b) || inode(a).is_some_and(|inode_a| inode(b) == Some(inode_a))
 }
 
+/// Whether a path lies in a folder, or is it; links are seen through as in [`same_file`].
+#[must_use]
+pub fn is_inside(path: &Path, folder: &Path) -> bool {
+    resolved(path).starts_with(resolved(folder))
+}
+
 /// Device and number of an existing file.
 #[cfg(unix)]
 fn inode(path: &Path) -> Option<(u64, u64)> {

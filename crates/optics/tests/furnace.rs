@@ -146,3 +146,37 @@ fn beside_a_glint_no_light_is_taken_away() {
         assert!(least >= 0.0, "{least} beside {most} at f/{f_number}");
     }
 }
+
+#[test]
+fn light_is_moved_as_far_as_the_maps_say() {
+    // Where two layers move light the maps hold the mean of two vectors, which is shorter.
+    for (wedge_deg, slack) in [(0.0, 1e-4), (5.0, 0.1)] {
+        let optics = optics(8.0, wedge_deg);
+        let overlay = overlay(20.0, &optics, &light(0.6, 0.1, 0.02, 0.0));
+        let maps = overlay.maps();
+        for (xs, ys) in [
+            ([0, SIZE.0], [0, SIZE.1]),
+            ([70, 95], [40, 61]),
+            ([3, 4], [5, 6]),
+        ] {
+            let (mut light, mut moved) = (0.0, 0.0);
+            for y in ys[0]..ys[1] {
+                for x in xs[0]..xs[1] {
+                    let at = (y * SIZE.0 + x) as usize;
+                    let share = f64::from(maps.elsewhere[at]);
+                    let [u, v] = maps.displacement[at].map(f64::from);
+                    light += 1.0 - f64::from(maps.attenuation[at]) + share;
+                    moved += share * u.hypot(v);
+                }
+            }
+            let expected = moved / light;
+            let found = overlay.mean_displacement_px(xs, ys);
+            assert!(
+                found >= expected * 0.9999 && found <= (1.0 + slack) * expected + 1e-9,
+                "{xs:?} {ys:?}: {found} px, not {expected}"
+            );
+        }
+        let at_the_hit = overlay.mean_displacement_px([70, 95], [40, 61]);
+        assert!(at_the_hit > 0.1, "mirrors move the scene: {at_the_hit} px");
+    }
+}

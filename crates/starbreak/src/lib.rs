@@ -20,6 +20,7 @@
 //! ```
 
 mod error;
+pub mod generate;
 pub mod import;
 pub mod pipeline;
 mod recipe;

@@ -28,6 +28,8 @@ pub struct ImageFile {
     pub format: ImageFormat,
     /// The embedded ICC color profile. The pixels are *not* converted with it.
     pub icc_profile: Option<Vec<u8>>,
+    /// How the file's own pixels lie to the upright ones.
+    pub orientation: Orientation,
     /// SHA-256 of the bytes of the file, 64 lowercase hexadecimal digits.
     pub sha256: String,
 }
@@ -150,6 +152,7 @@ pub fn decode_image(
         pixels,
         format,
         icc_profile: decoded.icc_profile,
+        orientation: decoded.orientation,
         sha256: sha256_hex(bytes),
     })
 }

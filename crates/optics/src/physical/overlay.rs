@@ -178,6 +178,50 @@ impl Overlay {
         mask
     }
 
+    /// Radius of the disc that a point of the scene becomes, px; 0 where it is in focus or
+    /// nothing is broken.
+    #[must_use]
+    pub fn scene_blur_radius_px(&self) -> f64 {
+        if self.layers.is_empty() {
+            return 0.0;
+        }
+        let lens = &self.optics.lens;
+        (0.5 * lens.circle_of_confusion_px(self.f_px, lens.scene_m)).abs()
+    }
+
+    /// Mean distance, px, that the image's own light in some columns and rows (from the first to
+    /// one after the last) was moved: Σ W·|d| / Σ (K + W), as in [`Damage`](crate::Damage).
+    #[must_use]
+    pub fn mean_displacement_px(&self, xs: [u32; 2], ys: [u32; 2]) -> f64 {
+        let [xs, ys] = [xs, ys].map(|[from, to]| from as usize..to as usize);
+        // Of each pixel: what it keeps of its light, its share of other light, and that times the
+        // distance it comes from.
+        let mut pixels = vec![[1.0, 0.0, 0.0]; xs.len() * ys.len()];
+        for layer in &self.layers {
+            for run in layer.runs.iter().filter(|run| ys.contains(&run.y)) {
+                let other = run.elsewhere.map(|place| &layer.elsewhere[place]);
+                for k in (0..CHUNK).filter(|k| xs.contains(&(run.x + k))) {
+                    let at = (run.y - ys.start) * xs.len() + run.x + k - xs.start;
+                    let keep = f64::from((run.keep[0][k] + run.keep[1][k] + run.keep[2][k]) / 3.0);
+                    pixels[at] = pixels[at].map(|before| before * keep);
+                    if let Some(other) = other.filter(|other| other.share[k] > 0.0) {
+                        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                        let own = [(run.x + k) as f64 + 0.5, run.y as f64 + 0.5];
+                        let du = f64::from(other.u[k]) - own[0];
+                        let dv = f64::from(other.v[k]) - own[1];
+                        let share = f64::from(other.share[k]);
+                        pixels[at][1] += share;
+                        pixels[at][2] += share * (du * du + dv * dv).sqrt();
+                    }
+                }
+            }
+        }
+        let (light, moved) = pixels.iter().fold((0.0, 0.0), |(light, moved), pixel| {
+            (light + pixel[0] + pixel[1], moved + pixel[2])
+        });
+        if moved > 0.0 { moved / light } else { 0.0 }
+    }
+
     /// The maps, pixel by pixel.
     #[must_use]
     pub fn maps(&self) -> OpticalMaps {

@@ -28,6 +28,7 @@ pub use files::{
 pub use growth::{growth_drawing, growth_over, growth_times};
 pub use imported::{crack_image_with, use_network, view_of_network};
 pub use provenance::{PROVENANCE_SCHEMA, RunContext};
+pub(crate) use show::network_view;
 pub use show::{Baked, OpticsReport, SceneReport, Shown, bake_network, show_cracks};
 pub use timings::{Stopwatch, Timings};
 

@@ -72,11 +72,7 @@ pub fn show_cracks(
     let mut watch = Stopwatch::start();
     let before = image.clone();
     let size = (image.width(), image.height());
-    let view = if matches!(details, Details::Imported(_)) {
-        view_of_network(settings, &network, size)?
-    } else {
-        own_view(settings, size)?
-    };
+    let view = network_view(settings, &network, &details, size)?;
     let baked = bake_network(settings, (&network, f64::INFINITY), &view, seed)?;
     watch.lap(baked.stage());
     let shown = baked.over(settings, image, seed, &mut watch)?;
@@ -99,6 +95,20 @@ pub fn show_cracks(
         optics: OpticsReport { contrast, scene },
         timings,
     })
+}
+
+/// How a frame shows cracks, simulated for it or imported.
+pub(crate) fn network_view(
+    settings: &Settings,
+    network: &CrackNetwork,
+    details: &Details,
+    size: (u32, u32),
+) -> Result<View, Error> {
+    if matches!(details, Details::Imported(_)) {
+        view_of_network(settings, network, size)
+    } else {
+        own_view(settings, size)
+    }
 }
 
 /// How a frame shows cracks that were simulated for it.

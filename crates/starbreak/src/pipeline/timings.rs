@@ -31,6 +31,16 @@ impl Timings {
         self.stages.extend(later.stages);
     }
 
+    /// Adds the times of another run of the same stages.
+    pub fn add(&mut self, other: &Self) {
+        for (stage, ms) in &other.stages {
+            match self.stages.iter_mut().find(|(name, _)| name == stage) {
+                Some((_, sum_ms)) => *sum_ms += ms,
+                None => self.stages.push((stage, *ms)),
+            }
+        }
+    }
+
     /// `{stage: ms, …, total: ms}`, to a microsecond.
     #[must_use]
     pub fn to_json(&self) -> Value {

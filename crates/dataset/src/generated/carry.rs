@@ -1,0 +1,175 @@
+//! Labels and other files of the source, carried over as they are.
+
+use std::fs::{self, File};
+use std::io::{self, Read as _, Write};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+
+use super::GeneratedSet;
+use crate::error::DatasetError;
+use crate::output_batch::create_temporary;
+use crate::paths::same_file;
+use crate::provenance::hex;
+
+/// How files are carried over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carry {
+    /// As bytes of their own.
+    Copy,
+    /// As a second name of the same bytes, which takes no space; where the system gives none
+    /// (another disk, say), as a copy. To change the one then changes the other.
+    HardLink,
+}
+
+/// A file that was carried over: a line of `files.jsonl`.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct CarriedFile {
+    /// Path from the root of the set.
+    pub name: String,
+    /// Its length.
+    pub n_bytes: u64,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+}
+
+impl GeneratedSet {
+    /// Carries a file over under a name, byte for byte. One that is there with the same bytes stays.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`], [`DatasetError::Write`], [`DatasetError::UnsafeName`].
+    pub fn carry(&self, from: &Path, name: &str, how: Carry) -> Result<CarriedFile, DatasetError> {
+        let to = self.layout.safe(name)?;
+        let from = fs::canonicalize(from).map_err(read_error(from))?;
+        let n_bytes = fs::metadata(&from).map_err(read_error(&from))?.len();
+        let there = fs::metadata(&to).ok().filter(|there| there.is_file());
+        if let Some(there) = there.filter(|there| there.len() == n_bytes) {
+            let carried = carried(name, there.len(), &sha256_of_file(&to)?);
+            // A copy that an earlier run has made is compared; a link is the file.
+            if same_file(&from, &to) || sha256_of_file(&from)? == carried.sha256 {
+                return Ok(carried);
+            }
+        }
+        if how == Carry::HardLink && self.link(&from, &to)? {
+            return Ok(carried(name, n_bytes, &sha256_of_file(&from)?));
+        }
+        let mut source = File::open(&from).map_err(read_error(&from))?;
+        self.put_with(name, &mut |out| {
+            io::copy(&mut source, out)
+                .map(|_| ())
+                .map_err(read_error(&from))
+        })
+    }
+
+    /// Writes a file under a name as it comes.
+    ///
+    /// # Errors
+    /// What the writer says, [`DatasetError::Write`], [`DatasetError::UnsafeName`].
+    pub fn put_with(
+        &self,
+        name: &str,
+        write: &mut dyn FnMut(&mut dyn Write) -> Result<(), DatasetError>,
+    ) -> Result<CarriedFile, DatasetError> {
+        let to = self.layout.safe(name)?;
+        let write_error = |source| DatasetError::Write {
+            path: to.clone(),
+            source,
+        };
+        let folder = to.parent().unwrap_or(&to);
+        fs::create_dir_all(folder).map_err(write_error)?;
+        let temporary = create_temporary(folder).map_err(write_error)?;
+        let mut hashing = Hashing {
+            file: io::BufWriter::new(temporary),
+            digest: Sha256::new(),
+            n_bytes: 0,
+        };
+        write(&mut hashing)?;
+        let Hashing {
+            file,
+            digest,
+            n_bytes,
+        } = hashing;
+        let file = file
+            .into_inner()
+            .map_err(|error| write_error(error.into_error()))?;
+        file.persist(&to)
+            .map_err(|failed| write_error(failed.error))?;
+        Ok(carried(name, n_bytes, &hex(&digest.finalize())))
+    }
+
+    /// Links a file; false where the system does not.
+    fn link(&self, from: &Path, to: &Path) -> Result<bool, DatasetError> {
+        let write_error = |source| DatasetError::Write {
+            path: to.to_owned(),
+            source,
+        };
+        if let Some(folder) = to.parent() {
+            fs::create_dir_all(folder).map_err(write_error)?;
+        }
+        match fs::remove_file(to) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                return Err(write_error(source));
+            }
+            _ => {}
+        }
+        Ok(fs::hard_link(from, to).is_ok())
+    }
+}
+
+fn carried(name: &str, n_bytes: u64, sha256: &str) -> CarriedFile {
+    CarriedFile {
+        name: name.to_owned(),
+        n_bytes,
+        sha256: sha256.to_owned(),
+    }
+}
+
+fn read_error(path: &Path) -> impl FnOnce(io::Error) -> DatasetError {
+    let path = path.to_owned();
+    move |source| DatasetError::Read { path, source }
+}
+
+/// The length of a file, bytes.
+///
+/// # Errors
+/// [`DatasetError::Read`].
+pub fn file_len(path: &Path) -> Result<u64, DatasetError> {
+    Ok(fs::metadata(path).map_err(read_error(path))?.len())
+}
+
+/// SHA-256 of a file of any length, read in pieces: 64 lowercase hexadecimal digits.
+///
+/// # Errors
+/// [`DatasetError::Read`].
+pub fn sha256_of_file(path: &Path) -> Result<String, DatasetError> {
+    let mut file = File::open(path).map_err(read_error(path))?;
+    let mut digest = Sha256::new();
+    let mut piece = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut piece).map_err(read_error(path))? {
+            0 => return Ok(hex(&digest.finalize())),
+            n => digest.update(&piece[..n]),
+        }
+    }
+}
+
+/// Writes and hashes at once.
+struct Hashing<W: Write> {
+    file: io::BufWriter<W>,
+    digest: Sha256,
+    n_bytes: u64,
+}
+
+impl<W: Write> Write for Hashing<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.file.write(bytes)?;
+        self.digest.update(&bytes[..n]);
+        self.n_bytes += n as u64;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}

@@ -1,0 +1,252 @@
+//! Whether a set is whole, unmixed and as its lists say.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use sha2::{Digest as _, Sha256};
+
+use super::carry::sha256_of_file;
+use super::lists::{Manifest, read_list, read_manifest};
+use super::{CarriedFile, ItemRecord, STATE_FOLDER, SetLayout, is_there};
+use crate::error::DatasetError;
+
+/// Something that is wrong with a set.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Finding {
+    /// The file, as a path from the root of the set.
+    pub name: String,
+    /// What is wrong with it.
+    pub what: String,
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} {}", self.name, self.what)
+    }
+}
+
+/// A finished set that is to be checked.
+#[derive(Debug)]
+pub struct SetChecker {
+    layout: SetLayout,
+    manifest: Manifest,
+    identity: Value,
+    /// Heads of the digests of all names that belong to the set: a few bytes each.
+    names: BTreeSet<u64>,
+}
+
+impl SetChecker {
+    /// Opens a set for checking.
+    ///
+    /// # Errors
+    /// [`DatasetError::NotASet`] where there is none, or it is not finished.
+    pub fn open(root: &Path) -> Result<Self, DatasetError> {
+        let identity = super::set_identity(root)?;
+        let n_samples = identity["samples"].as_u64().unwrap_or(1);
+        let layout = SetLayout::new(root, u32::try_from(n_samples).unwrap_or(1));
+        let Some(manifest) = read_manifest(&layout)? else {
+            return Err(DatasetError::NotASet {
+                path: root.to_owned(),
+                reason: format!(
+                    "it has no {STATE_FOLDER}/manifest.json, so it is not finished; run the same generate again"
+                ),
+            });
+        };
+        Ok(Self {
+            layout,
+            manifest,
+            identity,
+            names: BTreeSet::new(),
+        })
+    }
+
+    /// What the set is made from.
+    #[must_use]
+    pub fn identity(&self) -> &Value {
+        &self.identity
+    }
+
+    /// What the run said at its end.
+    #[must_use]
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Where its files lie.
+    #[must_use]
+    pub fn layout(&self) -> &SetLayout {
+        &self.layout
+    }
+
+    /// Whether the lists are those that the manifest means.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`].
+    pub fn check_lists(&self) -> Result<Vec<Finding>, DatasetError> {
+        let mut findings = Vec::new();
+        let lists = [
+            ("run.json", &self.manifest.run_sha256),
+            ("items.jsonl", &self.manifest.items_sha256),
+            ("files.jsonl", &self.manifest.files_sha256),
+        ];
+        for (name, sha256) in lists {
+            let path = self.layout.state(name);
+            let what = if !is_there(&path)? {
+                "is missing"
+            } else if sha256_of_file(&path)? != *sha256 {
+                "is not the one that the manifest means"
+            } else {
+                continue;
+            };
+            findings.push(Finding {
+                name: format!("{STATE_FOLDER}/{name}"),
+                what: what.to_owned(),
+            });
+        }
+        Ok(findings)
+    }
+
+    /// The images of the set, in its order.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`], and per line [`DatasetError::Record`].
+    pub fn items(
+        &self,
+    ) -> Result<impl Iterator<Item = Result<ItemRecord, DatasetError>> + use<>, DatasetError> {
+        read_list(&self.layout.state("items.jsonl"))
+    }
+
+    /// The files that were carried over.
+    ///
+    /// # Errors
+    /// As for [`SetChecker::items`].
+    pub fn files(
+        &self,
+    ) -> Result<impl Iterator<Item = Result<CarriedFile, DatasetError>> + use<>, DatasetError> {
+        read_list(&self.layout.state("files.jsonl"))
+    }
+
+    /// Takes the names of an image's files for known.
+    pub fn know_item(&mut self, item: &ItemRecord) {
+        for (name, _) in self.hashes_of(item) {
+            self.know(&name);
+        }
+    }
+
+    /// Takes the name of a file for known.
+    pub fn know(&mut self, name: &str) {
+        self.names.insert(head(name));
+    }
+
+    /// Whether the files of an image are there with the right bytes.
+    #[must_use]
+    pub fn check_item(&self, item: &ItemRecord) -> Vec<Finding> {
+        let hashes = self.hashes_of(item);
+        let of_file = |(name, sha256): &(String, String)| self.check_file(name, sha256);
+        hashes.iter().filter_map(of_file).collect()
+    }
+
+    /// Whether a file is there with the right bytes.
+    #[must_use]
+    pub fn check_file(&self, name: &str, sha256: &str) -> Option<Finding> {
+        let finding = |what: String| {
+            Some(Finding {
+                name: name.to_owned(),
+                what,
+            })
+        };
+        let Some(path) = super::safe_path(self.layout.root(), name) else {
+            return finding("is no name inside the set".to_owned());
+        };
+        match is_there(&path) {
+            Ok(false) => return finding("is missing".to_owned()),
+            Err(error) => return finding(error.to_string()),
+            Ok(true) => {}
+        }
+        match sha256_of_file(&path) {
+            Ok(found) if found == sha256 => None,
+            Ok(_) => finding("has other bytes than the run wrote".to_owned()),
+            Err(error) => finding(error.to_string()),
+        }
+    }
+
+    /// Files below the root that belong to no list: what somebody else has put there, or another
+    /// run. All names must be known before.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`].
+    pub fn strangers(&self) -> Result<Vec<Finding>, DatasetError> {
+        let root = self.layout.root();
+        let mut findings = Vec::new();
+        let mut folders = vec![root.to_owned()];
+        while let Some(folder) = folders.pop() {
+            let read_error = |source| DatasetError::Read {
+                path: folder.clone(),
+                source,
+            };
+            for entry in fs::read_dir(&folder).map_err(read_error)? {
+                let path = entry.map_err(read_error)?.path();
+                let name = path.strip_prefix(root).unwrap_or(&path);
+                let name = name
+                    .to_string_lossy()
+                    .replace(std::path::MAIN_SEPARATOR, "/");
+                if fs::symlink_metadata(&path).is_ok_and(|file| file.is_dir()) {
+                    folders.push(path);
+                } else if !is_own(&name) && !self.names.contains(&head(&name)) {
+                    findings.push(Finding {
+                        name,
+                        what: "does not belong to the set".to_owned(),
+                    });
+                }
+            }
+        }
+        findings.sort();
+        Ok(findings)
+    }
+
+    fn hashes_of(&self, item: &ItemRecord) -> Vec<(String, String)> {
+        let files = self.layout.files_of(&item.name, item.sample);
+        let mut hashes = vec![
+            (files.image, item.image_sha256.clone()),
+            (files.provenance, item.provenance_sha256.clone()),
+        ];
+        let masks = [
+            (files.region, &item.region_sha256),
+            (files.crack, &item.crack_sha256),
+        ];
+        for (name, sha256) in masks {
+            if let Some(sha256) = sha256 {
+                hashes.push((name, sha256.clone()));
+            }
+        }
+        hashes
+    }
+}
+
+/// Whether a name is one of the few of the state folder itself.
+fn is_own(name: &str) -> bool {
+    const OWN: [&str; 8] = [
+        "run.json",
+        "recipe.toml",
+        "items.jsonl",
+        "files.jsonl",
+        "manifest.json",
+        "failures.jsonl",
+        "skipped.jsonl",
+        "lock",
+    ];
+    name.strip_prefix(STATE_FOLDER)
+        .and_then(|rest| rest.strip_prefix('/'))
+        .is_some_and(|rest| OWN.contains(&rest))
+}
+
+/// The first 64 bits of a name's SHA-256.
+fn head(name: &str) -> u64 {
+    let digest = Sha256::digest(name.as_bytes());
+    let mut head = [0; 8];
+    head.copy_from_slice(&digest[..8]);
+    u64::from_be_bytes(head)
+}

@@ -1,0 +1,85 @@
+//! Which images are done, and the hashes of what they became.
+
+use std::fs;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{GeneratedSet, MAX_RECORD_BYTES, SetLayout};
+use crate::error::DatasetError;
+use crate::text_file::read_text;
+
+/// One sample of one image: a line of `items.jsonl`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ItemRecord {
+    /// Name of the image in the source.
+    pub name: String,
+    /// Which sample of it.
+    pub sample: u32,
+    /// SHA-256 of the source's file.
+    pub input_sha256: String,
+    /// SHA-256 of the image.
+    pub image_sha256: String,
+    /// SHA-256 of the region mask, where one was written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub region_sha256: Option<String>,
+    /// SHA-256 of the crack mask, where one was written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crack_sha256: Option<String>,
+    /// SHA-256 of the record.
+    pub provenance_sha256: String,
+}
+
+impl GeneratedSet {
+    /// The record of a sample that is done: its provenance, which is put in place last, is there
+    /// and belongs to this run, and so are its pictures. None where it is still to be done.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`] where the disk cannot be asked.
+    pub fn done(&self, name: &str, sample_idx: u32) -> Result<Option<ItemRecord>, DatasetError> {
+        done(&self.layout, name, sample_idx)
+    }
+}
+
+pub(super) fn done(
+    layout: &SetLayout,
+    name: &str,
+    sample_idx: u32,
+) -> Result<Option<ItemRecord>, DatasetError> {
+    let files = layout.files_of(name, sample_idx);
+    let path = layout.path(&files.provenance);
+    if !super::is_there(&path)? {
+        return Ok(None);
+    }
+    // What is not whole is made again.
+    let Ok(file) = read_text(&path, MAX_RECORD_BYTES) else {
+        return Ok(None);
+    };
+    let Ok(record) = serde_json::from_str::<Value>(&file.text) else {
+        return Ok(None);
+    };
+    let of = |key: &str| record[key]["sha256"].as_str().map(str::to_owned);
+    let (Some(input_sha256), Some(image_sha256)) = (of("input"), of("output")) else {
+        return Ok(None);
+    };
+    let is_this = record["input"]["name"] == name && record["item"]["sample_index"] == sample_idx;
+    let (region_sha256, crack_sha256) = (of("region"), of("crack"));
+    let wanted = [
+        Some(&files.image),
+        region_sha256.as_ref().map(|_| &files.region),
+        crack_sha256.as_ref().map(|_| &files.crack),
+    ];
+    let are_there = wanted
+        .into_iter()
+        .flatten()
+        .all(|name| fs::metadata(layout.path(name)).is_ok_and(|file| file.is_file()));
+    Ok((is_this && are_there).then(|| ItemRecord {
+        name: name.to_owned(),
+        sample: sample_idx,
+        input_sha256,
+        image_sha256,
+        region_sha256,
+        crack_sha256,
+        provenance_sha256: file.sha256,
+    }))
+}

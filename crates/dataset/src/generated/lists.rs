@@ -1,0 +1,136 @@
+//! The lists of a set, and the manifest that says it is whole.
+
+use std::fs::File;
+use std::io::{BufRead as _, BufReader};
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use super::{CarriedFile, GeneratedSet, ItemRecord, SetLayout, read_json};
+use crate::error::{DatasetError, one_line};
+
+/// What a finished run says of its set: `manifest.json`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// [`SET_SCHEMA`](super::SET_SCHEMA).
+    pub schema: String,
+    /// Images made, samples counted one by one.
+    pub n_items: u64,
+    /// Images that could not be made; `failures.jsonl` lists them.
+    pub n_failed: u64,
+    /// Records of the source that were left out; `skipped.jsonl` lists them.
+    pub n_skipped: u64,
+    /// Files that were carried over.
+    pub n_files: u64,
+    /// SHA-256 of `run.json`.
+    pub run_sha256: String,
+    /// SHA-256 of `items.jsonl`.
+    pub items_sha256: String,
+    /// SHA-256 of `files.jsonl`.
+    pub files_sha256: String,
+}
+
+impl GeneratedSet {
+    /// Writes the lists and the manifest.
+    ///
+    /// # Errors
+    /// [`DatasetError::Write`], and what the items say.
+    pub fn finish(
+        &self,
+        items: &mut dyn Iterator<Item = Result<ItemRecord, DatasetError>>,
+        files: &[CarriedFile],
+        n_failed: u64,
+        n_skipped: u64,
+    ) -> Result<Manifest, DatasetError> {
+        let mut n_items = 0;
+        let items = self.put_list("items.jsonl", &mut |line| {
+            items.next().transpose()?.map_or(Ok(false), |item| {
+                n_items += 1;
+                push_line(line, &item);
+                Ok(true)
+            })
+        })?;
+        let mut rest = files.iter();
+        let files_list = self.put_list("files.jsonl", &mut |line| {
+            Ok(rest.next().map(|file| push_line(line, file)).is_some())
+        })?;
+        let manifest = Manifest {
+            schema: super::SET_SCHEMA.to_owned(),
+            n_items,
+            n_failed,
+            n_skipped,
+            n_files: files.len() as u64,
+            run_sha256: super::carry::sha256_of_file(&self.layout.state("run.json"))?,
+            items_sha256: items.sha256,
+            files_sha256: files_list.sha256,
+        };
+        let text = serde_json::to_string_pretty(&manifest).unwrap_or_default();
+        self.put_state("manifest.json", Some(&format!("{text}\n")))?;
+        Ok(manifest)
+    }
+
+    /// Writes a list of the state folder, line by line, until there is no next.
+    fn put_list(
+        &self,
+        name: &str,
+        next: &mut dyn FnMut(&mut String) -> Result<bool, DatasetError>,
+    ) -> Result<CarriedFile, DatasetError> {
+        let path = self.layout.state(name);
+        let name = format!("{}/{name}", super::STATE_FOLDER);
+        self.put_with(&name, &mut |out| {
+            let mut line = String::new();
+            while next(&mut line)? {
+                out.write_all(line.as_bytes())
+                    .map_err(|source| DatasetError::Write {
+                        path: path.clone(),
+                        source,
+                    })?;
+                line.clear();
+            }
+            Ok(())
+        })
+    }
+}
+
+fn push_line(line: &mut String, record: &impl Serialize) {
+    // Records of texts and numbers always have a JSON form.
+    line.push_str(&serde_json::to_string(record).unwrap_or_default());
+    line.push('\n');
+}
+
+/// The manifest of a set; none where it is not finished.
+pub(super) fn read_manifest(layout: &SetLayout) -> Result<Option<Manifest>, DatasetError> {
+    let path = layout.state("manifest.json");
+    if !super::is_there(&path)? {
+        return Ok(None);
+    }
+    serde_json::from_value(read_json(&path)?)
+        .map(Some)
+        .map_err(|error| DatasetError::Record {
+            path,
+            reason: one_line(&error),
+        })
+}
+
+/// The lines of a list, one after the other.
+pub(super) fn read_list<T: DeserializeOwned>(
+    path: &Path,
+) -> Result<impl Iterator<Item = Result<T, DatasetError>> + use<T>, DatasetError> {
+    let path = path.to_owned();
+    let file = File::open(&path).map_err(|source| DatasetError::Read {
+        path: path.clone(),
+        source,
+    })?;
+    let lines = BufReader::new(file).lines();
+    Ok((1..).zip(lines).map(move |(k, line): (u64, _)| {
+        let line = line.map_err(|source| DatasetError::Read {
+            path: path.clone(),
+            source,
+        })?;
+        serde_json::from_str(&line).map_err(|error| DatasetError::Record {
+            path: path.clone(),
+            reason: format!("line {k}: {}", one_line(&error)),
+        })
+    }))
+}

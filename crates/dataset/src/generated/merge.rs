@@ -1,0 +1,206 @@
+//! Shards of one run, each in a folder of its own, to the set that one run would have made.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::identity::difference;
+use super::lists::{read_list, read_manifest};
+use super::{CarriedFile, Carry, GeneratedSet, ItemRecord, Manifest, SetLayout, set_identity};
+use crate::error::DatasetError;
+use crate::paths::is_inside;
+
+/// What a merge has done.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MergeReport {
+    /// What the merged set says of itself.
+    pub manifest: Manifest,
+    /// Number of shards.
+    pub n_shards: u64,
+}
+
+/// One shard.
+struct Part {
+    layout: SetLayout,
+    manifest: Manifest,
+}
+
+/// Joins the shards of one run in `out`. Files get a second name there where the disk gives one,
+/// else they are copied; the parts stay as they are.
+///
+/// # Errors
+/// [`DatasetError::NotASet`] for a part that is no finished shard, [`DatasetError::OtherSet`] for
+/// parts of different runs, [`DatasetError::Shards`] for shards that are missing or there twice.
+pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetError> {
+    let (parts, identity) = shards(parts)?;
+    let n_samples = identity["samples"].as_u64().unwrap_or(1);
+    let n_samples = u32::try_from(n_samples).unwrap_or(1);
+    for part in parts.values() {
+        if is_inside(out, part.layout.root()) || is_inside(part.layout.root(), out) {
+            return Err(DatasetError::OutputInInput {
+                input: part.layout.root().to_owned(),
+                output: out.to_owned(),
+            });
+        }
+    }
+    let set = GeneratedSet::begin(out, n_samples, &identity)?;
+
+    let mut files: BTreeMap<String, CarriedFile> = BTreeMap::new();
+    let (mut n_failed, mut n_skipped) = (0, 0);
+    for part in parts.values() {
+        n_failed += part.manifest.n_failed;
+        // Each shard has seen the whole source.
+        n_skipped = n_skipped.max(part.manifest.n_skipped);
+        for file in read_list::<CarriedFile>(&part.layout.state("files.jsonl"))? {
+            let file = file?;
+            match files.get(&file.name) {
+                Some(first) if first.sha256 != file.sha256 => {
+                    return Err(DatasetError::Shards {
+                        reason: format!("two of them have {:?} with different bytes", file.name),
+                    });
+                }
+                Some(_) => {}
+                None => {
+                    let from = part.layout.safe(&file.name)?;
+                    let carried = set.carry(&from, &file.name, Carry::HardLink)?;
+                    files.insert(file.name, carried);
+                }
+            }
+        }
+        for item in read_list::<ItemRecord>(&part.layout.state("items.jsonl"))? {
+            let item = item?;
+            let named = part.layout.files_of(&item.name, item.sample);
+            let masks = [
+                item.region_sha256.as_ref().map(|_| &named.region),
+                item.crack_sha256.as_ref().map(|_| &named.crack),
+            ];
+            let images = [
+                Some(&named.image),
+                masks[0],
+                masks[1],
+                Some(&named.provenance),
+            ];
+            for name in images.into_iter().flatten() {
+                let from = part.layout.safe(name)?;
+                set.carry(&from, name, Carry::HardLink)?;
+            }
+        }
+    }
+    for name in ["failures.jsonl", "skipped.jsonl"] {
+        set.put_state(name, joined(&parts, name)?.as_deref())?;
+    }
+    if let Some(first) = parts.values().next() {
+        let recipe = first.layout.state("recipe.toml");
+        set.carry(
+            &recipe,
+            &format!("{}/recipe.toml", super::STATE_FOLDER),
+            Carry::HardLink,
+        )?;
+    }
+    let n_shards = parts.len() as u64;
+    let mut items = in_order(parts)?;
+    let files: Vec<CarriedFile> = files.into_values().collect();
+    let manifest = set.finish(&mut items, &files, n_failed, n_skipped)?;
+    Ok(MergeReport { manifest, n_shards })
+}
+
+/// The parts by their number, and what the whole set is made from.
+fn shards(paths: &[PathBuf]) -> Result<(BTreeMap<u64, Part>, Value), DatasetError> {
+    let mut parts = BTreeMap::new();
+    let mut whole: Option<(Value, u64)> = None;
+    for path in paths {
+        let mut identity = set_identity(path)?;
+        let shard = identity
+            .as_object_mut()
+            .and_then(|identity| identity.remove("shard"))
+            .unwrap_or_default();
+        let (Some(number), Some(of)) = (shard["number"].as_u64(), shard["of"].as_u64()) else {
+            return Err(DatasetError::NotASet {
+                path: path.clone(),
+                reason: "it is not a shard: it was made without --shard".to_owned(),
+            });
+        };
+        match &whole {
+            None => whole = Some((identity.clone(), of)),
+            Some((first, first_of)) => {
+                let differs = difference(&identity, first, "").or_else(|| {
+                    (of != *first_of)
+                        .then(|| ("shard.of".to_owned(), of.into(), (*first_of).into()))
+                });
+                if let Some((key, found, wanted)) = differs {
+                    return Err(DatasetError::OtherSet {
+                        path: path.clone(),
+                        key,
+                        found: found.to_string(),
+                        wanted: wanted.to_string(),
+                    });
+                }
+            }
+        }
+        let n_samples = identity["samples"].as_u64().unwrap_or(1);
+        let layout = SetLayout::new(path, u32::try_from(n_samples).unwrap_or(1));
+        let manifest = read_manifest(&layout)?.ok_or_else(|| DatasetError::NotASet {
+            path: path.clone(),
+            reason: "it is not finished; run its generate again".to_owned(),
+        })?;
+        if parts.insert(number, Part { layout, manifest }).is_some() {
+            return Err(DatasetError::Shards {
+                reason: format!("number {number} is there twice"),
+            });
+        }
+    }
+    let Some((identity, of)) = whole else {
+        return Err(DatasetError::Shards {
+            reason: "none was given".to_owned(),
+        });
+    };
+    if let Some(missing) = (1..=of).find(|number| !parts.contains_key(number)) {
+        return Err(DatasetError::Shards {
+            reason: format!("number {missing} of {of} is missing"),
+        });
+    }
+    Ok((parts, identity))
+}
+
+/// The items of all parts in the order of the source, which is that of their names.
+fn in_order(
+    parts: BTreeMap<u64, Part>,
+) -> Result<impl Iterator<Item = Result<ItemRecord, DatasetError>>, DatasetError> {
+    let mut lists = Vec::new();
+    for part in parts.values() {
+        let list = read_list::<ItemRecord>(&part.layout.state("items.jsonl"))?;
+        lists.push(list.peekable());
+    }
+    Ok(std::iter::from_fn(move || {
+        let mut least: Option<(usize, (String, u32))> = None;
+        for (k, list) in lists.iter_mut().enumerate() {
+            match list.peek() {
+                // An error is passed on at once.
+                Some(Err(_)) => return list.next(),
+                Some(Ok(item)) => {
+                    let key = (item.name.clone(), item.sample);
+                    if least.as_ref().is_none_or(|(_, least)| key < *least) {
+                        least = Some((k, key));
+                    }
+                }
+                None => {}
+            }
+        }
+        least.and_then(|(k, _)| lists[k].next())
+    }))
+}
+
+/// The lines of one list of all parts, each once, sorted; none where no part has it.
+fn joined(parts: &BTreeMap<u64, Part>, name: &str) -> Result<Option<String>, DatasetError> {
+    let mut lines = std::collections::BTreeSet::new();
+    for part in parts.values() {
+        let path = part.layout.state(name);
+        if super::is_there(&path)? {
+            for line in read_list::<Value>(&path)? {
+                lines.insert(line?.to_string());
+            }
+        }
+    }
+    Ok((!lines.is_empty()).then(|| lines.into_iter().map(|line| line + "\n").collect()))
+}

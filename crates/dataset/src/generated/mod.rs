@@ -1,0 +1,244 @@
+//! A generated dataset on disk: where its files lie, which of them are done, and their hashes.
+//!
+//! The tree of the source is kept under the root, or with several samples per image once in each
+//! folder `sample_0`, `sample_1`, …. All that the source does not have lies in one folder beside
+//! it, [`STATE_FOLDER`]:
+//!
+//! | file | what |
+//! |---|---|
+//! | `run.json` | what the set is made from; there from the first moment |
+//! | `recipe.toml` | the recipe |
+//! | `regions/`, `cracks/`, `provenance/` | the source's tree again: two masks and a record for each image |
+//! | `items.jsonl` | a line of hashes for each image, in the order of the source |
+//! | `files.jsonl` | a line for each file that was carried over |
+//! | `manifest.json` | there once the set is whole: counts, and the hashes of the two lists |
+//! | `failures.jsonl`, `skipped.jsonl` | what could not be done, where there is such |
+//! | `lock` | empty; locked while a run is at work |
+//!
+//! A file stands under its name only when it is whole, and the record of an image is put in place
+//! after its pictures. So a run that was killed at any moment goes on where it was.
+
+mod carry;
+mod check;
+mod identity;
+mod items;
+mod layout;
+mod lists;
+mod merge;
+
+pub use carry::{CarriedFile, Carry, file_len, sha256_of_file};
+pub use check::{Finding, SetChecker};
+pub use identity::compare_identity;
+pub use items::ItemRecord;
+pub use layout::{STATE_FOLDER, SampleFiles, SetLayout, safe_path};
+pub use lists::Manifest;
+pub use merge::{MergeReport, merge_sets};
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::error::DatasetError;
+use crate::output_batch::OutputBatch;
+use crate::text_file::read_text;
+
+/// Name and version of the format of a generated set.
+pub const SET_SCHEMA: &str = "starbreak.dataset/1";
+
+/// No record of a run is longer, bytes.
+const MAX_RECORD_BYTES: u64 = 1 << 24;
+
+/// A generated dataset that this process works on; no other may at the same time.
+#[derive(Debug)]
+pub struct GeneratedSet {
+    layout: SetLayout,
+    identity: Value,
+    /// Holds the lock.
+    _lock: File,
+}
+
+impl GeneratedSet {
+    /// Begins a set, or goes on with one that the same run has begun.
+    ///
+    /// `identity` is the JSON object that says what the set is made from; a folder that holds a
+    /// set of another identity is refused, and so is one that holds anything else. Temporary
+    /// files of a killed run are removed.
+    ///
+    /// # Errors
+    /// [`DatasetError::OtherSet`], [`DatasetError::FolderInUse`], [`DatasetError::NotASet`],
+    /// [`DatasetError::Write`], [`DatasetError::Read`].
+    pub fn begin(root: &Path, n_samples: u32, identity: &Value) -> Result<Self, DatasetError> {
+        let layout = SetLayout::new(root, n_samples);
+        let run_file = layout.state("run.json");
+        if !is_there(&run_file)? && !is_empty_or_absent(root)? && !only_begun(&layout)? {
+            return Err(DatasetError::NotASet {
+                path: root.to_owned(),
+                reason: "it is not empty, and no set was begun there".to_owned(),
+            });
+        }
+        let lock = lock(&layout)?;
+        if is_there(&run_file)? {
+            let found = identity::read(&run_file)?;
+            compare_identity(root, &found, identity)?;
+        } else {
+            let mut batch = OutputBatch::new();
+            batch.stage(&run_file, format!("{identity:#}\n").as_bytes())?;
+            batch.commit()?;
+        }
+        remove_temporaries(root)?;
+        Ok(Self {
+            layout,
+            identity: identity.clone(),
+            _lock: lock,
+        })
+    }
+
+    /// Where its files lie.
+    #[must_use]
+    pub fn layout(&self) -> &SetLayout {
+        &self.layout
+    }
+
+    /// What it is made from.
+    #[must_use]
+    pub fn identity(&self) -> &Value {
+        &self.identity
+    }
+
+    /// Writes a file of the state folder, or removes it where there is no text.
+    ///
+    /// # Errors
+    /// [`DatasetError::Write`].
+    pub fn put_state(&self, name: &str, text: Option<&str>) -> Result<(), DatasetError> {
+        let path = self.layout.state(name);
+        match text {
+            Some(text) => {
+                let mut batch = OutputBatch::new();
+                batch.stage(&path, text.as_bytes())?;
+                batch.commit()
+            }
+            None => match fs::remove_file(&path) {
+                Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                    Err(DatasetError::Write { path, source })
+                }
+                _ => Ok(()),
+            },
+        }
+    }
+}
+
+/// The identity of the set in a folder.
+///
+/// # Errors
+/// [`DatasetError::NotASet`] where there is none.
+pub fn set_identity(root: &Path) -> Result<Value, DatasetError> {
+    let path = SetLayout::new(root, 1).state("run.json");
+    if !is_there(&path)? {
+        return Err(DatasetError::NotASet {
+            path: root.to_owned(),
+            reason: format!("it has no {STATE_FOLDER}/run.json"),
+        });
+    }
+    identity::read(&path)
+}
+
+/// The JSON in one of our own small files.
+fn read_json(path: &Path) -> Result<Value, DatasetError> {
+    let text = read_text(path, MAX_RECORD_BYTES)?.text;
+    serde_json::from_str(&text).map_err(|error| DatasetError::Record {
+        path: path.to_owned(),
+        reason: crate::error::one_line(&error),
+    })
+}
+
+fn is_there(path: &Path) -> Result<bool, DatasetError> {
+    fs::exists(path).map_err(|source| DatasetError::Read {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+fn is_empty_or_absent(root: &Path) -> Result<bool, DatasetError> {
+    match fs::read_dir(root) {
+        Ok(mut entries) => Ok(entries.next().is_none()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(true),
+        Err(source) => Err(DatasetError::Read {
+            path: root.to_owned(),
+            source,
+        }),
+    }
+}
+
+/// Whether a folder holds nothing but what a run leaves that was killed before its `run.json`.
+fn only_begun(layout: &SetLayout) -> Result<bool, DatasetError> {
+    let read = |path: &Path| -> Result<Vec<PathBuf>, DatasetError> {
+        let entries = fs::read_dir(path).and_then(|entries| {
+            entries
+                .map(|entry| entry.map(|entry| entry.path()))
+                .collect()
+        });
+        entries.map_err(|source| DatasetError::Read {
+            path: path.to_owned(),
+            source,
+        })
+    };
+    let state = layout.state_folder();
+    if read(layout.root())? != [state.clone()] || !state.is_dir() {
+        return Ok(false);
+    }
+    let lock = layout.state("lock");
+    Ok(read(&state)?
+        .iter()
+        .all(|path| *path == lock || is_temporary(path)))
+}
+
+fn lock(layout: &SetLayout) -> Result<File, DatasetError> {
+    let path = layout.state("lock");
+    let write_error = |source| DatasetError::Write {
+        path: path.clone(),
+        source,
+    };
+    fs::create_dir_all(layout.state_folder()).map_err(write_error)?;
+    let file = File::options()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(&path)
+        .map_err(write_error)?;
+    match file.try_lock() {
+        // Some file systems have no locks; that is no reason to refuse them.
+        Ok(()) | Err(fs::TryLockError::Error(_)) => Ok(file),
+        Err(fs::TryLockError::WouldBlock) => Err(DatasetError::FolderInUse {
+            path: layout.root().to_owned(),
+        }),
+    }
+}
+
+fn is_temporary(path: &Path) -> bool {
+    path.file_name()
+        .is_some_and(|name| name.as_encoded_bytes().starts_with(b".starbreak-"))
+}
+
+/// Removes what a killed run has left under temporary names.
+fn remove_temporaries(folder: &Path) -> Result<(), DatasetError> {
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        let read_error = |source| DatasetError::Read {
+            path: folder.clone(),
+            source,
+        };
+        for entry in fs::read_dir(&folder).map_err(read_error)? {
+            let entry = entry.map_err(read_error)?;
+            let kind = entry.file_type().map_err(read_error)?;
+            let path = entry.path();
+            if kind.is_dir() {
+                folders.push(path);
+            } else if kind.is_file() && is_temporary(&path) {
+                fs::remove_file(&path).map_err(|source| DatasetError::Write { path, source })?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,50 @@
+//! A plain folder: all images below it, without labels.
+
+use std::io::Write;
+use std::path::Path;
+
+use super::name::is_image_name;
+use super::record::{FileRole, SourceFile, SourceImage};
+use super::tree::{Found, Walk};
+use super::{Images, Layout, SourceFormat, no_index};
+use crate::error::DatasetError;
+
+#[derive(Debug)]
+pub(super) struct Folder;
+
+impl Layout for Folder {
+    fn images<'a>(&'a self, root: &'a Path) -> Images<'a> {
+        let found = Walk::below(root, "");
+        Box::new(found.filter_map(|Found { name, file, .. }| {
+            if !is_image_name(&name) {
+                return None;
+            }
+            Some(match file {
+                Ok(path) => Ok(SourceImage {
+                    name,
+                    path,
+                    objects: Vec::new(),
+                    problems: Vec::new(),
+                }),
+                Err(bad) => Err(bad.of_image(&name)),
+            })
+        }))
+    }
+
+    fn has_image(&self, name: &str) -> bool {
+        is_image_name(name)
+    }
+
+    fn role(&self, _: &str) -> FileRole {
+        FileRole::Other
+    }
+
+    fn subset(
+        &self,
+        file: &SourceFile,
+        _: &mut dyn FnMut(&str) -> bool,
+        _: &mut dyn Write,
+    ) -> Result<(), DatasetError> {
+        Err(no_index(file, SourceFormat::Folder))
+    }
+}

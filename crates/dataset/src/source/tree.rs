@@ -1,0 +1,196 @@
+//! The files below a folder, one after the other, in the order of their names.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::vec;
+
+use super::record::BadRecord;
+use crate::image_file::not_a_file;
+
+/// Something found below a folder.
+#[derive(Debug)]
+pub(super) struct Found {
+    /// Its path inside the folder, with `/` between the parts; readable, not exact, if bad.
+    pub(super) name: String,
+    /// Whether it is a folder, which then is a bad one: good ones are entered.
+    pub(super) is_folder: bool,
+    /// The file, or why there is none.
+    pub(super) file: Result<PathBuf, BadRecord>,
+}
+
+/// All files below a folder; holds the names of one folder per level.
+///
+/// The order is that of the bytes of the whole names. Links are followed; a link to a folder that
+/// is being walked is a bad record and not entered. Names that begin with a dot are left out,
+/// and with them the temporary files of [`crate::OutputBatch`]. Of two names in one folder that
+/// differ only in case the second is bad: where case does not count, it would replace the first.
+#[derive(Debug)]
+pub(super) struct Walk {
+    levels: Vec<Level>,
+    /// The folder to begin with cannot be listed.
+    failed: Option<Found>,
+}
+
+#[derive(Debug)]
+struct Level {
+    /// The folder without links, to know it again.
+    canonical: PathBuf,
+    entries: vec::IntoIter<Entry>,
+}
+
+#[derive(Debug)]
+struct Entry {
+    name: String,
+    path: PathBuf,
+    kind: Result<Kind, String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    File,
+    Folder,
+}
+
+impl Walk {
+    /// The files below `root`, with names that begin with `prefix`.
+    pub(super) fn below(root: &Path, prefix: &str) -> Self {
+        match Level::of(root, prefix) {
+            Ok(level) => Self {
+                levels: vec![level],
+                failed: None,
+            },
+            Err(error) => Self {
+                levels: Vec::new(),
+                failed: Some(bad_folder(
+                    prefix,
+                    &format!("cannot list the folder: {error}"),
+                )),
+            },
+        }
+    }
+
+    /// The folder is entered, unless it is one of those that are walked just now.
+    fn enter(&mut self, name: &str, path: &Path) -> Result<(), String> {
+        let level = Level::of(path, &format!("{name}/"))
+            .map_err(|error| format!("cannot list the folder: {error}"))?;
+        if self.levels.iter().any(|l| l.canonical == level.canonical) {
+            return Err("a link back to a folder that holds it; remove the link".to_owned());
+        }
+        self.levels.push(level);
+        Ok(())
+    }
+}
+
+impl Iterator for Walk {
+    type Item = Found;
+
+    fn next(&mut self) -> Option<Found> {
+        if let Some(failed) = self.failed.take() {
+            return Some(failed);
+        }
+        loop {
+            let Some(entry) = self.levels.last_mut()?.entries.next() else {
+                self.levels.pop();
+                continue;
+            };
+            let is_folder = entry.kind == Ok(Kind::Folder);
+            let file = match entry.kind {
+                Ok(Kind::File) => Ok(entry.path),
+                Ok(Kind::Folder) => match self.enter(&entry.name, &entry.path) {
+                    Ok(()) => continue,
+                    Err(reason) => Err(BadRecord::new(&entry.name, reason)),
+                },
+                Err(reason) => Err(BadRecord::new(&entry.name, reason)),
+            };
+            return Some(Found {
+                name: entry.name,
+                is_folder,
+                file,
+            });
+        }
+    }
+}
+
+impl Level {
+    fn of(folder: &Path, prefix: &str) -> io::Result<Self> {
+        let canonical = fs::canonicalize(folder)?;
+        let mut entries = Vec::new();
+        for entry in fs::read_dir(folder)? {
+            let entry = entry?;
+            let file_name = entry.file_name();
+            let path = entry.path();
+            if file_name.as_encoded_bytes().starts_with(b".") {
+                continue;
+            }
+            let kind = match file_name.to_str() {
+                None => Err("the name is not UTF-8; rename it".to_owned()),
+                Some(name) if name.contains('\\') => {
+                    Err("the name has a backslash; rename it".to_owned())
+                }
+                Some(_) => kind_of(&entry, &path),
+            };
+            entries.push(Entry {
+                name: format!("{prefix}{}", file_name.to_string_lossy()),
+                path,
+                kind,
+            });
+        }
+        // Folders as their contents will stand, so that the whole walk is in order.
+        entries.sort_by_cached_key(|entry| {
+            let slash = if entry.kind == Ok(Kind::Folder) {
+                "/"
+            } else {
+                ""
+            };
+            format!("{}{slash}", entry.name)
+        });
+        let mut folded = BTreeMap::new();
+        for entry in &mut entries {
+            if let Some(first) = folded.insert(entry.name.to_lowercase(), entry.name.clone()) {
+                entry.kind = Err(differs_in_case(&first));
+                folded.insert(entry.name.to_lowercase(), first);
+            }
+        }
+        Ok(Self {
+            canonical,
+            entries: entries.into_iter(),
+        })
+    }
+}
+
+/// What an entry of a folder leads to.
+fn kind_of(entry: &fs::DirEntry, path: &Path) -> Result<Kind, String> {
+    let cannot_read = |error: io::Error| format!("cannot read it: {error}");
+    let file_type = entry.file_type().map_err(cannot_read)?;
+    if file_type.is_file() {
+        return Ok(Kind::File);
+    }
+    if file_type.is_dir() {
+        return Ok(Kind::Folder);
+    }
+    let metadata = fs::metadata(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => "a link that leads nowhere".to_owned(),
+        _ => cannot_read(error),
+    })?;
+    match not_a_file(&metadata) {
+        None => Ok(Kind::File),
+        Some(_) if metadata.is_dir() => Ok(Kind::Folder),
+        Some(what) => Err(format!("it is {what}, not a file")),
+    }
+}
+
+fn bad_folder(prefix: &str, reason: &str) -> Found {
+    let name = if prefix.is_empty() { "." } else { prefix };
+    Found {
+        name: name.to_owned(),
+        is_folder: true,
+        file: Err(BadRecord::new(name, reason)),
+    }
+}
+
+/// The reason why the second of two such names is refused.
+pub(super) fn differs_in_case(first: &str) -> String {
+    format!("the name differs from {first:?} only in case; rename one of them")
+}

@@ -1,0 +1,266 @@
+//! What a crack did to one box of an image, in figures that a study can plot failure over.
+
+use image::{DynamicImage, GenericImageView, GrayImage, Rgba};
+
+use crate::paper::{FarFocusBlur, Focus, PaperOptics};
+use crate::physical::Overlay;
+
+/// Less variance of the codes, in squares of a step of 8 bits, is no picture to lose contrast in.
+const LEAST_VARIANCE: f64 = 0.25;
+
+/// What a crack did to one box of an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Damage {
+    /// Share of the box inside the frame that the region covers, 0 to 1: its pixels are those
+    /// whose centers lie in the box.
+    pub region_share: f64,
+    /// Mean distance that the image's own light in the box was moved, px: Σ W·|d| / Σ (K + W),
+    /// with what a pixel keeps of its light K, and its share of light W from the place at d. 0 in
+    /// the paper's optics, which move nothing.
+    pub displacement_px: f64,
+    /// Mean radius, px, of the disc that a point of the scene in the box became. The paper's
+    /// Gaussian counts as the disc of the same variance, whose radius is 2σ.
+    pub blur_radius_px: f64,
+    /// Share of the picture's own contrast that is lost: 1 − cov(Y₀, Y)/var(Y₀) over the pixels
+    /// of the box, with the luma codes Y₀ before and Y after. What the crack adds on its own
+    /// does not count; it is below 0 where it happens to run along with the picture. None where
+    /// the picture in the box is flat.
+    pub contrast_lost: Option<f64>,
+}
+
+/// How the scene itself was blurred.
+#[derive(Debug, Clone, Copy)]
+enum SceneBlur {
+    /// All of it, to discs of this radius, px.
+    Everywhere(f64),
+    /// Where the region is.
+    InRegion(f64),
+}
+
+/// An image before and after, from which [`Damage`] is read box by box.
+#[derive(Debug)]
+pub struct DamageReader<'a> {
+    before: &'a DynamicImage,
+    after: &'a DynamicImage,
+    region: &'a GrayImage,
+    overlay: Option<&'a Overlay>,
+    blur: SceneBlur,
+}
+
+impl<'a> DamageReader<'a> {
+    /// For an image that the physical optics changed. All four have the same size; what lies
+    /// outside of one of them is not looked at.
+    #[must_use]
+    pub fn of_overlay(
+        [before, after]: [&'a DynamicImage; 2],
+        region: &'a GrayImage,
+        overlay: &'a Overlay,
+    ) -> Self {
+        Self {
+            before,
+            after,
+            region,
+            overlay: Some(overlay),
+            blur: SceneBlur::Everywhere(overlay.scene_blur_radius_px()),
+        }
+    }
+
+    /// For an image that the paper's optics changed.
+    #[must_use]
+    pub fn of_paper(
+        [before, after]: [&'a DynamicImage; 2],
+        region: &'a GrayImage,
+        optics: &PaperOptics,
+    ) -> Self {
+        let radius_px = 2.0 * optics.blur_sigma_px;
+        let is_broken = region.as_raw().iter().any(|code| *code > 0);
+        let blur = match (optics.focus, optics.far_focus_blur) {
+            (Focus::Short, _) if is_broken => SceneBlur::Everywhere(radius_px),
+            (Focus::Far, FarFocusBlur::CrackAndScene) => SceneBlur::InRegion(radius_px),
+            (Focus::Short, _) | (Focus::Far, FarFocusBlur::Crack) => SceneBlur::Everywhere(0.0),
+        };
+        Self {
+            before,
+            after,
+            region,
+            overlay: None,
+            blur,
+        }
+    }
+
+    /// The damage in the box `[x₀, y₀, x₁, y₁]`, px; none where no pixel's center lies in it.
+    #[must_use]
+    pub fn in_box(&self, box_px: [f64; 4]) -> Option<Damage> {
+        let [xs, ys] = self.pixels_in(box_px)?;
+        let [mut n, mut n_region] = [0.0, 0.0];
+        let [mut sum_before, mut sum_after, mut squares, mut products] = [0.0; 4];
+        for y in ys[0]..ys[1] {
+            for x in xs[0]..xs[1] {
+                n += 1.0;
+                if self.region.get_pixel(x, y).0 != [0] {
+                    n_region += 1.0;
+                }
+                let (before, after) = (luma_code(self.before, x, y), luma_code(self.after, x, y));
+                sum_before += before;
+                sum_after += after;
+                squares += before * before;
+                products += before * after;
+            }
+        }
+        let variance = squares / n - (sum_before / n) * (sum_before / n);
+        let covariance = products / n - (sum_before / n) * (sum_after / n);
+        let region_share = n_region / n;
+        Some(Damage {
+            region_share,
+            displacement_px: self
+                .overlay
+                .map_or(0.0, |overlay| overlay.mean_displacement_px(xs, ys)),
+            blur_radius_px: match self.blur {
+                SceneBlur::Everywhere(radius_px) => radius_px,
+                SceneBlur::InRegion(radius_px) => radius_px * region_share,
+            },
+            contrast_lost: (variance >= LEAST_VARIANCE).then(|| 1.0 - covariance / variance),
+        })
+    }
+
+    /// The columns and rows of pixels whose centers lie in a box, each from the first to one
+    /// after the last.
+    fn pixels_in(&self, [x0, y0, x1, y1]: [f64; 4]) -> Option<[[u32; 2]; 2]> {
+        let sizes = [
+            self.before.dimensions(),
+            self.after.dimensions(),
+            self.region.dimensions(),
+        ];
+        let width = sizes.iter().map(|size| size.0).min()?;
+        let height = sizes.iter().map(|size| size.1).min()?;
+        let xs = centers_in([x0, x1], width);
+        let ys = centers_in([y0, y1], height);
+        (xs[0] < xs[1] && ys[0] < ys[1]).then_some([xs, ys])
+    }
+}
+
+/// The pixels of a line of `n` whose centers lie in [from, to): the first, and one after the last.
+fn centers_in([from, to]: [f64; 2], n: u32) -> [u32; 2] {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to whole px of the frame; not a number becomes 0"
+    )]
+    let first_from = |edge: f64| (edge - 0.5).ceil().clamp(0.0, f64::from(n)) as u32;
+    [first_from(from), first_from(to)]
+}
+
+/// Luma of a pixel's codes, 0 to 255 (16-bit ones over 257), by the weights of Rec. 709.
+fn luma_code(image: &DynamicImage, x: u32, y: u32) -> f64 {
+    let luma = |[red, green, blue]: [f64; 3]| 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+    match image {
+        DynamicImage::ImageLuma8(image) => f64::from(image.get_pixel(x, y).0[0]),
+        DynamicImage::ImageRgb8(image) => luma(image.get_pixel(x, y).0.map(f64::from)),
+        DynamicImage::ImageLuma16(image) => f64::from(image.get_pixel(x, y).0[0]) / 257.0,
+        DynamicImage::ImageRgb16(image) => luma(image.get_pixel(x, y).0.map(f64::from)) / 257.0,
+        DynamicImage::ImageRgba16(image) => {
+            let [red, green, blue, _] = image.get_pixel(x, y).0.map(f64::from);
+            luma([red, green, blue]) / 257.0
+        }
+        other => {
+            let Rgba([red, green, blue, _]) = other.get_pixel(x, y);
+            luma([red, green, blue].map(f64::from))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{GrayImage, Luma, Rgb, RgbImage};
+
+    fn gradient(width: u32, height: u32) -> DynamicImage {
+        DynamicImage::ImageRgb8(RgbImage::from_fn(width, height, |x, y| {
+            let code = u8::try_from((x * 7 + y * 3) % 200).unwrap_or(0);
+            Rgb([code; 3])
+        }))
+    }
+
+    /// A reader of an image whose codes became gain · code + offset, half of it in the region.
+    fn check(gain: f64, offset: f64, expected_lost: f64) {
+        let before = gradient(20, 10);
+        let mut after = before.to_rgb8();
+        for sample in after.as_mut() {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a code"
+            )]
+            let code = (f64::from(*sample) * gain + offset).round() as u8;
+            *sample = code;
+        }
+        let after = DynamicImage::ImageRgb8(after);
+        let region = GrayImage::from_fn(20, 10, |x, _| Luma([if x < 10 { 255 } else { 0 }]));
+        let optics = PaperOptics::default();
+        let reader = DamageReader::of_paper([&before, &after], &region, &optics);
+        let damage = reader
+            .in_box([5.0, 0.0, 15.0, 10.0])
+            .expect("a box in the frame");
+        assert!(
+            (damage.region_share - 0.5).abs() < 1e-12,
+            "half of the box: {damage:?}"
+        );
+        let lost = damage.contrast_lost.expect("a picture");
+        assert!((lost - expected_lost).abs() < 5e-3, "{lost}");
+        assert!(damage.blur_radius_px.abs() < 1e-12, "the scene is sharp");
+    }
+
+    #[test]
+    fn contrast_lost_is_what_the_picture_was_scaled_by() {
+        check(1.0, 0.0, 0.0);
+        check(0.5, 40.0, 0.5);
+        check(0.0, 90.0, 1.0);
+    }
+
+    #[test]
+    fn pixels_belong_to_the_box_that_their_centers_lie_in() {
+        assert_eq!(centers_in([0.0, 3.0], 10), [0, 3]);
+        assert_eq!(centers_in([0.5, 2.5], 10), [0, 2], "half open");
+        assert_eq!(centers_in([-5.0, 99.0], 10), [0, 10], "cut to the frame");
+        assert_eq!(centers_in([f64::NAN, 4.0], 10), [0, 4], "no panic");
+        assert_eq!(centers_in([4.6, 5.4], 10), [5, 5], "no center, no pixel");
+    }
+
+    #[test]
+    fn box_outside_the_frame_has_no_damage() {
+        let image = gradient(20, 10);
+        let region = GrayImage::new(20, 10);
+        let optics = PaperOptics::default();
+        let reader = DamageReader::of_paper([&image, &image], &region, &optics);
+        for box_px in [
+            [30.0, 0.0, 40.0, 5.0],
+            [5.0, 5.0, 5.0, 9.0],
+            [9.0, 9.0, 2.0, 2.0],
+        ] {
+            assert_eq!(reader.in_box(box_px), None, "{box_px:?}");
+        }
+        let flat = DynamicImage::new_rgb8(20, 10);
+        let reader = DamageReader::of_paper([&flat, &flat], &region, &optics);
+        let damage = reader.in_box([0.0, 0.0, 20.0, 10.0]).expect("the frame");
+        assert_eq!(damage.contrast_lost, None, "nothing to lose");
+    }
+
+    #[test]
+    fn short_focus_blurs_the_scene_everywhere_where_something_is_broken() {
+        let image = gradient(20, 10);
+        let optics = PaperOptics {
+            focus: Focus::Short,
+            ..PaperOptics::default()
+        };
+        let blur = |region: &GrayImage| {
+            let reader = DamageReader::of_paper([&image, &image], region, &optics);
+            reader
+                .in_box([12.0, 2.0, 18.0, 8.0])
+                .map(|damage| damage.blur_radius_px)
+        };
+        let mut region = GrayImage::new(20, 10);
+        assert_eq!(blur(&region), Some(0.0), "intact glass blurs nothing");
+        region.put_pixel(1, 1, Luma([255]));
+        assert_eq!(blur(&region), Some(5.2), "2 sigma");
+    }
+}

@@ -1,0 +1,63 @@
+//! Labels and other files of the source, carried into each sample's tree.
+
+use starbreak_dataset::{BadRecord, CarriedFile, Carry, FileRole, GeneratedSet, SourceFile};
+
+use super::Plan;
+use crate::Error;
+
+impl Plan<'_> {
+    /// Carries over what the set keeps of the source beside its images.
+    pub(super) fn carry_files(
+        &self,
+        set: &GeneratedSet,
+        bad: &mut Vec<BadRecord>,
+    ) -> Result<Vec<CarriedFile>, Error> {
+        let mut carried = Vec::new();
+        for file in self.source.files() {
+            match file {
+                Err(record) => bad.push(record),
+                Ok(file) => {
+                    for sample_idx in 0..self.options.n_samples {
+                        let name = set.layout().in_sample(&file.name, sample_idx);
+                        carried.extend(self.carry_file(set, &file, &name)?);
+                    }
+                }
+            }
+        }
+        carried.sort();
+        Ok(carried)
+    }
+
+    fn carry_file(
+        &self,
+        set: &GeneratedSet,
+        file: &SourceFile,
+        name: &str,
+    ) -> Result<Option<CarriedFile>, Error> {
+        let selection = &self.options.selection;
+        let is_first_shard = selection.shard.is_none_or(|shard| shard.number == 1);
+        let carried = match (&file.role, self.options.other_files) {
+            (FileRole::LabelOf(image), _) => {
+                // A label without an image goes along with the whole source.
+                let is_kept = if selection.is_partial() || selection.shard.is_some() {
+                    self.survey.is_selected(image)
+                } else {
+                    true
+                };
+                if !is_kept {
+                    return Ok(None);
+                }
+                set.carry(&file.path, name, Carry::Copy)?
+            }
+            (FileRole::Index, _) if selection.is_partial() || file.must_be_rewritten => set
+                .put_with(name, &mut |out| {
+                    let is_kept = &mut |image: &str| self.survey.is_of_set(image);
+                    self.source.subset(file, is_kept, out)
+                })?,
+            (FileRole::Index, _) => set.carry(&file.path, name, Carry::Copy)?,
+            (FileRole::Other, Some(how)) if is_first_shard => set.carry(&file.path, name, how)?,
+            (FileRole::Other, _) => return Ok(None),
+        };
+        Ok(Some(carried))
+    }
+}

@@ -1,0 +1,209 @@
+//! One sample of one image, from its file to the files of the set.
+
+use image::DynamicImage;
+use serde_json::{Map, Value, json};
+use starbreak_dataset::{
+    Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, Provenance,
+    SampleFiles, SourceImage, encode_image_as, encode_mask_as, read_image, sha256_hex,
+};
+use starbreak_glass::Seed;
+use starbreak_optics::Contrast;
+
+use super::Plan;
+use super::damage::damage_of;
+use super::patterns::ItemPattern;
+use crate::Error;
+use crate::pipeline::{OpticsReport, PROVENANCE_SCHEMA, Shown, Stopwatch, Timings};
+
+/// The bytes that one sample of an image becomes.
+pub(super) struct MadeItem {
+    pub(super) image: Vec<u8>,
+    pub(super) region: Option<Vec<u8>>,
+    pub(super) crack: Option<Vec<u8>>,
+    pub(super) provenance: Vec<u8>,
+    /// What the image shows.
+    pub(super) pixels: DynamicImage,
+    /// Share of the frame in the region.
+    pub(super) region_fraction: f64,
+    pub(super) is_intact: bool,
+    pub(super) timings: Timings,
+}
+
+impl Plan<'_> {
+    /// Makes one sample of an image, in memory.
+    pub(super) fn make(
+        &self,
+        image: &SourceImage,
+        sample_idx: u32,
+        files: &SampleFiles,
+    ) -> Result<MadeItem, Error> {
+        let mut watch = Stopwatch::start();
+        let file = read_image(&image.path, &ImageLimits::default())?;
+        watch.lap("read");
+        self.make_of(image, sample_idx, files, file, watch)
+            .map_err(|error| Error::of_image(&image.path, error))
+    }
+
+    fn make_of(
+        &self,
+        image: &SourceImage,
+        sample_idx: u32,
+        files: &SampleFiles,
+        mut file: ImageFile,
+        mut watch: Stopwatch,
+    ) -> Result<MadeItem, Error> {
+        let settings = &self.context.settings;
+        let seed = self.context.seed.of_item(&image.name, sample_idx.into());
+        let size = (file.pixels.width(), file.pixels.height());
+        let pattern = self
+            .patterns
+            .for_item(self.context, size, seed, &mut watch)?;
+        let before = file.pixels.clone();
+        watch.lap("copy");
+        let shown = pattern
+            .baked
+            .over(settings, &mut file.pixels, seed, &mut watch)?;
+        let contrast = Contrast::of(&before, &file.pixels, &shown.masks.region)?;
+        watch.lap("contrast");
+        let objects = damage_of(&image.objects, [&before, &file.pixels], &shown, settings);
+        watch.lap("damage");
+
+        let quality = settings.output.quality;
+        let encoding = match file.format {
+            ImageFormat::Jpeg => Encoding::Jpeg { quality },
+            ImageFormat::Png => Encoding::Png,
+        };
+        let bytes = encode_image_as(&file, &encoding)?;
+        let masks = if settings.output.masks {
+            let encoded = |mask| encode_mask_as(mask, &file);
+            Some((encoded(&shown.masks.region)?, encoded(&shown.masks.crack)?))
+        } else {
+            None
+        };
+        watch.lap("encode");
+
+        let region_fraction = region_fraction(&shown);
+        let (region, crack) = masks.unzip();
+        let record = self.record(&Record {
+            image,
+            sample_idx,
+            seed,
+            size,
+            input_sha256: &file.sha256,
+            outputs: [
+                ("output", &files.image, Some(&bytes)),
+                ("region", &files.region, region.as_ref()),
+                ("crack", &files.crack, crack.as_ref()),
+            ],
+            pattern: &pattern,
+            optics: &OpticsReport {
+                contrast,
+                scene: shown.scene,
+            },
+            region_fraction,
+            objects,
+        })?;
+        watch.lap("record");
+        Ok(MadeItem {
+            image: bytes,
+            region,
+            crack,
+            provenance: record.to_bytes(),
+            pixels: file.pixels,
+            region_fraction,
+            is_intact: pattern.is_intact,
+            timings: watch.stop(),
+        })
+    }
+
+    /// The record of a sample; it repeats to the byte, so it holds no times.
+    fn record(&self, of: &Record<'_>) -> Result<Provenance, Error> {
+        let name = &of.image.name;
+        let mut camera = json!({ "width_px": of.size.0, "height_px": of.size.1 });
+        if let Some(scene) = &of.optics.scene {
+            camera["f_px"] = scene.f_px.into();
+            camera["glass_disc_px"] = scene.glass_disc_px.into();
+            camera["scene_disc_px"] = scene.scene_disc_px.into();
+        }
+        let mut record = Map::from_iter([
+            ("schema".to_owned(), json!(PROVENANCE_SCHEMA)),
+            (
+                "generator".to_owned(),
+                json!({ "name": "starbreak", "version": env!("CARGO_PKG_VERSION") }),
+            ),
+            (
+                "recipe_sha256".to_owned(),
+                json!(self.context.recipe_sha256),
+            ),
+            ("seed".to_owned(), json!(self.context.seed.0)),
+            (
+                "item".to_owned(),
+                json!({ "name": name, "sample_index": of.sample_idx, "seed": of.seed.0 }),
+            ),
+            ("camera".to_owned(), camera),
+            (
+                "input".to_owned(),
+                json!({ "name": name, "sha256": of.input_sha256 }),
+            ),
+        ]);
+        for (key, name, bytes) in of.outputs {
+            if let Some(bytes) = bytes {
+                let file = json!({ "name": name, "sha256": sha256_hex(bytes) });
+                record.insert(key.to_owned(), file);
+            }
+        }
+        record.extend(of.pattern.facts.clone());
+        record.insert("optics".to_owned(), of.optics.to_json());
+        record.insert("region_fraction".to_owned(), json!(of.region_fraction));
+        record.insert("objects".to_owned(), json!(of.objects));
+        Ok(Provenance::new(Value::Object(record))?)
+    }
+}
+
+/// What the record of a sample is made of.
+struct Record<'a> {
+    image: &'a SourceImage,
+    sample_idx: u32,
+    seed: Seed,
+    size: (u32, u32),
+    input_sha256: &'a str,
+    /// Key, name and bytes.
+    outputs: [(&'a str, &'a String, Option<&'a Vec<u8>>); 3],
+    pattern: &'a ItemPattern,
+    optics: &'a OpticsReport,
+    region_fraction: f64,
+    objects: Vec<Value>,
+}
+
+impl MadeItem {
+    /// Puts the files in their places, the record last.
+    pub(super) fn put(&self, set: &GeneratedSet, files: &SampleFiles) -> Result<(), Error> {
+        // Thousands of files that can be made again need not wait for the disk one by one.
+        let mut batch = OutputBatch::new_unsynced();
+        let layout = set.layout();
+        batch.stage(&layout.path(&files.image), &self.image)?;
+        let masks = [(&files.region, &self.region), (&files.crack, &self.crack)];
+        for (name, bytes) in masks {
+            if let Some(bytes) = bytes {
+                batch.stage(&layout.path(name), bytes)?;
+            }
+        }
+        batch.stage(&layout.path(&files.provenance), &self.provenance)?;
+        Ok(batch.commit()?)
+    }
+
+    /// Bytes of all its files.
+    pub(super) fn n_bytes(&self) -> u64 {
+        let masks = [&self.region, &self.crack].into_iter().flatten();
+        let masks: usize = masks.map(Vec::len).sum();
+        (self.image.len() + masks + self.provenance.len()) as u64
+    }
+}
+
+fn region_fraction(shown: &Shown) -> f64 {
+    let region = shown.masks.region.as_raw();
+    let n_changed = region.iter().filter(|code| **code > 0).count();
+    #[expect(clippy::cast_precision_loss, reason = "counts of pixels")]
+    let fraction = n_changed as f64 / region.len().max(1) as f64;
+    fraction
+}

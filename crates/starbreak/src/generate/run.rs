@@ -1,0 +1,283 @@
+//! The run: all images of a plan, over all threads, to a finished set.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use rayon::prelude::*;
+use serde_json::json;
+use starbreak_dataset::{BadRecord, GeneratedSet, Manifest, SourceImage, sha256_of_file};
+
+use super::Plan;
+use crate::Error;
+use crate::pipeline::Timings;
+
+/// Something that a run tells as it happens.
+#[derive(Debug)]
+pub enum Event<'a> {
+    /// A sample is done, now or by an earlier run.
+    Done,
+    /// A sample could not be made.
+    Failed(&'a ItemFailure),
+    /// The images are done; labels and other files follow.
+    CarryingFiles,
+}
+
+/// An image that could not be made.
+#[derive(Debug)]
+pub struct ItemFailure {
+    /// Its name in the source.
+    pub name: String,
+    /// Which sample.
+    pub sample_idx: u32,
+    /// Its file.
+    pub input: PathBuf,
+    /// Why.
+    pub error: Error,
+}
+
+/// How a run has ended.
+#[derive(Debug)]
+pub struct GenerateReport {
+    /// Samples made.
+    pub n_made: u64,
+    /// Samples that an earlier run had made.
+    pub n_done_before: u64,
+    /// Samples with nothing broken in them, of those made.
+    pub n_intact: u64,
+    /// Samples that could not be made, in the order of the source.
+    pub failures: Vec<ItemFailure>,
+    /// Records of the source that were left out.
+    pub skipped: Vec<BadRecord>,
+    /// Samples that were not begun, because the run was stopped.
+    pub n_not_begun: u64,
+    /// Bytes written for the samples made.
+    pub n_bytes: u64,
+    /// Time of each stage over all samples made.
+    pub timings: Timings,
+    /// What the set says of itself, once it is finished.
+    pub manifest: Option<Manifest>,
+}
+
+/// What the threads count together.
+#[derive(Default)]
+struct Tally {
+    n_made: u64,
+    n_done_before: u64,
+    n_intact: u64,
+    n_bytes: u64,
+    timings: Timings,
+    /// With the place in the source.
+    failures: Vec<(u64, ItemFailure)>,
+    /// What no other image would get by either.
+    fatal: Option<Error>,
+}
+
+/// Makes the set of a plan in the context's folder, or goes on with it.
+///
+/// Once `stop` is set no further image begins; the same call goes on later. Memory does not grow
+/// with the number of images, but for the lists of failures and of bad records.
+///
+/// # Errors
+/// [`Error`] for a folder that cannot be used, and for what would fail every image, such as a
+/// full disk; what is done stays done. The failure of one image is in the report.
+pub fn generate(
+    plan: &Plan<'_>,
+    stop: &AtomicBool,
+    tell: &(dyn Fn(Event<'_>) + Sync),
+) -> Result<GenerateReport, Error> {
+    let out = &plan.context.out;
+    refuse_nesting(plan)?;
+    let n_samples = plan.options.n_samples;
+    let set = GeneratedSet::begin(out, n_samples, &plan.identity())?;
+    set.put_state("recipe.toml", Some(&plan.context.recipe))?;
+
+    let tally = Mutex::new(Tally::default());
+    let has_ended = AtomicBool::new(false);
+    let is_over = || stop.load(Ordering::Relaxed) || has_ended.load(Ordering::Relaxed);
+    let jobs = (0_u64..)
+        .zip(plan.survey.selected(plan.source))
+        .flat_map(|(place, image)| {
+            (0..n_samples).map(move |sample_idx| {
+                (
+                    place * u64::from(n_samples) + u64::from(sample_idx),
+                    image.clone(),
+                    sample_idx,
+                )
+            })
+        });
+    jobs.take_while(|_| !is_over())
+        .par_bridge()
+        .for_each(|(place, image, sample_idx)| {
+            if is_over() {
+                return;
+            }
+            let outcome = plan.make_or_keep(&set, &image, sample_idx);
+            let mut tally = tally.lock().unwrap_or_else(PoisonError::into_inner);
+            match outcome {
+                Ok(Outcome::Kept) => tally.n_done_before += 1,
+                Ok(Outcome::Made {
+                    n_bytes,
+                    is_intact,
+                    timings,
+                }) => {
+                    tally.n_made += 1;
+                    tally.n_bytes += n_bytes;
+                    tally.n_intact += u64::from(is_intact);
+                    tally.timings.add(&timings);
+                }
+                Err(error) if error.is_of_the_disk() => {
+                    has_ended.store(true, Ordering::Relaxed);
+                    tally.fatal.get_or_insert(error);
+                    return;
+                }
+                Err(error) => {
+                    let failure = ItemFailure {
+                        name: image.name,
+                        sample_idx,
+                        input: image.path,
+                        error,
+                    };
+                    tell(Event::Failed(&failure));
+                    tally.failures.push((place, failure));
+                    let n_failed = tally.failures.len() as u64;
+                    if plan
+                        .options
+                        .max_failures
+                        .is_some_and(|most| n_failed > most)
+                    {
+                        has_ended.store(true, Ordering::Relaxed);
+                    }
+                }
+            }
+            tell(Event::Done);
+        });
+
+    let mut tally = tally.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if let Some(error) = tally.fatal {
+        return Err(error);
+    }
+    tally.failures.sort_by_key(|(place, _)| *place);
+    let failures: Vec<ItemFailure> = tally
+        .failures
+        .into_iter()
+        .map(|(_, failure)| failure)
+        .collect();
+    let total = plan.survey.n_selected * u64::from(n_samples);
+    let n_begun = tally.n_made + tally.n_done_before + failures.len() as u64;
+    let mut report = GenerateReport {
+        n_made: tally.n_made,
+        n_done_before: tally.n_done_before,
+        n_intact: tally.n_intact,
+        failures,
+        skipped: plan.survey.bad.clone(),
+        n_not_begun: total.saturating_sub(n_begun),
+        n_bytes: tally.n_bytes,
+        timings: tally.timings,
+        manifest: None,
+    };
+    put_lists_of_trouble(&set, &report)?;
+    if report.n_not_begun == 0 && !is_over() {
+        tell(Event::CarryingFiles);
+        report.manifest = Some(plan.finish(&set, &mut report)?);
+    }
+    Ok(report)
+}
+
+/// What became of one sample.
+enum Outcome {
+    /// It had been made before, from the same file.
+    Kept,
+    Made {
+        n_bytes: u64,
+        is_intact: bool,
+        timings: Timings,
+    },
+}
+
+impl Plan<'_> {
+    fn make_or_keep(
+        &self,
+        set: &GeneratedSet,
+        image: &SourceImage,
+        sample_idx: u32,
+    ) -> Result<Outcome, Error> {
+        if let Some(done) = set.done(&image.name, sample_idx)?
+            && sha256_of_file(&image.path)? == done.input_sha256
+        {
+            return Ok(Outcome::Kept);
+        }
+        let files = set.layout().files_of(&image.name, sample_idx);
+        let made = self.make(image, sample_idx, &files)?;
+        made.put(set, &files)?;
+        Ok(Outcome::Made {
+            n_bytes: made.n_bytes(),
+            is_intact: made.is_intact,
+            timings: made.timings,
+        })
+    }
+
+    /// Carries over the other files and writes the lists.
+    fn finish(&self, set: &GeneratedSet, report: &mut GenerateReport) -> Result<Manifest, Error> {
+        let mut bad = Vec::new();
+        let carried = self.carry_files(set, &mut bad)?;
+        if !bad.is_empty() {
+            report.skipped.append(&mut bad);
+            put_lists_of_trouble(set, report)?;
+        }
+        let samples = 0..self.options.n_samples;
+        let mut items = self.survey.selected(self.source).flat_map(|image| {
+            let done = samples.clone().map(move |k| set.done(&image.name, k));
+            // An image that failed has no record.
+            done.filter_map(Result::transpose)
+        });
+        Ok(set.finish(
+            &mut items,
+            &carried,
+            report.failures.len() as u64,
+            report.skipped.len() as u64,
+        )?)
+    }
+}
+
+/// The lists of what failed and what was left out; none where there is no such thing.
+fn put_lists_of_trouble(set: &GeneratedSet, report: &GenerateReport) -> Result<(), Error> {
+    let failures: String = report
+        .failures
+        .iter()
+        .map(|failure| {
+            let line = json!({
+                "name": failure.name,
+                "sample": failure.sample_idx,
+                "error": failure.error.to_string(),
+            });
+            format!("{line}\n")
+        })
+        .collect();
+    let skipped: String = report
+        .skipped
+        .iter()
+        .map(|bad| {
+            let line = json!({ "place": bad.place, "reason": bad.reason, "image": bad.image });
+            format!("{line}\n")
+        })
+        .collect();
+    let lists = [("failures.jsonl", failures), ("skipped.jsonl", skipped)];
+    for (name, text) in lists {
+        set.put_state(name, Some(text.as_str()).filter(|text| !text.is_empty()))?;
+    }
+    Ok(())
+}
+
+/// Neither folder lies in the other.
+fn refuse_nesting(plan: &Plan<'_>) -> Result<(), Error> {
+    let (input, output) = (plan.source.root(), &plan.context.out);
+    if starbreak_dataset::is_inside(output, input) || starbreak_dataset::is_inside(input, output) {
+        return Err(starbreak_dataset::DatasetError::OutputInInput {
+            input: input.to_owned(),
+            output: output.clone(),
+        }
+        .into());
+    }
+    Ok(())
+}

@@ -1,0 +1,174 @@
+//! A first walk over a source: which images are taken, and what is wrong with it.
+
+use std::collections::{BTreeSet, BinaryHeap};
+
+use starbreak_dataset::{BadRecord, STATE_FOLDER, SetLayout, Source, SourceImage, sha256_hex};
+use starbreak_glass::Seed;
+
+use super::Selection;
+
+/// One part of many, by number from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// Which one, from 1.
+    pub number: u32,
+    /// Of how many.
+    pub of: u32,
+}
+
+/// What a first walk over a source has found.
+#[derive(Debug, Clone)]
+pub struct Survey {
+    /// Images of the source.
+    pub n_images: u64,
+    /// Images that are taken, by this shard.
+    pub n_selected: u64,
+    /// Labeled objects in these.
+    pub n_objects: u64,
+    /// Records that break the rules of the format, or of a set: images among them are left out.
+    pub bad: Vec<BadRecord>,
+    /// The names of all images that are taken, shards or not: the SHA-256 of that of the names
+    /// before, followed by the name.
+    pub(super) names_sha256: String,
+    seed: Seed,
+    selection: Selection,
+    /// The last image that a limit takes.
+    last: Option<String>,
+    /// The highest rank that a sample takes.
+    highest_rank: Option<u64>,
+    /// Images whose other files would lie where those of an earlier one do.
+    colliding: BTreeSet<String>,
+}
+
+/// Walks over a source once. Labels are read and checked, images are not opened.
+#[must_use]
+pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
+    let mut survey = Survey {
+        n_images: 0,
+        n_selected: 0,
+        n_objects: 0,
+        bad: Vec::new(),
+        names_sha256: String::new(),
+        seed,
+        selection,
+        last: None,
+        highest_rank: None,
+        colliding: BTreeSet::new(),
+    };
+    survey.choose(source);
+    let mut names_sha256 = sha256_hex(b"");
+    for image in source.images() {
+        let image = match image {
+            Ok(image) => image,
+            Err(bad) => {
+                survey.bad.push(bad);
+                continue;
+            }
+        };
+        survey.bad.extend(image.problems.iter().cloned());
+        if survey.is_of_set(&image.name) {
+            names_sha256.push_str(&image.name);
+            names_sha256 = sha256_hex(names_sha256.as_bytes());
+        }
+        if survey.is_selected(&image.name) {
+            survey.n_selected += 1;
+            survey.n_objects += image.objects.len() as u64;
+        }
+    }
+    survey.names_sha256 = names_sha256;
+    survey
+}
+
+impl Survey {
+    /// Whether an image belongs to the set that all shards make.
+    #[must_use]
+    pub fn is_of_set(&self, name: &str) -> bool {
+        let in_limit = self.last.as_deref().is_none_or(|last| name <= last);
+        let in_sample = self
+            .highest_rank
+            .is_none_or(|highest| digest(self.seed, "sample", name) <= highest);
+        in_limit
+            && in_sample
+            && self.selection.limit != Some(0)
+            && self.selection.sample != Some(0)
+            && !self.colliding.contains(name)
+    }
+
+    /// Whether an image is taken by this run.
+    #[must_use]
+    pub fn is_selected(&self, name: &str) -> bool {
+        let in_shard = self.selection.shard.is_none_or(|shard| {
+            let place = digest(Seed(0), "shard", name) % u64::from(shard.of.max(1));
+            place + 1 == u64::from(shard.number)
+        });
+        in_shard && self.is_of_set(name)
+    }
+
+    /// The images that this run takes, in the order of the source.
+    pub fn selected<'a>(
+        &'a self,
+        source: &'a Source,
+    ) -> impl Iterator<Item = SourceImage> + Send + 'a {
+        source
+            .images()
+            .filter_map(Result::ok)
+            .filter(|image| self.is_selected(&image.name))
+    }
+
+    /// Finds where the limit and the sample end, and which names collide.
+    fn choose(&mut self, source: &Source) {
+        let mut ranks = BinaryHeap::new();
+        let mut stems = BTreeSet::new();
+        let layout = SetLayout::new(std::path::Path::new(""), 1);
+        for image in source.images().filter_map(Result::ok) {
+            let name = image.name;
+            self.n_images += 1;
+            let is_state = name
+                .strip_prefix(STATE_FOLDER)
+                .is_some_and(|rest| rest.starts_with('/'));
+            if is_state {
+                self.refuse(
+                    &name,
+                    "lies where the set keeps its own files; is the source a generated set?",
+                );
+                continue;
+            }
+            let stem = layout.files_of(&name, 0).provenance.to_lowercase();
+            if !stems.insert(digest(Seed(0), "stem", &stem)) {
+                self.refuse(
+                    &name,
+                    "differs from another image only in its extension or in case, so that their masks would have one name",
+                );
+                continue;
+            }
+            if let Some(n) = self.selection.sample {
+                ranks.push(digest(self.seed, "sample", &name));
+                if ranks.len() as u64 > n {
+                    ranks.pop();
+                }
+            }
+            if self
+                .selection
+                .limit
+                .is_some_and(|limit| self.n_images <= limit)
+            {
+                self.last = Some(name);
+            }
+        }
+        self.highest_rank = self.selection.sample.and_then(|_| ranks.peek().copied());
+    }
+
+    fn refuse(&mut self, name: &str, reason: &str) {
+        self.colliding.insert(name.to_owned());
+        self.bad.push(BadRecord {
+            place: name.to_owned(),
+            reason: reason.to_owned(),
+            image: Some(name.to_owned()),
+        });
+    }
+}
+
+/// A number that a name stands for, one for each purpose.
+fn digest(seed: Seed, purpose: &str, name: &str) -> u64 {
+    seed.of_item(&format!("{purpose}/{name}"), 0).0
+}
