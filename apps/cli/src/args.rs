@@ -7,6 +7,7 @@ use starbreak::dataset::same_file;
 use starbreak::{DEFAULT_PRESET, Recipe, Seed};
 
 use crate::failure::Failure;
+use crate::overlay_args::OverlayArgs;
 
 /// Break the glass in front of a camera, and see what the camera then sees.
 #[derive(Debug, Parser)]
@@ -89,6 +90,15 @@ pub(crate) enum Verb {
         /// shapes are cracks; in px it is stretched over the frame, in mm it lies on the pane
         #[arg(long, value_name = "FILE")]
         network: Option<PathBuf>,
+        /// Photo of broken glass to use instead of cracks: PNG or JPEG, cut out (alpha), or on
+        /// black or white. Its largest part of the frame's shape fills the frame
+        #[arg(long, value_name = "PHOTO", conflicts_with = "network")]
+        overlay: Option<PathBuf>,
+        /// Take a random part of the photo for each image, and flip it at random, by the seed
+        #[arg(long, requires = "overlay")]
+        overlay_random: bool,
+        #[command(flatten)]
+        overlay_args: OverlayArgs,
     },
     /// Show one crack over the values of one parameter: each picture, and all on one sheet
     Sweep {

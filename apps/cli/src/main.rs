@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod failure;
 mod interrupt;
+mod overlay_args;
 mod screen;
 
 use std::process::ExitCode;

@@ -22,6 +22,7 @@
 mod error;
 pub mod generate;
 pub mod import;
+pub mod overlay;
 pub mod pipeline;
 mod recipe;
 

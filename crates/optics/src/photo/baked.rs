@@ -206,6 +206,14 @@ fn spread(sharp: Raster, radii_px: &[Option<f64>], pupil: Pupil) -> Raster {
     )
 }
 
+/// A gain of [`PhotoPattern::light`] is in its range.
+///
+/// # Errors
+/// [`OpticsError::Parameter`].
+pub fn check_gain(gain: f64) -> Result<(), OpticsError> {
+    OpticsError::check_range("overlay_gain", gain, 0.0..=1000.0, "0 to 1000")
+}
+
 impl PhotoPattern {
     /// Width and height of the frame, px.
     #[must_use]
@@ -217,6 +225,12 @@ impl PhotoPattern {
     #[must_use]
     pub fn f_px(&self) -> f64 {
         self.f_px
+    }
+
+    /// Whether no glass is in the frame.
+    #[must_use]
+    pub fn is_intact(&self) -> bool {
+        self.coverage.iter().all(|code| *code == 0)
     }
 
     /// The photograph under the light of an environment, ready to be put over images.
@@ -234,7 +248,7 @@ impl PhotoPattern {
         gain: f64,
         optics: &PhysicalOptics,
     ) -> Result<Overlay, OpticsError> {
-        OpticsError::check_range("overlay_gain", gain, 0.0..=1000.0, "0 to 1000")?;
+        check_gain(gain)?;
         #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
         let gain = gain as f32;
         let white = self

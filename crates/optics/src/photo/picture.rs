@@ -3,8 +3,10 @@
 use image::DynamicImage;
 
 use super::background::{Background, Border, NEAR};
+use super::placement::Placement;
+use super::raster::Raster;
 use crate::OpticsError;
-use crate::srgb::decode16;
+use crate::srgb::{decode16, encode16};
 
 /// How a photograph is read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +41,7 @@ impl PhotoParams {
 }
 
 /// A photograph of broken glass: opacity and light of each pixel.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Photo {
     width: usize,
     height: usize,
@@ -50,7 +52,7 @@ pub struct Photo {
 }
 
 /// Samples as they were in the file: three per pixel, four with alpha.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 enum Codes {
     Eight(Vec<u8>),
     Sixteen(Vec<u16>),
@@ -121,6 +123,68 @@ impl Photo {
     #[must_use]
     pub fn background(&self) -> Background {
         self.background
+    }
+
+    /// The same photograph with no side longer than this, px: area means of its opacity and its
+    /// light, in 16 bits. A smaller one stays as it is.
+    #[must_use]
+    pub fn shrunk_to(self, most_side_px: u32) -> Self {
+        let (width, height) = self.size();
+        let longest = width.max(height);
+        if longest <= most_side_px || most_side_px == 0 {
+            return self;
+        }
+        let side = |px: u32| {
+            let shrunk = u64::from(px) * u64::from(most_side_px) / u64::from(longest);
+            u32::try_from(shrunk.max(1)).unwrap_or(u32::MAX)
+        };
+        let (width, height) = (side(width) as usize, side(height) as usize);
+        let placement = Placement {
+            left_px: 0.0,
+            top_px: 0.0,
+            width_px: f64::from(self.size().0),
+            height_px: f64::from(self.size().1),
+            flip_horizontal: false,
+            flip_vertical: false,
+        };
+        let raster = Raster::new(&self, &placement, (width, height), 0);
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let codes = pixels.flat_map(|(x, y)| {
+            let glass = raster.glass(x, y);
+            let codes = match self.background {
+                Background::Alpha => {
+                    let opacity = glass.opacity[0];
+                    let [r, g, b] = glass.light.map(|light| encode16(light / opacity.max(1e-9)));
+                    [r, g, b, code_of_share(opacity)]
+                }
+                Background::Black => {
+                    let [r, g, b] = glass.light.map(encode16);
+                    [r, g, b, 0]
+                }
+                Background::White => {
+                    let [r, g, b] = glass.opacity.map(|opacity| encode16(1.0 - opacity));
+                    [r, g, b, 0]
+                }
+            };
+            let n_samples = if self.background == Background::Alpha {
+                4
+            } else {
+                3
+            };
+            codes.into_iter().take(n_samples)
+        });
+        // The background has been taken off already.
+        let clean = Border {
+            darkest: 1.0,
+            brightest: 0.0,
+        };
+        Self {
+            width,
+            height,
+            background: self.background,
+            codes: Codes::Sixteen(codes.collect()),
+            of_code: table(self.background, clean, 0.0, true),
+        }
     }
 
     fn shows_glass(&self) -> bool {
@@ -196,6 +260,17 @@ fn table(background: Background, border: Border, floor: f64, is_deep: bool) -> V
             }
         })
         .collect()
+}
+
+/// The nearest code of 16 bits.
+fn code_of_share(share: f32) -> u16 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a code of 16 bits"
+    )]
+    let code = (share.clamp(0.0, 1.0) * 65535.0).round() as u16;
+    code
 }
 
 /// A sample of a photograph.

@@ -24,6 +24,7 @@ impl Plan<'_> {
             "patterns": match self.patterns {
                 Patterns::Fresh => json!("fresh"),
                 Patterns::Network(imported) => json!({ "network_sha256": imported.sha256 }),
+                Patterns::Overlays(set) => json!({ "overlays": set.facts() }),
             },
             "samples": self.options.n_samples,
             "selection": { "limit": selection.limit, "sample": selection.sample },

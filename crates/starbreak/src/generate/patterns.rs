@@ -1,13 +1,13 @@
 //! Where the cracks of a set come from.
 
-use serde_json::{Map, Value, json};
-use starbreak_glass::{Model, Seed};
+use serde_json::{Map, Value};
+use starbreak_glass::Seed;
 
 use crate::Error;
 use crate::import::ImportedNetwork;
+use crate::overlay::OverlaySet;
 use crate::pipeline::{
-    Baked, Details, RunContext, Simulated, Stopwatch, bake_network, network_view, simulate,
-    use_network,
+    Baked, RunContext, Stopwatch, bake_network, network_view, simulate, use_network,
 };
 
 /// Where the cracks of a set come from.
@@ -17,6 +17,8 @@ pub enum Patterns {
     Fresh,
     /// One network for all images.
     Network(ImportedNetwork),
+    /// Photographs of broken glass: for each sample a random one, and a random part of it.
+    Overlays(OverlaySet),
 }
 
 /// A crack for one sample of one image.
@@ -40,6 +42,16 @@ impl Patterns {
         let simulated = match self {
             Self::Fresh => simulate(&context.settings, size.0, size.1, seed)?,
             Self::Network(imported) => use_network(imported),
+            Self::Overlays(set) => {
+                let placed = set.draw(size, seed)?;
+                let baked = placed.bake(&context.settings, size)?;
+                watch.lap(baked.stage());
+                return Ok(ItemPattern {
+                    is_intact: baked.is_intact(),
+                    baked,
+                    facts: Map::from_iter([("overlay".to_owned(), placed.facts())]),
+                });
+            }
         };
         watch.append(simulated.timings.clone());
         let view = network_view(
@@ -51,26 +63,11 @@ impl Patterns {
         let network = (&simulated.network, f64::INFINITY);
         let baked = bake_network(&context.settings, network, &view, seed)?;
         watch.lap(baked.stage());
+        let (key, facts) = simulated.details.facts_of(&simulated.network);
         Ok(ItemPattern {
             baked,
             is_intact: simulated.network.n_segments() == 0,
-            facts: Map::from_iter([("network".to_owned(), network_facts(&simulated))]),
+            facts: Map::from_iter([(key.to_owned(), facts)]),
         })
     }
-}
-
-/// What a record says of a network.
-pub(crate) fn network_facts(simulated: &Simulated) -> Value {
-    let data = simulated.network.data();
-    let model = match simulated.details {
-        Details::Imported(_) => Model::Imported,
-        _ => data.model,
-    };
-    let mut facts = Map::from_iter([
-        ("model".to_owned(), json!(model)),
-        ("impacts".to_owned(), json!(data.impacts)),
-        ("summary".to_owned(), json!(simulated.network.summary())),
-    ]);
-    facts.extend(simulated.details.to_json());
-    Value::Object(facts)
 }
