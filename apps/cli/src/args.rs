@@ -1,13 +1,17 @@
 //! The command line, as typed.
 
+pub(crate) mod generate;
+pub(crate) mod overlay;
+
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use generate::{GenerateArgs, MergeArgs, VerifyArgs};
 use starbreak::dataset::same_file;
 use starbreak::{DEFAULT_PRESET, Recipe, Seed};
 
+use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
-use crate::overlay_args::OverlayArgs;
 
 /// Break the glass in front of a camera, and see what the camera then sees.
 #[derive(Debug, Parser)]
@@ -100,6 +104,12 @@ pub(crate) enum Verb {
         #[command(flatten)]
         overlay_args: OverlayArgs,
     },
+    /// Crack a whole dataset: the same layout, names and labels, with masks and records beside
+    Generate(GenerateArgs),
+    /// Check that a generated set is whole and unmixed, and that it comes out the same again
+    Verify(VerifyArgs),
+    /// Join the shards of one generated set
+    Merge(MergeArgs),
     /// Show one crack over the values of one parameter: each picture, and all on one sheet
     Sweep {
         /// A PNG or JPEG file

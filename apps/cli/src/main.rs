@@ -4,7 +4,6 @@ mod args;
 mod commands;
 mod failure;
 mod interrupt;
-mod overlay_args;
 mod screen;
 
 use std::process::ExitCode;

@@ -114,7 +114,8 @@ pub enum Error {
 impl Error {
     /// Whether it would meet every other file, too: the disk is full, or nothing can be written
     /// there.
-    pub(crate) fn is_of_the_disk(&self) -> bool {
+    #[must_use]
+    pub fn is_of_the_disk(&self) -> bool {
         match self {
             Self::Dataset(error) => error.is_of_the_disk(),
             Self::OfImage { cause, .. } => cause.is_of_the_disk(),

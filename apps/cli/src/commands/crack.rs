@@ -12,9 +12,9 @@ use starbreak::pipeline::{
 
 use super::network_file;
 use crate::args::Global;
+use crate::args::overlay::OverlayArgs;
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
-use crate::overlay_args::OverlayArgs;
 use crate::screen::{Screen, path_text};
 
 /// What to crack, and how.

@@ -6,12 +6,14 @@ mod bench_physics;
 mod contact_sheet;
 mod crack;
 mod demo;
+mod generate;
 mod network_file;
 mod plot;
 mod recipe;
 mod shell;
 mod simulate;
 mod sweep;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -44,6 +46,9 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             };
             crack::run(global, &request, screen)
         }
+        Verb::Generate(args) => generate::run(global, &args, screen),
+        Verb::Verify(args) => verify::run(global, &args, screen),
+        Verb::Merge(args) => verify::merge(&args, screen),
         Verb::Sweep {
             input,
             output,

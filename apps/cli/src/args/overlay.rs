@@ -85,7 +85,7 @@ impl OverlayArgs {
         };
         if !has_photos && let Some(flag) = given(&reading).or(given(&placing)) {
             return Err(Failure::wrong_input(format!(
-                "{flag} is for photos of broken glass; name one with --overlay"
+                "{flag} is for photos of broken glass, of which none are named; name them, too"
             )));
         }
         if !is_random && let Some(flag) = given(&placing) {
@@ -94,6 +94,15 @@ impl OverlayArgs {
             )));
         }
         Ok(())
+    }
+
+    /// The photographs below a folder, if one was named, of which random parts are taken.
+    pub(crate) fn read_folder(&self, folder: Option<&Path>) -> Result<Option<OverlaySet>, Failure> {
+        self.refuse_idle(folder.is_some(), true)?;
+        let Some(folder) = folder else {
+            return Ok(None);
+        };
+        Ok(Some(OverlaySet::read(folder, &self.options(true)?)?))
     }
 
     /// The photograph in a file; none of the outputs is that file.

@@ -1,0 +1,362 @@
+//! `starbreak generate`: a dataset to its cracked twin.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+use starbreak::OutputFormat;
+use starbreak::dataset::{
+    BadRecord, Carry, Encoding, OutputBatch, Source, SourceSpec, encode_image,
+};
+use starbreak::generate::{
+    Event, GenerateOptions, GenerateReport, Patterns, Plan, Preview, Selection, Survey, generate,
+    preview, survey,
+};
+use starbreak::pipeline::{RunContext, with_threads};
+
+use super::contact_sheet::{Cell, contact_sheet};
+use super::network_file;
+use crate::args::Global;
+use crate::args::generate::{GenerateArgs, OnError, OtherFiles};
+use crate::failure::{Failure, SOME_FAILED};
+use crate::interrupt::Interrupt;
+use crate::screen::{Screen, path_text};
+
+/// Images of a dry run.
+const N_PREVIEW: u64 = 12;
+
+/// Bad records that are shown one by one.
+const MOST_SHOWN: usize = 20;
+
+pub(crate) fn run(
+    global: &Global,
+    args: &GenerateArgs,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let recipe = global.recipe()?;
+    let context = RunContext::new(&recipe, global.seed(), &args.output)?;
+    refuse_outputs(&context)?;
+    let photos = args.overlay.read_folder(args.overlays.as_deref())?;
+    let patterns = match (photos, network_file::read(args.network.as_deref(), &[])?) {
+        (Some(photos), _) => Patterns::Overlays(photos),
+        (None, Some(imported)) => Patterns::Network(imported),
+        (None, None) => Patterns::Fresh,
+    };
+    let options = options_of(args);
+    let source = Source::open(&SourceSpec::parse(&args.source)?)?;
+    let survey = survey(&source, options.selection, global.seed());
+    mind_bad_records(&survey, args.on_error, screen)?;
+    if survey.n_selected == 0 {
+        return Err(Failure::wrong_input(format!(
+            "{:?} holds no image to be taken ({} in all); check the path and the selection",
+            source.root(),
+            survey.n_images
+        )));
+    }
+    let plan = Plan {
+        source: &source,
+        context: &context,
+        patterns: &patterns,
+        options: &options,
+        survey: &survey,
+    };
+    if args.dry_run {
+        return dry_run(global, &plan, screen);
+    }
+
+    let interrupt = Interrupt::listen();
+    let total = survey.n_selected * u64::from(options.n_samples);
+    let progress = screen.progress(total, "images");
+    let started = Instant::now();
+    let report = with_threads(usize::from(global.threads), || {
+        generate(&plan, interrupt.flag(), &|event| match event {
+            Event::Done => progress.step(),
+            Event::Failed(failure) => progress.line(&format!("error: {}", failure.error)),
+            Event::CarryingFiles => {}
+        })
+    })?;
+    progress.finish();
+    // What is wrong with the disk is in the way of all images: the work failed.
+    let report = report.map_err(|error| {
+        let code = if error.is_of_the_disk() {
+            SOME_FAILED
+        } else {
+            crate::failure::WRONG_INPUT
+        };
+        Failure {
+            message: format!(
+                "{error}{}",
+                if code == SOME_FAILED {
+                    "; the same command goes on"
+                } else {
+                    ""
+                }
+            ),
+            code,
+        }
+    })?;
+    let seconds = started.elapsed().as_secs_f64();
+    finish(&plan, &report, seconds, &interrupt, screen)
+}
+
+fn options_of(args: &GenerateArgs) -> GenerateOptions {
+    GenerateOptions {
+        n_samples: args.samples,
+        selection: Selection {
+            limit: args.limit,
+            sample: args.sample,
+            shard: args.shard,
+        },
+        other_files: match args.other_files {
+            OtherFiles::Copy => Some(Carry::Copy),
+            OtherFiles::HardLink => Some(Carry::HardLink),
+            OtherFiles::Skip => None,
+        },
+        max_failures: if args.fail_fast {
+            Some(0)
+        } else {
+            args.max_failures
+        },
+    }
+}
+
+/// The set keeps the names of its source, so an image keeps its format.
+fn refuse_outputs(context: &RunContext) -> Result<(), Failure> {
+    let output = &context.settings.output;
+    if output.format != OutputFormat::Same {
+        return Err(Failure::wrong_input(
+            "generate keeps the names and formats of the dataset; set output.format = \"same\"",
+        ));
+    }
+    if output.maps {
+        return Err(Failure::wrong_input(
+            "generate writes no maps, which take some 30 bytes per px; set output.maps = false, or use crack --maps",
+        ));
+    }
+    Ok(())
+}
+
+/// Stops, or says what is left out.
+fn mind_bad_records(survey: &Survey, on_error: OnError, screen: &Screen) -> Result<(), Failure> {
+    let n_bad = survey.bad.len();
+    if n_bad == 0 {
+        return Ok(());
+    }
+    for bad in survey.bad.iter().take(MOST_SHOWN) {
+        screen.note(&format!("bad record: {bad}"));
+    }
+    if n_bad > MOST_SHOWN {
+        screen.note(&format!("and {} more bad records", n_bad - MOST_SHOWN));
+    }
+    match on_error {
+        OnError::Stop => Err(Failure::wrong_input(format!(
+            "the dataset has {n_bad} bad records, the first: {}; mend them, or leave them out with --on-error skip",
+            survey
+                .bad
+                .first()
+                .map(BadRecord::to_string)
+                .unwrap_or_default()
+        ))),
+        OnError::Skip => Ok(()),
+    }
+}
+
+/// Says what the run would do, and shows a few of its images.
+fn dry_run(global: &Global, plan: &Plan<'_>, screen: &Screen) -> Result<ExitCode, Failure> {
+    let made = with_threads(usize::from(global.threads), || preview(plan, N_PREVIEW))??;
+    let mut cells = Vec::new();
+    for image in &made.images {
+        let caption = [
+            image.name.clone(),
+            format!(
+                "{:.1} % of the frame influenced",
+                image.region_fraction * 100.0
+            ),
+        ];
+        cells.push(Cell::new(&image.pixels.to_rgb8(), caption));
+    }
+    let mut sheet_path = plan.context.out.clone().into_os_string();
+    sheet_path.push(".preview.png");
+    let sheet_path = PathBuf::from(sheet_path);
+    if !cells.is_empty() {
+        let title = format!(
+            "{} of {} images, seed {}",
+            cells.len(),
+            plan.survey.n_selected,
+            global.seed
+        );
+        let sheet = encode_image(&contact_sheet(&title, &cells)?.into(), &Encoding::Png, None)?;
+        let mut batch = OutputBatch::new();
+        batch.stage(&sheet_path, &sheet)?;
+        batch.commit()?;
+    }
+    for (_, error) in &made.failures {
+        screen.note(&format!("error: {error}"));
+    }
+    screen.say(&would_do(plan, &made));
+    if !cells.is_empty() {
+        screen.say(&format!(
+            "{} of them on {}",
+            cells.len(),
+            sheet_path.display()
+        ));
+    }
+    screen.result(|| {
+        json!({
+            "dry_run": true,
+            "n_images": plan.survey.n_selected,
+            "n_samples": plan.options.n_samples,
+            "n_objects": plan.survey.n_objects,
+            "n_bad_records": plan.survey.bad.len(),
+            "input_bytes": made.n_input_bytes,
+            "output_bytes": made.n_output_bytes,
+            "n_files": made.n_files,
+            "file_bytes": made.n_file_bytes,
+            "seconds_on_one_thread": made.seconds_on_one_thread,
+            "preview": path_text(&sheet_path),
+            "failed": made.failures.len(),
+        })
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn would_do(plan: &Plan<'_>, made: &Preview) -> String {
+    let n_samples = plan.options.n_samples;
+    let times = if n_samples == 1 {
+        String::new()
+    } else {
+        format!(" {n_samples} times each")
+    };
+    format!(
+        "dry run: {} of {} images{times} with {} labeled objects ({}) would become about {} with their masks and \
+         records, in about {:.0} s on one thread; {} labels and other files ({}) {}",
+        plan.survey.n_selected,
+        plan.survey.n_images,
+        plan.survey.n_objects,
+        bytes_text(made.n_input_bytes),
+        bytes_text(made.n_output_bytes),
+        made.seconds_on_one_thread,
+        made.n_files,
+        bytes_text(made.n_file_bytes),
+        how_carried(plan),
+    )
+}
+
+fn how_carried(plan: &Plan<'_>) -> &'static str {
+    match plan.options.other_files {
+        Some(Carry::Copy) => "copied",
+        Some(Carry::HardLink) => "carried over, labels copied and the others hard-linked",
+        None => "copied, other files left out",
+    }
+}
+
+/// A number of bytes for people.
+fn bytes_text(n_bytes: u64) -> String {
+    #[expect(clippy::cast_precision_loss, reason = "three digits of it")]
+    let n = n_bytes as f64;
+    match n_bytes {
+        0..10_000 => format!("{n_bytes} bytes"),
+        10_000..10_000_000 => format!("{:.1} kB", n / 1e3),
+        10_000_000..10_000_000_000 => format!("{:.1} MB", n / 1e6),
+        _ => format!("{:.1} GB", n / 1e9),
+    }
+}
+
+/// Says how it went, and with which exit code.
+fn finish(
+    plan: &Plan<'_>,
+    report: &GenerateReport,
+    seconds: f64,
+    interrupt: &Interrupt,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let out = &plan.context.out;
+    let n_failed = report.failures.len();
+    if report.manifest.is_some() {
+        screen.say(&summary(plan, report, seconds));
+    }
+    screen.result(|| result_json(plan, report, seconds))?;
+    if report.manifest.is_none() && n_failed == 0 {
+        return Err(Failure::interrupted(format!(
+            "interrupted: {} images not begun; the same command goes on",
+            report.n_not_begun
+        )));
+    }
+    if n_failed == 0 {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let list = out.join("starbreak").join("failures.jsonl");
+    let stopped = match (report.manifest.is_some(), interrupt.is_set()) {
+        (true, _) => String::new(),
+        (false, true) => format!(", interrupted with {} not begun", report.n_not_begun),
+        (false, false) => format!(
+            ", and the run was stopped with {} not begun",
+            report.n_not_begun
+        ),
+    };
+    Err(Failure {
+        message: format!(
+            "{n_failed} images failed{stopped}; {list:?} lists them with their reasons; once they are mended the same \
+             command does them"
+        ),
+        code: SOME_FAILED,
+    })
+}
+
+fn summary(plan: &Plan<'_>, report: &GenerateReport, seconds: f64) -> String {
+    #[expect(clippy::cast_precision_loss, reason = "a rate")]
+    let rate = report.n_made as f64 / seconds.max(1e-9);
+    let n_files = report
+        .manifest
+        .as_ref()
+        .map_or(0, |manifest| manifest.n_files);
+    let before = match report.n_done_before {
+        0 => String::new(),
+        n => format!(", {n} done before"),
+    };
+    let intact = match report.n_intact {
+        0 => String::new(),
+        n => format!(", {n} of them with nothing broken"),
+    };
+    let skipped = match report.skipped.len() {
+        0 => String::new(),
+        n => format!("; {n} bad records left out (starbreak/skipped.jsonl)"),
+    };
+    format!(
+        "{}: {} images made{intact}{before}, {rate:.1} per second, {}; {n_files} labels and other files {}; PNG lossless, \
+         JPEG at quality {}{skipped}",
+        plan.context.out.display(),
+        report.n_made,
+        bytes_text(report.n_bytes),
+        how_carried(plan),
+        plan.context.settings.output.quality.get(),
+    )
+}
+
+fn result_json(plan: &Plan<'_>, report: &GenerateReport, seconds: f64) -> Value {
+    json!({
+        "output": path_text(&plan.context.out),
+        "finished": report.manifest.is_some(),
+        "n_made": report.n_made,
+        "n_done_before": report.n_done_before,
+        "n_intact": report.n_intact,
+        "n_not_begun": report.n_not_begun,
+        "n_skipped": report.skipped.len(),
+        "bytes": report.n_bytes,
+        "seconds": seconds,
+        "timings_ms": report.timings.to_json(),
+        "manifest": report.manifest,
+        "failed": report
+            .failures
+            .iter()
+            .map(|failure| {
+                json!({
+                    "name": failure.name,
+                    "sample": failure.sample_idx,
+                    "error": failure.error.to_string(),
+                })
+            })
+            .collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,163 @@
+//! `starbreak verify` and `starbreak merge`: finished sets.
+
+use std::process::ExitCode;
+
+use serde_json::{Value, json};
+use starbreak::dataset::{Finding, Source, SourceSpec, merge_sets};
+use starbreak::generate::{Patterns, RegenerateReport, VerifyReport, regenerate, verify};
+use starbreak::pipeline::with_threads;
+
+use super::network_file;
+use crate::args::Global;
+use crate::args::generate::{HowMany, MergeArgs, VerifyArgs};
+use crate::failure::{Failure, SOME_FAILED};
+use crate::interrupt::Interrupt;
+use crate::screen::{Screen, path_text};
+
+/// Findings that are shown one by one.
+const MOST_SHOWN: usize = 50;
+
+pub(crate) fn run(
+    global: &Global,
+    args: &VerifyArgs,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let interrupt = Interrupt::listen();
+    let progress = screen.progress(0, "files");
+    let n_threads = usize::from(global.threads);
+    let checked = with_threads(n_threads, || {
+        verify(&args.folder, interrupt.flag(), &|| progress.step())
+    })??;
+    progress.finish();
+    show(&checked.findings, screen);
+    let again = match (&args.source, args.regenerate) {
+        (Some(source), Some(how_many)) => {
+            let source = Source::open(&SourceSpec::parse(source)?)?;
+            let photos = args.overlay.read_folder(args.overlays.as_deref())?;
+            let patterns = match (photos, network_file::read(args.network.as_deref(), &[])?) {
+                (Some(photos), _) => Patterns::Overlays(photos),
+                (None, Some(imported)) => Patterns::Network(imported),
+                (None, None) => Patterns::Fresh,
+            };
+            let n = match how_many {
+                HowMany::All => None,
+                HowMany::Only(n) => Some(n),
+            };
+            let total = n.unwrap_or(checked.manifest.n_items);
+            let progress = screen.progress(total.min(checked.manifest.n_items), "images");
+            let again = with_threads(n_threads, || {
+                regenerate(
+                    &args.folder,
+                    &source,
+                    &patterns,
+                    n,
+                    interrupt.flag(),
+                    &|| {
+                        progress.step();
+                    },
+                )
+            })??;
+            progress.finish();
+            show(&again.findings, screen);
+            Some(again)
+        }
+        _ => None,
+    };
+    screen.say(&summary(args, &checked, again.as_ref()));
+    screen.result(|| result_json(args, &checked, again.as_ref()))?;
+    if interrupt.is_set() {
+        return Err(Failure::interrupted(
+            "interrupted: the check is not complete",
+        ));
+    }
+    let n_findings = checked.findings.len() + again.map_or(0, |again| again.findings.len());
+    if n_findings == 0 {
+        return Ok(ExitCode::SUCCESS);
+    }
+    Err(Failure {
+        message: format!(
+            "{:?} is not as it should be: {n_findings} findings",
+            args.folder
+        ),
+        code: SOME_FAILED,
+    })
+}
+
+pub(crate) fn merge(args: &MergeArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+    let report = merge_sets(&args.parts, &args.output)?;
+    let manifest = &report.manifest;
+    screen.say(&format!(
+        "{}: {} shards with {} images, and {} labels and other files",
+        args.output.display(),
+        report.n_shards,
+        manifest.n_items,
+        manifest.n_files
+    ));
+    screen.result(|| {
+        json!({
+            "output": path_text(&args.output),
+            "n_shards": report.n_shards,
+            "manifest": manifest,
+        })
+    })?;
+    if manifest.n_failed == 0 {
+        return Ok(ExitCode::SUCCESS);
+    }
+    Err(Failure {
+        message: format!("{} images had failed in the shards", manifest.n_failed),
+        code: SOME_FAILED,
+    })
+}
+
+fn show(findings: &[Finding], screen: &Screen) {
+    for finding in findings.iter().take(MOST_SHOWN) {
+        screen.say(&finding.to_string());
+    }
+    if findings.len() > MOST_SHOWN {
+        screen.say(&format!("and {} more", findings.len() - MOST_SHOWN));
+    }
+}
+
+fn summary(args: &VerifyArgs, checked: &VerifyReport, again: Option<&RegenerateReport>) -> String {
+    let again = again.map_or(String::new(), |again| {
+        format!(
+            "; {} images made again, {} with the same bytes in all files",
+            again.n_made, again.n_same_bytes
+        )
+    });
+    format!(
+        "{}: {} images and {} other files hashed, {} findings{again}",
+        args.folder.display(),
+        checked.n_items,
+        checked.n_files,
+        checked.findings.len()
+    )
+}
+
+fn result_json(
+    args: &VerifyArgs,
+    checked: &VerifyReport,
+    again: Option<&RegenerateReport>,
+) -> Value {
+    let listed = |findings: &[Finding]| -> Vec<Value> {
+        findings
+            .iter()
+            .map(|finding| json!({ "name": finding.name, "what": finding.what }))
+            .collect()
+    };
+    json!({
+        "set": path_text(&args.folder),
+        "manifest": checked.manifest,
+        "n_items": checked.n_items,
+        "n_files": checked.n_files,
+        "findings": listed(&checked.findings),
+        "regenerated": again.map(|again| {
+            json!({
+                "n_made": again.n_made,
+                "n_same_bytes": again.n_same_bytes,
+                "n_same_pixels": again.n_same_pixels,
+                "findings": listed(&again.findings),
+            })
+        }),
+    })
+}
