@@ -672,3 +672,32 @@ fn random_placements_keep_the_frames_shape_and_their_ranges() {
         "a range of its own"
     );
 }
+
+#[test]
+fn a_photograph_shrunk_beforehand_shows_the_same() {
+    let star = star(SIZE.0 * 6, SIZE.1 * 6);
+    let cut_out = RgbaImage::from_fn(SIZE.0 * 6, SIZE.1 * 6, |x, y| {
+        let [r, g, b] = star.get_pixel(x, y).0;
+        Rgba([r / 2 + 90, g, b, r])
+    });
+    let mut white = star.clone();
+    image::imageops::invert(&mut white);
+    let optics = far_focus(1.5);
+    for pixels in [DynamicImage::from(star), white.into(), cut_out.into()] {
+        let photo = photo(pixels);
+        let small = photo.clone().shrunk_to(SIZE.0 * 3);
+        assert_eq!(small.size(), (SIZE.0 * 3, SIZE.1 * 3), "half as large");
+        assert_eq!(small.background(), photo.background(), "on the same ground");
+        let (a, b) = (
+            overlay(&photo, &optics, &light(0.5)).maps(),
+            overlay(&small, &optics, &light(0.5)).maps(),
+        );
+        for (a, b) in a.added.iter().flatten().zip(b.added.iter().flatten()) {
+            assert!((a - b).abs() < 2e-4, "added: {a} and {b}");
+        }
+        for (a, b) in a.attenuation.iter().zip(&b.attenuation) {
+            assert!((a - b).abs() < 2e-4, "attenuation: {a} and {b}");
+        }
+        assert_eq!(small.clone().shrunk_to(5000), small, "it is small enough");
+    }
+}

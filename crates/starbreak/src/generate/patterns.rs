@@ -12,6 +12,10 @@ use crate::pipeline::{
 
 /// Where the cracks of a set come from.
 #[derive(Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one of them in a run, and it is handed on by reference"
+)]
 pub enum Patterns {
     /// Broken anew for each sample of each image.
     Fresh,
