@@ -43,6 +43,7 @@ pub mod environment;
 mod error;
 pub mod interface;
 pub mod lens;
+mod lit_runs;
 mod maps;
 mod masks;
 pub mod paper;

@@ -53,6 +53,9 @@ pub fn draw(
 
 /// Coverage and brightness of a pixel.
 fn shade(glass: Glass, background: Background) -> (f32, f32) {
+    if most(glass.opacity) <= 0.0 {
+        return (0.0, 0.0);
+    }
     let code = |light: f32| f32::from(encode16(light)) / 65535.0;
     let (covered, sent) = match background {
         Background::Alpha => {

@@ -1,8 +1,11 @@
 //! A photograph sampled at the pixels of a frame.
 
+use std::ops::Range;
+
 use super::background::Background;
 use super::picture::Photo;
 use super::placement::Placement;
+use crate::lit_runs::lit_runs;
 
 /// Glass over one pixel: per color what it takes away, and which light it sends under light 1.
 #[derive(Debug, Clone, Copy)]
@@ -172,24 +175,26 @@ fn sampled<const L: usize>(
     let mut read = vec![[0.0_f32; L]; last - first];
     // Rows of the photograph at the columns of the frame, as far as rows of the frame still need
     // them: footprints move down only.
-    let mut waiting: Vec<(usize, Vec<[f32; L]>)> = Vec::new();
+    let mut waiting: Vec<MeanRow<L>> = Vec::new();
     let mut lanes = vec![[0.0_f32; L]; columns.len() * rows.len()];
     for (row, line) in rows
         .iter()
         .zip(lanes.chunks_exact_mut(columns.len().max(1)))
     {
-        waiting.retain(|(y, _)| *y >= row.first);
+        waiting.retain(|known| known.y >= row.first);
         for (y, weight) in (row.first..).zip(&row.weights) {
             if *weight <= 0.0 {
                 continue;
             }
-            if !waiting.iter().any(|(known, _)| *known == y) {
+            if !waiting.iter().any(|known| known.y == y) {
                 photo.read(y, first, &mut read);
-                waiting.push((y, across(&read, first, columns)));
+                waiting.push(MeanRow::new(y, &read, first, columns));
             }
-            if let Some((_, means)) = waiting.iter().find(|(known, _)| *known == y) {
-                for (sum, mean) in line.iter_mut().zip(means) {
-                    for (sum, mean) in sum.iter_mut().zip(mean) {
+            if let Some(row) = waiting.iter().find(|known| known.y == y) {
+                for run in &row.runs {
+                    let sums = line[run.clone()].as_flattened_mut();
+                    let means = row.means[run.clone()].as_flattened();
+                    for (sum, mean) in sums.iter_mut().zip(means) {
                         *sum += weight * mean;
                     }
                 }
@@ -200,20 +205,46 @@ fn sampled<const L: usize>(
 }
 
 /// The means of one row of the photograph over the columns' footprints.
-fn across<const L: usize>(read: &[[f32; L]], first: usize, columns: &[Footprint]) -> Vec<[f32; L]> {
-    columns
-        .iter()
-        .map(|column| {
-            let mut sum = [0.0; L];
-            let pixels = read.iter().skip(column.first.saturating_sub(first));
-            for (weight, pixel) in column.weights.iter().zip(pixels) {
-                for (sum, lane) in sum.iter_mut().zip(pixel) {
+struct MeanRow<const L: usize> {
+    y: usize,
+    means: Vec<[f32; L]>,
+    /// Columns outside of which all is 0.
+    runs: Vec<Range<usize>>,
+}
+
+impl<const L: usize> MeanRow<L> {
+    /// From the pixels `first..` of a row.
+    fn new(y: usize, read: &[[f32; L]], first: usize, columns: &[Footprint]) -> Self {
+        let mut row = Self {
+            y,
+            means: vec![[0.0; L]; columns.len()],
+            runs: Vec::new(),
+        };
+        let lit = lit_runs(read);
+        let mut next = 0;
+        for (at, column) in columns.iter().enumerate() {
+            let start = column.first.saturating_sub(first);
+            let end = start + column.weights.len();
+            // Footprints move to the right only.
+            while lit.get(next).is_some_and(|run| run.end <= start) {
+                next += 1;
+            }
+            let Some(run) = lit.get(next) else { break };
+            if run.start >= end {
+                continue;
+            }
+            for (weight, pixel) in column.weights.iter().zip(&read[start..end]) {
+                for (sum, lane) in row.means[at].iter_mut().zip(pixel) {
                     *sum += weight * lane;
                 }
             }
-            sum
-        })
-        .collect()
+            match row.runs.last_mut() {
+                Some(run) if run.end == at => run.end = at + 1,
+                _ => row.runs.push(at..at + 1),
+            }
+        }
+        row
+    }
 }
 
 /// Turned over as the placement says: exactly the mirror image.

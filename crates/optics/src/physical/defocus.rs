@@ -1,6 +1,7 @@
 //! A whole frame out of focus.
 
 use super::elsewhere::between;
+use crate::lit_runs::lit_runs;
 use crate::maps::{Kernel, Pupil};
 
 /// Most cells per radius: larger discs are spread over a smaller frame.
@@ -77,12 +78,24 @@ pub(crate) fn defocus_rows<const LANES: usize>(
     );
     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
     let place = |k: usize| (k as f32 + 0.5) / per_cell as f32;
-    (0..height)
-        .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .flat_map(|(x, y)| {
-            between::<LANES>(size, [place(x), place(y)], |at, c| small[at * LANES + c])
-        })
-        .collect()
+    let is_dark: Vec<bool> = small
+        .chunks_exact(size.0 * LANES)
+        .map(|row| row.iter().all(|light| light.abs() <= 0.0))
+        .collect();
+    let mut out = vec![0.0; light.len()];
+    for (y, row) in out.chunks_exact_mut(width * LANES).enumerate() {
+        // Between this row of cells and one of its neighbors.
+        let cell = y / per_cell;
+        let around = cell.saturating_sub(1)..(cell + 2).min(size.1);
+        if is_dark[around].iter().all(|is_dark| *is_dark) {
+            continue;
+        }
+        for (x, pixel) in row.chunks_exact_mut(LANES).enumerate() {
+            let light = between::<LANES>(size, [place(x), place(y)], |at, c| small[at * LANES + c]);
+            pixel.copy_from_slice(&light);
+        }
+    }
+    out
 }
 
 /// Means of square cells of a frame; those at its end are cut off by it.
@@ -144,31 +157,39 @@ fn spread<const LANES: usize>(
     let mut ring = vec![[0.0_f32; LANES]; slots * stride];
     let mut out = vec![0.0; light.len()];
     let reach_signed = reach.cast_signed();
+    // A row with `reach` more on either side.
+    let mut sources = vec![[0.0_f32; LANES]; width + 2 * reach];
     for row in -reach_signed..height.cast_signed() + reach_signed {
         let source_row = mirrored(row, height);
-        let source = &light[source_row * width * LANES..][..width * LANES];
-        // Sources from `reach` before the row to `reach` after it.
-        let sources = match beyond {
-            Beyond::Mirrored => 0..width + 2 * reach,
-            Beyond::Nothing if (0..height.cast_signed()).contains(&row) => {
-                let [first, last] = lit::<LANES>(source);
-                first + reach..last + reach
+        let source = light[source_row * width * LANES..][..width * LANES]
+            .as_chunks::<LANES>()
+            .0;
+        let lit = match beyond {
+            Beyond::Mirrored => {
+                for (k, to) in (-reach_signed..).zip(&mut sources) {
+                    *to = source[mirrored(k, width)];
+                }
+                vec![0..sources.len()]
             }
-            Beyond::Nothing => 0..0,
+            Beyond::Nothing if (0..height.cast_signed()).contains(&row) => {
+                sources[reach..reach + width].copy_from_slice(source);
+                lit_runs(&sources)
+            }
+            Beyond::Nothing => Vec::new(),
         };
         for (dy, dx, steps) in kernels[kernel_of[source_row]].1.runs() {
             let y = row + dy as isize;
-            if sources.is_empty() || !(0..height.cast_signed()).contains(&y) {
+            if lit.is_empty() || !(0..height.cast_signed()).contains(&y) {
                 continue;
             }
             let line = &mut ring[y.cast_unsigned() % slots * stride..][..stride];
             for (dx, step) in (dx..).zip(steps) {
                 let first = (reach_signed + dx as isize).cast_unsigned();
-                let to = &mut line[first + sources.start..first + sources.end];
-                for (k, to) in sources.clone().zip(to) {
-                    let x = mirrored(k.cast_signed() - reach_signed, width);
-                    for (sum, light) in to.iter_mut().zip(&source[x * LANES..][..LANES]) {
-                        *sum += step * light;
+                for run in &lit {
+                    let to = &mut line[first + run.start..first + run.end];
+                    for (to, light) in to.iter_mut().zip(&sources[run.clone()]) {
+                        let sum = *to;
+                        *to = std::array::from_fn(|l| sum[l] + step * light[l]);
                     }
                 }
             }
@@ -193,19 +214,6 @@ fn spread<const LANES: usize>(
         }
     }
     out
-}
-
-/// The part of a row outside of which all is 0.
-fn lit<const LANES: usize>(row: &[f32]) -> [usize; 2] {
-    let pixels = row.as_chunks::<LANES>().0;
-    let is_lit = |pixel: &[f32; LANES]| pixel.iter().any(|light| light.abs() > 0.0);
-    match (
-        pixels.iter().position(is_lit),
-        pixels.iter().rposition(is_lit),
-    ) {
-        (Some(first), Some(last)) => [first, last + 1],
-        _ => [0, 0],
-    }
 }
 
 /// Index of a sample beyond the border, mirrored at the border's own edge.
