@@ -8,7 +8,8 @@ use std::path::Path;
 use std::process::Command;
 
 use common::{
-    SMALL, all_refused, folder, names, skipped, snapshot, starbreak, starbreak_small, write_photo,
+    SMALL, SmallDisk, all_refused, folder, names, skipped, snapshot, starbreak, starbreak_small,
+    write_photo,
 };
 
 /// Every verb that writes, onto this folder.
@@ -119,28 +120,6 @@ fn a_read_only_folder_is_refused() {
     all_writers_refused(dir.path(), "closed/deeper");
 }
 
-/// A small tmpfs, unmounted with the test.
-struct SmallDisk(tempfile::TempDir);
-
-impl SmallDisk {
-    fn mount() -> Option<Self> {
-        let disk = Self(folder());
-        let mounted = Command::new("mount")
-            .args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"])
-            .arg(disk.0.path())
-            .output()
-            .is_ok_and(|output| output.status.success());
-        mounted.then_some(disk)
-    }
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        // Where nothing was mounted there is nothing to unmount.
-        let _ = Command::new("umount").arg(self.0.path()).output();
-    }
-}
-
 #[test]
 fn a_full_disk_stays_empty() {
     let dir = folder();
@@ -149,11 +128,11 @@ fn a_full_disk_stays_empty() {
         common::png_bytes(&common::photo((640, 400))),
     )
     .unwrap();
-    let Some(disk) = SmallDisk::mount() else {
+    let Some(disk) = SmallDisk::mount("64k") else {
         skipped("full disk: `mount -t tmpfs` is not allowed here");
         return;
     };
-    let root = disk.0.path().to_str().unwrap().to_owned();
+    let root = disk.root();
     for to in [root.clone(), format!("{root}/new/folder")] {
         for (args, named) in &writers(&to)[..3] {
             let outcome = starbreak(dir.path(), args);
@@ -163,7 +142,11 @@ fn a_full_disk_stays_empty() {
                 outcome.stderr.contains("no space left"),
                 "{args:?}: {outcome:?}"
             );
-            assert_eq!(names(disk.0.path()), Vec::<String>::new(), "after {args:?}");
+            assert_eq!(
+                names(Path::new(&root)),
+                Vec::<String>::new(),
+                "after {args:?}"
+            );
         }
     }
 }

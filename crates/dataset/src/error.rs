@@ -1,7 +1,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::{ImageFormat, SourceFormat};
+use crate::{BankFault, ImageFormat, SourceFormat};
 
 /// What went wrong with a file or a codec, as one line: the file, the fact, the way out.
 ///
@@ -267,6 +267,14 @@ pub enum DatasetError {
         /// The output.
         output: PathBuf,
     },
+    /// A bank file that cannot be read or written.
+    #[error("the bank {path:?} cannot be used: {fault}; {}", bank_way_out(.fault))]
+    Bank {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        fault: BankFault,
+    },
     /// A provenance record that is not a JSON object with a `schema`.
     #[error(
         "the provenance record is not valid: {reason}; expected a JSON object with a text field \"schema\""
@@ -375,6 +383,16 @@ fn io_way_out(error: &io::Error) -> &'static str {
         io::ErrorKind::ReadOnlyFilesystem => "choose a folder on another disk",
         io::ErrorKind::InvalidFilename => "choose a shorter name",
         _ => "check the path",
+    }
+}
+
+fn bank_way_out(fault: &BankFault) -> &'static str {
+    match fault {
+        BankFault::NotABank => "check the path",
+        BankFault::NewerVersion { .. } => "read it with the program that wrote it, or a later one",
+        BankFault::NoRecord { .. } => "ask for one that it has",
+        BankFault::TooLong { .. } => "use smaller frames",
+        _ => "copy it again, or make it again from its recipe and seed",
     }
 }
 

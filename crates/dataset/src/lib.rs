@@ -30,6 +30,7 @@ mod image_file;
 
 mod animation;
 mod array;
+mod bank_file;
 mod encode;
 
 mod generated;
@@ -44,6 +45,7 @@ mod text_file;
 
 pub use animation::{AnimationParams, encode_animation};
 pub use array::encode_array;
+pub use bank_file::{BankFault, BankFile, BankRecord, BankWriter, WrittenBank};
 pub use encode::{
     Encoding, JpegQuality, encode_image, encode_image_as, encode_mask, encode_mask_as,
 };
@@ -55,7 +57,7 @@ pub use generated::{
 };
 pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_image};
 pub use output_batch::OutputBatch;
-pub use paths::{FileSet, is_inside, same_file};
+pub use paths::{FileSet, file_in, is_inside, same_file};
 pub use provenance::{Provenance, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{

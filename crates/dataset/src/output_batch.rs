@@ -34,8 +34,9 @@ pub struct OutputBatch {
     created_folders: Vec<PathBuf>,
 }
 
+/// A file under its temporary name.
 #[derive(Debug)]
-struct StagedFile {
+pub(crate) struct StagedFile {
     /// The resolved folder with the file's name: where the file goes.
     destination: PathBuf,
     temporary: TempPath,
@@ -72,6 +73,27 @@ impl OutputBatch {
     /// [`DatasetError::Write`] where the file system refuses. The batch stays as it was, apart
     /// from folders, and may be used further.
     pub fn stage(&mut self, path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
+        let (mut file, staged) = self.begin(path)?;
+        file.write_all(bytes)
+            .and_then(|()| file.flush())
+            .and_then(|()| match self.waits_for_disk {
+                true => file.sync_all(),
+                false => Ok(()),
+            })
+            .map_err(|source| DatasetError::Write {
+                path: path.to_owned(),
+                source,
+            })?;
+        self.end(staged);
+        Ok(())
+    }
+
+    /// Opens a file beside `path`, under a temporary name; [`OutputBatch::end`] stages it once it
+    /// has been written.
+    ///
+    /// # Errors
+    /// As for [`OutputBatch::stage`].
+    pub(crate) fn begin(&mut self, path: &Path) -> Result<(fs::File, StagedFile), DatasetError> {
         let file_name = file_name_of(path)?;
         if let Some(what) = fs::metadata(path).ok().as_ref().and_then(not_a_file) {
             return Err(DatasetError::DestinationNotAFile {
@@ -112,19 +134,17 @@ impl OutputBatch {
             });
         }
 
-        let (mut file, temporary) = temporary.into_parts();
-        file.write_all(bytes)
-            .and_then(|()| file.flush())
-            .and_then(|()| match self.waits_for_disk {
-                true => file.sync_all(),
-                false => Ok(()),
-            })
-            .map_err(write_error)?;
-        self.staged.push(StagedFile {
+        let (file, temporary) = temporary.into_parts();
+        let staged = StagedFile {
             destination,
             temporary,
-        });
-        Ok(())
+        };
+        Ok((file, staged))
+    }
+
+    /// Stages a file that has been written.
+    pub(crate) fn end(&mut self, staged: StagedFile) {
+        self.staged.push(staged);
     }
 
     /// Renames all staged files into place, in the order of staging.

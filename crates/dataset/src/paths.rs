@@ -81,3 +81,13 @@ fn resolved(path: &Path) -> PathBuf {
     }
     resolved
 }
+
+/// The file itself, or the one of this name where the path is that of a folder.
+#[must_use]
+pub fn file_in(path: &Path, name: &str) -> PathBuf {
+    if path.is_dir() {
+        path.join(name)
+    } else {
+        path.to_owned()
+    }
+}

@@ -54,6 +54,16 @@ pub enum OpticsError {
         /// Name of the background.
         background: &'static str,
     },
+    /// Bytes that are not a packed pattern or drawing.
+    #[error("not a packed {what}: {why}, at byte {at}")]
+    Packed {
+        /// What they should be.
+        what: &'static str,
+        /// Where they are wrong, from 0.
+        at: usize,
+        /// In which way.
+        why: &'static str,
+    },
     /// Cracks drawn for a frame of another size.
     #[error(
         "the image is {width} × {height} px, but the cracks were drawn for {drawn_width} × {drawn_height} px"

@@ -65,6 +65,33 @@ pub enum Error {
         "the pattern was baked for another optics.model than the recipe's; use the recipe that it was made with"
     )]
     OtherOptics,
+    /// A bank whose content is not what this version knows, or a pattern that it does not have.
+    #[error(
+        "the bank {path:?}{}: {why}; make it again from its recipe and seed, with this version",
+        .idx.map(|idx| format!(", pattern {idx}")).unwrap_or_default()
+    )]
+    Bank {
+        /// The file.
+        path: PathBuf,
+        /// The pattern, from 0, if it is one.
+        idx: Option<usize>,
+        /// What is wrong.
+        why: String,
+    },
+    /// A pattern of a bank that cannot be made.
+    #[error("pattern {idx}: {cause}")]
+    OfPattern {
+        /// Which one, from 0.
+        idx: usize,
+        /// Why.
+        cause: Box<Error>,
+    },
+    /// A bank without frame sizes.
+    #[error("a bank needs at least one frame size")]
+    NoSize,
+    /// What is done as a whole or not at all was interrupted.
+    #[error("interrupted; nothing was written")]
+    Interrupted,
     /// Two inputs would write the same file.
     #[error(
         "{first:?} and {second:?} would both write {name:?}; give them different names or run them apart"

@@ -19,6 +19,7 @@
 //! # Ok::<(), starbreak::Error>(())
 //! ```
 
+pub mod bank;
 mod error;
 pub mod generate;
 pub mod import;

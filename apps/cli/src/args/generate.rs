@@ -20,12 +20,16 @@ pub(crate) struct GenerateArgs {
     /// Samples of each image, each with a crack of its own, in trees sample_0, sample_1, …
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) samples: u32,
+    /// A bank that `starbreak patterns` has made: each image gets one of its cracks, and its
+    /// recipe; of the recipe only output.… can be set then
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera"])]
+    pub(crate) bank: Option<PathBuf>,
     /// One crack network (JSON or SVG) for all images instead of a new one for each
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "bank")]
     pub(crate) network: Option<PathBuf>,
     /// Photos of broken glass instead of cracks: for each sample a random part of a random one of
     /// the PNG and JPEG files below a folder
-    #[arg(long, value_name = "DIR", conflicts_with = "network")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["network", "bank"])]
     pub(crate) overlays: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) overlay: OverlayArgs,
@@ -69,15 +73,23 @@ pub(crate) struct VerifyArgs {
     /// The dataset that it was made from, as for generate
     #[arg(long, value_name = "FORMAT:PATH")]
     pub(crate) source: Option<OsString>,
+    /// The bank that it was made with, if it was
+    #[arg(long, value_name = "DIR", requires = "regenerate")]
+    pub(crate) bank: Option<PathBuf>,
     /// The network that it was made with, if it was
-    #[arg(long, value_name = "FILE", requires = "regenerate")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        requires = "regenerate",
+        conflicts_with = "bank"
+    )]
     pub(crate) network: Option<PathBuf>,
     /// The photos of broken glass that it was made with, if it was, and their flags as for generate
     #[arg(
         long,
         value_name = "DIR",
         requires = "regenerate",
-        conflicts_with = "network"
+        conflicts_with_all = ["network", "bank"]
     )]
     pub(crate) overlays: Option<PathBuf>,
     #[command(flatten)]

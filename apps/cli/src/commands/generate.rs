@@ -1,11 +1,11 @@
 //! `starbreak generate`: a dataset to its cracked twin.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::OutputFormat;
+use starbreak::bank::PatternBank;
 use starbreak::dataset::{
     BadRecord, Carry, Encoding, OutputBatch, Source, SourceSpec, encode_image,
 };
@@ -13,7 +13,9 @@ use starbreak::generate::{
     Event, GenerateOptions, GenerateReport, Patterns, Plan, Preview, Selection, Survey, generate,
     preview, survey,
 };
+use starbreak::overlay::OverlaySet;
 use starbreak::pipeline::{RunContext, with_threads};
+use starbreak::{OutputFormat, Recipe};
 
 use super::contact_sheet::{Cell, contact_sheet};
 use super::network_file;
@@ -34,15 +36,14 @@ pub(crate) fn run(
     args: &GenerateArgs,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let recipe = global.recipe()?;
+    let photos = args.overlay.read_folder(args.overlays.as_deref())?;
+    let patterns = patterns(args.bank.as_deref(), args.network.as_deref(), photos)?;
+    let recipe = match &patterns {
+        Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
+        _ => global.recipe()?,
+    };
     let context = RunContext::new(&recipe, global.seed(), &args.output)?;
     refuse_outputs(&context)?;
-    let photos = args.overlay.read_folder(args.overlays.as_deref())?;
-    let patterns = match (photos, network_file::read(args.network.as_deref(), &[])?) {
-        (Some(photos), _) => Patterns::Overlays(photos),
-        (None, Some(imported)) => Patterns::Network(imported),
-        (None, None) => Patterns::Fresh,
-    };
     let options = options_of(args);
     let source = Source::open(&SourceSpec::parse(&args.source)?)?;
     let survey = survey(&source, options.selection, global.seed());
@@ -98,6 +99,39 @@ pub(crate) fn run(
     })?;
     let seconds = started.elapsed().as_secs_f64();
     finish(&plan, &report, seconds, &interrupt, screen)
+}
+
+/// Where the cracks come from.
+pub(super) fn patterns(
+    bank: Option<&Path>,
+    network: Option<&Path>,
+    photos: Option<OverlaySet>,
+) -> Result<Patterns, Failure> {
+    if let Some(photos) = photos {
+        return Ok(Patterns::Overlays(photos));
+    }
+    if let Some(bank) = bank {
+        return Ok(Patterns::Bank(PatternBank::open(bank)?));
+    }
+    Ok(match network_file::read(network, &[])? {
+        Some(imported) => Patterns::Network(imported),
+        None => Patterns::Fresh,
+    })
+}
+
+/// The recipe that the patterns were made with, with what is said of the output.
+fn recipe_of_bank(bank: &PatternBank, global: &Global) -> Result<Recipe, Failure> {
+    let mut recipe = bank.header().parse_recipe()?;
+    for assignment in &global.set {
+        if !assignment.trim_start().starts_with("output.") {
+            return Err(Failure::wrong_input(format!(
+                "--set {assignment} would change the recipe of the bank's patterns; only output.… can be set with \
+                 --bank, or make another bank with it"
+            )));
+        }
+        recipe.set(assignment)?;
+    }
+    Ok(recipe)
 }
 
 fn options_of(args: &GenerateArgs) -> GenerateOptions {

@@ -4,10 +4,10 @@ use std::process::ExitCode;
 
 use serde_json::{Value, json};
 use starbreak::dataset::{Finding, Source, SourceSpec, merge_sets};
-use starbreak::generate::{Patterns, RegenerateReport, VerifyReport, regenerate, verify};
+use starbreak::generate::{RegenerateReport, VerifyReport, regenerate, verify};
 use starbreak::pipeline::with_threads;
 
-use super::network_file;
+use super::generate::patterns;
 use crate::args::Global;
 use crate::args::generate::{HowMany, MergeArgs, VerifyArgs};
 use crate::failure::{Failure, SOME_FAILED};
@@ -34,11 +34,7 @@ pub(crate) fn run(
         (Some(source), Some(how_many)) => {
             let source = Source::open(&SourceSpec::parse(source)?)?;
             let photos = args.overlay.read_folder(args.overlays.as_deref())?;
-            let patterns = match (photos, network_file::read(args.network.as_deref(), &[])?) {
-                (Some(photos), _) => Patterns::Overlays(photos),
-                (None, Some(imported)) => Patterns::Network(imported),
-                (None, None) => Patterns::Fresh,
-            };
+            let patterns = patterns(args.bank.as_deref(), args.network.as_deref(), photos)?;
             let n = match how_many {
                 HowMany::All => None,
                 HowMany::Only(n) => Some(n),

@@ -247,3 +247,39 @@ pub(crate) fn raw_png(path: &Path) -> RawPng {
 pub(crate) fn skipped(why: &str) {
     eprintln!("SKIPPED: {why}");
 }
+
+/// A small tmpfs, unmounted with the test.
+pub(crate) struct SmallDisk(TempDir);
+
+impl SmallDisk {
+    /// A disk of a size as `mount` takes it; none where mounting is not allowed.
+    pub(crate) fn mount(size: &str) -> Option<Self> {
+        let disk = Self(folder());
+        disk.try_mount(&format!("size={size}")).then_some(disk)
+    }
+
+    /// The folder that it is.
+    pub(crate) fn root(&self) -> String {
+        self.0.path().to_str().unwrap().to_owned()
+    }
+
+    /// Gives it another size.
+    pub(crate) fn resize(&self, size: &str) {
+        assert!(self.try_mount(&format!("remount,size={size}")), "resized");
+    }
+
+    fn try_mount(&self, options: &str) -> bool {
+        let mounted = Command::new("mount")
+            .args(["-t", "tmpfs", "-o", options, "tmpfs"])
+            .arg(self.0.path())
+            .output();
+        mounted.is_ok_and(|output| output.status.success())
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        // Where nothing was mounted there is nothing to unmount.
+        let _ = Command::new("umount").arg(self.0.path()).output();
+    }
+}

@@ -28,6 +28,23 @@ impl<const L: usize> Chunks<L> {
         }
     }
 
+    /// As [`Chunks::new`], without room for runs.
+    pub(crate) fn empty(width: usize, height: usize) -> Self {
+        let n_across = width.div_ceil(CHUNK);
+        Self {
+            width,
+            height,
+            n_across,
+            places: vec![0; n_across * height],
+            runs: Vec::new(),
+        }
+    }
+
+    /// The run that holds a pixel of the frame, made if it does not exist.
+    pub(crate) fn run_at_mut(&mut self, (x, y): (usize, usize)) -> &mut [[f32; L]; CHUNK] {
+        self.run_mut(x / CHUNK, y)
+    }
+
     pub(crate) fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }

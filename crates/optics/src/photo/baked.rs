@@ -6,6 +6,7 @@ use super::background::Background;
 use super::picture::Photo;
 use super::placement::Placement;
 use super::raster::{Glass, Raster};
+use crate::coverage::LEAST;
 use crate::environment::{Environment, HemisphereWeights, Horizon, luminance};
 use crate::maps::Pupil;
 use crate::physical::{Beyond, Overlay, PhysicalOptics, defocus_rows};
@@ -44,11 +45,17 @@ pub fn draw(
     (width, height): (u32, u32),
 ) -> Result<Coverage, OpticsError> {
     placement.check()?;
-    let raster = Raster::new(photo, placement, (width as usize, height as usize), 0);
+    let size = (width as usize, height as usize);
+    let raster = Raster::new(photo, placement, size, 0);
     let background = raster.background();
-    Ok(Coverage::of_pixels(width, height, |x, y| {
-        shade(raster.glass(x, y), background)
-    }))
+    let mut pixels = Vec::new();
+    for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+        let (covered, brightness) = shade(raster.glass(x, y), background);
+        if covered >= LEAST {
+            pixels.push((x, y, covered.min(1.0), brightness));
+        }
+    }
+    Ok(Coverage::of_pixels(size, &pixels))
 }
 
 /// Coverage and brightness of a pixel.

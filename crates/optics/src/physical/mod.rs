@@ -14,7 +14,9 @@ mod render;
 mod samples;
 
 pub(crate) use defocus::{Beyond, defocus_rows};
+pub(crate) use overlay::LEAST_ELSEWHERE;
 pub use overlay::{OpticalMaps, Overlay};
 pub use params::{PhysicalOptics, SensorNoise, SurfaceParams};
+pub(crate) use pattern::{Outline, PatternLayer};
 pub use pattern::{Pattern, bake};
 pub use render::{Rendered, render};

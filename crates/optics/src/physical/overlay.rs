@@ -64,7 +64,7 @@ pub struct OpticalMaps {
 const LEAST_INFLUENCE: f32 = 2e-4;
 
 /// A smaller share of light from elsewhere is taken from the pixel itself.
-const LEAST_ELSEWHERE: f32 = 5e-4;
+pub(crate) const LEAST_ELSEWHERE: f32 = 5e-4;
 
 impl Overlay {
     pub(super) fn new(

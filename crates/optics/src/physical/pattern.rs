@@ -25,16 +25,25 @@ pub struct Pattern {
     f_px: f64,
     /// What is rendered one after the other: fragments, then cracks and hits.
     layers: Vec<PatternLayer>,
-    outlines: Vec<[[f64; 2]; 4]>,
+    outline: Outline,
+}
+
+/// What is known of where the cracks would be in focus.
+#[derive(Debug, Clone)]
+pub(crate) enum Outline {
+    /// The corners of the facets.
+    Corners(Vec<[[f64; 2]; 4]>),
+    /// Their coverage, as codes of a mask.
+    Codes(Chunks<1>),
 }
 
 /// Facets that are rendered together.
 #[derive(Debug, Clone)]
-pub(super) struct PatternLayer {
-    pub(super) light: Chunks<LANES>,
-    pub(super) tint: Chunks<4>,
+pub(crate) struct PatternLayer {
+    pub(crate) light: Chunks<LANES>,
+    pub(crate) tint: Chunks<4>,
     /// Mean radius of the discs, px.
-    pub(super) blur_px: f32,
+    pub(crate) blur_px: f32,
 }
 
 /// Bakes a network as far as it has grown at `time` (in the unit of its arrival column; infinity
@@ -76,7 +85,7 @@ pub fn bake(
         size: (width, height),
         f_px: sheet.f_px(),
         layers: Vec::new(),
-        outlines: Vec::new(),
+        outline: Outline::Corners(Vec::new()),
     };
     if network.n_segments() == 0 || width == 0 || height == 0 {
         return Ok(pattern);
@@ -89,7 +98,7 @@ pub fn bake(
     let reach_px = reach_px(&sheet);
     crack_facets(&from, network, time, &optics.surface, reach_px, &mut cracks);
     hit_facets(&from, network, time, &optics.surface, seed, &mut cracks);
-    pattern.outlines = std::mem::take(&mut cracks.outlines);
+    pattern.outline = Outline::Corners(std::mem::take(&mut cracks.outlines));
     let size = (width as usize, height as usize);
     for facets in [fragments, cracks] {
         let light = spread(&facets.light, N_SHARES, pupil, size);
@@ -124,7 +133,22 @@ impl Pattern {
         self.layers.is_empty()
     }
 
-    pub(super) fn layers(&self) -> &[PatternLayer] {
+    /// A pattern from what it was taken apart to.
+    pub(crate) fn from_parts(
+        size: (u32, u32),
+        f_px: f64,
+        layers: Vec<PatternLayer>,
+        outline: Outline,
+    ) -> Self {
+        Self {
+            size,
+            f_px,
+            layers,
+            outline,
+        }
+    }
+
+    pub(crate) fn layers(&self) -> &[PatternLayer] {
         &self.layers
     }
 
@@ -137,9 +161,20 @@ impl Pattern {
     /// Coverage of the frame by cracks, crushed glass and chips, as if all were in focus.
     #[must_use]
     pub fn coverage(&self) -> GrayImage {
+        match &self.outline {
+            Outline::Corners(outlines) => self.covered_by(outlines),
+            Outline::Codes(codes) => {
+                let (width, height) = self.size;
+                let mut mask = GrayImage::new(width, height);
+                for_each_pixel(&mut mask, codes, |[code]| code);
+                mask
+            }
+        }
+    }
+
+    fn covered_by(&self, outlines: &[[[f64; 2]; 4]]) -> GrayImage {
         let (width, height) = self.size;
-        let facets: Vec<Facet<2>> = self
-            .outlines
+        let facets: Vec<Facet<2>> = outlines
             .iter()
             .map(|&corners| Facet {
                 corners,
@@ -150,20 +185,31 @@ impl Pattern {
             .collect();
         let covered = spread(&facets, 1, Pupil::Round, (width as usize, height as usize));
         let mut mask = GrayImage::new(width, height);
-        for (x, y, run) in covered.iter() {
-            let pixels = mask.as_mut();
-            let row = &mut pixels[y * width as usize..(y + 1) * width as usize];
-            for (pixel, [share, _]) in row.iter_mut().skip(x).take(CHUNK).zip(run) {
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "a share as a code"
-                )]
-                let code = (share.clamp(0.0, 1.0) * 255.0).round() as u8;
-                *pixel = code;
-            }
-        }
+        for_each_pixel(&mut mask, &covered, |[share, _]| {
+            share.clamp(0.0, 1.0) * 255.0
+        });
         mask
+    }
+}
+
+/// Sets the pixels that chunks have to a code each.
+fn for_each_pixel<const L: usize>(
+    mask: &mut GrayImage,
+    chunks: &Chunks<L>,
+    code: impl Fn([f32; L]) -> f32,
+) {
+    let width = mask.width() as usize;
+    for (x, y, run) in chunks.iter() {
+        let row = &mut mask.as_mut()[y * width..(y + 1) * width];
+        for (pixel, lanes) in row.iter_mut().skip(x).take(CHUNK).zip(run) {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "`as` clamps to a code"
+            )]
+            let code = code(*lanes).round() as u8;
+            *pixel = code;
+        }
     }
 }
 

@@ -15,7 +15,7 @@ pub(super) fn damage_of(
     shown: &Shown,
     settings: &Settings,
 ) -> Vec<Value> {
-    let region = &shown.masks.region;
+    let region = &shown.region;
     let reader = match (&shown.overlay, &settings.optics) {
         (Some(overlay), _) => DamageReader::of_overlay(images, region, overlay),
         (None, OpticsSettings::Paper(optics)) => DamageReader::of_paper(images, region, optics),

@@ -1,6 +1,7 @@
 //! One sample of one image, from its file to the files of the set.
 
 use image::DynamicImage;
+use image::metadata::Orientation;
 use serde_json::{Map, Value, json};
 use starbreak_dataset::{
     Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, Provenance,
@@ -63,7 +64,7 @@ impl Plan<'_> {
         let shown = pattern
             .baked
             .over(settings, &mut file.pixels, seed, &mut watch)?;
-        let contrast = Contrast::of(&before, &file.pixels, &shown.masks.region)?;
+        let contrast = Contrast::of(&before, &file.pixels, &shown.region)?;
         watch.lap("contrast");
         let objects = damage_of(&image.objects, [&before, &file.pixels], &shown, settings);
         watch.lap("damage");
@@ -75,8 +76,12 @@ impl Plan<'_> {
         };
         let bytes = encode_image_as(&file, &encoding)?;
         let masks = if settings.output.masks {
-            let encoded = |mask| encode_mask_as(mask, &file);
-            Some((encoded(&shown.masks.region)?, encoded(&shown.masks.crack)?))
+            let is_upright = file.orientation == Orientation::NoTransforms;
+            let crack = match &pattern.crack_mask_png {
+                Some(png) if is_upright => png.clone(),
+                _ => encode_mask_as(&pattern.baked.crack_mask(), &file)?,
+            };
+            Some((encode_mask_as(&shown.region, &file)?, crack))
         } else {
             None
         };
@@ -201,7 +206,7 @@ impl MadeItem {
 }
 
 fn region_fraction(shown: &Shown) -> f64 {
-    let region = shown.masks.region.as_raw();
+    let region = shown.region.as_raw();
     let n_changed = region.iter().filter(|code| **code > 0).count();
     #[expect(clippy::cast_precision_loss, reason = "counts of pixels")]
     let fraction = n_changed as f64 / region.len().max(1) as f64;

@@ -1,9 +1,10 @@
 //! Where the cracks of a set come from.
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use starbreak_glass::Seed;
 
 use crate::Error;
+use crate::bank::PatternBank;
 use crate::import::ImportedNetwork;
 use crate::overlay::OverlaySet;
 use crate::pipeline::{
@@ -23,11 +24,15 @@ pub enum Patterns {
     Network(ImportedNetwork),
     /// Photographs of broken glass: for each sample a random one, and a random part of it.
     Overlays(OverlaySet),
+    /// Out of a bank, a pattern drawn for each sample of each image by its seed.
+    Bank(PatternBank),
 }
 
 /// A crack for one sample of one image.
 pub(super) struct ItemPattern {
     pub(super) baked: Baked,
+    /// The crack mask as a PNG file, where it is at hand.
+    pub(super) crack_mask_png: Option<Vec<u8>>,
     /// What its record says of it, by key.
     pub(super) facts: Map<String, Value>,
     /// Whether nothing is broken.
@@ -53,9 +58,11 @@ impl Patterns {
                 return Ok(ItemPattern {
                     is_intact: baked.is_intact(),
                     baked,
+                    crack_mask_png: None,
                     facts: Map::from_iter([("overlay".to_owned(), placed.facts())]),
                 });
             }
+            Self::Bank(bank) => return of_bank(bank, size, seed, watch),
         };
         watch.append(simulated.timings.clone());
         let view = network_view(
@@ -70,8 +77,44 @@ impl Patterns {
         let (key, facts) = simulated.details.facts_of(&simulated.network);
         Ok(ItemPattern {
             baked,
+            crack_mask_png: None,
             is_intact: simulated.network.n_segments() == 0,
             facts: Map::from_iter([(key.to_owned(), facts)]),
         })
     }
+}
+
+fn of_bank(
+    bank: &PatternBank,
+    size: (u32, u32),
+    seed: Seed,
+    watch: &mut Stopwatch,
+) -> Result<ItemPattern, Error> {
+    let pattern = bank.pattern(bank.idx_for(seed), size)?;
+    watch.lap(if pattern.was_baked_anew {
+        "bake"
+    } else {
+        "unpack"
+    });
+    let facts = &pattern.facts;
+    let facts = Map::from_iter([
+        (
+            "pattern".to_owned(),
+            json!({ "bank_sha256": bank.sha256(), "idx": pattern.idx }),
+        ),
+        (
+            "network".to_owned(),
+            json!({
+                "model": facts.model,
+                "damage_class": facts.damage_class,
+                "summary": facts.summary,
+            }),
+        ),
+    ]);
+    Ok(ItemPattern {
+        is_intact: pattern.facts.summary.n_segments == 0,
+        baked: pattern.baked,
+        crack_mask_png: Some(pattern.crack_mask_png),
+        facts,
+    })
 }

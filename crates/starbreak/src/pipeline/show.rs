@@ -53,8 +53,8 @@ pub enum Baked {
 /// What an optics model leaves beside the image.
 #[derive(Debug, Clone)]
 pub struct Shown {
-    /// Where the image changed, and where the cracks are.
-    pub masks: Masks,
+    /// 255 where the crack influences the image, else 0.
+    pub region: GrayImage,
     /// What was done to the light of each pixel; the paper's optics know no light.
     pub overlay: Option<Overlay>,
     /// Lens and light; the paper's optics have neither.
@@ -89,10 +89,15 @@ pub fn show_cracks(
     watch.lap(baked.stage());
     let shown = baked.over(settings, image, seed, &mut watch)?;
     let Shown {
-        masks,
+        region,
         overlay,
         scene,
     } = shown;
+    let masks = Masks {
+        region,
+        crack: baked.crack_mask(),
+    };
+    watch.lap("masks");
     let maps = overlay
         .filter(|_| settings.output.maps)
         .map(|overlay| overlay.maps());
@@ -169,6 +174,30 @@ impl Baked {
         }
     }
 
+    /// Width and height of the frame, px.
+    #[must_use]
+    pub fn size(&self) -> (u32, u32) {
+        match self {
+            Self::Physical(pattern) => pattern.size(),
+            Self::Photo { pattern, .. } => pattern.size(),
+            Self::Paper(drawn) => {
+                let (width, height) = drawn.size();
+                let side = |n| u32::try_from(n).unwrap_or(u32::MAX);
+                (side(width), side(height))
+            }
+        }
+    }
+
+    /// Coverage of the frame by cracks as they would be in focus, 255 = in full.
+    #[must_use]
+    pub fn crack_mask(&self) -> GrayImage {
+        match self {
+            Self::Paper(drawn) => drawn.to_mask(),
+            Self::Physical(pattern) => pattern.coverage(),
+            Self::Photo { pattern, .. } => pattern.coverage(),
+        }
+    }
+
     /// Puts the crack over an image, in place, under the light of the image. The seed is that
     /// of the sensor's noise.
     ///
@@ -186,7 +215,7 @@ impl Baked {
                 let masks = composite(image, drawn, optics)?;
                 watch.lap("render");
                 Ok(Shown {
-                    masks,
+                    region: masks.region,
                     overlay: None,
                     scene: None,
                 })
@@ -197,15 +226,7 @@ impl Baked {
                 watch.lap("light");
                 overlay.apply(image, seed)?;
                 watch.lap("render");
-                let crack = pattern.coverage();
-                Ok(shown_by(
-                    settings,
-                    optics,
-                    overlay,
-                    crack,
-                    pattern.f_px(),
-                    watch,
-                ))
+                Ok(shown_by(settings, optics, overlay, pattern.f_px(), watch))
             }
             (Self::Photo { pattern, gain }, OpticsSettings::Physical(optics)) => {
                 let environment = Environment::estimate(image, &optics.environment, pattern.f_px());
@@ -213,15 +234,7 @@ impl Baked {
                 watch.lap("light");
                 overlay.apply(image, seed)?;
                 watch.lap("render");
-                let crack = pattern.coverage();
-                Ok(shown_by(
-                    settings,
-                    optics,
-                    overlay,
-                    crack,
-                    pattern.f_px(),
-                    watch,
-                ))
+                Ok(shown_by(settings, optics, overlay, pattern.f_px(), watch))
             }
             _ => Err(Error::OtherOptics),
         }
@@ -233,18 +246,14 @@ fn shown_by(
     settings: &Settings,
     optics: &PhysicalOptics,
     overlay: Overlay,
-    crack: GrayImage,
     f_px: f64,
     watch: &mut Stopwatch,
 ) -> Shown {
-    let masks = Masks {
-        region: overlay.region(),
-        crack,
-    };
-    watch.lap("masks");
+    let region = overlay.region();
+    watch.lap("region");
     let scene = scene(settings, optics, f_px, *overlay.environment());
     Shown {
-        masks,
+        region,
         overlay: Some(overlay),
         scene: Some(scene),
     }

@@ -1,0 +1,183 @@
+//! 32 whole numbers of a row of pixels in as few bits as they need.
+//!
+//! A block is two bytes of prediction and widths, less where all is zero, then the bits. What is
+//! written of each number is its difference from a prediction, zigzag (0, −1, 1, −2, …), in four
+//! groups of eight numbers of one width each.
+
+use super::bytes::Bytes;
+use crate::OpticsError;
+use crate::maps::CHUNK;
+
+/// Numbers of one block.
+pub(super) type Block = [i32; CHUNK];
+
+/// Numbers that share a width.
+const GROUP: usize = 8;
+const N_GROUPS: usize = CHUNK / GROUP;
+
+/// Bits of a difference at most: numbers have [`MAX_BITS`], a gradient of three of them two more,
+/// zigzag one.
+const MAX_WIDTH: usize = 31;
+
+/// Bits of a number with its sign.
+pub(super) const MAX_BITS: u32 = 26;
+
+/// Largest number of a block.
+pub(super) const MOST: i32 = (1 << (MAX_BITS - 1)) - 1;
+
+/// What a number is predicted from.
+#[derive(Debug, Clone, Copy)]
+enum From {
+    /// Nothing.
+    Zero,
+    /// The number before it.
+    Left,
+    /// The number above it.
+    Above,
+    /// Left + above − above left.
+    Gradient,
+}
+
+impl From {
+    const ALL: [Self; 4] = [Self::Zero, Self::Left, Self::Above, Self::Gradient];
+
+    fn differences(self, block: &Block, above: &Block) -> Block {
+        let mut out = [0; CHUNK];
+        for k in 0..CHUNK {
+            let (left, corner) = if k == 0 {
+                (0, 0)
+            } else {
+                (block[k - 1], above[k - 1])
+            };
+            out[k] = block[k]
+                - match self {
+                    Self::Zero => 0,
+                    Self::Left => left,
+                    Self::Above => above[k],
+                    Self::Gradient => left + above[k] - corner,
+                };
+        }
+        out
+    }
+
+    fn restore(self, block: &mut Block, above: &Block) {
+        match self {
+            Self::Zero => {}
+            Self::Left => {
+                let mut sum = 0_i32;
+                for value in block {
+                    sum = sum.wrapping_add(*value);
+                    *value = sum;
+                }
+            }
+            Self::Above => {
+                for (value, above) in block.iter_mut().zip(above) {
+                    *value = value.wrapping_add(*above);
+                }
+            }
+            Self::Gradient => {
+                let mut sum = 0_i32;
+                for (value, above) in block.iter_mut().zip(above) {
+                    sum = sum.wrapping_add(*value);
+                    *value = sum.wrapping_add(*above);
+                }
+            }
+        }
+    }
+}
+
+/// Appends a block; `above` is the block of the row above, zeros where there is none.
+pub(super) fn write_block(out: &mut Vec<u8>, block: &Block, above: &Block) {
+    let coded = From::ALL.map(|from| {
+        let zigzag = from.differences(block, above).map(zigzag);
+        let widths: [usize; N_GROUPS] = std::array::from_fn(|g| {
+            let any = zigzag[g * GROUP..][..GROUP].iter().fold(0, |or, z| or | z);
+            (u32::BITS - any.leading_zeros()) as usize
+        });
+        (zigzag, widths)
+    });
+    let n_bits = |widths: &[usize; N_GROUPS]| widths.iter().sum::<usize>();
+    let mut best = 0;
+    for mode in 1..From::ALL.len() {
+        if n_bits(&coded[mode].1) < n_bits(&coded[best].1) {
+            best = mode;
+        }
+    }
+    let (zigzag, widths) = &coded[best];
+    let mut head = best as u32;
+    for (g, width) in widths.iter().enumerate() {
+        #[expect(clippy::cast_possible_truncation, reason = "at most 31")]
+        let width = *width as u32;
+        head |= width << (2 + 5 * g);
+    }
+    out.extend_from_slice(&head.to_le_bytes()[..3]);
+    for (g, width) in widths.iter().enumerate() {
+        // Eight numbers of a width fill whole bytes.
+        let (mut held, mut n_held) = (0_u64, 0);
+        for value in &zigzag[g * GROUP..][..GROUP] {
+            held |= u64::from(*value) << n_held;
+            n_held += width;
+            while n_held >= 8 {
+                #[expect(clippy::cast_possible_truncation, reason = "the lowest byte")]
+                out.push(held as u8);
+                held >>= 8;
+                n_held -= 8;
+            }
+        }
+    }
+}
+
+/// Reads what [`write_block`] wrote.
+pub(super) fn read_block(bytes: &mut Bytes<'_>, above: &Block) -> Result<Block, OpticsError> {
+    let [a, b, c] = bytes.take::<3>()?;
+    let head = u32::from_le_bytes([a, b, c, 0]);
+    let widths: [usize; N_GROUPS] = std::array::from_fn(|g| (head >> (2 + 5 * g) & 31) as usize);
+    let n_bytes = widths.iter().sum::<usize>();
+    let Some(data) = bytes.rest().get(..n_bytes) else {
+        return Err(bytes.wrong("it ends in a block"));
+    };
+    bytes.skip(n_bytes);
+    let mut block = [0; CHUNK];
+    let mut data = data;
+    for (group, width) in block.chunks_exact_mut(GROUP).zip(widths) {
+        let (now, later) = data.split_at_checked(width).unwrap_or_default();
+        data = later;
+        unpack(now, width, group);
+    }
+    From::ALL[(head & 3) as usize].restore(&mut block, above);
+    if block
+        .iter()
+        .any(|value| value.unsigned_abs() > MOST.unsigned_abs())
+    {
+        return Err(bytes.wrong("a number is too large"));
+    }
+    Ok(block)
+}
+
+/// Eight numbers of a width out of as many bytes as that.
+fn unpack(data: &[u8], width: usize, group: &mut [i32]) {
+    if width == 0 {
+        return;
+    }
+    let mut padded = [0_u8; MAX_WIDTH + 8];
+    padded[..data.len()].copy_from_slice(data);
+    let mask = (1_u64 << width) - 1;
+    for (k, value) in group.iter_mut().enumerate() {
+        let at = k * width;
+        let window: [u8; 8] = padded[at / 8..at / 8 + 8].try_into().unwrap_or_default();
+        let bits = u64::from_le_bytes(window) >> (at % 8) & mask;
+        #[expect(clippy::cast_possible_truncation, reason = "at most 31 bits")]
+        let bits = bits as u32;
+        *value = unzigzag(bits);
+    }
+}
+
+#[expect(clippy::cast_sign_loss, reason = "bits")]
+fn zigzag(value: i32) -> u32 {
+    ((value << 1) ^ (value >> 31)) as u32
+}
+
+#[expect(clippy::cast_possible_wrap, reason = "bits")]
+fn unzigzag(bits: u32) -> i32 {
+    (bits >> 1) as i32 ^ -((bits & 1) as i32)
+}

@@ -1,0 +1,84 @@
+//! Drawn cracks as bytes.
+//!
+//! Coverage is in whole numbers of 2⁻¹⁰, the weight too: in an 8-bit image of light as bright as
+//! white each is off by an eighth of a code at most.
+
+use super::block::Block;
+use super::bytes::{Bytes, write_count};
+use super::runs::{from_steps, read_runs, steps, write_runs};
+use super::{MAX_PIXELS, MAX_SIDE_PX};
+use crate::maps::CHUNK;
+use crate::{Coverage, OpticsError};
+
+/// First byte; another one is another version.
+const VERSION: u8 = 1;
+
+/// What errors call it.
+const WHAT: &str = "coverage";
+
+/// Steps of coverage and weight in 1.
+const STEPS: f32 = 1024.0;
+
+/// Blocks of a run: coverage and weight.
+const COVERED: usize = 0;
+const WEIGHT: usize = 1;
+
+impl Coverage {
+    /// The drawing as bytes.
+    ///
+    /// A picture made from [`Coverage::from_packed`] of them differs from one made from this
+    /// drawing by at most one code of 8 bits, in few pixels; so for pictures that are to be equal,
+    /// all are made from the packed form. Packing what was unpacked gives the same bytes.
+    #[must_use]
+    pub fn to_packed(&self) -> Vec<u8> {
+        let (width, height) = self.size();
+        let mut out = vec![VERSION];
+        write_count(&mut out, width);
+        write_count(&mut out, height);
+        let mut runs: Vec<((usize, usize), [Block; 2])> = Vec::new();
+        for y in 0..height {
+            for (x, covered, weight) in self.row(y) {
+                let at = (x / CHUNK * CHUNK, y);
+                let k = x % CHUNK;
+                let weight = steps(weight, STEPS);
+                if runs.last().is_none_or(|(last, _)| *last != at) {
+                    runs.push((at, [[0; CHUNK]; 2]));
+                }
+                if let Some((_, blocks)) = runs.last_mut() {
+                    blocks[COVERED][k] = steps(covered, STEPS).max(1);
+                    // Not read where nothing is covered; as its neighbor it takes no bits.
+                    blocks[WEIGHT][k..].fill(weight);
+                }
+            }
+        }
+        write_runs(&mut out, width, &runs);
+        out
+    }
+
+    /// The drawing in the bytes of [`Coverage::to_packed`].
+    ///
+    /// # Errors
+    /// [`OpticsError::Packed`] naming the byte at which they are wrong.
+    pub fn from_packed(bytes: &[u8]) -> Result<Self, OpticsError> {
+        let mut bytes = Bytes::new(WHAT, bytes);
+        if bytes.byte()? != VERSION {
+            return Err(bytes.wrong("it is of another version"));
+        }
+        let width = bytes.count(MAX_SIDE_PX)?;
+        let height = bytes.count(MAX_SIDE_PX)?;
+        if width * height > MAX_PIXELS {
+            return Err(bytes.wrong("its frame is too large"));
+        }
+        let mut cells: Vec<(usize, usize, f32, f32)> = Vec::new();
+        read_runs::<2>(&mut bytes, (width, height), |(x, y), blocks| {
+            for (k, (covered, weight)) in blocks[COVERED].iter().zip(&blocks[WEIGHT]).enumerate() {
+                if *covered > 0 && x + k < width {
+                    let covered = from_steps(*covered, STEPS).min(1.0);
+                    cells.push((x + k, y, covered, from_steps(*weight, STEPS)));
+                }
+            }
+        })?;
+        bytes.end()?;
+        Ok(Self::of_pixels((width, height), &cells))
+    }
+}

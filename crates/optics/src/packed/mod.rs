@@ -1,0 +1,19 @@
+//! Baked cracks as bytes: small enough for banks of thousands, and read in a fraction of a
+//! millisecond.
+//!
+//! Values are whole numbers of a step that no 8-bit picture shows, in blocks of 32 pixels of a
+//! row. A block is predicted from its left neighbors or from the row above; what is left is
+//! written in as many bits as it needs.
+
+mod block;
+mod bytes;
+mod coverage;
+mod pattern;
+mod runs;
+
+/// What [`crate::physical::Pattern::from_packed`] and [`crate::Coverage::from_packed`] refuse
+/// larger frames than, px per side: the largest image that can be read.
+const MAX_SIDE_PX: usize = 32_768;
+
+/// Runs of a frame of the largest allowed number of pixels.
+const MAX_PIXELS: usize = 1 << 29;

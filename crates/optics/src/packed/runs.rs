@@ -1,0 +1,125 @@
+//! Runs of pixels that have something in them: where they are, and a block for each of their lanes.
+
+use super::block::{Block, MOST, read_block, write_block};
+use super::bytes::{Bytes, write_count};
+use crate::OpticsError;
+use crate::maps::CHUNK;
+
+/// A number as steps.
+#[expect(clippy::cast_possible_truncation, reason = "clamped")]
+pub(super) fn steps(value: f32, per_one: f32) -> i32 {
+    #[expect(clippy::cast_precision_loss, reason = "25 bits, for a clamp")]
+    let most = MOST as f32 * 0.5;
+    (value * per_one).round().clamp(-most, most) as i32
+}
+
+/// Steps as a number.
+#[expect(clippy::cast_precision_loss, reason = "clamped when written")]
+pub(super) fn from_steps(steps: i32, per_one: f32) -> f32 {
+    steps as f32 / per_one
+}
+
+/// Appends runs, each with the place of its first pixel, in the order of rows.
+pub(super) fn write_runs<const B: usize>(
+    out: &mut Vec<u8>,
+    width: usize,
+    runs: &[((usize, usize), [Block; B])],
+) {
+    let n_across = width.div_ceil(CHUNK);
+    let present: Vec<_> = runs
+        .iter()
+        .map(|(at, blocks)| (at, blocks, mask_of(blocks)))
+        .filter(|(_, _, mask)| *mask != 0)
+        .collect();
+    write_count(out, present.len());
+    let mut above = Above::<B>::new(n_across);
+    let mut next = 0;
+    for ((x, y), blocks, mask) in present {
+        let across = x / CHUNK;
+        let place = y * n_across + across;
+        write_count(out, place - next);
+        next = place + 1;
+        out.push(mask);
+        for (lane, block) in blocks.iter().enumerate() {
+            if mask >> lane & 1 == 1 {
+                write_block(out, block, above.get(across, *y, lane));
+            }
+        }
+        above.set(across, *y, blocks);
+    }
+}
+
+fn mask_of<const B: usize>(blocks: &[Block; B]) -> u8 {
+    let mut mask = 0;
+    for (lane, block) in blocks.iter().enumerate() {
+        if block.iter().any(|value| *value != 0) {
+            mask |= 1 << lane;
+        }
+    }
+    mask
+}
+
+/// Reads what [`write_runs`] wrote, each run given to `each`.
+pub(super) fn read_runs<const B: usize>(
+    bytes: &mut Bytes<'_>,
+    size: (usize, usize),
+    mut each: impl FnMut((usize, usize), &[Block; B]),
+) -> Result<(), OpticsError> {
+    let n_across = size.0.div_ceil(CHUNK);
+    let n_places = n_across * size.1;
+    let n_runs = bytes.count(n_places)?;
+    let mut above = Above::<B>::new(n_across);
+    let mut next = 0;
+    for _ in 0..n_runs {
+        let place = next + bytes.count(n_places)?;
+        if place >= n_places {
+            return Err(bytes.wrong("a run lies beyond its frame"));
+        }
+        next = place + 1;
+        let (across, y) = (place % n_across, place / n_across);
+        let mask = bytes.byte()?;
+        if mask == 0 || usize::from(mask) >> B != 0 {
+            return Err(bytes.wrong("a run has no lanes or unknown ones"));
+        }
+        let mut blocks = [[0; CHUNK]; B];
+        for (lane, block) in blocks.iter_mut().enumerate() {
+            if mask >> lane & 1 == 1 {
+                *block = read_block(bytes, above.get(across, y, lane))?;
+            }
+        }
+        each((across * CHUNK, y), &blocks);
+        above.set(across, y, &blocks);
+    }
+    Ok(())
+}
+
+/// The latest blocks of each column of runs.
+struct Above<const B: usize> {
+    rows: Vec<usize>,
+    blocks: Vec<[Block; B]>,
+}
+
+static ZEROS: Block = [0; CHUNK];
+
+impl<const B: usize> Above<B> {
+    fn new(n_across: usize) -> Self {
+        Self {
+            rows: vec![usize::MAX; n_across],
+            blocks: vec![[[0; CHUNK]; B]; n_across],
+        }
+    }
+
+    /// The block in the row above `y`, zeros where there is none.
+    fn get(&self, across: usize, y: usize, lane: usize) -> &Block {
+        if self.rows[across].wrapping_add(1) == y && y > 0 {
+            &self.blocks[across][lane]
+        } else {
+            &ZEROS
+        }
+    }
+
+    fn set(&mut self, across: usize, y: usize, blocks: &[Block; B]) {
+        self.rows[across] = y;
+        self.blocks[across] = *blocks;
+    }
+}

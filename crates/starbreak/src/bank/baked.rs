@@ -1,0 +1,87 @@
+//! What the optics baked of a pattern, and its record.
+
+use image::GrayImage;
+use starbreak_dataset::encode_mask;
+use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_optics::paper::draw;
+use starbreak_optics::physical::{Pattern, bake};
+use starbreak_optics::{Coverage, OpticsError};
+
+use super::PatternFacts;
+use crate::pipeline::{Baked, view_of_network};
+use crate::{Error, OpticsSettings, Settings};
+
+/// What the record of one pattern at one frame size holds.
+pub(super) struct BakedRecord {
+    pub(super) facts: PatternFacts,
+    pub(super) crack_mask_png: Vec<u8>,
+    pub(super) packed: Vec<u8>,
+}
+
+/// Bakes a network for a frame; its crack mask comes along.
+pub(super) fn bake_record(
+    settings: &Settings,
+    network: &CrackNetwork,
+    size: (u32, u32),
+    seed: Seed,
+) -> Result<(BakedRecord, GrayImage), Error> {
+    let view = view_of_network(settings, network, size)?;
+    let (packed, mask) = match &settings.optics {
+        OpticsSettings::Paper(optics) => {
+            let packed = draw(network, &view, f64::INFINITY, optics).to_packed();
+            let mask = Coverage::from_packed(&packed)?.to_mask();
+            (packed, mask)
+        }
+        OpticsSettings::Physical(optics) => {
+            let pattern = bake(network, f64::INFINITY, &view, optics, seed)?;
+            (pattern.to_packed(), pattern.coverage())
+        }
+    };
+    let record = BakedRecord {
+        facts: PatternFacts::of(network, seed),
+        crack_mask_png: encode_mask(&mask)?,
+        packed,
+    };
+    Ok((record, mask))
+}
+
+impl BakedRecord {
+    /// Facts as JSON, mask and pattern, each but the last after its length.
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let facts = serde_json::to_vec(&self.facts).unwrap_or_default();
+        let mut out =
+            Vec::with_capacity(facts.len() + self.crack_mask_png.len() + self.packed.len() + 8);
+        for part in [&facts, &self.crack_mask_png] {
+            let n = u32::try_from(part.len()).unwrap_or(u32::MAX);
+            out.extend_from_slice(&n.to_le_bytes());
+            out.extend_from_slice(part);
+        }
+        out.extend_from_slice(&self.packed);
+        out
+    }
+
+    /// What [`BakedRecord::to_bytes`] wrote, or what is wrong with it.
+    pub(super) fn of_bytes(bytes: Vec<u8>) -> Result<Self, String> {
+        let (facts, rest) = part_of(&bytes).ok_or("it ends in its facts")?;
+        let (mask, packed) = part_of(rest).ok_or("it ends in its mask")?;
+        Ok(Self {
+            facts: serde_json::from_slice(facts).map_err(|cause| cause.to_string())?,
+            crack_mask_png: mask.to_vec(),
+            packed: packed.to_vec(),
+        })
+    }
+
+    /// What the optics of these settings want.
+    pub(super) fn unpack(&self, settings: &Settings) -> Result<Baked, OpticsError> {
+        Ok(match settings.optics {
+            OpticsSettings::Paper(_) => Baked::Paper(Coverage::from_packed(&self.packed)?),
+            OpticsSettings::Physical(_) => Baked::Physical(Pattern::from_packed(&self.packed)?),
+        })
+    }
+}
+
+/// A part behind its length, and what follows it.
+fn part_of(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (n, rest) = bytes.split_first_chunk::<4>()?;
+    rest.split_at_checked(u32::from_le_bytes(*n) as usize)
+}

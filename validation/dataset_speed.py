@@ -1,0 +1,116 @@
+"""Images per second of `starbreak generate` against decoding and encoding alone.
+
+    cargo build --release -p starbreak-cli && cargo build --release -p starbreak --example recode
+    python3 validation/dataset_speed.py [N] [THREADS]
+
+Sets: a synthetic KITTI-like one of N PNG frames (1242x375, made here from a street that a formula
+draws, with noise), and coco96 and the KITTI frames of ../shared/data where they are. Each is run in
+turns: recode (the floor), from a bank, fresh physics. CPU seconds are user and system time of the
+process; on a shared machine their ratio is the robust figure.
+"""
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+from PIL import Image
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+STARBREAK = TARGET / "starbreak"
+RECODE = TARGET / "examples" / "recode"
+SHARED = ROOT.parent / "shared" / "data"
+
+
+def street(k, rng):
+    """A frame with the statistics of a street: sky, facades, road, boxes, and sensor noise."""
+    h, w = 375, 1242
+    y, x = np.mgrid[0:h, 0:w].astype(np.float32)
+    sky = 200 - 0.25 * y + 8 * np.sin(x / 90 + k)
+    road = 70 + 0.12 * y + 6 * np.sin(x / 7.0 + y / 3.0)
+    facade = 110 + 40 * (np.sin(x / 11 + k) > 0.3) * (np.sin(y / 9) > 0.1)
+    lum = np.where(y < 140, np.where(np.sin(x / 160 + k) > 0, sky, facade), road)
+    image = np.stack([lum * 0.98, lum, lum * 1.03], axis=2)
+    for _ in range(12):
+        bw, bh = int(rng.integers(20, 160)), int(rng.integers(20, 90))
+        x0, y0 = int(rng.integers(0, w - bw)), int(rng.integers(120, h - bh))
+        image[y0:y0 + bh, x0:x0 + bw] = rng.integers(20, 230, 3)
+    image += rng.normal(0, 2.5, image.shape)
+    return np.clip(image, 0, 255).astype(np.uint8)
+
+
+def make_kitti(root, n):
+    rng = np.random.default_rng(1)
+    for sub in ("image_2", "label_2", "calib"):
+        (root / sub).mkdir(parents=True)
+    for k in range(n):
+        Image.fromarray(street(k, rng)).save(root / f"image_2/{k:06}.png", compress_level=1)
+        labels = "".join(
+            f"Car 0.00 0 -1.5 {100 + 90 * j}.00 170.00 {170 + 90 * j}.00 220.00 1.5 1.6 3.9 -0.6 1.7 {20 + j}.0 -1.6\n"
+            for j in range(6)
+        )
+        (root / f"label_2/{k:06}.txt").write_text(labels)
+        (root / f"calib/{k:06}.txt").write_text("P2: 721.5 0 609.6 44.9 0 721.5 172.9 0.2 0 0 1 0\n")
+
+
+def timed(command):
+    started = time.perf_counter()
+    child = subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL)
+    _, status, usage = os.wait4(child.pid, 0)
+    if status != 0:
+        sys.exit(f"{command} ended with {status}")
+    return time.perf_counter() - started, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+
+
+def main():
+    n = int(sys.argv[1]) if len(sys.argv) > 1 else 2000
+    threads = int(sys.argv[2]) if len(sys.argv) > 2 else 0
+    work = pathlib.Path(tempfile.mkdtemp(prefix="starbreak-speed-"))
+    try:
+        run(work, n, threads)
+    finally:
+        shutil.rmtree(work)
+
+
+def run(work, n, threads):
+    make_kitti(work / "kitti", n)
+    sets = [(f"synthetic KITTI, {n}", f"kitti:{work / 'kitti'}", n)]
+    for name, source in (("coco96", f"coco:{SHARED / 'coco96'}"), ("KITTI frames", f"kitti:{SHARED / 'kitti'}")):
+        if SHARED.exists():
+            sets.append((name, source, 96 if name == "coco96" else 3))
+        else:
+            print(f"SKIPPED {name}: no ../shared/data")
+    bank = work / "bank"
+    subprocess.run([STARBREAK, "patterns", "-n", "200", "-o", bank, "--size", "1242x375", "--quiet"], check=True)
+    print("set; run; images/s; CPU s; cores used; peak RSS MiB; images/s and CPU s over those of recode")
+    for name, source, n_images in sets:
+        floor = None
+        runs = [
+            ("recode", [RECODE, threads, source]),
+            ("from a bank", [STARBREAK, "generate", source, "--bank", bank, "--threads", threads, "--quiet", "-o"]),
+        ]
+        if n_images <= 500 or "--fresh" in sys.argv:
+            runs.append(("fresh physics", [STARBREAK, "generate", source, "--threads", threads, "--quiet", "-o"]))
+        for what, command in runs:
+            best = None
+            for k in range(3 if n_images > 50 else 5):
+                out = work / f"out{k}"
+                wall, cpu, rss = timed([*command, out])
+                shutil.rmtree(out)
+                if best is None or wall < best[0]:
+                    best = (wall, cpu, rss)
+            wall, cpu, rss = best
+            if what == "recode":
+                floor = best
+            print(
+                f"{name}; {what}; {n_images / wall:.1f}; {cpu:.2f}; {cpu / wall:.2f}; {rss:.0f}; "
+                f"{floor[0] / wall:.2f}; {cpu / floor[1]:.2f}",
+                flush=True,
+            )
+
+
+main()
