@@ -1,6 +1,7 @@
 //! The command line, as typed.
 
 pub(crate) mod generate;
+pub(crate) mod overlay;
 
 use std::path::PathBuf;
 
@@ -9,6 +10,7 @@ use generate::{GenerateArgs, MergeArgs, VerifyArgs};
 use starbreak::dataset::same_file;
 use starbreak::{DEFAULT_PRESET, Recipe, Seed};
 
+use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
 
 /// Break the glass in front of a camera, and see what the camera then sees.
@@ -92,6 +94,15 @@ pub(crate) enum Verb {
         /// shapes are cracks; in px it is stretched over the frame, in mm it lies on the pane
         #[arg(long, value_name = "FILE")]
         network: Option<PathBuf>,
+        /// Photo of broken glass to use instead of cracks: PNG or JPEG, cut out (alpha), or on
+        /// black or white. Its largest part of the frame's shape fills the frame
+        #[arg(long, value_name = "PHOTO", conflicts_with = "network")]
+        overlay: Option<PathBuf>,
+        /// Take a random part of the photo for each image, and flip it at random, by the seed
+        #[arg(long, requires = "overlay")]
+        overlay_random: bool,
+        #[command(flatten)]
+        overlay_args: OverlayArgs,
     },
     /// Crack a whole dataset: the same layout, names and labels, with masks and records beside
     Generate(GenerateArgs),

@@ -46,6 +46,8 @@ pub enum Stream {
     CrackRelief,
     /// Noise of the sensor.
     SensorNoise,
+    /// Part of a photograph of broken glass that fills a frame.
+    OverlayPlacement,
 }
 
 impl Stream {
@@ -63,6 +65,7 @@ impl Stream {
             Self::ImpactShape => b"impact-shape",
             Self::CrackRelief => b"crack-relief",
             Self::SensorNoise => b"sensor-noise",
+            Self::OverlayPlacement => b"overlay-place",
         }
     }
 }
@@ -129,6 +132,9 @@ mod tests {
             Stream::Dice,
             Stream::LongCrack,
             Stream::ImpactShape,
+            Stream::CrackRelief,
+            Stream::SensorNoise,
+            Stream::OverlayPlacement,
         ]
         .map(Stream::name);
         for (i, name) in names.iter().enumerate() {

@@ -30,7 +30,7 @@ pub struct Coverage {
 }
 
 /// Coverage below half a step of an 8-bit mask is no coverage.
-const LEAST: f32 = 0.5 / 255.0;
+pub(crate) const LEAST: f32 = 0.5 / 255.0;
 
 /// Sum of coverage and of weighted coverage of one pixel; after settling, their ratio.
 #[derive(Debug, Clone, Copy, Default)]

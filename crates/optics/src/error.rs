@@ -29,6 +29,31 @@ pub enum OpticsError {
     /// A view without a camera, through which no light can be followed.
     #[error("the physical optics need a camera before the pane; a stretched pane has none")]
     NoCamera,
+    /// A photograph of broken glass without transparency, before neither black nor white.
+    #[error(
+        "the photo of glass has no transparency, and its border is neither black nor white (median codes {darkest} to \
+         {brightest} of 255); cut the glass out as a PNG with alpha, or say what is behind it with --overlay-background \
+         black or white"
+    )]
+    PhotoBackground {
+        /// Median over the border of the least code of a pixel.
+        darkest: u8,
+        /// Median of the greatest.
+        brightest: u8,
+    },
+    /// A photograph that is all background.
+    #[error(
+        "the photo of glass shows none: {}",
+        match *.background {
+            "alpha" => "every pixel is transparent",
+            "black" => "nothing is brighter than its black background",
+            _ => "nothing is darker than its white background",
+        }
+    )]
+    NoGlass {
+        /// Name of the background.
+        background: &'static str,
+    },
     /// Bytes that are not a packed pattern or drawing.
     #[error("not a packed {what}: {why}, at byte {at}")]
     Packed {

@@ -7,6 +7,8 @@
 //! [`View`] says where a point of the pane appears: stretched to the frame, or through a
 //! [`Camera`].
 //!
+//! [`photo`] puts a photograph of broken glass in the place of a network.
+//!
 //! What it is not: it knows no solver and opens no file; it takes any network that keeps the
 //! promises of [`starbreak_glass::CrackNetwork`], and any 8-bit or 16-bit image.
 //!
@@ -41,10 +43,12 @@ pub mod environment;
 mod error;
 pub mod interface;
 pub mod lens;
+mod lit_runs;
 mod maps;
 mod masks;
 mod packed;
 pub mod paper;
+pub mod photo;
 pub mod physical;
 pub mod srgb;
 mod surface;

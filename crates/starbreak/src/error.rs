@@ -41,6 +41,20 @@ pub enum Error {
         /// Why.
         cause: ImportError,
     },
+    /// A folder in which no photograph of glass is.
+    #[error("{folder:?} holds no photographs of broken glass; expected PNG or JPEG files in it")]
+    NoPhotos {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A photograph of glass that cannot be used, in a folder of them.
+    #[error("photographs of broken glass in {folder:?}: {reason}")]
+    BadPhoto {
+        /// The folder.
+        folder: PathBuf,
+        /// Which file, and why.
+        reason: String,
+    },
     /// A network in mm where nothing says how far away its pane is.
     #[error(
         "the network is in mm, but the recipe has no [glass] that says where the pane stands; use a preset of the          physics, such as windshield-star"

@@ -23,6 +23,7 @@ pub mod bank;
 mod error;
 pub mod generate;
 pub mod import;
+pub mod overlay;
 pub mod pipeline;
 mod recipe;
 

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use starbreak::generate::Shard;
 
+use super::overlay::OverlayArgs;
+
 /// `starbreak generate`.
 #[derive(Debug, Args)]
 pub(crate) struct GenerateArgs {
@@ -25,6 +27,12 @@ pub(crate) struct GenerateArgs {
     /// One crack network (JSON or SVG) for all images instead of a new one for each
     #[arg(long, value_name = "FILE", conflicts_with = "bank")]
     pub(crate) network: Option<PathBuf>,
+    /// Photos of broken glass instead of cracks: for each sample a random part of a random one of
+    /// the PNG and JPEG files below a folder
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["network", "bank"])]
+    pub(crate) overlays: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) overlay: OverlayArgs,
     /// Only the first N images
     #[arg(long, value_name = "N", conflicts_with = "sample")]
     pub(crate) limit: Option<u64>,
@@ -76,6 +84,16 @@ pub(crate) struct VerifyArgs {
         conflicts_with = "bank"
     )]
     pub(crate) network: Option<PathBuf>,
+    /// The photos of broken glass that it was made with, if it was, and their flags as for generate
+    #[arg(
+        long,
+        value_name = "DIR",
+        requires = "regenerate",
+        conflicts_with_all = ["network", "bank"]
+    )]
+    pub(crate) overlays: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) overlay: OverlayArgs,
 }
 
 /// `starbreak merge`.

@@ -147,7 +147,7 @@ fn run_of(settings: &Settings, seed: Seed) -> Result<Run, Error> {
     let simulated = pipeline::simulate(settings, FRAME.0, FRAME.1, seed)?;
     let damage = match &simulated.details {
         Details::Physics(physics) => physics.impacts.first().map_or("", |hit| hit.damage.name()),
-        Details::Paper(_) | Details::Imported(_) => "",
+        Details::Paper(_) | Details::Imported(_) | Details::Photo(_) => "",
     };
     Ok(Run {
         seed,

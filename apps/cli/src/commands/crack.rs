@@ -6,37 +6,57 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 use starbreak::dataset::OutputBatch;
 use starbreak::pipeline::{
-    Failure as ItemFailure, ImageJob, JobResult, RunContext, Written, crack_files, plan_images,
-    with_threads,
+    Details, Failure as ItemFailure, ImageJob, JobResult, RunContext, Written, crack_files,
+    plan_images, with_threads,
 };
 
 use super::network_file;
 use crate::args::Global;
+use crate::args::overlay::OverlayArgs;
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
+/// What to crack, and how.
+#[derive(Debug)]
+pub(crate) struct Request {
+    pub(crate) inputs: Vec<PathBuf>,
+    pub(crate) out: PathBuf,
+    pub(crate) maps: bool,
+    pub(crate) network: Option<PathBuf>,
+    pub(crate) overlay: Option<PathBuf>,
+    pub(crate) overlay_random: bool,
+    pub(crate) overlay_args: OverlayArgs,
+}
+
 pub(crate) fn run(
     global: &Global,
-    inputs: &[PathBuf],
-    out: &Path,
-    maps: bool,
-    network: Option<&Path>,
+    request: &Request,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
+    let out = request.out.as_path();
+    request
+        .overlay_args
+        .refuse_idle(request.overlay.is_some(), request.overlay_random)?;
     let mut recipe = global.recipe()?;
-    if maps {
+    if request.maps {
         recipe.set("output.maps=true")?;
     }
     let mut context = RunContext::new(&recipe, global.seed(), out)?;
-    let jobs = plan_images(inputs, out)?;
+    let jobs = plan_images(&request.inputs, out)?;
     global.refuse_recipe_among(&[out.join("failures.jsonl")])?;
     let outputs: Vec<PathBuf> = jobs
         .iter()
         .flat_map(ImageJob::possible_outputs)
         .map(|name| out.join(name))
         .collect();
-    context.imported = network_file::read(network, &outputs)?;
+    context.imported = network_file::read(request.network.as_deref(), &outputs)?;
+    if let Some(photo) = &request.overlay {
+        let photos = request
+            .overlay_args
+            .read_one(photo, request.overlay_random, &outputs)?;
+        context.overlay = Some(photos);
+    }
     let interrupt = Interrupt::listen();
     let progress = screen.progress(jobs.len() as u64, "images");
     let results = with_threads(usize::from(global.threads), || {
@@ -81,6 +101,7 @@ fn finish(
         .iter()
         .map(|item| item.cracked.masks.region.dimensions());
     if context.imported.is_none()
+        && context.overlay.is_none()
         && let Some(hint) = sizes
             .into_iter()
             .find_map(|size| super::simulate::radius_hint(settings, size))
@@ -143,6 +164,15 @@ fn record_failures(failed: &[ItemFailure], out: &Path) -> Result<(), Failure> {
 pub(super) fn describe(item: &Written) -> String {
     let network = &item.cracked.network;
     let name = item.image.display();
+    if let Details::Photo(placed) = &item.cracked.details {
+        return format!(
+            "{name}: {} before {}, {:.1} % of the frame influenced, {:.1} ms",
+            placed.glass.name,
+            placed.glass.photo.background().name(),
+            item.region_fraction * 100.0,
+            item.cracked.timings.total_ms(),
+        );
+    }
     if let Some(why) = super::simulate::why_intact(network, &item.cracked.details) {
         return format!("{name}: {why}");
     }
@@ -165,7 +195,7 @@ pub(super) fn item_json(item: &Written) -> Value {
         "provenance": path_text(&item.provenance),
         "region_fraction": item.region_fraction,
         "optics": item.cracked.optics.to_json(),
-        "intact": item.cracked.network.n_segments() == 0,
+        "intact": item.cracked.is_intact(),
         "summary": item.cracked.network.summary(),
         "timings_ms": item.timings.to_json(),
     })

@@ -13,6 +13,7 @@ use starbreak::generate::{
     Event, GenerateOptions, GenerateReport, Patterns, Plan, Preview, Selection, Survey, generate,
     preview, survey,
 };
+use starbreak::overlay::OverlaySet;
 use starbreak::pipeline::{RunContext, with_threads};
 use starbreak::{OutputFormat, Recipe};
 
@@ -35,7 +36,8 @@ pub(crate) fn run(
     args: &GenerateArgs,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let patterns = patterns(args.bank.as_deref(), args.network.as_deref())?;
+    let photos = args.overlay.read_folder(args.overlays.as_deref())?;
+    let patterns = patterns(args.bank.as_deref(), args.network.as_deref(), photos)?;
     let recipe = match &patterns {
         Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
         _ => global.recipe()?,
@@ -100,7 +102,14 @@ pub(crate) fn run(
 }
 
 /// Where the cracks come from.
-pub(super) fn patterns(bank: Option<&Path>, network: Option<&Path>) -> Result<Patterns, Failure> {
+pub(super) fn patterns(
+    bank: Option<&Path>,
+    network: Option<&Path>,
+    photos: Option<OverlaySet>,
+) -> Result<Patterns, Failure> {
+    if let Some(photos) = photos {
+        return Ok(Patterns::Overlays(photos));
+    }
     if let Some(bank) = bank {
         return Ok(Patterns::Bank(PatternBank::open(bank)?));
     }

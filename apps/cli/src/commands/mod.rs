@@ -33,7 +33,21 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             output,
             maps,
             network,
-        } => crack::run(global, &inputs, &output, maps, network.as_deref(), screen),
+            overlay,
+            overlay_random,
+            overlay_args,
+        } => {
+            let request = crack::Request {
+                inputs,
+                out: output,
+                maps,
+                network,
+                overlay,
+                overlay_random,
+                overlay_args,
+            };
+            crack::run(global, &request, screen)
+        }
         Verb::Generate(args) => generate::run(global, &args, screen),
         Verb::Verify(args) => verify::run(global, &args, screen),
         Verb::Merge(args) => verify::merge(&args, screen),

@@ -24,6 +24,7 @@ pub(super) fn why_intact(network: &CrackNetwork, details: &Details) -> Option<&'
     let paper = match details {
         Details::Paper(paper) => paper,
         Details::Imported(_) => return Some("the network has no cracks"),
+        Details::Photo(_) => return None,
         Details::Physics(_) => {
             return Some(
                 "nothing broke: the stone is too slow or too blunt for this glass; raise impact.speed_m_s or \
@@ -222,6 +223,7 @@ fn describe(simulated: &Simulated) -> String {
             network.data().impacts.len(),
             summary.n_fragments.unwrap_or(1),
         ),
+        Details::Photo(placed) => placed.glass.name.clone(),
         Details::Paper(paper) => {
             let report = &paper.convergence;
             format!(

@@ -33,7 +33,8 @@ pub(crate) fn run(
     let again = match (&args.source, args.regenerate) {
         (Some(source), Some(how_many)) => {
             let source = Source::open(&SourceSpec::parse(source)?)?;
-            let patterns = patterns(args.bank.as_deref(), args.network.as_deref())?;
+            let photos = args.overlay.read_folder(args.overlays.as_deref())?;
+            let patterns = patterns(args.bank.as_deref(), args.network.as_deref(), photos)?;
             let n = match how_many {
                 HowMany::All => None,
                 HowMany::Only(n) => Some(n),

@@ -111,6 +111,28 @@ impl CrackNetwork {
         Ok(Self::summed_up(data))
     }
 
+    /// No cracks in a frame of `width_px × height_px` pixels: what stands for cracks that are known
+    /// by their looks alone.
+    #[must_use]
+    pub fn without_cracks(width_px: u32, height_px: u32) -> Self {
+        Self::summed_up(NetworkData {
+            schema: NETWORK_SCHEMA.to_owned(),
+            generator: Generator {
+                name: "starbreak".to_owned(),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+            },
+            model: Model::Imported,
+            seed: None,
+            unit: LengthUnit::Px,
+            pane: Pane::from_frame_px(width_px, height_px),
+            damage_class: None,
+            impacts: Vec::new(),
+            nodes: Nodes::default(),
+            segments: Segments::default(),
+            summary: None,
+        })
+    }
+
     fn summed_up(mut data: NetworkData) -> Self {
         let summary = summary::summarize(&data);
         data.summary = Some(summary);

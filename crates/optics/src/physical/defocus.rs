@@ -1,48 +1,101 @@
 //! A whole frame out of focus.
 
 use super::elsewhere::between;
+use crate::lit_runs::lit_runs;
 use crate::maps::{Kernel, Pupil};
 
 /// Most cells per radius: larger discs are spread over a smaller frame.
 const MOST_CELLS: f64 = 12.0;
 
+/// What lies beyond the border of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Beyond {
+    /// The frame once more, mirrored at its border.
+    Mirrored,
+    /// Nothing.
+    Nothing,
+}
+
 /// Linear light of a frame spread by the image of the pupil, of signed radius, px; beyond the
 /// frame it goes on mirrored.
-///
-/// A disc of more than 12 px of radius is band-limited enough to be spread over means of 2 × 2, 4 ×
-/// 4, … px; their width and that of the straight lines back between them is taken off the disc's.
 pub(super) fn defocus<const COLORS: usize>(
     light: &[f32],
-    (width, height): (usize, usize),
+    size: (usize, usize),
     pupil: Pupil,
     radius_px: f64,
 ) -> Vec<f32> {
+    let radii_px = vec![radius_px; size.1];
+    defocus_rows::<COLORS>(light, size, pupil, &radii_px, Beyond::Mirrored)
+}
+
+/// As [`defocus`], for `LANES` values per pixel and with a radius, px, for the light of each row.
+///
+/// A disc of more than 12 px of radius is band-limited enough to be spread over means of 2 × 2, 4 ×
+/// 4, … px; their width and that of the straight lines back between them is taken off the disc's.
+/// The largest disc decides for all rows, so that one of less than a tenth of it gets too large.
+pub(crate) fn defocus_rows<const LANES: usize>(
+    light: &[f32],
+    (width, height): (usize, usize),
+    pupil: Pupil,
+    radii_px: &[f64],
+    beyond: Beyond,
+) -> Vec<f32> {
+    let most_px = radii_px
+        .iter()
+        .fold(0.0_f64, |most, radius| most.max(radius.abs()));
     let mut per_cell = 1_u32;
-    while radius_px.abs() / f64::from(per_cell) > MOST_CELLS {
+    while most_px / f64::from(per_cell) > MOST_CELLS {
         per_cell *= 2;
     }
     if per_cell == 1 {
-        return spread::<COLORS>(light, (width, height), pupil, radius_px);
+        return spread::<LANES>(light, (width, height), pupil, radii_px, beyond);
     }
-    let radius = radius_px.abs() / f64::from(per_cell);
-    // Variances per axis, cells²: means and kernel 1/12 each, lines 1/6; that of a disc is ρ²/4.
-    let radius = (radius * radius - 4.0 / 3.0).sqrt().copysign(radius_px);
-    let per_cell = per_cell as usize;
-    let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
-    let small = spread::<COLORS>(
-        &means::<COLORS>(light, (width, height), per_cell),
+    let cells = per_cell as usize;
+    let size = (width.div_ceil(cells), height.div_ceil(cells));
+    let radii: Vec<f64> = radii_px
+        .iter()
+        .skip(cells / 2)
+        .step_by(cells)
+        .chain(radii_px.last())
+        .take(size.1)
+        .map(|radius_px| {
+            let radius = radius_px.abs() / f64::from(per_cell);
+            // Variances per axis, cells²: means and kernel 1/12 each, lines 1/6; that of a disc is
+            // ρ²/4.
+            (radius * radius - 4.0 / 3.0)
+                .max(0.0)
+                .sqrt()
+                .copysign(*radius_px)
+        })
+        .collect();
+    let per_cell = cells;
+    let small = spread::<LANES>(
+        &means::<LANES>(light, (width, height), per_cell),
         size,
         pupil,
-        radius,
+        &radii,
+        beyond,
     );
     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
     let place = |k: usize| (k as f32 + 0.5) / per_cell as f32;
-    (0..height)
-        .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .flat_map(|(x, y)| {
-            between::<COLORS>(size, [place(x), place(y)], |at, c| small[at * COLORS + c])
-        })
-        .collect()
+    let is_dark: Vec<bool> = small
+        .chunks_exact(size.0 * LANES)
+        .map(|row| row.iter().all(|light| light.abs() <= 0.0))
+        .collect();
+    let mut out = vec![0.0; light.len()];
+    for (y, row) in out.chunks_exact_mut(width * LANES).enumerate() {
+        // Between this row of cells and one of its neighbors.
+        let cell = y / per_cell;
+        let around = cell.saturating_sub(1)..(cell + 2).min(size.1);
+        if is_dark[around].iter().all(|is_dark| *is_dark) {
+            continue;
+        }
+        for (x, pixel) in row.chunks_exact_mut(LANES).enumerate() {
+            let light = between::<LANES>(size, [place(x), place(y)], |at, c| small[at * LANES + c]);
+            pixel.copy_from_slice(&light);
+        }
+    }
+    out
 }
 
 /// Means of square cells of a frame; those at its end are cut off by it.
@@ -75,36 +128,68 @@ fn means<const COLORS: usize>(
 
 /// The same at full size: each row is scattered as steps and summed up along the row, as cracks
 /// are.
-fn spread<const COLORS: usize>(
+fn spread<const LANES: usize>(
     light: &[f32],
     (width, height): (usize, usize),
     pupil: Pupil,
-    radius_px: f64,
+    radii: &[f64],
+    beyond: Beyond,
 ) -> Vec<f32> {
-    let kernel = Kernel::new(pupil, radius_px);
-    let reach = kernel.reach();
+    let mut kernels: Vec<(f64, Kernel)> = Vec::new();
+    let kernel_of: Vec<usize> = radii
+        .iter()
+        .map(|radius| {
+            let same = |(known, _): &(f64, Kernel)| known.to_bits() == radius.to_bits();
+            kernels.iter().rposition(same).unwrap_or_else(|| {
+                kernels.push((*radius, Kernel::new(pupil, *radius)));
+                kernels.len() - 1
+            })
+        })
+        .collect();
+    let reach = kernels
+        .iter()
+        .map(|(_, kernel)| kernel.reach())
+        .max()
+        .unwrap_or(0);
     // Room for discs that reach out of the rows.
     let stride = width + 4 * reach;
     let slots = 2 * reach + 1;
-    let mut ring = vec![[0.0_f32; COLORS]; slots * stride];
+    let mut ring = vec![[0.0_f32; LANES]; slots * stride];
     let mut out = vec![0.0; light.len()];
     let reach_signed = reach.cast_signed();
+    // A row with `reach` more on either side.
+    let mut sources = vec![[0.0_f32; LANES]; width + 2 * reach];
     for row in -reach_signed..height.cast_signed() + reach_signed {
-        let source = &light[mirrored(row, height) * width * COLORS..][..width * COLORS];
-        for (dy, dx, steps) in kernel.runs() {
+        let source_row = mirrored(row, height);
+        let source = light[source_row * width * LANES..][..width * LANES]
+            .as_chunks::<LANES>()
+            .0;
+        let lit = match beyond {
+            Beyond::Mirrored => {
+                for (k, to) in (-reach_signed..).zip(&mut sources) {
+                    *to = source[mirrored(k, width)];
+                }
+                vec![0..sources.len()]
+            }
+            Beyond::Nothing if (0..height.cast_signed()).contains(&row) => {
+                sources[reach..reach + width].copy_from_slice(source);
+                lit_runs(&sources)
+            }
+            Beyond::Nothing => Vec::new(),
+        };
+        for (dy, dx, steps) in kernels[kernel_of[source_row]].1.runs() {
             let y = row + dy as isize;
-            if !(0..height.cast_signed()).contains(&y) {
+            if lit.is_empty() || !(0..height.cast_signed()).contains(&y) {
                 continue;
             }
             let line = &mut ring[y.cast_unsigned() % slots * stride..][..stride];
             for (dx, step) in (dx..).zip(steps) {
-                // Sources from `reach` before the row to `reach` after it.
                 let first = (reach_signed + dx as isize).cast_unsigned();
-                let to = &mut line[first..first + width + 2 * reach];
-                for (k, to) in to.iter_mut().enumerate() {
-                    let x = mirrored(k.cast_signed() - reach_signed, width);
-                    for (sum, light) in to.iter_mut().zip(&source[x * COLORS..][..COLORS]) {
-                        *sum += step * light;
+                for run in &lit {
+                    let to = &mut line[first + run.start..first + run.end];
+                    for (to, light) in to.iter_mut().zip(&sources[run.clone()]) {
+                        let sum = *to;
+                        *to = std::array::from_fn(|l| sum[l] + step * light[l]);
                     }
                 }
             }
@@ -117,14 +202,14 @@ fn spread<const COLORS: usize>(
             continue;
         };
         let line = &mut ring[done % slots * stride..][..stride];
-        let mut sum = [0.0_f32; COLORS];
+        let mut sum = [0.0_f32; LANES];
         for (column, steps) in line.iter_mut().enumerate() {
             for (sum, step) in sum.iter_mut().zip(&*steps) {
                 *sum += step;
             }
-            *steps = [0.0; COLORS];
+            *steps = [0.0; LANES];
             if let Some(x) = column.checked_sub(2 * reach).filter(|x| *x < width) {
-                out[(done * width + x) * COLORS..][..COLORS].copy_from_slice(&sum);
+                out[(done * width + x) * LANES..][..LANES].copy_from_slice(&sum);
             }
         }
     }

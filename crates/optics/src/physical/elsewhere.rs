@@ -115,12 +115,16 @@ pub(super) fn between<const COLORS: usize>(
     let (x, y) = (u as usize, v as usize);
     let (s, t) = (u - x as f32, v - y as f32);
     let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
-    std::array::from_fn(|c| {
-        let at = |x: usize, y: usize| light(y * width + x, c);
-        let top = at(x, y) + s * (at(right, y) - at(x, y));
-        let bottom = at(x, below) + s * (at(right, below) - at(x, below));
-        top + t * (bottom - top)
-    })
+    let [top_left, top_right] = [y * width + x, y * width + right];
+    let [bottom_left, bottom_right] = [below * width + x, below * width + right];
+    let mut mean = [0.0; COLORS];
+    for (c, mean) in mean.iter_mut().enumerate() {
+        let [a, b] = [light(top_left, c), light(bottom_left, c)];
+        let top = a + s * (light(top_right, c) - a);
+        let bottom = b + s * (light(bottom_right, c) - b);
+        *mean = top + t * (bottom - top);
+    }
+    mean
 }
 
 /// The scene in large cells: means of a few pixels of each, then of ever more cells.

@@ -13,6 +13,7 @@ mod pattern;
 mod render;
 mod samples;
 
+pub(crate) use defocus::{Beyond, defocus_rows};
 pub(crate) use overlay::LEAST_ELSEWHERE;
 pub use overlay::{OpticalMaps, Overlay};
 pub use params::{PhysicalOptics, SensorNoise, SurfaceParams};

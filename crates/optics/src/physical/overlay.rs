@@ -85,6 +85,53 @@ impl Overlay {
         }
     }
 
+    /// Of what each pixel (x, y) keeps of its light and what is added, per color; pixels of no
+    /// influence stay as they are.
+    pub(crate) fn of_pixels(
+        (size, f_px): ((u32, u32), f64),
+        environment: &Environment,
+        optics: &PhysicalOptics,
+        pixel: impl Fn(usize, usize) -> (Rgb, Rgb),
+    ) -> Self {
+        let (width, height) = (size.0 as usize, size.1 as usize);
+        let mut layer = OverlayLayer::default();
+        for (x, y) in (0..height).flat_map(|y| (0..width).step_by(CHUNK).map(move |x| (x, y))) {
+            let mut run = Run {
+                x,
+                y,
+                keep: [[1.0; CHUNK]; 3],
+                add: [[0.0; CHUNK]; 3],
+                elsewhere: None,
+            };
+            let mut is_touched = false;
+            for k in 0..CHUNK.min(width - x) {
+                let (keep, add) = pixel(x + k, y);
+                let lost = keep.map(|keep| 1.0 - keep);
+                if lost
+                    .into_iter()
+                    .chain(add)
+                    .any(|share| share >= LEAST_INFLUENCE)
+                {
+                    is_touched = true;
+                    for c in 0..3 {
+                        run.keep[c][k] = keep[c];
+                        run.add[c][k] = add[c];
+                    }
+                }
+            }
+            if is_touched {
+                layer.runs.push(run);
+            }
+        }
+        Self {
+            size,
+            layers: vec![layer],
+            optics: *optics,
+            f_px,
+            environment: *environment,
+        }
+    }
+
     /// The light it is under.
     #[must_use]
     pub fn environment(&self) -> &Environment {

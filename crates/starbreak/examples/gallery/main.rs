@@ -218,7 +218,7 @@ fn drawing(
     for seed in 1..=TRIES {
         let simulated = simulate(&settings, FRAME.0, FRAME.1, Seed(seed))?;
         let is_found = match &simulated.details {
-            Details::Paper(_) | Details::Imported(_) => true,
+            Details::Paper(_) | Details::Imported(_) | Details::Photo(_) => true,
             Details::Physics(physics) => {
                 let long = physics.long_crack.iter().map(|report| report.class);
                 let mut all = physics

@@ -1,23 +1,29 @@
 //! Where the cracks of a set come from.
 
 use serde_json::{Map, Value, json};
-use starbreak_glass::{Model, Seed};
+use starbreak_glass::Seed;
 
 use crate::Error;
 use crate::bank::PatternBank;
 use crate::import::ImportedNetwork;
+use crate::overlay::OverlaySet;
 use crate::pipeline::{
-    Baked, Details, RunContext, Simulated, Stopwatch, bake_network, network_view, simulate,
-    use_network,
+    Baked, RunContext, Stopwatch, bake_network, network_view, simulate, use_network,
 };
 
 /// Where the cracks of a set come from.
 #[derive(Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one of them in a run, and it is handed on by reference"
+)]
 pub enum Patterns {
     /// Broken anew for each sample of each image.
     Fresh,
     /// One network for all images.
     Network(ImportedNetwork),
+    /// Photographs of broken glass: for each sample a random one, and a random part of it.
+    Overlays(OverlaySet),
     /// Out of a bank, a pattern drawn for each sample of each image by its seed.
     Bank(PatternBank),
 }
@@ -45,6 +51,17 @@ impl Patterns {
         let simulated = match self {
             Self::Fresh => simulate(&context.settings, size.0, size.1, seed)?,
             Self::Network(imported) => use_network(imported),
+            Self::Overlays(set) => {
+                let placed = set.draw(size, seed)?;
+                let baked = placed.bake(&context.settings, size)?;
+                watch.lap(baked.stage());
+                return Ok(ItemPattern {
+                    is_intact: baked.is_intact(),
+                    baked,
+                    crack_mask_png: None,
+                    facts: Map::from_iter([("overlay".to_owned(), placed.facts())]),
+                });
+            }
             Self::Bank(bank) => return of_bank(bank, size, seed, watch),
         };
         watch.append(simulated.timings.clone());
@@ -57,11 +74,12 @@ impl Patterns {
         let network = (&simulated.network, f64::INFINITY);
         let baked = bake_network(&context.settings, network, &view, seed)?;
         watch.lap(baked.stage());
+        let (key, facts) = simulated.details.facts_of(&simulated.network);
         Ok(ItemPattern {
             baked,
             crack_mask_png: None,
             is_intact: simulated.network.n_segments() == 0,
-            facts: Map::from_iter([("network".to_owned(), network_facts(&simulated))]),
+            facts: Map::from_iter([(key.to_owned(), facts)]),
         })
     }
 }
@@ -99,20 +117,4 @@ fn of_bank(
         crack_mask_png: Some(pattern.crack_mask_png),
         facts,
     })
-}
-
-/// What a record says of a network.
-pub(crate) fn network_facts(simulated: &Simulated) -> Value {
-    let data = simulated.network.data();
-    let model = match simulated.details {
-        Details::Imported(_) => Model::Imported,
-        _ => data.model,
-    };
-    let mut facts = Map::from_iter([
-        ("model".to_owned(), json!(model)),
-        ("impacts".to_owned(), json!(data.impacts)),
-        ("summary".to_owned(), json!(simulated.network.summary())),
-    ]);
-    facts.extend(simulated.details.to_json());
-    Value::Object(facts)
 }

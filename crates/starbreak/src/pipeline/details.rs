@@ -3,7 +3,9 @@
 use serde_json::{Map, Value, json};
 use starbreak_fracture::paper::ConvergenceReport;
 use starbreak_fracture::physics::{ImpactReport, LongCrackReport};
-use starbreak_glass::Model;
+use starbreak_glass::{CrackNetwork, Model};
+
+use crate::overlay::PlacedPhoto;
 
 /// What a fracture model says about its cracks.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +16,8 @@ pub enum Details {
     Physics(PhysicsDetails),
     /// From a file.
     Imported(ImportedDetails),
+    /// No network: a photograph of broken glass.
+    Photo(Box<PlacedPhoto>),
 }
 
 /// Which file a network comes from.
@@ -88,8 +92,33 @@ impl Details {
                 });
                 named.insert("file".to_owned(), file);
             }
+            Self::Photo(placed) => {
+                named.insert("overlay".to_owned(), placed.facts());
+            }
         }
         named
+    }
+}
+
+impl Details {
+    /// What a record says of the cracks, and under which key: their network, or the photograph in
+    /// its place.
+    pub(crate) fn facts_of(&self, network: &CrackNetwork) -> (&'static str, Value) {
+        if let Self::Photo(placed) = self {
+            return ("overlay", placed.facts());
+        }
+        let data = network.data();
+        let model = match self {
+            Self::Imported(_) => Model::Imported,
+            _ => data.model,
+        };
+        let mut facts = Map::from_iter([
+            ("model".to_owned(), json!(model)),
+            ("impacts".to_owned(), json!(data.impacts)),
+            ("summary".to_owned(), json!(network.summary())),
+        ]);
+        facts.extend(self.to_json());
+        ("network", Value::Object(facts))
     }
 }
 

@@ -208,9 +208,12 @@ pub fn stage_cracked(
 ) -> Result<Written, Error> {
     let seed = context.seed.of_item(&job.name, 0);
     let (width, height) = (file.pixels.width(), file.pixels.height());
-    let simulated = match &context.imported {
-        Some(imported) => Ok(use_network(imported)),
-        None => simulate(&context.settings, width, height, seed),
+    let simulated = match (&context.overlay, &context.imported) {
+        (Some(photos), _) => photos
+            .draw((width, height), seed)
+            .map(|placed| placed.stand_in((width, height))),
+        (None, Some(imported)) => Ok(use_network(imported)),
+        (None, None) => simulate(&context.settings, width, height, seed),
     };
     let simulated = simulated.map_err(|error| Error::of_image(&job.input, error))?;
     stage_shown(job, &mut file, simulated, watch, context, batch)

@@ -60,6 +60,18 @@ pub struct Cracked {
     pub timings: Timings,
 }
 
+impl Cracked {
+    /// Whether nothing is broken: no segment in the network, or nothing of the photograph in the
+    /// frame.
+    #[must_use]
+    pub fn is_intact(&self) -> bool {
+        match self.details {
+            Details::Photo(_) => self.masks.crack.iter().all(|code| *code == 0),
+            _ => self.network.n_segments() == 0,
+        }
+    }
+}
+
 /// Breaks the glass before a frame of `width_px × height_px`.
 ///
 /// # Errors
@@ -96,7 +108,11 @@ pub fn view(settings: &Settings, width_px: u32, height_px: u32) -> Result<View, 
 
 /// The pane as the physical optics see it: every camera looks through glass, also where the cracks
 /// are those of the paper, which lie over the frame.
-fn sheet_view(settings: &Settings, width_px: u32, height_px: u32) -> Result<View, Error> {
+pub(crate) fn sheet_view(
+    settings: &Settings,
+    width_px: u32,
+    height_px: u32,
+) -> Result<View, Error> {
     let size = (width_px, height_px);
     match (&settings.fracture, settings.fracture.mount()) {
         (FractureSettings::Paper(_), Some(mount)) => {

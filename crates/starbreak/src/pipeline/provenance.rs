@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::{Map, json};
+use serde_json::json;
 use starbreak_dataset::{Provenance, sha256_hex};
-use starbreak_glass::{CrackNetwork, Model, Seed};
+use starbreak_glass::{CrackNetwork, Seed};
 
 use super::details::Details;
 use super::show::OpticsReport;
 use super::timings::Timings;
 use crate::import::ImportedNetwork;
+use crate::overlay::OverlaySet;
 use crate::{Error, Recipe, Settings};
 
 /// Name and version of the provenance format.
@@ -30,6 +31,8 @@ pub struct RunContext {
     pub out: PathBuf,
     /// The network that stands in for a simulated one, if there is one.
     pub imported: Option<ImportedNetwork>,
+    /// The photographs of broken glass that stand in for a network, if there are any.
+    pub overlay: Option<OverlaySet>,
 }
 
 /// One image of a run.
@@ -64,21 +67,12 @@ impl RunContext {
             settings,
             out: out.to_owned(),
             imported: None,
+            overlay: None,
         })
     }
 
     pub(super) fn provenance(&self, item: &Item<'_>) -> Result<Provenance, Error> {
-        let data = item.network.data();
-        let model = match item.details {
-            Details::Imported(_) => Model::Imported,
-            _ => data.model,
-        };
-        let mut network = Map::from_iter([
-            ("model".to_owned(), json!(model)),
-            ("impacts".to_owned(), json!(data.impacts)),
-            ("summary".to_owned(), json!(item.network.summary())),
-        ]);
-        network.extend(item.details.to_json());
+        let (pattern, facts) = item.details.facts_of(item.network);
         let mut camera = json!({ "width_px": item.width_px, "height_px": item.height_px });
         if let Some(scene) = &item.optics.scene {
             camera["f_px"] = scene.f_px.into();
@@ -95,7 +89,7 @@ impl RunContext {
             "camera": camera,
             "input": { "name": item.name, "sha256": item.input_sha256 },
             "output": { "name": item.output_name, "sha256": item.output_sha256 },
-            "network": network,
+            (pattern): facts,
             "optics": item.optics.to_json(),
             "region_fraction": item.region_fraction,
             "timings_ms": item.timings.to_json(),

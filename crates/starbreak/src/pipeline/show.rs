@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::paper::{composite, draw};
+use starbreak_optics::photo::PhotoPattern;
 use starbreak_optics::physical::{Overlay, Pattern, PhysicalOptics, bake};
 use starbreak_optics::{Contrast, Coverage, Masks, View};
 
@@ -40,6 +41,13 @@ pub enum Baked {
     Paper(Coverage),
     /// The physical optics': shares of light.
     Physical(Pattern),
+    /// The physical optics' of a photograph: opacity and light.
+    Photo {
+        /// The photograph as the lens shows it.
+        pattern: PhotoPattern,
+        /// Light of its white over what a white sheet in the place of the glass would show.
+        gain: f64,
+    },
 }
 
 /// What an optics model leaves beside the image.
@@ -72,8 +80,12 @@ pub fn show_cracks(
     let mut watch = Stopwatch::start();
     let before = image.clone();
     let size = (image.width(), image.height());
-    let view = network_view(settings, &network, &details, size)?;
-    let baked = bake_network(settings, (&network, f64::INFINITY), &view, seed)?;
+    let baked = if let Details::Photo(placed) = &details {
+        placed.bake(settings, size)?
+    } else {
+        let view = network_view(settings, &network, &details, size)?;
+        bake_network(settings, (&network, f64::INFINITY), &view, seed)?
+    };
     watch.lap(baked.stage());
     let shown = baked.over(settings, image, seed, &mut watch)?;
     let Shown {
@@ -148,7 +160,17 @@ impl Baked {
     pub fn stage(&self) -> &'static str {
         match self {
             Self::Paper(_) => "draw",
-            Self::Physical(_) => "bake",
+            Self::Physical(_) | Self::Photo { .. } => "bake",
+        }
+    }
+
+    /// Whether nothing of a crack is in the frame.
+    #[must_use]
+    pub fn is_intact(&self) -> bool {
+        match self {
+            Self::Paper(drawn) => drawn.is_empty(),
+            Self::Physical(pattern) => pattern.is_intact(),
+            Self::Photo { pattern, .. } => pattern.is_intact(),
         }
     }
 
@@ -157,6 +179,7 @@ impl Baked {
     pub fn size(&self) -> (u32, u32) {
         match self {
             Self::Physical(pattern) => pattern.size(),
+            Self::Photo { pattern, .. } => pattern.size(),
             Self::Paper(drawn) => {
                 let (width, height) = drawn.size();
                 let side = |n| u32::try_from(n).unwrap_or(u32::MAX);
@@ -171,6 +194,7 @@ impl Baked {
         match self {
             Self::Paper(drawn) => drawn.to_mask(),
             Self::Physical(pattern) => pattern.coverage(),
+            Self::Photo { pattern, .. } => pattern.coverage(),
         }
     }
 
@@ -202,17 +226,36 @@ impl Baked {
                 watch.lap("light");
                 overlay.apply(image, seed)?;
                 watch.lap("render");
-                let region = overlay.region();
-                watch.lap("region");
-                let scene = scene(settings, optics, pattern.f_px(), environment);
-                Ok(Shown {
-                    region,
-                    overlay: Some(overlay),
-                    scene: Some(scene),
-                })
+                Ok(shown_by(settings, optics, overlay, pattern.f_px(), watch))
+            }
+            (Self::Photo { pattern, gain }, OpticsSettings::Physical(optics)) => {
+                let environment = Environment::estimate(image, &optics.environment, pattern.f_px());
+                let overlay = pattern.light(&environment, *gain, optics)?;
+                watch.lap("light");
+                overlay.apply(image, seed)?;
+                watch.lap("render");
+                Ok(shown_by(settings, optics, overlay, pattern.f_px(), watch))
             }
             _ => Err(Error::OtherOptics),
         }
+    }
+}
+
+/// What the physical optics leave beside the image.
+fn shown_by(
+    settings: &Settings,
+    optics: &PhysicalOptics,
+    overlay: Overlay,
+    f_px: f64,
+    watch: &mut Stopwatch,
+) -> Shown {
+    let region = overlay.region();
+    watch.lap("region");
+    let scene = scene(settings, optics, f_px, *overlay.environment());
+    Shown {
+        region,
+        overlay: Some(overlay),
+        scene: Some(scene),
     }
 }
 

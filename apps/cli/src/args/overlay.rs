@@ -1,0 +1,124 @@
+//! Flags for photographs of broken glass in the place of simulated cracks.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args as ClapArgs, ValueEnum};
+use starbreak::dataset::same_file;
+use starbreak::optics::photo::{Background, PhotoParams, PlacementRange};
+use starbreak::overlay::{GlassPhoto, OverlayOptions, OverlaySet};
+
+use crate::failure::Failure;
+
+/// How photographs of broken glass are read and lit.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct OverlayArgs {
+    /// What is behind the glass in the photo: `alpha` (cut out), `black` or `white`; without it
+    /// this is found out from its transparency and its border
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub(crate) overlay_background: Option<BackgroundWord>,
+    /// Codes over the greatest code, 0 to 0.5, up to which a pixel that differs from a black or
+    /// white background still belongs to it; more hides noise of the photo and faint cracks
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub(crate) overlay_floor: Option<f64>,
+    /// Light of the photo's white over what a white sheet in the place of the glass would show, 0
+    /// to 1000; 1 lights the glass like its scene (physical optics only)
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
+    pub(crate) overlay_gain: Option<f64>,
+    /// Least side of a random part over that of the largest part of the frame's shape, 0.05 to 1
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub(crate) overlay_min_scale: Option<f64>,
+    /// How far a random part may reach beyond the photo, over its own side, 0 to 1
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    pub(crate) overlay_max_shift: Option<f64>,
+}
+
+/// What is behind the glass in a photograph.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BackgroundWord {
+    /// Nothing: the glass is cut out
+    Alpha,
+    /// Black: its light is added
+    Black,
+    /// White: it darkens
+    White,
+}
+
+impl OverlayArgs {
+    /// What the flags ask for, with random parts or the whole photograph.
+    pub(crate) fn options(&self, is_random: bool) -> Result<OverlayOptions, Failure> {
+        let usual = OverlayOptions::default();
+        let range = PlacementRange::default();
+        let options = OverlayOptions {
+            params: PhotoParams {
+                background: self.overlay_background.map(|word| match word {
+                    BackgroundWord::Alpha => Background::Alpha,
+                    BackgroundWord::Black => Background::Black,
+                    BackgroundWord::White => Background::White,
+                }),
+                floor: self.overlay_floor.unwrap_or(usual.params.floor),
+            },
+            gain: self.overlay_gain.unwrap_or(usual.gain),
+            random: is_random.then_some(PlacementRange {
+                min_scale: self.overlay_min_scale.unwrap_or(range.min_scale),
+                max_shift: self.overlay_max_shift.unwrap_or(range.max_shift),
+            }),
+        };
+        options.check()?;
+        Ok(options)
+    }
+
+    /// Refuses flags that would do nothing: those of a photograph without one, and those of random
+    /// parts without them.
+    pub(crate) fn refuse_idle(&self, has_photos: bool, is_random: bool) -> Result<(), Failure> {
+        let placing = [
+            ("--overlay-min-scale", self.overlay_min_scale.is_some()),
+            ("--overlay-max-shift", self.overlay_max_shift.is_some()),
+        ];
+        let reading = [
+            ("--overlay-background", self.overlay_background.is_some()),
+            ("--overlay-floor", self.overlay_floor.is_some()),
+            ("--overlay-gain", self.overlay_gain.is_some()),
+        ];
+        let given = |flags: &[(&'static str, bool)]| {
+            let given = flags.iter().find(|(_, is_given)| *is_given);
+            given.map(|(flag, _)| *flag)
+        };
+        if !has_photos && let Some(flag) = given(&reading).or(given(&placing)) {
+            return Err(Failure::wrong_input(format!(
+                "{flag} is for photos of broken glass, of which none are named; name them, too"
+            )));
+        }
+        if !is_random && let Some(flag) = given(&placing) {
+            return Err(Failure::wrong_input(format!(
+                "{flag} is for random parts of a photo; ask for them with --overlay-random"
+            )));
+        }
+        Ok(())
+    }
+
+    /// The photographs below a folder, if one was named, of which random parts are taken.
+    pub(crate) fn read_folder(&self, folder: Option<&Path>) -> Result<Option<OverlaySet>, Failure> {
+        self.refuse_idle(folder.is_some(), true)?;
+        let Some(folder) = folder else {
+            return Ok(None);
+        };
+        Ok(Some(OverlaySet::read(folder, &self.options(true)?)?))
+    }
+
+    /// The photograph in a file; none of the outputs is that file.
+    pub(crate) fn read_one(
+        &self,
+        file: &Path,
+        is_random: bool,
+        outputs: &[PathBuf],
+    ) -> Result<OverlaySet, Failure> {
+        if let Some(output) = outputs.iter().find(|output| same_file(file, output)) {
+            return Err(Failure::wrong_input(format!(
+                "the output {output:?} would replace the photo of glass {file:?}; choose another name"
+            )));
+        }
+        let options = self.options(is_random)?;
+        let glass = GlassPhoto::read(file, &options.params)?;
+        Ok(OverlaySet::of(glass, &options))
+    }
+}

@@ -1,0 +1,179 @@
+//! Photographs of broken glass in the place of simulated cracks: from files to placed photographs.
+//!
+//! The paper's arm of real overlays: 65 photographs, expanded to 10 000 by random shifts, flips
+//! and crops, and composited by the same optics as simulated cracks. Here a photograph and a
+//! [`Placement`] stand for each of the 10 000, so that a few numbers make any of them again.
+
+mod set;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+use starbreak_dataset::{ImageLimits, read_image};
+use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_optics::photo::{
+    Photo, PhotoParams, Placement, PlacementRange, bake, check_gain, draw,
+};
+
+use crate::pipeline::{Baked, Details, Simulated, Timings, sheet_view};
+use crate::{Error, OpticsSettings, Settings};
+
+pub use set::OverlaySet;
+
+/// A photograph of broken glass, and which file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GlassPhoto {
+    /// The photograph.
+    pub photo: Photo,
+    /// Name of the file, without its folder; in a set its path inside the set.
+    pub name: String,
+    /// SHA-256 of the bytes of the file, hexadecimal.
+    pub sha256: String,
+}
+
+/// How photographs of broken glass are used.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OverlayOptions {
+    /// How they are read.
+    pub params: PhotoParams,
+    /// Light of their white over what a white sheet in the place of the glass would show, 0 to
+    /// 1000; the paper's optics have their own light. **Default**: 1.
+    pub gain: f64,
+    /// What a random part is drawn from; none takes the largest part, in the middle, as it is.
+    /// **Default**: none.
+    pub random: Option<PlacementRange>,
+}
+
+impl Default for OverlayOptions {
+    fn default() -> Self {
+        Self {
+            params: PhotoParams::default(),
+            gain: 1.0,
+            random: None,
+        }
+    }
+}
+
+/// A photograph of broken glass with the part of it that fills a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedPhoto {
+    /// The photograph.
+    pub glass: Arc<GlassPhoto>,
+    /// The part.
+    pub placement: Placement,
+    /// How it is used; the placement stands for what is random.
+    pub options: OverlayOptions,
+}
+
+impl OverlayOptions {
+    /// Every option is in its range.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] naming the first that is not.
+    pub fn check(&self) -> Result<(), Error> {
+        self.params.check()?;
+        if let Some(range) = &self.random {
+            range.check()?;
+        }
+        Ok(check_gain(self.gain)?)
+    }
+}
+
+impl GlassPhoto {
+    /// The photograph in a PNG or JPEG file.
+    ///
+    /// # Errors
+    /// [`Error::Dataset`] if it cannot be read, [`Error::OfImage`] naming the file if it shows no
+    /// glass or its background cannot be told.
+    pub fn read(path: &Path, params: &PhotoParams) -> Result<Self, Error> {
+        let name = path.file_name().unwrap_or(path.as_os_str());
+        Self::read_as(path, &name.to_string_lossy(), params)
+    }
+
+    fn read_as(path: &Path, name: &str, params: &PhotoParams) -> Result<Self, Error> {
+        let file = read_image(path, &ImageLimits::default())?;
+        let photo =
+            Photo::new(file.pixels, params).map_err(|error| Error::of_image(path, error.into()))?;
+        Ok(Self {
+            photo,
+            name: name.to_owned(),
+            sha256: file.sha256,
+        })
+    }
+
+    /// The part of it that fills a frame of this size: by the seed if it is to be random.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for a range that makes no sense.
+    pub fn place(
+        self: &Arc<Self>,
+        frame: (u32, u32),
+        options: &OverlayOptions,
+        seed: Seed,
+    ) -> Result<PlacedPhoto, Error> {
+        let size = self.photo.size();
+        let placement = match &options.random {
+            Some(range) => Placement::random(size, frame, range, seed)?,
+            None => Placement::cover(size, frame),
+        };
+        Ok(PlacedPhoto {
+            glass: Arc::clone(self),
+            placement,
+            options: *options,
+        })
+    }
+}
+
+impl PlacedPhoto {
+    /// Bakes it for a frame of this size, by the optics of the settings.
+    ///
+    /// # Errors
+    /// [`Error::Optics`].
+    pub fn bake(&self, settings: &Settings, size: (u32, u32)) -> Result<Baked, Error> {
+        let photo = &self.glass.photo;
+        Ok(match &settings.optics {
+            OpticsSettings::Paper(_) => Baked::Paper(draw(photo, &self.placement, size)?),
+            OpticsSettings::Physical(optics) => {
+                let view = sheet_view(settings, size.0, size.1)?;
+                Baked::Photo {
+                    pattern: bake(photo, &self.placement, &view, optics)?,
+                    gain: self.options.gain,
+                }
+            }
+        })
+    }
+
+    /// What a record says of it: file, background, gain, and the part, from which it can be made
+    /// again.
+    #[must_use]
+    pub fn facts(&self) -> Value {
+        let place = &self.placement;
+        json!({
+            "name": self.glass.name,
+            "sha256": self.glass.sha256,
+            "background": self.glass.photo.background().name(),
+            "size_px": self.glass.photo.size(),
+            "floor": self.options.params.floor,
+            "gain": self.options.gain,
+            "placement": {
+                "left_px": place.left_px,
+                "top_px": place.top_px,
+                "width_px": place.width_px,
+                "height_px": place.height_px,
+                "flip_horizontal": place.flip_horizontal,
+                "flip_vertical": place.flip_vertical,
+            },
+        })
+    }
+
+    /// As if it had been simulated: a photograph shows cracks, but has no network of them.
+    #[must_use]
+    pub fn stand_in(self, (width_px, height_px): (u32, u32)) -> Simulated {
+        Simulated {
+            network: CrackNetwork::without_cracks(width_px, height_px),
+            details: Details::Photo(Box::new(self)),
+            timings: Timings::default(),
+        }
+    }
+}
