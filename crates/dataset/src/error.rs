@@ -2,6 +2,7 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::ImageFormat;
+use crate::video::VideoError;
 
 /// What went wrong with a file or a codec, as one line: the file, the fact, the way out.
 ///
@@ -208,6 +209,9 @@ pub enum DatasetError {
         /// The error of the operating system.
         source: io::Error,
     },
+    /// A clip could not be read or written.
+    #[error(transparent)]
+    Video(#[from] VideoError),
     /// A provenance record that is not a JSON object with a `schema`.
     #[error(
         "the provenance record is not valid: {reason}; expected a JSON object with a text field \"schema\""

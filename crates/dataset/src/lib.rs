@@ -1,7 +1,7 @@
 //! Samples on disk: the one library of starbreak that touches files and image codecs.
 //!
 //! It is: a strict reader for PNG and JPEG, an encoder for images, masks, arrays and animations, an
-//! all-or-nothing writer for the files of one sample, and the opaque provenance record.
+//! all-or-nothing writer for the files of one sample, the opaque provenance record, and [`video`].
 //! It is not: a place for pixel arithmetic, recipes or labels; every value passes through it
 //! unchanged, and nothing in it depends on time, threads or the platform.
 //!
@@ -39,13 +39,15 @@ mod provenance;
 mod scene;
 mod text_file;
 
+pub mod video;
+
 pub use animation::{AnimationParams, encode_animation};
 pub use array::encode_array;
 pub use encode::{Encoding, JpegQuality, encode_image, encode_mask};
 pub use error::DatasetError;
-pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_image};
+pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_bytes, read_image};
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, same_file};
-pub use provenance::{Provenance, sha256_hex};
+pub use provenance::{Provenance, sha256_file, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use text_file::{TextFile, read_text};

@@ -1,5 +1,6 @@
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -29,6 +30,7 @@ use crate::image_file::not_a_file;
 #[derive(Debug)]
 pub struct OutputBatch {
     staged: Vec<StagedFile>,
+    destinations: BTreeSet<PathBuf>,
     waits_for_disk: bool,
     /// Folders created by this batch, parents first.
     created_folders: Vec<PathBuf>,
@@ -39,6 +41,8 @@ struct StagedFile {
     /// The resolved folder with the file's name: where the file goes.
     destination: PathBuf,
     temporary: TempPath,
+    /// Whether another program fills it.
+    is_reserved: bool,
 }
 
 impl OutputBatch {
@@ -47,6 +51,7 @@ impl OutputBatch {
     pub fn new() -> Self {
         Self {
             staged: Vec::new(),
+            destinations: BTreeSet::new(),
             waits_for_disk: true,
             created_folders: Vec::new(),
         }
@@ -72,6 +77,46 @@ impl OutputBatch {
     /// [`DatasetError::Write`] where the file system refuses. The batch stays as it was, apart
     /// from folders, and may be used further.
     pub fn stage(&mut self, path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
+        let (destination, mut file, temporary) = self.create(path)?;
+        file.write_all(bytes)
+            .and_then(|()| file.flush())
+            .and_then(|()| match self.waits_for_disk {
+                true => file.sync_all(),
+                false => Ok(()),
+            })
+            .map_err(|source| DatasetError::Write {
+                path: path.to_owned(),
+                source,
+            })?;
+        self.destinations.insert(destination.clone());
+        self.staged.push(StagedFile {
+            destination,
+            temporary,
+            is_reserved: false,
+        });
+        Ok(())
+    }
+
+    /// The temporary name of an empty file beside `path`, for another program to fill before the
+    /// commit; as [`stage`](Self::stage) otherwise.
+    ///
+    /// # Errors
+    ///
+    /// As for [`stage`](Self::stage).
+    pub fn reserve(&mut self, path: &Path) -> Result<PathBuf, DatasetError> {
+        let (destination, _, temporary) = self.create(path)?;
+        let name = temporary.to_path_buf();
+        self.destinations.insert(destination.clone());
+        self.staged.push(StagedFile {
+            destination,
+            temporary,
+            is_reserved: true,
+        });
+        Ok(name)
+    }
+
+    /// The destination of a new file, and the file under its temporary name.
+    fn create(&mut self, path: &Path) -> Result<(PathBuf, File, TempPath), DatasetError> {
         let file_name = file_name_of(path)?;
         if let Some(what) = fs::metadata(path).ok().as_ref().and_then(not_a_file) {
             return Err(DatasetError::DestinationNotAFile {
@@ -106,25 +151,13 @@ impl OutputBatch {
                 Err(e) => return Err(write_error(e)),
             }
         };
-        if self.staged.iter().any(|s| s.destination == destination) {
+        if self.destinations.contains(&destination) {
             return Err(DatasetError::DuplicateOutput {
                 path: path.to_owned(),
             });
         }
-
-        let (mut file, temporary) = temporary.into_parts();
-        file.write_all(bytes)
-            .and_then(|()| file.flush())
-            .and_then(|()| match self.waits_for_disk {
-                true => file.sync_all(),
-                false => Ok(()),
-            })
-            .map_err(write_error)?;
-        self.staged.push(StagedFile {
-            destination,
-            temporary,
-        });
-        Ok(())
+        let (file, temporary) = temporary.into_parts();
+        Ok((destination, file, temporary))
     }
 
     /// Renames all staged files into place, in the order of staging.
@@ -135,6 +168,16 @@ impl OutputBatch {
     /// before are then removed again, with the folders created for them; files that existed and
     /// were already replaced are listed in the error.
     pub fn commit(mut self) -> Result<(), DatasetError> {
+        if self.waits_for_disk {
+            for staged in self.staged.iter().filter(|staged| staged.is_reserved) {
+                File::open(&staged.temporary)
+                    .and_then(|file| file.sync_all())
+                    .map_err(|source| DatasetError::Write {
+                        path: staged.destination.clone(),
+                        source,
+                    })?;
+            }
+        }
         let mut new_files = Vec::new();
         let mut replaced = Vec::new();
         for staged in std::mem::take(&mut self.staged) {

@@ -19,6 +19,7 @@
 //! # Ok::<(), starbreak::Error>(())
 //! ```
 
+pub mod clip;
 mod error;
 pub mod import;
 pub mod pipeline;

@@ -12,6 +12,7 @@ mod recipe;
 mod shell;
 mod simulate;
 mod sweep;
+mod video;
 
 use std::process::ExitCode;
 
@@ -59,6 +60,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             };
             simulate::run(global, &request, screen)
         }
+        Verb::Video(args) => video::run(global, args, screen),
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
         Verb::Bench {
             output,
