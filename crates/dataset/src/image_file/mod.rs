@@ -122,6 +122,15 @@ pub fn read_image(path: &Path, limits: &ImageLimits) -> Result<ImageFile, Datase
     decode_image(&name, &bytes, limits)
 }
 
+/// The bytes of an ordinary file, as [`read_image`] reads them; the messages call it by its path.
+///
+/// # Errors
+///
+/// [`DatasetError::Read`], [`DatasetError::NotAFile`] and [`DatasetError::FileTooLong`].
+pub fn read_bytes(path: &Path, max_bytes: u64) -> Result<Vec<u8>, DatasetError> {
+    read_file(path, &path.to_string_lossy(), max_bytes)
+}
+
 /// The image in the bytes of a file; the pure part of [`read_image`].
 ///
 /// `name` serves only for messages. The format is found from the content.
