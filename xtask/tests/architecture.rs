@@ -43,6 +43,16 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     ("anyhow", SHELL, "libraries name their errors"),
     ("png", CODECS, "files are read and written in one place"),
     ("jpeg-encoder", CODECS, "files are written in one place"),
+    (
+        "lz4_flex",
+        CODECS,
+        "only the records of banks are compressed",
+    ),
+    (
+        "crc32fast",
+        CODECS,
+        "only the records of banks have checksums of our own",
+    ),
     ("tiny-skia", CODECS, "it paints the embedded street"),
     (
         "serde",

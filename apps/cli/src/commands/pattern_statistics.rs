@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-
-
 use kuva::prelude::{BarPlot, Figure, Histogram, Layout, Plot, PngBackend, SvgBackend};
 use serde_json::{Value, json};
 use starbreak::bank::{BankReport, PatternRow};
@@ -16,8 +14,12 @@ const COLOR: &str = "#0072b2";
 /// Pixels per user unit of the PNG.
 const PNG_SCALE: f32 = 2.0;
 
-/// Bins of a histogram.
-const BINS: usize = 30;
+/// Bins of a histogram, of few patterns and of many.
+const FEW_BINS: usize = 10;
+const BINS: usize = 40;
+
+/// Patterns from which on they are many.
+const MANY: usize = 200;
 
 /// What all patterns of a bank are like.
 pub(super) struct Statistics {
@@ -41,7 +43,11 @@ impl Statistics {
         for row in &report.rows {
             *classes.entry(class(row).to_owned()).or_insert(0) += 1;
         }
-        let areas: Vec<f64> = report.rows.iter().map(|row| row.area_share * 100.0).collect();
+        let areas: Vec<f64> = report
+            .rows
+            .iter()
+            .map(|row| row.area_share * 100.0)
+            .collect();
         let densities: Vec<f64> = report.rows.iter().map(PatternRow::density).collect();
         Self {
             n: report.rows.len(),
@@ -51,10 +57,13 @@ impl Statistics {
             density: quantiles(&densities),
             areas,
             densities,
-            density_unit: report.rows.first().map_or("m/m²", |row| match row.facts.unit {
-                LengthUnit::Px => "px/px²",
-                LengthUnit::Mm => "m/m²",
-            }),
+            density_unit: report
+                .rows
+                .first()
+                .map_or("m/m²", |row| match row.facts.unit {
+                    LengthUnit::Px => "px/px²",
+                    LengthUnit::Mm => "m/m²",
+                }),
         }
     }
 
@@ -91,7 +100,10 @@ fn quantiles(values: &[f64]) -> [f64; 3] {
 
 /// A row per pattern.
 pub(super) fn csv(report: &BankReport) -> String {
-    let unit = report.rows.first().map_or(LengthUnit::Mm, |row| row.facts.unit);
+    let unit = report
+        .rows
+        .first()
+        .map_or(LengthUnit::Mm, |row| row.facts.unit);
     let (length, density) = match unit {
         LengthUnit::Px => ("total_length_px", "density_px_per_px2"),
         LengthUnit::Mm => ("total_length_mm", "density_m_per_m2"),
@@ -138,13 +150,14 @@ fn drawn(statistics: &Statistics) -> Figure {
             (class.replace('_', " "), n)
         }))
         .with_color(COLOR)
-        .with_width(if statistics.classes.len() < 3 { 0.4 } else { 0.7 });
+        .with_width(if statistics.classes.len() < 3 {
+            0.4
+        } else {
+            0.7
+        });
     let plots = [
         (Plot::Bar(classes), "damage class"),
-        (
-            histogram(&statistics.areas),
-            "cracks cover of the frame, %",
-        ),
+        (histogram(&statistics.areas), "cracks cover of the frame, %"),
         (
             histogram(&statistics.densities),
             match statistics.density_unit {
@@ -181,13 +194,25 @@ fn histogram(values: &[f64]) -> Plot {
     sorted.sort_by(f64::total_cmp);
     let at = sorted.len().saturating_sub(1) * 199 / 200;
     let most = sorted.get(at).copied().unwrap_or(0.0);
-    let most = if most > 0.0 { most } else { 1.0 };
+    let most = round_above(most);
     let clamped = values.iter().map(|value| value.min(most));
     Plot::Histogram(
         Histogram::new()
             .with_data(clamped)
             .with_range((0.0, most))
-            .with_bins(BINS)
+            .with_bins(if values.len() < MANY { FEW_BINS } else { BINS })
             .with_color(COLOR),
     )
+}
+
+/// The next number that is round, so that an axis up to it has round ticks.
+fn round_above(value: f64) -> f64 {
+    if value <= 0.0 {
+        return 1.0;
+    }
+    let power = 10_f64.powf(value.log10().floor());
+    let round = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0]
+        .into_iter()
+        .find(|round| round * power >= value);
+    round.unwrap_or(10.0) * power
 }

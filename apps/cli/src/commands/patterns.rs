@@ -136,7 +136,11 @@ pub(crate) fn check(path: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
             "interrupted: the bank was not checked to its end; run the command again",
         ));
     }
-    screen.say(&format!("{} is whole: {}", bank.path().display(), totals(&bank)));
+    screen.say(&format!(
+        "{} is whole: {}",
+        bank.path().display(),
+        totals(&bank)
+    ));
     screen.result(|| {
         let mut result = described(bank.header(), bank.len(), bank.n_bytes());
         result["bank"] = path_text(bank.path()).into();

@@ -186,7 +186,11 @@ pub(super) fn read_block(bytes: &mut Bytes<'_>, above: &Block) -> Result<Block, 
     bytes.skip(n_bytes);
     from.restore(&mut block, above);
     let most = MOST.unsigned_abs();
-    if block.iter().fold(0, |any, value| any.max(value.unsigned_abs())) > most {
+    if block
+        .iter()
+        .fold(0, |any, value| any.max(value.unsigned_abs()))
+        > most
+    {
         return Err(bytes.wrong("a number is too large"));
     }
     Ok(block)

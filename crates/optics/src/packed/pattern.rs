@@ -32,12 +32,18 @@ const MAX_LAYERS: usize = 16;
 /// Steps of a share of light in 1.
 const SHARE_STEPS: f32 = 16_384.0;
 
+/// Fewest steps of a share of the frame that the renderer takes from elsewhere: 5·10⁻⁴ is 8.2.
+const FIRST_ELSEWHERE: i32 = 9;
+
 /// Steps of a place in a pixel.
 const PLACE_STEPS: f32 = 128.0;
 
 /// Steps of the sun's lane in 1 where it is small, and up to how many it is.
 const SUN_STEPS: f32 = 65_536.0;
 const SUN_SMALL: i32 = 256;
+
+/// Steps of a place at most: 8192 px, far beyond any frame, of which the border then counts.
+const FARTHEST: i32 = 1 << 20;
 
 /// Bits of a single that the sun's lane does without beyond that, of 23.
 const SUN_CUT: u32 = 15;
@@ -56,7 +62,8 @@ impl Pattern {
     ///
     /// A picture made from [`Pattern::from_packed`] of them differs from one made from this
     /// pattern by at most one code of 8 bits, in few pixels; so for pictures that are to be equal,
-    /// all are made from the packed form. Packing what was unpacked gives the same bytes.
+    /// all are made from the packed form. Packing what was unpacked gives the same bytes, in frames of up
+    /// to 8192 px per side.
     #[must_use]
     pub fn to_packed(&self) -> Vec<u8> {
         let (width, height) = self.size();
@@ -152,11 +159,15 @@ fn light_blocks((x, y): (usize, usize), run: &[[f32; LANES]; CHUNK]) -> [Block; 
         for lane in 0..N_SHARES {
             blocks[lane][k] = steps(lanes[lane], SHARE_STEPS);
         }
+        if lanes[FRAME] > LEAST_ELSEWHERE {
+            // Stays on that side, on which the renderer looks elsewhere.
+            blocks[FRAME][k] = blocks[FRAME][k].max(FIRST_ELSEWHERE);
+        }
         blocks[SUN][k] = sun_steps(lanes[SUN]);
         let has_place = from_steps(blocks[FRAME][k], SHARE_STEPS) > LEAST_ELSEWHERE;
         for (lane, own) in [(FRAME_U, middle(x + k)), (FRAME_V, middle(y))] {
             blocks[lane][k] = if has_place {
-                steps(lanes[lane] / lanes[FRAME] - own, PLACE_STEPS)
+                steps(lanes[lane] / lanes[FRAME] - own, PLACE_STEPS).clamp(-FARTHEST, FARTHEST)
             } else if k > 0 {
                 // Not read; as its neighbor it takes no bits.
                 blocks[lane][k - 1]
@@ -176,7 +187,8 @@ fn light_pixels((x, y): (usize, usize), blocks: &[Block; LANES], run: &mut [[f32
         lanes[SUN] = sun_from_steps(blocks[SUN][k]);
         if lanes[FRAME] > LEAST_ELSEWHERE {
             for (lane, own) in [(FRAME_U, middle(x + k)), (FRAME_V, middle(y))] {
-                lanes[lane] = (own + from_steps(blocks[lane][k], PLACE_STEPS)) * lanes[FRAME];
+                let steps = blocks[lane][k].clamp(-FARTHEST, FARTHEST);
+                lanes[lane] = (own + from_steps(steps, PLACE_STEPS)) * lanes[FRAME];
             }
         }
     }

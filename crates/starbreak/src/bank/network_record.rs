@@ -233,7 +233,10 @@ mod tests {
         for key in ["x", "from", "parent", "kind"] {
             assert!(changed[key].is_object(), "{key} was not taken out");
         }
-        assert!(changed["mixed"].is_array(), "a list of both kinds of numbers stays");
+        assert!(
+            changed["mixed"].is_array(),
+            "a list of both kinds of numbers stays"
+        );
         let mut rest = columns.as_slice();
         put_back(&mut changed, &mut rest).unwrap_or_default();
         assert!(rest.is_empty(), "all is read");
@@ -242,7 +245,10 @@ mod tests {
         for n in 0..columns.len() {
             let (mut cut, mut rest) = (json.clone(), &columns[..n]);
             take_out(&mut cut, &mut Vec::new());
-            assert!(put_back(&mut cut, &mut rest).is_err(), "{n} bytes are enough");
+            assert!(
+                put_back(&mut cut, &mut rest).is_err(),
+                "{n} bytes are enough"
+            );
         }
     }
 }
