@@ -28,7 +28,10 @@ pub fn pattern(bytes: &[u8]) {
     match Pattern::from_packed(&packed) {
         Ok(again) => {
             assert!(again.to_packed() == packed, "packed twice");
-            assert!(again.coverage() == pattern.coverage(), "another coverage");
+            let (width, height) = pattern.size();
+            if width * height < 1 << 20 {
+                assert!(again.coverage() == pattern.coverage(), "another coverage");
+            }
         }
         Err(error) => panic!("does not read what it wrote: {error}"),
     }

@@ -4,9 +4,15 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use image::DynamicImage;
 use starbreak::bank::{Baked, BankReport, PatternBank, write_bank};
-use starbreak::pipeline::{RunContext, simulate, with_threads};
-use starbreak::{Error, OpticsSettings, Recipe, Seed, pipeline};
+use starbreak::dataset::{BankRecord, BankWriter, street_scene};
+use starbreak::optics::Coverage;
+use starbreak::optics::environment::Environment;
+use starbreak::optics::paper::{composite, draw};
+use starbreak::optics::physical::{Pattern, bake};
+use starbreak::pipeline::{RunContext, simulate, view_of_network, with_threads};
+use starbreak::{Error, OpticsSettings, Recipe, Seed};
 
 const SIZE: (u32, u32) = (320, 96);
 
@@ -170,10 +176,8 @@ fn a_packed_pattern_shows_the_picture_of_the_unpacked_one_to_a_code() {
         let settings = recipe(preset).settings().unwrap();
         let (mut n_changed, mut n_off) = (0, [0; 2]);
         for seed in (0..3).map(Seed) {
-            let network = pipeline::simulate(&settings, width, height, seed)
-                .unwrap()
-                .network;
-            let view = pipeline::view_of_network(&settings, &network, (width, height)).unwrap();
+            let network = simulate(&settings, width, height, seed).unwrap().network;
+            let view = view_of_network(&settings, &network, (width, height)).unwrap();
             let (mut unpacked, mut packed) = (street.clone(), street.clone());
             match &settings.optics {
                 OpticsSettings::Paper(optics) => {
@@ -222,10 +226,8 @@ fn a_packed_pattern_shows_the_picture_of_the_unpacked_one_to_a_code() {
 #[test]
 fn damaged_packed_forms_are_refused_or_read_but_never_more() {
     let settings = recipe("windshield-star").settings().unwrap();
-    let network = pipeline::simulate(&settings, 160, 60, Seed(3))
-        .unwrap()
-        .network;
-    let view = pipeline::view_of_network(&settings, &network, (160, 60)).unwrap();
+    let network = simulate(&settings, 160, 60, Seed(3)).unwrap().network;
+    let view = view_of_network(&settings, &network, (160, 60)).unwrap();
     let OpticsSettings::Physical(optics) = &settings.optics else {
         panic!("a preset of the physics");
     };
@@ -276,9 +278,9 @@ fn records_that_are_whole_but_mean_nothing_are_named() {
         serde_json::to_vec(bank.header()).unwrap()
     };
     let forge = |header: &[u8], records: &[&[u8]]| {
-        let mut writer = starbreak::dataset::BankWriter::create(&path, header).unwrap();
+        let mut writer = BankWriter::create(&path, header).unwrap();
         for record in records {
-            let record = starbreak::dataset::BankRecord::new(record.to_vec());
+            let record = BankRecord::new(record.to_vec());
             writer.append(&record).unwrap();
         }
         writer.finish().unwrap().commit(&[]).unwrap();

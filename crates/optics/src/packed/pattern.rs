@@ -77,8 +77,12 @@ impl Pattern {
             write_chunks(&mut out, &layer.light, light_blocks);
             write_chunks(&mut out, &layer.tint, tint_blocks);
         }
-        let mask = self.coverage();
-        write_mask(&mut out, &mask);
+        match self.outline() {
+            Outline::Corners(_) => write_mask(&mut out, &self.coverage()),
+            Outline::Codes(codes) => write_chunks(&mut out, codes, |_, run| {
+                [std::array::from_fn(|k| steps(run[k][0], 1.0))]
+            }),
+        }
         out
     }
 
@@ -113,7 +117,11 @@ impl Pattern {
                 tint: read_chunks::<TINT, 4>(&mut bytes, (width, height), tint_pixels)?,
             });
         }
-        let mask = read_chunks::<1, 1>(&mut bytes, (width, height), mask_pixels)?;
+        let mask = read_chunks::<1, 1>(&mut bytes, (width, height), |(x, _), blocks, run| {
+            for ((lanes, code), _) in run.iter_mut().zip(&blocks[0]).zip(x..width) {
+                lanes[0] = from_steps((*code).clamp(0, 255), 1.0);
+            }
+        })?;
         bytes.end()?;
         Ok(Self::from_parts(
             (side(width), side(height)),
@@ -206,12 +214,6 @@ fn tint_pixels(_: (usize, usize), blocks: &[Block; TINT], run: &mut [[f32; 4]; C
     }
 }
 
-fn mask_pixels(_: (usize, usize), blocks: &[Block; 1], run: &mut [[f32; 1]; CHUNK]) {
-    for (lanes, code) in run.iter_mut().zip(&blocks[0]) {
-        lanes[0] = from_steps(*code, 1.0);
-    }
-}
-
 /// Writes the runs that have anything in them.
 fn write_chunks<const L: usize, const B: usize>(
     out: &mut Vec<u8>,
@@ -235,7 +237,9 @@ fn write_mask(out: &mut Vec<u8>, mask: &image::GrayImage) {
             for (to, code) in block.iter_mut().zip(codes) {
                 *to = i32::from(*code);
             }
-            runs.push(((across * CHUNK, y), [block]));
+            if block.iter().any(|code| *code > 0) {
+                runs.push(((across * CHUNK, y), [block]));
+            }
         }
     }
     write_runs(out, width, &runs);
