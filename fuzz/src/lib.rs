@@ -5,11 +5,13 @@
 //! libFuzzer and [`replay`](../replay/index.html) call the same functions.
 #![forbid(unsafe_code)]
 
+mod bank;
 mod mutation;
 mod network;
 mod recipe;
 mod svg;
 
+pub use bank::{bank, coverage, pattern};
 pub use mutation::{Mutator, Vocabulary};
 pub use network::network;
 pub use recipe::recipe;
@@ -29,7 +31,25 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 3] = [
+pub const TARGETS: [Target; 6] = [
+    Target {
+        name: "bank",
+        check: bank,
+        vocabulary: bank::VOCABULARY,
+        n_mutations: 10000,
+    },
+    Target {
+        name: "coverage",
+        check: coverage,
+        vocabulary: bank::VOCABULARY,
+        n_mutations: 50000,
+    },
+    Target {
+        name: "pattern",
+        check: pattern,
+        vocabulary: bank::VOCABULARY,
+        n_mutations: 10000,
+    },
     Target {
         name: "recipe",
         check: recipe,

@@ -48,6 +48,16 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
         CODECS,
         "clips are read and written in one place",
     ),
+    (
+        "lz4_flex",
+        CODECS,
+        "only the records of banks are compressed",
+    ),
+    (
+        "crc32fast",
+        CODECS,
+        "only the records of banks have checksums of our own",
+    ),
     ("tiny-skia", CODECS, "it paints the embedded street"),
     ("saphyr-parser", CODECS, "only data.yaml of YOLO is YAML"),
     (

@@ -148,6 +148,10 @@ impl Pattern {
         }
     }
 
+    pub(crate) fn outline(&self) -> &Outline {
+        &self.outline
+    }
+
     pub(crate) fn layers(&self) -> &[PatternLayer] {
         &self.layers
     }
