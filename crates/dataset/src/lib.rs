@@ -55,7 +55,9 @@ pub use generated::{
     STATE_FOLDER, SampleFiles, SetChecker, SetLayout, compare_identity, file_len, merge_sets,
     safe_path, set_identity, sha256_of_file,
 };
-pub use image_file::{ImageFile, ImageFormat, ImageLimits, decode_image, read_image};
+pub use image_file::{
+    ImageFile, ImageFormat, ImageLimits, decode_image, read_image, read_image_bytes,
+};
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, is_inside, same_file};
 pub use provenance::{Provenance, sha256_hex};
