@@ -9,11 +9,16 @@ mod baked;
 mod facts;
 mod header;
 mod network_record;
+mod overlays;
 mod read;
 mod write;
 
 pub use facts::{PatternFacts, PatternRow};
 pub use header::{BANK_SCHEMA, BankHeader, BankKind};
+pub use overlays::{
+    OVERLAY_BANK_FILE, OVERLAY_BANK_SCHEMA, OverlayBank, OverlayBankDraft, OverlayBankHeader,
+    OverlayRow, write_overlay_bank,
+};
 pub use read::{BankPattern, PatternBank};
 pub use write::{BankDraft, BankReport, write_bank};
 

@@ -24,6 +24,7 @@ impl Plan<'_> {
             "patterns": match self.patterns {
                 Patterns::Fresh => json!("fresh"),
                 Patterns::Network(imported) => json!({ "network_sha256": imported.sha256 }),
+                Patterns::OverlayBank(bank) => json!({ "bank_sha256": bank.sha256() }),
                 Patterns::Overlays(set) => json!({ "overlays": set.facts() }),
                 Patterns::Bank(bank) => json!({ "bank_sha256": bank.sha256() }),
             },

@@ -4,9 +4,9 @@ use serde_json::{Map, Value, json};
 use starbreak_glass::Seed;
 
 use crate::Error;
-use crate::bank::PatternBank;
+use crate::bank::{OverlayBank, PatternBank};
 use crate::import::ImportedNetwork;
-use crate::overlay::OverlaySet;
+use crate::overlay::{OverlaySet, PlacedPhoto};
 use crate::pipeline::{
     Baked, RunContext, Stopwatch, bake_network, network_view, simulate, use_network,
 };
@@ -22,6 +22,8 @@ pub enum Patterns {
     Fresh,
     /// One network for all images.
     Network(ImportedNetwork),
+    /// Out of a bank of photographs of broken glass, a part drawn for each sample by its seed.
+    OverlayBank(OverlayBank),
     /// Photographs of broken glass: for each sample a random one, and a random part of it.
     Overlays(OverlaySet),
     /// Out of a bank, a pattern drawn for each sample of each image by its seed.
@@ -52,15 +54,14 @@ impl Patterns {
             Self::Fresh => simulate(&context.settings, size.0, size.1, seed)?,
             Self::Network(imported) => use_network(imported),
             Self::Overlays(set) => {
-                let placed = set.draw(size, seed)?;
-                let baked = placed.bake(&context.settings, size)?;
-                watch.lap(baked.stage());
-                return Ok(ItemPattern {
-                    is_intact: baked.is_intact(),
-                    baked,
-                    crack_mask_png: None,
-                    facts: Map::from_iter([("overlay".to_owned(), placed.facts())]),
-                });
+                return of_photo(context, &set.draw(size, seed)?, size, watch);
+            }
+            Self::OverlayBank(bank) => {
+                let idx = bank.idx_for(seed);
+                let mut item = of_photo(context, &bank.pattern(idx, size)?, size, watch)?;
+                let pattern = json!({ "bank_sha256": bank.sha256(), "idx": idx });
+                item.facts.insert("pattern".to_owned(), pattern);
+                return Ok(item);
             }
             Self::Bank(bank) => return of_bank(bank, size, seed, watch),
         };
@@ -82,6 +83,22 @@ impl Patterns {
             facts: Map::from_iter([(key.to_owned(), facts)]),
         })
     }
+}
+
+fn of_photo(
+    context: &RunContext,
+    placed: &PlacedPhoto,
+    size: (u32, u32),
+    watch: &mut Stopwatch,
+) -> Result<ItemPattern, Error> {
+    let baked = placed.bake(&context.settings, size)?;
+    watch.lap(baked.stage());
+    Ok(ItemPattern {
+        is_intact: baked.is_intact(),
+        baked,
+        crack_mask_png: None,
+        facts: Map::from_iter([("overlay".to_owned(), placed.facts())]),
+    })
 }
 
 fn of_bank(

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use starbreak_dataset::{ImageLimits, read_image};
+use starbreak_dataset::{ImageFile, ImageLimits, decode_image, read_image};
 use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::photo::{
     Photo, PhotoParams, Placement, PlacementRange, bake, check_gain, draw,
@@ -20,6 +20,7 @@ use crate::pipeline::{Baked, Details, Simulated, Timings, sheet_view};
 use crate::{Error, OpticsSettings, Settings};
 
 pub use set::OverlaySet;
+pub(crate) use set::photo_files;
 
 /// A photograph of broken glass, and which file.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,7 +93,29 @@ impl GlassPhoto {
     }
 
     fn read_as(path: &Path, name: &str, params: &PhotoParams) -> Result<Self, Error> {
-        let file = read_image(path, &ImageLimits::default())?;
+        Self::of_file(
+            path,
+            name,
+            read_image(path, &ImageLimits::default())?,
+            params,
+        )
+    }
+
+    /// The photograph in the bytes of such a file.
+    ///
+    /// # Errors
+    /// As for [`GlassPhoto::read`].
+    pub fn of_bytes(name: &str, bytes: &[u8], params: &PhotoParams) -> Result<Self, Error> {
+        let file = decode_image(name, bytes, &ImageLimits::default())?;
+        Self::of_file(Path::new(name), name, file, params)
+    }
+
+    fn of_file(
+        path: &Path,
+        name: &str,
+        file: ImageFile,
+        params: &PhotoParams,
+    ) -> Result<Self, Error> {
         let photo =
             Photo::new(file.pixels, params).map_err(|error| Error::of_image(path, error.into()))?;
         Ok(Self {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rand_chacha::rand_core::Rng;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use starbreak_dataset::{Source, SourceFormat, SourceSpec, sha256_hex};
+use starbreak_dataset::{Source, SourceFormat, SourceImage, SourceSpec, sha256_hex};
 use starbreak_glass::{Seed, Stream};
 use starbreak_optics::photo::Background;
 
@@ -40,35 +40,23 @@ impl OverlaySet {
     /// [`Error::Dataset`] if the folder or a file cannot be read, [`Error::OfImage`] naming a file
     /// that shows no glass, [`Error::NoPhotos`] for a folder without any.
     pub fn read(folder: &Path, options: &OverlayOptions) -> Result<Self, Error> {
-        let source = Source::open(&SourceSpec {
-            format: SourceFormat::Folder,
-            path: folder.to_owned(),
-        })?;
-        let images: Vec<_> =
-            source
-                .images()
-                .collect::<Result<_, _>>()
-                .map_err(|bad| Error::BadPhoto {
-                    folder: folder.to_owned(),
-                    reason: bad.to_string(),
-                })?;
-        if images.is_empty() {
-            return Err(Error::NoPhotos {
-                folder: folder.to_owned(),
-            });
-        }
-        let photos = images
+        let photos = photo_files(folder)?
             .par_iter()
-            .map(|image| {
-                let mut glass = GlassPhoto::read_as(&image.path, &image.name, &options.params)?;
-                glass.photo = glass.photo.shrunk_to(MOST_SIDE_PX);
-                Ok(Arc::new(glass))
-            })
+            .map(|file| GlassPhoto::read_as(&file.path, &file.name, &options.params))
+            .map(|glass| Ok(shrunk(glass?)))
             .collect::<Result<_, Error>>()?;
         Ok(Self {
             photos,
             options: *options,
         })
+    }
+
+    /// Some photographs that have been read, of which the large ones are shrunk.
+    pub(crate) fn of_all(photos: Vec<GlassPhoto>, options: &OverlayOptions) -> Self {
+        Self {
+            photos: photos.into_par_iter().map(shrunk).collect(),
+            options: *options,
+        }
     }
 
     /// The photographs.
@@ -124,4 +112,32 @@ impl OverlaySet {
             }),
         }
     }
+}
+
+/// No larger than a set may hold.
+fn shrunk(mut glass: GlassPhoto) -> Arc<GlassPhoto> {
+    glass.photo = glass.photo.shrunk_to(MOST_SIDE_PX);
+    Arc::new(glass)
+}
+
+/// The PNG and JPEG files below a folder, in the order of their names.
+pub(crate) fn photo_files(folder: &Path) -> Result<Vec<SourceImage>, Error> {
+    let source = Source::open(&SourceSpec {
+        format: SourceFormat::Folder,
+        path: folder.to_owned(),
+    })?;
+    let files: Vec<SourceImage> =
+        source
+            .images()
+            .collect::<Result<_, _>>()
+            .map_err(|bad| Error::BadPhoto {
+                folder: folder.to_owned(),
+                reason: bad.to_string(),
+            })?;
+    if files.is_empty() {
+        return Err(Error::NoPhotos {
+            folder: folder.to_owned(),
+        });
+    }
+    Ok(files)
 }
