@@ -8,11 +8,13 @@
 mod mutation;
 mod network;
 mod recipe;
+mod source;
 mod svg;
 
 pub use mutation::{Mutator, Vocabulary};
 pub use network::network;
 pub use recipe::recipe;
+pub use source::source;
 pub use svg::svg;
 
 /// A fuzz target: its name is the name of its corpus folder.
@@ -29,7 +31,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 3] = [
+pub const TARGETS: [Target; 4] = [
     Target {
         name: "recipe",
         check: recipe,
@@ -47,5 +49,11 @@ pub const TARGETS: [Target; 3] = [
         check: svg,
         vocabulary: svg::VOCABULARY,
         n_mutations: 100_000,
+    },
+    Target {
+        name: "source",
+        check: source,
+        vocabulary: source::VOCABULARY,
+        n_mutations: 1000,
     },
 ];
