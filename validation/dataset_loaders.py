@@ -4,8 +4,9 @@
 usage: dataset_loaders.py SOURCE OUT {kitti,coco,bdd,yolo} [--subset]
 
 With --subset OUT may have fewer images than SOURCE, but what it has is as in SOURCE.
-needs: pycocotools for coco, scalabel for bdd, supervision for yolo (none of them brings torch); kitti is read by the
-fields of the devkit's readme, and its label files are compared byte for byte.
+needs requirements-loaders.txt, in an environment of its own, for scalabel 0.3.1 reads nothing with pydantic 2:
+pycocotools for coco, scalabel for bdd, supervision for yolo (none of them brings torch). kitti is read by the fields of
+the devkit's readme, and its label files are compared byte for byte.
 """
 import pathlib
 import sys
@@ -54,7 +55,7 @@ def bdd(root):
     frames, configs = {}, {}
     for name, path in indexes(root, pattern).items():
         data = load(str(path))
-        frames |= {(name, frame.videoName, frame.name): frame.model_dump() if hasattr(frame, "model_dump") else frame.dict() for frame in data.frames}
+        frames |= {(name, frame.videoName, frame.name): frame.dict() for frame in data.frames}
         configs[name] = data.config and str(data.config)
     return {"frames": frames, "configs": configs}
 
