@@ -9,12 +9,14 @@ mod bank;
 mod mutation;
 mod network;
 mod recipe;
+mod source;
 mod svg;
 
 pub use bank::{bank, coverage, pattern};
 pub use mutation::{Mutator, Vocabulary};
 pub use network::network;
 pub use recipe::recipe;
+pub use source::source;
 pub use svg::svg;
 
 /// A fuzz target: its name is the name of its corpus folder.
@@ -31,7 +33,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 6] = [
+pub const TARGETS: [Target; 7] = [
     Target {
         name: "bank",
         check: bank,
@@ -67,5 +69,11 @@ pub const TARGETS: [Target; 6] = [
         check: svg,
         vocabulary: svg::VOCABULARY,
         n_mutations: 100_000,
+    },
+    Target {
+        name: "source",
+        check: source,
+        vocabulary: source::VOCABULARY,
+        n_mutations: 1000,
     },
 ];
