@@ -91,13 +91,14 @@ fn spread<const COLORS: usize>(
     let reach_signed = reach.cast_signed();
     for row in -reach_signed..height.cast_signed() + reach_signed {
         let source = &light[mirrored(row, height) * width * COLORS..][..width * COLORS];
-        for (dy, dx, steps) in kernel.runs() {
-            let y = row + dy as isize;
+        for stretch in kernel.stretches() {
+            let y = row + stretch.dy as isize;
             if !(0..height.cast_signed()).contains(&y) {
                 continue;
             }
             let line = &mut ring[y.cast_unsigned() % slots * stride..][..stride];
-            for (dx, step) in (dx..).zip(steps) {
+            let ends = stretch.ends.iter();
+            for (dx, step) in ends.flat_map(|end| (end.dx..).zip(end.steps)) {
                 // Sources from `reach` before the row to `reach` after it.
                 let first = (reach_signed + dx as isize).cast_unsigned();
                 let to = &mut line[first..first + width + 2 * reach];
