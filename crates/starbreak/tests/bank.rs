@@ -5,12 +5,13 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use image::DynamicImage;
-use starbreak::bank::{Baked, BankReport, PatternBank, write_bank};
+use starbreak::bank::{BankReport, PatternBank, write_bank};
 use starbreak::dataset::{BankRecord, BankWriter, street_scene};
 use starbreak::optics::Coverage;
 use starbreak::optics::environment::Environment;
 use starbreak::optics::paper::{composite, draw};
 use starbreak::optics::physical::{Pattern, bake};
+use starbreak::pipeline::Baked;
 use starbreak::pipeline::{RunContext, simulate, view_of_network, with_threads};
 use starbreak::{Error, OpticsSettings, Recipe, Seed};
 
@@ -57,6 +58,7 @@ fn a_pattern_comes_out_as_it_went_in() {
                 let mask = match &pattern.baked {
                     Baked::Physical(pattern) => pattern.coverage(),
                     Baked::Paper(coverage) => coverage.to_mask(),
+                    Baked::Photo { .. } => panic!("a simulated bank holds no photograph"),
                 };
                 assert_eq!(pattern.crack_mask().unwrap(), mask, "{preset} {idx}");
                 if size == SIZE {
@@ -92,6 +94,7 @@ fn packed(baked: &Baked) -> Vec<u8> {
     match baked {
         Baked::Physical(pattern) => pattern.to_packed(),
         Baked::Paper(coverage) => coverage.to_packed(),
+        Baked::Photo { .. } => panic!("a simulated bank holds no photograph"),
     }
 }
 
