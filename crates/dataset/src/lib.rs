@@ -1,7 +1,8 @@
 //! Samples on disk: the one library of starbreak that touches files and image codecs.
 //!
-//! It is: a strict reader for PNG and JPEG, an encoder for images, masks, arrays and animations, an
-//! all-or-nothing writer for the files of one sample, and the opaque provenance record.
+//! It is: lazy readers of datasets ([`Source`]), a strict reader for PNG and JPEG, an encoder for
+//! images, masks, arrays and animations, an all-or-nothing writer for the files of one sample, and
+//! the opaque provenance record.
 //! It is not: a place for pixel arithmetic, recipes or labels; every value passes through it
 //! unchanged, and nothing in it depends on time, threads or the platform.
 //!
