@@ -1,8 +1,10 @@
 //! Samples on disk: the one library of starbreak that touches files and image codecs.
 //!
-//! It is: a strict reader for PNG and JPEG, an encoder for images, masks, arrays and animations, an
-//! all-or-nothing writer for the files of one sample, the opaque provenance record, and [`video`].
-//! It is not: a place for pixel arithmetic, recipes or labels; every value passes through it
+//! It is: lazy readers of datasets ([`Source`]), a strict reader for PNG and JPEG, an encoder for
+//! images, masks, arrays and animations, an all-or-nothing writer for the files of one sample,
+//! generated sets ([`GeneratedSet`]), banks of records ([`BankFile`]), [`video`], and the opaque
+//! provenance record.
+//! It is not: a place for pixel arithmetic or recipes; every value passes through it
 //! unchanged, and nothing in it depends on time, threads or the platform.
 //!
 //! # Example

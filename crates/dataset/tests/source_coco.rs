@@ -272,6 +272,11 @@ fn names_that_lead_out_are_refused_and_so_are_second_images() {
         ],
         "objects of the images that stay"
     );
+    assert_eq!(
+        found.files,
+        [format!("{INDEX} (index)")],
+        "a refused image is not one of the other files"
+    );
     let part: Value = serde_json::from_str(&subset(&source, INDEX, |_| true)).unwrap();
     let ids: Vec<_> = part["images"]
         .as_array()

@@ -1,6 +1,6 @@
 //! What a crack did to one box of an image, in figures that a study can plot failure over.
 
-use image::{DynamicImage, GenericImageView, GrayImage, Rgba};
+use image::{DynamicImage, GenericImageView, GrayImage, ImageBuffer, Pixel, Rgba};
 
 use crate::paper::{FarFocusBlur, Focus, PaperOptics};
 use crate::physical::Overlay;
@@ -92,21 +92,20 @@ impl<'a> DamageReader<'a> {
     #[must_use]
     pub fn in_box(&self, box_px: [f64; 4]) -> Option<Damage> {
         let [xs, ys] = self.pixels_in(box_px)?;
-        let [mut n, mut n_region] = [0.0, 0.0];
-        let [mut sum_before, mut sum_after, mut squares, mut products] = [0.0; 4];
-        for y in ys[0]..ys[1] {
-            for x in xs[0]..xs[1] {
-                n += 1.0;
-                if self.region.get_pixel(x, y).0 != [0] {
-                    n_region += 1.0;
-                }
-                let (before, after) = (luma_code(self.before, x, y), luma_code(self.after, x, y));
-                sum_before += before;
-                sum_after += after;
-                squares += before * before;
-                products += before * after;
-            }
-        }
+        let n = f64::from(xs[1] - xs[0]) * f64::from(ys[1] - ys[0]);
+        let n_region: f64 = rows_of(self.region, xs, ys)
+            .map(|row| {
+                row.iter()
+                    .map(|code| f64::from(u8::from(*code > 0)))
+                    .sum::<f64>()
+            })
+            .sum();
+        let Moments {
+            sum_before,
+            sum_after,
+            squares,
+            products,
+        } = moments(self.before, self.after, xs, ys);
         let variance = squares / n - (sum_before / n) * (sum_before / n);
         let covariance = products / n - (sum_before / n) * (sum_after / n);
         let region_share = n_region / n;
@@ -150,14 +149,81 @@ fn centers_in([from, to]: [f64; 2], n: u32) -> [u32; 2] {
     [first_from(from), first_from(to)]
 }
 
-/// Luma of a pixel's codes, 0 to 255 (16-bit ones over 257), by the weights of Rec. 709.
+/// Sums over the pixels of a box, of the luma codes before and after.
+#[derive(Debug, Clone, Copy, Default)]
+struct Moments {
+    sum_before: f64,
+    sum_after: f64,
+    squares: f64,
+    products: f64,
+}
+
+impl Moments {
+    fn add(&mut self, before: f64, after: f64) {
+        self.sum_before += before;
+        self.sum_after += after;
+        self.squares += before * before;
+        self.products += before * after;
+    }
+}
+
+/// The moments of a box: samples as they lie for the usual modes, pixel by pixel for the others.
+fn moments(before: &DynamicImage, after: &DynamicImage, xs: [u32; 2], ys: [u32; 2]) -> Moments {
+    let mut moments = Moments::default();
+    match (before, after) {
+        (DynamicImage::ImageRgb8(before), DynamicImage::ImageRgb8(after)) => {
+            for (before, after) in rows_of(before, xs, ys).zip(rows_of(after, xs, ys)) {
+                let pixels = before.as_chunks().0.iter().zip(after.as_chunks().0);
+                for (before, after) in pixels {
+                    moments.add(luma(before.map(f64::from)), luma(after.map(f64::from)));
+                }
+            }
+        }
+        (DynamicImage::ImageLuma8(before), DynamicImage::ImageLuma8(after)) => {
+            for (before, after) in rows_of(before, xs, ys).zip(rows_of(after, xs, ys)) {
+                for (before, after) in before.iter().zip(after) {
+                    moments.add(f64::from(*before), f64::from(*after));
+                }
+            }
+        }
+        _ => {
+            for y in ys[0]..ys[1] {
+                for x in xs[0]..xs[1] {
+                    moments.add(luma_code(before, x, y), luma_code(after, x, y));
+                }
+            }
+        }
+    }
+    moments
+}
+
+/// The samples of some columns, row by row; the columns and rows lie in the image.
+fn rows_of<P: Pixel<Subpixel = u8>>(
+    image: &ImageBuffer<P, Vec<u8>>,
+    xs: [u32; 2],
+    ys: [u32; 2],
+) -> impl Iterator<Item = &[u8]> {
+    let n_channels = usize::from(P::CHANNEL_COUNT);
+    let stride = image.width() as usize * n_channels;
+    let [first, end] = xs.map(|x| x as usize * n_channels);
+    let [top, bottom] = ys.map(|y| y as usize);
+    let rows = image.as_raw().chunks_exact(stride.max(1));
+    rows.skip(top)
+        .take(bottom - top)
+        .map(move |row| &row[first..end])
+}
+
+/// Luma by the weights of Rec. 709.
+fn luma([red, green, blue]: [f64; 3]) -> f64 {
+    0.2126 * red + 0.7152 * green + 0.0722 * blue
+}
+
+/// Luma of a pixel's codes, 0 to 255 (16-bit ones over 257).
 fn luma_code(image: &DynamicImage, x: u32, y: u32) -> f64 {
-    let luma = |[red, green, blue]: [f64; 3]| 0.2126 * red + 0.7152 * green + 0.0722 * blue;
     match image {
-        DynamicImage::ImageLuma8(image) => f64::from(image.get_pixel(x, y).0[0]),
-        DynamicImage::ImageRgb8(image) => luma(image.get_pixel(x, y).0.map(f64::from)),
         DynamicImage::ImageLuma16(image) => f64::from(image.get_pixel(x, y).0[0]) / 257.0,
         DynamicImage::ImageRgb16(image) => luma(image.get_pixel(x, y).0.map(f64::from)) / 257.0,
+        DynamicImage::ImageLumaA16(image) => f64::from(image.get_pixel(x, y).0[0]) / 257.0,
         DynamicImage::ImageRgba16(image) => {
             let [red, green, blue, _] = image.get_pixel(x, y).0.map(f64::from);
             luma([red, green, blue]) / 257.0
@@ -215,6 +281,35 @@ mod tests {
         check(1.0, 0.0, 0.0);
         check(0.5, 40.0, 0.5);
         check(0.0, 90.0, 1.0);
+    }
+
+    #[test]
+    fn all_modes_give_the_same_damage() {
+        let before = gradient(20, 10);
+        let after = DynamicImage::ImageRgb8(image::imageops::brighten(&before.to_rgb8(), 30));
+        let region = GrayImage::from_pixel(20, 10, Luma([255]));
+        let optics = PaperOptics::default();
+        let of = |before: &DynamicImage, after: &DynamicImage| {
+            let reader = DamageReader::of_paper([before, after], &region, &optics);
+            reader.in_box([2.0, 1.0, 17.0, 9.0]).expect("in the frame")
+        };
+        let expected = of(&before, &after).contrast_lost.expect("a picture");
+        type Convert = fn(&DynamicImage) -> DynamicImage;
+        let modes: [Convert; 7] = [
+            |image| image.to_luma8().into(),
+            |image| image.to_luma_alpha8().into(),
+            |image| image.to_rgba8().into(),
+            |image| image.to_luma16().into(),
+            |image| image.to_luma_alpha16().into(),
+            |image| image.to_rgb16().into(),
+            |image| image.to_rgba16().into(),
+        ];
+        for mode in modes {
+            let damage = of(&mode(&before), &mode(&after));
+            let lost = damage.contrast_lost.expect("a picture");
+            assert!((lost - expected).abs() < 1e-3, "{lost}, not {expected}");
+            assert!((damage.region_share - 1.0).abs() < 1e-12, "all of it");
+        }
     }
 
     #[test]

@@ -17,6 +17,8 @@ pub(super) struct Catalog {
     /// File and row of each image, in the order of the names.
     order: Vec<(usize, usize)>,
     bad: Vec<BadRecord>,
+    /// Names of images whose records are bad.
+    refused: BTreeSet<String>,
     /// What a record of a label is called.
     noun: &'static str,
     /// The index files, where they are the whole dataset with their images.
@@ -80,6 +82,13 @@ impl IndexFile {
     pub(super) fn put_images_into(&mut self, folder: &str) {
         for row in &mut self.rows {
             row.name = in_folder(folder, &row.name);
+        }
+        for bad in &mut self.bad {
+            if let Some(name) = &mut bad.image
+                && let Ok(checked) = image_name(name)
+            {
+                *name = in_folder(folder, &checked);
+            }
         }
         for (row_idx, problem) in &mut self.problems {
             problem.image = self.rows.get(*row_idx).map(|row| row.name.clone());
@@ -176,9 +185,11 @@ impl Catalog {
             let end = file.problems.partition_point(|(row, _)| *row <= at.1);
             file.problems.insert(end, (at.1, problem));
         }
+        let refused = bad.iter().filter_map(|bad| bad.image.clone()).collect();
         Self {
             files,
             order: unique,
+            refused,
             bad,
             noun,
             own_files,
@@ -226,14 +237,14 @@ impl Catalog {
         })
     }
 
-    /// Whether it is one of the images.
+    /// Whether it is one of the images, or one whose record is bad.
     pub(super) fn has_image(&self, name: &str) -> bool {
         let name_of = |at: &(usize, usize)| {
             let row = self.files.get(at.0).and_then(|file| file.rows.get(at.1));
             row.map_or("", |row| row.name.as_str())
         };
         let found = self.order.binary_search_by(|at| name_of(at).cmp(name));
-        found.is_ok()
+        found.is_ok() || self.refused.contains(name)
     }
 
     pub(super) fn role(&self, name: &str) -> FileRole {

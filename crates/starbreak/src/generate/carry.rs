@@ -1,29 +1,19 @@
 //! Labels and other files of the source, carried into each sample's tree.
 
-use starbreak_dataset::{
-    BadRecord, CarriedFile, Carry, FileRole, GeneratedSet, SourceFile, SourceFormat,
-};
+use starbreak_dataset::{CarriedFile, Carry, FileRole, GeneratedSet, SourceFile, SourceFormat};
 
 use super::Plan;
 use crate::Error;
 
 impl Plan<'_> {
     /// Carries over what the set keeps of the source beside its images.
-    pub(super) fn carry_files(
-        &self,
-        set: &GeneratedSet,
-        bad: &mut Vec<BadRecord>,
-    ) -> Result<Vec<CarriedFile>, Error> {
+    pub(super) fn carry_files(&self, set: &GeneratedSet) -> Result<Vec<CarriedFile>, Error> {
         let mut carried = Vec::new();
-        for file in self.source.files() {
-            match file {
-                Err(record) => bad.push(record),
-                Ok(file) => {
-                    for sample_idx in 0..self.options.n_samples {
-                        let name = set.layout().in_sample(&file.name, sample_idx);
-                        carried.extend(self.carry_file(set, &file, &name)?);
-                    }
-                }
+        // The survey has listed what is wrong with others.
+        for file in self.source.files().filter_map(Result::ok) {
+            for sample_idx in 0..self.options.n_samples {
+                let name = set.layout().in_sample(&file.name, sample_idx);
+                carried.extend(self.carry_file(set, &file, &name)?);
             }
         }
         carried.sort();

@@ -179,7 +179,7 @@ pub fn generate(
     put_lists_of_trouble(&set, &report)?;
     if report.n_not_begun == 0 && !is_over() {
         tell(Event::CarryingFiles);
-        report.manifest = Some(plan.finish(&set, &mut report)?);
+        report.manifest = Some(plan.finish(&set, &report)?);
     }
     Ok(report)
 }
@@ -218,13 +218,8 @@ impl Plan<'_> {
     }
 
     /// Carries over the other files and writes the lists.
-    fn finish(&self, set: &GeneratedSet, report: &mut GenerateReport) -> Result<Manifest, Error> {
-        let mut bad = Vec::new();
-        let carried = self.carry_files(set, &mut bad)?;
-        if !bad.is_empty() {
-            report.skipped.append(&mut bad);
-            put_lists_of_trouble(set, report)?;
-        }
+    fn finish(&self, set: &GeneratedSet, report: &GenerateReport) -> Result<Manifest, Error> {
+        let carried = self.carry_files(set)?;
         let samples = 0..self.options.n_samples;
         let mut items = self.survey.selected(self.source).flat_map(|image| {
             let done = samples.clone().map(move |k| set.done(&image.name, k));

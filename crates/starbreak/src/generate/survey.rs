@@ -42,7 +42,7 @@ pub struct Survey {
     colliding: BTreeSet<String>,
 }
 
-/// Walks over a source once. Labels are read and checked, images are not opened.
+/// Walks over a source. Labels are read and checked, images are not opened.
 #[must_use]
 pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
     let mut survey = Survey {
@@ -80,6 +80,7 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
         }
     }
     survey.names_sha256 = names_sha256;
+    survey.bad.extend(source.files().filter_map(Result::err));
     survey
 }
 

@@ -142,7 +142,8 @@ impl Reader {
         let fate = match image_name(&record.file_name) {
             _ if !is_first => {
                 let reason = format!("the id occurs twice, again for {:?}", record.file_name);
-                self.bad.push(self.bad(&place, reason));
+                let bad = self.bad(&place, reason).of_image(&record.file_name);
+                self.bad.push(bad);
                 return;
             }
             Ok(name) => {
@@ -259,6 +260,7 @@ impl Reader {
             if is_second {
                 let reason = format!("the file_name {:?} occurs twice", row.name);
                 let bad = self.bad(&format!("image {}", row.id), reason);
+                let bad = bad.of_image(&row.name);
                 self.bad.push(bad);
             } else {
                 kept.push(row);
