@@ -44,6 +44,7 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     ("png", CODECS, "files are read and written in one place"),
     ("jpeg-encoder", CODECS, "files are written in one place"),
     ("tiny-skia", CODECS, "it paints the embedded street"),
+    ("saphyr-parser", CODECS, "only data.yaml of YOLO is YAML"),
     (
         "serde",
         &[

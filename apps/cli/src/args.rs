@@ -151,6 +151,35 @@ pub(crate) enum Verb {
         #[arg(long)]
         timings: bool,
     },
+    /// Make a bank of cracks for whole datasets: simulated and baked once, with statistics
+    Patterns {
+        /// Number of patterns; pattern k is the same in a bank of any number
+        #[arg(short, long = "number", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000), required_unless_present_any = ["info", "check"])]
+        n: Option<u32>,
+        /// Output folder: patterns.bank, statistics.csv, statistics.svg and statistics.png
+        #[arg(short, long, value_name = "DIR", required_unless_present_any = ["info", "check"])]
+        output: Option<PathBuf>,
+        /// Frame size to bake for, px; repeatable. The cracks are simulated for the first; images
+        /// of other sizes take longer, as their patterns are baked anew
+        #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
+        size: Vec<(u32, u32)>,
+        /// Fill the bank with photos of broken glass instead: the PNG and JPEG files below a folder
+        /// once each, and a random part of a random one for each pattern, in overlays.bank and
+        /// overlays.csv; for `generate --overlays`, with any recipe
+        #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera", "set", "info", "check"])]
+        overlays: Option<PathBuf>,
+        #[command(flatten)]
+        overlay: OverlayArgs,
+        /// Replace a bank that is there already
+        #[arg(long)]
+        replace: bool,
+        /// Print what a bank was made from, and its size, instead
+        #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "check", "replace"])]
+        info: Option<PathBuf>,
+        /// Read all of a bank and verify its checksums instead
+        #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "replace"])]
+        check: Option<PathBuf>,
+    },
     /// Print a complete, commented recipe
     Recipe {
         /// Print the JSON Schema of recipes instead

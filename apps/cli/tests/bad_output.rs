@@ -5,7 +5,6 @@ mod common;
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use common::{
     SMALL, SmallDisk, all_refused, folder, names, skipped, snapshot, starbreak, starbreak_small,

@@ -56,7 +56,7 @@ pub use generated::{
     safe_path, set_identity, sha256_of_file,
 };
 pub use image_file::{
-    ImageFile, ImageFormat, ImageLimits, decode_image, read_image, read_image_bytes,
+    ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_image, read_image_bytes,
 };
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, is_inside, same_file};

@@ -8,6 +8,9 @@ mod crack;
 mod demo;
 mod generate;
 mod network_file;
+mod overlay_bank;
+mod pattern_statistics;
+mod patterns;
 mod plot;
 mod recipe;
 mod shell;
@@ -17,6 +20,7 @@ mod verify;
 
 use std::process::ExitCode;
 
+use crate::args::overlay::is_bank as is_overlay_bank;
 use crate::args::{Args, Verb};
 use crate::failure::Failure;
 use crate::screen::Screen;
@@ -78,6 +82,45 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             };
             simulate::run(global, &request, screen)
         }
+        Verb::Patterns {
+            n,
+            output,
+            size,
+            overlays,
+            overlay,
+            replace,
+            info,
+            check,
+        } => match (info, check, n, output) {
+            (Some(bank), ..) if is_overlay_bank(&bank) => overlay_bank::info(&bank, screen),
+            (_, Some(bank), ..) if is_overlay_bank(&bank) => overlay_bank::info(&bank, screen),
+            (Some(bank), ..) => patterns::info(&bank, screen),
+            (_, Some(bank), ..) => patterns::check(&bank, screen),
+            (_, _, Some(n), Some(output)) => {
+                overlay.refuse_idle(overlays.is_some(), true)?;
+                if let Some(photos) = overlays {
+                    let request = overlay_bank::Request {
+                        photos,
+                        options: overlay.options(true)?,
+                        n,
+                        sizes: size,
+                        output,
+                        replace,
+                    };
+                    return overlay_bank::run(global, &request, screen);
+                }
+                let request = patterns::Request {
+                    n,
+                    output,
+                    sizes: size,
+                    replace,
+                };
+                patterns::run(global, &request, screen)
+            }
+            _ => Err(Failure::wrong_input(
+                "patterns needs a number -n and a folder -o, or --info BANK, or --check BANK",
+            )),
+        },
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
         Verb::Bench {
             output,

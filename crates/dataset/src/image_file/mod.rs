@@ -2,6 +2,7 @@
 
 mod jpeg;
 mod png;
+mod size;
 mod sniff;
 
 use std::fmt;
@@ -14,6 +15,7 @@ use image::metadata::Orientation;
 
 use crate::error::DatasetError;
 use crate::provenance::sha256_hex;
+pub use size::image_size;
 
 /// A decoded image together with what is needed to write its like.
 #[derive(Debug, Clone, PartialEq)]

@@ -14,28 +14,28 @@ pub(super) struct Folder;
 
 impl Layout for Folder {
     fn images<'a>(&'a self, root: &'a Path) -> Images<'a> {
-        let found = Walk::below(root, "");
-        Box::new(found.filter_map(|Found { name, file, .. }| {
-            if !is_image_name(&name) {
-                return None;
-            }
-            Some(match file {
-                Ok(path) => Ok(SourceImage {
-                    name,
-                    path,
-                    objects: Vec::new(),
-                    problems: Vec::new(),
-                }),
-                Err(bad) => Err(bad.of_image(&name)),
-            })
+        let found = Walk::below(root, "").filter(|found| self.hides_images(found));
+        Box::new(found.map(|Found { name, file, .. }| match file {
+            Ok(path) => Ok(SourceImage {
+                name,
+                path,
+                objects: Vec::new(),
+                problems: Vec::new(),
+            }),
+            Err(bad) if is_image_name(&name) => Err(bad.of_image(&name)),
+            Err(bad) => Err(bad),
         }))
+    }
+
+    fn hides_images(&self, found: &Found) -> bool {
+        found.is_folder || is_image_name(&found.name)
     }
 
     fn has_image(&self, name: &str) -> bool {
         is_image_name(name)
     }
 
-    fn role(&self, _: &str) -> FileRole {
+    fn role(&self, _: &Path, _: &str) -> FileRole {
         FileRole::Other
     }
 

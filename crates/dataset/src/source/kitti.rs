@@ -1,7 +1,8 @@
 //! KITTI object detection: `image_2/NNNNNN.png`, `label_2/NNNNNN.txt`, `calib`.
 
 use std::collections::BTreeMap;
-use std::io::Write;
+use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::name::{is_image_name, path_below, split_extension};
@@ -14,8 +15,8 @@ use crate::image_file::{check_file_len, read_file};
 /// Longest label file, in bytes; real ones have at most a few kilobytes. FIT
 const MAX_LABEL_BYTES: u64 = 16 << 20;
 
-/// The folders with the frames of one part of the data.
-const PARTS: [&str; 3] = ["", "training/", "testing/"];
+/// The folders with the frames of one part of the data, in the order of their names.
+const PARTS: [&str; 3] = ["", "testing/", "training/"];
 
 /// Left and right camera, in gray and in color.
 const CAMERAS: [&str; 4] = ["image_0", "image_1", "image_2", "image_3"];
@@ -50,6 +51,9 @@ impl Kitti {
         for (part, _) in &parts {
             let prefix = format!("{part}{LABELED_CAMERA}/");
             for found in Walk::below(&path_below(root, prefix.trim_end_matches('/')), &prefix) {
+                if let (true, Err(bad)) = (found.name == prefix, &found.file) {
+                    return Err(layout_error(spec, bad.to_string()));
+                }
                 if let Some((stem, _)) = split_extension(&found.name)
                     && is_frame(&prefix, &found.name)
                     && found.file.is_ok()
@@ -87,6 +91,13 @@ impl Kitti {
         let stem = split_extension(&image.name).map_or(image.name.as_str(), |(stem, _)| stem);
         let frame = stem.rsplit('/').next().unwrap_or(stem);
         let label = format!("{part}label_2/{frame}.txt");
+        let owner = self.labeled.get(stem).filter(|owner| **owner != image.name);
+        if let Some(owner) = owner {
+            let reason = format!("it is the label of {owner:?} as well");
+            image
+                .problems
+                .push(BadRecord::new(&label, reason).of_image(&image.name));
+        }
         match read_label(&path_below(root, &label), &label) {
             Ok(text) => {
                 for (line_idx, line) in text.lines().enumerate() {
@@ -172,7 +183,7 @@ impl Layout for Kitti {
         self.camera_of(name).is_some()
     }
 
-    fn role(&self, name: &str) -> FileRole {
+    fn role(&self, _: &Path, name: &str) -> FileRole {
         self.image_of_label(name)
             .map_or(FileRole::Other, FileRole::LabelOf)
     }
@@ -189,13 +200,16 @@ impl Layout for Kitti {
 
 /// The text of a label file, which may be empty.
 fn read_label(path: &Path, name: &str) -> Result<String, String> {
+    if fs::symlink_metadata(path).is_err_and(|error| error.kind() == io::ErrorKind::NotFound) {
+        return Err("there is no such file: the image has no label".to_owned());
+    }
     let bytes = read_file(path, name, MAX_LABEL_BYTES)
         .and_then(|bytes| {
             check_file_len(name, bytes.len() as u64, MAX_LABEL_BYTES)?;
             Ok(bytes)
         })
         .map_err(|error| error.to_string())?;
-    String::from_utf8(bytes).map_err(|_| "it is not text".to_owned())
+    String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
 }
 
 /// The object of a line: 15 fields, 16 with a score; nothing for an empty line.

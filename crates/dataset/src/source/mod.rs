@@ -7,8 +7,16 @@ mod spec;
 mod name;
 mod tree;
 
+mod index;
+mod json;
+mod lines;
+
+mod bdd;
+mod coco;
 mod folder;
 mod kitti;
+mod list;
+mod yolo;
 
 use std::fmt;
 use std::io::Write;
@@ -18,6 +26,7 @@ pub use record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, Sou
 pub use spec::{SourceFormat, SourceSpec};
 
 use crate::error::DatasetError;
+use crate::image_file::not_a_file;
 use tree::{Found, Walk};
 
 /// A dataset which is read as it is walked.
@@ -47,7 +56,17 @@ trait Layout: fmt::Debug + Send + Sync {
     fn has_image(&self, name: &str) -> bool;
 
     /// What a file that is not an image is.
-    fn role(&self, name: &str) -> FileRole;
+    fn role(&self, root: &Path, name: &str) -> FileRole;
+
+    /// Whether a folder that cannot be entered, or a bad name, hides images of the dataset.
+    fn hides_images(&self, found: &Found) -> bool {
+        self.has_image(&found.name)
+    }
+
+    /// Files of the dataset which are not below its root, with their names in it.
+    fn outside_files(&self) -> Vec<(String, PathBuf)> {
+        Vec::new()
+    }
 
     /// The files of the dataset where it is less than all files below its root.
     fn own_files(&self) -> Option<&[String]> {
@@ -73,15 +92,26 @@ impl Source {
     /// in it comes out of [`images`](Self::images)), [`DatasetError::Read`] and
     /// [`DatasetError::NotAFile`].
     pub fn open(spec: &SourceSpec) -> Result<Self, DatasetError> {
-        let path = spec.path.as_path();
         let (root, layout): (PathBuf, Box<dyn Layout>) = match spec.format {
             SourceFormat::Kitti => (folder_at(spec)?, Box::new(kitti::Kitti::open(spec)?)),
             SourceFormat::Folder => (folder_at(spec)?, Box::new(folder::Folder)),
-            SourceFormat::Coco | SourceFormat::Bdd | SourceFormat::Yolo | SourceFormat::List => {
-                return Err(layout_error(spec, "this format is not read yet"));
+            SourceFormat::Coco => {
+                let (root, coco) = coco::Coco::open(spec)?;
+                (root, Box::new(coco))
+            }
+            SourceFormat::Bdd => {
+                let (root, bdd) = bdd::Bdd::open(spec)?;
+                (root, Box::new(bdd))
+            }
+            SourceFormat::Yolo => {
+                let (root, yolo) = yolo::Yolo::open(spec)?;
+                (root, Box::new(yolo))
+            }
+            SourceFormat::List => {
+                let (root, list) = list::List::open(spec)?;
+                (root, Box::new(list))
             }
         };
-        let _ = path;
         Ok(Self {
             format: spec.format,
             root,
@@ -120,33 +150,41 @@ impl Source {
     /// The files of the dataset which are not images of it, in the order of the bytes of their
     /// names, and bad records.
     ///
+    /// All files below the [root](Self::root); where the dataset was given as one index of COCO or
+    /// BDD or as a list, that file alone, for then it is the dataset with the images it names.
+    /// The `data.yaml` of YOLO comes first where it stands elsewhere.
+    ///
     /// Names that begin with a dot are left out. Links to files and folders are followed; a link
     /// back to a folder that holds it, pipes, sockets and devices, names that are not UTF-8 or
     /// differ from another only in case are bad records.
     #[must_use]
     pub fn files(&self) -> Files<'_> {
+        let file = |name: String, path: PathBuf| SourceFile {
+            role: self.layout.role(&self.root, &name),
+            name,
+            path,
+        };
         if let Some(names) = self.layout.own_files() {
-            return Box::new(names.iter().map(|name| {
-                Ok(SourceFile {
-                    name: name.clone(),
-                    path: name::path_below(&self.root, name),
-                    role: self.layout.role(name),
-                    must_be_rewritten: false,
-                })
-            }));
+            let path_of = |name: &String| name::path_below(&self.root, name);
+            return Box::new(
+                names
+                    .iter()
+                    .map(move |name| Ok(file(name.clone(), path_of(name)))),
+            );
         }
-        let found = Walk::below(&self.root, "");
-        Box::new(found.filter_map(|Found { name, file, .. }| {
-            if self.layout.has_image(&name) {
+        let outside = self.layout.outside_files();
+        let names: Vec<String> = outside.iter().map(|(name, _)| name.clone()).collect();
+        let below = Walk::below(&self.root, "").filter_map(move |found| {
+            let is_replaced = names.contains(&found.name);
+            if is_replaced || self.layout.hides_images(&found) {
                 return None;
             }
-            Some(file.map(|path| SourceFile {
-                role: self.layout.role(&name),
-                must_be_rewritten: false,
-                name,
-                path,
-            }))
-        }))
+            Some(found.file.map(|path| file(found.name, path)))
+        });
+        let outside = outside
+            .into_iter()
+            .map(move |(name, path)| Ok(file(name, path)));
+        Box::new(outside.chain(below))
     }
 
     /// Writes an [index](FileRole::Index) of the dataset for those of its images whose names are
@@ -154,7 +192,10 @@ impl Source {
     ///
     /// What belongs to a kept image is written with the very characters of the source and in its
     /// order, and so is everything that belongs to no image; only the white space between the
-    /// records is not kept.
+    /// records is not kept. Two kinds of YOLO files are changed so that a copy of the dataset does
+    /// not lead back to the source: in `data.yaml` the key `path` is left out and the paths of
+    /// `train`, `val` and `test` become relative to the file; in a list, absolute paths become
+    /// relative to the list. In `data.yaml` nothing depends on which images are kept.
     ///
     /// # Errors
     ///
@@ -184,11 +225,79 @@ fn folder_at(spec: &SourceSpec) -> Result<PathBuf, DatasetError> {
     }
 }
 
+/// The folder of the dataset that a file belongs to, and the name of the file in it.
+///
+/// The dataset begins above the nearest of these folders that holds the file, otherwise with the
+/// folder of the file.
+fn root_and_name(spec: &SourceSpec, folders: &[&str]) -> Result<(PathBuf, String), DatasetError> {
+    let parts = |path: &Path| -> Option<String> {
+        let parts: Option<Vec<&str>> = path.iter().map(|part| part.to_str()).collect();
+        parts.map(|parts| parts.join("/"))
+    };
+    let is_marked = |folder: &&Path| {
+        let name = folder.file_name().and_then(|name| name.to_str());
+        name.is_some_and(|name| folders.contains(&name))
+    };
+    let path = spec.path.as_path();
+    let marked = path.ancestors().skip(1).take(3).find(is_marked);
+    let root = marked.unwrap_or(path).parent().unwrap_or(Path::new(""));
+    let name = path.strip_prefix(root).ok().and_then(parts);
+    let name = name.ok_or_else(|| layout_error(spec, "its name is not UTF-8; rename it"))?;
+    let root = if root.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        root
+    };
+    Ok((root.to_owned(), name))
+}
+
+/// The names in a folder which are text and not hidden, in order; none where there is no folder.
+fn names_in(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .filter(|name| !name.starts_with('.'))
+        .collect();
+    names.sort_unstable();
+    names
+}
+
+/// That there is an ordinary file, or why not.
+fn is_file(path: &Path) -> Result<(), String> {
+    match std::fs::metadata(path) {
+        Ok(metadata) => match not_a_file(&metadata) {
+            None => Ok(()),
+            Some(what) => Err(format!("it is {what}, not a file")),
+        },
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            Err("there is no such file".to_owned())
+        }
+        Err(error) => Err(format!("cannot read it: {error}")),
+    }
+}
+
 fn layout_error(spec: &SourceSpec, reason: impl Into<String>) -> DatasetError {
     DatasetError::SourceLayout {
         path: spec.path.clone(),
         format: spec.format,
         reason: reason.into(),
+    }
+}
+
+/// The reduced copy of a file cannot be written.
+fn subset_error(file: &SourceFile, source: std::io::Error) -> DatasetError {
+    DatasetError::SubsetWrite {
+        name: file.name.clone(),
+        source,
+    }
+}
+
+/// The error of an index that is no longer what it was.
+fn changed(path: &Path, format: SourceFormat) -> DatasetError {
+    DatasetError::SourceIndex {
+        path: path.to_owned(),
+        format,
+        reason: "it changed since the dataset was opened; begin again".to_owned(),
     }
 }
 

@@ -55,9 +55,6 @@ pub struct SourceFile {
     pub path: PathBuf,
     /// What it is to the dataset.
     pub role: FileRole,
-    /// An index that would lead out of a copy of the dataset as it stands, so that it is written
-    /// anew by [`super::Source::subset`] even for all images.
-    pub must_be_rewritten: bool,
 }
 
 /// What a file that is not an image is to its dataset.

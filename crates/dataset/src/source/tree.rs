@@ -44,13 +44,9 @@ struct Level {
 struct Entry {
     name: String,
     path: PathBuf,
-    kind: Result<Kind, String>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    File,
-    Folder,
+    is_folder: bool,
+    /// Why it is not used.
+    problem: Option<String>,
 }
 
 impl Walk {
@@ -95,14 +91,18 @@ impl Iterator for Walk {
                 self.levels.pop();
                 continue;
             };
-            let is_folder = entry.kind == Ok(Kind::Folder);
-            let file = match entry.kind {
-                Ok(Kind::File) => Ok(entry.path),
-                Ok(Kind::Folder) => match self.enter(&entry.name, &entry.path) {
+            let problem = match (entry.problem, entry.is_folder) {
+                (Some(problem), _) => Some(problem),
+                (None, false) => None,
+                (None, true) => match self.enter(&entry.name, &entry.path) {
                     Ok(()) => continue,
-                    Err(reason) => Err(BadRecord::new(&entry.name, reason)),
+                    Err(problem) => Some(problem),
                 },
-                Err(reason) => Err(BadRecord::new(&entry.name, reason)),
+            };
+            let is_folder = entry.is_folder;
+            let file = match problem {
+                None => Ok(entry.path),
+                Some(reason) => Err(BadRecord::new(&entry.name, reason)),
             };
             return Some(Found {
                 name: entry.name,
@@ -124,32 +124,33 @@ impl Level {
             if file_name.as_encoded_bytes().starts_with(b".") {
                 continue;
             }
-            let kind = match file_name.to_str() {
-                None => Err("the name is not UTF-8; rename it".to_owned()),
+            let (is_folder, problem) = match is_folder(&entry, &path) {
+                Ok(is_folder) => (is_folder, None),
+                Err(problem) => (false, Some(problem)),
+            };
+            let bad_name = match file_name.to_str() {
+                None => Some("the name is not UTF-8; rename it".to_owned()),
                 Some(name) if name.contains('\\') => {
-                    Err("the name has a backslash; rename it".to_owned())
+                    Some("the name has a backslash; rename it".to_owned())
                 }
-                Some(_) => kind_of(&entry, &path),
+                Some(_) => None,
             };
             entries.push(Entry {
                 name: format!("{prefix}{}", file_name.to_string_lossy()),
                 path,
-                kind,
+                is_folder,
+                problem: bad_name.or(problem),
             });
         }
         // Folders as their contents will stand, so that the whole walk is in order.
         entries.sort_by_cached_key(|entry| {
-            let slash = if entry.kind == Ok(Kind::Folder) {
-                "/"
-            } else {
-                ""
-            };
+            let slash = if entry.is_folder { "/" } else { "" };
             format!("{}{slash}", entry.name)
         });
         let mut folded = BTreeMap::new();
         for entry in &mut entries {
             if let Some(first) = folded.insert(entry.name.to_lowercase(), entry.name.clone()) {
-                entry.kind = Err(differs_in_case(&first));
+                entry.problem = Some(differs_in_case(&first));
                 folded.insert(entry.name.to_lowercase(), first);
             }
         }
@@ -160,23 +161,20 @@ impl Level {
     }
 }
 
-/// What an entry of a folder leads to.
-fn kind_of(entry: &fs::DirEntry, path: &Path) -> Result<Kind, String> {
+/// Whether an entry of a folder leads to a folder rather than a file, or why to neither.
+fn is_folder(entry: &fs::DirEntry, path: &Path) -> Result<bool, String> {
     let cannot_read = |error: io::Error| format!("cannot read it: {error}");
     let file_type = entry.file_type().map_err(cannot_read)?;
-    if file_type.is_file() {
-        return Ok(Kind::File);
-    }
-    if file_type.is_dir() {
-        return Ok(Kind::Folder);
+    if file_type.is_file() || file_type.is_dir() {
+        return Ok(file_type.is_dir());
     }
     let metadata = fs::metadata(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => "a link that leads nowhere".to_owned(),
         _ => cannot_read(error),
     })?;
     match not_a_file(&metadata) {
-        None => Ok(Kind::File),
-        Some(_) if metadata.is_dir() => Ok(Kind::Folder),
+        None => Ok(false),
+        Some(_) if metadata.is_dir() => Ok(true),
         Some(what) => Err(format!("it is {what}, not a file")),
     }
 }

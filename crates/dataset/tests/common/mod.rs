@@ -131,3 +131,107 @@ pub(crate) fn shared_data(path: &str) -> Option<std::path::PathBuf> {
     }
     None
 }
+
+/// Writes a file below a folder, with the folders above it.
+pub(crate) fn put(root: &std::path::Path, name: &str, bytes: impl AsRef<[u8]>) {
+    let path = root.join(name);
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    std::fs::write(path, bytes).unwrap();
+}
+
+/// A PNG of this size.
+pub(crate) fn png(width_px: u32, height_px: u32) -> Vec<u8> {
+    let image = DynamicImage::ImageRgb8(rgb(width_px, height_px));
+    starbreak_dataset::encode_image(&image, &starbreak_dataset::Encoding::Png, None).unwrap()
+}
+
+/// The dataset that a word names, which must be good as a whole.
+pub(crate) fn open(format: &str, path: &std::path::Path) -> starbreak_dataset::Source {
+    try_open(format, path).unwrap()
+}
+
+/// The dataset that a word names.
+pub(crate) fn try_open(
+    format: &str,
+    path: &std::path::Path,
+) -> Result<starbreak_dataset::Source, starbreak_dataset::DatasetError> {
+    let mut word = std::ffi::OsString::from(format!("{format}:"));
+    word.push(path);
+    starbreak_dataset::Source::open(&starbreak_dataset::SourceSpec::parse(&word)?)
+}
+
+/// What a dataset holds, as text: names of images, bad records, problems, other files.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Contents {
+    pub(crate) images: Vec<String>,
+    pub(crate) bad: Vec<String>,
+    pub(crate) problems: Vec<String>,
+    /// `record category kind x0 y0 x1 y1`.
+    pub(crate) objects: Vec<String>,
+    /// `name` or `name -> image` or `name (index)`.
+    pub(crate) files: Vec<String>,
+    pub(crate) bad_files: Vec<String>,
+}
+
+/// Walks a dataset twice, which must give the same.
+pub(crate) fn contents(source: &starbreak_dataset::Source) -> Contents {
+    let once = walked(source);
+    assert_eq!(once, walked(source), "a second walk");
+    let messages = once.bad.iter().chain(&once.problems).chain(&once.bad_files);
+    for message in messages {
+        assert!(!message.contains(char::is_control), "{message:?}");
+    }
+    assert!(once.images.is_sorted(), "{:?}", once.images);
+    once
+}
+
+fn walked(source: &starbreak_dataset::Source) -> Contents {
+    use starbreak_dataset::FileRole;
+    let mut contents = Contents::default();
+    for image in source.images() {
+        let image = match image {
+            Ok(image) => image,
+            Err(bad) => {
+                contents.bad.push(bad.to_string());
+                continue;
+            }
+        };
+        for problem in &image.problems {
+            assert_eq!(problem.image.as_ref(), Some(&image.name), "{problem}");
+            contents.problems.push(problem.to_string());
+        }
+        for object in &image.objects {
+            let [x0, y0, x1, y1] = object.box_px;
+            contents.objects.push(format!(
+                "{} {} {:?} {x0} {y0} {x1} {y1}",
+                object.record, object.category, object.kind
+            ));
+        }
+        contents.images.push(image.name);
+    }
+    for file in source.files() {
+        match file {
+            Ok(file) => contents.files.push(match file.role {
+                FileRole::LabelOf(image) => format!("{} -> {image}", file.name),
+                FileRole::Index => format!("{} (index)", file.name),
+                FileRole::Other => file.name,
+            }),
+            Err(bad) => contents.bad_files.push(bad.to_string()),
+        }
+    }
+    contents
+}
+
+/// The index of this name for the images of these names.
+pub(crate) fn subset(
+    source: &starbreak_dataset::Source,
+    index: &str,
+    is_kept: impl Fn(&str) -> bool,
+) -> String {
+    let file = source.files().map(Result::unwrap).find(|f| f.name == index);
+    let mut bytes = Vec::new();
+    source
+        .subset(&file.unwrap(), &mut |name| is_kept(name), &mut bytes)
+        .unwrap();
+    String::from_utf8(bytes).unwrap()
+}

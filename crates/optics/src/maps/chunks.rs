@@ -28,15 +28,15 @@ impl<const L: usize> Chunks<L> {
         }
     }
 
-    /// As [`Chunks::new`], without room for runs.
-    pub(crate) fn empty(width: usize, height: usize) -> Self {
+    /// As [`Chunks::new`], with room for as many runs.
+    pub(crate) fn with_room(width: usize, height: usize, n_runs: usize) -> Self {
         let n_across = width.div_ceil(CHUNK);
         Self {
             width,
             height,
             n_across,
             places: vec![0; n_across * height],
-            runs: Vec::new(),
+            runs: Vec::with_capacity(n_runs),
         }
     }
 

@@ -1,7 +1,7 @@
 //! 32 whole numbers of a row of pixels in as few bits as they need.
 //!
-//! A block is two bytes of prediction and widths, less where all is zero, then the bits. What is
-//! written of each number is its difference from a prediction, zigzag (0, −1, 1, −2, …), in four
+//! A block is two bytes of prediction and widths, five where a width is large, then the bits. What
+//! is written of each number is its difference from a prediction, zigzag (0, −1, 1, −2, …), in four
 //! groups of eight numbers of one width each.
 
 use super::bytes::Bytes;
@@ -18,6 +18,12 @@ const N_GROUPS: usize = CHUNK / GROUP;
 /// Bits of a difference at most: numbers have [`MAX_BITS`], a gradient of three of them two more,
 /// zigzag one.
 const MAX_WIDTH: usize = 31;
+
+/// Widths below this are small: four of them and a prediction take two bytes.
+const SMALL: usize = 11;
+
+/// What stands for larger ones.
+const LARGE: usize = SMALL * SMALL * SMALL * SMALL;
 
 /// Bits of a number with its sign.
 pub(super) const MAX_BITS: u32 = 26;
@@ -104,13 +110,7 @@ pub(super) fn write_block(out: &mut Vec<u8>, block: &Block, above: &Block) {
         }
     }
     let (zigzag, widths) = &coded[best];
-    let mut head = best as u32;
-    for (g, width) in widths.iter().enumerate() {
-        #[expect(clippy::cast_possible_truncation, reason = "at most 31")]
-        let width = *width as u32;
-        head |= width << (2 + 5 * g);
-    }
-    out.extend_from_slice(&head.to_le_bytes()[..3]);
+    write_head(out, best, *widths);
     for (g, width) in widths.iter().enumerate() {
         // Eight numbers of a width fill whole bytes.
         let (mut held, mut n_held) = (0_u64, 0);
@@ -127,48 +127,95 @@ pub(super) fn write_block(out: &mut Vec<u8>, block: &Block, above: &Block) {
     }
 }
 
+/// Two bytes of prediction and widths where all widths are small, else five.
+fn write_head(out: &mut Vec<u8>, mode: usize, widths: [usize; N_GROUPS]) {
+    let is_small = widths.iter().all(|width| *width < SMALL);
+    let code = if is_small {
+        widths.iter().fold(0, |code, width| code * SMALL + width)
+    } else {
+        LARGE
+    };
+    #[expect(clippy::cast_possible_truncation, reason = "below 2^16")]
+    let head = (code << 2 | mode) as u16;
+    out.extend_from_slice(&head.to_le_bytes());
+    if !is_small {
+        let code = widths.iter().fold(0, |code, width| code << 5 | width);
+        #[expect(clippy::cast_possible_truncation, reason = "20 bits")]
+        let code = code as u32;
+        out.extend_from_slice(&code.to_le_bytes()[..3]);
+    }
+}
+
+fn read_head(bytes: &mut Bytes<'_>) -> Result<(From, [usize; N_GROUPS]), OpticsError> {
+    let head = usize::from(u16::from_le_bytes(bytes.take()?));
+    let (from, code) = (From::ALL[head & 3], head >> 2);
+    let mut widths = [0; N_GROUPS];
+    if code < LARGE {
+        let mut rest = code;
+        for width in widths.iter_mut().rev() {
+            *width = rest % SMALL;
+            rest /= SMALL;
+        }
+    } else if code == LARGE {
+        let [a, b, c] = bytes.take()?;
+        let mut rest = u32::from_le_bytes([a, b, c, 0]) as usize;
+        for width in widths.iter_mut().rev() {
+            *width = rest & MAX_WIDTH;
+            rest >>= 5;
+        }
+    } else {
+        return Err(bytes.wrong("a block has no such widths"));
+    }
+    Ok((from, widths))
+}
+
 /// Reads what [`write_block`] wrote.
 pub(super) fn read_block(bytes: &mut Bytes<'_>, above: &Block) -> Result<Block, OpticsError> {
-    let [a, b, c] = bytes.take::<3>()?;
-    let head = u32::from_le_bytes([a, b, c, 0]);
-    let widths: [usize; N_GROUPS] = std::array::from_fn(|g| (head >> (2 + 5 * g) & 31) as usize);
+    let (from, widths) = read_head(bytes)?;
     let n_bytes = widths.iter().sum::<usize>();
-    let Some(data) = bytes.rest().get(..n_bytes) else {
+    let rest = bytes.rest();
+    if rest.len() < n_bytes {
         return Err(bytes.wrong("it ends in a block"));
-    };
-    bytes.skip(n_bytes);
-    let mut block = [0; CHUNK];
-    let mut data = data;
-    for (group, width) in block.chunks_exact_mut(GROUP).zip(widths) {
-        let (now, later) = data.split_at_checked(width).unwrap_or_default();
-        data = later;
-        unpack(now, width, group);
     }
-    From::ALL[(head & 3) as usize].restore(&mut block, above);
+    let mut block = [0; CHUNK];
+    let mut at = 0;
+    for (group, width) in block.chunks_exact_mut(GROUP).zip(widths) {
+        unpack(&rest[at..], width, group);
+        at += width;
+    }
+    bytes.skip(n_bytes);
+    from.restore(&mut block, above);
+    let most = MOST.unsigned_abs();
     if block
         .iter()
-        .any(|value| value.unsigned_abs() > MOST.unsigned_abs())
+        .fold(0, |any, value| any.max(value.unsigned_abs()))
+        > most
     {
         return Err(bytes.wrong("a number is too large"));
     }
     Ok(block)
 }
 
-/// Eight numbers of a width out of as many bytes as that.
+/// Eight numbers of a width out of the first bytes, as many as that.
 fn unpack(data: &[u8], width: usize, group: &mut [i32]) {
-    if width == 0 {
-        return;
-    }
-    let mut padded = [0_u8; MAX_WIDTH + 8];
-    padded[..data.len()].copy_from_slice(data);
     let mask = (1_u64 << width) - 1;
-    for (k, value) in group.iter_mut().enumerate() {
-        let at = k * width;
-        let window: [u8; 8] = padded[at / 8..at / 8 + 8].try_into().unwrap_or_default();
-        let bits = u64::from_le_bytes(window) >> (at % 8) & mask;
-        #[expect(clippy::cast_possible_truncation, reason = "at most 31 bits")]
-        let bits = bits as u32;
-        *value = unzigzag(bits);
+    match data.first_chunk::<8>() {
+        _ if width == 0 => {}
+        Some(window) if width <= 8 => {
+            let bits = u64::from_le_bytes(*window);
+            for (k, value) in group.iter_mut().enumerate() {
+                *value = unzigzag(bits >> (k * width) & mask);
+            }
+        }
+        _ => {
+            let mut padded = [0_u8; MAX_WIDTH + 8];
+            padded[..width].copy_from_slice(&data[..width]);
+            for (k, value) in group.iter_mut().enumerate() {
+                let at = k * width;
+                let window = padded[at / 8..].first_chunk().copied().unwrap_or_default();
+                *value = unzigzag(u64::from_le_bytes(window) >> (at % 8) & mask);
+            }
+        }
     }
 }
 
@@ -177,7 +224,7 @@ fn zigzag(value: i32) -> u32 {
     ((value << 1) ^ (value >> 31)) as u32
 }
 
-#[expect(clippy::cast_possible_wrap, reason = "bits")]
-fn unzigzag(bits: u32) -> i32 {
+#[expect(clippy::cast_possible_truncation, reason = "at most 31 bits")]
+fn unzigzag(bits: u64) -> i32 {
     (bits >> 1) as i32 ^ -((bits & 1) as i32)
 }

@@ -5,7 +5,7 @@
 
 use super::block::Block;
 use super::bytes::{Bytes, write_count};
-use super::runs::{from_steps, read_runs, steps, write_runs};
+use super::runs::{from_steps, n_runs, read_runs, steps, write_runs};
 use super::{MAX_PIXELS, MAX_SIDE_PX};
 use crate::maps::CHUNK;
 use crate::{Coverage, OpticsError};
@@ -70,7 +70,8 @@ impl Coverage {
             return Err(bytes.wrong("its frame is too large"));
         }
         let mut cells: Vec<(usize, usize, f32, f32)> = Vec::new();
-        read_runs::<2>(&mut bytes, (width, height), |(x, y), blocks| {
+        let n_runs = n_runs(&mut bytes, (width, height))?;
+        read_runs::<2>(&mut bytes, (width, height), n_runs, |(x, y), blocks| {
             for (k, (covered, weight)) in blocks[COVERED].iter().zip(&blocks[WEIGHT]).enumerate() {
                 if *covered > 0 && x + k < width {
                     let covered = from_steps(*covered, STEPS).min(1.0);

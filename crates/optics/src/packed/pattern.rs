@@ -1,14 +1,19 @@
 //! A baked pattern as bytes.
 //!
-//! Shares of light are whole numbers of 2⁻¹⁴, the sun's radiance per irradiance has ten bits of
-//! fraction, the place that a mirror shows is in 1/256 px from the pixel itself. In linear light
-//! of at most 1, with the darkest step of an 8-bit code being 3.0·10⁻⁴ of it, the five shares are
-//! off by at most half a code of black together, the sun by 0.06 codes of white, and the place by
-//! half a code of the steepest edge that an image can have, times its share.
+//! Shares of light are whole numbers of 2⁻¹⁴; the sun's radiance per irradiance is, too, of 2⁻¹⁶
+//! up to 2⁻⁸, and has eight bits of fraction beyond; the place that a mirror shows is in 1/128 px
+//! from the pixel itself. In linear light of at most 1, with the darkest step of an 8-bit code
+//! being 3.0·10⁻⁴ of it, the five shares are off by at most half a code of black together; a sun
+//! of irradiance 8 by a fifth of a code; and the place by one code of the steepest edge that an
+//! image can have, times its share.
+//!
+//! # Limits
+//! Where the renderer chooses by a threshold (the width over which a mirror's picture is averaged)
+//! a pixel just at it may be shown the other way; see the bank's test of rendered pictures.
 
 use super::block::Block;
 use super::bytes::{Bytes, write_count};
-use super::runs::{from_steps, read_runs, steps, write_runs};
+use super::runs::{from_steps, n_runs, read_runs, steps, write_runs};
 use super::{MAX_PIXELS, MAX_SIDE_PX};
 use crate::OpticsError;
 use crate::maps::{CHUNK, Chunks};
@@ -28,13 +33,20 @@ const MAX_LAYERS: usize = 16;
 const SHARE_STEPS: f32 = 16_384.0;
 
 /// Steps of a place in a pixel.
-const PLACE_STEPS: f32 = 256.0;
+const PLACE_STEPS: f32 = 128.0;
 
-/// Bits of a single that the sun's lane does without, of 23.
-const SUN_CUT: u32 = 13;
+/// Steps of the sun's lane in 1 where it is small, and up to how many it is.
+const SUN_STEPS: f32 = 65_536.0;
+const SUN_SMALL: i32 = 256;
 
-/// The least of the sun's lane that is kept, 2⁻²⁴: no sun makes it visible.
-const SUN_LEAST: u32 = (127 - 24) << 23;
+/// Bits of a single that the sun's lane does without beyond that, of 23.
+const SUN_CUT: u32 = 15;
+
+/// Those that are left, of the least that is not small.
+const SUN_FIRST: u32 = (127 - 8) << (23 - SUN_CUT);
+
+/// Most steps of the sun's lane: 2³¹, which is white under any sun.
+const SUN_MOST: u32 = 39 << (23 - SUN_CUT);
 
 /// Lanes of the tint that are kept: red, green and blue.
 const TINT: usize = 3;
@@ -110,23 +122,22 @@ fn side(px: usize) -> u32 {
     px as u32
 }
 
+/// The sun's lane as steps; less than nothing is nothing, as for the one who reads it.
 fn sun_steps(value: f32) -> i32 {
-    if value.is_nan() || value < f32::from_bits(SUN_LEAST) {
-        return 0;
+    let small = steps(value.max(0.0), SUN_STEPS);
+    if small < SUN_SMALL {
+        return small;
     }
-    let rounded = (value.to_bits() + (1 << (SUN_CUT - 1))) >> SUN_CUT;
-    #[expect(clippy::cast_possible_wrap, reason = "19 bits")]
-    let steps = (rounded - (SUN_LEAST >> SUN_CUT)) as i32 + 1;
-    steps
+    let kept = (value.to_bits() + (1 << (SUN_CUT - 1))) >> SUN_CUT;
+    let beyond = kept.saturating_sub(SUN_FIRST).min(SUN_MOST);
+    SUN_SMALL + i32::try_from(beyond).unwrap_or(0)
 }
 
 fn sun_from_steps(steps: i32) -> f32 {
-    let Some(steps) = u32::try_from(steps).ok().and_then(|s| s.checked_sub(1)) else {
-        return 0.0;
-    };
-    let value =
-        f32::from_bits((steps.min(0x3ffff) + (SUN_LEAST >> SUN_CUT)).min(0x3fbff) << SUN_CUT);
-    value
+    match u32::try_from(steps - SUN_SMALL) {
+        Ok(beyond) => f32::from_bits((beyond.min(SUN_MOST) + SUN_FIRST) << SUN_CUT),
+        Err(_) => from_steps(steps.max(0), SUN_STEPS),
+    }
 }
 
 /// Middle of a pixel, px.
@@ -224,8 +235,9 @@ fn read_chunks<const B: usize, const L: usize>(
     size: (usize, usize),
     pixels: impl Fn((usize, usize), &[Block; B], &mut [[f32; L]; CHUNK]),
 ) -> Result<Chunks<L>, OpticsError> {
-    let mut chunks = Chunks::empty(size.0, size.1);
-    read_runs(bytes, size, |at, blocks| {
+    let n_runs = n_runs(bytes, size)?;
+    let mut chunks = Chunks::with_room(size.0, size.1, n_runs);
+    read_runs(bytes, size, n_runs, |at, blocks| {
         pixels(at, blocks, chunks.run_at_mut(at));
     })?;
     Ok(chunks)

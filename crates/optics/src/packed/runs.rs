@@ -59,15 +59,30 @@ fn mask_of<const B: usize>(blocks: &[Block; B]) -> u8 {
     mask
 }
 
-/// Reads what [`write_runs`] wrote, each run given to `each`.
+/// Bytes of a run at least: its place, its lanes, and one block without a difference.
+const MIN_RUN: usize = 4;
+
+/// Reads the number of runs, for which there are enough bytes.
+pub(super) fn n_runs(
+    bytes: &mut Bytes<'_>,
+    (width, height): (usize, usize),
+) -> Result<usize, OpticsError> {
+    let n_runs = bytes.count(width.div_ceil(CHUNK) * height)?;
+    if n_runs > bytes.rest().len() / MIN_RUN {
+        return Err(bytes.wrong("it has more runs than bytes"));
+    }
+    Ok(n_runs)
+}
+
+/// Reads the runs that [`write_runs`] wrote behind their number, each given to `each`.
 pub(super) fn read_runs<const B: usize>(
     bytes: &mut Bytes<'_>,
     size: (usize, usize),
+    n_runs: usize,
     mut each: impl FnMut((usize, usize), &[Block; B]),
 ) -> Result<(), OpticsError> {
     let n_across = size.0.div_ceil(CHUNK);
     let n_places = n_across * size.1;
-    let n_runs = bytes.count(n_places)?;
     let mut above = Above::<B>::new(n_across);
     let mut next = 0;
     for _ in 0..n_runs {

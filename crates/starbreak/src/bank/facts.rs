@@ -1,5 +1,7 @@
 //! Key figures of a pattern.
 
+use std::f64::consts::FRAC_PI_4;
+
 use image::GrayImage;
 use serde::{Deserialize, Serialize};
 use starbreak_glass::{CrackNetwork, LengthUnit, Model, Seed, Summary};
@@ -16,6 +18,8 @@ pub struct PatternFacts {
     pub damage_class: Option<String>,
     /// Unit of lengths.
     pub unit: LengthUnit,
+    /// Area of the pane, in that unit squared.
+    pub pane_area: f64,
     /// Key figures of the network.
     pub summary: Summary,
 }
@@ -23,11 +27,17 @@ pub struct PatternFacts {
 impl PatternFacts {
     pub(super) fn of(network: &CrackNetwork, seed: Seed) -> Self {
         let data = network.data();
+        let pane = &data.pane;
         Self {
             seed,
             model: data.model,
             damage_class: data.damage_class.clone(),
             unit: data.unit,
+            pane_area: if pane.is_disc() {
+                FRAC_PI_4 * pane.width * pane.height
+            } else {
+                pane.width * pane.height
+            },
             summary: network.summary(),
         }
     }
@@ -65,6 +75,17 @@ impl PatternRow {
             facts: facts.clone(),
             area_share,
             bbox_px: bbox,
+        }
+    }
+
+    /// Length of all cracks over the area of the pane: m/m² for a network in mm, px/px² for one
+    /// in px.
+    #[must_use]
+    pub fn density(&self) -> f64 {
+        let per_unit = self.facts.summary.total_length / self.facts.pane_area;
+        match self.facts.unit {
+            LengthUnit::Px => per_unit,
+            LengthUnit::Mm => per_unit * 1e3,
         }
     }
 }

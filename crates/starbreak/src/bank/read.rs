@@ -133,7 +133,7 @@ impl PatternBank {
     /// network.
     pub fn network(&self, idx: usize) -> Result<CrackNetwork, Error> {
         let bytes = self.file.read(self.record(idx, 0)?)?;
-        network_of_bytes(&bytes).map_err(|cause| self.wrong(idx, cause.to_string()))
+        network_of_bytes(&bytes).map_err(|why| self.wrong(idx, why))
     }
 
     /// A pattern for frames of a size, px: from its record, or baked from its network where the
@@ -192,9 +192,7 @@ impl PatternBank {
 
     fn check_record(&self, part: usize, bytes: Vec<u8>) -> Result<(), String> {
         let Some(place) = part.checked_sub(1) else {
-            return network_of_bytes(&bytes)
-                .map(|_| ())
-                .map_err(|cause| cause.to_string());
+            return network_of_bytes(&bytes).map(|_| ());
         };
         let record = BakedRecord::of_bytes(bytes)?;
         let baked = record

@@ -1,6 +1,8 @@
 //! Labels and other files of the source, carried into each sample's tree.
 
-use starbreak_dataset::{BadRecord, CarriedFile, Carry, FileRole, GeneratedSet, SourceFile};
+use starbreak_dataset::{
+    BadRecord, CarriedFile, Carry, FileRole, GeneratedSet, SourceFile, SourceFormat,
+};
 
 use super::Plan;
 use crate::Error;
@@ -28,6 +30,15 @@ impl Plan<'_> {
         Ok(carried)
     }
 
+    /// Whether indexes are written anew: for the images that there are, and those of YOLO
+    /// always, since a path in them may lead back to the source; where none does, they stay as
+    /// they are.
+    fn reduces_indexes(&self) -> bool {
+        self.options.selection.is_partial()
+            || self.survey.n_left_out > 0
+            || self.source.format() == SourceFormat::Yolo
+    }
+
     fn carry_file(
         &self,
         set: &GeneratedSet,
@@ -49,11 +60,10 @@ impl Plan<'_> {
                 }
                 set.carry(&file.path, name, Carry::Copy)?
             }
-            (FileRole::Index, _) if selection.is_partial() || file.must_be_rewritten => set
-                .put_with(name, &mut |out| {
-                    let is_kept = &mut |image: &str| self.survey.is_of_set(image);
-                    self.source.subset(file, is_kept, out)
-                })?,
+            (FileRole::Index, _) if self.reduces_indexes() => set.put_with(name, &mut |out| {
+                let is_kept = &mut |image: &str| self.survey.is_of_set(image);
+                self.source.subset(file, is_kept, out)
+            })?,
             (FileRole::Index, _) => set.carry(&file.path, name, Carry::Copy)?,
             (FileRole::Other, Some(how)) if is_first_shard => set.carry(&file.path, name, how)?,
             (FileRole::Other, _) => return Ok(None),

@@ -25,6 +25,8 @@ pub struct Survey {
     pub n_selected: u64,
     /// Labeled objects in these.
     pub n_objects: u64,
+    /// Images that cannot be taken, and records that stand for no image.
+    pub n_left_out: u64,
     /// Records that break the rules of the format, or of a set: images among them are left out.
     pub bad: Vec<BadRecord>,
     /// The names of all images that are taken, shards or not: the SHA-256 of that of the names
@@ -47,6 +49,7 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
         n_images: 0,
         n_selected: 0,
         n_objects: 0,
+        n_left_out: 0,
         bad: Vec::new(),
         names_sha256: String::new(),
         seed,
@@ -62,6 +65,7 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
             Ok(image) => image,
             Err(bad) => {
                 survey.bad.push(bad);
+                survey.n_left_out += 1;
                 continue;
             }
         };
@@ -160,6 +164,7 @@ impl Survey {
 
     fn refuse(&mut self, name: &str, reason: &str) {
         self.colliding.insert(name.to_owned());
+        self.n_left_out += 1;
         self.bad.push(BadRecord {
             place: name.to_owned(),
             reason: reason.to_owned(),

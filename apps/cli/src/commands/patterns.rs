@@ -1,0 +1,211 @@
+//! `starbreak patterns`: a bank of cracks, simulated and baked once for any number of images.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+use starbreak::bank::{BANK_FILE, BankHeader, BankReport, PatternBank, write_bank};
+use starbreak::pipeline::{RunContext, with_threads};
+
+use super::pattern_statistics::{Statistics, csv, figure};
+use crate::args::Global;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::{Screen, path_text};
+
+/// A bank to make.
+pub(crate) struct Request {
+    pub(crate) n: u32,
+    pub(crate) output: PathBuf,
+    pub(crate) sizes: Vec<(u32, u32)>,
+    pub(crate) replace: bool,
+}
+
+/// Makes a bank.
+pub(crate) fn run(
+    global: &Global,
+    request: &Request,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let Request { n, output, .. } = request;
+    let recipe = global.recipe()?;
+    let context = RunContext::new(&recipe, global.seed(), output)?;
+    let to = output.join(BANK_FILE);
+    let beside = |name: &str| output.join(name);
+    let paths = [
+        beside("statistics.csv"),
+        beside("statistics.svg"),
+        beside("statistics.png"),
+    ];
+    let mut all = paths.to_vec();
+    all.push(to.clone());
+    global.refuse_recipe_among(&all)?;
+    if !request.replace {
+        refuse_to_replace(&to)?;
+    }
+    let interrupt = Interrupt::listen();
+    let started = Instant::now();
+    let progress = screen.progress(u64::from(*n), "patterns");
+    let draft = with_threads(usize::from(global.threads), || {
+        let sizes = &request.sizes;
+        write_bank(&context, *n as usize, sizes, &to, interrupt.flag(), |_| {
+            progress.step();
+        })
+    })?;
+    progress.finish();
+    let draft = draft.map_err(|error| match error {
+        starbreak::Error::Interrupted => Failure::interrupted(
+            "interrupted: a bank is written as a whole or not at all, so nothing was written; run the command again",
+        ),
+        error => error.into(),
+    })?;
+    let statistics = Statistics::of(&draft.report);
+    let (svg, png) = figure(&statistics).map_err(Failure::wrong_input)?;
+    let texts = [csv(&draft.report), svg].map(String::into_bytes);
+    let bytes = texts.into_iter().chain([png]);
+    let files: Vec<(PathBuf, Vec<u8>)> = paths.into_iter().zip(bytes).collect();
+    interrupt.check()?;
+    let report = draft.commit(&files)?;
+    let elapsed_s = started.elapsed().as_secs_f64();
+    for line in said(&report, &statistics, elapsed_s) {
+        screen.say(&line);
+    }
+    screen.say(&format!("statistics in {}", files[0].0.display()));
+    screen.result(|| {
+        let mut result = described(&report.header, report.rows.len(), report.n_bytes);
+        result["bank"] = path_text(&to).into();
+        result["sha256"] = report.sha256.as_str().into();
+        result["seconds"] = elapsed_s.into();
+        result["statistics"] = statistics.to_json();
+        result["files"] = files.iter().map(|(path, _)| path_text(path)).collect();
+        result
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// A bank is hours of work to some; it is not replaced by the way.
+pub(super) fn refuse_to_replace(to: &Path) -> Result<(), Failure> {
+    if fs::symlink_metadata(to).is_err() {
+        return Ok(());
+    }
+    Err(Failure::wrong_input(format!(
+        "there is a bank {to:?} already; choose another folder, or give --replace"
+    )))
+}
+
+/// Header and totals of a bank.
+pub(crate) fn info(path: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+    let bank = PatternBank::open(path)?;
+    let header = bank.header();
+    screen.say(&format!("{}: {}", bank.path().display(), totals(&bank)));
+    screen.say(&format!(
+        "made by {} {}, seed {}, frames of {}",
+        header.generator.name,
+        header.generator.version,
+        header.seed.0,
+        sizes_text(header)
+    ));
+    screen.say(&format!("sha256 {}", bank.sha256()));
+    screen.say(&format!("recipe {}:", header.recipe_sha256));
+    screen.say(header.recipe.trim_end());
+    screen.result(|| {
+        let mut result = described(header, bank.len(), bank.n_bytes());
+        result["bank"] = path_text(bank.path()).into();
+        result["sha256"] = bank.sha256().into();
+        result["recipe"] = header.recipe.as_str().into();
+        result
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Reads all of a bank.
+pub(crate) fn check(path: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+    let bank = PatternBank::open(path)?;
+    let interrupt = Interrupt::listen();
+    let progress = screen.progress(bank.len() as u64, "patterns");
+    let result = bank.check(|_| {
+        progress.step();
+        !interrupt.is_set()
+    });
+    progress.finish();
+    result?;
+    if interrupt.is_set() {
+        return Err(Failure::interrupted(
+            "interrupted: the bank was not checked to its end; run the command again",
+        ));
+    }
+    screen.say(&format!(
+        "{} is whole: {}",
+        bank.path().display(),
+        totals(&bank)
+    ));
+    screen.result(|| {
+        let mut result = described(bank.header(), bank.len(), bank.n_bytes());
+        result["bank"] = path_text(bank.path()).into();
+        result["sha256"] = bank.sha256().into();
+        result["whole"] = true.into();
+        result
+    })?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn totals(bank: &PatternBank) -> String {
+    format!("{} patterns in {}", bank.len(), bytes_text(bank.n_bytes()))
+}
+
+fn said(report: &BankReport, statistics: &Statistics, elapsed_s: f64) -> Vec<String> {
+    #[expect(clippy::cast_precision_loss, reason = "a rate")]
+    let rate = report.rows.len() as f64 / elapsed_s.max(1e-9);
+    let classes: Vec<String> = statistics
+        .classes
+        .iter()
+        .map(|(class, n)| format!("{n} {class}"))
+        .collect();
+    vec![
+        format!(
+            "{} patterns for frames of {} in {elapsed_s:.1} s ({rate:.1} per second), {}",
+            report.rows.len(),
+            sizes_text(&report.header),
+            bytes_text(report.n_bytes)
+        ),
+        format!("classes: {}", classes.join(", ")),
+        format!(
+            "cracks cover {:.2} % of the frame in the middle (5 % to 95 %: {:.2} to {:.2} %)",
+            statistics.area_percent[1], statistics.area_percent[0], statistics.area_percent[2]
+        ),
+        format!("sha256 {}", report.sha256),
+    ]
+}
+
+fn described(header: &BankHeader, n: usize, n_bytes: u64) -> Value {
+    json!({
+        "kind": header.kind,
+        "n_patterns": n,
+        "bytes": n_bytes,
+        "generator": header.generator,
+        "seed": header.seed,
+        "sizes_px": header.sizes,
+        "recipe_sha256": header.recipe_sha256,
+    })
+}
+
+fn sizes_text(header: &BankHeader) -> String {
+    let sizes: Vec<String> = header
+        .sizes
+        .iter()
+        .map(|(width, height)| format!("{width} × {height} px"))
+        .collect();
+    sizes.join(" and ")
+}
+
+pub(super) fn bytes_text(n_bytes: u64) -> String {
+    #[expect(clippy::cast_precision_loss, reason = "a length for people")]
+    let n = n_bytes as f64;
+    match n {
+        0.0..1e6 => format!("{:.1} kB", n / 1e3),
+        1e6..1e9 => format!("{:.1} MB", n / 1e6),
+        _ => format!("{:.2} GB", n / 1e9),
+    }
+}

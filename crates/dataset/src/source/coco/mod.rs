@@ -1,0 +1,162 @@
+//! MS-COCO: `annotations/instances_*.json`.
+
+mod reader;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use super::index::{Catalog, IndexFile, folder_of_images};
+use super::json::{self, Id};
+use super::name::path_below;
+use super::record::{FileRole, SourceFile};
+use super::{Images, Layout, SourceFormat, SourceSpec, layout_error, no_index};
+use crate::error::DatasetError;
+use reader::{AnnotationOf, ImageRecord, LISTS, Reader};
+
+/// The name of an index that stands beside its images, as some tools export it.
+const BESIDE_IMAGES: &str = "_annotations.coco.json";
+
+#[derive(Debug)]
+pub(super) struct Coco {
+    catalog: Catalog,
+}
+
+impl Coco {
+    /// The root of the dataset and what its index files say.
+    pub(super) fn open(spec: &SourceSpec) -> Result<(PathBuf, Self), DatasetError> {
+        let path = spec.path.as_path();
+        let metadata = fs::metadata(path).map_err(|source| DatasetError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        if metadata.is_dir() {
+            let names = index_names(path);
+            if names.is_empty() {
+                return Err(layout_error(
+                    spec,
+                    format!("it has neither annotations/instances_*.json nor {BESIDE_IMAGES}"),
+                ));
+            }
+            return Ok((path.to_owned(), Self::of(path, &names, None)?));
+        }
+        let (root, name) = super::root_and_name(spec, &["annotations"])?;
+        let names = [name];
+        let coco = Self::of(&root, &names, Some(names.to_vec()))?;
+        Ok((root, coco))
+    }
+
+    fn of(root: &Path, names: &[String], own: Option<Vec<String>>) -> Result<Self, DatasetError> {
+        let files = names
+            .iter()
+            .map(|name| read_index(root, name))
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            catalog: Catalog::of(files, "annotation", own),
+        })
+    }
+}
+
+/// The index files in a folder, in the order of their names.
+fn index_names(root: &Path) -> Vec<String> {
+    let mut names: Vec<String> = super::names_in(&path_below(root, "annotations"))
+        .into_iter()
+        .filter(|name| name.starts_with("instances_") && name.ends_with(".json"))
+        .map(|name| format!("annotations/{name}"))
+        .collect();
+    let parts = super::names_in(root);
+    let beside = parts.iter().map(|part| format!("{part}/{BESIDE_IMAGES}"));
+    names.extend(
+        beside
+            .chain([BESIDE_IMAGES.to_owned()])
+            .filter(|name| path_below(root, name).is_file()),
+    );
+    names.sort_unstable();
+    names
+}
+
+/// Folders where the images of an index may be, the likeliest first.
+fn folders_of_images(name: &str) -> Vec<String> {
+    let (folder, file) = name.rsplit_once('/').unwrap_or(("", name));
+    let split = file
+        .strip_suffix(".json")
+        .and_then(|stem| stem.strip_prefix("instances_"));
+    let mut folders = Vec::new();
+    if file == BESIDE_IMAGES {
+        folders.push(folder.to_owned());
+    }
+    if let Some(split) = split {
+        folders.extend([split.to_owned(), format!("images/{split}")]);
+    }
+    folders.extend(["images".to_owned(), String::new()]);
+    if !folders.iter().any(|known| known == folder) {
+        folders.push(folder.to_owned());
+    }
+    folders
+}
+
+/// What an index file says, with the names of its images in the dataset.
+fn read_index(root: &Path, name: &str) -> Result<IndexFile, DatasetError> {
+    let path = path_below(root, name);
+    let mut reader = Reader::of(name);
+    json::read(&path, SourceFormat::Coco, &LISTS, &mut reader)?;
+    let mut file = reader.finish(path);
+    let images = || file.rows.iter().map(|row| row.name.as_str());
+    let folder = folder_of_images(root, &folders_of_images(name), images)
+        .map_err(|reason| json::index_error(&file.path, SourceFormat::Coco, &reason))?;
+    file.put_images_into(&folder);
+    Ok(file)
+}
+
+impl Layout for Coco {
+    fn images<'a>(&'a self, root: &'a Path) -> Images<'a> {
+        self.catalog.images(root)
+    }
+
+    fn has_image(&self, name: &str) -> bool {
+        self.catalog.has_image(name)
+    }
+
+    fn role(&self, _: &Path, name: &str) -> FileRole {
+        self.catalog.role(name)
+    }
+
+    fn own_files(&self) -> Option<&[String]> {
+        self.catalog.own_files()
+    }
+
+    fn subset(
+        &self,
+        file: &SourceFile,
+        is_kept: &mut dyn FnMut(&str) -> bool,
+        out: &mut dyn Write,
+    ) -> Result<(), DatasetError> {
+        let index = self.catalog.file(&file.name);
+        let index = index.ok_or_else(|| no_index(file, SourceFormat::Coco))?;
+        // Kept, and whether the record of the image is still to come.
+        let mut kept: BTreeMap<&Id, bool> = index
+            .rows
+            .iter()
+            .filter(|row| is_kept(&row.name))
+            .map(|row| (&row.id, true))
+            .collect();
+        let keeps = |list: &str, text: &str| match list {
+            "images" => serde_json::from_str::<ImageRecord>(text)
+                .ok()
+                .and_then(|record| kept.get_mut(&record.id))
+                .is_some_and(std::mem::take),
+            _ => serde_json::from_str::<AnnotationOf>(text)
+                .ok()
+                .and_then(|record| record.image_id)
+                .is_some_and(|id| kept.contains_key(&id)),
+        };
+        let lists = ["images", "annotations"];
+        let path = &index.path;
+        json::write_copy(path, &file.name, SourceFormat::Coco, &lists, keeps, out)?;
+        match kept.values().any(|is_to_come| *is_to_come) {
+            false => Ok(()),
+            true => Err(super::changed(path, SourceFormat::Coco)),
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! The records of a COCO index file.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+use crate::source::index::{IndexFile, Label, Row, checked_box, image_name, second_names, seconds};
+use crate::source::json::{Id, Sink, record_reason};
+use crate::source::record::{BadRecord, ObjectKind};
+
+/// Members of an index file which are lists of records that are read.
+pub(super) const LISTS: [&str; 3] = ["images", "annotations", "categories"];
+
+/// An image.
+#[derive(Deserialize)]
+pub(super) struct ImageRecord {
+    pub(super) id: Id,
+    file_name: String,
+}
+
+#[derive(Deserialize)]
+struct CategoryRecord {
+    id: Id,
+    name: String,
+}
+
+#[derive(Deserialize)]
+struct AnnotationRecord {
+    id: Option<Id>,
+    image_id: Option<Id>,
+    category_id: Option<Id>,
+    bbox: Option<[f64; 4]>,
+    #[serde(default)]
+    iscrowd: Crowd,
+}
+
+/// `0`, `1`, `true` or `false`; nothing for anything else.
+#[derive(Deserialize)]
+#[serde(from = "serde_json::Value")]
+struct Crowd(Option<bool>);
+
+impl Default for Crowd {
+    fn default() -> Self {
+        Self(Some(false))
+    }
+}
+
+impl From<serde_json::Value> for Crowd {
+    fn from(value: serde_json::Value) -> Self {
+        Self(match value {
+            serde_json::Value::Bool(is_crowd) => Some(is_crowd),
+            value => match value.as_f64() {
+                Some(0.0) => Some(false),
+                Some(1.0) => Some(true),
+                _ => None,
+            },
+        })
+    }
+}
+
+/// What is needed to know whose annotation it is.
+#[derive(Deserialize)]
+pub(super) struct AnnotationOf {
+    #[serde(default)]
+    pub(super) image_id: Option<Id>,
+}
+
+/// What became of an image that a record names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Fate {
+    /// No record of it was read yet.
+    Unknown,
+    /// Its record is bad and reported.
+    Refused,
+    /// Its place among the rows.
+    Row(usize),
+}
+
+/// Takes the records of one index file.
+#[derive(Default)]
+pub(super) struct Reader {
+    name: String,
+    /// Images by id, numbered as they occur, in records of images or of annotations.
+    image_numbers: BTreeMap<Id, usize>,
+    fates: Vec<Fate>,
+    rows: Vec<Row>,
+    /// Classes by id, numbered as they occur.
+    category_numbers: BTreeMap<Id, usize>,
+    categories: Vec<Option<String>>,
+    /// The number of the image, and the box.
+    labels: Vec<(usize, Label)>,
+    /// The number of the image, and what is wrong.
+    problems: Vec<(usize, BadRecord)>,
+    bad: Vec<BadRecord>,
+    n_records: [usize; 3],
+}
+
+impl Reader {
+    /// For the index of this name.
+    pub(super) fn of(name: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            ..Self::default()
+        }
+    }
+
+    fn bad(&self, record: &str, reason: impl Into<String>) -> BadRecord {
+        BadRecord::new(format!("{}: {record}", self.name), reason)
+    }
+
+    fn image_number(&mut self, id: Id) -> usize {
+        let next = self.fates.len();
+        let number = *self.image_numbers.entry(id).or_insert(next);
+        if number == next {
+            self.fates.push(Fate::Unknown);
+        }
+        number
+    }
+
+    fn category_number(&mut self, id: Id) -> usize {
+        let next = self.categories.len();
+        let number = *self.category_numbers.entry(id).or_insert(next);
+        if number == next {
+            self.categories.push(None);
+        }
+        number
+    }
+
+    fn image(&mut self, text: &str, place: &str) {
+        let record: ImageRecord = match serde_json::from_str(text) {
+            Ok(record) => record,
+            Err(error) => {
+                self.bad.push(self.bad(place, record_reason(&error)));
+                return;
+            }
+        };
+        let place = format!("image {}", record.id);
+        let number = self.image_number(record.id.clone());
+        let is_first = self.fates.get(number) == Some(&Fate::Unknown);
+        let fate = match image_name(&record.file_name) {
+            _ if !is_first => {
+                let reason = format!("the id occurs twice, again for {:?}", record.file_name);
+                self.bad.push(self.bad(&place, reason));
+                return;
+            }
+            Ok(name) => {
+                self.rows.push(Row {
+                    name,
+                    id: record.id,
+                    labels_end: 0,
+                });
+                Fate::Row(self.rows.len() - 1)
+            }
+            Err(reason) => {
+                let bad = self.bad(&place, reason).of_image(&record.file_name);
+                self.bad.push(bad);
+                Fate::Refused
+            }
+        };
+        if let Some(known) = self.fates.get_mut(number) {
+            *known = fate;
+        }
+    }
+
+    fn category(&mut self, text: &str, place: &str) {
+        match serde_json::from_str::<CategoryRecord>(text) {
+            Ok(record) => {
+                let place = format!("category {}", record.id);
+                let number = self.category_number(record.id);
+                match self.categories.get_mut(number) {
+                    Some(name @ None) => *name = Some(record.name),
+                    _ => {
+                        let reason = format!("the id occurs twice, again for {:?}", record.name);
+                        self.bad.push(self.bad(&place, reason));
+                    }
+                }
+            }
+            Err(error) => self.bad.push(self.bad(place, record_reason(&error))),
+        }
+    }
+
+    fn annotation(&mut self, text: &str, place: &str) {
+        let (place, image_id, problem) = match serde_json::from_str::<AnnotationRecord>(text) {
+            Ok(record) => {
+                let place = match &record.id {
+                    Some(id) => format!("annotation {id}"),
+                    None => place.to_owned(),
+                };
+                let image_id = record.image_id.clone();
+                match self.label(record) {
+                    Ok(labeled) => {
+                        self.labels.push(labeled);
+                        return;
+                    }
+                    Err(reason) => (place, image_id, reason),
+                }
+            }
+            Err(error) => {
+                let of: Option<AnnotationOf> = serde_json::from_str(text).ok();
+                let image_id = of.and_then(|of| of.image_id);
+                (place.to_owned(), image_id, record_reason(&error))
+            }
+        };
+        let problem = self.bad(&place, problem);
+        match image_id {
+            Some(id) => {
+                let number = self.image_number(id);
+                self.problems.push((number, problem));
+            }
+            None => self.bad.push(problem),
+        }
+    }
+
+    /// The number of the image and the box.
+    fn label(&mut self, record: AnnotationRecord) -> Result<(usize, Label), String> {
+        let id = record.id.ok_or("it has no id")?;
+        let image_id = record.image_id.ok_or("it has no image_id")?;
+        let category_id = record.category_id.ok_or("it has no category_id")?;
+        let [x, y, w, h] = record.bbox.ok_or("it has no bbox")?;
+        let box_px = checked_box([x, y, x + w, y + h]).ok_or_else(|| {
+            format!("the bbox [{x}, {y}, {w}, {h}] px is not finite or has a negative side")
+        })?;
+        let kind = match record.iscrowd.0 {
+            Some(false) => ObjectKind::Regular,
+            Some(true) => ObjectKind::Crowd,
+            None => return Err("iscrowd is neither 0 nor 1".to_owned()),
+        };
+        let category = self.category_number(category_id);
+        let label = Label {
+            id,
+            category,
+            box_px,
+            kind,
+        };
+        Ok((self.image_number(image_id), label))
+    }
+
+    /// Names that stand for two images: the second is refused.
+    fn refuse_second_names(&mut self) {
+        let seconds = second_names(&self.rows);
+        if seconds.is_empty() {
+            return;
+        }
+        let mut kept = Vec::with_capacity(self.rows.len());
+        for (row_idx, row) in std::mem::take(&mut self.rows).into_iter().enumerate() {
+            let is_second = seconds.contains(&row_idx);
+            let fate = if is_second {
+                Fate::Refused
+            } else {
+                Fate::Row(kept.len())
+            };
+            if let Some(number) = self.image_numbers.get(&row.id)
+                && let Some(known) = self.fates.get_mut(*number)
+            {
+                *known = fate;
+            }
+            if is_second {
+                let reason = format!("the file_name {:?} occurs twice", row.name);
+                let bad = self.bad(&format!("image {}", row.id), reason);
+                self.bad.push(bad);
+            } else {
+                kept.push(row);
+            }
+        }
+        self.rows = kept;
+    }
+
+    /// Annotations that share an id: all but the first are problems, and stay in the index.
+    fn refuse_second_ids(&mut self) {
+        let seconds = seconds(&self.labels, |(_, label)| &label.id);
+        if seconds.is_empty() {
+            return;
+        }
+        let labels = std::mem::take(&mut self.labels);
+        for (idx, (number, label)) in labels.into_iter().enumerate() {
+            if seconds.contains(&idx) {
+                let place = format!("annotation {}", label.id);
+                let problem = self.bad(&place, "the id occurs twice");
+                self.problems.push((number, problem));
+            } else {
+                self.labels.push((number, label));
+            }
+        }
+    }
+
+    /// Sorts what belongs to each image to it and reports the rest.
+    pub(super) fn finish(mut self, path: PathBuf) -> IndexFile {
+        self.refuse_second_names();
+        self.refuse_second_ids();
+        let mut image_ids = vec![None; self.fates.len()];
+        for (id, number) in &self.image_numbers {
+            if let Some(place) = image_ids.get_mut(*number) {
+                *place = Some(id);
+            }
+        }
+        let fate_of = |number: usize| self.fates.get(number).copied().unwrap_or(Fate::Unknown);
+        let mut bad = Vec::new();
+        let mut labels = Vec::with_capacity(self.labels.len());
+        let mut problems = Vec::new();
+        let place_of = |label: &Label| format!("{}: annotation {}", self.name, label.id);
+        for (number, label) in std::mem::take(&mut self.labels) {
+            match fate_of(number) {
+                Fate::Refused => {}
+                Fate::Unknown => {
+                    let id = image_ids.get(number).copied().flatten();
+                    let id = id.map(ToString::to_string).unwrap_or_default();
+                    let reason = format!("its image {id} is not in the index");
+                    bad.push(BadRecord::new(place_of(&label), reason));
+                }
+                Fate::Row(row) if !matches!(self.categories.get(label.category), Some(Some(_))) => {
+                    let has_number = |(_, number): &(&Id, &usize)| **number == label.category;
+                    let id = self.category_numbers.iter().find(has_number);
+                    let id = id.map(|(id, _)| id.to_string()).unwrap_or_default();
+                    let reason = format!("its category {id} is not in the index");
+                    problems.push((row, BadRecord::new(place_of(&label), reason)));
+                }
+                Fate::Row(row) => labels.push((row, label)),
+            }
+        }
+        for (number, problem) in self.problems {
+            match fate_of(number) {
+                Fate::Row(row) => problems.push((row, problem)),
+                Fate::Unknown => bad.push(problem),
+                Fate::Refused => {}
+            }
+        }
+        self.bad.append(&mut bad);
+        let categories = self.categories.into_iter().map(Option::unwrap_or_default);
+        IndexFile {
+            name: self.name,
+            path,
+            rows: self.rows,
+            labels: Vec::new(),
+            categories: categories.collect(),
+            problems,
+            bad: self.bad,
+        }
+        .with_labels(labels)
+    }
+}
+
+impl Sink for Reader {
+    fn is_list(&self, key: &str) -> bool {
+        LISTS.contains(&key)
+    }
+
+    fn record(&mut self, key: &str, text: &str) -> io::Result<()> {
+        let Some(list_idx) = LISTS.iter().position(|list| *list == key) else {
+            return Ok(());
+        };
+        let [n_images, n_annotations, n_categories] = &mut self.n_records;
+        let (n, take): (_, fn(&mut Self, &str, &str)) = match list_idx {
+            0 => (n_images, Self::image),
+            1 => (n_annotations, Self::annotation),
+            _ => (n_categories, Self::category),
+        };
+        // From 0, as JSON tools count.
+        let place = format!("{key}[{n}]");
+        *n += 1;
+        take(self, text, &place);
+        Ok(())
+    }
+}
