@@ -5,14 +5,18 @@
 //! libFuzzer and [`replay`](../replay/index.html) call the same functions.
 #![forbid(unsafe_code)]
 
+mod bank;
 mod mutation;
 mod network;
 mod recipe;
+mod source;
 mod svg;
 
+pub use bank::{bank, coverage, pattern};
 pub use mutation::{Mutator, Vocabulary};
 pub use network::network;
 pub use recipe::recipe;
+pub use source::source;
 pub use svg::svg;
 
 /// A fuzz target: its name is the name of its corpus folder.
@@ -29,7 +33,25 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 3] = [
+pub const TARGETS: [Target; 7] = [
+    Target {
+        name: "bank",
+        check: bank,
+        vocabulary: bank::VOCABULARY,
+        n_mutations: 10000,
+    },
+    Target {
+        name: "coverage",
+        check: coverage,
+        vocabulary: bank::VOCABULARY,
+        n_mutations: 50000,
+    },
+    Target {
+        name: "pattern",
+        check: pattern,
+        vocabulary: bank::VOCABULARY,
+        n_mutations: 10000,
+    },
     Target {
         name: "recipe",
         check: recipe,
@@ -47,5 +69,11 @@ pub const TARGETS: [Target; 3] = [
         check: svg,
         vocabulary: svg::VOCABULARY,
         n_mutations: 100_000,
+    },
+    Target {
+        name: "source",
+        check: source,
+        vocabulary: source::VOCABULARY,
+        n_mutations: 1000,
     },
 ];

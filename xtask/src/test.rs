@@ -9,18 +9,21 @@ use crate::command::{cargo, line_of, run as run_command};
 use crate::metadata::Metadata;
 
 mod report;
+mod tools;
 
 use report::Report;
+use tools::Tools;
 
 /// The manifest of the fuzz targets, a workspace of its own.
 pub const FUZZ_MANIFEST: &str = "fuzz/Cargo.toml";
 
-/// `cargo xtask test`: all tests and doctests, then the replay of the fuzz corpus.
+/// `cargo xtask test`: the tools of the tests, all tests and doctests, then the replay of the fuzz corpus.
 ///
 /// # Errors
-/// If a test fails or the replay has a finding.
+/// If the tools cannot be made, a test fails or the replay has a finding.
 pub fn run(root: &Path) -> Result<(), Failure> {
-    let (report, tests) = run_tests(root)?;
+    let tools = Tools::prepare(root)?;
+    let (report, tests) = run_tests(root, &tools)?;
     let replay = [
         "run",
         "--quiet",
@@ -51,10 +54,11 @@ pub fn with_target_folder(root: &Path, mut command: Command) -> Result<Command, 
 }
 
 /// Runs cargo test, passes on what a reader wants to see, and counts.
-fn run_tests(root: &Path) -> Result<(Report, Result<(), Failure>), Failure> {
+fn run_tests(root: &Path, tools: &Tools) -> Result<(Report, Result<(), Failure>), Failure> {
     // --show-output, because tests say on their own output what they skip.
     let args = ["test", "--workspace", "--locked", "--no-fail-fast"];
     let mut command = cargo(root, &[&args[..], &["--", "--show-output"]].concat());
+    tools.name_to(&mut command);
     let line = line_of(&command);
     println!("== {line}");
     let broken = |cause: std::io::Error| Failure::new(format!("{line}: {cause}"));

@@ -43,6 +43,21 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     ("anyhow", SHELL, "libraries name their errors"),
     ("png", CODECS, "files are read and written in one place"),
     ("jpeg-encoder", CODECS, "files are written in one place"),
+    (
+        "ffmpeg-sidecar",
+        CODECS,
+        "clips are read and written in one place",
+    ),
+    (
+        "lz4_flex",
+        CODECS,
+        "only the records of banks are compressed",
+    ),
+    (
+        "crc32fast",
+        CODECS,
+        "only the records of banks have checksums of our own",
+    ),
     ("tiny-skia", CODECS, "it paints the embedded street"),
     ("saphyr-parser", CODECS, "only data.yaml of YOLO is YAML"),
     (
@@ -104,7 +119,11 @@ const LIBRARY_USES: &[(Use, &[&str], &str)] = &[
         &[],
         "libraries return, they do not print",
     ),
-    (Use::Std("process"), &[], "libraries do not own the process"),
+    (
+        Use::Std("process"),
+        &["crates/dataset/src/video/"],
+        "libraries do not own the process; clips are read and written by the program ffmpeg",
+    ),
     (
         Use::Std("env"),
         &[],

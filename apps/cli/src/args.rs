@@ -180,6 +180,8 @@ pub(crate) enum Verb {
         #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "replace"])]
         check: Option<PathBuf>,
     },
+    /// Put a crack before a clip, or its whole life from the impact on; also a folder of frames
+    Video(VideoArgs),
     /// Print a complete, commented recipe
     Recipe {
         /// Print the JSON Schema of recipes instead
@@ -219,6 +221,59 @@ pub(crate) enum Verb {
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
     },
+}
+
+/// Flags of `starbreak video`.
+#[derive(Debug, ClapArgs)]
+pub(crate) struct VideoArgs {
+    /// A clip, or a folder of PNG or JPEG frames, taken in the order of their names
+    #[arg(value_name = "IN")]
+    pub(crate) input: PathBuf,
+    /// Clip (.mp4, .m4v, .mov: H.264; .mkv; .avi: Motion JPEG), or a folder; beside it come
+    /// OUT.track.json and OUT.network.json
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    /// When the glass is hit, seconds after the first frame; frames before stay as they are
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    pub(crate) impact_at: f64,
+    /// Let the crack grow after the impact, at its own speed: mostly it is there within one frame
+    #[arg(long)]
+    pub(crate) grow: bool,
+    /// Slow the growth down to this many seconds
+    #[arg(long, value_name = "S", requires = "grow")]
+    pub(crate) growth_time: Option<f64>,
+    /// Folder for a region mask and a crack mask of each frame
+    #[arg(long, value_name = "DIR")]
+    pub(crate) masks: Option<PathBuf>,
+    /// Crack network (JSON or SVG) to use instead of simulating one
+    #[arg(long, value_name = "FILE")]
+    pub(crate) network: Option<PathBuf>,
+    /// Frames per second of a folder of frames, e.g. 10, 29.97 or 30000/1001
+    #[arg(long, value_name = "N")]
+    pub(crate) fps: Option<String>,
+    /// Keep every bit of the frames: FFV1 in .mkv
+    #[arg(long)]
+    pub(crate) lossless: bool,
+    /// Light around the camera: the mean of about the last second, or that of the first frame
+    #[arg(long, value_enum, default_value_t = LightWord::Follow)]
+    pub(crate) light: LightWord,
+    /// The program ffmpeg; without it the one on PATH
+    #[arg(
+        long,
+        value_name = "PATH",
+        default_value = "ffmpeg",
+        hide_default_value = true
+    )]
+    pub(crate) ffmpeg: PathBuf,
+}
+
+/// Which light a crack is under.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LightWord {
+    /// That of the first frame
+    First,
+    /// The mean of about the last second
+    Follow,
 }
 
 /// A model to measure.

@@ -2,6 +2,8 @@
 
 use std::fmt::Display;
 
+use starbreak::dataset::DatasetError;
+
 /// The work or some items failed.
 pub(crate) const SOME_FAILED: u8 = 1;
 /// The command line, the recipe or the input is wrong.
@@ -36,6 +38,14 @@ impl Failure {
 
 impl From<starbreak::Error> for Failure {
     fn from(error: starbreak::Error) -> Self {
+        if let starbreak::Error::Dataset(DatasetError::Video(video)) = &error
+            && video.is_failure_of_work()
+        {
+            return Self {
+                message: error.to_string(),
+                code: SOME_FAILED,
+            };
+        }
         Self::wrong_input(error)
     }
 }
@@ -46,8 +56,8 @@ impl From<starbreak::RecipeError> for Failure {
     }
 }
 
-impl From<starbreak::dataset::DatasetError> for Failure {
-    fn from(error: starbreak::dataset::DatasetError) -> Self {
+impl From<DatasetError> for Failure {
+    fn from(error: DatasetError) -> Self {
         Self::wrong_input(error)
     }
 }

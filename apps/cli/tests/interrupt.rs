@@ -119,3 +119,21 @@ fn an_interrupted_demo_leaves_no_temporary_files() {
         "done, or stopped in order: {outcome:?}"
     );
 }
+
+#[test]
+fn an_interrupted_bank_is_not_written() {
+    let dir = folder();
+    let args = [
+        "patterns", "-n", "100000", "-o", "bank", "--preset", "paper",
+    ];
+    let bank = dir.path().join("bank");
+    let outcome = interrupt(spawn(dir.path(), &args), || bank.exists());
+    assert_eq!(outcome.code, Some(130), "{outcome:?}");
+    assert!(
+        outcome
+            .stderr
+            .contains("as a whole or not at all, so nothing was written"),
+        "{outcome:?}"
+    );
+    assert_eq!(names(dir.path()), [""; 0], "something is left");
+}

@@ -1,6 +1,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use crate::video::VideoError;
 use crate::{BankFault, ImageFormat, SourceFormat};
 
 /// What went wrong with a file or a codec, as one line: the file, the fact, the way out.
@@ -275,6 +276,9 @@ pub enum DatasetError {
         /// What is wrong with it.
         fault: BankFault,
     },
+    /// A clip could not be read or written.
+    #[error(transparent)]
+    Video(#[from] VideoError),
     /// A provenance record that is not a JSON object with a `schema`.
     #[error(
         "the provenance record is not valid: {reason}; expected a JSON object with a text field \"schema\""

@@ -1,7 +1,7 @@
 //! Samples on disk: the one library of starbreak that touches files and image codecs.
 //!
 //! It is: a strict reader for PNG and JPEG, an encoder for images, masks, arrays and animations, an
-//! all-or-nothing writer for the files of one sample, and the opaque provenance record.
+//! all-or-nothing writer for the files of one sample, the opaque provenance record, and [`video`].
 //! It is not: a place for pixel arithmetic, recipes or labels; every value passes through it
 //! unchanged, and nothing in it depends on time, threads or the platform.
 //!
@@ -43,6 +43,8 @@ mod scene;
 mod source;
 mod text_file;
 
+pub mod video;
+
 pub use animation::{AnimationParams, encode_animation};
 pub use array::encode_array;
 pub use bank_file::{BankFault, BankFile, BankRecord, BankWriter, WrittenBank};
@@ -53,14 +55,14 @@ pub use error::DatasetError;
 pub use generated::{
     CarriedFile, Carry, Finding, GeneratedSet, ItemRecord, Manifest, MergeReport, SET_SCHEMA,
     STATE_FOLDER, SampleFiles, SetChecker, SetLayout, compare_identity, file_len, merge_sets,
-    safe_path, set_identity, sha256_of_file,
+    safe_path, set_identity,
 };
 pub use image_file::{
-    ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_image, read_image_bytes,
+    ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_bytes, read_image,
 };
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, is_inside, same_file};
-pub use provenance::{Provenance, sha256_hex};
+pub use provenance::{Provenance, sha256_file, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{
     BadRecord, FileRole, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat, SourceImage,

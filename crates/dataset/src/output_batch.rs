@@ -1,5 +1,6 @@
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -29,6 +30,7 @@ use crate::image_file::not_a_file;
 #[derive(Debug)]
 pub struct OutputBatch {
     staged: Vec<StagedFile>,
+    destinations: BTreeSet<PathBuf>,
     waits_for_disk: bool,
     /// Folders created by this batch, parents first.
     created_folders: Vec<PathBuf>,
@@ -40,6 +42,8 @@ pub(crate) struct StagedFile {
     /// The resolved folder with the file's name: where the file goes.
     destination: PathBuf,
     temporary: TempPath,
+    /// Whether another program fills it.
+    is_reserved: bool,
 }
 
 impl OutputBatch {
@@ -48,6 +52,7 @@ impl OutputBatch {
     pub fn new() -> Self {
         Self {
             staged: Vec::new(),
+            destinations: BTreeSet::new(),
             waits_for_disk: true,
             created_folders: Vec::new(),
         }
@@ -88,12 +93,26 @@ impl OutputBatch {
         Ok(())
     }
 
+    /// The temporary name of an empty file beside `path`, for another program to fill before the
+    /// commit; as [`stage`](Self::stage) otherwise.
+    ///
+    /// # Errors
+    ///
+    /// As for [`stage`](Self::stage).
+    pub fn reserve(&mut self, path: &Path) -> Result<PathBuf, DatasetError> {
+        let (_, mut staged) = self.begin(path)?;
+        staged.is_reserved = true;
+        let name = staged.temporary.to_path_buf();
+        self.end(staged);
+        Ok(name)
+    }
+
     /// Opens a file beside `path`, under a temporary name; [`OutputBatch::end`] stages it once it
     /// has been written.
     ///
     /// # Errors
     /// As for [`OutputBatch::stage`].
-    pub(crate) fn begin(&mut self, path: &Path) -> Result<(fs::File, StagedFile), DatasetError> {
+    pub(crate) fn begin(&mut self, path: &Path) -> Result<(File, StagedFile), DatasetError> {
         let file_name = file_name_of(path)?;
         if let Some(what) = fs::metadata(path).ok().as_ref().and_then(not_a_file) {
             return Err(DatasetError::DestinationNotAFile {
@@ -128,7 +147,7 @@ impl OutputBatch {
                 Err(e) => return Err(write_error(e)),
             }
         };
-        if self.staged.iter().any(|s| s.destination == destination) {
+        if self.destinations.contains(&destination) {
             return Err(DatasetError::DuplicateOutput {
                 path: path.to_owned(),
             });
@@ -138,12 +157,14 @@ impl OutputBatch {
         let staged = StagedFile {
             destination,
             temporary,
+            is_reserved: false,
         };
         Ok((file, staged))
     }
 
     /// Stages a file that has been written.
     pub(crate) fn end(&mut self, staged: StagedFile) {
+        self.destinations.insert(staged.destination.clone());
         self.staged.push(staged);
     }
 
@@ -155,6 +176,16 @@ impl OutputBatch {
     /// before are then removed again, with the folders created for them; files that existed and
     /// were already replaced are listed in the error.
     pub fn commit(mut self) -> Result<(), DatasetError> {
+        if self.waits_for_disk {
+            for staged in self.staged.iter().filter(|staged| staged.is_reserved) {
+                File::open(&staged.temporary)
+                    .and_then(|file| file.sync_all())
+                    .map_err(|source| DatasetError::Write {
+                        path: staged.destination.clone(),
+                        source,
+                    })?;
+            }
+        }
         let mut new_files = Vec::new();
         let mut replaced = Vec::new();
         for staged in std::mem::take(&mut self.staged) {

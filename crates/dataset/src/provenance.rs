@@ -1,3 +1,7 @@
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
@@ -7,6 +11,27 @@ use crate::error::{DatasetError, one_line};
 #[must_use]
 pub fn sha256_hex(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
+}
+
+/// SHA-256 of the bytes of a file of any length, as 64 lowercase hexadecimal digits.
+///
+/// # Errors
+///
+/// [`DatasetError::Read`] where the file cannot be read.
+pub fn sha256_file(path: &Path) -> Result<String, DatasetError> {
+    let read_error = |source| DatasetError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let mut file = File::open(path).map_err(read_error)?;
+    let mut digest = Sha256::new();
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut buffer).map_err(read_error)? {
+            0 => return Ok(hex(&digest.finalize())),
+            n => digest.update(buffer.get(..n).unwrap_or_default()),
+        }
+    }
 }
 
 /// Bytes as lowercase hexadecimal digits.

@@ -201,3 +201,13 @@ fn a_broken_index_is_one_clear_error() {
         );
     }
 }
+
+#[test]
+fn an_index_with_bytes_that_are_no_text_is_refused_wherever_they_stand() {
+    let dir = tempfile::tempdir().unwrap();
+    put(dir.path(), "images/100k/val/a.jpg", "");
+    let frames = b"{\"frames\": [{\"name\": \"a.jpg\"}], \"config\": {\"\xff\": 1}}";
+    put(dir.path(), INDEX, frames);
+    let error = try_open("bdd", dir.path()).unwrap_err().to_string();
+    assert!(error.contains("invalid unicode code point"), "{error}");
+}

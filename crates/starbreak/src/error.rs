@@ -4,6 +4,7 @@ use starbreak_dataset::DatasetError;
 use starbreak_fracture::FractureError;
 use starbreak_optics::OpticsError;
 
+use crate::clip::ClipError;
 use crate::{ImportError, RecipeError};
 
 /// Why a run or one of its items failed.
@@ -33,6 +34,9 @@ pub enum Error {
     /// A file could not be read or written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+    /// A request for a clip that makes no sense.
+    #[error(transparent)]
+    Clip(#[from] ClipError),
     /// A network file that holds no network.
     #[error("{path:?} {cause}")]
     Import {

@@ -20,6 +20,7 @@
 //! ```
 
 pub mod bank;
+pub mod clip;
 mod error;
 pub mod generate;
 pub mod import;

@@ -4,9 +4,16 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use starbreak::bank::{Baked, BankReport, PatternBank, write_bank};
-use starbreak::pipeline::{RunContext, simulate, with_threads};
-use starbreak::{Error, Recipe, Seed};
+use image::DynamicImage;
+use starbreak::bank::{BankReport, PatternBank, write_bank};
+use starbreak::dataset::{BankRecord, BankWriter, street_scene};
+use starbreak::optics::Coverage;
+use starbreak::optics::environment::Environment;
+use starbreak::optics::paper::{composite, draw};
+use starbreak::optics::physical::{Pattern, bake};
+use starbreak::pipeline::Baked;
+use starbreak::pipeline::{RunContext, simulate, view_of_network, with_threads};
+use starbreak::{Error, OpticsSettings, Recipe, Seed};
 
 const SIZE: (u32, u32) = (320, 96);
 
@@ -48,10 +55,7 @@ fn a_pattern_comes_out_as_it_went_in() {
                 assert!(!pattern.was_baked_anew, "{preset} {idx}");
                 assert_eq!(pattern.baked.size(), size, "{preset} {idx}");
                 assert_eq!(pattern.facts.summary, network.summary(), "{preset} {idx}");
-                let mask = match &pattern.baked {
-                    Baked::Physical(pattern) => pattern.coverage(),
-                    Baked::Paper(coverage) => coverage.to_mask(),
-                };
+                let mask = pattern.baked.crack_mask();
                 assert_eq!(pattern.crack_mask().unwrap(), mask, "{preset} {idx}");
                 if size == SIZE {
                     let sum: u64 = mask.as_raw().iter().map(|code| u64::from(*code)).sum();
@@ -86,6 +90,7 @@ fn packed(baked: &Baked) -> Vec<u8> {
     match baked {
         Baked::Physical(pattern) => pattern.to_packed(),
         Baked::Paper(coverage) => coverage.to_packed(),
+        Baked::Photo { .. } => panic!("no photograph is in this bank"),
     }
 }
 
@@ -141,4 +146,182 @@ fn items_get_all_patterns_about_as_often() {
     }
     // Binomial: 1000 ± 30.
     assert!(counts.iter().all(|n| n.abs_diff(1000) < 150), "{counts:?}");
+}
+
+/// Samples of two pictures that differ by one code, and by more.
+fn differences(a: &DynamicImage, b: &DynamicImage) -> [usize; 2] {
+    let mut n = [0; 2];
+    for (a, b) in a.as_bytes().iter().zip(b.as_bytes()) {
+        match a.abs_diff(*b) {
+            0 => {}
+            1 => n[0] += 1,
+            _ => n[1] += 1,
+        }
+    }
+    n
+}
+
+#[test]
+fn a_packed_pattern_shows_the_picture_of_the_unpacked_one_to_a_code() {
+    let (width, height) = (1242, 375);
+    let street = DynamicImage::ImageRgb8(street_scene().image);
+    for preset in [
+        "paper",
+        "windshield-star",
+        "windshield-combination",
+        "lens-cover-star",
+        "tempered-cover",
+    ] {
+        let settings = recipe(preset).settings().unwrap();
+        let (mut n_changed, mut n_off) = (0, [0; 2]);
+        for seed in (0..3).map(Seed) {
+            let network = simulate(&settings, width, height, seed).unwrap().network;
+            let view = view_of_network(&settings, &network, (width, height)).unwrap();
+            let (mut unpacked, mut packed) = (street.clone(), street.clone());
+            match &settings.optics {
+                OpticsSettings::Paper(optics) => {
+                    let drawn = draw(&network, &view, f64::INFINITY, optics);
+                    let bytes = drawn.to_packed();
+                    let again = Coverage::from_packed(&bytes).unwrap();
+                    assert!(again.to_packed() == bytes, "{preset}: packed twice");
+                    composite(&mut unpacked, &drawn, optics).unwrap();
+                    composite(&mut packed, &again, optics).unwrap();
+                }
+                OpticsSettings::Physical(optics) => {
+                    let pattern = bake(&network, f64::INFINITY, &view, optics, seed).unwrap();
+                    let bytes = pattern.to_packed();
+                    let again = Pattern::from_packed(&bytes).unwrap();
+                    assert!(again.to_packed() == bytes, "{preset}: packed twice");
+                    assert!(again.coverage() == pattern.coverage(), "{preset}: coverage");
+                    let light = Environment::estimate(&street, &optics.environment, pattern.f_px());
+                    pattern
+                        .light(&light, optics)
+                        .apply(&mut unpacked, seed)
+                        .unwrap();
+                    again
+                        .light(&light, optics)
+                        .apply(&mut packed, seed)
+                        .unwrap();
+                }
+            }
+            n_changed += differences(&street, &unpacked).iter().sum::<usize>();
+            let [one, more] = differences(&unpacked, &packed);
+            n_off = [n_off[0] + one, n_off[1] + more];
+        }
+        println!("{preset}: {n_changed} samples changed, {n_off:?} off by one code, by more");
+        assert!(n_changed > 3000, "{preset}: nothing to see");
+        assert!(
+            n_off[0] * 25 < n_changed,
+            "{preset}: {n_off:?} of {n_changed} are off"
+        );
+        // The renderer averages a mirror's picture over steps of width; one may fall to either side.
+        assert!(
+            n_off[1] * 5000 < n_changed,
+            "{preset}: {n_off:?} of {n_changed} by more"
+        );
+    }
+}
+
+#[test]
+fn damaged_packed_forms_are_refused_or_read_but_never_more() {
+    let settings = recipe("windshield-star").settings().unwrap();
+    let network = simulate(&settings, 160, 60, Seed(3)).unwrap().network;
+    let view = view_of_network(&settings, &network, (160, 60)).unwrap();
+    let OpticsSettings::Physical(optics) = &settings.optics else {
+        panic!("a preset of the physics");
+    };
+    let pattern = bake(&network, f64::INFINITY, &view, optics, Seed(3)).unwrap();
+    let bytes = pattern.to_packed();
+    for n in 0..bytes.len() {
+        let error = Pattern::from_packed(&bytes[..n]).map(|_| ()).unwrap_err();
+        assert!(
+            error.to_string().starts_with("not a packed pattern"),
+            "{n}: {error}"
+        );
+    }
+    for at in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x55;
+        if let Ok(pattern) = Pattern::from_packed(&damaged) {
+            let _ = pattern.coverage();
+        }
+    }
+    let longer = [bytes.as_slice(), &[0]].concat();
+    assert!(Pattern::from_packed(&longer).is_err(), "a byte too many");
+}
+
+#[test]
+fn recipes_that_make_other_patterns_are_told_apart() {
+    let own = recipe("windshield-star");
+    let mut other = own.clone();
+    other.set("output.quality=71").unwrap();
+    assert_eq!(own.first_difference(&other), None, "how images are stored");
+    other.set("impact.0.speed_m_s=31.5").unwrap();
+    let difference = own.first_difference(&other).unwrap();
+    assert!(
+        difference.starts_with("impact.0.speed_m_s = "),
+        "{difference}"
+    );
+    assert!(difference.ends_with("not 31.5"), "{difference}");
+    let paper = recipe("paper");
+    assert!(own.first_difference(&paper).is_some(), "another model");
+}
+
+#[test]
+fn records_that_are_whole_but_mean_nothing_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("patterns.bank");
+    let header = {
+        bank("paper", 1, &[SIZE], &path);
+        let bank = PatternBank::open(&path).unwrap();
+        serde_json::to_vec(bank.header()).unwrap()
+    };
+    let forge = |header: &[u8], records: &[&[u8]]| {
+        let mut writer = BankWriter::create(&path, header).unwrap();
+        for record in records {
+            let record = BankRecord::new(record.to_vec());
+            writer.append(&record).unwrap();
+        }
+        writer.finish().unwrap().commit(&[]).unwrap();
+        PatternBank::open(&path)
+    };
+    let bank = forge(&header, &[b"no network", b"no pattern"]).unwrap();
+    for error in [
+        bank.network(0).map(|_| ()).unwrap_err(),
+        bank.pattern(0, SIZE).map(|_| ()).unwrap_err(),
+        bank.check(|_| true).unwrap_err(),
+    ] {
+        let message = error.to_string();
+        assert!(message.contains("pattern 0: "), "{message}");
+        assert!(!message.contains('\n'), "{message}");
+    }
+    let message = bank.network(1).unwrap_err().to_string();
+    assert!(message.contains("no pattern 1, only 1"), "{message}");
+    for (header, named) in [
+        (&b"no json"[..], "no JSON"),
+        (
+            b"{\"schema\":\"starbreak.bank/2\"}",
+            "\"starbreak.bank/2\"; this version reads",
+        ),
+        (b"{\"schema\":\"starbreak.bank/1\"}", "not understood"),
+    ] {
+        let message = forge(header, &[b"", b""])
+            .map(|_| ())
+            .unwrap_err()
+            .to_string();
+        assert!(message.contains(named), "{message}");
+    }
+    let message = forge(&header, &[b""]).map(|_| ()).unwrap_err().to_string();
+    assert!(
+        message.contains("its 1 records do not fit its 1 frame sizes"),
+        "{message}"
+    );
+    let text = String::from_utf8(header)
+        .unwrap()
+        .replace("\"simulated\"", "\"photographs\"");
+    let message = forge(text.as_bytes(), &[])
+        .map(|_| ())
+        .unwrap_err()
+        .to_string();
+    assert!(message.contains("not understood"), "{message}");
 }

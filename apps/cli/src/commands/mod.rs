@@ -17,6 +17,7 @@ mod shell;
 mod simulate;
 mod sweep;
 mod verify;
+mod video;
 
 use std::process::ExitCode;
 
@@ -121,6 +122,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
                 "patterns needs a number -n and a folder -o, or --info BANK, or --check BANK",
             )),
         },
+        Verb::Video(args) => video::run(global, args, screen),
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
         Verb::Bench {
             output,

@@ -14,8 +14,12 @@ const COLOR: &str = "#0072b2";
 /// Pixels per user unit of the PNG.
 const PNG_SCALE: f32 = 2.0;
 
-/// Bins of a histogram.
-const BINS: usize = 30;
+/// Bins of a histogram, of few patterns and of many.
+const FEW_BINS: usize = 10;
+const BINS: usize = 40;
+
+/// Patterns from which on they are many.
+const MANY: usize = 200;
 
 /// What all patterns of a bank are like.
 pub(super) struct Statistics {
@@ -190,13 +194,25 @@ fn histogram(values: &[f64]) -> Plot {
     sorted.sort_by(f64::total_cmp);
     let at = sorted.len().saturating_sub(1) * 199 / 200;
     let most = sorted.get(at).copied().unwrap_or(0.0);
-    let most = if most > 0.0 { most } else { 1.0 };
+    let most = round_above(most);
     let clamped = values.iter().map(|value| value.min(most));
     Plot::Histogram(
         Histogram::new()
             .with_data(clamped)
             .with_range((0.0, most))
-            .with_bins(BINS)
+            .with_bins(if values.len() < MANY { FEW_BINS } else { BINS })
             .with_color(COLOR),
     )
+}
+
+/// The next number that is round, so that an axis up to it has round ticks.
+fn round_above(value: f64) -> f64 {
+    if value <= 0.0 {
+        return 1.0;
+    }
+    let power = 10_f64.powf(value.log10().floor());
+    let round = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0]
+        .into_iter()
+        .find(|round| round * power >= value);
+    round.unwrap_or(10.0) * power
 }

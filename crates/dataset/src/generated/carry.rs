@@ -1,7 +1,7 @@
 //! Labels and other files of the source, carried over as they are.
 
 use std::fs::{self, File};
-use std::io::{self, Read as _, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use super::GeneratedSet;
 use crate::error::DatasetError;
 use crate::output_batch::create_temporary;
 use crate::paths::same_file;
-use crate::provenance::hex;
+use crate::provenance::{hex, sha256_file};
 
 /// How files are carried over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,14 +45,14 @@ impl GeneratedSet {
         let n_bytes = fs::metadata(&from).map_err(read_error(&from))?.len();
         let there = fs::metadata(&to).ok().filter(|there| there.is_file());
         if let Some(there) = there.filter(|there| there.len() == n_bytes) {
-            let carried = carried(name, there.len(), &sha256_of_file(&to)?);
+            let carried = carried(name, there.len(), &sha256_file(&to)?);
             // A copy that an earlier run has made is compared; a link is the file.
-            if same_file(&from, &to) || sha256_of_file(&from)? == carried.sha256 {
+            if same_file(&from, &to) || sha256_file(&from)? == carried.sha256 {
                 return Ok(carried);
             }
         }
         if how == Carry::HardLink && self.link(&from, &to)? {
-            return Ok(carried(name, n_bytes, &sha256_of_file(&from)?));
+            return Ok(carried(name, n_bytes, &sha256_file(&from)?));
         }
         let mut source = File::open(&from).map_err(read_error(&from))?;
         self.put_with(name, &mut |out| {
@@ -136,22 +136,6 @@ fn read_error(path: &Path) -> impl FnOnce(io::Error) -> DatasetError {
 /// [`DatasetError::Read`].
 pub fn file_len(path: &Path) -> Result<u64, DatasetError> {
     Ok(fs::metadata(path).map_err(read_error(path))?.len())
-}
-
-/// SHA-256 of a file of any length, read in pieces: 64 lowercase hexadecimal digits.
-///
-/// # Errors
-/// [`DatasetError::Read`].
-pub fn sha256_of_file(path: &Path) -> Result<String, DatasetError> {
-    let mut file = File::open(path).map_err(read_error(path))?;
-    let mut digest = Sha256::new();
-    let mut piece = vec![0; 1 << 16];
-    loop {
-        match file.read(&mut piece).map_err(read_error(path))? {
-            0 => return Ok(hex(&digest.finalize())),
-            n => digest.update(&piece[..n]),
-        }
-    }
 }
 
 /// Writes and hashes at once.

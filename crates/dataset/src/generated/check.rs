@@ -8,10 +8,10 @@ use std::path::Path;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
-use super::carry::sha256_of_file;
 use super::lists::{Manifest, read_list, read_manifest};
 use super::{CarriedFile, ItemRecord, STATE_FOLDER, SetLayout, is_there};
 use crate::error::DatasetError;
+use crate::provenance::sha256_file;
 
 /// Something that is wrong with a set.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -96,7 +96,7 @@ impl SetChecker {
             let path = self.layout.state(name);
             let what = if !is_there(&path)? {
                 "is missing"
-            } else if sha256_of_file(&path)? != *sha256 {
+            } else if sha256_file(&path)? != *sha256 {
                 "is not the one that the manifest means"
             } else {
                 continue;
@@ -166,7 +166,7 @@ impl SetChecker {
             Err(error) => return finding(error.to_string()),
             Ok(true) => {}
         }
-        match sha256_of_file(&path) {
+        match sha256_file(&path) {
             Ok(found) if found == sha256 => None,
             Ok(_) => finding("has other bytes than the run wrote".to_owned()),
             Err(error) => finding(error.to_string()),

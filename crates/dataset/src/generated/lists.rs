@@ -61,7 +61,7 @@ impl GeneratedSet {
             n_failed,
             n_skipped,
             n_files: files.len() as u64,
-            run_sha256: super::carry::sha256_of_file(&self.layout.state("run.json"))?,
+            run_sha256: crate::provenance::sha256_file(&self.layout.state("run.json"))?,
             items_sha256: items.sha256,
             files_sha256: files_list.sha256,
         };

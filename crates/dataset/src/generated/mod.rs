@@ -26,7 +26,7 @@ mod layout;
 mod lists;
 mod merge;
 
-pub use carry::{CarriedFile, Carry, file_len, sha256_of_file};
+pub use carry::{CarriedFile, Carry, file_len};
 pub use check::{Finding, SetChecker};
 pub use identity::compare_identity;
 pub use items::ItemRecord;

@@ -122,16 +122,13 @@ pub fn read_image(path: &Path, limits: &ImageLimits) -> Result<ImageFile, Datase
     decode_image(&name, &bytes, limits)
 }
 
-/// The bytes of the file of an image, not decoded.
+/// The bytes of an ordinary file, as [`read_image`] reads them; the messages call it by its path.
 ///
 /// # Errors
 ///
 /// [`DatasetError::Read`], [`DatasetError::NotAFile`] and [`DatasetError::FileTooLong`].
-pub fn read_image_bytes(path: &Path, limits: &ImageLimits) -> Result<Vec<u8>, DatasetError> {
-    let name = path.to_string_lossy();
-    let bytes = read_file(path, &name, limits.max_file_bytes)?;
-    check_file_len(&name, bytes.len() as u64, limits.max_file_bytes)?;
-    Ok(bytes)
+pub fn read_bytes(path: &Path, max_bytes: u64) -> Result<Vec<u8>, DatasetError> {
+    read_file(path, &path.to_string_lossy(), max_bytes)
 }
 
 /// The image in the bytes of a file; the pure part of [`read_image`].

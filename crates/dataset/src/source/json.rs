@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::{self, BufReader, Write};
 use std::path::Path;
 
-use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeSeed, Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 
@@ -26,9 +26,6 @@ pub(super) trait Sink {
 
     /// Takes a record, in the very characters of the file.
     fn record(&mut self, key: &str, text: &str) -> io::Result<()>;
-
-    /// Whether [`member`](Self::member) is to be called.
-    const TAKES_MEMBERS: bool = false;
 
     /// Takes a member that is not a list of records.
     fn member(&mut self, _key: &str, _text: &str) -> io::Result<()> {
@@ -135,12 +132,11 @@ impl<'de, S: Sink> Visitor<'de> for WholeFile<'_, S> {
                 let sink = &mut *self.sink;
                 map.next_value_seed(Records { key: &key, sink })?;
                 seen.push(key);
-            } else if S::TAKES_MEMBERS {
+            } else {
+                // Not skipped unseen: what is no text must be found before a copy is written.
                 let text: Box<RawValue> = map.next_value()?;
                 let taken = self.sink.member(&key, text.get());
                 taken.map_err(A::Error::custom)?;
-            } else {
-                map.next_value::<IgnoredAny>()?;
             }
         }
         Ok(seen)
@@ -325,8 +321,6 @@ impl<K> Copy<'_, '_, K> {
 }
 
 impl<K: FnMut(&str, &str) -> bool> Sink for Copy<'_, '_, K> {
-    const TAKES_MEMBERS: bool = true;
-
     fn is_list(&self, key: &str) -> bool {
         self.lists.contains(&key)
     }

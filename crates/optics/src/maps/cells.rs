@@ -45,15 +45,6 @@ impl<const L: usize> Row<L> {
         cell
     }
 
-    /// Adds a part of some lanes to a cell, if it is one of the row's.
-    pub(super) fn add(&mut self, column: usize, part: f32, lanes: &[f32; L], from: &Cell<L>) {
-        if column < self.cells.len() {
-            let to = self.cell(column, from.kernel, part * from.most);
-            let sum = to.lanes;
-            to.lanes = std::array::from_fn(|l| sum[l] + part * lanes[l]);
-        }
-    }
-
     /// Empties the touched cells, each given to `each` before.
     pub(super) fn drain(&mut self, mut each: impl FnMut(usize, &Cell<L>)) {
         for column in self.touched.drain(..) {

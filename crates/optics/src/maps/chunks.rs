@@ -53,7 +53,12 @@ impl<const L: usize> Chunks<L> {
         self.runs.is_empty()
     }
 
-    /// Adds to a pixel.
+    /// Number of runs that exist.
+    pub(crate) fn n_runs(&self) -> usize {
+        self.runs.len()
+    }
+
+    /// Adds to a row of pixels.
     pub(crate) fn add_row(&mut self, y: usize, start: usize, values: &[[f32; L]]) {
         let mut x = start;
         let mut rest = values;

@@ -10,9 +10,9 @@ pub(super) struct Emitter<const L: usize> {
     level: i32,
     margin: usize,
     n_shares: usize,
-    /// The present row of cells, and the part of it that is set.
+    /// The present row of cells, and the part of it that is set where cells are no pixels.
     pub(super) row: Vec<[f32; L]>,
-    pub(super) span: [usize; 2],
+    span: [usize; 2],
     /// Fine cells: the sum of the rows of a pixel so far.
     other: Vec<[f32; L]>,
     other_span: [usize; 2],
@@ -47,20 +47,29 @@ impl<const L: usize> Emitter<L> {
         self.span = [0, 0];
     }
 
+    /// Takes the cells of a run that has been written to `row`.
+    pub(super) fn end_run(&mut self, row: usize, run: [usize; 2], frame: &mut Chunks<L>) {
+        if self.level == 0 {
+            self.equal(row, run, frame);
+        } else {
+            self.span = union(self.span, run);
+        }
+    }
+
+    /// Takes a row of which all runs have been.
     pub(super) fn end_row(&mut self, row: usize, frame: &mut Chunks<L>) {
         match self.level {
-            0 => self.equal(row, frame),
+            0 => {}
             1.. => self.fine(row, frame),
             _ => self.coarse(row, frame),
         }
     }
 
-    fn equal(&mut self, row: usize, frame: &mut Chunks<L>) {
+    fn equal(&mut self, row: usize, [first, last]: [usize; 2], frame: &mut Chunks<L>) {
         let (width, height) = frame.size();
         let Some(y) = row.checked_sub(self.margin).filter(|y| *y < height) else {
             return;
         };
-        let [first, last] = self.span;
         let (start, end) = (
             first.saturating_sub(self.margin),
             last.saturating_sub(self.margin).min(width),

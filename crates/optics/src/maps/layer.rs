@@ -9,6 +9,7 @@
 
 use std::collections::BTreeMap;
 
+use super::active::{Active, Coverage};
 use super::cells::Row;
 use super::chunks::Chunks;
 use super::emit::Emitter;
@@ -44,6 +45,9 @@ const IN_FOCUS_PX: f64 = 0.02;
 /// Radii within this ratio share a kernel.
 const RADIUS_RATIO: f64 = 1.005;
 
+/// Cells of a row that are summed up, or left out, together.
+const BLOCK: usize = 16;
+
 /// The sum of all facets over the frame, each spread by its disc.
 ///
 /// The first `n_shares` lanes are shares of coverage: where facets overlap they are scaled, with
@@ -68,10 +72,10 @@ pub(crate) fn spread<const L: usize>(
 
 /// A size of cells, and whether coverage is found on halves of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Level {
+pub(super) struct Level {
     /// Cells per px as a power of two.
     exponent: i32,
-    is_halved: bool,
+    pub(super) is_halved: bool,
 }
 
 impl Level {
@@ -104,7 +108,7 @@ impl Level {
     /// They keep sum and mean, and their second moment, cells², makes up for all that blurs
     /// besides the disc and the pixel itself: the half's own width, and for coarse cells the
     /// kernel's cells.
-    fn weights(self) -> [f32; 3] {
+    pub(super) fn weights(self) -> [f32; 3] {
         let kernel = if self.exponent >= 0 { 0.0 } else { 1.0 / 12.0 };
         let second = 1.0 / 16.0 - 1.0 / 48.0 - kernel;
         [0.5 * (second - 0.25), 1.0 - second, 0.5 * (second + 0.25)]
@@ -112,15 +116,15 @@ impl Level {
 }
 
 /// One size of cells.
-struct Layer<const L: usize> {
-    level: Level,
-    n_shares: usize,
+pub(super) struct Layer<const L: usize> {
+    pub(super) level: Level,
+    pub(super) n_shares: usize,
     /// Cells per px.
-    scale: f64,
+    pub(super) scale: f64,
     /// Cells around the frame on each side.
-    margin: usize,
+    pub(super) margin: usize,
     /// Cells across and down, margins included.
-    columns: usize,
+    pub(super) columns: usize,
     rows: usize,
     kernels: Vec<Kernel>,
     /// Kernel of each facet.
@@ -129,8 +133,11 @@ struct Layer<const L: usize> {
     /// sides for discs that reach out of the margin.
     ring: Vec<[f32; L]>,
     ring_mask: usize,
-    /// Touched cells of each row of the ring: first and last.
-    spans: Vec<[usize; 2]>,
+    /// Which blocks of each row of the ring are touched, and how many words hold those of a row.
+    touched: Vec<u64>,
+    n_words: usize,
+    /// Blocks that the present row of cells touches; empty between rows.
+    scattered: Vec<u64>,
     reach: usize,
 }
 
@@ -158,6 +165,7 @@ impl<const L: usize> Layer<L> {
         };
         let (columns, rows) = (cells(width) + 2 * margin, cells(height) + 2 * margin);
         let ring_rows = (2 * reach + 1).next_power_of_two();
+        let n_words = (columns + 2 * reach).div_ceil(64 * BLOCK);
         Self {
             level,
             n_shares,
@@ -169,49 +177,43 @@ impl<const L: usize> Layer<L> {
             kernel_of,
             ring: vec![[0.0; L]; ring_rows * (columns + 2 * reach)],
             ring_mask: ring_rows - 1,
-            spans: vec![[usize::MAX, 0]; ring_rows],
+            touched: vec![0; ring_rows * n_words],
+            n_words,
+            scattered: vec![0; n_words],
             reach,
         }
     }
 
     fn run(mut self, facets: &[&Facet<L>], frame: &mut Chunks<L>) {
         let per_cell = if self.level.is_halved { 2 } else { 1 };
-        let fine = self.scale * f64::from(per_cell);
-        let per_cell = per_cell as usize;
-        let (columns, rows) = (self.columns * per_cell, self.rows * per_cell);
-        let margin = self.margin * per_cell;
-        let mut waiting = placed(facets, fine, margin, (columns, rows))
-            .into_iter()
-            .peekable();
-        let mut active: Vec<Placed> = Vec::new();
-        let mut covered = Row::new(columns + 2);
-        let mut across = Row::new(self.columns);
-        let mut shared = [0; 3].map(|_| Row::new(self.columns));
-        let mut scratch = vec![0.0_f32; columns + 3];
+        let fine_rows = self.rows * per_cell;
+        let mut waiting = placed(
+            facets,
+            self.scale * if self.level.is_halved { 2.0 } else { 1.0 },
+            self.margin * per_cell,
+            (self.columns * per_cell, fine_rows),
+        )
+        .into_iter()
+        .peekable();
+        let mut active: Vec<Active<L>> = Vec::new();
+        let mut spare: Vec<Vec<f32>> = Vec::new();
+        let mut coverage = Coverage::new(self.columns * per_cell);
+        let mut cells = Row::new(self.columns);
         let mut emitter = Emitter::new(
             self.level.exponent,
             self.margin,
             self.columns,
             self.n_shares,
         );
-        for fine_row in 0..rows {
+        for fine_row in 0..fine_rows {
             while let Some(placed) = waiting.next_if(|placed| placed.first <= fine_row) {
-                active.push(placed);
-            }
-            active.retain(|placed| placed.last > fine_row);
-            for placed in &active {
                 let facet = facets[placed.facet];
                 let kernel = self.kernel_of[placed.facet];
-                cover(
-                    placed,
-                    facet,
-                    (fine_row, margin, fine, kernel),
-                    self.n_shares,
-                    &mut scratch,
-                    &mut covered,
-                );
+                let slots = spare.pop().unwrap_or_default();
+                active.push(Active::new(placed, facet, kernel, &self, slots));
             }
-            self.share(fine_row, &mut covered, &mut across, &mut shared);
+            coverage.cover(fine_row, &active);
+            coverage.share(fine_row, self.level, &mut active);
             // The second half of the next row was the last to share with this one.
             let complete = if per_cell == 1 {
                 Some(fine_row)
@@ -221,11 +223,24 @@ impl<const L: usize> Layer<L> {
                     .flatten()
             };
             if let Some(row) = complete {
-                self.finish(row, &mut shared, &mut emitter, frame);
+                for facet in &mut active {
+                    facet.hand_on(row, &self, &mut cells);
+                }
+                active.retain_mut(|facet| {
+                    let stays = facet.last_row > row;
+                    if !stays {
+                        spare.push(std::mem::take(&mut facet.slots));
+                    }
+                    stays
+                });
+                self.finish(row, &mut cells, &mut emitter, frame);
             }
         }
         for row in self.rows - per_cell + 1..self.rows + self.reach {
-            self.finish(row, &mut shared, &mut emitter, frame);
+            for facet in &mut active {
+                facet.hand_on(row, &self, &mut cells);
+            }
+            self.finish(row, &mut cells, &mut emitter, frame);
         }
     }
 
@@ -233,131 +248,122 @@ impl<const L: usize> Layer<L> {
     fn finish(
         &mut self,
         row: usize,
-        shared: &mut [Row<L>; 3],
+        cells: &mut Row<L>,
         emitter: &mut Emitter<L>,
         frame: &mut Chunks<L>,
     ) {
         if row < self.rows {
-            self.scatter(row, &mut shared[row % 3]);
+            self.scatter(row, cells);
         }
-        if let Some(row) = row.checked_sub(self.reach) {
-            self.finish_row(row, emitter, frame);
-        }
+        self.finish_row(row, emitter, frame);
     }
 
-    /// Shares the covered cells of a row of halves among the cells of three rows, first along the
-    /// row and then across; without halves hands them on as they are. `across` is empty before
-    /// and after.
-    fn share(
-        &self,
-        fine_row: usize,
-        covered: &mut Row<L>,
-        across: &mut Row<L>,
-        shared: &mut [Row<L>; 3],
-    ) {
-        let n_shares = self.n_shares;
-        let weights = self.level.weights();
-        covered.drain(|column, cell| {
-            let mut lanes = cell.lanes;
-            let share: f32 = lanes[..n_shares].iter().sum();
-            if share > 1.0 {
-                for lane in &mut lanes {
-                    *lane /= share;
-                }
-            }
-            if self.level.is_halved {
-                // A cell's value is the mean over its halves.
-                for (column, part) in shares_of(column, weights) {
-                    across.add(column, 0.5 * part, &lanes, cell);
-                }
-            } else {
-                shared[fine_row % 3].add(column, 1.0, &lanes, cell);
-            }
-        });
-        if !self.level.is_halved {
-            return;
-        }
-        across.drain(|column, cell| {
-            for (row, part) in shares_of(fine_row, weights) {
-                if row < self.rows {
-                    shared[row % 3].add(column, 0.5 * part, &cell.lanes, cell);
-                }
-            }
-        });
-    }
-
-    /// Scatters the cells of a row over their discs, and empties them.
+    /// Scatters the cells of a row over their discs, and empties them. Rows of the ring begin
+    /// `reach` before those of the cells.
     fn scatter(&mut self, row: usize, cells: &mut Row<L>) {
         let stride = self.columns + 2 * self.reach;
+        let mut touched = std::mem::take(&mut self.scattered);
         cells.drain(|column, cell| {
             let lanes = cell.lanes;
-            let middle = (column + self.reach).cast_signed();
-            for (dy, dx, steps) in self.kernels[cell.kernel as usize].runs() {
-                let Some(y) = row.checked_add_signed(dy as isize) else {
-                    continue;
-                };
-                let slot = y & self.ring_mask;
-                let first = (middle + dx as isize).cast_unsigned();
-                let end = first + steps.len();
-                let line = &mut self.ring[slot * stride + first..slot * stride + end];
-                for (to, step) in line.iter_mut().zip(steps) {
-                    // As one array, of which the compiler makes vectors.
-                    let sum = *to;
-                    *to = std::array::from_fn(|l| sum[l] + step * lanes[l]);
+            let (middle, row) = (column + self.reach, row + self.reach);
+            let kernel = &self.kernels[cell.kernel as usize];
+            for stretch in kernel.stretches() {
+                let slot = row.wrapping_add_signed(stretch.dy as isize) & self.ring_mask;
+                let line = slot * stride + middle;
+                for end in &stretch.ends {
+                    let at = line.wrapping_add_signed(end.dx as isize);
+                    if let Some([one, two]) = self.ring.get_mut(at..at + 2) {
+                        // As whole arrays, of which the compiler makes vectors.
+                        let sums = [*one, *two];
+                        *one = std::array::from_fn(|l| sums[0][l] + end.steps[0] * lanes[l]);
+                        *two = std::array::from_fn(|l| sums[1][l] + end.steps[1] * lanes[l]);
+                    }
                 }
-                let span = &mut self.spans[slot];
-                *span = [span[0].min(first), span[1].max(end - 1)];
+            }
+            let reach = kernel.reach();
+            for block in (middle - reach) / BLOCK..=(middle + reach) / BLOCK {
+                if let Some(word) = touched.get_mut(block / 64) {
+                    *word |= 1 << (block % 64);
+                }
             }
         });
-    }
-
-    /// Sums up a row that no later disc reaches, hands it on, and clears it.
-    fn finish_row(&mut self, row: usize, emitter: &mut Emitter<L>, frame: &mut Chunks<L>) {
-        let slot = row & self.ring_mask;
-        let stride = self.columns + 2 * self.reach;
-        let [first, last] = self.spans[slot];
-        emitter.begin_row();
-        if first <= last {
-            let line = &mut self.ring[slot * stride..][first..=last];
-            let mut sum = [0.0_f32; L];
-            for (column, step) in (first..).zip(line) {
-                sum = std::array::from_fn(|l| sum[l] + step[l]);
-                *step = [0.0; L];
-                if column >= self.reach && column < self.reach + self.columns {
-                    emitter.row[column - self.reach] = sum;
+        if touched.iter().any(|word| *word > 0) {
+            for y in row..=row + 2 * self.reach {
+                let first = (y & self.ring_mask) * self.n_words;
+                for (word, touched) in self.touched[first..].iter_mut().zip(&touched) {
+                    *word |= touched;
                 }
             }
-            emitter.span = [
-                first.saturating_sub(self.reach),
-                (last + 1).saturating_sub(self.reach).min(self.columns),
-            ];
-            self.spans[slot] = [usize::MAX, 0];
+            touched.fill(0);
         }
-        emitter.end_row(row, frame);
+        self.scattered = touched;
+    }
+
+    /// Sums up the row of the ring that no later disc reaches, hands it on, and clears it.
+    fn finish_row(&mut self, ring_row: usize, emitter: &mut Emitter<L>, frame: &mut Chunks<L>) {
+        let slot = ring_row & self.ring_mask;
+        let stride = self.columns + 2 * self.reach;
+        emitter.begin_row();
+        let line = &mut self.ring[slot * stride..][..stride];
+        let words = &mut self.touched[slot * self.n_words..][..self.n_words];
+        let row = ring_row.checked_sub(self.reach);
+        let mut next = 0;
+        while let Some([first, end]) = run_of_blocks(words, next) {
+            next = end;
+            let [first, end] = [first * BLOCK, (end * BLOCK).min(stride)];
+            // The columns of cells among them.
+            let within = [first, end].map(|at| at.clamp(self.reach, self.reach + self.columns));
+            let cells = within.map(|at| at - self.reach);
+            let mut sum = [0.0_f32; L];
+            for step in &mut line[first..within[0]] {
+                sum = std::array::from_fn(|l| sum[l] + step[l]);
+            }
+            let steps = &mut line[within[0]..within[1]];
+            for (step, to) in steps.iter_mut().zip(&mut emitter.row[cells[0]..cells[1]]) {
+                sum = std::array::from_fn(|l| sum[l] + step[l]);
+                *to = sum;
+            }
+            line[first..end].fill([0.0; L]);
+            if let Some(row) = row {
+                emitter.end_run(row, cells, frame);
+            }
+        }
+        words.fill(0);
+        if let Some(row) = row {
+            emitter.end_row(row, frame);
+        }
     }
 }
 
-/// The cells that a half is shared among along one axis, and their parts; the first may lie before
-/// the first cell.
-fn shares_of(half: usize, [far, own, near]: [f32; 3]) -> [(usize, f32); 3] {
-    let cell = half / 2;
-    let (before, after) = if half.is_multiple_of(2) {
-        (near, far)
-    } else {
-        (far, near)
+/// The next blocks from `start` on of which the bits are set: the first of them and the one after
+/// the last.
+fn run_of_blocks(words: &[u64], start: usize) -> Option<[usize; 2]> {
+    let n = 64 * words.len();
+    let next = |from: usize, is_set: bool| {
+        let mut at = from;
+        while at < n {
+            let word = if is_set {
+                words[at / 64]
+            } else {
+                !words[at / 64]
+            };
+            let rest = word >> (at % 64);
+            if rest > 0 {
+                return at + rest.trailing_zeros() as usize;
+            }
+            at = (at / 64 + 1) * 64;
+        }
+        n
     };
-    [
-        (cell.wrapping_sub(1), before),
-        (cell, own),
-        (cell + 1, after),
-    ]
+    let first = next(start, true);
+    (first < n).then(|| [first, next(first, false)])
 }
 
 /// A facet in cells: the rows from `first` to before `last`.
-struct Placed {
-    polygon: Polygon,
-    first: usize,
-    last: usize,
+pub(super) struct Placed {
+    pub(super) polygon: Polygon,
+    pub(super) first: usize,
+    pub(super) last: usize,
     facet: usize,
 }
 
@@ -398,40 +404,6 @@ fn placed<const L: usize>(
     // Stable: facets of one row keep their order.
     all.sort_by_key(|placed| placed.first);
     all
-}
-
-/// Adds what a facet covers of a row of cells.
-#[expect(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    reason = "cells of a grid; px as f32"
-)]
-fn cover<const L: usize>(
-    placed: &Placed,
-    facet: &Facet<L>,
-    (row, margin, scale, kernel): (usize, usize, f64, u32),
-    n_shares: usize,
-    scratch: &mut [f32],
-    covered: &mut Row<L>,
-) {
-    let middle: [f64; 2] = std::array::from_fn(|axis| {
-        facet.corners.iter().map(|corner| corner[axis]).sum::<f64>() * 0.25
-    });
-    let weight: f32 = facet.lanes.iter().take(n_shares).sum();
-    let place = |cell: usize| (cell as f64 + 0.5 - margin as f64) / scale;
-    let y = (place(row) - middle[1]) as f32;
-    let (x_first, x_step) = ((place(0) - middle[0]) as f32, (1.0 / scale) as f32);
-    placed
-        .polygon
-        .cover_row(row as i64, scratch, |column, area| {
-            let cell = covered.cell(column, kernel, area * weight);
-            let sum = cell.lanes;
-            cell.lanes = std::array::from_fn(|l| sum[l] + area * facet.lanes[l]);
-            let x = x_first + x_step * column as f32;
-            for (k, lean) in facet.lean.iter().enumerate() {
-                cell.lanes[L - 2 + k] += area * (lean[0] * x + lean[1] * y);
-            }
-        });
 }
 
 /// The kernels that facets need, and which each needs.

@@ -4,6 +4,7 @@
 //! of the light of the sky, of the ground and so on. [`spread`] covers the frame with them and
 //! blurs each by the disc that its own depth has.
 
+mod active;
 mod cells;
 mod chunks;
 mod emit;

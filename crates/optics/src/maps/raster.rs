@@ -72,92 +72,115 @@ impl Polygon {
         part
     }
 
-    /// Calls `cover(cell, area)` for each cell of a row that the polygon covers; `area` is the
-    /// exact common area, of a simple polygon within the row's width. `scratch` holds zeros, at
-    /// least two more than the row has cells, and does so again afterwards.
-    ///
-    /// Signed areas under the edges, summed along the row, as in font rendering.
-    pub(crate) fn cover_row(
-        &self,
-        row: i64,
-        scratch: &mut [f32],
-        mut cover: impl FnMut(usize, f32),
-    ) {
-        #[expect(clippy::cast_precision_loss, reason = "row numbers")]
-        let top = row as f64;
+    /// The sides that are not level.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = Edge> {
         let corners = self.corners();
-        let (mut first, mut last) = (usize::MAX, 0);
-        for (k, &a) in corners.iter().enumerate() {
-            let b = corners[if k + 1 < corners.len() { k + 1 } else { 0 }];
-            if a[1].max(b[1]) <= top || a[1].min(b[1]) >= top + 1.0 {
-                continue;
-            }
-            if let Some([low, high]) = add_edge(a, b, top, scratch) {
-                first = first.min(low);
-                last = last.max(high);
-            }
-        }
-        if first > last {
-            return;
-        }
-        let mut sum = 0.0;
-        for (k, step) in scratch[first..=last].iter_mut().enumerate() {
-            sum += *step;
-            *step = 0.0;
-            let area = sum.abs().min(1.0);
-            if area > 1e-6 {
-                cover(first + k, area);
-            }
-        }
+        let next = corners.iter().cycle().skip(1);
+        corners.iter().zip(next).filter_map(|(a, b)| {
+            let (direction, [x, top], end) = if a[1] <= b[1] {
+                (1.0, *a, b)
+            } else {
+                (-1.0, *b, a)
+            };
+            (top < end[1]).then(|| Edge {
+                direction,
+                x,
+                top,
+                bottom: end[1],
+                slope: (end[0] - x) / (end[1] - top),
+            })
+        })
     }
 }
 
-/// Adds the signed area right of the part of an edge in the row below `top`; first and last cell
-/// that it wrote to.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "cells of a row, and areas as f32"
-)]
-fn add_edge(a: [f64; 2], b: [f64; 2], top: f64, steps: &mut [f32]) -> Option<[usize; 2]> {
-    let (direction, a, b) = if a[1] <= b[1] {
-        (1.0, a, b)
-    } else {
-        (-1.0, b, a)
-    };
-    let (y0, y1) = (a[1].max(top), b[1].min(top + 1.0));
-    if y1 <= y0 {
-        return None;
+/// A side of a polygon, from its upper end on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Edge {
+    /// 1 if the walk around the polygon goes down it, −1 if up.
+    direction: f64,
+    x: f64,
+    top: f64,
+    bottom: f64,
+    slope: f64,
+}
+
+/// Calls `cover(cell, area)` for the cells of a row from the first to the last that a simple
+/// polygon of these edges covers; `area` is the exact common area. `scratch` holds zeros, at least
+/// two more than the row has cells, and does so again afterwards.
+///
+/// Signed areas under the edges, summed along the row, as in font rendering.
+pub(crate) fn cover_row(
+    edges: &[Edge],
+    row: usize,
+    scratch: &mut [f32],
+    mut cover: impl FnMut(usize, f32),
+) {
+    #[expect(clippy::cast_precision_loss, reason = "row numbers")]
+    let top = row as f64;
+    let (mut first, mut last) = (usize::MAX, 0);
+    for edge in edges {
+        if edge.bottom > top
+            && edge.top < top + 1.0
+            && let Some([low, high]) = edge.add_to(top, scratch)
+        {
+            first = first.min(low);
+            last = last.max(high);
+        }
     }
-    let slope = (b[0] - a[0]) / (b[1] - a[1]);
-    let most = (steps.len() - 2) as f64;
-    let (xa, xb) = (
-        (a[0] + (y0 - a[1]) * slope).clamp(0.0, most),
-        (a[0] + (y1 - a[1]) * slope).clamp(0.0, most),
-    );
-    let (left, right) = if xa <= xb { (xa, xb) } else { (xb, xa) };
-    let height = direction * (y1 - y0);
-    // Neither is negative: to cut off is to round down.
-    let cell = left as usize;
-    let end = right as usize + usize::from(right > right as usize as f64);
-    if end <= cell + 1 {
-        let mean = 0.5 * (left + right) - cell as f64;
-        steps[cell] += (height * (1.0 - mean)) as f32;
-        steps[cell + 1] += (height * mean) as f32;
-        return Some([cell, cell + 1]);
+    if first > last {
+        return;
     }
-    // Area right of the edge within each cell it crosses: a triangle, trapezia, a triangle.
-    let per_cell = 1.0 / (right - left);
-    let (mut before, mut own_before) = (0.0, 0.0);
-    let mut x = cell as f64;
-    for step in &mut steps[cell..=end] {
-        x += 1.0;
-        let covered = area_up_to(x, left, right, per_cell);
-        let own = covered - before;
-        *step += (height * (own - own_before)) as f32;
-        (before, own_before) = (covered, own);
+    let mut sum = 0.0;
+    for (k, step) in scratch[first..=last].iter_mut().enumerate() {
+        sum += *step;
+        *step = 0.0;
+        cover(first + k, sum.abs().min(1.0));
     }
-    Some([cell, end])
+}
+
+impl Edge {
+    /// Adds the signed area right of the part of the edge in the row below `top`; first and last
+    /// cell that it wrote to.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "cells of a row, and areas as f32"
+    )]
+    fn add_to(&self, top: f64, steps: &mut [f32]) -> Option<[usize; 2]> {
+        let (y0, y1) = (self.top.max(top), self.bottom.min(top + 1.0));
+        if y1 <= y0 {
+            return None;
+        }
+        let most = (steps.len() - 2) as f64;
+        let (xa, xb) = (
+            (self.x + (y0 - self.top) * self.slope).clamp(0.0, most),
+            (self.x + (y1 - self.top) * self.slope).clamp(0.0, most),
+        );
+        let (left, right) = if xa <= xb { (xa, xb) } else { (xb, xa) };
+        let height = self.direction * (y1 - y0);
+        // Neither is negative: to cut off is to round down.
+        let cell = left as usize;
+        let end = right as usize + usize::from(right > right as usize as f64);
+        if end <= cell + 1 {
+            let mean = 0.5 * (left + right) - cell as f64;
+            steps[cell] += (height * (1.0 - mean)) as f32;
+            steps[cell + 1] += (height * mean) as f32;
+            return Some([cell, cell + 1]);
+        }
+        // Area right of the edge within each cell it crosses: a triangle, trapezia, a triangle.
+        let per_cell = 1.0 / (right - left);
+        let (mut before, mut own_before) = (0.0, 0.0);
+        let mut x = cell as f64;
+        for step in &mut steps[cell..=end] {
+            x += 1.0;
+            let covered = area_up_to(x, left, right, per_cell);
+            let own = covered - before;
+            *step += (height * (own - own_before)) as f32;
+            (before, own_before) = (covered, own);
+        }
+        Some([cell, end])
+    }
 }
 
 /// ∫ of the share of the row left of which the edge lies, up to x: 0 before `left`, a parabola,
@@ -179,8 +202,9 @@ mod tests {
     fn cells(polygon: &Polygon, width: usize, height: usize) -> Vec<f32> {
         let mut scratch = vec![0.0; width + 2];
         let mut cells = vec![0.0; width * height];
+        let edges: Vec<Edge> = polygon.edges().collect();
         for y in 0..height {
-            polygon.cover_row(y as i64, &mut scratch, |x, area| {
+            cover_row(&edges, y, &mut scratch, |x, area| {
                 if x < width {
                     cells[y * width + x] += area;
                 }

@@ -1,7 +1,7 @@
 //! Drawn cracks as bytes.
 //!
-//! Coverage is in whole numbers of 2⁻¹⁰, the weight too: in an 8-bit image of light as bright as
-//! white each is off by an eighth of a code at most.
+//! Coverage is in the codes of its mask, 1/255, the weight in 1/256: in an 8-bit image, under light
+//! as bright as white, each is off by half a code at most, and less where it is blurred.
 
 use super::block::Block;
 use super::bytes::{Bytes, write_count};
@@ -16,8 +16,11 @@ const VERSION: u8 = 1;
 /// What errors call it.
 const WHAT: &str = "coverage";
 
-/// Steps of coverage and weight in 1.
-const STEPS: f32 = 1024.0;
+/// Steps of coverage in 1: the codes of a mask.
+const COVER_STEPS: f32 = 255.0;
+
+/// Steps of the weight in 1.
+const WEIGHT_STEPS: f32 = 256.0;
 
 /// Blocks of a run: coverage and weight.
 const COVERED: usize = 0;
@@ -40,12 +43,12 @@ impl Coverage {
             for (x, covered, weight) in self.row(y) {
                 let at = (x / CHUNK * CHUNK, y);
                 let k = x % CHUNK;
-                let weight = steps(weight, STEPS);
+                let weight = steps(weight, WEIGHT_STEPS);
                 if runs.last().is_none_or(|(last, _)| *last != at) {
                     runs.push((at, [[0; CHUNK]; 2]));
                 }
                 if let Some((_, blocks)) = runs.last_mut() {
-                    blocks[COVERED][k] = steps(covered, STEPS).max(1);
+                    blocks[COVERED][k] = steps(covered, COVER_STEPS).max(1);
                     // Not read where nothing is covered; as its neighbor it takes no bits.
                     blocks[WEIGHT][k..].fill(weight);
                 }
@@ -74,8 +77,8 @@ impl Coverage {
         read_runs::<2>(&mut bytes, (width, height), n_runs, |(x, y), blocks| {
             for (k, (covered, weight)) in blocks[COVERED].iter().zip(&blocks[WEIGHT]).enumerate() {
                 if *covered > 0 && x + k < width {
-                    let covered = from_steps(*covered, STEPS).min(1.0);
-                    cells.push((x + k, y, covered, from_steps(*weight, STEPS)));
+                    let covered = from_steps(*covered, COVER_STEPS).min(1.0);
+                    cells.push((x + k, y, covered, from_steps(*weight, WEIGHT_STEPS)));
                 }
             }
         })?;

@@ -15,5 +15,5 @@ mod runs;
 /// larger frames than, px per side: the largest image that can be read.
 const MAX_SIDE_PX: usize = 32_768;
 
-/// Runs of a frame of the largest allowed number of pixels.
-const MAX_PIXELS: usize = 1 << 29;
+/// Pixels of such a frame at most.
+const MAX_PIXELS: usize = 1 << 27;

@@ -32,12 +32,18 @@ const MAX_LAYERS: usize = 16;
 /// Steps of a share of light in 1.
 const SHARE_STEPS: f32 = 16_384.0;
 
+/// Fewest steps of a share of the frame that the renderer takes from elsewhere: 5·10⁻⁴ is 8.2.
+const FIRST_ELSEWHERE: i32 = 9;
+
 /// Steps of a place in a pixel.
 const PLACE_STEPS: f32 = 128.0;
 
 /// Steps of the sun's lane in 1 where it is small, and up to how many it is.
 const SUN_STEPS: f32 = 65_536.0;
 const SUN_SMALL: i32 = 256;
+
+/// Steps of a place at most: 8192 px, far beyond any frame, of which the border then counts.
+const FARTHEST: i32 = 1 << 20;
 
 /// Bits of a single that the sun's lane does without beyond that, of 23.
 const SUN_CUT: u32 = 15;
@@ -56,7 +62,8 @@ impl Pattern {
     ///
     /// A picture made from [`Pattern::from_packed`] of them differs from one made from this
     /// pattern by at most one code of 8 bits, in few pixels; so for pictures that are to be equal,
-    /// all are made from the packed form. Packing what was unpacked gives the same bytes.
+    /// all are made from the packed form. Packing what was unpacked gives the same bytes, in frames of up
+    /// to 8192 px per side.
     #[must_use]
     pub fn to_packed(&self) -> Vec<u8> {
         let (width, height) = self.size();
@@ -70,8 +77,12 @@ impl Pattern {
             write_chunks(&mut out, &layer.light, light_blocks);
             write_chunks(&mut out, &layer.tint, tint_blocks);
         }
-        let mask = self.coverage();
-        write_mask(&mut out, &mask);
+        match self.outline() {
+            Outline::Corners(_) => write_mask(&mut out, &self.coverage()),
+            Outline::Codes(codes) => write_chunks(&mut out, codes, |_, run| {
+                [std::array::from_fn(|k| steps(run[k][0], 1.0))]
+            }),
+        }
         out
     }
 
@@ -106,7 +117,11 @@ impl Pattern {
                 tint: read_chunks::<TINT, 4>(&mut bytes, (width, height), tint_pixels)?,
             });
         }
-        let mask = read_chunks::<1, 1>(&mut bytes, (width, height), mask_pixels)?;
+        let mask = read_chunks::<1, 1>(&mut bytes, (width, height), |(x, _), blocks, run| {
+            for ((lanes, code), _) in run.iter_mut().zip(&blocks[0]).zip(x..width) {
+                lanes[0] = from_steps((*code).clamp(0, 255), 1.0);
+            }
+        })?;
         bytes.end()?;
         Ok(Self::from_parts(
             (side(width), side(height)),
@@ -152,11 +167,15 @@ fn light_blocks((x, y): (usize, usize), run: &[[f32; LANES]; CHUNK]) -> [Block; 
         for lane in 0..N_SHARES {
             blocks[lane][k] = steps(lanes[lane], SHARE_STEPS);
         }
+        if lanes[FRAME] > LEAST_ELSEWHERE {
+            // Stays on that side, on which the renderer looks elsewhere.
+            blocks[FRAME][k] = blocks[FRAME][k].max(FIRST_ELSEWHERE);
+        }
         blocks[SUN][k] = sun_steps(lanes[SUN]);
         let has_place = from_steps(blocks[FRAME][k], SHARE_STEPS) > LEAST_ELSEWHERE;
         for (lane, own) in [(FRAME_U, middle(x + k)), (FRAME_V, middle(y))] {
             blocks[lane][k] = if has_place {
-                steps(lanes[lane] / lanes[FRAME] - own, PLACE_STEPS)
+                steps(lanes[lane] / lanes[FRAME] - own, PLACE_STEPS).clamp(-FARTHEST, FARTHEST)
             } else if k > 0 {
                 // Not read; as its neighbor it takes no bits.
                 blocks[lane][k - 1]
@@ -176,7 +195,8 @@ fn light_pixels((x, y): (usize, usize), blocks: &[Block; LANES], run: &mut [[f32
         lanes[SUN] = sun_from_steps(blocks[SUN][k]);
         if lanes[FRAME] > LEAST_ELSEWHERE {
             for (lane, own) in [(FRAME_U, middle(x + k)), (FRAME_V, middle(y))] {
-                lanes[lane] = (own + from_steps(blocks[lane][k], PLACE_STEPS)) * lanes[FRAME];
+                let steps = blocks[lane][k].clamp(-FARTHEST, FARTHEST);
+                lanes[lane] = (own + from_steps(steps, PLACE_STEPS)) * lanes[FRAME];
             }
         }
     }
@@ -191,12 +211,6 @@ fn tint_pixels(_: (usize, usize), blocks: &[Block; TINT], run: &mut [[f32; 4]; C
         for c in 0..TINT {
             lanes[c + 1] = from_steps(blocks[c][k], SHARE_STEPS);
         }
-    }
-}
-
-fn mask_pixels(_: (usize, usize), blocks: &[Block; 1], run: &mut [[f32; 1]; CHUNK]) {
-    for (lanes, code) in run.iter_mut().zip(&blocks[0]) {
-        lanes[0] = from_steps(*code, 1.0);
     }
 }
 
@@ -223,7 +237,9 @@ fn write_mask(out: &mut Vec<u8>, mask: &image::GrayImage) {
             for (to, code) in block.iter_mut().zip(codes) {
                 *to = i32::from(*code);
             }
-            runs.push(((across * CHUNK, y), [block]));
+            if block.iter().any(|code| *code > 0) {
+                runs.push(((across * CHUNK, y), [block]));
+            }
         }
     }
     write_runs(out, width, &runs);

@@ -177,13 +177,14 @@ fn spread<const LANES: usize>(
             }
             Beyond::Nothing => Vec::new(),
         };
-        for (dy, dx, steps) in kernels[kernel_of[source_row]].1.runs() {
-            let y = row + dy as isize;
+        for stretch in kernels[kernel_of[source_row]].1.stretches() {
+            let y = row + stretch.dy as isize;
             if lit.is_empty() || !(0..height.cast_signed()).contains(&y) {
                 continue;
             }
             let line = &mut ring[y.cast_unsigned() % slots * stride..][..stride];
-            for (dx, step) in (dx..).zip(steps) {
+            let ends = stretch.ends.iter();
+            for (dx, step) in ends.flat_map(|end| (end.dx..).zip(end.steps)) {
                 let first = (reach_signed + dx as isize).cast_unsigned();
                 for run in &lit {
                     let to = &mut line[first + run.start..first + run.end];

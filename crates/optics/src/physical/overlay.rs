@@ -291,7 +291,10 @@ fn tint_of(color: f32, lit_share: f32, share: f32) -> f32 {
 
 impl OverlayLayer {
     fn new(layer: &PatternLayer, environment: &Environment) -> Self {
-        let mut overlay = Self::default();
+        let mut overlay = Self {
+            runs: Vec::with_capacity(layer.light.n_runs()),
+            elsewhere: Vec::new(),
+        };
         let lit: [(usize, Rgb); 5] = [
             (HORIZON, environment.horizon_rgb),
             (ZENITH, environment.zenith_rgb),
@@ -299,6 +302,7 @@ impl OverlayLayer {
             (CABIN, environment.cabin_rgb),
             (SUN, environment.sun_rgb),
         ];
+        let brightest = lit.map(|(lane, rgb)| (lane, rgb.into_iter().fold(1.0, f32::max)));
         for (x, y, pixels) in layer.light.iter() {
             let tint = layer.tint.run_at(x, y);
             let mut run = Run {
@@ -312,6 +316,13 @@ impl OverlayLayer {
             let (mut is_touched, mut has_other) = (false, false);
             for (k, lanes) in pixels.iter().enumerate() {
                 let mut lanes = *lanes;
+                let most: f32 = brightest
+                    .iter()
+                    .map(|(lane, color)| lanes[*lane].abs() * color)
+                    .sum();
+                if most + lanes[FRAME].abs() < LEAST_INFLUENCE {
+                    continue;
+                }
                 let mut share: f32 = lanes[..N_SHARES].iter().sum();
                 if share > 1.0 {
                     // Facets of different blur over each other.

@@ -93,7 +93,7 @@ pub fn bake(
     let pupil = Pupil::of(&optics.lens);
     let wedge_rad = optics.surface.fragment_wedge_deg.to_radians();
     let mut fragments = Facets::default();
-    fragment_facets(&from, network, wedge_rad, seed, &mut fragments);
+    fragment_facets(&from, (network, time), wedge_rad, seed, &mut fragments);
     let mut cracks = Facets::default();
     let reach_px = reach_px(&sheet);
     crack_facets(&from, network, time, &optics.surface, reach_px, &mut cracks);
@@ -146,6 +146,10 @@ impl Pattern {
             layers,
             outline,
         }
+    }
+
+    pub(crate) fn outline(&self) -> &Outline {
+        &self.outline
     }
 
     pub(crate) fn layers(&self) -> &[PatternLayer] {

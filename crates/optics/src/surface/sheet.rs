@@ -29,7 +29,7 @@ pub(crate) struct SheetView {
 /// the ratio of thickness to distance.
 const ROUNDS: u32 = 12;
 
-/// A place found to this share of the thickness is found.
+/// A place is found when the round after would move it by less than this share of the thickness.
 const CLOSE: f64 = 1e-4;
 
 impl SheetView {
@@ -136,7 +136,8 @@ impl SheetView {
             let next = [point[0] - per_sine * x, point[1] - per_sine * y];
             let moved = (next[0] - entry[0]).abs() + (next[1] - entry[1]).abs();
             entry = next;
-            if moved < CLOSE * self.thickness_mm {
+            // The next round would move it by the ratio of thickness to distance less.
+            if moved < CLOSE * self.pinhole.distance_mm {
                 break;
             }
         }

@@ -1,5 +1,7 @@
 //! Fragments whose faces are not parallel: each shows the scene a little to the side.
 
+use std::collections::BTreeMap;
+
 use rand_chacha::rand_core::Rng;
 use starbreak_glass::{CrackNetwork, Seed, Stream};
 
@@ -7,12 +9,12 @@ use super::cracks::Facets;
 use super::lobe::{LANES, LightFrom, Sent};
 use crate::maps::Facet;
 
-/// Adds every fragment as a prism of a random wedge angle of this standard deviation.
+/// Adds every fragment that cracks have cut out by `time` as a prism of a random wedge angle of this standard deviation.
 ///
 /// A wedge ε turns sight by (n − 1) ε, that is by f (n − 1) ε in the frame, whatever its distance.
 pub(crate) fn fragment_facets(
     from: &LightFrom<'_>,
-    network: &CrackNetwork,
+    (network, time): (&CrackNetwork, f64),
     wedge_rad: f64,
     seed: Seed,
     facets: &mut Facets,
@@ -24,9 +26,19 @@ pub(crate) fn fragment_facets(
     let pane = [data.pane.width, data.pane.height];
     // After the streams of the hits.
     let mut rng = seed.stream(Stream::CrackRelief, u64::MAX);
+    let arrivals = arrivals(network);
     for fragment in network.fragments() {
         let turn = [normal(&mut rng), normal(&mut rng)]
             .map(|z| z * wedge_rad * (from.sheet.index - 1.0) * from.sheet.f_px());
+        // Drawn all the same, so that it does not depend on the time.
+        let is_cut = fragment.outline.iter().all(|corner| {
+            arrivals
+                .get(&corner.map(f64::to_bits))
+                .is_none_or(|arrival| *arrival <= time)
+        });
+        if !is_cut {
+            continue;
+        }
         let project = |point: [f64; 2]| {
             let point = from.sheet.on_sheet(point, data.unit, pane)?;
             let radius = from.sheet.blur_radius_px(point, 0.0)?;
@@ -69,6 +81,27 @@ pub(crate) fn fragment_facets(
             });
         }
     }
+}
+
+/// When the last crack through each node reaches it, by the bits of its place; nothing for those
+/// that are there from the start.
+fn arrivals(network: &CrackNetwork) -> BTreeMap<[u64; 2], f64> {
+    let data = network.data();
+    let mut arrivals = BTreeMap::new();
+    for (idx, arrival) in data
+        .segments
+        .arrival()
+        .unwrap_or_default()
+        .iter()
+        .enumerate()
+    {
+        let [_, _, x, y] = network.ends(idx);
+        let last = arrivals
+            .entry([x.to_bits(), y.to_bits()])
+            .or_insert(f64::NEG_INFINITY);
+        *last = last.max(*arrival);
+    }
+    arrivals
 }
 
 /// A normally distributed number \[BoxMuller1958\].

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use starbreak_dataset::{
-    BankFile, BankRecord, BankWriter, ImageLimits, WrittenBank, file_in, read_image_bytes,
+    BankFile, BankRecord, BankWriter, ImageLimits, WrittenBank, file_in, read_bytes,
 };
 use starbreak_glass::{Generator, Seed};
 use starbreak_optics::photo::{Background, PhotoParams, Placement, PlacementRange, draw};
@@ -195,7 +195,7 @@ pub fn write_overlay_bank(
     let text = serde_json::to_vec(&header).unwrap_or_default();
     let mut writer = BankWriter::create(to, &text)?;
     for file in &files {
-        let bytes = read_image_bytes(&file.path, &ImageLimits::default())?;
+        let bytes = read_bytes(&file.path, ImageLimits::default().max_file_bytes)?;
         writer.append(&BankRecord::new(bytes))?;
     }
     let photo_of = |name: &str| header.photos.iter().position(|photo| photo == name);

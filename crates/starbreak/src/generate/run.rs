@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use serde_json::json;
-use starbreak_dataset::{BadRecord, GeneratedSet, Manifest, SourceImage, sha256_of_file};
+use starbreak_dataset::{BadRecord, GeneratedSet, Manifest, SourceImage, sha256_file};
 
 use super::Plan;
 use crate::Error;
@@ -203,7 +203,7 @@ impl Plan<'_> {
         sample_idx: u32,
     ) -> Result<Outcome, Error> {
         if let Some(done) = set.done(&image.name, sample_idx)?
-            && sha256_of_file(&image.path)? == done.input_sha256
+            && sha256_file(&image.path)? == done.input_sha256
         {
             return Ok(Outcome::Kept);
         }

@@ -332,7 +332,7 @@ fn encode_maps(maps: &OpticalMaps, crack: &GrayImage) -> Result<[Vec<u8>; 5], Er
 }
 
 /// How the cracked image is stored.
-fn encoding(settings: &Settings, file: &ImageFile) -> Encoding {
+pub(crate) fn encoding(settings: &Settings, file: &ImageFile) -> Encoding {
     let quality = settings.output.quality;
     match (settings.output.format, file.format) {
         (OutputFormat::Jpeg, _) | (OutputFormat::Same, ImageFormat::Jpeg) => {
@@ -343,7 +343,7 @@ fn encoding(settings: &Settings, file: &ImageFile) -> Encoding {
 }
 
 /// The input's own extension if it fits the format, else the usual one.
-fn extension(input: &Path, format: ImageFormat) -> String {
+pub(crate) fn extension(input: &Path, format: ImageFormat) -> String {
     let own = input
         .extension()
         .map(|own| own.to_string_lossy().into_owned())
@@ -359,7 +359,8 @@ fn extension(input: &Path, format: ImageFormat) -> String {
     }
 }
 
-fn region_fraction(region: &GrayImage) -> f64 {
+/// Share of a mask that is not black.
+pub(crate) fn region_fraction(region: &GrayImage) -> f64 {
     let changed = region.as_raw().iter().filter(|level| **level > 0).count();
     #[expect(clippy::cast_precision_loss, reason = "counts of pixels")]
     let fraction = changed as f64 / region.as_raw().len().max(1) as f64;

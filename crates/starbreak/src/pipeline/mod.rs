@@ -15,7 +15,7 @@ use starbreak_glass::{CrackNetwork, Pane, Seed};
 use starbreak_optics::physical::OpticalMaps;
 use starbreak_optics::{Camera, Masks, View};
 
-use broken_pane::{own_view, physics_network};
+use broken_pane::{own_view as own_pane_view, physics_network};
 
 use crate::{Error, FractureSettings, PaperSettings, Settings};
 
@@ -25,11 +25,12 @@ pub use files::{
     Failure, ImageJob, JobResult, Written, crack_file, crack_files, plan_images, stage_cracked,
     stage_shown, with_threads,
 };
+pub(crate) use files::{encoding, extension, region_fraction};
 pub use growth::{growth_drawing, growth_over, growth_times};
 pub use imported::{crack_image_with, use_network, view_of_network};
 pub use provenance::{PROVENANCE_SCHEMA, RunContext};
-pub(crate) use show::network_view;
 pub use show::{Baked, OpticsReport, SceneReport, Shown, bake_network, show_cracks};
+pub(crate) use show::{network_view, own_view};
 pub use timings::{Stopwatch, Timings};
 
 /// A simulated crack network and how long each stage took.
@@ -102,7 +103,7 @@ pub fn view(settings: &Settings, width_px: u32, height_px: u32) -> Result<View, 
             &Pane::from_frame_px(width_px, height_px),
             size,
         )),
-        FractureSettings::Physics(physics) => own_view(physics, &settings.camera, size),
+        FractureSettings::Physics(physics) => own_pane_view(physics, &settings.camera, size),
     }
 }
 

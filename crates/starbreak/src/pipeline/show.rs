@@ -129,7 +129,7 @@ pub(crate) fn network_view(
 }
 
 /// How a frame shows cracks that were simulated for it.
-pub(super) fn own_view(settings: &Settings, (width, height): (u32, u32)) -> Result<View, Error> {
+pub(crate) fn own_view(settings: &Settings, (width, height): (u32, u32)) -> Result<View, Error> {
     match &settings.optics {
         OpticsSettings::Paper(_) => view(settings, width, height),
         OpticsSettings::Physical(_) => sheet_view(settings, width, height),

@@ -1,0 +1,141 @@
+//! `starbreak video`: a clip or a folder of frames to the same behind broken glass.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use serde_json::{Map, Value, json};
+use starbreak::clip::{Clip, ClipReport, ClipRequest, Growth, Light};
+use starbreak::dataset::DatasetError;
+use starbreak::pipeline::{RunContext, with_threads};
+
+use super::network_file;
+use super::simulate::{radius_hint, why_intact};
+use crate::args::{Global, LightWord, VideoArgs};
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::screen::{Screen, path_text};
+
+pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+    let recipe = global.recipe()?;
+    let network = args.network.clone();
+    let request = request_of(args)?;
+    let context = RunContext::new(&recipe, global.seed(), &request.output)?;
+    let outputs = [request.output.clone(), request.track(), request.network()];
+    global.refuse_recipe_among(&outputs)?;
+    let imported = network_file::read(network.as_deref(), &outputs)?;
+    let context = RunContext {
+        imported,
+        ..context
+    };
+    let interrupt = Interrupt::listen();
+    let clip = Clip::open(request.clone())?;
+    if clip.has_rare_pixels() {
+        let (width, height) = clip.size();
+        screen.note(&format!(
+            "note: {width} x {height} px has an odd side, so the clip is H.264 with all of its chroma (4:4:4), which \
+             browsers and phones do not show; choose .avi, or crop the frames to even sides"
+        ));
+    }
+    if context.imported.is_none()
+        && let Some(hint) = radius_hint(&context.settings, clip.size())
+    {
+        screen.note(&hint);
+    }
+    let progress = screen.progress(clip.n_frames(), "frames");
+    let started = Instant::now();
+    let report = with_threads(usize::from(global.threads), || {
+        clip.run(&context, interrupt.flag(), || progress.step())
+    })?;
+    progress.finish();
+    let Some(report) = report? else {
+        return Err(Failure::interrupted(
+            "interrupted: nothing was written; run the command again",
+        ));
+    };
+    let elapsed_s = started.elapsed().as_secs_f64();
+    screen.say(&describe(&request, &report, elapsed_s));
+    screen.result(|| result_json(&request, &clip, &report, elapsed_s))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn request_of(args: VideoArgs) -> Result<ClipRequest, Failure> {
+    let fps = args.fps.as_deref().map(str::parse).transpose();
+    Ok(ClipRequest {
+        input: args.input,
+        output: args.output,
+        impact_at_s: args.impact_at,
+        growth: match (args.grow, args.growth_time) {
+            (false, _) => Growth::Whole,
+            (true, None) => Growth::OwnSpeed,
+            (true, Some(time_s)) => Growth::Stretched { time_s },
+        },
+        masks: args.masks,
+        fps: fps.map_err(|error| Failure::from(DatasetError::Video(error)))?,
+        is_lossless: args.lossless,
+        light: match args.light {
+            LightWord::First => Light::First,
+            LightWord::Follow => Light::Follow,
+        },
+        ffmpeg: args.ffmpeg,
+    })
+}
+
+fn describe(request: &ClipRequest, report: &ClipReport, elapsed_s: f64) -> String {
+    let name = request.output.display();
+    #[expect(clippy::cast_precision_loss, reason = "counts, for a rate")]
+    let rate = report.n_frames as f64 / elapsed_s.max(1e-9);
+    let frames = format!(
+        "{} frames in {elapsed_s:.1} s ({rate:.1} per second)",
+        report.n_frames
+    );
+    let network = &report.simulated.network;
+    if let Some(why) = why_intact(network, &report.simulated.details) {
+        return format!("{name}: {why}; {frames}");
+    }
+    let onset = report
+        .damage_onset
+        .map_or_else(String::new, |(idx, time_s)| {
+            format!(", damage from frame {idx} ({time_s:.3} s)")
+        });
+    let growth = match report.n_growing {
+        0 => String::new(),
+        n => format!(", growing for {n}"),
+    };
+    format!(
+        "{name}: {frames}{onset}{growth}; {} segments, {:.1} % of the last frame influenced",
+        network.n_segments(),
+        report.region_fraction * 100.0
+    )
+}
+
+fn result_json(request: &ClipRequest, clip: &Clip, report: &ClipReport, elapsed_s: f64) -> Value {
+    let (width_px, height_px) = clip.size();
+    let rate = clip.rate();
+    let onset = report
+        .damage_onset
+        .map(|(idx, time_s)| json!({ "frame_idx": idx, "time_s": time_s }));
+    Value::Object(Map::from_iter(
+        [
+            ("output", json!(path_text(&request.output))),
+            ("track", json!(path_text(request.track()))),
+            ("network", json!(path_text(request.network()))),
+            ("masks", json!(request.masks.as_ref().map(path_text))),
+            ("n_frames", json!(report.n_frames)),
+            ("fps", json!(rate.value())),
+            (
+                "fps_fraction",
+                json!([rate.numerator(), rate.denominator()]),
+            ),
+            ("width_px", json!(width_px)),
+            ("height_px", json!(height_px)),
+            ("damage_onset", json!(onset)),
+            ("n_growing", json!(report.n_growing)),
+            ("n_lights", json!(report.n_lights)),
+            ("region_fraction", json!(report.region_fraction)),
+            ("intact", json!(report.simulated.network.n_segments() == 0)),
+            ("summary", json!(report.simulated.network.summary())),
+            ("elapsed_s", json!(elapsed_s)),
+        ]
+        .map(|(key, value)| (key.to_owned(), value)),
+    ))
+}

@@ -1,0 +1,219 @@
+//! `starbreak video` where the clip, the disk or ffmpeg itself fails: one line, and nothing left.
+#![cfg(unix)]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+mod clip;
+mod common;
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use clip::Studio;
+use common::{Outcome, snapshot};
+
+/// What speaks against a failure with this code in one line with these words, which leaves the folder as it was.
+fn refused(studio: &Studio, args: &[&str], code: i32, named: &str) -> Option<String> {
+    let before = snapshot(studio.path());
+    let outcome = studio.video(args);
+    let is_one_line = outcome.stderr.starts_with("error: ")
+        && outcome.stderr.lines().count() == 1
+        && outcome.stderr.contains(named);
+    let is_as_before = snapshot(studio.path()) == before;
+    (outcome.code != Some(code) || !is_one_line || !is_as_before).then(|| {
+        format!("{args:?}: expected {code} and {named:?}, folder kept: {is_as_before}; {outcome:?}")
+    })
+}
+
+fn none(complaints: Vec<Option<String>>) {
+    let complaints: Vec<String> = complaints.into_iter().flatten().collect();
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+/// A program in the place of ffmpeg: a shell script in which `$REAL` is the real one.
+fn stand_in(studio: &Studio, script: &str) -> String {
+    let path = studio.path().join("stand-in.sh");
+    let real = studio.ffmpeg.display();
+    fs::write(&path, format!("#!/bin/sh\nREAL='{real}'\n{script}\n")).unwrap();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+fn with_stand_in(studio: &Studio, script: &str) -> Studio {
+    let ffmpeg = stand_in(studio, script).into();
+    let dir = common::folder();
+    fs::copy(studio.path().join("in.mkv"), dir.path().join("in.mkv")).unwrap();
+    Studio { dir, ffmpeg }
+}
+
+#[test]
+fn what_is_no_clip_is_refused() {
+    let Some(studio) = Studio::open() else { return };
+    let write = |name: &str, bytes: &[u8]| fs::write(studio.path().join(name), bytes).unwrap();
+    write("text.mp4", b"this is a text\n");
+    write("empty.mp4", b"");
+    studio.ffmpeg(&["-f", "lavfi", "-i", "sine=d=1", "-c:a", "aac", "sound.m4a"]);
+    none(vec![
+        refused(
+            &studio,
+            &["text.mp4", "-o", "a.mp4"],
+            2,
+            "cannot be read as a clip",
+        ),
+        refused(&studio, &["empty.mp4", "-o", "a.mp4"], 2, "is empty"),
+        refused(
+            &studio,
+            &["sound.m4a", "-o", "a.mp4"],
+            2,
+            "matches no streams",
+        ),
+        refused(&studio, &["nowhere.mp4", "-o", "a.mp4"], 2, "no such file"),
+        refused(
+            &studio,
+            &["sound.m4a", "-o", "sound.m4a"],
+            2,
+            "would replace",
+        ),
+    ]);
+}
+
+#[test]
+fn a_damaged_clip_is_refused_in_all_containers() {
+    let Some(studio) = Studio::open() else { return };
+    let mut complaints = Vec::new();
+    for name in ["c.mkv", "c.mp4", "c.avi"] {
+        studio.make(
+            "s=320x240:r=25:d=2",
+            "-c:v libx264 -g 25 -movflags +faststart",
+            name,
+        );
+        let bytes = fs::read(studio.path().join(name)).unwrap();
+        let half = bytes.len() / 2;
+        fs::write(studio.path().join(format!("cut_{name}")), &bytes[..half]).unwrap();
+        let mut flipped = bytes;
+        for byte in &mut flipped[half..half + 400] {
+            *byte ^= 0x5a;
+        }
+        fs::write(studio.path().join(format!("flipped_{name}")), flipped).unwrap();
+        for kind in ["cut", "flipped"] {
+            let input = format!("{kind}_{name}");
+            complaints.push(refused(
+                &studio,
+                &[&input, "-o", "a.mp4"],
+                2,
+                "repair it first",
+            ));
+        }
+    }
+    none(complaints);
+}
+
+#[test]
+fn an_absent_ffmpeg_says_how_to_get_one() {
+    let dir = common::folder();
+    fs::write(dir.path().join("in.mp4"), "not empty").unwrap();
+    for (ffmpeg, named) in [("no/ffmpeg", "apt"), ("/bin/echo", "is not ffmpeg")] {
+        let args = ["video", "in.mp4", "-o", "a.mp4", "--ffmpeg", ffmpeg];
+        let outcome = common::starbreak_small(dir.path(), &args);
+        let named = if named == "apt" {
+            "package ffmpeg"
+        } else {
+            named
+        };
+        assert_eq!(outcome.complaint(named), None, "{ffmpeg}");
+    }
+    assert_eq!(common::names(dir.path()), ["in.mp4"], "nothing is left");
+}
+
+#[test]
+fn an_ffmpeg_that_is_killed_leaves_nothing() {
+    let Some(studio) = Studio::open() else { return };
+    studio.make("s=320x240:r=25:d=4", "-c:v ffv1", "in.mkv");
+    let encoder = r#"case "$*" in *libx264*) head -c 2000000 >/dev/null; kill -9 $$;; esac
+exec "$REAL" "$@""#;
+    let decoder = r#"case "$*" in *rawvideo*) "$REAL" "$@" | head -c 2000000; kill -9 $$;; esac
+exec "$REAL" "$@""#;
+    let (encoder, decoder) = (
+        with_stand_in(&studio, encoder),
+        with_stand_in(&studio, decoder),
+    );
+    none(vec![
+        refused(&encoder, &["in.mkv", "-o", "a.mp4"], 1, "signal: 9"),
+        refused(&decoder, &["in.mkv", "-o", "a.mp4"], 2, "signal: 9"),
+        refused(&decoder, &["in.mkv", "-o", "frames/"], 2, "signal: 9"),
+    ]);
+}
+
+#[test]
+fn an_ffmpeg_without_the_encoder_says_what_to_do() {
+    let Some(studio) = Studio::open() else { return };
+    studio.make("s=320x240:r=25:d=1", "-c:v ffv1", "in.mkv");
+    let script = r#"for a in "$@"; do shift; [ "$a" = libx264 ] && a=libx26four; set -- "$@" "$a"; done
+exec "$REAL" "$@""#;
+    let studio = with_stand_in(&studio, script);
+    none(vec![refused(
+        &studio,
+        &["in.mkv", "-o", "a.mp4"],
+        1,
+        "choose .avi",
+    )]);
+}
+
+#[test]
+fn a_file_that_may_not_grow_leaves_nothing() {
+    let Some(studio) = Studio::open() else { return };
+    studio.make("s=320x240:r=25:d=4", "-c:v libx264", "in.mkv");
+    let before = snapshot(studio.path());
+    let outcome: Outcome = Command::new("sh")
+        .args([
+            "-c",
+            "ulimit -f 40; exec \"$@\"",
+            "sh",
+            env!("CARGO_BIN_EXE_starbreak"),
+        ])
+        .args(studio.args(&["in.mkv", "-o", "a.mkv", "--lossless"]))
+        .current_dir(studio.path())
+        .output()
+        .unwrap()
+        .into();
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("cannot be written"), "{outcome:?}");
+    assert!(snapshot(studio.path()) == before, "nothing is left");
+}
+
+#[test]
+fn an_interrupted_clip_leaves_nothing() {
+    let Some(studio) = Studio::open() else { return };
+    studio.make(
+        "s=320x240:r=25:d=40",
+        "-c:v libx264 -preset ultrafast",
+        "in.mp4",
+    );
+    let before = snapshot(studio.path());
+    let child = common::command(
+        studio.path(),
+        &studio.args(&["in.mp4", "-o", "new/a.mkv", "--masks", "m"]),
+    )
+    .stdout(Stdio::piped())
+    .stderr(Stdio::piped())
+    .spawn()
+    .unwrap();
+    let started = Instant::now();
+    while !studio.path().join("m").exists() {
+        assert!(started.elapsed().as_secs() < 60, "nothing began");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success(), "the command had ended before");
+    let outcome: Outcome = child.wait_with_output().unwrap().into();
+    assert_eq!(outcome.code, Some(130), "{outcome:?}");
+    assert!(
+        outcome.stderr.contains("nothing was written"),
+        "{outcome:?}"
+    );
+    assert!(snapshot(studio.path()) == before, "nothing is left");
+}

@@ -1,0 +1,26 @@
+//! Clips: frames out of a video file and into one by the program ffmpeg, and folders of frames.
+//!
+//! Every frame that ffmpeg decodes is delivered once, upright, in 8-bit RGB, with its own
+//! timestamp; what is written has as many frames at the same times. Audio streams are copied packet by
+//! packet. Memory holds the frame that is handed over and what fits a pipe.
+//!
+//! # Limits
+//! Deeper colors become 8 bits. Interlaced frames are taken as they are. Subtitles and data
+//! streams are left out. The timestamps of `.mkv` are whole milliseconds, as that container keeps them.
+//! docs/decisions/0016-video-through-ffmpeg.md says why it is done this way.
+
+mod clip;
+mod error;
+mod folder;
+mod matroska;
+mod program;
+mod rate;
+mod showinfo;
+mod write;
+
+pub use clip::{ClipInfo, ClipReader, TimedFrame};
+pub use error::VideoError;
+pub use folder::{frame_files, is_folder, is_inside};
+pub use program::Ffmpeg;
+pub use rate::Fraction;
+pub use write::{ClipFormat, ClipStream, ClipWriter};

@@ -1,0 +1,157 @@
+//! The light around the camera over a clip, without flicker.
+
+use starbreak_optics::environment::{Environment, Rgb};
+
+use super::Light;
+
+/// Time in which a change of the light is followed to 63 %, s: about as slow as an exposure
+/// control. FIT.
+const FOLLOW_S: f64 = 1.0;
+
+/// Change of any color, over the brightest, from which the crack is lit anew: below a step of an
+/// 8-bit image. FIT.
+const VISIBLE_CHANGE: f32 = 0.01;
+
+/// The light of a clip, frame by frame.
+#[derive(Debug)]
+pub(super) struct ClipLight {
+    mode: Light,
+    /// Share of the way to a frame's own light that the mean goes.
+    share: f32,
+    mean: Option<Environment>,
+    held: Option<Environment>,
+    n_changes: u64,
+}
+
+impl ClipLight {
+    pub(super) fn new(mode: Light, frame_s: f64) -> Self {
+        #[expect(clippy::cast_possible_truncation, reason = "light as f32")]
+        let share = (-libm::expm1(-frame_s / FOLLOW_S)) as f32;
+        Self {
+            mode,
+            share,
+            mean: None,
+            held: None,
+            n_changes: 0,
+        }
+    }
+
+    /// Whether the light of the next frame is asked for.
+    pub(super) fn wants(&self, frame_idx: u64) -> bool {
+        self.mode == Light::Follow || frame_idx == 0
+    }
+
+    /// The light for the crack in a frame, of which `own` is the estimate.
+    ///
+    /// It is the exponential mean of all estimates up to this frame, and is held until the mean
+    /// has visibly left it, so that it does not depend on how frames are grouped.
+    pub(super) fn next(&mut self, own: Option<Environment>) -> Option<Environment> {
+        let mean = match (self.mean, own) {
+            (Some(mean), Some(own)) => Some(moved(&mean, &own, self.share)),
+            (mean, own) => mean.or(own),
+        };
+        self.mean = mean;
+        let is_off = match (&self.held, &mean) {
+            (Some(held), Some(mean)) => change(held, mean) > VISIBLE_CHANGE,
+            (held, mean) => held.is_none() && mean.is_some(),
+        };
+        if is_off {
+            self.held = mean;
+            self.n_changes += 1;
+        }
+        self.held
+    }
+
+    /// How many lights there were.
+    pub(super) fn n_lights(&self) -> u64 {
+        self.n_changes
+    }
+}
+
+fn colors(environment: &Environment) -> [Rgb; 5] {
+    [
+        environment.horizon_rgb,
+        environment.zenith_rgb,
+        environment.ground_rgb,
+        environment.cabin_rgb,
+        environment.sun_rgb,
+    ]
+}
+
+/// From one light towards another by a share of the way.
+fn moved(from: &Environment, to: &Environment, share: f32) -> Environment {
+    let step = |from: Rgb, to: Rgb| -> Rgb {
+        std::array::from_fn(|k| from[k] + (to[k] - from[k]) * share)
+    };
+    Environment {
+        horizon_rgb: step(from.horizon_rgb, to.horizon_rgb),
+        zenith_rgb: step(from.zenith_rgb, to.zenith_rgb),
+        ground_rgb: step(from.ground_rgb, to.ground_rgb),
+        cabin_rgb: step(from.cabin_rgb, to.cabin_rgb),
+        sun_rgb: step(from.sun_rgb, to.sun_rgb),
+    }
+}
+
+/// Greatest change of a color over the brightest channel of that light.
+fn change(a: &Environment, b: &Environment) -> f32 {
+    let mut greatest = 0.0_f32;
+    for (a, b) in colors(a).into_iter().zip(colors(b)) {
+        let brightest = a.into_iter().chain(b).fold(1e-6_f32, f32::max);
+        for (a, b) in a.into_iter().zip(b) {
+            greatest = greatest.max((a - b).abs() / brightest);
+        }
+    }
+    greatest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gray(level: f32) -> Environment {
+        Environment {
+            horizon_rgb: [level; 3],
+            zenith_rgb: [level; 3],
+            ground_rgb: [level; 3],
+            cabin_rgb: [level; 3],
+            sun_rgb: [0.0; 3],
+        }
+    }
+
+    fn ground(light: Option<Environment>) -> f32 {
+        light.map_or(f32::NAN, |light| light.ground_rgb[0])
+    }
+
+    #[test]
+    fn a_flicker_is_not_followed() {
+        let mut light = ClipLight::new(Light::Follow, 0.04);
+        for k in 0..100 {
+            let level = if k % 2 == 0 { 0.5 } else { 0.505 };
+            let held = ground(light.next(Some(gray(level))));
+            assert!((held - 0.5).abs() < 1e-6, "frame {k}: {held}");
+        }
+        assert_eq!(light.n_lights(), 1, "one light");
+    }
+
+    #[test]
+    fn a_tunnel_is_followed_within_seconds() {
+        let mut light = ClipLight::new(Light::Follow, 0.04);
+        light.next(Some(gray(0.5)));
+        let after = |light: &mut ClipLight, n: u32| {
+            (0..n).map(|_| ground(light.next(Some(gray(0.05))))).last()
+        };
+        // 0.05 + 0.45/e after a second, to the hundredth that is not followed.
+        let second = after(&mut light, 25).unwrap_or(f32::NAN);
+        assert!((second - 0.2155).abs() < 0.01, "{second} after a second");
+        let later = after(&mut light, 150).unwrap_or(f32::NAN);
+        assert!((later - 0.05).abs() < 0.002, "{later} after seven seconds");
+    }
+
+    #[test]
+    fn the_first_light_is_kept_if_asked_for() {
+        let mut light = ClipLight::new(Light::First, 0.04);
+        assert!(light.wants(0) && !light.wants(1), "only the first");
+        light.next(Some(gray(0.5)));
+        assert!((ground(light.next(None)) - 0.5).abs() < 1e-6, "kept");
+    }
+}

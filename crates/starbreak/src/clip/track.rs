@@ -1,0 +1,164 @@
+//! The track of a clip: what the glass is like in each frame.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use starbreak_dataset::video::Fraction;
+use starbreak_glass::{LengthUnit, Seed};
+
+use super::{ClipRequest, GlassState, Growth, Light};
+use crate::pipeline::{RunContext, Simulated};
+
+/// Name and version of the track format.
+pub const TRACK_SCHEMA: &str = "starbreak.track/1";
+
+/// One line of the track.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct TrackFrame {
+    pub(super) frame_idx: u64,
+    pub(super) time_s: f64,
+    #[serde(serialize_with = "state_name")]
+    pub(super) state: GlassState,
+    /// In the unit of the header's `growth.unit`.
+    pub(super) growth: f64,
+    pub(super) crack_length_px: f64,
+    pub(super) region_fraction: f64,
+    /// File of the frame, in a folder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) file: Option<String>,
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a reference"
+)]
+fn state_name<S: serde::Serializer>(state: &GlassState, to: S) -> Result<S::Ok, S::Error> {
+    to.serialize_str(state.name())
+}
+
+/// What the whole clip has in common.
+pub(super) struct TrackHeader<'a> {
+    pub(super) request: &'a ClipRequest,
+    pub(super) context: &'a RunContext,
+    pub(super) name: &'a str,
+    pub(super) seed: Seed,
+    pub(super) input_kind: &'static str,
+    pub(super) input_sha256: &'a str,
+    pub(super) size: (u32, u32),
+    pub(super) rate: Fraction,
+    pub(super) has_constant_rate: bool,
+    pub(super) simulated: &'a Simulated,
+    pub(super) network_name: &'a str,
+    pub(super) network_sha256: &'a str,
+    pub(super) output_name: &'a str,
+    pub(super) n_lights: u64,
+}
+
+/// The first frame with a crack.
+pub(super) fn onset(frames: &[TrackFrame]) -> Option<(u64, f64)> {
+    frames
+        .iter()
+        .find(|frame| frame.state != GlassState::Intact)
+        .map(|frame| (frame.frame_idx, frame.time_s))
+}
+
+/// The track as text: the header's keys, then a line for each frame.
+pub(super) fn track_text(header: &TrackHeader<'_>, frames: &[TrackFrame]) -> String {
+    let mut text = String::from("{\n");
+    for (key, value) in header_json(header, frames) {
+        // Writing to a String does not fail.
+        let _ = writeln!(text, "  \"{key}\": {value},");
+    }
+    text += "  \"frames\": [\n";
+    for (k, frame) in frames.iter().enumerate() {
+        let line = serde_json::to_value(frame).unwrap_or_default();
+        let end = if k + 1 < frames.len() { "," } else { "" };
+        let _ = writeln!(text, "    {line}{end}");
+    }
+    text += "  ]\n}\n";
+    text
+}
+
+fn header_json(header: &TrackHeader<'_>, frames: &[TrackFrame]) -> Map<String, Value> {
+    let TrackHeader {
+        request, context, ..
+    } = header;
+    let network = &header.simulated.network;
+    let data = network.data();
+    let (mode, stretched_s) = match request.growth {
+        Growth::Whole => ("whole", None),
+        Growth::OwnSpeed => ("own_speed", None),
+        Growth::Stretched { time_s } => ("stretched", Some(time_s)),
+    };
+    let unit = match (&data.segments.arrival_us, &data.segments.arrival_step) {
+        (_, Some(_)) => Some("step"),
+        (Some(_), None) => Some("us"),
+        (None, None) => None,
+    };
+    let mut network_json = Map::from_iter([
+        ("file".to_owned(), json!(header.network_name)),
+        ("sha256".to_owned(), json!(header.network_sha256)),
+        ("model".to_owned(), json!(data.model)),
+        ("impacts".to_owned(), json!(data.impacts)),
+        ("summary".to_owned(), json!(network.summary())),
+    ]);
+    network_json.extend(header.simulated.details.to_json());
+    let rate = header.rate;
+    let onset = onset(frames);
+    let rows = [
+        ("schema", json!(TRACK_SCHEMA)),
+        (
+            "generator",
+            json!({ "name": "starbreak", "version": env!("CARGO_PKG_VERSION") }),
+        ),
+        (
+            "input",
+            json!({ "name": header.name, "kind": header.input_kind, "sha256": header.input_sha256 }),
+        ),
+        ("output", json!({ "name": header.output_name })),
+        ("n_frames", json!(frames.len())),
+        ("fps", json!(rate.value())),
+        (
+            "fps_fraction",
+            json!([rate.numerator(), rate.denominator()]),
+        ),
+        ("constant_rate", json!(header.has_constant_rate)),
+        ("width_px", json!(header.size.0)),
+        ("height_px", json!(header.size.1)),
+        ("seed", json!(context.seed.0)),
+        (
+            "item",
+            json!({ "name": header.name, "sample_index": 0, "seed": header.seed.0 }),
+        ),
+        ("recipe", json!(context.recipe)),
+        ("recipe_sha256", json!(context.recipe_sha256)),
+        ("network", Value::Object(network_json)),
+        (
+            "network_unit",
+            json!(match data.unit {
+                LengthUnit::Px => "px",
+                LengthUnit::Mm => "mm",
+            }),
+        ),
+        ("impact_at_s", json!(request.impact_at_s)),
+        (
+            "growth",
+            json!({ "mode": mode, "time_s": stretched_s, "unit": unit, "last_arrival": network.last_arrival() }),
+        ),
+        (
+            "light",
+            json!({
+                "mode": match request.light { Light::First => "first", Light::Follow => "follow" },
+                "n_lights": header.n_lights,
+            }),
+        ),
+        (
+            "damage_onset",
+            json!(onset.map(|(idx, time_s)| json!({ "frame_idx": idx, "time_s": time_s }))),
+        ),
+    ];
+    rows.into_iter()
+        .map(|(key, value)| (key.to_owned(), value))
+        .collect()
+}
