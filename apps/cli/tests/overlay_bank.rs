@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use common::{
-    all_refused, folder, jpeg_bytes, json, names, photo, png_bytes, snapshot, starbreak, succeed,
+    all_refused, folder, jpeg_bytes, names, photo, png_bytes, snapshot, starbreak, succeed,
     write_photo,
 };
 use image::{GrayImage, Luma};
@@ -139,7 +139,7 @@ fn a_set_takes_its_parts_out_of_the_bank_and_is_made_again_from_it() {
         let source = ["folder:scenes", "--overlays", "bank"];
         succeed(dir.path(), &[&again[..], &source].concat());
     }
-    let record = at("paper");
+
     assert!(
         !names(&record).is_empty(),
         "{:?}",
