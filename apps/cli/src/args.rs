@@ -163,6 +163,13 @@ pub(crate) enum Verb {
         /// of other sizes take longer, as their patterns are baked anew
         #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
         size: Vec<(u32, u32)>,
+        /// Fill the bank with photos of broken glass instead: the PNG and JPEG files below a folder
+        /// once each, and a random part of a random one for each pattern, in overlays.bank and
+        /// overlays.csv; for `generate --overlays`, with any recipe
+        #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera", "set", "info", "check"])]
+        overlays: Option<PathBuf>,
+        #[command(flatten)]
+        overlay: OverlayArgs,
         /// Replace a bank that is there already
         #[arg(long)]
         replace: bool,

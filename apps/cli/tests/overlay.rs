@@ -232,8 +232,8 @@ fn a_set_is_made_from_a_folder_of_photos_and_made_again() {
     let args = ["generate", "folder:scenes", "-o", "set", "--samples", "2"];
     succeed(dir.path(), &[&args[..], &overlays].concat());
     let mut used: Vec<String> = snapshot(&dir.path().join("set"))
-        .into_iter()
-        .filter_map(|(_, bytes)| serde_json::from_slice::<Value>(&bytes?).ok())
+        .into_values()
+        .filter_map(|bytes| serde_json::from_slice::<Value>(&bytes?).ok())
         .filter_map(|record| Some(record["overlay"]["name"].as_str()?.to_owned()))
         .collect();
     assert_eq!(used.len(), 12, "a record of each sample");

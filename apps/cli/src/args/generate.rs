@@ -28,7 +28,8 @@ pub(crate) struct GenerateArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "bank")]
     pub(crate) network: Option<PathBuf>,
     /// Photos of broken glass instead of cracks: for each sample a random part of a random one of
-    /// the PNG and JPEG files below a folder
+    /// the PNG and JPEG files below a folder, or a part out of a bank that `starbreak patterns
+    /// --overlays` has made
     #[arg(long, value_name = "DIR", conflicts_with_all = ["network", "bank"])]
     pub(crate) overlays: Option<PathBuf>,
     #[command(flatten)]

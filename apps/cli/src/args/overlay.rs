@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, ValueEnum};
+use starbreak::bank::{OVERLAY_BANK_FILE, OverlayBank};
 use starbreak::dataset::same_file;
+use starbreak::generate::Patterns;
 use starbreak::optics::photo::{Background, PhotoParams, PlacementRange};
 use starbreak::overlay::{GlassPhoto, OverlayOptions, OverlaySet};
 
@@ -70,25 +72,16 @@ impl OverlayArgs {
     /// Refuses flags that would do nothing: those of a photograph without one, and those of random
     /// parts without them.
     pub(crate) fn refuse_idle(&self, has_photos: bool, is_random: bool) -> Result<(), Failure> {
-        let placing = [
-            ("--overlay-min-scale", self.overlay_min_scale.is_some()),
-            ("--overlay-max-shift", self.overlay_max_shift.is_some()),
-        ];
-        let reading = [
-            ("--overlay-background", self.overlay_background.is_some()),
-            ("--overlay-floor", self.overlay_floor.is_some()),
-            ("--overlay-gain", self.overlay_gain.is_some()),
-        ];
-        let given = |flags: &[(&'static str, bool)]| {
-            let given = flags.iter().find(|(_, is_given)| *is_given);
-            given.map(|(flag, _)| *flag)
-        };
-        if !has_photos && let Some(flag) = given(&reading).or(given(&placing)) {
+        if !has_photos && let Some(flag) = self.given() {
             return Err(Failure::wrong_input(format!(
                 "{flag} is for photos of broken glass, of which none are named; name them, too"
             )));
         }
-        if !is_random && let Some(flag) = given(&placing) {
+        let placing = [
+            ("--overlay-min-scale", self.overlay_min_scale),
+            ("--overlay-max-shift", self.overlay_max_shift),
+        ];
+        if !is_random && let Some((flag, _)) = placing.iter().find(|(_, given)| given.is_some()) {
             return Err(Failure::wrong_input(format!(
                 "{flag} is for random parts of a photo; ask for them with --overlay-random"
             )));
@@ -96,13 +89,36 @@ impl OverlayArgs {
         Ok(())
     }
 
-    /// The photographs below a folder, if one was named, of which random parts are taken.
-    pub(crate) fn read_folder(&self, folder: Option<&Path>) -> Result<Option<OverlaySet>, Failure> {
+    /// The photographs below a folder, if one was named, of which random parts are taken; or a
+    /// bank of such parts, with which the flags are settled.
+    pub(crate) fn read_folder(&self, folder: Option<&Path>) -> Result<Option<Patterns>, Failure> {
         self.refuse_idle(folder.is_some(), true)?;
         let Some(folder) = folder else {
             return Ok(None);
         };
-        Ok(Some(OverlaySet::read(folder, &self.options(true)?)?))
+        if !is_bank(folder) {
+            let photos = OverlaySet::read(folder, &self.options(true)?)?;
+            return Ok(Some(Patterns::Overlays(photos)));
+        }
+        if let Some(flag) = self.given() {
+            return Err(Failure::wrong_input(format!(
+                "{flag} was settled when the bank {folder:?} was made; leave it out, or make another bank with it"
+            )));
+        }
+        Ok(Some(Patterns::OverlayBank(OverlayBank::open(folder)?)))
+    }
+
+    /// The first flag that is given.
+    fn given(&self) -> Option<&'static str> {
+        let flags = [
+            ("--overlay-background", self.overlay_background.is_some()),
+            ("--overlay-floor", self.overlay_floor.is_some()),
+            ("--overlay-gain", self.overlay_gain.is_some()),
+            ("--overlay-min-scale", self.overlay_min_scale.is_some()),
+            ("--overlay-max-shift", self.overlay_max_shift.is_some()),
+        ];
+        let given = flags.into_iter().find(|(_, is_given)| *is_given);
+        given.map(|(flag, _)| flag)
     }
 
     /// The photograph in a file; none of the outputs is that file.
@@ -121,4 +137,12 @@ impl OverlayArgs {
         let glass = GlassPhoto::read(file, &options.params)?;
         Ok(OverlaySet::of(glass, &options))
     }
+}
+
+/// Whether a path is that of a bank of photographs, or of the folder of one.
+pub(crate) fn is_bank(path: &Path) -> bool {
+    let is_named = path
+        .file_name()
+        .is_some_and(|name| name == OVERLAY_BANK_FILE);
+    (is_named && path.is_file()) || path.join(OVERLAY_BANK_FILE).is_file()
 }

@@ -13,7 +13,6 @@ use starbreak::generate::{
     Event, GenerateOptions, GenerateReport, Patterns, Plan, Preview, Selection, Survey, generate,
     preview, survey,
 };
-use starbreak::overlay::OverlaySet;
 use starbreak::pipeline::{RunContext, with_threads};
 use starbreak::{OutputFormat, Recipe};
 
@@ -105,10 +104,10 @@ pub(crate) fn run(
 pub(super) fn patterns(
     bank: Option<&Path>,
     network: Option<&Path>,
-    photos: Option<OverlaySet>,
+    photos: Option<Patterns>,
 ) -> Result<Patterns, Failure> {
     if let Some(photos) = photos {
-        return Ok(Patterns::Overlays(photos));
+        return Ok(photos);
     }
     if let Some(bank) = bank {
         return Ok(Patterns::Bank(PatternBank::open(bank)?));

@@ -8,6 +8,7 @@ mod crack;
 mod demo;
 mod generate;
 mod network_file;
+mod overlay_bank;
 mod pattern_statistics;
 mod patterns;
 mod plot;
@@ -20,6 +21,7 @@ mod video;
 
 use std::process::ExitCode;
 
+use crate::args::overlay::is_bank as is_overlay_bank;
 use crate::args::{Args, Verb};
 use crate::failure::Failure;
 use crate::screen::Screen;
@@ -85,13 +87,29 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             n,
             output,
             size,
+            overlays,
+            overlay,
             replace,
             info,
             check,
         } => match (info, check, n, output) {
+            (Some(bank), ..) if is_overlay_bank(&bank) => overlay_bank::info(&bank, screen),
+            (_, Some(bank), ..) if is_overlay_bank(&bank) => overlay_bank::info(&bank, screen),
             (Some(bank), ..) => patterns::info(&bank, screen),
             (_, Some(bank), ..) => patterns::check(&bank, screen),
             (_, _, Some(n), Some(output)) => {
+                overlay.refuse_idle(overlays.is_some(), true)?;
+                if let Some(photos) = overlays {
+                    let request = overlay_bank::Request {
+                        photos,
+                        options: overlay.options(true)?,
+                        n,
+                        sizes: size,
+                        output,
+                        replace,
+                    };
+                    return overlay_bank::run(global, &request, screen);
+                }
                 let request = patterns::Request {
                     n,
                     output,

@@ -86,7 +86,7 @@ pub(crate) fn run(
 }
 
 /// A bank is hours of work to some; it is not replaced by the way.
-fn refuse_to_replace(to: &Path) -> Result<(), Failure> {
+pub(super) fn refuse_to_replace(to: &Path) -> Result<(), Failure> {
     if fs::symlink_metadata(to).is_err() {
         return Ok(());
     }
@@ -200,7 +200,7 @@ fn sizes_text(header: &BankHeader) -> String {
     sizes.join(" and ")
 }
 
-fn bytes_text(n_bytes: u64) -> String {
+pub(super) fn bytes_text(n_bytes: u64) -> String {
     #[expect(clippy::cast_precision_loss, reason = "a length for people")]
     let n = n_bytes as f64;
     match n {

@@ -169,7 +169,7 @@ fn spread<const LANES: usize>(
                 for (k, to) in (-reach_signed..).zip(&mut sources) {
                     *to = source[mirrored(k, width)];
                 }
-                vec![0..sources.len()]
+                std::iter::once(0..sources.len()).collect()
             }
             Beyond::Nothing if (0..height.cast_signed()).contains(&row) => {
                 sources[reach..reach + width].copy_from_slice(source);

@@ -220,7 +220,8 @@ fn area_share(placed: &PlacedPhoto, (width, height): (u32, u32)) -> Result<f64, 
     };
     let size = (ROW_WIDTH_PX, small(height));
     let drawn = draw(&placed.glass.photo, &placed.placement, size)?;
-    Ok(drawn.area_px2() / (f64::from(size.0) * f64::from(size.1)))
+    // An empty sum is -0.
+    Ok(drawn.area_px2().abs() / (f64::from(size.0) * f64::from(size.1)))
 }
 
 impl OverlayBankDraft {
