@@ -143,6 +143,28 @@ exec "$REAL" "$@""#;
 }
 
 #[test]
+fn a_script_around_ffmpeg_does_not_hold_up_the_end() {
+    let Some(studio) = Studio::open() else { return };
+    studio.make(
+        "s=320x240:r=25:d=60",
+        "-c:v libx264 -preset ultrafast",
+        "in.mkv",
+    );
+    // At the speed of the clip, and not in the place of the shell.
+    let script = r#"case "$*" in *rawvideo*) "$REAL" -re "$@"; exit;; esac
+"$REAL" "$@"; exit"#;
+    let studio = with_stand_in(&studio, script);
+    let started = Instant::now();
+    none(vec![refused(
+        &studio,
+        &["in.mkv", "-o", "a.mp4", "--masks", "in.mkv"],
+        2,
+        "not a folder",
+    )]);
+    assert!(started.elapsed().as_secs() < 30, "the clip lasts 60 s");
+}
+
+#[test]
 fn an_ffmpeg_without_the_encoder_says_what_to_do() {
     let Some(studio) = Studio::open() else { return };
     studio.make("s=320x240:r=25:d=1", "-c:v ffv1", "in.mkv");

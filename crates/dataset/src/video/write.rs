@@ -202,8 +202,9 @@ pub struct ClipWriter {
     /// What the user calls the clip.
     path: PathBuf,
     stream: ClipStream,
-    running: Running,
+    /// Before the process: it is closed first.
     stdin: Option<ChildStdin>,
+    running: Running,
     n_written: u64,
 }
 
