@@ -180,7 +180,8 @@ fn a_turned_clip_is_upright_and_without_a_tag() {
 #[test]
 fn one_frame_and_odd_sides_are_clips_too() {
     let Some(studio) = Studio::open() else { return };
-    studio.make("s=161x121:r=25", "-frames:v 1 -c:v ffv1", "in.mkv");
+    let odd = "-frames:v 1 -vf scale=161:121 -c:v ffv1";
+    studio.make("s=160x120:r=25", odd, "in.mkv");
     for (output, pixels) in [
         ("a.mp4", "yuv444p"),
         ("a.mkv", "yuv444p"),

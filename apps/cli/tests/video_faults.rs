@@ -2,6 +2,7 @@
 #![cfg(unix)]
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod clip;
 mod common;
 
@@ -16,7 +17,7 @@ use common::{Outcome, snapshot};
 /// What speaks against a failure with this code in one line with these words, which leaves the folder as it was.
 fn refused(studio: &Studio, args: &[&str], code: i32, named: &str) -> Option<String> {
     let before = snapshot(studio.path());
-    let outcome = studio.video(args);
+    let outcome = studio.video(&[args, &["--quiet"]].concat());
     let is_one_line = outcome.stderr.starts_with("error: ")
         && outcome.stderr.lines().count() == 1
         && outcome.stderr.contains(named);
@@ -32,17 +33,12 @@ fn none(complaints: Vec<Option<String>>) {
 }
 
 /// A program in the place of ffmpeg: a shell script in which `$REAL` is the real one.
-fn stand_in(studio: &Studio, script: &str) -> String {
-    let path = studio.path().join("stand-in.sh");
-    let real = studio.ffmpeg.display();
-    fs::write(&path, format!("#!/bin/sh\nREAL='{real}'\n{script}\n")).unwrap();
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
-    path.to_str().unwrap().to_owned()
-}
-
 fn with_stand_in(studio: &Studio, script: &str) -> Studio {
-    let ffmpeg = stand_in(studio, script).into();
     let dir = common::folder();
+    let ffmpeg = dir.path().join("stand-in.sh");
+    let real = studio.ffmpeg.display();
+    fs::write(&ffmpeg, format!("#!/bin/sh\nREAL='{real}'\n{script}\n")).unwrap();
+    fs::set_permissions(&ffmpeg, fs::Permissions::from_mode(0o755)).unwrap();
     fs::copy(studio.path().join("in.mkv"), dir.path().join("in.mkv")).unwrap();
     Studio { dir, ffmpeg }
 }
@@ -132,7 +128,8 @@ fn an_ffmpeg_that_is_killed_leaves_nothing() {
     studio.make("s=320x240:r=25:d=4", "-c:v ffv1", "in.mkv");
     let encoder = r#"case "$*" in *libx264*) head -c 2000000 >/dev/null; kill -9 $$;; esac
 exec "$REAL" "$@""#;
-    let decoder = r#"case "$*" in *rawvideo*) "$REAL" "$@" | head -c 2000000; kill -9 $$;; esac
+    // At the speed of the clip, which is not at its end by then.
+    let decoder = r#"case "$*" in *rawvideo*) "$REAL" -re "$@" & sleep 0.5; kill -9 $!; kill -9 $$;; esac
 exec "$REAL" "$@""#;
     let (encoder, decoder) = (
         with_stand_in(&studio, encoder),
@@ -143,6 +140,28 @@ exec "$REAL" "$@""#;
         refused(&decoder, &["in.mkv", "-o", "a.mp4"], 2, "signal: 9"),
         refused(&decoder, &["in.mkv", "-o", "frames/"], 2, "signal: 9"),
     ]);
+}
+
+#[test]
+fn a_script_around_ffmpeg_does_not_hold_up_the_end() {
+    let Some(studio) = Studio::open() else { return };
+    studio.make(
+        "s=320x240:r=25:d=60",
+        "-c:v libx264 -preset ultrafast",
+        "in.mkv",
+    );
+    // At the speed of the clip, and not in the place of the shell.
+    let script = r#"case "$*" in *rawvideo*) "$REAL" -re "$@"; exit;; esac
+"$REAL" "$@"; exit"#;
+    let studio = with_stand_in(&studio, script);
+    let started = Instant::now();
+    none(vec![refused(
+        &studio,
+        &["in.mkv", "-o", "a.mp4", "--masks", "in.mkv"],
+        2,
+        "not a folder",
+    )]);
+    assert!(started.elapsed().as_secs() < 30, "the clip lasts 60 s");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! `starbreak video` with folders of frames, which need no ffmpeg unless a clip is on one side.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod clip;
 mod common;
 

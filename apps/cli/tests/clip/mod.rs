@@ -1,5 +1,4 @@
 //! Clips made and measured by ffmpeg itself.
-#![expect(dead_code, reason = "each test file uses its own part")]
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

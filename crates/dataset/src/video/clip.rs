@@ -52,8 +52,9 @@ pub struct TimedFrame {
 pub struct ClipReader {
     path: PathBuf,
     info: ClipInfo,
-    running: Running,
+    /// Before the process: it is closed first.
     stdout: Option<ChildStdout>,
+    running: Running,
     n_read: u64,
     last_ticks: Option<i64>,
 }

@@ -198,9 +198,12 @@ impl Running {
 
     /// Ends it at once.
     pub(super) fn kill(&mut self) {
-        // It may have ended by itself.
+        drop(self.child.take_stdin());
+        drop(self.child.take_stdout());
+        // It may have ended by itself. Its log is not waited for: where the program is a script
+        // around ffmpeg, that one may hold it open for a while longer.
         let _ = self.child.kill();
-        let _ = self.wait();
+        let _ = self.child.wait();
     }
 }
 

@@ -112,10 +112,8 @@ impl ClipStream {
         }
     }
 
-    /// Whether H.264 stores these frames with all of their chroma, because a side is odd: not
-    /// every player shows that.
-    #[must_use]
-    pub fn has_odd_side(&self) -> bool {
+    /// Whether H.264 must store these frames with all of their chroma: half of a side is not whole.
+    fn has_odd_side(&self) -> bool {
         !(self.width_px.is_multiple_of(2) && self.height_px.is_multiple_of(2))
     }
 
@@ -204,8 +202,9 @@ pub struct ClipWriter {
     /// What the user calls the clip.
     path: PathBuf,
     stream: ClipStream,
-    running: Running,
+    /// Before the process: it is closed first.
     stdin: Option<ChildStdin>,
+    running: Running,
     n_written: u64,
 }
 
@@ -249,6 +248,10 @@ impl Ffmpeg {
             args.extend(copied.map(OsString::from));
         }
         args.extend(self.every_frame());
+        if format == ClipFormat::Avi {
+            // Audio that begins before its first sound would push the video by a part of a frame.
+            args.extend(["-avoid_negative_ts", "disabled"].map(OsString::from));
+        }
         args.extend(stream.encode_args(format));
         // Nothing of the day or of the version of a library.
         args.extend(["-fflags", "+bitexact", "-f", format.muxer()].map(OsString::from));
