@@ -39,6 +39,10 @@ struct Cell {
     weighted: f32,
 }
 
+/// Pixels of a row: the first one's column, the row, and coverage and weight of each, 0 where
+/// nothing is.
+pub(crate) type CoveredRun<const N: usize> = (usize, usize, [(f32, f32); N]);
+
 /// The part of the frame that lines can touch; only this part has cells.
 #[derive(Debug, Clone, Copy)]
 struct Window {
@@ -76,11 +80,10 @@ impl Coverage {
         coverage
     }
 
-    /// The coverage of a frame by runs of a row that lie in it: first column, row, and coverage in
-    /// (0, 1] and weight of each pixel, coverage 0 where nothing is.
+    /// The coverage of a frame by runs whose first pixels lie in it.
     pub(crate) fn of_runs<const N: usize>(
         (width, height): (usize, usize),
-        runs: &[(usize, usize, [(f32, f32); N])],
+        runs: &[CoveredRun<N>],
     ) -> Self {
         let window = Window::of_runs(runs, width);
         let mut coverage = Self {
@@ -267,7 +270,7 @@ pub(crate) fn gray_image(width: usize, height: usize, pixels: Vec<u8>) -> image:
 
 impl Window {
     /// The least that holds some runs, as far as they lie in a frame of this width.
-    fn of_runs<const N: usize>(runs: &[(usize, usize, [(f32, f32); N])], width: usize) -> Self {
+    fn of_runs<const N: usize>(runs: &[CoveredRun<N>], width: usize) -> Self {
         let (mut xs, mut ys) = ([usize::MAX, 0], [usize::MAX, 0]);
         for &(x, y, _) in runs {
             xs = [xs[0].min(x), xs[1].max((x + N).min(width))];
