@@ -38,19 +38,19 @@ pub const TARGETS: [Target; 7] = [
         name: "bank",
         check: bank,
         vocabulary: bank::VOCABULARY,
-        n_mutations: 10000,
+        n_mutations: 10_000,
     },
     Target {
         name: "coverage",
         check: coverage,
         vocabulary: bank::VOCABULARY,
-        n_mutations: 50000,
+        n_mutations: 10_000,
     },
     Target {
         name: "pattern",
         check: pattern,
         vocabulary: bank::VOCABULARY,
-        n_mutations: 10000,
+        n_mutations: 4000,
     },
     Target {
         name: "recipe",

@@ -193,7 +193,8 @@ fn lengths_that_cannot_be_are_refused_though_their_checksums_fit() {
     write(&path, &records());
     let whole = fs::read(&path).unwrap();
     let tail = whole.len() - 36;
-    let index = u64::from_le_bytes(whole[tail..tail + 8].try_into().unwrap()) as usize;
+    let index = u64::from_le_bytes(whole[tail..tail + 8].try_into().unwrap());
+    let index = usize::try_from(index).unwrap();
     let forged = |at: usize, bytes: &[u8]| {
         let mut forged = whole.clone();
         forged[at..at + bytes.len()].copy_from_slice(bytes);

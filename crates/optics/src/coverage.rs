@@ -39,6 +39,10 @@ struct Cell {
     weighted: f32,
 }
 
+/// Pixels of a row: the first one's column, the row, and coverage and weight of each, 0 where
+/// nothing is.
+pub(crate) type CoveredRun<const N: usize> = (usize, usize, [(f32, f32); N]);
+
 /// The part of the frame that lines can touch; only this part has cells.
 #[derive(Debug, Clone, Copy)]
 struct Window {
@@ -76,12 +80,12 @@ impl Coverage {
         coverage
     }
 
-    /// The coverage whose pixels are these: column, row, coverage in (0, 1] and weight.
-    pub(crate) fn of_pixels(
+    /// The coverage of a frame by runs whose first pixels lie in it.
+    pub(crate) fn of_runs<const N: usize>(
         (width, height): (usize, usize),
-        pixels: &[(usize, usize, f32, f32)],
+        runs: &[CoveredRun<N>],
     ) -> Self {
-        let window = Window::of_pixels(pixels);
+        let window = Window::of_runs(runs, width);
         let mut coverage = Self {
             width,
             height,
@@ -89,10 +93,24 @@ impl Coverage {
             cells: vec![Cell::default(); window.width * window.height],
             touched: BitRows::new(width, height),
         };
-        for &(x, y, covered, weighted) in pixels {
-            let at = (y - window.y) * window.width + (x - window.x);
-            coverage.cells[at] = Cell { covered, weighted };
-            coverage.touched.set_run(y, x, x + 1);
+        for (x, y, pixels) in runs {
+            let end = (x + N).min(width);
+            let row = (y - window.y) * window.width;
+            let cells = &mut coverage.cells[row + x - window.x..row + end - window.x];
+            let mut start = *x;
+            let mut touch = |start, end| {
+                if start < end {
+                    coverage.touched.set_run(*y, start, end);
+                }
+            };
+            for (k, (cell, (covered, weighted))) in cells.iter_mut().zip(pixels).enumerate() {
+                (cell.covered, cell.weighted) = (*covered, *weighted);
+                if *covered <= 0.0 {
+                    touch(start, x + k);
+                    start = x + k + 1;
+                }
+            }
+            touch(start, end);
         }
         coverage
     }
@@ -251,26 +269,19 @@ pub(crate) fn gray_image(width: usize, height: usize, pixels: Vec<u8>) -> image:
 }
 
 impl Window {
-    /// The least that holds some pixels.
-    fn of_pixels(pixels: &[(usize, usize, f32, f32)]) -> Self {
-        let Some(&(x, y, ..)) = pixels.first() else {
-            return Self {
-                x: 0,
-                y: 0,
-                width: 0,
-                height: 0,
-            };
-        };
-        let ([mut left, mut right], [mut top, mut bottom]) = ([x, x + 1], [y, y + 1]);
-        for &(x, y, ..) in pixels {
-            (left, right) = (left.min(x), right.max(x + 1));
-            (top, bottom) = (top.min(y), bottom.max(y + 1));
+    /// The least that holds some runs, as far as they lie in a frame of this width.
+    fn of_runs<const N: usize>(runs: &[CoveredRun<N>], width: usize) -> Self {
+        let (mut xs, mut ys) = ([usize::MAX, 0], [usize::MAX, 0]);
+        for &(x, y, _) in runs {
+            xs = [xs[0].min(x), xs[1].max((x + N).min(width))];
+            ys = [ys[0].min(y), ys[1].max(y + 1)];
         }
+        let [left, top] = [xs[0].min(xs[1]), ys[0].min(ys[1])];
         Self {
             x: left,
             y: top,
-            width: right - left,
-            height: bottom - top,
+            width: xs[1] - left,
+            height: ys[1] - top,
         }
     }
 

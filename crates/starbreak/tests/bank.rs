@@ -208,7 +208,6 @@ fn a_packed_pattern_shows_the_picture_of_the_unpacked_one_to_a_code() {
             let [one, more] = differences(&unpacked, &packed);
             n_off = [n_off[0] + one, n_off[1] + more];
         }
-        println!("{preset}: {n_changed} samples changed, {n_off:?} off by one code, by more");
         assert!(n_changed > 3000, "{preset}: nothing to see");
         assert!(
             n_off[0] * 25 < n_changed,

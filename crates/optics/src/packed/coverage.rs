@@ -19,6 +19,8 @@ const WHAT: &str = "coverage";
 /// Steps of coverage in 1: the codes of a mask.
 const COVER_STEPS: f32 = 255.0;
 
+const FULL: i32 = 255;
+
 /// Steps of the weight in 1.
 const WEIGHT_STEPS: f32 = 256.0;
 
@@ -62,6 +64,10 @@ impl Coverage {
     ///
     /// # Errors
     /// [`OpticsError::Packed`] naming the byte at which they are wrong.
+    ///
+    /// # Limits
+    /// In memory it is as large as the least rectangle with all that is drawn, 8 bytes per pixel,
+    /// whose frame has 2²⁷ pixels at most.
     pub fn from_packed(bytes: &[u8]) -> Result<Self, OpticsError> {
         let mut bytes = Bytes::new(WHAT, bytes);
         if bytes.byte()? != VERSION {
@@ -72,17 +78,18 @@ impl Coverage {
         if width * height > MAX_PIXELS {
             return Err(bytes.wrong("its frame is too large"));
         }
-        let mut cells: Vec<(usize, usize, f32, f32)> = Vec::new();
         let n_runs = n_runs(&mut bytes, (width, height))?;
+        let mut runs = Vec::with_capacity(n_runs);
         read_runs::<2>(&mut bytes, (width, height), n_runs, |(x, y), blocks| {
-            for (k, (covered, weight)) in blocks[COVERED].iter().zip(&blocks[WEIGHT]).enumerate() {
-                if *covered > 0 && x + k < width {
-                    let covered = from_steps(*covered, COVER_STEPS).min(1.0);
-                    cells.push((x + k, y, covered, from_steps(*weight, WEIGHT_STEPS)));
-                }
-            }
+            let pixels: [(f32, f32); CHUNK] = std::array::from_fn(|k| {
+                let covered = blocks[COVERED][k].clamp(0, FULL);
+                let weight = from_steps(blocks[WEIGHT][k], WEIGHT_STEPS);
+                let weight = if covered > 0 { weight } else { 0.0 };
+                (from_steps(covered, COVER_STEPS), weight)
+            });
+            runs.push((x, y, pixels));
         })?;
         bytes.end()?;
-        Ok(Self::of_pixels((width, height), &cells))
+        Ok(Self::of_runs((width, height), &runs))
     }
 }

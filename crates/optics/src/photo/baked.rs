@@ -52,10 +52,10 @@ pub fn draw(
     for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
         let (covered, brightness) = shade(raster.glass(x, y), background);
         if covered >= LEAST {
-            pixels.push((x, y, covered.min(1.0), brightness));
+            pixels.push((x, y, [(covered.min(1.0), brightness)]));
         }
     }
-    Ok(Coverage::of_pixels(size, &pixels))
+    Ok(Coverage::of_runs(size, &pixels))
 }
 
 /// Coverage and brightness of a pixel.

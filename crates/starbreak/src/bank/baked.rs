@@ -15,7 +15,19 @@ use crate::{Error, OpticsSettings, Settings};
 pub(super) struct BakedRecord {
     pub(super) facts: PatternFacts,
     pub(super) crack_mask_png: Vec<u8>,
-    pub(super) packed: Vec<u8>,
+    packed: Packed,
+}
+
+/// Bytes of the packed form, which end those of a record.
+struct Packed {
+    bytes: Vec<u8>,
+    from: usize,
+}
+
+impl Packed {
+    fn bytes(&self) -> &[u8] {
+        self.bytes.get(self.from..).unwrap_or_default()
+    }
 }
 
 /// Bakes a network for a frame; its crack mask comes along.
@@ -40,7 +52,10 @@ pub(super) fn bake_record(
     let record = BakedRecord {
         facts: PatternFacts::of(network, seed),
         crack_mask_png: encode_mask(&mask)?,
-        packed,
+        packed: Packed {
+            bytes: packed,
+            from: 0,
+        },
     };
     Ok((record, mask))
 }
@@ -49,14 +64,15 @@ impl BakedRecord {
     /// Facts as JSON, mask and pattern, each but the last after its length.
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let facts = serde_json::to_vec(&self.facts).unwrap_or_default();
-        let mut out =
-            Vec::with_capacity(facts.len() + self.crack_mask_png.len() + self.packed.len() + 8);
+        let mut out = Vec::with_capacity(
+            facts.len() + self.crack_mask_png.len() + self.packed.bytes().len() + 8,
+        );
         for part in [&facts, &self.crack_mask_png] {
             let n = u32::try_from(part.len()).unwrap_or(u32::MAX);
             out.extend_from_slice(&n.to_le_bytes());
             out.extend_from_slice(part);
         }
-        out.extend_from_slice(&self.packed);
+        out.extend_from_slice(self.packed.bytes());
         out
     }
 
@@ -67,15 +83,20 @@ impl BakedRecord {
         Ok(Self {
             facts: serde_json::from_slice(facts).map_err(|cause| cause.to_string())?,
             crack_mask_png: mask.to_vec(),
-            packed: packed.to_vec(),
+            packed: Packed {
+                from: bytes.len() - packed.len(),
+                bytes,
+            },
         })
     }
 
     /// What the optics of these settings want.
     pub(super) fn unpack(&self, settings: &Settings) -> Result<Baked, OpticsError> {
         Ok(match settings.optics {
-            OpticsSettings::Paper(_) => Baked::Paper(Coverage::from_packed(&self.packed)?),
-            OpticsSettings::Physical(_) => Baked::Physical(Pattern::from_packed(&self.packed)?),
+            OpticsSettings::Paper(_) => Baked::Paper(Coverage::from_packed(self.packed.bytes())?),
+            OpticsSettings::Physical(_) => {
+                Baked::Physical(Pattern::from_packed(self.packed.bytes())?)
+            }
         })
     }
 }
