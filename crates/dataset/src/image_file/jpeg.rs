@@ -1,9 +1,12 @@
 //! JPEG. The decoder paints what is missing in gray; so the end is looked for before.
 
-use std::io::Cursor;
-
-use image::codecs::jpeg::JpegDecoder;
-use image::{DynamicImage, ImageDecoder, ImageError};
+use image::metadata::Orientation;
+use image::{DynamicImage, GrayImage, RgbImage};
+use zune_core::bytestream::ZCursor;
+use zune_core::colorspace::ColorSpace;
+use zune_core::options::DecoderOptions;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::errors::DecodeErrors;
 
 use super::{Decoded, ImageFormat, ImageLimits};
 use crate::error::{DatasetError, one_line};
@@ -35,16 +38,37 @@ pub(super) fn decode(
         .ok_or_else(|| corrupt("it holds no image"))?;
 
     let error = |error| dataset_error(name, &error);
-    let mut decoder = JpegDecoder::new(Cursor::new(bytes)).map_err(error)?;
+    // The limits on sides and pixels are those above.
+    let options = DecoderOptions::default()
+        .set_strict_mode(false)
+        .set_max_width(usize::MAX)
+        .set_max_height(usize::MAX);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(error)?;
     // The limits were checked on the first frame header; the decoder must mean the same one.
-    if decoder.dimensions() != size_px {
+    let (width_px, height_px) = size_px;
+    if decoder.dimensions() != Some((width_px as usize, height_px as usize)) {
         return Err(corrupt("it has two frame headers that differ in size"));
     }
-    let orientation = decoder.orientation().map_err(error)?;
-    let icc_profile = decoder.icc_profile().map_err(error)?;
-    let pixels = DynamicImage::from_decoder(decoder).map_err(error)?;
+    let is_gray = decoder.input_colorspace() == Some(ColorSpace::Luma);
+    decoder.set_options(options.jpeg_set_out_colorspace(if is_gray {
+        ColorSpace::Luma
+    } else {
+        ColorSpace::RGB
+    }));
+    let orientation = decoder
+        .exif()
+        .and_then(|exif| Orientation::from_exif_chunk(exif))
+        .unwrap_or(Orientation::NoTransforms);
+    let icc_profile = decoder.icc_profile();
+    let samples = decoder.decode().map_err(error)?;
+    let pixels = if is_gray {
+        GrayImage::from_raw(width_px, height_px, samples).map(DynamicImage::ImageLuma8)
+    } else {
+        RgbImage::from_raw(width_px, height_px, samples).map(DynamicImage::ImageRgb8)
+    };
     Ok(Decoded {
-        pixels,
+        pixels: pixels.ok_or_else(|| corrupt("it holds fewer pixels than its header says"))?,
         orientation,
         icc_profile,
     })
@@ -65,7 +89,7 @@ fn structure_of(bytes: &[u8]) -> Structure {
     let mut rest = bytes.get(2..).unwrap_or_default();
     loop {
         // Compressed data, fill bytes and stray bytes between segments: up to the next marker.
-        let Some(start) = rest.iter().position(|&b| b == 0xff) else {
+        let Some(start) = marker_at(rest) else {
             return structure;
         };
         rest = &rest[start + 1..];
@@ -107,26 +131,37 @@ fn structure_of(bytes: &[u8]) -> Structure {
     }
 }
 
-fn dataset_error(name: &str, error: &ImageError) -> DatasetError {
+/// Place of the first 0xff.
+fn marker_at(bytes: &[u8]) -> Option<usize> {
+    // Whole chunks without an early end, of which the compiler makes vectors.
+    let (chunks, _) = bytes.as_chunks::<32>();
+    let has_marker = |chunk: &[u8; 32]| chunk.iter().fold(false, |is, b| is | (*b == 0xff));
+    let start = 32 * chunks.iter().take_while(|chunk| !has_marker(chunk)).count();
+    let rest = bytes.get(start..)?;
+    rest.iter().position(|b| *b == 0xff).map(|at| start + at)
+}
+
+fn dataset_error(name: &str, error: &DecodeErrors) -> DatasetError {
     let name = name.to_owned();
     let format = ImageFormat::Jpeg;
-    let reason = one_line(error);
     match error {
-        ImageError::Unsupported(_) => DatasetError::UnsupportedFeature {
+        DecodeErrors::Unsupported(feature) => DatasetError::UnsupportedFeature {
             name,
             format,
-            reason,
+            reason: one_line(&format!("{feature:?}")),
         },
-        _ => DatasetError::Corrupt {
+        other => DatasetError::Corrupt {
             name,
             format,
-            reason,
+            reason: one_line(&format!("{other}")),
         },
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::error::Error;
+
     use super::*;
 
     #[test]
@@ -154,6 +189,45 @@ mod tests {
                 "cut after {end} bytes"
             );
         }
+    }
+
+    #[test]
+    fn markers_are_found_wherever_they_lie() {
+        for length in [0, 1, 31, 32, 33, 64, 100] {
+            assert_eq!(marker_at(&vec![7; length]), None, "none in {length} bytes");
+            for at in 0..length {
+                let mut bytes = vec![0xfe; length];
+                bytes[at..].fill(0xff);
+                assert_eq!(marker_at(&bytes), Some(at), "{at} of {length} bytes");
+            }
+        }
+    }
+
+    #[test]
+    fn decoded_pixels_do_not_depend_on_the_processors_instructions() -> Result<(), Box<dyn Error>> {
+        let (width, height) = (150_u16, 90_u16);
+        let samples: Vec<u8> = (0..usize::from(width) * usize::from(height))
+            .flat_map(|k| [k % 251, k * k / 97 % 256, k / 3 % 256])
+            .map(u8::try_from)
+            .collect::<Result<_, _>>()?;
+        for sampling in [
+            jpeg_encoder::SamplingFactor::F_1_1,
+            jpeg_encoder::SamplingFactor::F_2_1,
+            jpeg_encoder::SamplingFactor::F_2_2,
+        ] {
+            let mut bytes = Vec::new();
+            let mut encoder = jpeg_encoder::Encoder::new(&mut bytes, 85);
+            encoder.set_sampling_factor(sampling);
+            encoder.encode(&samples, width, height, jpeg_encoder::ColorType::Rgb)?;
+            // No vector instructions.
+            let plain = DecoderOptions::new_safe();
+            let expected = JpegDecoder::new_with_options(ZCursor::new(&bytes), plain).decode()?;
+            let decoded = decode("x", &bytes, &ImageLimits::default())?;
+            let differing = decoded.pixels.as_bytes().iter().zip(&expected);
+            let n_off = differing.filter(|(a, b)| a != b).count();
+            assert_eq!(n_off, 0, "{sampling:?}: samples that differ");
+        }
+        Ok(())
     }
 
     #[test]

@@ -188,7 +188,7 @@ impl<const L: usize> Layer<L> {
         let per_cell = if self.level.is_halved { 2 } else { 1 };
         let fine_rows = self.rows * per_cell;
         let mut waiting = placed(
-            facets,
+            facets.iter().map(|facet| facet.corners),
             self.scale * if self.level.is_halved { 2.0 } else { 1.0 },
             self.margin * per_cell,
             (self.columns * per_cell, fine_rows),
@@ -369,17 +369,16 @@ pub(super) struct Placed {
 
 /// The facets that reach the grid, by the rows in which they begin.
 #[expect(clippy::cast_precision_loss, reason = "cells of a grid")]
-fn placed<const L: usize>(
-    facets: &[&Facet<L>],
+pub(super) fn placed(
+    outlines: impl ExactSizeIterator<Item = [[f64; 2]; 4]>,
     scale: f64,
     margin: usize,
     (columns, rows): (usize, usize),
 ) -> Vec<Placed> {
-    let mut all: Vec<Placed> = Vec::with_capacity(facets.len());
-    for (k, facet) in facets.iter().enumerate() {
-        let corners = facet
-            .corners
-            .map(|corner| corner.map(|coordinate| coordinate * scale + margin as f64));
+    let mut all: Vec<Placed> = Vec::with_capacity(outlines.len());
+    for (k, corners) in outlines.enumerate() {
+        let corners =
+            corners.map(|corner| corner.map(|coordinate| coordinate * scale + margin as f64));
         let polygon = Polygon::new(&corners).within(columns as f64);
         let [top, bottom] = polygon.span(1);
         if !(top < rows as f64 && bottom > 0.0) {

@@ -11,7 +11,9 @@ mod emit;
 mod kernel;
 mod layer;
 mod raster;
+mod sharp;
 
 pub(crate) use chunks::{CHUNK, Chunks};
 pub(crate) use kernel::{Kernel, Pupil};
 pub(crate) use layer::{Facet, spread};
+pub(crate) use sharp::cover;

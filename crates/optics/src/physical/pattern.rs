@@ -8,7 +8,7 @@ use starbreak_glass::{CrackNetwork, Seed};
 use super::{Overlay, PhysicalOptics};
 use crate::environment::{Environment, HemisphereWeights, Horizon};
 use crate::interface::gap::GapTable;
-use crate::maps::{CHUNK, Chunks, Facet, Pupil, spread};
+use crate::maps::{CHUNK, Chunks, Facet, Pupil, cover, spread};
 use crate::surface::{
     Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, fragment_facets, hit_facets,
 };
@@ -178,19 +178,20 @@ impl Pattern {
 
     fn covered_by(&self, outlines: &[[[f64; 2]; 4]]) -> GrayImage {
         let (width, height) = self.size;
-        let facets: Vec<Facet<2>> = outlines
-            .iter()
-            .map(|&corners| Facet {
-                corners,
-                lanes: [1.0, 0.0],
-                lean: [[0.0; 2]; 2],
-                radius_px: 0.0,
-            })
-            .collect();
-        let covered = spread(&facets, 1, Pupil::Round, (width as usize, height as usize));
         let mut mask = GrayImage::new(width, height);
-        for_each_pixel(&mut mask, &covered, |[share, _]| {
-            share.clamp(0.0, 1.0) * 255.0
+        let pixels = mask.as_mut();
+        let size = (width as usize, height as usize);
+        cover(outlines, size, |y, x, shares| {
+            let row = &mut pixels[y * size.0 + x..];
+            for (pixel, share) in row.iter_mut().zip(shares) {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a share as a code"
+                )]
+                let code = (share.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+                *pixel = code;
+            }
         });
         mask
     }
