@@ -236,8 +236,9 @@ fn write_png(
     Ok(bytes)
 }
 
-/// 35 times faster than the balanced setting on photographs, and hardly larger; one filter takes a
-/// tenth less time than the choice of the best, and is it (docs/decisions/0017-codecs.md).
+/// 35 times faster than the balanced setting on photographs, and hardly larger. The one filter takes
+/// a tenth less time than to choose for each row, and is nearly always the choice
+/// (docs/decisions/0017-codecs.md).
 pub(crate) fn use_fast_compression<W: std::io::Write>(encoder: &mut png::Encoder<'_, W>) {
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(Filter::Paeth);
