@@ -10,9 +10,14 @@ use std::process::{Command, Stdio};
 use common::{Outcome, folder, names, raw_png, succeed};
 use serde_json::Value;
 
-const VERBS: [&str; 8] = [
+const VERBS: [&str; 13] = [
     "demo",
     "crack",
+    "generate",
+    "verify",
+    "merge",
+    "patterns",
+    "video",
     "sweep",
     "simulate",
     "recipe",

@@ -38,8 +38,8 @@ pub struct Survey {
     last: Option<String>,
     /// The highest rank that a sample takes.
     highest_rank: Option<u64>,
-    /// Images whose other files would lie where those of an earlier one do.
-    colliding: BTreeSet<String>,
+    /// Images that cannot be taken.
+    left_out: BTreeSet<String>,
 }
 
 /// Walks over a source. Labels are read and checked, images are not opened.
@@ -56,7 +56,7 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
         selection,
         last: None,
         highest_rank: None,
-        colliding: BTreeSet::new(),
+        left_out: BTreeSet::new(),
     };
     survey.choose(source);
     let mut names_sha256 = sha256_hex(b"");
@@ -96,7 +96,7 @@ impl Survey {
             && in_sample
             && self.selection.limit != Some(0)
             && self.selection.sample != Some(0)
-            && !self.colliding.contains(name)
+            && !self.left_out.contains(name)
     }
 
     /// Whether an image is taken by this run.
@@ -125,9 +125,15 @@ impl Survey {
         let mut ranks = BinaryHeap::new();
         let mut stems = BTreeSet::new();
         let layout = SetLayout::new(std::path::Path::new(""), 1);
+        let mut bad = BTreeSet::new();
+        for image in source.images().filter_map(Result::err) {
+            bad.extend(image.image);
+        }
         for image in source.images().filter_map(Result::ok) {
             let name = image.name;
             self.n_images += 1;
+            // The record that is bad was a second one of it.
+            bad.remove(&name);
             let is_state = name
                 .strip_prefix(STATE_FOLDER)
                 .is_some_and(|rest| rest.starts_with('/'));
@@ -160,11 +166,12 @@ impl Survey {
                 self.last = Some(name);
             }
         }
+        self.left_out.append(&mut bad);
         self.highest_rank = self.selection.sample.and_then(|_| ranks.peek().copied());
     }
 
     fn refuse(&mut self, name: &str, reason: &str) {
-        self.colliding.insert(name.to_owned());
+        self.left_out.insert(name.to_owned());
         self.n_left_out += 1;
         self.bad.push(BadRecord {
             place: name.to_owned(),
