@@ -38,6 +38,7 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     ("clap_complete", SHELL, "libraries have no command line"),
     ("clap_mangen", SHELL, "libraries have no command line"),
     ("ctrlc", SHELL, "libraries do not own the process"),
+    ("mimalloc", SHELL, "the allocator is the process's"),
     ("indicatif", SHELL, "libraries do not print"),
     ("kuva", SHELL, "libraries do not plot"),
     ("anyhow", SHELL, "libraries name their errors"),

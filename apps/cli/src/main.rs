@@ -14,6 +14,11 @@ use clap::error::ErrorKind;
 use failure::Failure;
 use screen::Screen;
 
+/// Images come and go by the megabyte: an allocator that keeps their pages spares the system the
+/// work of clearing new ones for each, a fifth of the time of a dataset.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> ExitCode {
     let args = match args::Args::try_parse() {
         Ok(args) => args,

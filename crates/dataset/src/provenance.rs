@@ -110,7 +110,10 @@ impl Provenance {
     /// The record as indented JSON in UTF-8 with a line feed at the end.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        format!("{:#}\n", self.0).into_bytes()
+        // A value always has a JSON form.
+        let mut bytes = serde_json::to_vec_pretty(&self.0).unwrap_or_default();
+        bytes.push(b'\n');
+        bytes
     }
 }
 

@@ -16,6 +16,10 @@ use starbreak::dataset::{
 };
 use starbreak::pipeline::with_threads;
 
+/// That of the command.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let [n_threads, source, out] = args.as_slice() else {

@@ -1,5 +1,6 @@
 //! Labels and other files of the source, carried into each sample's tree.
 
+use rayon::prelude::*;
 use starbreak_dataset::{CarriedFile, Carry, FileRole, GeneratedSet, SourceFile, SourceFormat};
 
 use super::Plan;
@@ -8,14 +9,19 @@ use crate::Error;
 impl Plan<'_> {
     /// Carries over what the set keeps of the source beside its images.
     pub(super) fn carry_files(&self, set: &GeneratedSet) -> Result<Vec<CarriedFile>, Error> {
-        let mut carried = Vec::new();
         // The survey has listed what is wrong with others.
-        for file in self.source.files().filter_map(Result::ok) {
+        let files = self.source.files().filter_map(Result::ok);
+        let per_file = |file: SourceFile| -> Result<Vec<CarriedFile>, Error> {
+            let mut carried = Vec::new();
             for sample_idx in 0..self.options.n_samples {
                 let name = set.layout().in_sample(&file.name, sample_idx);
                 carried.extend(self.carry_file(set, &file, &name)?);
             }
-        }
+            Ok(carried)
+        };
+        let carried: Result<Vec<Vec<CarriedFile>>, Error> =
+            files.par_bridge().map(per_file).collect();
+        let mut carried = carried?.concat();
         carried.sort();
         Ok(carried)
     }

@@ -125,6 +125,7 @@ impl Survey {
         let mut ranks = BinaryHeap::new();
         let mut stems = BTreeSet::new();
         let layout = SetLayout::new(std::path::Path::new(""), 1);
+        let mut n_good = 0;
         let mut bad = BTreeSet::new();
         for image in source.images().filter_map(Result::err) {
             bad.extend(image.image);
@@ -158,11 +159,8 @@ impl Survey {
                     ranks.pop();
                 }
             }
-            if self
-                .selection
-                .limit
-                .is_some_and(|limit| self.n_images <= limit)
-            {
+            n_good += 1;
+            if self.selection.limit.is_some_and(|limit| n_good <= limit) {
                 self.last = Some(name);
             }
         }
