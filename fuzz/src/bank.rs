@@ -88,10 +88,16 @@ fn set_checksums(bytes: &mut [u8]) -> Option<()> {
     let n_header = u32::from_le_bytes(*bytes.get(12..)?.first_chunk()?) as usize;
     let head_crc = crc(bytes.get(..n_header.checked_add(16)?)?);
     let index_crc = crc(bytes.get(index..tail)?);
-    bytes.get_mut(tail + 16..tail + 20)?.copy_from_slice(&head_crc);
-    bytes.get_mut(tail + 20..tail + 24)?.copy_from_slice(&index_crc);
+    bytes
+        .get_mut(tail + 16..tail + 20)?
+        .copy_from_slice(&head_crc);
+    bytes
+        .get_mut(tail + 20..tail + 24)?
+        .copy_from_slice(&index_crc);
     let tail_crc = crc(bytes.get(tail..tail + 24)?);
-    bytes.get_mut(tail + 24..tail + 28)?.copy_from_slice(&tail_crc);
+    bytes
+        .get_mut(tail + 24..tail + 28)?
+        .copy_from_slice(&tail_crc);
     Some(())
 }
 
@@ -101,7 +107,7 @@ fn crc(bytes: &[u8]) -> [u8; 4] {
     for byte in bytes {
         crc ^= u32::from(*byte);
         for _ in 0..8 {
-            crc = crc >> 1 ^ 0xedb8_8320 * (crc & 1);
+            crc = (crc >> 1) ^ (0xedb8_8320 * (crc & 1));
         }
     }
     (!crc).to_le_bytes()

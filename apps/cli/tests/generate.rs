@@ -79,7 +79,7 @@ fn a_set_keeps_layout_names_and_labels_of_its_source() {
         .collect();
     assert_eq!(
         known.len(),
-        source.len() + 0,
+        source.len(),
         "nothing else beside them: {known:?}"
     );
 }

@@ -237,6 +237,8 @@ fn luma_code(image: &DynamicImage, x: u32, y: u32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::expect_used, reason = "a test may panic")]
+
     use super::*;
     use image::{GrayImage, Luma, Rgb, RgbImage};
 

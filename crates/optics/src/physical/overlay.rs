@@ -347,10 +347,14 @@ impl OverlayLayer {
                     continue;
                 }
                 is_touched = true;
-                let colors = tint.map_or([0.0; 3], |tint| [tint[k][1], tint[k][2], tint[k][3]]);
                 let lit_share = share - lanes[FRAME];
-                for c in 0..3 {
-                    let tint = tint_of(colors[c], lit_share, share);
+                let tints = match tint.map(|tint| tint[k]) {
+                    Some([_, red, green, blue]) if red != 0.0 || green != 0.0 || blue != 0.0 => {
+                        [red, green, blue].map(|color| tint_of(color, lit_share, share))
+                    }
+                    _ => [0.0; 3],
+                };
+                for (c, tint) in tints.into_iter().enumerate() {
                     // What is reflected more of one color is so at the expense of what passes,
                     // and by as much: nothing is lost.
                     run.keep[c][k] = 1.0 - share - lit_share * tint;

@@ -34,7 +34,7 @@ pub struct RegenerateReport {
 /// the hashes of its list; where these differ, with the pixels on the disk.
 ///
 /// # Errors
-/// [`DatasetError::NotASet`], [`DatasetError::OtherSet`] where the source or the patterns are not
+/// [`Error::Dataset`] where there is no finished set, or where the source or the patterns are not
 /// those that the set was made from, and what the recipe and the source say.
 pub fn regenerate(
     root: &Path,
