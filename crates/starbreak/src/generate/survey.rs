@@ -42,7 +42,8 @@ pub struct Survey {
     left_out: BTreeSet<String>,
 }
 
-/// Walks over a source. Labels are read and checked, images are not opened.
+/// Walks over a source, twice where images are drawn. Labels are read and checked, images are not
+/// opened.
 #[must_use]
 pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
     let mut survey = Survey {
@@ -51,35 +52,19 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
         n_objects: 0,
         n_left_out: 0,
         bad: Vec::new(),
-        names_sha256: String::new(),
+        names_sha256: sha256_hex(b""),
         seed,
         selection,
         last: None,
         highest_rank: None,
         left_out: BTreeSet::new(),
     };
-    survey.choose(source);
-    let mut names_sha256 = sha256_hex(b"");
-    for image in source.images() {
-        let image = match image {
-            Ok(image) => image,
-            Err(bad) => {
-                survey.bad.push(bad);
-                survey.n_left_out += 1;
-                continue;
-            }
-        };
-        survey.bad.extend(image.problems.iter().cloned());
-        if survey.is_of_set(&image.name) {
-            names_sha256.push_str(&image.name);
-            names_sha256 = sha256_hex(names_sha256.as_bytes());
-        }
-        if survey.is_selected(&image.name) {
-            survey.n_selected += 1;
-            survey.n_objects += image.objects.len() as u64;
+    survey.walk(source);
+    if selection.sample.is_some() {
+        for image in source.images().filter_map(Result::ok) {
+            survey.count(&image);
         }
     }
-    survey.names_sha256 = names_sha256;
     survey.bad.extend(source.files().filter_map(Result::err));
     survey
 }
@@ -120,52 +105,79 @@ impl Survey {
             .filter(|image| self.is_selected(&image.name))
     }
 
-    /// Finds where the limit and the sample end, and which names collide.
-    fn choose(&mut self, source: &Source) {
+    /// Finds where the limit and the sample end and which images cannot be taken, and counts what
+    /// is taken unless images are drawn.
+    fn walk(&mut self, source: &Source) {
         let mut ranks = BinaryHeap::new();
+        // Digests of the names that are taken, and of those of their records.
+        let mut names = BTreeSet::new();
         let mut stems = BTreeSet::new();
+        let mut bad = BTreeSet::new();
         let layout = SetLayout::new(std::path::Path::new(""), 1);
         let mut n_good = 0;
-        let mut bad = BTreeSet::new();
-        for image in source.images().filter_map(Result::err) {
-            bad.extend(image.image);
-        }
-        for image in source.images().filter_map(Result::ok) {
-            let name = image.name;
+        for image in source.images() {
+            let image = match image {
+                Ok(image) => image,
+                Err(record) => {
+                    bad.extend(record.image.clone());
+                    self.bad.push(record);
+                    self.n_left_out += 1;
+                    continue;
+                }
+            };
             self.n_images += 1;
-            // The record that is bad was a second one of it.
-            bad.remove(&name);
+            let name = &image.name;
             let is_state = name
                 .strip_prefix(STATE_FOLDER)
                 .is_some_and(|rest| rest.starts_with('/'));
             if is_state {
                 self.refuse(
-                    &name,
+                    name,
                     "lies where the set keeps its own files; is the source a generated set?",
                 );
                 continue;
             }
-            let stem = layout.files_of(&name, 0).provenance.to_lowercase();
+            let stem = layout.files_of(name, 0).provenance.to_lowercase();
             if !stems.insert(digest(Seed(0), "stem", &stem)) {
                 self.refuse(
-                    &name,
+                    name,
                     "differs from another image only in its extension or in case, so that their masks would have one name",
                 );
                 continue;
             }
+            names.insert(digest(Seed(0), "name", name));
+            n_good += 1;
             if let Some(n) = self.selection.sample {
-                ranks.push(digest(self.seed, "sample", &name));
+                ranks.push(digest(self.seed, "sample", name));
                 if ranks.len() as u64 > n {
                     ranks.pop();
                 }
+                continue;
             }
-            n_good += 1;
-            if self.selection.limit.is_some_and(|limit| n_good <= limit) {
-                self.last = Some(name);
+            match self.selection.limit {
+                Some(limit) if n_good > limit => {}
+                limit => {
+                    self.last = limit.map(|_| name.clone());
+                    self.count(&image);
+                }
             }
         }
+        // Where an image is taken, the bad record was a second one of it.
+        bad.retain(|name| !names.contains(&digest(Seed(0), "name", name)));
         self.left_out.append(&mut bad);
         self.highest_rank = self.selection.sample.and_then(|_| ranks.peek().copied());
+    }
+
+    fn count(&mut self, image: &SourceImage) {
+        self.bad.extend(image.problems.iter().cloned());
+        if self.is_of_set(&image.name) {
+            self.names_sha256.push_str(&image.name);
+            self.names_sha256 = sha256_hex(self.names_sha256.as_bytes());
+        }
+        if self.is_selected(&image.name) {
+            self.n_selected += 1;
+            self.n_objects += image.objects.len() as u64;
+        }
     }
 
     fn refuse(&mut self, name: &str, reason: &str) {
