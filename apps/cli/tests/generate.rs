@@ -547,4 +547,18 @@ fn images_that_lie_on_their_side_stay_so() {
             "{path}: and stored as the source is"
         );
     }
+    // The right way up: nearly the picture of the source, but for the crack.
+    let upright = |path: &str| {
+        let limits = starbreak_dataset::ImageLimits::default();
+        let file = starbreak_dataset::read_image(&dir.path().join(path), &limits).unwrap();
+        file.pixels.to_luma8()
+    };
+    let (source, made) = (upright("in/a.jpg"), upright("out/a.jpg"));
+    let pairs = source.as_raw().iter().zip(made.as_raw());
+    let n_far = pairs.filter(|(a, b)| a.abs_diff(**b) > 40).count();
+    assert!(
+        n_far < source.as_raw().len() / 4,
+        "{n_far} of {} px are other ones",
+        source.as_raw().len()
+    );
 }
