@@ -344,6 +344,16 @@ impl Global {
         }
     }
 
+    /// Whether a flag says with which recipe or seed something is to be made.
+    pub(crate) fn says_what_to_make(&self) -> bool {
+        let names = [&self.preset, &self.camera];
+        names.into_iter().any(Option::is_some)
+            || self.recipe.is_some()
+            || self.severity.is_some()
+            || !self.set.is_empty()
+            || self.seed != 0
+    }
+
     /// The seed.
     pub(crate) fn seed(&self) -> Seed {
         Seed(self.seed)

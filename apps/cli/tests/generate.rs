@@ -331,7 +331,7 @@ fn two_recipes_never_mix_in_one_folder() {
             (with(&["--seed", "1"]), "seed is 0, here it is 1"),
             (with(&["--set", "output.quality=80"]), "recipe"),
             (with(&["--samples", "2"]), "samples"),
-            (with(&["--limit", "1"]), "names_sha256"),
+            (with(&["--limit", "1"]), "selection.limit"),
             (other, "names_sha256"),
         ],
     );
@@ -456,6 +456,7 @@ fn verify_finds_every_kind_of_damage() {
         ("label_2/000002.txt", "other bytes"),
         ("starbreak/regions/image_2/000000.png", "other bytes"),
         ("starbreak/provenance/image_2/000000.json", "other bytes"),
+        ("starbreak/recipe.toml", "not the one that"),
         (
             "starbreak/items.jsonl",
             "not the one that the manifest means",

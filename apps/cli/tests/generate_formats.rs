@@ -294,7 +294,7 @@ fn hostile_and_contradictory_annotations_are_refused_with_their_place() {
             "secret.png",
         ),
         (
-            json!([image(1, "a.png"), image(1, "b.png")]),
+            json!([image(1, "a.png"), image(1, "a2.png"), image(2, "b.png")]),
             json!([]),
             "1",
         ),

@@ -64,6 +64,12 @@ pub enum Error {
         "the network is in mm, but the recipe has no [glass] that says where the pane stands; use a preset of the          physics, such as windshield-star"
     )]
     NoMount,
+    /// An image that was there when the source was surveyed.
+    #[error("{record}; it was good when the run began")]
+    Gone {
+        /// What is wrong with it now.
+        record: String,
+    },
     /// A baked crack under the optics of another model.
     #[error(
         "the pattern was baked for another optics.model than the recipe's; use the recipe that it was made with"

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, ValueEnum};
-use starbreak::bank::{OVERLAY_BANK_FILE, OverlayBank};
+use starbreak::bank::{BANK_FILE, OVERLAY_BANK_FILE, OverlayBank};
 use starbreak::dataset::same_file;
 use starbreak::generate::Patterns;
 use starbreak::optics::photo::{Background, PhotoParams, PlacementRange};
@@ -96,6 +96,11 @@ impl OverlayArgs {
         let Some(folder) = folder else {
             return Ok(None);
         };
+        if folder.join(BANK_FILE).is_file() {
+            return Err(Failure::wrong_input(format!(
+                "{folder:?} is a bank of cracks, not of photos; name it with --bank"
+            )));
+        }
         if !is_bank(folder) {
             let photos = OverlaySet::read(folder, &self.options(true)?)?;
             return Ok(Some(Patterns::Overlays(photos)));

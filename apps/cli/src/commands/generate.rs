@@ -47,7 +47,14 @@ pub(crate) fn run(
     let source = Source::open(&SourceSpec::parse(&args.source)?)?;
     let survey = survey(&source, options.selection, global.seed());
     mind_bad_records(&survey, args.on_error, screen)?;
-    if survey.n_selected == 0 {
+    if survey.n_strays > 0 {
+        screen.note(&format!(
+            "{} image files that the dataset does not name are left out",
+            survey.n_strays
+        ));
+    }
+    // A shard of few images may be empty, and is one all the same.
+    if survey.n_selected == 0 && (options.selection.shard.is_none() || survey.n_images == 0) {
         return Err(Failure::wrong_input(format!(
             "{:?} holds no image to be taken ({} in all); check the path and the selection",
             source.root(),

@@ -22,6 +22,11 @@ pub(crate) fn run(
     args: &VerifyArgs,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
+    if global.says_what_to_make() {
+        return Err(Failure::wrong_input(
+            "verify takes recipe and seed from the set itself; leave --preset, --recipe, --severity, --camera, --set and --seed out",
+        ));
+    }
     let interrupt = Interrupt::listen();
     let progress = screen.progress(0, "files");
     let n_threads = usize::from(global.threads);

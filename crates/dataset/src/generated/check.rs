@@ -87,8 +87,11 @@ impl SetChecker {
     /// [`DatasetError::Read`].
     pub fn check_lists(&self) -> Result<Vec<Finding>, DatasetError> {
         let mut findings = Vec::new();
+        let recipe_sha256 = self.identity["recipe_sha256"].as_str().unwrap_or_default();
+        let recipe_sha256 = recipe_sha256.to_owned();
         let lists = [
             ("run.json", &self.manifest.run_sha256),
+            ("recipe.toml", &recipe_sha256),
             ("items.jsonl", &self.manifest.items_sha256),
             ("files.jsonl", &self.manifest.files_sha256),
         ];

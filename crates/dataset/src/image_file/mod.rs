@@ -162,7 +162,10 @@ pub fn decode_image(
     Ok(ImageFile {
         pixels,
         format,
-        icc_profile: decoded.icc_profile,
+        // That of the four inks says nothing of the colors that they were converted to.
+        icc_profile: decoded
+            .icc_profile
+            .filter(|profile| profile.get(16..20) != Some(b"CMYK")),
         orientation: decoded.orientation,
         sha256: sha256_hex(bytes),
     })

@@ -4,13 +4,18 @@ use rayon::prelude::*;
 use starbreak_dataset::{CarriedFile, Carry, FileRole, GeneratedSet, SourceFile, SourceFormat};
 
 use super::Plan;
+use super::survey::{is_state, is_stray};
 use crate::Error;
 
 impl Plan<'_> {
     /// Carries over what the set keeps of the source beside its images.
     pub(super) fn carry_files(&self, set: &GeneratedSet) -> Result<Vec<CarriedFile>, Error> {
         // The survey has listed what is wrong with others.
-        let files = self.source.files().filter_map(Result::ok);
+        let files = self
+            .source
+            .files()
+            .filter_map(Result::ok)
+            .filter(|file| !is_state(&file.name) && !is_stray(file));
         let per_file = |file: SourceFile| -> Result<Vec<CarriedFile>, Error> {
             let mut carried = Vec::new();
             for sample_idx in 0..self.options.n_samples {

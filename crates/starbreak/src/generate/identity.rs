@@ -15,10 +15,6 @@ impl Plan<'_> {
         let mut identity = json!({
             "schema": SET_SCHEMA,
             "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
-            "source": {
-                "format": self.source.format().name(),
-                "names_sha256": self.survey.names_sha256,
-            },
             "recipe_sha256": self.context.recipe_sha256,
             "seed": self.context.seed.0,
             "patterns": match self.patterns {
@@ -30,6 +26,10 @@ impl Plan<'_> {
             },
             "samples": self.options.n_samples,
             "selection": { "limit": selection.limit, "sample": selection.sample },
+            "source": {
+                "format": self.source.format().name(),
+                "names_sha256": self.survey.names_sha256,
+            },
             "other_files": match self.options.other_files {
                 Some(Carry::Copy) => "copy",
                 Some(Carry::HardLink) => "hard-link",

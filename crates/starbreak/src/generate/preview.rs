@@ -4,6 +4,7 @@ use image::DynamicImage;
 use starbreak_dataset::{FileRole, file_len};
 
 use super::Plan;
+use super::survey::{is_state, is_stray};
 use crate::Error;
 
 /// A few images of a plan, and what all of them would take.
@@ -88,7 +89,8 @@ pub fn preview(plan: &Plan<'_>, n: u64) -> Result<Preview, Error> {
         preview.seconds_on_one_thread =
             spent_ms * 1e-3 / preview.images.len().max(1) as f64 * (total * n_samples) as f64;
     }
-    for file in plan.source.files().filter_map(Result::ok) {
+    let files = plan.source.files().filter_map(Result::ok);
+    for file in files.filter(|file| !is_state(&file.name) && !is_stray(file)) {
         let is_carried = match &file.role {
             FileRole::LabelOf(image) => {
                 plan.survey.is_selected(image) || !plan.options.selection.is_partial()

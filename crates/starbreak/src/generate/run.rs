@@ -1,6 +1,5 @@
 //! The run: all images of a plan, over all threads, to a finished set.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -30,8 +29,6 @@ pub struct ItemFailure {
     pub name: String,
     /// Which sample.
     pub sample_idx: u32,
-    /// Its file.
-    pub input: PathBuf,
     /// Why.
     pub error: Error,
 }
@@ -95,24 +92,23 @@ pub fn generate(
     let tally = Mutex::new(Tally::default());
     let has_ended = AtomicBool::new(false);
     let is_over = || stop.load(Ordering::Relaxed) || has_ended.load(Ordering::Relaxed);
-    let jobs = (0_u64..)
-        .zip(plan.survey.selected(plan.source))
-        .flat_map(|(place, image)| {
-            (0..n_samples).map(move |sample_idx| {
-                (
-                    place * u64::from(n_samples) + u64::from(sample_idx),
-                    image.clone(),
-                    sample_idx,
-                )
-            })
-        });
+    let images = (0_u64..).zip(plan.survey.selected_or_gone(plan.source));
+    let jobs = images.flat_map(|(place, image)| {
+        let first = place * u64::from(n_samples);
+        (0..n_samples).map(move |k| (first + u64::from(k), image.clone(), k))
+    });
     jobs.take_while(|_| !is_over())
         .par_bridge()
         .for_each(|(place, image, sample_idx)| {
             if is_over() {
                 return;
             }
-            let outcome = plan.make_or_keep(&set, &image, sample_idx);
+            let outcome = match &image {
+                Ok(image) => plan.make_or_keep(&set, image, sample_idx),
+                Err(bad) => Err(Error::Gone {
+                    record: bad.to_string(),
+                }),
+            };
             let mut tally = tally.lock().unwrap_or_else(PoisonError::into_inner);
             match outcome {
                 Ok(Outcome::Kept) => tally.n_done_before += 1,
@@ -132,10 +128,13 @@ pub fn generate(
                     return;
                 }
                 Err(error) => {
+                    let name = match image {
+                        Ok(image) => image.name,
+                        Err(bad) => bad.image.unwrap_or(bad.place),
+                    };
                     let failure = ItemFailure {
-                        name: image.name,
+                        name,
                         sample_idx,
-                        input: image.path,
                         error,
                     };
                     tell(Event::Failed(&failure));

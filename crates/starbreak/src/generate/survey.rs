@@ -2,7 +2,9 @@
 
 use std::collections::{BTreeSet, BinaryHeap};
 
-use starbreak_dataset::{BadRecord, STATE_FOLDER, SetLayout, Source, SourceImage, sha256_hex};
+use starbreak_dataset::{
+    BadRecord, FileRole, STATE_FOLDER, SetLayout, Source, SourceFile, SourceImage, sha256_hex,
+};
 use starbreak_glass::Seed;
 
 use super::Selection;
@@ -27,6 +29,10 @@ pub struct Survey {
     pub n_objects: u64,
     /// Images that cannot be taken, and records that stand for no image.
     pub n_left_out: u64,
+    /// Files that look like images but belong to no image of the dataset. They are not carried
+    /// over: a cracked set holds no image without a crack.
+    pub n_strays: u64,
+    has_state: bool,
     /// Records that break the rules of the format, or of a set: images among them are left out.
     pub bad: Vec<BadRecord>,
     /// The names of all images that are taken, shards or not: the SHA-256 of that of the names
@@ -51,6 +57,8 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
         n_selected: 0,
         n_objects: 0,
         n_left_out: 0,
+        n_strays: 0,
+        has_state: false,
         bad: Vec::new(),
         names_sha256: sha256_hex(b""),
         seed,
@@ -65,7 +73,22 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
             survey.count(&image);
         }
     }
-    survey.bad.extend(source.files().filter_map(Result::err));
+    for file in source.files() {
+        match file {
+            Err(bad) => survey.bad.push(bad),
+            Ok(file) if is_state(&file.name) => survey.has_state = true,
+            Ok(file) if is_stray(&file) => survey.n_strays += 1,
+            Ok(_) => {}
+        }
+    }
+    if survey.has_state {
+        survey.bad.push(BadRecord {
+            place: STATE_FOLDER.to_owned(),
+            reason: "lies where the set keeps its own files; is the source a generated set?"
+                .to_owned(),
+            image: None,
+        });
+    }
     survey
 }
 
@@ -92,6 +115,21 @@ impl Survey {
             place + 1 == u64::from(shard.number)
         });
         in_shard && self.is_of_set(name)
+    }
+
+    /// The images that this run takes, in the order of the source, and what is wrong with those
+    /// that were good when the source was surveyed.
+    pub(super) fn selected_or_gone<'a>(
+        &'a self,
+        source: &'a Source,
+    ) -> impl Iterator<Item = Result<SourceImage, BadRecord>> + Send + 'a {
+        source.images().filter(|image| match image {
+            Ok(image) => self.is_selected(&image.name),
+            Err(bad) => bad
+                .image
+                .as_ref()
+                .is_some_and(|name| self.is_selected(name)),
+        })
     }
 
     /// The images that this run takes, in the order of the source.
@@ -127,10 +165,7 @@ impl Survey {
             };
             self.n_images += 1;
             let name = &image.name;
-            let is_state = name
-                .strip_prefix(STATE_FOLDER)
-                .is_some_and(|rest| rest.starts_with('/'));
-            if is_state {
+            if is_state(name) {
                 self.refuse(
                     name,
                     "lies where the set keeps its own files; is the source a generated set?",
@@ -189,6 +224,24 @@ impl Survey {
             image: Some(name.to_owned()),
         });
     }
+}
+
+/// Whether a name lies where a set keeps its own files.
+pub(super) fn is_state(name: &str) -> bool {
+    let rest = name.strip_prefix(STATE_FOLDER);
+    rest.is_some_and(|rest| rest.starts_with('/'))
+}
+
+/// Whether a file is an image that the dataset does not know as one.
+pub(super) fn is_stray(file: &SourceFile) -> bool {
+    const EXTENSIONS: [&str; 10] = [
+        "png", "jpg", "jpeg", "bmp", "webp", "tif", "tiff", "gif", "heic", "avif",
+    ];
+    let extension = file.name.rsplit('.').next().unwrap_or_default();
+    file.role == FileRole::Other
+        && EXTENSIONS
+            .iter()
+            .any(|known| extension.eq_ignore_ascii_case(known))
 }
 
 /// A number that a name stands for, one for each purpose.

@@ -1,6 +1,6 @@
 //! The records of a COCO index file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::PathBuf;
 
@@ -85,6 +85,8 @@ pub(super) struct Reader {
     /// Images by id, numbered as they occur, in records of images or of annotations.
     image_numbers: BTreeMap<Id, usize>,
     fates: Vec<Fate>,
+    /// Ids of several images.
+    shared_ids: BTreeSet<Id>,
     rows: Vec<Row>,
     /// Classes by id, numbered as they occur.
     category_numbers: BTreeMap<Id, usize>,
@@ -144,6 +146,7 @@ impl Reader {
                 let reason = format!("the id occurs twice, again for {:?}", record.file_name);
                 let bad = self.bad(&place, reason).of_image(&record.file_name);
                 self.bad.push(bad);
+                self.shared_ids.insert(record.id);
                 return;
             }
             Ok(name) => {
@@ -238,6 +241,35 @@ impl Reader {
         Ok((self.image_number(image_id), label))
     }
 
+    /// Ids that stand for two images: nobody knows whose the annotations are, so both are refused.
+    fn refuse_shared_ids(&mut self) {
+        if self.shared_ids.is_empty() {
+            return;
+        }
+        let mut kept = Vec::with_capacity(self.rows.len());
+        for row in std::mem::take(&mut self.rows) {
+            let is_shared = self.shared_ids.contains(&row.id);
+            let fate = if is_shared {
+                Fate::Refused
+            } else {
+                Fate::Row(kept.len())
+            };
+            if let Some(number) = self.image_numbers.get(&row.id)
+                && let Some(known) = self.fates.get_mut(*number)
+            {
+                *known = fate;
+            }
+            if is_shared {
+                let reason = "the id occurs twice, so that its annotations may be another's";
+                let bad = self.bad(&format!("image {}", row.id), reason);
+                self.bad.push(bad.of_image(&row.name));
+            } else {
+                kept.push(row);
+            }
+        }
+        self.rows = kept;
+    }
+
     /// Names that stand for two images: the second is refused.
     fn refuse_second_names(&mut self) {
         let seconds = second_names(&self.rows);
@@ -289,6 +321,7 @@ impl Reader {
 
     /// Sorts what belongs to each image to it and reports the rest.
     pub(super) fn finish(mut self, path: PathBuf) -> IndexFile {
+        self.refuse_shared_ids();
         self.refuse_second_names();
         self.refuse_second_ids();
         let mut image_ids = vec![None; self.fates.len()];

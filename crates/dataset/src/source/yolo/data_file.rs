@@ -85,6 +85,10 @@ impl DataFile {
                 });
             } else if let Some(part) = PARTS.into_iter().find(|part| *part == key.text) {
                 file.parts.push((part, paths_of(&key.text, node)?));
+            } else if key.text == "kpt_shape" {
+                return Err(
+                    "it has kpt_shape: labels of poses are not read; give the boxes alone, or folder:DIR".to_owned(),
+                );
             } else if key.text == "names" {
                 file.names = names_of(node)?;
             }
