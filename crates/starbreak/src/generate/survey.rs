@@ -46,6 +46,8 @@ pub struct Survey {
     highest_rank: Option<u64>,
     /// Images that cannot be taken.
     left_out: BTreeSet<String>,
+    /// Digests of the bad records in the place of images.
+    bad_digests: BTreeSet<u64>,
 }
 
 /// Walks over a source, twice where images are drawn. Labels are read and checked, images are not
@@ -66,6 +68,7 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
         last: None,
         highest_rank: None,
         left_out: BTreeSet::new(),
+        bad_digests: BTreeSet::new(),
     };
     survey.walk(source);
     if selection.sample.is_some() {
@@ -125,10 +128,13 @@ impl Survey {
     ) -> impl Iterator<Item = Result<SourceImage, BadRecord>> + Send + 'a {
         source.images().filter(|image| match image {
             Ok(image) => self.is_selected(&image.name),
-            Err(bad) => bad
-                .image
-                .as_ref()
-                .is_some_and(|name| self.is_selected(name)),
+            Err(bad) => {
+                let is_taken = bad
+                    .image
+                    .as_ref()
+                    .is_some_and(|name| self.is_selected(name));
+                is_taken && !self.bad_digests.contains(&digest_of_bad(bad))
+            }
         })
     }
 
@@ -158,6 +164,7 @@ impl Survey {
                 Ok(image) => image,
                 Err(record) => {
                     bad.extend(record.image.clone());
+                    self.bad_digests.insert(digest_of_bad(&record));
                     self.bad.push(record);
                     self.n_left_out += 1;
                     continue;
@@ -224,6 +231,10 @@ impl Survey {
             image: Some(name.to_owned()),
         });
     }
+}
+
+fn digest_of_bad(bad: &BadRecord) -> u64 {
+    digest(Seed(0), "bad", &bad.to_string())
 }
 
 /// Whether a name lies where a set keeps its own files.
