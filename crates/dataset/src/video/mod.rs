@@ -13,6 +13,7 @@ mod clip;
 mod error;
 mod folder;
 mod matroska;
+mod pixel_format;
 mod program;
 mod rate;
 mod showinfo;
@@ -20,7 +21,7 @@ mod write;
 
 pub use clip::{ClipInfo, ClipReader, TimedFrame};
 pub use error::VideoError;
-pub use folder::{frame_files, is_folder, is_inside};
+pub use folder::{frame_files, holds_anything, is_folder, is_inside};
 pub use program::Ffmpeg;
 pub use rate::Fraction;
 pub use write::{ClipFormat, ClipStream, ClipWriter};
