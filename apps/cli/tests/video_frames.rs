@@ -369,11 +369,14 @@ fn a_lens_that_begins_with_the_impact_is_said() {
     let said = "before the impact stay as they are";
     let glare = "--set optics.veiling_glare=0.1";
     let blur = "--set camera.focus_distance_m=0.5";
+    let short = "--set camera.focus_distance_m=\"short\"";
     for (k, (more, is_said)) in [
         (format!("--impact-at 0.3 {glare}"), true),
         (format!("--impact-at 0.3 {blur}"), true),
         ("--impact-at 0.3".to_owned(), false),
         (glare.to_owned(), false),
+        (format!("--impact-at 0.3 --preset paper {short}"), true),
+        ("--impact-at 0.3 --preset paper".to_owned(), false),
     ]
     .into_iter()
     .enumerate()

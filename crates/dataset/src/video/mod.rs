@@ -5,7 +5,7 @@
 //! packet. Memory holds the frame that is handed over and what fits a pipe.
 //!
 //! # Limits
-//! Deeper colors become 8 bits. Interlaced frames are taken as they are. Subtitles and data
+//! Deeper colors become 8 bits and alpha is dropped; [`ClipInfo`] tells of both. Interlaced frames are taken as they are. Subtitles and data
 //! streams are left out. The timestamps of `.mkv` are whole milliseconds, as that container keeps them.
 //! docs/decisions/0016-video-through-ffmpeg.md says why it is done this way.
 

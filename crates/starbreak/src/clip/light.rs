@@ -52,11 +52,12 @@ impl ClipLight {
 
     /// The light for the crack in a frame, of which `own` is the estimate.
     ///
-    /// It is the exponential mean of all estimates up to this frame, and is held until the mean
+    /// It is the exponential mean of all estimates since the last cut up to this frame, and is held until the mean
     /// has visibly left it, so that it does not depend on how frames are grouped.
     pub(super) fn next(&mut self, own: Option<Environment>) -> Option<Environment> {
+        let is_cut = own.is_some_and(|own| self.is_cut(&own));
         let mean = match (self.mean, own) {
-            (Some(mean), Some(own)) if self.is_cut(&own) => Some(own),
+            (Some(_), Some(own)) if is_cut => Some(own),
             (Some(mean), Some(own)) => Some(moved(&mean, &own, self.share)),
             (mean, own) => mean.or(own),
         };
@@ -166,9 +167,7 @@ mod tests {
     fn a_cut_brings_its_own_light() {
         for after in [0.2, 0.45, 1.2] {
             let mut light = ClipLight::new(Light::Follow, 0.04);
-            for _ in 0..20 {
-                light.next(Some(gray(0.5)));
-            }
+            light.next(Some(gray(0.5)));
             let held = ground(light.next(Some(gray(after))));
             let is_cut = !(0.25..=1.0).contains(&after);
             let expected = if is_cut {

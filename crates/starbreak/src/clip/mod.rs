@@ -20,6 +20,7 @@ use starbreak_dataset::video::{
     Ffmpeg, Fraction, VideoError, holds_anything, is_folder, is_inside,
 };
 use starbreak_dataset::{DatasetError, same_file, sha256_hex};
+use starbreak_optics::paper::Focus;
 
 pub use error::ClipError;
 pub use timeline::GlassState;
@@ -288,14 +289,16 @@ impl Clip {
     /// a scene out of focus, which belong to the lens and not to the crack.
     #[must_use]
     pub fn changes_lens_at_impact(&self, settings: &Settings) -> bool {
-        let OpticsSettings::Physical(optics) = &settings.optics else {
-            return false;
+        let is_seen = match &settings.optics {
+            OpticsSettings::Paper(optics) => optics.focus == Focus::Short,
+            OpticsSettings::Physical(optics) => {
+                let f_px = settings.camera.f_px.of_frame(self.size().0);
+                let disc_px = optics
+                    .lens
+                    .circle_of_confusion_px(f_px, optics.lens.scene_m);
+                optics.veiling_glare > 0.0 || 0.5 * disc_px.abs() >= SHARP_PX
+            }
         };
-        let f_px = settings.camera.f_px.of_frame(self.size().0);
-        let disc_px = optics
-            .lens
-            .circle_of_confusion_px(f_px, optics.lens.scene_m);
-        let is_seen = optics.veiling_glare > 0.0 || 0.5 * disc_px.abs() >= SHARP_PX;
         self.request.impact_at_s > 0.0 && is_seen
     }
 
