@@ -52,8 +52,8 @@ impl ClipLight {
 
     /// The light for the crack in a frame, of which `own` is the estimate.
     ///
-    /// It is the exponential mean of all estimates since the last cut up to this frame, and is held until the mean
-    /// has visibly left it, so that it does not depend on how frames are grouped.
+    /// It is the exponential mean of all estimates since the last cut up to this frame, and is held
+    /// until the mean has visibly left it, so that it does not depend on how frames are grouped.
     pub(super) fn next(&mut self, own: Option<Environment>) -> Option<Environment> {
         let is_cut = own.is_some_and(|own| self.is_cut(&own));
         let mean = match (self.mean, own) {
