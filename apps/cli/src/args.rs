@@ -229,8 +229,8 @@ pub(crate) struct VideoArgs {
     /// A clip, or a folder of PNG or JPEG frames, taken in the order of their names
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
-    /// Clip (.mp4, .m4v, .mov: H.264; .mkv; .avi: Motion JPEG), or a folder; beside it come
-    /// OUT.track.json and OUT.network.json
+    /// Clip (.mp4, .m4v, .mov: H.264; .mkv; .avi: Motion JPEG), or a new or empty folder; beside it
+    /// come OUT.track.json and OUT.network.json
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// When the glass is hit, seconds after the first frame; frames before stay as they are
@@ -239,10 +239,10 @@ pub(crate) struct VideoArgs {
     /// Let the crack grow after the impact, at its own speed: mostly it is there within one frame
     #[arg(long)]
     pub(crate) grow: bool,
-    /// Slow the growth down to this many seconds
+    /// Slow the growth, from the first arrival of a crack to the last, down to this many seconds
     #[arg(long, value_name = "S", requires = "grow")]
     pub(crate) growth_time: Option<f64>,
-    /// Folder for a region mask and a crack mask of each frame
+    /// Folder, new or empty, for a region mask and a crack mask of each frame
     #[arg(long, value_name = "DIR")]
     pub(crate) masks: Option<PathBuf>,
     /// Crack network (JSON or SVG) to use instead of simulating one
@@ -251,7 +251,7 @@ pub(crate) struct VideoArgs {
     /// Frames per second of a folder of frames, e.g. 10, 29.97 or 30000/1001
     #[arg(long, value_name = "N")]
     pub(crate) fps: Option<String>,
-    /// Keep every bit of the frames: FFV1 in .mkv
+    /// FFV1 in .mkv: 8-bit RGB frames, no loss beyond
     #[arg(long)]
     pub(crate) lossless: bool,
     /// Light around the camera: the mean of about the last second, or that of the first frame

@@ -244,6 +244,70 @@ fn color_tags_are_kept_and_the_matrix_is_the_same() {
 }
 
 #[test]
+fn primaries_and_transfer_are_kept() {
+    let Some(studio) = Studio::open() else { return };
+    for (primaries, transfer, matrix, is_hdr) in [
+        ("bt709", "bt709", "bt709", false),
+        ("bt2020", "smpte2084", "bt2020nc", true),
+        ("bt2020", "arib-std-b67", "bt2020nc", true),
+        ("bt470bg", "bt470bg", "bt470bg", false),
+    ] {
+        let tags = format!(
+            "-vf setparams=color_primaries={primaries}:color_trc={transfer}:colorspace={matrix}:range=tv \
+             -pix_fmt yuv420p -c:v libx264"
+        );
+        studio.make("s=160x120:r=5:d=0.4", &tags, "in.mp4");
+        let said = format!("{matrix}/{primaries}/{transfer}").replace("bt709/bt709/bt709", "bt709");
+        let said = said.replace("bt470bg/bt470bg/bt470bg", "bt470bg");
+        assert!(
+            studio.described("in.mp4").contains(&said),
+            "the input has its tags: {}",
+            studio.described("in.mp4")
+        );
+        for output in ["a.mp4", "a.mkv", "a.mov"] {
+            let outcome = studio.succeed(&["in.mp4", "-o", output]);
+            let described = studio.described(output);
+            let said = format!(" {said}, ");
+            assert!(described.contains(&said), "{output}: {described}");
+            let has_note = outcome.stderr.contains("8 bits are few");
+            assert_eq!(has_note, is_hdr, "{transfer}: {outcome:?}");
+        }
+        studio.succeed(&["in.mp4", "-o", "l.mkv", "--lossless"]);
+        let described = studio.described("l.mkv");
+        let said = format!("gbr/{primaries}/{transfer}");
+        assert!(described.contains(&said), "lossless: {described}");
+    }
+}
+
+#[test]
+fn more_than_eight_bits_and_alpha_are_said_once() {
+    let Some(studio) = Studio::open() else { return };
+    for (pixels, codec, named) in [
+        ("yuv420p10le", "ffv1", "10 bits per channel"),
+        ("bgra", "ffv1", "alpha"),
+        ("gray16le", "ffv1", "16 bits per channel"),
+        ("rgba64be", "png", "16 bits per channel and alpha"),
+        ("yuv420p", "ffv1", ""),
+        ("bgr0", "ffv1", ""),
+    ] {
+        let args = format!("-pix_fmt {pixels} -c:v {codec}");
+        studio.make("s=160x120:r=5:d=0.4", &args, "in.mkv");
+        for output in [&["-o", "a.mkv", "--lossless"][..], &["-o", "a.mp4"]] {
+            let stderr = studio.succeed(&[&["in.mkv"], output].concat()).stderr;
+            let n_said = stderr.matches("8-bit RGB").count();
+            assert_eq!(n_said, usize::from(!named.is_empty()), "{pixels}: {stderr}");
+            assert!(stderr.contains(named), "{pixels}: {stderr}");
+        }
+    }
+    let help = common::starbreak(studio.path(), &["video", "--help"]).stdout;
+    let help: Vec<&str> = help.split_whitespace().collect();
+    assert!(
+        help.join(" ").contains("8-bit RGB frames, no loss beyond"),
+        "the help of --lossless"
+    );
+}
+
+#[test]
 fn a_crack_grows_and_then_stands_still() {
     let Some(studio) = Studio::open() else { return };
     studio.make("s=160x120:r=10:d=1.2", "-c:v ffv1", "in.mkv");

@@ -62,14 +62,14 @@ fn what_is_no_clip_is_refused() {
             &studio,
             &["sound.m4a", "-o", "a.mp4"],
             2,
-            "matches no streams",
+            "has no video stream",
         ),
         refused(&studio, &["nowhere.mp4", "-o", "a.mp4"], 2, "no such file"),
         refused(
             &studio,
             &["sound.m4a", "-o", "sound.m4a"],
             2,
-            "would replace",
+            "choose another name",
         ),
     ]);
 }

@@ -193,3 +193,195 @@ fn what_makes_no_sense_is_refused() {
     }
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
+
+#[test]
+fn a_folder_that_holds_something_is_not_mixed_into() {
+    let dir = folder();
+    write_frames(&dir.path().join("in"));
+    for name in ["full", "empty"] {
+        fs::create_dir(dir.path().join(name)).unwrap();
+    }
+    fs::write(dir.path().join("full/frame_000099.png"), "of another clip").unwrap();
+    let args = |output, masks| vec!["video", "in", "-o", output, "--masks", masks];
+    let args = |output, masks| [args(output, masks), common::SMALL.to_vec()].concat();
+    common::all_refused(
+        dir.path(),
+        &[
+            (args("full", "empty"), "is not empty"),
+            (args("empty", "full"), "is not empty"),
+            (args("full/", "empty"), "is not empty"),
+        ],
+    );
+    succeed_small(dir.path(), &["video", "in", "-o", "empty", "--masks", "m"]);
+    assert_eq!(names(&dir.path().join("empty")).len(), 12, "an empty one");
+}
+
+#[test]
+fn frames_that_lie_on_their_side_stay_so() {
+    let dir = folder();
+    fs::create_dir(dir.path().join("in")).unwrap();
+    // JPEGs that are to be turned by a quarter: SOI, then EXIF with orientation 6.
+    let upright = jpeg_bytes(&photo((160, 100)));
+    let exif =
+        b"\xff\xe1\x00\x22Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0";
+    let turned = [&upright[..2], exif, &upright[2..]].concat();
+    for k in 0..4 {
+        fs::write(dir.path().join(format!("in/{k}.jpg")), &turned).unwrap();
+    }
+    let args = "video in -o out --fps 10 --impact-at 0.2 --masks m";
+    let args: Vec<&str> = args.split(' ').collect();
+    succeed_small(dir.path(), &args);
+    let read = |path: String| {
+        let limits = starbreak_dataset::ImageLimits::default();
+        starbreak_dataset::read_image(&dir.path().join(path), &limits).unwrap()
+    };
+    for k in 0..4 {
+        for path in [
+            format!("out/{k}.jpg"),
+            format!("m/{k}.region.png"),
+            format!("m/{k}.crack.png"),
+        ] {
+            let file = read(path.clone());
+            let turn = image::metadata::Orientation::Rotate90;
+            assert_eq!(file.orientation, turn, "{path} is stored as the source is");
+            let size = (file.pixels.width(), file.pixels.height());
+            assert_eq!(size, (100, 160), "{path}: upright when read by it");
+        }
+    }
+    let mask = read("m/3.crack.png".to_owned()).pixels.into_luma8();
+    let frames = [0, 3].map(|k| read(format!("out/{k}.jpg")).pixels.into_rgb8());
+    let off = |x, y| frames[0].get_pixel(x, y).0[0].abs_diff(frames[1].get_pixel(x, y).0[0]);
+    let (mut on_mask, mut n_mask, mut beside) = (0_u64, 0_u64, 0_u64);
+    for (x, y, pixel) in mask.enumerate_pixels() {
+        if pixel.0[0] > 0 {
+            on_mask += u64::from(off(x, y));
+            n_mask += 1;
+        } else {
+            beside += u64::from(off(x, y));
+        }
+    }
+    let n_beside = 160 * 100 - n_mask;
+    assert!(
+        n_mask > 0 && on_mask * n_beside > 2 * beside * n_mask,
+        "the crack is where its mask is: {on_mask} on {n_mask} px, {beside} on {n_beside} px"
+    );
+}
+
+/// One crack across a frame of 160 x 100 px, in three parts; `times` is more of its columns.
+fn write_network(path: &Path, times: &str) {
+    let text = format!(
+        r#"{{"schema":"starbreak.crack-network/1","generator":{{"name":"by hand","version":"1"}},
+        "model":"imported","unit":"px","pane":{{"width":160.0,"height":100.0}},"impacts":[{{"x":20.0,"y":50.0}}],
+        "nodes":{{"x":[20.0,60.0,100.0,140.0],"y":[50.0,50.0,50.0,50.0]}},
+        "segments":{{"from":[0,1,2],"to":[1,2,3],"kind":["radial","radial","radial"]{times}}}}}"#
+    );
+    fs::write(path, text).unwrap();
+}
+
+#[test]
+fn a_network_without_times_is_full_grown() {
+    let dir = folder();
+    write_frames(&dir.path().join("in"));
+    write_network(&dir.path().join("n.json"), "");
+    // Both optics, of which one sees the network on raked glass.
+    for (output, preset) in [("out", "paper"), ("raked", "windshield-star")] {
+        let args = format!(
+            "video in -o {output} --fps 10 --impact-at 0.5 --network n.json --preset {preset}"
+        );
+        let args: Vec<&str> = args.split(' ').collect();
+        common::succeed(dir.path(), &args);
+        let track = json(&dir.path().join(format!("{output}.track.json")));
+        for (k, frame) in track["frames"].as_array().unwrap().iter().enumerate() {
+            let (growth, length_px) = if k < 5 { (0.0, 0.0) } else { (1.0, 120.0) };
+            assert_eq!(frame["growth"], growth, "{preset}, frame {k}: growth");
+            let found_px = frame["crack_length_px"].as_f64().unwrap();
+            let off_px = (found_px - length_px).abs();
+            assert!(off_px < 1e-6, "{preset}, frame {k}: {found_px} px");
+        }
+    }
+}
+
+#[test]
+fn the_first_visible_frame_comes_after_the_onset() {
+    let dir = folder();
+    write_frames(&dir.path().join("in"));
+    let times = r#","arrival_us":[50.0,70.0,90.0]"#;
+    write_network(&dir.path().join("n.json"), times);
+    let grow = "video in -o out --fps 10 --impact-at 0.2 --network n.json --grow --growth-time 0.4";
+    let grow: Vec<&str> = grow.split(' ').collect();
+    succeed_small(dir.path(), &grow);
+    let track = json(&dir.path().join("out.track.json"));
+    assert_eq!(states(&track), "iigggsssssss", "0.4 s of growth");
+    // From 50 us (a hair before) to 90 us in four frames: 60, 70, 80, 90.
+    let frames = track["frames"].as_array().unwrap();
+    for (k, expected_us) in [(2, 60.0), (3, 70.0), (4, 80.0), (5, 90.0)] {
+        let growth = frames[k]["growth"].as_f64().unwrap();
+        assert!(
+            (growth - expected_us).abs() < 0.01,
+            "frame {k}: {growth} us"
+        );
+    }
+    assert_eq!(track["damage_onset"]["frame_idx"], 2, "the impact");
+    let first = frames
+        .iter()
+        .find(|frame| frame["region_fraction"].as_f64().unwrap() > 0.0)
+        .unwrap();
+    assert_eq!(
+        track["first_visible"],
+        serde_json::json!({ "frame_idx": first["frame_idx"], "time_s": first["time_s"] }),
+        "the first frame whose region is not empty"
+    );
+    // A crack that lies outside of the frame is never seen.
+    let text = fs::read_to_string(dir.path().join("n.json")).unwrap();
+    let far = text.replace(r#""kind":["radial","radial","radial"]"#, r#""kind":[]"#);
+    let far = far.replace(r#""from":[0,1,2],"to":[1,2,3]"#, r#""from":[],"to":[]"#);
+    let far = far.replace(times, "");
+    fs::write(dir.path().join("none.json"), far).unwrap();
+    succeed_small(
+        dir.path(),
+        &["video", "in", "-o", "none", "--network", "none.json"],
+    );
+    let track = json(&dir.path().join("none.track.json"));
+    assert_eq!(track["first_visible"], serde_json::Value::Null, "none");
+    assert!(track.get("first_visible").is_some(), "said as null");
+}
+
+#[test]
+fn what_is_no_network_is_called_so() {
+    let dir = folder();
+    write_frames(&dir.path().join("in"));
+    fs::write(dir.path().join("n.bin"), b"\xff\xfe\x00\x81").unwrap();
+    let args = ["video", "in", "-o", "out", "--network", "n.bin"];
+    let outcome = starbreak_small(dir.path(), &args);
+    let named = "is neither an SVG drawing nor a network in JSON";
+    assert_eq!(outcome.complaint(named), None, "not UTF-8");
+}
+
+#[test]
+fn a_lens_that_begins_with_the_impact_is_said() {
+    let dir = folder();
+    write_frames(&dir.path().join("in"));
+    let run = |output: &str, more: &str| {
+        let args = format!("video in -o {output} --fps 10 {more}");
+        let args: Vec<&str> = args.split_whitespace().collect();
+        common::succeed(dir.path(), &args).stderr
+    };
+    let said = "before the impact stay as they are";
+    let glare = "--set optics.veiling_glare=0.1";
+    let blur = "--set camera.focus_distance_m=0.5";
+    let short = "--set camera.focus_distance_m=\"short\"";
+    for (k, (more, is_said)) in [
+        (format!("--impact-at 0.3 {glare}"), true),
+        (format!("--impact-at 0.3 {blur}"), true),
+        ("--impact-at 0.3".to_owned(), false),
+        (glare.to_owned(), false),
+        (format!("--impact-at 0.3 --preset paper {short}"), true),
+        ("--impact-at 0.3 --preset paper".to_owned(), false),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let stderr = run(&format!("out{k}"), &more);
+        assert_eq!(stderr.contains(said), is_said, "{more}: {stderr}");
+    }
+}

@@ -36,6 +36,9 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
              browsers and phones do not show; choose .avi, or crop the frames to even sides"
         ));
     }
+    for note in notes(&clip, &context) {
+        screen.note(&note);
+    }
     if context.imported.is_none()
         && let Some(hint) = radius_hint(&context.settings, clip.size())
     {
@@ -56,6 +59,32 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
     screen.say(&describe(&request, &report, elapsed_s));
     screen.result(|| result_json(&request, &clip, &report, elapsed_s))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// What the clip loses, and what the user may not expect of it.
+fn notes(clip: &Clip, context: &RunContext) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some((bits, has_alpha)) = clip.reduction() {
+        let bits = (bits > 8).then(|| format!("{bits} bits per channel"));
+        let alpha = has_alpha.then(|| "alpha".to_owned());
+        let more: Vec<String> = bits.into_iter().chain(alpha).collect();
+        notes.push(format!(
+            "note: the input has {}; its frames are read and written as 8-bit RGB",
+            more.join(" and ")
+        ));
+    }
+    if let Some(transfer) = clip.high_dynamic_range() {
+        notes.push(format!(
+            "note: the input is of high dynamic range ({transfer}), for which 8 bits are few: expect banding"
+        ));
+    }
+    if clip.changes_lens_at_impact(&context.settings) {
+        notes.push(
+            "note: veiling glare and a blurred scene come with the crack: frames before the impact stay as they are"
+                .to_owned(),
+        );
+    }
+    notes
 }
 
 fn request_of(args: VideoArgs) -> Result<ClipRequest, Failure> {
@@ -111,9 +140,9 @@ fn describe(request: &ClipRequest, report: &ClipReport, elapsed_s: f64) -> Strin
 fn result_json(request: &ClipRequest, clip: &Clip, report: &ClipReport, elapsed_s: f64) -> Value {
     let (width_px, height_px) = clip.size();
     let rate = clip.rate();
-    let onset = report
-        .damage_onset
-        .map(|(idx, time_s)| json!({ "frame_idx": idx, "time_s": time_s }));
+    let place = |(idx, time_s)| json!({ "frame_idx": idx, "time_s": time_s });
+    let onset = report.damage_onset.map(place);
+    let first_visible = report.first_visible.map(place);
     Value::Object(Map::from_iter(
         [
             ("output", json!(path_text(&request.output))),
@@ -129,6 +158,7 @@ fn result_json(request: &ClipRequest, clip: &Clip, report: &ClipReport, elapsed_
             ("width_px", json!(width_px)),
             ("height_px", json!(height_px)),
             ("damage_onset", json!(onset)),
+            ("first_visible", json!(first_visible)),
             ("n_growing", json!(report.n_growing)),
             ("n_lights", json!(report.n_lights)),
             ("region_fraction", json!(report.region_fraction)),

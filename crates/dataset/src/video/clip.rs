@@ -8,6 +8,7 @@ use std::process::ChildStdout;
 
 use image::RgbImage;
 
+use super::pixel_format::{bits_per_channel, has_alpha};
 use super::program::{Ended, Running, file_arg};
 use super::showinfo::{Color, FrameInfo};
 use super::{Ffmpeg, Fraction, VideoError};
@@ -32,8 +33,22 @@ pub struct ClipInfo {
     pub last_frame_s: f64,
     /// Whether all frames are equally far apart, as far as the clock of the container can tell.
     pub has_constant_rate: bool,
+    /// Bits per channel, 8 or more; its frames are read with 8.
+    pub bits_per_channel: u32,
+    /// Whether it says how opaque its pixels are, which its frames do not.
+    pub has_alpha: bool,
     pub(super) pixel_aspect: Option<Fraction>,
     pub(super) color: Color,
+}
+
+impl ClipInfo {
+    /// The curve from light to numbers if it is one of high dynamic range, by ffmpeg's name:
+    /// `smpte2084` (PQ) or `arib-std-b67` (HLG).
+    #[must_use]
+    pub fn high_dynamic_range(&self) -> Option<&str> {
+        let transfer = self.color.transfer.as_str();
+        matches!(transfer, "smpte2084" | "arib-std-b67").then_some(transfer)
+    }
 }
 
 /// A frame of a clip.
@@ -64,7 +79,8 @@ impl Ffmpeg {
     /// counted.
     ///
     /// # Errors
-    /// [`VideoError::Clip`] where it has no frame that can be shown, [`VideoError::FrameTooLarge`],
+    /// [`VideoError::Clip`] where it has no frame that can be shown, [`VideoError::NoVideo`] where
+    /// it holds something else, [`VideoError::FrameTooLarge`],
     /// [`DatasetError::Read`] and [`DatasetError::NotAFile`] where there is no file.
     pub fn probe(&self, path: &Path) -> Result<ClipInfo, DatasetError> {
         check_file(path)?;
@@ -99,6 +115,8 @@ impl Ffmpeg {
             n_frames: times.ticks.len() as u64,
             last_frame_s: span_s,
             has_constant_rate: times.has_constant_rate(packet_base, rate),
+            bits_per_channel: bits_per_channel(&first.pixel_format),
+            has_alpha: has_alpha(&first.pixel_format),
             pixel_aspect: first.pixel_aspect,
             color: first.color,
         })
@@ -142,6 +160,10 @@ impl Ffmpeg {
         let ended = running.wait();
         match running.next_info() {
             Some(info) if info.width_px > 0 && info.height_px > 0 && ended.is_success => Ok(info),
+            // `-map 0:V:0` of a file that ffmpeg can read, but for its sound alone.
+            _ if ended.said.contains("matches no streams") => Err(VideoError::NoVideo {
+                path: path.to_owned(),
+            }),
             _ if ended.has_complained => Err(clip_error(path, ended.said)),
             _ => Err(clip_error(path, "it has no frames".to_owned())),
         }

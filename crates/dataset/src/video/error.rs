@@ -43,6 +43,12 @@ pub enum VideoError {
         /// What ffmpeg said.
         said: String,
     },
+    /// A file of audio or other streams alone.
+    #[error("{path:?} has no video stream; choose a clip with one")]
+    NoVideo {
+        /// The file.
+        path: PathBuf,
+    },
     /// The frames are larger than any image may be.
     #[error(
         "{path:?} has frames of {width_px} x {height_px} px; the limit is {max_side_px} px per side and {max_pixels} \

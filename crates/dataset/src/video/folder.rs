@@ -53,6 +53,12 @@ pub fn is_folder(path: &Path) -> bool {
     path.is_dir()
 }
 
+/// Whether there is a folder with anything in it; one that cannot be read has nothing.
+#[must_use]
+pub fn holds_anything(path: &Path) -> bool {
+    fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some())
+}
+
 /// Whether a path lies in a folder or is it, links seen through; neither need exist.
 #[must_use]
 pub fn is_inside(path: &Path, folder: &Path) -> bool {

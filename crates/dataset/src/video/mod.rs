@@ -5,7 +5,7 @@
 //! packet. Memory holds the frame that is handed over and what fits a pipe.
 //!
 //! # Limits
-//! Deeper colors become 8 bits. Interlaced frames are taken as they are. Subtitles and data
+//! Deeper colors become 8 bits and alpha is dropped; [`ClipInfo`] tells of both. Interlaced frames are taken as they are. Subtitles and data
 //! streams are left out. The timestamps of `.mkv` are whole milliseconds, as that container keeps them.
 //! docs/decisions/0016-video-through-ffmpeg.md says why it is done this way.
 
@@ -13,6 +13,7 @@ mod clip;
 mod error;
 mod folder;
 mod matroska;
+mod pixel_format;
 mod program;
 mod rate;
 mod showinfo;
@@ -20,7 +21,7 @@ mod write;
 
 pub use clip::{ClipInfo, ClipReader, TimedFrame};
 pub use error::VideoError;
-pub use folder::{frame_files, is_folder, is_inside};
+pub use folder::{frame_files, holds_anything, is_folder, is_inside};
 pub use program::Ffmpeg;
 pub use rate::Fraction;
 pub use write::{ClipFormat, ClipStream, ClipWriter};

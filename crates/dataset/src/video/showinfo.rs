@@ -15,6 +15,8 @@ pub(super) struct FrameInfo {
     pub(super) time_base: Option<Fraction>,
     /// Frames per second; `None` where the clip does not say.
     pub(super) rate: Option<Fraction>,
+    /// ffmpeg's name of how its pixels are stored.
+    pub(super) pixel_format: String,
     pub(super) color: Color,
 }
 
@@ -49,6 +51,7 @@ impl FrameInfo {
             info.ticks = ticks.parse().ok();
             info.width_px = width.parse().unwrap_or(0);
             info.height_px = height.parse().unwrap_or(0);
+            info.pixel_format = value("fmt:").unwrap_or_default().to_owned();
             info.pixel_aspect = value("sar:").and_then(|aspect| fraction(aspect, '/'));
         } else if let Some(range) = value("color_range:")
             && let Some(info) = pending
@@ -111,6 +114,7 @@ mod tests {
             pixel_aspect: Fraction::new(4, 3),
             time_base: Fraction::new(1, 30_000),
             rate: Fraction::new(30_000, 1001),
+            pixel_format: "yuv444p".to_owned(),
             color: Color {
                 range: "tv".to_owned(),
                 space: "bt709".to_owned(),

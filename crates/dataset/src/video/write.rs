@@ -139,16 +139,12 @@ impl ClipStream {
                     tag("-colorspace", &self.color.space);
                 }
                 filters.extend([scale, format!("format={pixels}")]);
-                tag("-color_primaries", &self.color.primaries);
-                tag("-color_trc", &self.color.transfer);
                 tag("-color_range", &self.color.range);
                 tag("-c:v", "libx264");
                 tag("-crf", "18");
             }
             ClipFormat::MatroskaLossless => {
                 filters.push("format=bgr0".to_owned());
-                tag("-color_primaries", &self.color.primaries);
-                tag("-color_trc", &self.color.transfer);
                 for (name, value) in [
                     ("-c:v", "ffv1"),
                     ("-level", "3"),
@@ -164,6 +160,20 @@ impl ClipStream {
                 filters.push("format=yuvj420p".to_owned());
                 tag("-c:v", "mjpeg");
                 tag("-q:v", "2");
+            }
+        }
+        // Newer versions of ffmpeg take these from the frames and not from the options.
+        let known = [
+            (
+                "color_primaries",
+                known_tag(&self.color.primaries, &PRIMARIES),
+            ),
+            ("color_trc", known_tag(&self.color.transfer, &TRANSFERS)),
+        ];
+        for (name, value) in known {
+            if let (Some(value), false) = (value, format == ClipFormat::Avi) {
+                filters.push(format!("setparams={name}={value}"));
+                tag(&format!("-{name}"), value);
             }
         }
         if let Some(aspect) = self.pixel_aspect {
@@ -193,6 +203,43 @@ fn matrix_of(space: &str) -> Option<&'static str> {
         "bt2020nc" => Some("bt2020"),
         _ => None,
     }
+}
+
+/// Primaries that ffmpeg's filter `setparams` knows.
+const PRIMARIES: [&str; 10] = [
+    "bt709",
+    "bt470m",
+    "bt470bg",
+    "smpte170m",
+    "smpte240m",
+    "film",
+    "bt2020",
+    "smpte428",
+    "smpte431",
+    "smpte432",
+];
+
+/// Transfer characteristics that it knows.
+const TRANSFERS: [&str; 15] = [
+    "bt709",
+    "bt470m",
+    "bt470bg",
+    "smpte170m",
+    "smpte240m",
+    "linear",
+    "log100",
+    "log316",
+    "iec61966-2-4",
+    "iec61966-2-1",
+    "bt2020-10",
+    "bt2020-12",
+    "smpte2084",
+    "smpte428",
+    "arib-std-b67",
+];
+
+fn known_tag(name: &str, known: &[&'static str]) -> Option<&'static str> {
+    known.iter().find(|known| **known == name).copied()
 }
 
 /// A clip that is being written. Dropping it before [`ClipWriter::finish`] ends ffmpeg; the

@@ -64,6 +64,21 @@ pub enum ClipError {
         /// The output.
         output: PathBuf,
     },
+    /// Frames or masks into a folder that holds something already.
+    #[error(
+        "the folder {folder:?} is not empty, and its files would lie among those of this clip; choose another \
+         folder, or empty it first"
+    )]
+    FolderNotEmpty {
+        /// The folder of frames or of masks.
+        folder: PathBuf,
+    },
+    /// A clip in the place of the input.
+    #[error("the output {output:?} would replace the input; choose another name")]
+    ClipIsInput {
+        /// The clip.
+        output: PathBuf,
+    },
     /// The masks would lie among the frames.
     #[error(
         "the masks {masks:?} and the frames {output:?} would lie in one folder; choose another for the masks"

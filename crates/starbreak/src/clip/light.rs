@@ -12,6 +12,12 @@ const FOLLOW_S: f64 = 1.0;
 /// 8-bit image. FIT.
 const VISIBLE_CHANGE: f32 = 0.01;
 
+/// Factor of the luminance between two frames from which they are of two scenes. FIT.
+const CUT_FACTOR: f32 = 2.0;
+
+/// Luminance below which a change is noise: a step of an 8-bit image in linear light.
+const DARKEST: f32 = 1.0 / 255.0 / 12.92;
+
 /// The light of a clip, frame by frame.
 #[derive(Debug)]
 pub(super) struct ClipLight {
@@ -21,6 +27,8 @@ pub(super) struct ClipLight {
     mean: Option<Environment>,
     held: Option<Environment>,
     n_changes: u64,
+    /// Mean luminance of the light of the frame before.
+    before: Option<f32>,
 }
 
 impl ClipLight {
@@ -33,6 +41,7 @@ impl ClipLight {
             mean: None,
             held: None,
             n_changes: 0,
+            before: None,
         }
     }
 
@@ -43,10 +52,12 @@ impl ClipLight {
 
     /// The light for the crack in a frame, of which `own` is the estimate.
     ///
-    /// It is the exponential mean of all estimates up to this frame, and is held until the mean
-    /// has visibly left it, so that it does not depend on how frames are grouped.
+    /// It is the exponential mean of all estimates since the last cut up to this frame, and is held
+    /// until the mean has visibly left it, so that it does not depend on how frames are grouped.
     pub(super) fn next(&mut self, own: Option<Environment>) -> Option<Environment> {
+        let is_cut = own.is_some_and(|own| self.is_cut(&own));
         let mean = match (self.mean, own) {
+            (Some(_), Some(own)) if is_cut => Some(own),
             (Some(mean), Some(own)) => Some(moved(&mean, &own, self.share)),
             (mean, own) => mean.or(own),
         };
@@ -60,6 +71,15 @@ impl ClipLight {
             self.n_changes += 1;
         }
         self.held
+    }
+
+    /// Whether a light is that of another scene than the light of the frame before.
+    fn is_cut(&mut self, own: &Environment) -> bool {
+        let before = self.before.replace(luminance(own));
+        before.is_some_and(|before| {
+            let (low, high) = (before.min(luminance(own)), before.max(luminance(own)));
+            high > CUT_FACTOR * low.max(DARKEST)
+        })
     }
 
     /// How many lights there were.
@@ -76,6 +96,16 @@ fn colors(environment: &Environment) -> [Rgb; 5] {
         environment.cabin_rgb,
         environment.sun_rgb,
     ]
+}
+
+/// Mean luminance of what a frame shows: the sky and the ground, by the weights of BT.709.
+fn luminance(light: &Environment) -> f32 {
+    let seen = [light.horizon_rgb, light.zenith_rgb, light.ground_rgb];
+    let sum: f32 = seen
+        .iter()
+        .map(|[r, g, b]| 0.2126 * r + 0.7152 * g + 0.0722 * b)
+        .sum();
+    sum / 3.0
 }
 
 /// From one light towards another by a share of the way.
@@ -134,17 +164,40 @@ mod tests {
     }
 
     #[test]
+    fn a_cut_brings_its_own_light() {
+        for after in [0.2, 0.45, 1.2] {
+            let mut light = ClipLight::new(Light::Follow, 0.04);
+            light.next(Some(gray(0.5)));
+            let held = ground(light.next(Some(gray(after))));
+            let is_cut = !(0.25..=1.0).contains(&after);
+            let expected = if is_cut {
+                after
+            } else {
+                // A 25th of a second of the way.
+                0.5 + (after - 0.5) * 0.039_21
+            };
+            assert!((held - expected).abs() < 0.005, "{after}: {held}");
+        }
+        // From black to black with noise is none.
+        let mut light = ClipLight::new(Light::Follow, 0.04);
+        light.next(Some(gray(1e-6)));
+        light.next(Some(gray(1e-5)));
+        let mean = light.mean.map_or(f32::NAN, |mean| mean.ground_rgb[0]);
+        assert!(mean < 2e-6, "{mean} is the noise of one frame");
+    }
+
+    #[test]
     fn a_tunnel_is_followed_within_seconds() {
         let mut light = ClipLight::new(Light::Follow, 0.04);
         light.next(Some(gray(0.5)));
         let after = |light: &mut ClipLight, n: u32| {
-            (0..n).map(|_| ground(light.next(Some(gray(0.05))))).last()
+            (0..n).map(|_| ground(light.next(Some(gray(0.3))))).last()
         };
-        // 0.05 + 0.45/e after a second, to the hundredth that is not followed.
+        // 0.3 + 0.2/e after a second, to the hundredth that is not followed.
         let second = after(&mut light, 25).unwrap_or(f32::NAN);
-        assert!((second - 0.2155).abs() < 0.01, "{second} after a second");
+        assert!((second - 0.3736).abs() < 0.01, "{second} after a second");
         let later = after(&mut light, 150).unwrap_or(f32::NAN);
-        assert!((later - 0.05).abs() < 0.002, "{later} after seven seconds");
+        assert!((later - 0.3).abs() < 0.006, "{later} after seven seconds");
     }
 
     #[test]

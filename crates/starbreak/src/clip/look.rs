@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use image::metadata::Orientation;
 use image::{DynamicImage, GrayImage};
-use starbreak_dataset::encode_mask;
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_dataset::{ImageFile, encode_mask, encode_mask_as};
+use starbreak_glass::{CrackNetwork, LengthUnit, Seed};
 use starbreak_optics::environment::Environment;
 use starbreak_optics::paper::{PaperOptics, composite, draw};
 use starbreak_optics::physical::{Overlay, Pattern, PhysicalOptics, bake};
@@ -39,8 +40,27 @@ pub(super) struct StageFacts {
     pub(super) region_fraction: f64,
     /// Length of the cracks inside the frame, px.
     pub(super) crack_length_px: f64,
-    /// Region and crack mask as PNG, if asked for.
-    pub(super) masks: Option<[Vec<u8>; 2]>,
+    /// Region and crack mask, if asked for.
+    pub(super) masks: Option<[StageMask; 2]>,
+}
+
+/// A mask of a stage.
+#[derive(Debug)]
+pub(super) struct StageMask {
+    upright: GrayImage,
+    /// As PNG, for all frames that are stored upright.
+    png: Vec<u8>,
+}
+
+impl StageMask {
+    fn of(upright: GrayImage) -> Result<Self, Error> {
+        let png = encode_mask(&upright)?;
+        Ok(Self { upright, png })
+    }
+
+    pub(super) fn png(&self) -> &[u8] {
+        &self.png
+    }
 }
 
 impl<'a> Pane<'a> {
@@ -68,9 +88,14 @@ impl<'a> Pane<'a> {
 
     /// Length of what is in the frame, px.
     pub(super) fn crack_length_px(&self, grown: f64) -> f64 {
+        // Networks in px lie over the frame, also where the optics see glass that is raked.
+        let data = self.network.data();
+        let stretched =
+            (data.unit == LengthUnit::Px).then(|| View::stretched(&data.pane, self.view.size()));
+        let view = stretched.as_ref().unwrap_or(self.view);
         self.network
             .grown_at(grown)
-            .filter_map(|(_, ends)| self.view.visible(ends, 0.0))
+            .filter_map(|(_, ends)| view.visible(ends, 0.0))
             .map(|[u0, v0, u1, v1]| libm::hypot(u1 - u0, v1 - v0))
             .sum::<f64>()
             // An empty sum is -0.
@@ -139,6 +164,17 @@ impl Lit<'_> {
 }
 
 impl StageFacts {
+    /// The masks of a frame whose file does not store its pixels upright, laid as they lie there.
+    pub(super) fn masks_as(&self, file: &ImageFile) -> Result<Option<[Vec<u8>; 2]>, Error> {
+        match &self.masks {
+            Some([region, crack]) if file.orientation != Orientation::NoTransforms => Ok(Some([
+                encode_mask_as(&region.upright, file)?,
+                encode_mask_as(&crack.upright, file)?,
+            ])),
+            _ => Ok(None),
+        }
+    }
+
     pub(super) fn of(
         drawn: &Drawn<'_>,
         lit: &Lit<'_>,
@@ -148,7 +184,10 @@ impl StageFacts {
     ) -> Result<Arc<Self>, Error> {
         let region = lit.region(size)?;
         let masks = if with_masks {
-            Some([encode_mask(&region)?, encode_mask(&drawn.crack_mask())?])
+            Some([
+                StageMask::of(region.clone())?,
+                StageMask::of(drawn.crack_mask())?,
+            ])
         } else {
             None
         };
@@ -164,8 +203,8 @@ impl StageFacts {
         with_masks: bool,
     ) -> Result<Arc<Self>, Error> {
         let masks = if with_masks {
-            let black = encode_mask(&GrayImage::new(width, height))?;
-            Some([black.clone(), black])
+            let black = || StageMask::of(GrayImage::new(width, height));
+            Some([black()?, black()?])
         } else {
             None
         };

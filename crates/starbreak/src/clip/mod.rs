@@ -16,27 +16,33 @@ mod track;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use starbreak_dataset::video::{Ffmpeg, Fraction, VideoError, is_inside};
+use starbreak_dataset::video::{
+    Ffmpeg, Fraction, VideoError, holds_anything, is_folder, is_inside,
+};
 use starbreak_dataset::{DatasetError, same_file, sha256_hex};
+use starbreak_optics::paper::Focus;
 
 pub use error::ClipError;
 pub use timeline::GlassState;
 pub use track::TRACK_SCHEMA;
 
-use crate::Error;
 use crate::pipeline::{
     Details, RunContext, Simulated, own_view, simulate, use_network, view_of_network,
 };
+use crate::{Error, OpticsSettings, Settings};
 use light::ClipLight;
 use look::Pane;
 use run::{Finished, Show, run};
 use sink::{Sink, Target};
 use source::Source;
 use timeline::Timeline;
-use track::{TrackHeader, onset, track_text};
+use track::{TrackHeader, first_visible, onset, track_text};
 
 /// Longest stretched growth, s: a day.
 const MAX_GROWTH_S: f64 = 86_400.0;
+
+/// Radius of a disc below which the optics leave the scene sharp, px.
+const SHARP_PX: f64 = 0.05;
 
 /// What is to become of a clip.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,9 +74,10 @@ pub enum Growth {
     Whole,
     /// At their own speed, which is a kilometer and a half per second.
     OwnSpeed,
-    /// Slowed down so that the last arrives after this time.
+    /// Slowed down so that the last arrives after this time; the quiet time from the impact to the
+    /// first arrival is left out.
     Stretched {
-        /// From the impact to the last arrival, s.
+        /// From the impact, or just before the first arrival, to the last arrival, s.
         time_s: f64,
     },
 }
@@ -98,8 +105,10 @@ pub struct Clip {
 pub struct ClipReport {
     /// Number of frames written.
     pub n_frames: u64,
-    /// Index and time (s) of the first frame with a crack.
+    /// Index and time (s) of the first frame at the impact or after it.
     pub damage_onset: Option<(u64, f64)>,
+    /// Index and time (s) of the first frame in which the cracks influence a pixel.
+    pub first_visible: Option<(u64, f64)>,
     /// Number of frames in which the cracks grow.
     pub n_growing: u64,
     /// Number of lights that the crack was under.
@@ -137,12 +146,17 @@ impl ClipRequest {
     fn check(&self) -> Result<(), Error> {
         let (input, output) = (&self.input, &self.output);
         if same_file(input, output) {
+            if !is_folder(input) {
+                return Err(Error::from(ClipError::ClipIsInput {
+                    output: output.clone(),
+                }));
+            }
             return Err(Error::OutputIsInput {
                 input: input.clone(),
                 output: output.clone(),
             });
         }
-        if starbreak_dataset::video::is_folder(input) {
+        if is_folder(input) {
             for written in [Some(output), self.masks.as_ref()].into_iter().flatten() {
                 if is_inside(written, input) {
                     return Err(Error::from(ClipError::OutputInInput {
@@ -175,7 +189,7 @@ impl Clip {
     /// Checks a request, finds ffmpeg if it is needed, and looks at the input.
     ///
     /// # Errors
-    /// [`Error::Clip`] for a request that makes no sense, [`Error::OutputIsInput`],
+    /// [`Error::Clip`] for a request that makes no sense or a folder that is not empty, [`Error::OutputIsInput`],
     /// [`Error::Dataset`] for an input that cannot be read or an absent ffmpeg.
     pub fn open(request: ClipRequest) -> Result<Self, Error> {
         request.check()?;
@@ -184,6 +198,16 @@ impl Clip {
             Target::Clip(_) => Some(Ffmpeg::at(&request.ffmpeg).map_err(DatasetError::from)?),
             Target::Folder => None,
         };
+        let frames = (target == Target::Folder).then_some(&request.output);
+        if let Some(folder) = [frames, request.masks.as_ref()]
+            .into_iter()
+            .flatten()
+            .find(|folder| holds_anything(folder))
+        {
+            return Err(Error::from(ClipError::FolderNotEmpty {
+                folder: folder.clone(),
+            }));
+        }
         let source = Source::open(&request, ffmpeg.as_ref())?;
         let last_frame_s = source.last_frame_s();
         // Half a frame for what the clock of a container rounds.
@@ -239,6 +263,43 @@ impl Clip {
         let (width, height) = self.size();
         let is_odd = !(width.is_multiple_of(2) && height.is_multiple_of(2));
         is_odd && matches!(self.target, Target::Clip(Mp4 | Mov | Matroska))
+    }
+
+    /// What the frames that are written lack of the input's: bits per channel above 8, and alpha.
+    /// `None` where they lack nothing.
+    #[must_use]
+    pub fn reduction(&self) -> Option<(u32, bool)> {
+        if let (Source::Folder { .. }, Target::Folder) = (&self.source, self.target) {
+            return None;
+        }
+        let (bits, has_alpha) = self.source.depth();
+        (bits > 8 || has_alpha).then_some((bits, has_alpha))
+    }
+
+    /// The curve from light to numbers of a clip of high dynamic range, by ffmpeg's name.
+    #[must_use]
+    pub fn high_dynamic_range(&self) -> Option<&str> {
+        match &self.source {
+            Source::Clip { info, .. } => info.high_dynamic_range(),
+            Source::Folder { .. } => None,
+        }
+    }
+
+    /// Whether frames from the impact on differ from those before it all over, by veiling glare or
+    /// a scene out of focus, which belong to the lens and not to the crack.
+    #[must_use]
+    pub fn changes_lens_at_impact(&self, settings: &Settings) -> bool {
+        let is_seen = match &settings.optics {
+            OpticsSettings::Paper(optics) => optics.focus == Focus::Short,
+            OpticsSettings::Physical(optics) => {
+                let f_px = settings.camera.f_px.of_frame(self.size().0);
+                let disc_px = optics
+                    .lens
+                    .circle_of_confusion_px(f_px, optics.lens.scene_m);
+                optics.veiling_glare > 0.0 || 0.5 * disc_px.abs() >= SHARP_PX
+            }
+        };
+        self.request.impact_at_s > 0.0 && is_seen
     }
 
     /// Breaks the glass and writes the clip, its track and its network; they appear together or
@@ -334,6 +395,7 @@ impl Clip {
         Ok(Some(ClipReport {
             n_frames: frames.len() as u64,
             damage_onset: onset(&frames),
+            first_visible: first_visible(&frames),
             n_growing: n_growing as u64,
             n_lights,
             region_fraction: frames.last().map_or(0.0, |frame| frame.region_fraction),

@@ -164,7 +164,7 @@ fn write_all(
     done: &impl Fn(),
 ) -> Result<Sink, Error> {
     for (ready, facts) in from {
-        sink.write(&ready, facts.masks.as_ref())?;
+        sink.write(&ready, &facts)?;
         done();
     }
     Ok(sink)
@@ -270,7 +270,12 @@ impl<'a> Show<'a> {
         };
         let (frame_idx, time_s) = (frame.idx, frame.time_s);
         let is_untouched = plan.state == GlassState::Intact;
-        let ready = self.target.prepare(frame, is_untouched, self.settings)?;
+        let own_masks = match &frame.file {
+            Some(file) => facts.masks_as(&file.image)?,
+            None => None,
+        };
+        let mut ready = self.target.prepare(frame, is_untouched, self.settings)?;
+        ready.own_masks = own_masks;
         let line = TrackFrame {
             frame_idx,
             time_s,

@@ -4,8 +4,11 @@ use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, RgbImage};
 use starbreak_dataset::video::{ClipFormat, ClipStream, ClipWriter, Ffmpeg, is_folder};
-use starbreak_dataset::{DatasetError, Encoding, OutputBatch, encode_image, same_file};
+use starbreak_dataset::{
+    DatasetError, Encoding, OutputBatch, encode_image, encode_image_as, same_file,
+};
 
+use super::look::StageFacts;
 use super::source::{Frame, FrameFile, Source};
 use super::{ClipError, ClipRequest};
 use crate::pipeline::{encoding, extension};
@@ -56,7 +59,7 @@ impl Target {
                 ticks,
                 pixels: pixels.into_rgb8(),
             },
-            (Self::Folder, Some(file)) => file_of(file, &pixels, is_untouched, settings)?,
+            (Self::Folder, Some(file)) => file_of(file, pixels, is_untouched, settings)?,
             (Self::Folder, None) => {
                 let quality = settings.output.quality;
                 let (encoding, extension) = match settings.output.format {
@@ -69,14 +72,19 @@ impl Target {
                 }
             }
         };
-        Ok(Ready { idx, content })
+        Ok(Ready {
+            idx,
+            content,
+            own_masks: None,
+        })
     }
 }
 
-/// The file of a folder's frame: as it was, if nothing is to be seen in it.
+/// The file of a folder's frame: as it was, if nothing is to be seen in it, else with its pixels
+/// laid as they were, its orientation and its color profile.
 fn file_of(
     mut file: FrameFile,
-    pixels: &DynamicImage,
+    pixels: DynamicImage,
     is_untouched: bool,
     settings: &Settings,
 ) -> Result<Content, Error> {
@@ -86,7 +94,8 @@ fn file_of(
     let bytes = if is_untouched && encoding.format() == file.image.format {
         std::mem::take(&mut file.bytes)
     } else {
-        encode_image(pixels, &encoding, file.image.icc_profile.as_deref())
+        file.image.pixels = pixels;
+        encode_image_as(&file.image, &encoding)
             .map_err(|error| Error::of_image(&file.path, error.into()))?
     };
     Ok(Content::File { name, bytes })
@@ -96,6 +105,8 @@ fn file_of(
 pub(super) struct Ready {
     idx: u64,
     content: Content,
+    /// Region and crack mask as PNG, where those of the stage do not lie as this frame does.
+    pub(super) own_masks: Option<[Vec<u8>; 2]>,
 }
 
 enum Content {
@@ -174,11 +185,7 @@ impl Sink {
         })
     }
 
-    pub(super) fn write(
-        &mut self,
-        ready: &Ready,
-        masks: Option<&[Vec<u8>; 2]>,
-    ) -> Result<(), Error> {
+    pub(super) fn write(&mut self, ready: &Ready, facts: &StageFacts) -> Result<(), Error> {
         match (&ready.content, &mut self.clip) {
             (Content::Pixels { ticks, pixels }, Some(clip)) => clip
                 .write_frame(*ticks, pixels)
@@ -186,9 +193,13 @@ impl Sink {
             (Content::File { name, bytes }, _) => self.stage(&self.output.join(name), bytes)?,
             (Content::Pixels { .. }, None) => {}
         }
-        if let (Some(folder), Some(masks)) = (self.masks.clone(), masks) {
+        if let (Some(folder), Some([region, crack])) = (self.masks.clone(), &facts.masks) {
             let stem = ready.stem();
-            for (kind, bytes) in ["region", "crack"].into_iter().zip(masks) {
+            let [region, crack] = match &ready.own_masks {
+                Some([region, crack]) => [region.as_slice(), crack.as_slice()],
+                None => [region.png(), crack.png()],
+            };
+            for (kind, bytes) in [("region", region), ("crack", crack)] {
                 self.stage(&folder.join(format!("{stem}.{kind}.png")), bytes)?;
             }
         }

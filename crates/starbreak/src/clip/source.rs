@@ -30,6 +30,8 @@ pub(super) enum Source {
         files: Vec<PathBuf>,
         size: (u32, u32),
         rate: Fraction,
+        /// Bits per channel of the first frame, and whether it has alpha.
+        depth: (u32, bool),
     },
 }
 
@@ -64,14 +66,22 @@ impl Source {
                 (None, Some(rate)) if !needs_rate => rate,
                 _ => return Err(ClipError::NoRate { input: path }.into()),
             };
-            let size = match files.first() {
+            let (size, depth) = match files.first() {
                 Some(first) => {
                     let image = read_image(first, &ImageLimits::default())?.pixels;
-                    (image.width(), image.height())
+                    let color = image.color();
+                    let bits = color.bits_per_pixel() / u16::from(color.channel_count());
+                    let depth = (u32::from(bits), color.has_alpha());
+                    ((image.width(), image.height()), depth)
                 }
-                None => (0, 0),
+                None => ((0, 0), (8, false)),
             };
-            return Ok(Self::Folder { files, size, rate });
+            return Ok(Self::Folder {
+                files,
+                size,
+                rate,
+                depth,
+            });
         }
         if request.fps.is_some() {
             return Err(ClipError::OwnRate { input: path }.into());
@@ -110,6 +120,14 @@ impl Source {
         match self {
             Self::Clip { info, .. } => info.rate,
             Self::Folder { rate, .. } => *rate,
+        }
+    }
+
+    /// Bits per channel, and whether it has alpha.
+    pub(super) fn depth(&self) -> (u32, bool) {
+        match self {
+            Self::Clip { info, .. } => (info.bits_per_channel, info.has_alpha),
+            Self::Folder { depth, .. } => *depth,
         }
     }
 

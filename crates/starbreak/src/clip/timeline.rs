@@ -35,9 +35,16 @@ pub(super) struct Timeline {
     frame_s: f64,
     /// Growth per second of the clip, in the network's unit of time; infinite without growth.
     speed: f64,
+    /// Growth at the impact: just before the first arrival if the growth is stretched, else 0.
+    first: f64,
     last_arrival: f64,
     is_broken: bool,
+    has_times: bool,
 }
+
+/// How much of the time from the first arrival to the last the stretched growth begins early, so
+/// that the first frame shows more than nothing. FIT.
+const HAIR: f64 = 1e-6;
 
 impl Timeline {
     pub(super) fn new(
@@ -49,6 +56,10 @@ impl Timeline {
         let segments = &network.data().segments;
         let last_arrival = network.last_arrival();
         let is_broken = network.n_segments() > 0;
+        let first_arrival = segments
+            .arrival()
+            .and_then(|times| times.iter().copied().reduce(f64::min));
+        let mut first = 0.0;
         let speed = match growth {
             Growth::Whole => f64::INFINITY,
             _ if is_broken && segments.arrival().is_none() => return Err(ClipError::NoArrivals),
@@ -56,14 +67,24 @@ impl Timeline {
                 return Err(ClipError::NoSpeed);
             }
             Growth::OwnSpeed => 1e6,
-            Growth::Stretched { time_s } => last_arrival / time_s,
+            Growth::Stretched { time_s } => {
+                let first_arrival = first_arrival.unwrap_or(0.0);
+                let span = last_arrival - first_arrival;
+                // Cracks that all arrive at once are seen on their way there.
+                if span > 0.0 {
+                    first = (first_arrival - HAIR * span).max(0.0);
+                }
+                (last_arrival - first) / time_s
+            }
         };
         Ok(Self {
             impact_at_s,
             frame_s,
             speed,
+            first,
             last_arrival,
             is_broken,
+            has_times: segments.arrival().is_some(),
         })
     }
 
@@ -78,7 +99,7 @@ impl Timeline {
         if !self.is_broken || age_s < -1e-6 {
             return (GlassState::Intact, 0.0);
         }
-        let grown = (age_s.max(0.0) + self.frame_s) * self.speed;
+        let grown = self.first + (age_s.max(0.0) + self.frame_s) * self.speed;
         // Rounding must not hold back the last tip for a frame.
         if grown >= self.last_arrival * (1.0 - 1e-9) {
             (GlassState::Still, f64::INFINITY)
@@ -87,9 +108,14 @@ impl Timeline {
         }
     }
 
-    /// Growth in the network's unit, once still the last arrival.
+    /// Growth in the network's unit, once still the last arrival. Of a network without times 1 once
+    /// it is there, 0 before.
     pub(super) fn reached(&self, grown: f64) -> f64 {
-        grown.min(self.last_arrival)
+        if self.has_times {
+            grown.min(self.last_arrival)
+        } else {
+            grown.min(1.0)
+        }
     }
 }
 

@@ -1,4 +1,8 @@
 //! The track of a clip: what the glass is like in each frame.
+//!
+//! `damage_onset` is the impact: the first frame that begins at it or later. `first_visible` is the
+//! first frame whose region is not empty, `null` where none is: a crack that grows out of sight or
+//! is still too short comes later than its impact. Each is `{"frame_idx", "time_s"}`.
 
 use std::fmt::Write as _;
 
@@ -20,7 +24,8 @@ pub(super) struct TrackFrame {
     pub(super) time_s: f64,
     #[serde(serialize_with = "state_name")]
     pub(super) state: GlassState,
-    /// In the unit of the header's `growth.unit`.
+    /// In the unit of the header's `growth.unit`; where that is null, because the network keeps no
+    /// times, 1 for cracks that are there and 0 for none.
     pub(super) growth: f64,
     pub(super) crack_length_px: f64,
     pub(super) region_fraction: f64,
@@ -55,11 +60,19 @@ pub(super) struct TrackHeader<'a> {
     pub(super) n_lights: u64,
 }
 
-/// The first frame with a crack.
+/// The first frame at the impact or after it, if the glass breaks.
 pub(super) fn onset(frames: &[TrackFrame]) -> Option<(u64, f64)> {
     frames
         .iter()
         .find(|frame| frame.state != GlassState::Intact)
+        .map(|frame| (frame.frame_idx, frame.time_s))
+}
+
+/// The first frame whose region is not empty.
+pub(super) fn first_visible(frames: &[TrackFrame]) -> Option<(u64, f64)> {
+    frames
+        .iter()
+        .find(|frame| frame.region_fraction > 0.0)
         .map(|frame| (frame.frame_idx, frame.time_s))
 }
 
@@ -105,7 +118,9 @@ fn header_json(header: &TrackHeader<'_>, frames: &[TrackFrame]) -> Map<String, V
     ]);
     network_json.extend(header.simulated.details.to_json());
     let rate = header.rate;
-    let onset = onset(frames);
+    let place = |frame: Option<(u64, f64)>| {
+        json!(frame.map(|(idx, time_s)| json!({ "frame_idx": idx, "time_s": time_s })))
+    };
     let rows = [
         ("schema", json!(TRACK_SCHEMA)),
         (
@@ -153,10 +168,8 @@ fn header_json(header: &TrackHeader<'_>, frames: &[TrackFrame]) -> Map<String, V
                 "n_lights": header.n_lights,
             }),
         ),
-        (
-            "damage_onset",
-            json!(onset.map(|(idx, time_s)| json!({ "frame_idx": idx, "time_s": time_s }))),
-        ),
+        ("damage_onset", place(onset(frames))),
+        ("first_visible", place(first_visible(frames))),
     ];
     rows.into_iter()
         .map(|(key, value)| (key.to_owned(), value))

@@ -5,7 +5,7 @@ mod svg;
 
 use std::path::Path;
 
-use starbreak_dataset::read_text;
+use starbreak_dataset::{DatasetError, read_text};
 use starbreak_glass::CrackNetwork;
 
 use crate::Error;
@@ -31,7 +31,15 @@ pub struct ImportedNetwork {
 /// # Errors
 /// [`Error::Dataset`] if it cannot be read, [`Error::Import`] if it is not a network.
 pub fn read_network(path: &Path) -> Result<ImportedNetwork, Error> {
-    let file = read_text(path, MAX_NETWORK_FILE_BYTES)?;
+    let file = match read_text(path, MAX_NETWORK_FILE_BYTES) {
+        Err(DatasetError::NotText { .. }) => {
+            return Err(Error::Import {
+                path: path.to_owned(),
+                cause: ImportError::UnknownFormat,
+            });
+        }
+        file => file?,
+    };
     let network = parse_network(&file.text).map_err(|cause| Error::Import {
         path: path.to_owned(),
         cause,
