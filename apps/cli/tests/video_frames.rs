@@ -331,7 +331,7 @@ fn the_first_visible_frame_comes_after_the_onset() {
         serde_json::json!({ "frame_idx": first["frame_idx"], "time_s": first["time_s"] }),
         "the first frame whose region is not empty"
     );
-    // A crack that lies outside of the frame is never seen.
+    // A pane without a crack has none.
     let text = fs::read_to_string(dir.path().join("n.json")).unwrap();
     let far = text.replace(r#""kind":["radial","radial","radial"]"#, r#""kind":[]"#);
     let far = far.replace(r#""from":[0,1,2],"to":[1,2,3]"#, r#""from":[],"to":[]"#);
