@@ -3,9 +3,10 @@
 use std::ffi::OsString;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{ChildStderr, ExitStatus};
+use std::process::{ChildStderr, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use ffmpeg_sidecar::child::FfmpegChild;
 use ffmpeg_sidecar::command::FfmpegCommand;
@@ -108,6 +109,8 @@ pub(super) struct Running {
     pub(super) child: Child,
     log: Option<JoinHandle<Vec<String>>>,
     frames: Receiver<FrameInfo>,
+    /// It was waited for; its number may be another's by now.
+    has_ended: bool,
 }
 
 /// [`FfmpegChild`] with a `Debug` that says nothing.
@@ -167,6 +170,7 @@ impl Running {
             child: Child(child),
             log,
             frames,
+            has_ended: false,
         })
     }
 
@@ -180,6 +184,7 @@ impl Running {
         drop(self.child.take_stdin());
         drop(self.child.take_stdout());
         let status = self.child.wait();
+        self.has_ended = true;
         let complaints = self.log.take().and_then(|log| log.join().ok());
         let complaints = complaints.unwrap_or_default();
         Ended {
@@ -198,12 +203,35 @@ impl Running {
 
     /// Ends it at once.
     pub(super) fn kill(&mut self) {
+        if self.has_ended {
+            return;
+        }
         drop(self.child.take_stdin());
         drop(self.child.take_stdout());
-        // It may have ended by itself. Its log is not waited for: where the program is a script
-        // around ffmpeg, that one may hold it open for a while longer.
+        // Where the program is a script around ffmpeg, the script's end is not that of ffmpeg, so
+        // the whole group goes. The library of the language has no way to; a system without this
+        // command waits below.
+        #[cfg(unix)]
+        {
+            let group = format!("-{}", self.child.as_inner().id());
+            let mut kill = std::process::Command::new("kill");
+            kill.args(["-KILL", "--", &group]);
+            kill.stdin(Stdio::null())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null());
+            let _ = kill.status();
+        }
+        // It may have ended by itself.
         let _ = self.child.kill();
         let _ = self.child.wait();
+        self.has_ended = true;
+        // Whoever still holds the log open is still writing; but nobody is waited for long.
+        for _ in 0..200 {
+            if self.log.as_ref().is_none_or(JoinHandle::is_finished) {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
 }
 
