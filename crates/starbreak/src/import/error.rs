@@ -7,6 +7,11 @@ use starbreak_glass::NetworkError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImportError {
+    /// No text at all.
+    #[error(
+        "is not UTF-8 text, so it is neither an SVG drawing nor a network in JSON; save it as UTF-8"
+    )]
+    NotUtf8,
     /// Neither SVG nor JSON.
     #[error(
         "is neither an SVG drawing nor a network in JSON; expected text that begins with `<` or `{{`"

@@ -35,7 +35,7 @@ pub fn read_network(path: &Path) -> Result<ImportedNetwork, Error> {
         Err(DatasetError::NotText { .. }) => {
             return Err(Error::Import {
                 path: path.to_owned(),
-                cause: ImportError::UnknownFormat,
+                cause: ImportError::NotUtf8,
             });
         }
         file => file?,
