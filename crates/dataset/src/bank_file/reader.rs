@@ -1,6 +1,6 @@
 //! Reading records of a bank file, in any order and from many threads.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use super::layout::{
     Tail, VERSION, u32_at,
 };
 use crate::error::DatasetError;
-use crate::image_file::not_a_file;
+use crate::image_file::open_file;
 use crate::provenance::hex;
 
 /// A bank file that is open for reading: records of bytes by their number.
@@ -40,15 +40,7 @@ impl BankFile {
             path: path.to_owned(),
             source,
         };
-        // Before the open: to open a pipe waits for its writer.
-        let metadata = fs::metadata(path).map_err(read_error)?;
-        if let Some(what) = not_a_file(&metadata) {
-            return Err(DatasetError::NotAFile {
-                path: path.to_owned(),
-                what,
-            });
-        }
-        let file = File::open(path).map_err(read_error)?;
+        let file = open_file(path)?;
         let n_bytes = file.metadata().map_err(read_error)?.len();
         Self::of_file(path, file, n_bytes)
     }

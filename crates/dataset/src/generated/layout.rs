@@ -100,12 +100,8 @@ impl SetLayout {
 }
 
 /// A name without its extension, and that, without the dot; a leading dot begins none.
-pub(super) fn split_extension(name: &str) -> (&str, &str) {
-    let file = name.rfind('/').map_or(0, |slash| slash + 1);
-    match name[file..].rfind('.') {
-        Some(dot) if dot > 0 => (&name[..file + dot], &name[file + dot + 1..]),
-        _ => (name, ""),
-    }
+fn split_extension(name: &str) -> (&str, &str) {
+    crate::source::name::split_extension(name).unwrap_or((name, ""))
 }
 
 /// The path of a name from a list, which must stay inside its folder: relative, `/` between its

@@ -220,6 +220,23 @@ pub(crate) fn check_file_len(name: &str, n_bytes: u64, max_bytes: u64) -> Result
     Ok(())
 }
 
+/// An ordinary file, open for reading.
+pub(crate) fn open_file(path: &Path) -> Result<File, DatasetError> {
+    let read_error = |source| DatasetError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    // Before the open: to open a pipe waits for its writer.
+    let metadata = fs::metadata(path).map_err(read_error)?;
+    if let Some(what) = not_a_file(&metadata) {
+        return Err(DatasetError::NotAFile {
+            path: path.to_owned(),
+            what,
+        });
+    }
+    File::open(path).map_err(read_error)
+}
+
 /// What the thing is when it is not an ordinary file, with its article.
 pub(crate) fn not_a_file(metadata: &fs::Metadata) -> Option<&'static str> {
     let file_type = metadata.file_type();

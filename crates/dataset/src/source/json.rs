@@ -1,7 +1,6 @@
 //! JSON files with long lists of records, one record at a time.
 
 use std::fmt;
-use std::fs::{self, File};
 use std::io::{self, BufReader, Write};
 use std::path::Path;
 
@@ -11,7 +10,7 @@ use serde_json::value::RawValue;
 
 use super::SourceFormat;
 use crate::error::DatasetError;
-use crate::image_file::not_a_file;
+use crate::image_file::open_file;
 
 /// Bytes that are read at once.
 const BUFFER_BYTES: usize = 1 << 18;
@@ -54,15 +53,7 @@ pub(super) fn read(
         path: path.to_owned(),
         source,
     };
-    // Before the open: to open a pipe waits for its writer.
-    let metadata = fs::metadata(path).map_err(read_error)?;
-    if let Some(what) = not_a_file(&metadata) {
-        return Err(DatasetError::NotAFile {
-            path: path.to_owned(),
-            what,
-        });
-    }
-    let file = File::open(path).map_err(read_error)?;
+    let file = open_file(path)?;
     let reader = BufReader::with_capacity(BUFFER_BYTES, file);
     let seen = parse(reader, sink).map_err(|error| match error.io_error_kind() {
         Some(kind) => read_error(kind.into()),

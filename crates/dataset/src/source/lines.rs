@@ -1,11 +1,11 @@
 //! Text files of which each line is a record, one line at a time.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::Path;
 
 use crate::error::DatasetError;
-use crate::image_file::not_a_file;
+use crate::image_file::open_file;
 
 /// Longest line that is read, in bytes; longer than any path may be.
 const MAX_LINE_BYTES: usize = 1 << 16;
@@ -29,15 +29,7 @@ pub(super) fn for_each_line(
         path: path.to_owned(),
         source,
     };
-    // Before the open: to open a pipe waits for its writer.
-    let metadata = fs::metadata(path).map_err(read_error)?;
-    if let Some(what) = not_a_file(&metadata) {
-        return Err(DatasetError::NotAFile {
-            path: path.to_owned(),
-            what,
-        });
-    }
-    let mut reader = BufReader::new(File::open(path).map_err(read_error)?);
+    let mut reader = BufReader::new(open_file(path)?);
     let mut bytes = Vec::new();
     for number in 1.. {
         bytes.clear();

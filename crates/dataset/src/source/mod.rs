@@ -4,7 +4,7 @@
 mod record;
 mod spec;
 
-mod name;
+pub(crate) mod name;
 mod tree;
 
 mod index;

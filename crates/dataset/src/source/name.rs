@@ -59,7 +59,7 @@ pub(super) fn is_image_name(name: &str) -> bool {
 }
 
 /// The name before its last dot and the extension after it.
-pub(super) fn split_extension(name: &str) -> Option<(&str, &str)> {
+pub(crate) fn split_extension(name: &str) -> Option<(&str, &str)> {
     let (stem, extension) = name.rsplit_once('.')?;
     let has_stem = !stem.is_empty() && !stem.ends_with('/') && !extension.contains('/');
     has_stem.then_some((stem, extension))

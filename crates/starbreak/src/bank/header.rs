@@ -1,9 +1,12 @@
 //! What the patterns of a bank were made from.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use starbreak_dataset::BankFile;
 use starbreak_glass::{Generator, Seed};
 
-use crate::{Recipe, RecipeError};
+use crate::{Error, Recipe, RecipeError};
 
 /// Name and version of the bank format, the value of its header's `schema`.
 pub const BANK_SCHEMA: &str = "starbreak.bank/1";
@@ -35,6 +38,30 @@ pub struct BankHeader {
     /// Frame sizes that patterns were baked for, width and height, px. The networks were
     /// simulated for the first.
     pub sizes: Vec<(u32, u32)>,
+}
+
+/// The header of a bank's file, which must have a schema; `knows` says who has that one.
+pub(super) fn read_header<T: DeserializeOwned>(
+    file: &BankFile,
+    schema: &str,
+    knows: &str,
+) -> Result<T, Error> {
+    let wrong = |why: String| Error::Bank {
+        path: file.path().to_owned(),
+        idx: None,
+        why,
+    };
+    let header: Value = serde_json::from_slice(file.header())
+        .map_err(|cause| wrong(format!("its header is no JSON: {cause}")))?;
+    let found = header.get("schema").and_then(Value::as_str);
+    if found != Some(schema) {
+        return Err(wrong(format!(
+            "its header's schema is {:?}; {knows} {schema:?}",
+            found.unwrap_or_default()
+        )));
+    }
+    serde_json::from_value(header)
+        .map_err(|cause| wrong(format!("its header is not understood: {cause}")))
 }
 
 impl BankHeader {

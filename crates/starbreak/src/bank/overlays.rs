@@ -12,6 +12,7 @@ use starbreak_dataset::{
 use starbreak_glass::{Generator, Seed};
 use starbreak_optics::photo::{Background, PhotoParams, Placement, PlacementRange, draw};
 
+use super::header::read_header;
 use crate::Error;
 use crate::overlay::{GlassPhoto, OverlayOptions, OverlaySet, PlacedPhoto, photo_files};
 
@@ -261,17 +262,8 @@ impl OverlayBank {
             idx: None,
             why,
         };
-        let header: serde_json::Value = serde_json::from_slice(file.header())
-            .map_err(|cause| wrong(format!("its header is no JSON: {cause}")))?;
-        let schema = header.get("schema").and_then(serde_json::Value::as_str);
-        if schema != Some(OVERLAY_BANK_SCHEMA) {
-            return Err(wrong(format!(
-                "its header's schema is {:?}; a bank of photographs has {OVERLAY_BANK_SCHEMA:?}",
-                schema.unwrap_or_default()
-            )));
-        }
-        let header: OverlayBankHeader = serde_json::from_value(header)
-            .map_err(|cause| wrong(format!("its header is not understood: {cause}")))?;
+        let header: OverlayBankHeader =
+            read_header(&file, OVERLAY_BANK_SCHEMA, "a bank of photographs has")?;
         let n_photos = header.photos.len();
         if n_photos == 0 || file.n_records() != n_photos + 1 {
             return Err(wrong(format!(

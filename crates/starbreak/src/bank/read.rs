@@ -7,7 +7,7 @@ use starbreak_dataset::{BankFile, ImageLimits, decode_image, file_in};
 use starbreak_glass::{CrackNetwork, Seed};
 
 use super::baked::{BakedRecord, bake_record};
-use super::header::{BANK_SCHEMA, BankHeader};
+use super::header::{BANK_SCHEMA, BankHeader, read_header};
 use super::network_record::network_of_bytes;
 use super::{BANK_FILE, PatternFacts};
 use crate::pipeline::Baked;
@@ -50,17 +50,7 @@ impl PatternBank {
             idx: None,
             why,
         };
-        let header: serde_json::Value = serde_json::from_slice(file.header())
-            .map_err(|cause| wrong(format!("its header is no JSON: {cause}")))?;
-        let schema = header.get("schema").and_then(serde_json::Value::as_str);
-        if schema != Some(BANK_SCHEMA) {
-            return Err(wrong(format!(
-                "its header's schema is {:?}; this version reads {BANK_SCHEMA:?}",
-                schema.unwrap_or_default()
-            )));
-        }
-        let header: BankHeader = serde_json::from_value(header)
-            .map_err(|cause| wrong(format!("its header is not understood: {cause}")))?;
+        let header: BankHeader = read_header(&file, BANK_SCHEMA, "this version reads")?;
         if header.sizes.is_empty() || file.n_records() % header.n_records_per_pattern() != 0 {
             return Err(wrong(format!(
                 "its {} records do not fit its {} frame sizes",
