@@ -19,6 +19,7 @@ const OURS: &[(&str, &[&str])] = &[
     ("starbreak-fracture", &["starbreak-glass"]),
     ("starbreak-optics", &["starbreak-glass"]),
     ("starbreak-dataset", &[]),
+    ("starbreak-eval", &["starbreak-dataset"]),
     (
         "starbreak",
         &[
@@ -26,9 +27,13 @@ const OURS: &[(&str, &[&str])] = &[
             "starbreak-fracture",
             "starbreak-optics",
             "starbreak-dataset",
+            "starbreak-eval",
         ],
     ),
-    ("starbreak-cli", &["starbreak", "starbreak-dataset"]),
+    (
+        "starbreak-cli",
+        &["starbreak", "starbreak-dataset", "starbreak-eval"],
+    ),
     ("xtask", &[]),
 ];
 
@@ -40,7 +45,11 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     ("ctrlc", SHELL, "libraries do not own the process"),
     ("mimalloc", SHELL, "the allocator is the process's"),
     ("indicatif", SHELL, "libraries do not print"),
-    ("kuva", SHELL, "libraries do not plot"),
+    (
+        "kuva",
+        &["starbreak-eval", "starbreak-cli"],
+        "plots are drawn for the report and by the command",
+    ),
     ("anyhow", SHELL, "libraries name their errors"),
     ("png", CODECS, "files are read and written in one place"),
     ("jpeg-encoder", CODECS, "files are written in one place"),
@@ -66,6 +75,7 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
         &[
             "starbreak-glass",
             "starbreak-dataset",
+            "starbreak-eval",
             "starbreak",
             "starbreak-cli",
         ],
@@ -76,6 +86,7 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
         &[
             "starbreak-glass",
             "starbreak-dataset",
+            "starbreak-eval",
             "starbreak",
             "starbreak-cli",
             "xtask",
