@@ -9,6 +9,7 @@
 
 mod boxes;
 mod detections;
+pub mod detector;
 mod error;
 mod labels;
 mod matching;
