@@ -10,6 +10,7 @@
 mod boxes;
 mod detections;
 mod error;
+pub mod evaluation;
 mod labels;
 mod matching;
 
