@@ -38,6 +38,8 @@ mod encode;
 
 mod generated;
 
+mod json_records;
+
 mod output_batch;
 mod paths;
 mod provenance;
@@ -64,6 +66,7 @@ pub use image_file::{
     ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_bytes, read_image,
 };
 pub use line_log::LineLog;
+pub use json_records::{JsonLists, JsonRecord, read_json_records};
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, is_inside, same_file};
 pub use provenance::{Provenance, sha256_file, sha256_hex};
