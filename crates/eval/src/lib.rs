@@ -13,6 +13,10 @@ mod error;
 mod labels;
 mod matching;
 
+// Statistics.
+pub mod resampling;
+pub mod statistic;
+
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections};
 pub use error::EvalError;
