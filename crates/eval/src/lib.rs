@@ -16,6 +16,10 @@ mod labels;
 mod matching;
 mod protocol;
 
+// Statistics.
+pub mod resampling;
+pub mod statistic;
+
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections, ReadDetections, Unused};
 pub use error::EvalError;
