@@ -11,11 +11,22 @@ mod boxes;
 mod detections;
 pub mod detector;
 mod error;
+pub mod evaluation;
+mod json_record;
 mod labels;
 mod matching;
+mod protocol;
+
+// Statistics.
+pub mod resampling;
+pub mod statistic;
 
 pub use boxes::BoxPx;
-pub use detections::{Detection, Detections};
+pub use detections::{Detection, Detections, ReadDetections, Unused};
 pub use error::EvalError;
 pub use labels::{Category, LabelSet, LabeledImage, Object, ObjectKind};
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
+pub use protocol::{
+    AreaRange, CocoEvaluation, CocoParams, MatchRule, PrecisionCurve, RankedMatches, Restriction,
+    average_precision, evaluate_coco, match_images, mean_in_numpy_order,
+};
