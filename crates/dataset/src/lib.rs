@@ -29,6 +29,7 @@
 
 mod error;
 mod image_file;
+mod line_log;
 
 mod animation;
 mod array;
@@ -64,6 +65,7 @@ pub use generated::{
 pub use image_file::{
     ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_bytes, read_image,
 };
+pub use line_log::LineLog;
 pub use json_records::{JsonLists, JsonRecord, read_json_records};
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};

@@ -47,4 +47,35 @@ pub enum EvalError {
     /// Numbers that say how to evaluate and do not go together, or a limit of the engine.
     #[error("{0}")]
     Rule(String),
+    // Statistics.
+    /// Two things that belong together differ in number.
+    #[error("{what}: {found}, but {expected} {of}; give one for each")]
+    StatisticLength {
+        /// What there is too much or too little of.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+        /// What each of them belongs to.
+        of: &'static str,
+    },
+    /// A setting that makes no sense.
+    #[error("{what} is {value}; give one {range}")]
+    StatisticSetting {
+        /// Which.
+        what: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// Matches of clean and cracked images that do not belong together.
+    #[error(
+        "matches of clean and cracked images differ in {what}; match both with the same labels by the same rule"
+    )]
+    NotPaired {
+        /// In what.
+        what: String,
+    },
 }

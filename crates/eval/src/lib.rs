@@ -10,10 +10,15 @@
 mod boxes;
 mod detections;
 mod error;
+pub mod evaluation;
 mod json_record;
 mod labels;
 mod matching;
 mod protocol;
+
+// Statistics.
+pub mod resampling;
+pub mod statistic;
 
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
