@@ -22,11 +22,12 @@ pub mod resampling;
 pub mod statistic;
 
 pub use boxes::BoxPx;
-pub use detections::{Detection, Detections, ReadDetections, Unused};
+pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
 pub use error::EvalError;
-pub use labels::{Category, LabelSet, LabeledImage, Object, ObjectKind};
+pub use labels::{Category, KittiFacts, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind};
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
 pub use protocol::{
-    AreaRange, CocoEvaluation, CocoParams, MatchRule, PrecisionCurve, RankedMatches, Restriction,
-    average_precision, evaluate_coco, match_images, mean_in_numpy_order,
+    AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, MatchRule,
+    N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision, evaluate_coco,
+    evaluate_kitti, match_images, mean_in_numpy_order,
 };

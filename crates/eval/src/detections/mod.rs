@@ -1,8 +1,11 @@
 //! What a detector said is in the images.
 
 mod coco;
+mod kitti;
 
 use std::path::Path;
+
+pub use kitti::KittiDetections;
 
 use crate::{BoxPx, EvalError, LabelSet};
 

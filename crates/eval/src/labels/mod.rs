@@ -1,8 +1,11 @@
 //! What is really in the images: images, categories and labeled objects.
 
 mod coco;
+pub(crate) mod kitti;
 
 use std::path::Path;
+
+pub use kitti::{KittiFacts, KittiLabels};
 
 use crate::{BoxPx, EvalError};
 
