@@ -14,6 +14,7 @@ mod labels;
 mod matching;
 
 // Statistics.
+pub mod failure;
 pub mod resampling;
 pub mod statistic;
 
