@@ -17,6 +17,7 @@ mod matching;
 pub mod failure;
 pub mod resampling;
 pub mod statistic;
+pub mod tide;
 
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections};
