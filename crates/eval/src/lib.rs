@@ -18,8 +18,10 @@ mod matching;
 mod protocol;
 
 // Statistics.
+pub mod failure;
 pub mod resampling;
 pub mod statistic;
+pub mod tide;
 
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
