@@ -8,4 +8,14 @@ pub enum EvalError {
     /// A file or an image.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
+
+    // The report.
+    /// The page could not be made.
+    #[error(
+        "the report could not be made: {reason}; this is a fault of the program, please report it"
+    )]
+    Report {
+        /// What the template says.
+        reason: String,
+    },
 }

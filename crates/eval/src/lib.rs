@@ -13,6 +13,7 @@ mod error;
 pub mod evaluation;
 mod labels;
 mod matching;
+pub mod report;
 
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections};
