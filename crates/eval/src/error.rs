@@ -114,6 +114,13 @@ pub enum EvalError {
         /// The file, or what it was made from.
         map: String,
         /// What is wrong, and the way out.
+    // The report.
+    /// The page could not be made.
+    #[error(
+        "the report could not be made: {reason}; this is a fault of the program, please report it"
+    )]
+    Report {
+        /// What the template says.
         reason: String,
     },
 }

@@ -22,6 +22,7 @@ pub mod failure;
 pub mod resampling;
 pub mod statistic;
 pub mod tide;
+pub mod report;
 
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
