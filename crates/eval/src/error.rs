@@ -114,6 +114,9 @@ pub enum EvalError {
         /// The file, or what it was made from.
         map: String,
         /// What is wrong, and the way out.
+        reason: String,
+    },
+
     // The report.
     /// The page could not be made.
     #[error(

@@ -17,12 +17,13 @@ mod labels;
 mod matching;
 mod protocol;
 
+pub mod report;
+
 // Statistics.
 pub mod failure;
 pub mod resampling;
 pub mod statistic;
 pub mod tide;
-pub mod report;
 
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};

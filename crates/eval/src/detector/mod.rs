@@ -162,9 +162,9 @@ impl Detector {
         let runtime: Box<dyn Runtime> = match &options.backend {
             Backend::PureRust => Box::new(PureRust::load(bytes, external).map_err(wrong)?),
             #[cfg(feature = "ort")]
-            Backend::OnnxRuntime { library, device } => Box::new(
-                runtime::OnnxRuntime::load(library, *device, path, &facts).map_err(wrong)?,
-            ),
+            Backend::OnnxRuntime { library, device } => {
+                Box::new(runtime::OnnxRuntime::load(library, *device, path, &facts).map_err(wrong)?)
+            }
             #[cfg(not(feature = "ort"))]
             Backend::OnnxRuntime { .. } => {
                 let _ = path;
