@@ -122,7 +122,8 @@ impl LabelMap {
             found.and_then(|place| u32::try_from(place).ok())
         };
         if rules.is_strict {
-            let class_names: Vec<&str> = classes.names.iter().flatten().map(String::as_str).collect();
+            let class_names: Vec<&str> =
+                classes.names.iter().flatten().map(String::as_str).collect();
             let category_names: Vec<&str> = categories.iter().map(|c| c.name.as_str()).collect();
             for (class, category) in &rules.rules {
                 if !class_names.iter().any(|name| plain(name) == plain(class)) {

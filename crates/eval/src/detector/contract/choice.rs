@@ -84,11 +84,17 @@ fn by_one_output(facts: &ModelFacts, output: &TensorFacts) -> Vec<Candidate> {
             (_, Some(6)) => rows_of_six(facts, output),
             (Some(n), Some(places)) if n < places && n > 4 => vec![(
                 "yolov8",
-                format!("its one output has a box and {} classes in columns, {output}", n - 4),
+                format!(
+                    "its one output has a box and {} classes in columns, {output}",
+                    n - 4
+                ),
             )],
             (Some(n), None) if n > 4 && facts.entry("task").is_some() => vec![(
                 "yolov8",
-                format!("its one output has a box and {} classes in columns, {output}", n - 4),
+                format!(
+                    "its one output has a box and {} classes in columns, {output}",
+                    n - 4
+                ),
             )],
             (places, Some(n)) if n > 5 => by_places(facts, output, places, n),
             _ => Vec::new(),
@@ -149,7 +155,10 @@ fn by_places(
     let n_listed = class_names(facts).map(|list| list.names.len() as u64);
     let queries = (
         "rtdetr-ultralytics",
-        format!("its one output has boxes with {} classes in rows, {output}", n - 4),
+        format!(
+            "its one output has boxes with {} classes in rows, {output}",
+            n - 4
+        ),
     );
     match (places, n_listed) {
         (_, Some(listed)) if listed == n - 4 => vec![queries],
@@ -159,7 +168,10 @@ fn by_places(
                 "yolov5",
                 format!("rows with objectness and {} classes", n - 5),
             ),
-            ("yolox", format!("rows with objectness and {} classes", n - 5)),
+            (
+                "yolox",
+                format!("rows with objectness and {} classes", n - 5),
+            ),
             queries,
         ],
     }
@@ -236,8 +248,8 @@ fn by_three_outputs(facts: &ModelFacts) -> Vec<Candidate> {
             "it takes orig_target_sizes and gives labels, boxes and scores".to_owned(),
         )];
     }
-    let takes_one_image = facts.inputs.len() == 1
-        && facts.inputs.first().and_then(TensorFacts::rank) == Some(3);
+    let takes_one_image =
+        facts.inputs.len() == 1 && facts.inputs.first().and_then(TensorFacts::rank) == Some(3);
     if all_named && takes_one_image {
         return vec![(
             "torchvision-fasterrcnn",

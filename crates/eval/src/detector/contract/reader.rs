@@ -137,7 +137,10 @@ fn read_input(keys: &Keys<'_>) -> Result<InputContract, EvalError> {
             ("chw", Layout::Chw),
         ],
     )?;
-    let color = keys.word("color", &[("rgb", ColorOrder::Rgb), ("bgr", ColorOrder::Bgr)])?;
+    let color = keys.word(
+        "color",
+        &[("rgb", ColorOrder::Rgb), ("bgr", ColorOrder::Bgr)],
+    )?;
     let interpolation = keys.word(
         "interpolation",
         &[

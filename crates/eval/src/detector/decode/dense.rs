@@ -108,11 +108,7 @@ struct Cell {
     clippy::cast_precision_loss,
     reason = "cells and strides are small whole numbers"
 )]
-fn cells(
-    output: &OutputTensor,
-    strides_px: &[u32],
-    n_places: usize,
-) -> Result<Vec<Cell>, String> {
+fn cells(output: &OutputTensor, strides_px: &[u32], n_places: usize) -> Result<Vec<Cell>, String> {
     let mut cells = Vec::new();
     for &stride in strides_px {
         let [width, height] = output.frame_px.map(|side| side / stride);

@@ -82,9 +82,7 @@ pub(super) fn output_names(form: &OutputForm) -> Vec<Option<&str>> {
         OutputForm::Dense { output, .. }
         | OutputForm::Rows { output }
         | OutputForm::FastestDet { output } => vec![output.as_deref()],
-        OutputForm::BoxesScoresLabels { outputs } => {
-            outputs.iter().map(Option::as_deref).collect()
-        }
+        OutputForm::BoxesScoresLabels { outputs } => outputs.iter().map(Option::as_deref).collect(),
         OutputForm::ScoredBoxesLabels { outputs } | OutputForm::BoxesLogits { outputs, .. } => {
             outputs.iter().map(Option::as_deref).collect()
         }
@@ -142,7 +140,12 @@ impl Decoded {
         class: usize,
     ) -> Result<(), String> {
         match contract.classes.names.get(class) {
-            Some(Some(_)) => self.push(contract, numbers, score, u32::try_from(class).unwrap_or(u32::MAX)),
+            Some(Some(_)) => self.push(
+                contract,
+                numbers,
+                score,
+                u32::try_from(class).unwrap_or(u32::MAX),
+            ),
             _ => {
                 self.n_without_class += 1;
                 Ok(())

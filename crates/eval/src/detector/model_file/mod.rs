@@ -68,7 +68,12 @@ pub(super) fn read_facts(
         .filter_map(|entry| Some((entry.key.clone()?, entry.value.clone().unwrap_or_default())))
         .collect();
     Ok(ModelFacts {
-        inputs: graph.input.iter().filter(is_given).map(tensor_facts).collect(),
+        inputs: graph
+            .input
+            .iter()
+            .filter(is_given)
+            .map(tensor_facts)
+            .collect(),
         outputs: graph.output.iter().map(tensor_facts).collect(),
         operators,
         external_files,
@@ -111,20 +116,22 @@ fn tensor_facts(value: &ValueInfoProto) -> TensorFacts {
         .r#type
         .as_ref()
         .and_then(|kind| kind.tensor_type.as_ref());
-    let sides = tensor.and_then(|tensor| tensor.shape.as_ref()).map(|shape| {
-        shape
-            .dim
-            .iter()
-            .map(|dim| match (dim.dim_value, &dim.dim_param) {
-                (Some(side), _) => match u64::try_from(side) {
-                    Ok(side) if side > 0 => Side::Fixed(side),
-                    _ => Side::Open("?".to_owned()),
-                },
-                (None, Some(name)) => Side::Open(name.clone()),
-                (None, None) => Side::Open("?".to_owned()),
-            })
-            .collect()
-    });
+    let sides = tensor
+        .and_then(|tensor| tensor.shape.as_ref())
+        .map(|shape| {
+            shape
+                .dim
+                .iter()
+                .map(|dim| match (dim.dim_value, &dim.dim_param) {
+                    (Some(side), _) => match u64::try_from(side) {
+                        Ok(side) if side > 0 => Side::Fixed(side),
+                        _ => Side::Open("?".to_owned()),
+                    },
+                    (None, Some(name)) => Side::Open(name.clone()),
+                    (None, None) => Side::Open("?".to_owned()),
+                })
+                .collect()
+        });
     let element = tensor.and_then(|tensor| tensor.elem_type);
     TensorFacts {
         name: value.name.clone().unwrap_or_default(),
@@ -146,10 +153,19 @@ fn tensor_facts(value: &ValueInfoProto) -> TensorFacts {
 fn seems_to_be(bytes: &[u8]) -> Option<&'static str> {
     let head = bytes.get(..bytes.len().min(512)).unwrap_or_default();
     let known: [(&[u8], &str); 6] = [
-        (b"PK\x03\x04", "it is a ZIP archive, such as the weights .pt of PyTorch; export them to ONNX"),
-        (b"\x80\x02", "it is a Python pickle; export the model to ONNX"),
+        (
+            b"PK\x03\x04",
+            "it is a ZIP archive, such as the weights .pt of PyTorch; export them to ONNX",
+        ),
+        (
+            b"\x80\x02",
+            "it is a Python pickle; export the model to ONNX",
+        ),
         (b"\x89HDF", "it is an HDF5 file; export the model to ONNX"),
-        (b"version https://git-lfs", "it is a pointer of Git LFS; fetch the file itself with git lfs pull"),
+        (
+            b"version https://git-lfs",
+            "it is a pointer of Git LFS; fetch the file itself with git lfs pull",
+        ),
         (b"<", "it is a web page or XML; fetch the file itself"),
         (b"\x1f\x8b", "it is gzip; unpack it"),
     ];

@@ -128,6 +128,11 @@ impl fmt::Display for ModelFacts {
             let texts: Vec<String> = tensors.iter().map(TensorFacts::to_string).collect();
             texts.join(", ")
         };
-        write!(f, "takes {}; gives {}", list(&self.inputs), list(&self.outputs))
+        write!(
+            f,
+            "takes {}; gives {}",
+            list(&self.inputs),
+            list(&self.outputs)
+        )
     }
 }

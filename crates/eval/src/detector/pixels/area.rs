@@ -36,10 +36,7 @@ pub(super) fn whole(source: &RgbImage, x: Side, y: Side) -> Vec<u8> {
                 if is_quarter {
                     u8::try_from((sum + 2) >> 2).unwrap_or(u8::MAX)
                 } else {
-                    #[expect(
-                        clippy::cast_precision_loss,
-                        reason = "OpenCV's own: a sum as f32"
-                    )]
+                    #[expect(clippy::cast_precision_loss, reason = "OpenCV's own: a sum as f32")]
                     to_byte(sum as f32 * share)
                 }
             }));

@@ -104,7 +104,10 @@ impl Runtime for PureRust {
             idle.push(pool);
         }
         ran.unwrap_or_else(|_| {
-            Err("its graph breaks the runtime; run it with ONNX Runtime: --onnxruntime PATH".to_owned())
+            Err(
+                "its graph breaks the runtime; run it with ONNX Runtime: --onnxruntime PATH"
+                    .to_owned(),
+            )
         })
     }
 }
@@ -134,10 +137,7 @@ fn value_of(shape: &[usize], values: InputValues) -> Result<Value, String> {
 }
 
 fn raw_output(value: Value) -> Result<RawOutput, String> {
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "labels are small whole numbers"
-    )]
+    #[expect(clippy::cast_precision_loss, reason = "labels are small whole numbers")]
     Ok(match value {
         Value::FloatTensor(tensor) => (tensor.shape().to_vec(), tensor.to_vec()),
         Value::Int32Tensor(tensor) => (
