@@ -65,14 +65,14 @@ pub use generated::{
 pub use image_file::{
     ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_bytes, read_image,
 };
-pub use line_log::LineLog;
 pub use json_records::{JsonLists, JsonRecord, read_json_records};
+pub use line_log::LineLog;
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, sha256_file, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{
-    BadRecord, FileRole, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat, SourceImage,
-    SourceSpec,
+    BadRecord, FileRole, IndexFiles, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat,
+    SourceImage, SourceSpec,
 };
 pub use text_file::{TextFile, read_text};
