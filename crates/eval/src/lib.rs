@@ -10,6 +10,7 @@
 mod boxes;
 mod compare;
 mod detections;
+pub mod detector;
 mod error;
 pub mod evaluation;
 mod json_record;
@@ -18,9 +19,13 @@ mod matching;
 mod protocol;
 mod region;
 
+pub mod report;
+
 // Statistics.
+pub mod failure;
 pub mod resampling;
 pub mod statistic;
+pub mod tide;
 
 pub use boxes::BoxPx;
 pub use compare::{
