@@ -15,12 +15,16 @@ mod matching;
 
 // Statistics.
 pub mod failure;
+pub mod label_audit;
+mod mean_performance;
 pub mod resampling;
 pub mod statistic;
 pub mod tide;
+pub mod timeline;
 
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections};
 pub use error::EvalError;
 pub use labels::{Category, LabelSet, LabeledImage, Object, ObjectKind};
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
+pub use mean_performance::{CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance};
