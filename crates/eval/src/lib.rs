@@ -9,9 +9,15 @@
 
 mod boxes;
 mod detections;
+pub mod detector;
 mod error;
+pub mod evaluation;
+mod json_record;
 mod labels;
 mod matching;
+mod protocol;
+
+pub mod report;
 
 // Statistics.
 pub mod failure;
@@ -23,8 +29,13 @@ pub mod tide;
 pub mod timeline;
 
 pub use boxes::BoxPx;
-pub use detections::{Detection, Detections};
+pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
 pub use error::EvalError;
-pub use labels::{Category, LabelSet, LabeledImage, Object, ObjectKind};
+pub use labels::{Category, KittiFacts, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind};
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
 pub use mean_performance::{CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance};
+pub use protocol::{
+    AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, MatchRule,
+    N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision, evaluate_coco,
+    evaluate_kitti, match_images, mean_in_numpy_order,
+};
