@@ -23,9 +23,12 @@ pub mod report;
 
 // Statistics.
 pub mod failure;
+pub mod label_audit;
+mod mean_performance;
 pub mod resampling;
 pub mod statistic;
 pub mod tide;
+pub mod timeline;
 
 pub use boxes::BoxPx;
 pub use compare::{
@@ -39,6 +42,7 @@ pub use labels::{
     Pooling, Protocol, SaidDetections,
 };
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
+pub use mean_performance::{CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance};
 pub use protocol::{
     AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, MatchRule,
     N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision, bdd_detections,
