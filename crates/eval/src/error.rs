@@ -78,6 +78,14 @@ pub enum EvalError {
         /// In what.
         what: String,
     },
+    /// A track that is not one object through the frames.
+    #[error(
+        "track {track} is there twice: in one frame, in two categories or out of order; give each object its own number"
+    )]
+    Track {
+        /// Its number.
+        track: u64,
+    },
 
     // Detectors.
     /// A contract of a model does not say what it must, or something that means nothing.

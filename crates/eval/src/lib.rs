@@ -21,15 +21,19 @@ pub mod report;
 
 // Statistics.
 pub mod failure;
+pub mod label_audit;
+mod mean_performance;
 pub mod resampling;
 pub mod statistic;
 pub mod tide;
+pub mod timeline;
 
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
 pub use error::EvalError;
 pub use labels::{Category, KittiFacts, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind};
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
+pub use mean_performance::{CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance};
 pub use protocol::{
     AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, MatchRule,
     N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision, evaluate_coco,
