@@ -72,7 +72,7 @@ pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, sha256_file, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{
-    BadRecord, FileRole, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat, SourceImage,
-    SourceSpec,
+    BadRecord, FileRole, IndexFiles, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat,
+    SourceImage, SourceSpec,
 };
 pub use text_file::{TextFile, read_text};

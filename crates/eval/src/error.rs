@@ -44,6 +44,16 @@ pub enum EvalError {
         /// The first such image.
         first: String,
     },
+    /// The region mask of an image is missing or is not its.
+    #[error("region mask {path:?} of image {image:?}: {reason}")]
+    Mask {
+        /// The name of the image.
+        image: String,
+        /// The mask.
+        path: PathBuf,
+        /// What is wrong, and the way out.
+        reason: String,
+    },
     /// Numbers that say how to evaluate and do not go together, or a limit of the engine.
     #[error("{0}")]
     Rule(String),
