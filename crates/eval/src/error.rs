@@ -144,4 +144,12 @@ pub enum EvalError {
         /// What the template says.
         reason: String,
     },
+    /// A file of numbers is not one.
+    #[error(
+        "not a file of evaluation numbers: {reason}; give the evaluation.json of an evaluation or study"
+    )]
+    ReportFile {
+        /// What is wrong with it.
+        reason: String,
+    },
 }
