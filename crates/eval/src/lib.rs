@@ -13,6 +13,8 @@ mod error;
 mod labels;
 mod matching;
 
+pub mod divergence;
+
 pub use boxes::BoxPx;
 pub use detections::{Detection, Detections};
 pub use error::EvalError;

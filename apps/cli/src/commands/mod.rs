@@ -6,6 +6,7 @@ mod bench_physics;
 mod contact_sheet;
 mod crack;
 mod demo;
+mod divergence;
 mod generate;
 mod network_file;
 mod overlay_bank;
@@ -54,6 +55,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
         Verb::Generate(args) => generate::run(global, &args, screen),
         Verb::Verify(args) => verify::run(global, &args, screen),
         Verb::Merge(args) => verify::merge(&args, screen),
+        Verb::Divergence(args) => divergence::run(global, &args, screen),
         Verb::Sweep {
             input,
             output,
