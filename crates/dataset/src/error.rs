@@ -59,6 +59,14 @@ pub enum DatasetError {
         /// Place of the first byte that is wrong, from 0.
         at_byte: u64,
         /// What is wrong.
+    /// A file that is not an array of floats.
+    #[error(
+        "{name:?} is not a NumPy file of floats: {reason}; write it with numpy.save of a float32 or float64 array"
+    )]
+    BadArray {
+        /// The file.
+        name: String,
+        /// Why not.
         reason: String,
     },
     /// A text file that is not UTF-8.

@@ -8,6 +8,7 @@ mod crack;
 mod demo;
 mod detect;
 mod detect_ids;
+mod divergence;
 mod generate;
 mod network_file;
 mod overlay_bank;
@@ -57,6 +58,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
         Verb::Verify(args) => verify::run(global, &args, screen),
         Verb::Merge(args) => verify::merge(&args, screen),
         Verb::Detect(args) => detect::run(global, &args, screen),
+        Verb::Divergence(args) => divergence::run(global, &args, screen),
         Verb::Sweep {
             input,
             output,
