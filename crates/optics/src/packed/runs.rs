@@ -96,14 +96,18 @@ pub(super) fn read_runs<const B: usize>(
         if mask == 0 || usize::from(mask) >> B != 0 {
             return Err(bytes.wrong("a run has no lanes or unknown ones"));
         }
-        let mut blocks = [[0; CHUNK]; B];
+        // Read over the blocks above, which are not wanted any more.
+        let (blocks, are_above) = above.take(across, y);
         for (lane, block) in blocks.iter_mut().enumerate() {
-            if mask >> lane & 1 == 1 {
-                *block = read_block(bytes, above.get(across, y, lane))?;
+            let is_present = mask >> lane & 1 == 1;
+            if !(is_present && are_above) {
+                *block = ZEROS;
+            }
+            if is_present {
+                read_block(bytes, block)?;
             }
         }
-        each((across * CHUNK, y), &blocks);
-        above.set(across, y, &blocks);
+        each((across * CHUNK, y), blocks);
     }
     Ok(())
 }
@@ -124,9 +128,22 @@ impl<const B: usize> Above<B> {
         }
     }
 
+    /// Whether the latest blocks of a column are of the row above `y`.
+    fn are_above(&self, across: usize, y: usize) -> bool {
+        self.rows[across].wrapping_add(1) == y && y > 0
+    }
+
+    /// The latest blocks of a column, which are to become those of row `y`, and whether they are
+    /// of the row above it.
+    fn take(&mut self, across: usize, y: usize) -> (&mut [Block; B], bool) {
+        let are_above = self.are_above(across, y);
+        self.rows[across] = y;
+        (&mut self.blocks[across], are_above)
+    }
+
     /// The block in the row above `y`, zeros where there is none.
     fn get(&self, across: usize, y: usize, lane: usize) -> &Block {
-        if self.rows[across].wrapping_add(1) == y && y > 0 {
+        if self.are_above(across, y) {
             &self.blocks[across][lane]
         } else {
             &ZEROS
