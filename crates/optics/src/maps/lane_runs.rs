@@ -33,17 +33,17 @@ impl<const L: usize> LaneRuns<L> {
         }
     }
 
-    /// A further run, beyond the last one in the order of rows: its first pixel and row, and its
-    /// lanes.
-    pub(crate) fn push(&mut self, (x, y): (usize, usize), run: LaneRun<L>) {
-        self.runs.push(run);
+    /// A further run of zeros, beyond the last one in the order of rows: its first pixel and row.
+    pub(crate) fn push(&mut self, (x, y): (usize, usize)) -> &mut LaneRun<L> {
+        let run = self.runs.push_mut([[0.0; CHUNK]; L]);
         self.starts.push((x, y));
         #[expect(
             clippy::cast_possible_truncation,
             reason = "a frame has fewer than 2^32 runs"
         )]
-        let n = self.runs.len() as u32;
+        let n = self.starts.len() as u32;
         self.places[y * self.n_across + x / CHUNK] = n;
+        run
     }
 
     pub(crate) fn size(&self) -> (usize, usize) {
@@ -62,17 +62,11 @@ impl<const L: usize> LaneRuns<L> {
         starts.zip(&self.runs).map(|((x, y), run)| (x, y, run))
     }
 
-    /// The lanes of a pixel within the frame that something touched.
-    pub(crate) fn pixel(&self, x: usize, y: usize) -> Option<[f32; L]> {
+    /// The run that holds a pixel of the frame, if it exists.
+    pub(crate) fn run_at(&self, x: usize, y: usize) -> Option<&LaneRun<L>> {
         if x >= self.width || y >= self.height {
             return None;
         }
-        let run = self.run_at(x, y)?;
-        Some(std::array::from_fn(|lane| run[lane][x % CHUNK]))
-    }
-
-    /// The run that holds a pixel, if it exists.
-    pub(crate) fn run_at(&self, x: usize, y: usize) -> Option<&LaneRun<L>> {
         let place = self.places[y * self.n_across + x / CHUNK] as usize;
         (place > 0).then(|| &self.runs[place - 1])
     }
@@ -83,8 +77,9 @@ impl<const L: usize> From<&Chunks<L>> for LaneRuns<L> {
         let (width, height) = chunks.size();
         let mut runs = Self::with_room(width, height, chunks.n_runs());
         for (x, y, pixels) in chunks.iter() {
-            let run = std::array::from_fn(|lane| std::array::from_fn(|k| pixels[k][lane]));
-            runs.push((x, y), run);
+            for (lane, values) in runs.push((x, y)).iter_mut().enumerate() {
+                *values = std::array::from_fn(|k| pixels[k][lane]);
+            }
         }
         runs
     }

@@ -170,27 +170,46 @@ fn read_head(bytes: &mut Bytes<'_>) -> Result<(From, [usize; N_GROUPS]), OpticsE
     Ok((from, widths))
 }
 
-/// Reads what [`write_block`] wrote, in place of the block above it.
-pub(super) fn read_block(bytes: &mut Bytes<'_>, block: &mut Block) -> Result<(), OpticsError> {
+/// The differences of a block as they were written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coded {
+    from: From,
+    zigzag: [u32; CHUNK],
+}
+
+impl Coded {
+    pub(super) const NOTHING: Self = Self {
+        from: From::Zero,
+        zigzag: [0; CHUNK],
+    };
+
+    /// The block itself, in place of the one above it; false where a number is too large.
+    pub(super) fn restore(&self, block: &mut Block) -> bool {
+        self.from.restore(&self.zigzag.map(unzigzag), block);
+        // Some number is too large where any bit beyond those of the largest one is set.
+        let any = block
+            .iter()
+            .fold(0, |any, value| any | value.unsigned_abs());
+        any <= MOST.unsigned_abs()
+    }
+}
+
+/// Reads what [`write_block`] wrote.
+pub(super) fn read_block(bytes: &mut Bytes<'_>, coded: &mut Coded) -> Result<(), OpticsError> {
     let (from, widths) = read_head(bytes)?;
     let n_bytes = widths.iter().sum::<usize>();
     let rest = bytes.rest();
     if rest.len() < n_bytes {
         return Err(bytes.wrong("it ends in a block"));
     }
-    let mut zigzag = [0_u32; CHUNK];
+    coded.from = from;
     let mut at = 0;
-    for (group, width) in zigzag.as_chunks_mut::<GROUP>().0.iter_mut().zip(widths) {
+    let groups = coded.zigzag.as_chunks_mut::<GROUP>().0.iter_mut();
+    for (group, width) in groups.zip(widths) {
         unpack(&rest[at..], width, group);
         at += width;
     }
     bytes.skip(n_bytes);
-    from.restore(&zigzag.map(unzigzag), block);
-    // Some number is too large where any bit beyond those of the largest one is set.
-    let any = block.iter().fold(0, |any, value| any | value.unsigned_abs());
-    if any > MOST.unsigned_abs() {
-        return Err(bytes.wrong("a number is too large"));
-    }
     Ok(())
 }
 
@@ -203,6 +222,7 @@ fn unpack(data: &[u8], width: usize, group: &mut [u32; GROUP]) {
     let lowest = |bits: u64| (bits & ((1 << width) - 1)) as u32;
     let window = |at: usize| Some(u64::from_le_bytes(*data.get(at..)?.first_chunk()?));
     if width == 0 {
+        *group = [0; GROUP];
         return;
     }
     if width <= HALF_WIDTH

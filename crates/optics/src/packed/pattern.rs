@@ -254,9 +254,7 @@ fn read_chunks<const B: usize, const L: usize>(
     let n_runs = n_runs(bytes, size)?;
     let mut chunks = LaneRuns::with_room(size.0, size.1, n_runs);
     read_runs(bytes, size, n_runs, |at, blocks| {
-        let mut run = [[0.0; CHUNK]; L];
-        pixels(at, blocks, &mut run);
-        chunks.push(at, run);
+        pixels(at, blocks, chunks.push(at));
     })?;
     Ok(chunks)
 }

@@ -1,6 +1,6 @@
 //! Runs of pixels that have something in them: where they are, and a block for each of their lanes.
 
-use super::block::{Block, MOST, read_block, write_block};
+use super::block::{Block, Coded, MOST, read_block, write_block};
 use super::bytes::{Bytes, write_count};
 use crate::OpticsError;
 use crate::maps::CHUNK;
@@ -84,6 +84,7 @@ pub(super) fn read_runs<const B: usize>(
     let n_across = size.0.div_ceil(CHUNK);
     let n_places = n_across * size.1;
     let mut above = Above::<B>::new(n_across);
+    let mut coded = [Coded::NOTHING; B];
     let mut next = 0;
     for _ in 0..n_runs {
         let place = next + bytes.count(n_places)?;
@@ -98,13 +99,20 @@ pub(super) fn read_runs<const B: usize>(
         }
         // Read over the blocks above, which are not wanted any more.
         let (blocks, are_above) = above.take(across, y);
-        for (lane, block) in blocks.iter_mut().enumerate() {
+        // All lanes before any is restored: bits that have just been taken apart one by one would
+        // have to be waited for.
+        for (lane, coded) in coded.iter_mut().enumerate() {
+            if mask >> lane & 1 == 1 {
+                read_block(bytes, coded)?;
+            }
+        }
+        for (lane, (block, coded)) in blocks.iter_mut().zip(&coded).enumerate() {
             let is_present = mask >> lane & 1 == 1;
             if !(is_present && are_above) {
                 *block = ZEROS;
             }
-            if is_present {
-                read_block(bytes, block)?;
+            if is_present && !coded.restore(block) {
+                return Err(bytes.wrong("a number is too large"));
             }
         }
         each((across * CHUNK, y), blocks);

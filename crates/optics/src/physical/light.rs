@@ -1,6 +1,6 @@
 //! A baked layer under a light: what each pixel keeps of its own, and what is added.
 
-use super::elsewhere::Elsewhere;
+use super::elsewhere::{Elsewhere, ONE_MIRROR};
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE, OverlayLayer, Run};
 use super::pattern::PatternLayer;
 use crate::environment::{Environment, Rgb};
@@ -112,31 +112,36 @@ struct Added {
     touched: u32,
 }
 
+// Loops over all pixels of a run within loops over lanes and colors: so the compiler works on
+// several pixels at once.
 fn added_by(lanes: &LaneRun<LANES>, shares: &[f32; CHUNK], colors: &Colors) -> Added {
+    // The steps of a kernel leave a trace of less than nothing beside a glint; under the sun it
+    // would be a black pixel.
+    let sun = lanes[SUN].map(|share| if share > 0.0 { share } else { 0.0 });
+    // No color can be more.
+    let mut bound = [0.0_f32; CHUNK];
     let mut rgb = [[0.0_f32; CHUNK]; 3];
-    let mut is_touched = [0_u32; CHUNK];
-    for k in 0..CHUNK {
-        // No color can be more.
-        let mut bound = 0.0;
-        let mut add = [0.0_f32; 3];
-        for (at, lane) in LIT.into_iter().enumerate() {
-            let share = lanes[lane][k];
-            bound += share.abs() * colors.greatest[at];
-            // The steps of a kernel leave a trace of less than nothing beside a glint; under the
-            // sun it would be a black pixel.
-            let lit = if lane == SUN && share <= 0.0 { 0.0 } else { share };
-            for c in 0..3 {
-                add[c] += lit * colors.rgb[at][c];
+    for (lane, (color, greatest)) in LIT.into_iter().zip(colors.rgb.iter().zip(colors.greatest)) {
+        for (bound, share) in bound.iter_mut().zip(&lanes[lane]) {
+            *bound += share.abs() * greatest;
+        }
+        let lit = if lane == SUN { &sun } else { &lanes[lane] };
+        for (sums, color) in rgb.iter_mut().zip(color) {
+            for (sum, share) in sums.iter_mut().zip(lit) {
+                *sum += share * color;
             }
         }
-        let mut most = shares[k].abs();
-        for c in 0..3 {
-            rgb[c][k] = add[c];
-            most = if add[c].abs() > most { add[c].abs() } else { most };
-        }
-        let may_touch = bound + lanes[FRAME][k].abs() >= LEAST_INFLUENCE;
-        is_touched[k] = u32::from(may_touch & (most >= LEAST_INFLUENCE));
     }
+    let mut most = shares.map(f32::abs);
+    for add in &rgb {
+        for (most, add) in most.iter_mut().zip(add) {
+            *most = if add.abs() > *most { add.abs() } else { *most };
+        }
+    }
+    let is_touched: [u32; CHUNK] = std::array::from_fn(|k| {
+        let may_touch = bound[k] + lanes[FRAME][k].abs() >= LEAST_INFLUENCE;
+        u32::from(may_touch & (most[k] >= LEAST_INFLUENCE))
+    });
     let touched = is_touched
         .into_iter()
         .enumerate()
@@ -145,25 +150,23 @@ fn added_by(lanes: &LaneRun<LANES>, shares: &[f32; CHUNK], colors: &Colors) -> A
 }
 
 impl Run {
-    fn is_touched(&self, k: usize) -> bool {
-        self.touched >> k & 1 == 1
-    }
-
     /// What is kept and added of every color where the layer has none of its own.
     fn shine(&mut self, added: &Added, lanes: &LaneRun<LANES>, shares: &[f32; CHUNK]) {
-        let is_touched: [bool; CHUNK] = std::array::from_fn(|k| self.is_touched(k));
-        for k in 0..CHUNK {
-            let kept = 1.0 - shares[k];
-            let frame = lanes[FRAME][k];
+        let touched = self.touched;
+        let is_touched: [bool; CHUNK] = std::array::from_fn(|k| touched >> k & 1 == 1);
+        let kept: [f32; CHUNK] = std::array::from_fn(|k| {
+            let (kept, frame) = (1.0 - shares[k], lanes[FRAME][k]);
+            let with_frame = kept + frame;
             let kept = if frame > LEAST_ELSEWHERE {
                 kept
             } else {
-                kept + frame
+                with_frame
             };
-            for c in 0..3 {
-                self.keep[c][k] = if is_touched[k] { kept } else { 1.0 };
-                self.add[c][k] = if is_touched[k] { added.rgb[c][k] } else { 0.0 };
-            }
+            if is_touched[k] { kept } else { 1.0 }
+        });
+        self.keep = [kept; 3];
+        for (to, add) in self.add.iter_mut().zip(&added.rgb) {
+            *to = std::array::from_fn(|k| if is_touched[k] { add[k] } else { 0.0 });
         }
     }
 
@@ -200,23 +203,90 @@ impl Run {
 
 /// Light of a run from elsewhere in the frame, if there is any.
 fn elsewhere_of(layer: &PatternLayer, run: &Run, lanes: &LaneRun<LANES>) -> Option<Elsewhere> {
-    let mut other = Elsewhere::new();
-    let mut has_other = false;
-    for k in run.touched_among(CHUNK) {
-        let share = lanes[FRAME][k];
-        if share <= LEAST_ELSEWHERE {
-            continue;
-        }
-        has_other = true;
-        other.set(k, [share, lanes[FRAME_U][k], lanes[FRAME_V][k]]);
-        let beside = [(run.x + k + 1, run.y), (run.x + k, run.y + 1)].map(|(x, y)| {
-            let lanes = layer.light.pixel(x, y)?;
-            (lanes[FRAME] > LEAST_ELSEWHERE)
-                .then(|| [lanes[FRAME_U] / lanes[FRAME], lanes[FRAME_V] / lanes[FRAME]])
-        });
-        other.widen(k, beside, layer.blur_px);
+    let shows = |k: usize| run.touched >> k & 1 == 1 && lanes[FRAME][k] > LEAST_ELSEWHERE;
+    let shows: [bool; CHUNK] = std::array::from_fn(shows);
+    if !shows.contains(&true) {
+        return None;
     }
-    has_other.then_some(other)
+    let own = Places::of(lanes);
+    // The neighbors as they were baked.
+    let at = |x, y| layer.light.run_at(x, y).map(Places::of);
+    let next = at(run.x + CHUNK, run.y);
+    let mut right = at(run.x, run.y).unwrap_or(Places::NONE);
+    right.shift_left(next.as_ref(), layer.light.size().0 - run.x);
+    let below = at(run.x, run.y + 1).unwrap_or(Places::NONE);
+    let mut width = [0.0; CHUNK];
+    for beside in [right, below] {
+        own.widen(&beside, layer.blur_px, &mut width);
+    }
+    let only = |values: &[f32; CHUNK]| {
+        let value = |k: usize| if shows[k] { values[k] } else { 0.0 };
+        std::array::from_fn(value)
+    };
+    Some(Elsewhere {
+        share: only(&lanes[FRAME]),
+        u: only(&own.u),
+        v: only(&own.v),
+        width: only(&width),
+    })
+}
+
+/// The places that the pixels of a run show, px.
+struct Places {
+    /// Not a number where a pixel shows none.
+    u: [f32; CHUNK],
+    v: [f32; CHUNK],
+}
+
+impl Places {
+    const NONE: Self = Self {
+        u: [f32::NAN; CHUNK],
+        v: [f32::NAN; CHUNK],
+    };
+
+    fn of(lanes: &LaneRun<LANES>) -> Self {
+        let shares = &lanes[FRAME];
+        let over = |lane: usize| {
+            let value = |k: usize| {
+                let place = lanes[lane][k] / shares[k];
+                if shares[k] > LEAST_ELSEWHERE {
+                    place
+                } else {
+                    f32::NAN
+                }
+            };
+            std::array::from_fn(value)
+        };
+        Self {
+            u: over(FRAME_U),
+            v: over(FRAME_V),
+        }
+    }
+
+    /// The places of the pixels one to the right, up to the first `n`, beyond which there is no
+    /// frame; `next` has that of the last one.
+    fn shift_left(&mut self, next: Option<&Self>, n: usize) {
+        for (places, next) in [
+            (&mut self.u, next.map(|next| next.u[0])),
+            (&mut self.v, next.map(|next| next.v[0])),
+        ] {
+            places[n.min(CHUNK)..].fill(f32::NAN);
+            places.rotate_left(1);
+            places[CHUNK - 1] = next.unwrap_or(f32::NAN);
+        }
+    }
+
+    /// Averages pixels over more of the frame the faster their place runs away from that of a
+    /// neighbor: mirrors mix over about a blur's radius.
+    fn widen(&self, beside: &Self, blur_px: f32, width: &mut [f32; CHUNK]) {
+        for (k, width) in width.iter_mut().enumerate() {
+            let (du, dv) = (beside.u[k] - self.u[k], beside.v[k] - self.v[k]);
+            let excess = (du * du + dv * dv).sqrt() - ONE_MIRROR;
+            let wide = 0.5 * excess * blur_px;
+            // What is not a number is not more.
+            *width = if wide > *width { wide } else { *width };
+        }
+    }
 }
 
 /// By how much more than the mean a color is reflected, over that mean: −1 where none of it is,
