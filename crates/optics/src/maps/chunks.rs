@@ -87,4 +87,11 @@ impl<const L: usize> Chunks<L> {
                 )
             })
     }
+
+    /// The run that holds a pixel, if it exists.
+    #[cfg(test)]
+    pub(crate) fn run_at(&self, x: usize, y: usize) -> Option<&[[f32; L]; CHUNK]> {
+        let place = self.places[y * self.n_across + x / CHUNK] as usize;
+        (place > 0).then(|| &self.runs[place - 1])
+    }
 }
