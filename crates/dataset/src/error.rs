@@ -59,6 +59,8 @@ pub enum DatasetError {
         /// Place of the first byte that is wrong, from 0.
         at_byte: u64,
         /// What is wrong.
+        reason: String,
+    },
     /// A file that is not an array of floats.
     #[error(
         "{name:?} is not a NumPy file of floats: {reason}; write it with numpy.save of a float32 or float64 array"

@@ -57,6 +57,7 @@ pub enum EvalError {
     /// Numbers that say how to evaluate and do not go together, or a limit of the engine.
     #[error("{0}")]
     Rule(String),
+
     // Statistics.
     /// Two things that belong together differ in number.
     #[error("{what}: {found}, but {expected} {of}; give one for each")]
@@ -150,6 +151,9 @@ pub enum EvalError {
     )]
     ReportFile {
         /// What is wrong with it.
+        reason: String,
+    },
+
     // Divergence.
     /// Two histograms of different numbers of bins.
     #[error("histograms of {n_p} and {n_q} bins; count both over the same bins, at least one")]

@@ -83,7 +83,8 @@ impl ArmRun<'_> {
             let Ok(found) = serde_json::from_str::<FoundInImage>(line) else {
                 return false;
             };
-            let is_next = self.images.get(done.len()).map(|image| &image.name) == Some(&found.image);
+            let is_next =
+                self.images.get(done.len()).map(|image| &image.name) == Some(&found.image);
             // What failed may be mended: it is tried again, with all after it.
             let is_good = is_next && found.error.is_none();
             if is_good {

@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 
 use serde_json::json;
 use starbreak_dataset::{
-    Encoding, ImageFormat, ImageLimits, JpegQuality, SetLayout, Source, decode_image, encode_image_as,
-    read_image,
+    Encoding, ImageFormat, ImageLimits, JpegQuality, SetLayout, Source, decode_image,
+    encode_image_as, read_image,
 };
 use starbreak_eval::detector::{Detector, ImageToSee, LabelMap};
 use starbreak_eval::{Detection, Detections};
@@ -109,7 +109,10 @@ impl StudyPlan<'_> {
         let mut unseen: Vec<UnseenImage> = Vec::new();
         let mut sets = Vec::new();
         for condition in self.conditions {
-            tell(StudyEvent::Begun(Step::Breaking(condition), self.survey.n_selected));
+            tell(StudyEvent::Begun(
+                Step::Breaking(condition),
+                self.survey.n_selected,
+            ));
             let folder = self.set_folder(condition);
             let report = self.break_all(condition, &folder, stop, tell)?;
             if report.manifest.is_none() {
@@ -236,7 +239,10 @@ impl StudyPlan<'_> {
             qualities.push((condition, condition.recipe.settings()?.output.quality));
         }
         let Some((first, quality)) = qualities.first().copied() else {
-            return Ok(crate::Recipe::preset(crate::DEFAULT_PRESET)?.settings()?.output.quality);
+            return Ok(crate::Recipe::preset(crate::DEFAULT_PRESET)?
+                .settings()?
+                .output
+                .quality);
         };
         match qualities.iter().find(|(_, other)| *other != quality) {
             None => Ok(quality),
