@@ -30,6 +30,8 @@ pub mod statistic;
 pub mod tide;
 pub mod timeline;
 
+pub mod divergence;
+
 pub use boxes::BoxPx;
 pub use compare::{
     COVERAGE_BINS, CompareParams, Evaluated, RegionResults, SubsetRow, check_pair,
