@@ -6,6 +6,7 @@ mod bench_physics;
 mod contact_sheet;
 mod crack;
 mod demo;
+mod evaluate;
 mod generate;
 mod network_file;
 mod overlay_bank;
@@ -123,6 +124,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             )),
         },
         Verb::Video(args) => video::run(global, args, screen),
+        Verb::Evaluate(args) => evaluate::run(global, &args, screen),
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
         Verb::Bench {
             output,
