@@ -6,7 +6,6 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text};
-use starbreak_eval::EvalError;
 use starbreak_eval::detector::{
     Backend, Contract, Detector, DetectorOptions, Device, ImageToSee, LabelMap, LabelRules, Seen,
     preset_names,
@@ -342,10 +341,4 @@ fn result_json(run: &Run<'_>, results: &Results, map: &LabelMap) -> Value {
             .map(|(name, error)| json!({"name": name, "error": error}))
             .collect::<Vec<_>>(),
     })
-}
-
-impl From<EvalError> for Failure {
-    fn from(error: EvalError) -> Self {
-        Self::wrong_input(error)
-    }
 }

@@ -52,7 +52,7 @@ pub struct StudyPlan<'a> {
 }
 
 /// What a study does at a time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Step<'a> {
     /// The images of a condition are broken.
     Breaking(&'a Condition),
