@@ -67,9 +67,3 @@ impl From<DatasetError> for Failure {
         Self::wrong_input(error)
     }
 }
-
-impl From<starbreak_eval::EvalError> for Failure {
-    fn from(error: starbreak_eval::EvalError) -> Self {
-        Self::wrong_input(error)
-    }
-}

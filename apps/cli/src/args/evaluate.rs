@@ -26,9 +26,28 @@ pub(crate) struct EvaluateArgs {
     /// Folder of region masks, as `generate` writes it: OUT/starbreak/regions
     #[arg(long, value_name = "DIR")]
     pub(crate) regions: Option<PathBuf>,
+    /// The set of cracked images that `generate` wrote: gives region masks, damage of each object,
+    /// recipe, and pictures of the worst failures
+    #[arg(long, value_name = "OUT")]
+    pub(crate) cracked_set: Option<PathBuf>,
+    /// Name of the detector in the report; that of the file of clean detections unless given
+    #[arg(long, value_name = "NAME")]
+    pub(crate) detector: Option<String>,
+    /// Name of the condition in the report: `cracked` unless given
+    #[arg(long, value_name = "NAME")]
+    pub(crate) condition: Option<String>,
+    /// Draws of the bootstrap and of the permutation test, 20 to 1000000
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(20..=1_000_000))]
+    pub(crate) replicates: u32,
+    /// Score from which a detection counts as found, in rates of failure
+    #[arg(long, value_name = "0..1", default_value_t = 0.3)]
+    pub(crate) score_threshold: f64,
+    /// Worst failures that the report shows, 0 to 100
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(0..=100))]
+    pub(crate) worst: u32,
     /// Least share of a box that the region covers for it to be inside, 0 to 1, 0 for touching;
     /// 0.05 with 0 and 0.2 beside it unless given
-    #[arg(long, value_name = "X,…", value_delimiter = ',', requires = "regions")]
+    #[arg(long, value_name = "X,…", value_delimiter = ',')]
     pub(crate) tau: Vec<f64>,
     /// By which rules; that of the dataset unless given
     #[arg(long, value_enum)]
@@ -52,7 +71,8 @@ pub(crate) struct EvaluateArgs {
     /// [threshold, recall, category, area, number of detections]
     #[arg(long, value_name = "DIR")]
     pub(crate) curves: Option<PathBuf>,
-    /// Output folder, for evaluation.json
+    /// Output folder, for report.html, evaluation.json, numbers.csv, table.tex and failures.jsonl,
+    /// with intervals and tests
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
 }

@@ -6,13 +6,15 @@ use std::process::ExitCode;
 use serde_json::{Map, Value, json};
 use starbreak::dataset::{OutputBatch, SourceSpec, encode_array_f64};
 use starbreak::pipeline::with_threads;
-use starbreak_eval::evaluation::{Estimate, PairedMetric, PairedRow, ScopeKind};
+use starbreak_eval::evaluation::{Estimate, Evaluation, PairedMetric, PairedRow, ScopeKind};
+use starbreak_eval::report::report_files;
 use starbreak_eval::{
     AreaRange, CocoEvaluation, CompareParams, CoverageOf, Coverages, Evaluated, GroundTruth,
     KittiCurve, Protocol, RegionMasks, SaidDetections, Subset, check_pair, compare_in_regions,
     cover, evaluate, subset_curves,
 };
 
+use super::evaluate_join::Join;
 use crate::args::Global;
 use crate::args::evaluate::EvaluateArgs;
 use crate::failure::Failure;
@@ -24,11 +26,11 @@ pub(crate) fn run(
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     let n_threads = usize::from(global.threads);
-    with_threads(n_threads, || evaluated(args, screen))??;
+    with_threads(n_threads, || evaluated(global, args, screen))??;
     Ok(ExitCode::SUCCESS)
 }
 
-fn evaluated(args: &EvaluateArgs, screen: &Screen) -> Result<(), Failure> {
+fn evaluated(global: &Global, args: &EvaluateArgs, screen: &Screen) -> Result<(), Failure> {
     let protocol = args.protocol.map(Protocol::from);
     let truth = match (&args.source, &args.ground_truth) {
         (Some(source), _) => GroundTruth::of_dataset(&SourceSpec::parse(source)?, protocol)?,
@@ -49,7 +51,13 @@ fn evaluated(args: &EvaluateArgs, screen: &Screen) -> Result<(), Failure> {
     for warning in &warnings {
         screen.note(&format!("warning: {}", warning.text));
     }
-    let masks = args.regions.as_deref().map(|folder| RegionMasks {
+    let folder = regions_folder(args);
+    if folder.is_none() && !args.tau.is_empty() {
+        return Err(Failure::wrong_input(
+            "--tau is about the region; give --regions or --cracked-set, too",
+        ));
+    }
+    let masks = folder.as_deref().map(|folder| RegionMasks {
         folder,
         root: truth.root.as_deref(),
     });
@@ -118,9 +126,21 @@ fn evaluated(args: &EvaluateArgs, screen: &Screen) -> Result<(), Failure> {
         }
     }
     if let Some(folder) = &args.output {
-        let mut text = serde_json::to_string_pretty(&result).map_err(Failure::wrong_input)?;
-        text.push('\n');
-        batch.stage(&folder.join("evaluation.json"), text.as_bytes())?;
+        let join = Join {
+            truth: &truth,
+            clean: &clean,
+            cracked: cracked.as_ref(),
+            masks,
+            params: &params,
+        };
+        let study = join.study(global, args)?;
+        if let (Value::Object(result), Some(evaluation)) = (&mut result, study.evaluations.first())
+        {
+            put_joined(result, evaluation);
+        }
+        for (name, text) in report_files(&study)? {
+            batch.stage(&folder.join(name), text.as_bytes())?;
+        }
     }
     batch.commit()?;
     show(
@@ -130,12 +150,31 @@ fn evaluated(args: &EvaluateArgs, screen: &Screen) -> Result<(), Failure> {
         regions.as_ref().map(|r| r.paired.as_slice()),
     );
     if let Some(folder) = &args.output {
-        screen.say(&format!(
-            "wrote {}",
-            path_text(folder.join("evaluation.json"))
-        ));
+        screen.say(&format!("wrote {}", path_text(folder.join("report.html"))));
     }
     screen.result(|| result)
+}
+
+/// The masks of the region, as said or those of the cracked set.
+fn regions_folder(args: &EvaluateArgs) -> Option<PathBuf> {
+    let of_set = || Some(args.cracked_set.as_ref()?.join("starbreak").join("regions"));
+    args.regions.clone().or_else(of_set)
+}
+
+/// The numbers that come with a report, in the one result on standard output.
+fn put_joined(result: &mut Map<String, Value>, evaluation: &Evaluation) {
+    result.insert("warnings".to_owned(), json!(evaluation.warnings));
+    result.insert("paired".to_owned(), json!(evaluation.paired));
+    for (key, value) in [
+        ("failures", json!(evaluation.failures)),
+        ("tide_clean", json!(evaluation.tide_clean)),
+        ("tide_cracked", json!(evaluation.tide_cracked)),
+        ("label_audit", json!(evaluation.label_audit)),
+    ] {
+        if !value.is_null() {
+            result.insert(key.to_owned(), value);
+        }
+    }
 }
 
 fn params(args: &EvaluateArgs, truth: &GroundTruth) -> CompareParams {

@@ -10,6 +10,7 @@ mod detect;
 mod detect_ids;
 mod divergence;
 mod evaluate;
+mod evaluate_join;
 mod generate;
 mod network_file;
 mod overlay_bank;

@@ -31,4 +31,4 @@ pub use study::{
     Condition, Counts, DivergenceResults, DivergenceTable, Evaluation, RobustnessRow, Study,
     TimelineFrame, TimelineResults, TrackResult, Warning, WarningKind,
 };
-pub use worst::{BoxRole, PicturePair, RoledBox, WorstFailure};
+pub use worst::{BoxRole, Change, ChangedObject, PicturePair, RoledBox, WorstFailure};

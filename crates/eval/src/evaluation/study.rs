@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Estimate, FailureResults, LabelAudit, PairedMetric, PairedRow, ProtocolResults, Provenance,
-    Scope, TideErrors, WorstFailure,
+    ChangedObject, Estimate, FailureResults, LabelAudit, PairedMetric, PairedRow, ProtocolResults,
+    Provenance, Scope, TideErrors, WorstFailure,
 };
 use crate::SubsetRow;
 
@@ -90,6 +90,9 @@ pub struct Evaluation {
     /// The images in which most was lost.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub worst: Vec<WorstFailure>,
+    /// All objects that are lost or recovered; a file of their own, not part of the JSON.
+    #[serde(skip)]
+    pub changed_objects: Vec<ChangedObject>,
 }
 
 /// What was done to the glass.

@@ -373,6 +373,7 @@ pub(crate) fn evaluation(detector: &str, severity: u8) -> Evaluation {
             worst(1, "val2017/000000000139.jpg"),
             worst(2, "val2017/000000000285.jpg"),
         ],
+        changed_objects: Vec::new(),
     }
 }
 

@@ -173,6 +173,7 @@ pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
         label_audit: None,
         timelines: Vec::new(),
         worst: Vec::new(),
+        changed_objects: Vec::new(),
     };
     if let (Some(cracked), Some(coverages)) = (cracked, &coverages)
         && truth.protocol == Protocol::Kitti
@@ -252,6 +253,7 @@ fn with_plain(
     let sizes = side_results::image_areas_px(&plain);
     let (failures, pairs, matches) = what_fails::failures(&all, facts, has_regions, sizes)?;
     evaluation.failures = Some(failures);
+    evaluation.changed_objects = worst_images::changed_objects(&all, &pairs);
     evaluation.worst = worst_images::worst(&all, &pairs, &matches, input.images)?;
     Ok(())
 }

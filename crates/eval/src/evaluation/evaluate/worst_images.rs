@@ -6,7 +6,7 @@ use starbreak_dataset::{Encoding, ImageLimits, JpegQuality, encode_image, read_i
 
 use super::what_fails::Matches;
 use super::{ImageFolders, Plain};
-use crate::evaluation::{BoxRole, PicturePair, RoledBox, WorstFailure};
+use crate::evaluation::{BoxRole, Change, ChangedObject, PicturePair, RoledBox, WorstFailure};
 use crate::failure::ObjectPair;
 use crate::matching::{ImageMatches, Outcome};
 use crate::{Detection, EvalError};
@@ -88,6 +88,30 @@ pub(super) fn worst(
             })
         })
         .collect()
+}
+
+/// All objects that only one of both images shows, in the order of the labels.
+pub(super) fn changed_objects(all: &Plain<'_>, pairs: &[ObjectPair]) -> Vec<ChangedObject> {
+    let changed = pairs.iter().filter_map(|pair| {
+        let (change, found) = match (pair.clean, pair.cracked) {
+            (Some(found), None) => (Change::Lost, found),
+            (None, Some(found)) => (Change::Recovered, found),
+            _ => return None,
+        };
+        let object = all.labels.objects.get(pair.object as usize)?;
+        let image = all.labels.images.get(pair.image as usize)?;
+        Some(ChangedObject {
+            image: image.name.clone(),
+            object_id: object.id,
+            class: class(all, pair.category),
+            box_px: object.box_px,
+            change,
+            coverage: pair.coverage,
+            score: found.score,
+            iou: found.iou,
+        })
+    });
+    changed.collect()
 }
 
 fn class(all: &Plain<'_>, category: u32) -> String {
