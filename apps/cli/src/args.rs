@@ -2,6 +2,7 @@
 
 pub(crate) mod detect;
 pub(crate) mod divergence;
+pub(crate) mod evaluate;
 pub(crate) mod generate;
 pub(crate) mod overlay;
 
@@ -190,6 +191,8 @@ pub(crate) enum Verb {
     },
     /// Put a crack before a clip, or its whole life from the impact on; also a folder of frames
     Video(VideoArgs),
+    /// Say how well detections match labels: clean, cracked, and where the glass is broken
+    Evaluate(evaluate::EvaluateArgs),
     /// Print a complete, commented recipe
     Recipe {
         /// Print the JSON Schema of recipes instead

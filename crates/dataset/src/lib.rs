@@ -51,7 +51,7 @@ mod text_file;
 pub mod video;
 
 pub use animation::{AnimationParams, encode_animation};
-pub use array::{DecodedArray, decode_array, encode_array};
+pub use array::{DecodedArray, decode_array, encode_array, encode_array_f64};
 pub use bank_file::{BankFault, BankFile, BankRecord, BankWriter, WrittenBank};
 pub use encode::{
     Encoding, JpegQuality, encode_image, encode_image_as, encode_mask, encode_mask_as,

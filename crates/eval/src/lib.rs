@@ -52,5 +52,5 @@ pub use protocol::{
 };
 pub use region::{
     CoverageOf, Coverages, MIN_OBJECTS, RegionMask, RegionMasks, Size, Subset, SubsetAp,
-    SubsetParams, SubsetValues, subset_precision,
+    SubsetParams, SubsetValues, subset_curves, subset_precision,
 };

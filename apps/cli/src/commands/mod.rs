@@ -9,6 +9,8 @@ mod demo;
 mod detect;
 mod detect_ids;
 mod divergence;
+mod evaluate;
+mod evaluate_join;
 mod generate;
 mod network_file;
 mod overlay_bank;
@@ -128,6 +130,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             )),
         },
         Verb::Video(args) => video::run(global, args, screen),
+        Verb::Evaluate(args) => evaluate::run(global, &args, screen),
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
         Verb::Bench {
             output,

@@ -7,5 +7,5 @@ mod subset;
 
 pub use coverage::{Coverages, RegionMasks};
 pub use mask::RegionMask;
-pub use precision::{MIN_OBJECTS, SubsetAp, SubsetParams, subset_precision};
+pub use precision::{MIN_OBJECTS, SubsetAp, SubsetParams, subset_curves, subset_precision};
 pub use subset::{CoverageOf, Size, Subset, SubsetValues};

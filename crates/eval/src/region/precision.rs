@@ -1,8 +1,10 @@
 //! Average precision inside of a part of a dataset, by the rules of MS-COCO: `region-ap/1`.
 
-use super::{CoverageOf, Subset};
+use super::{CoverageOf, Subset, SubsetValues};
 use crate::evaluation::{Estimate, Group, GroupKind};
-use crate::{AreaRange, CocoParams, Detections, EvalError, LabelSet, evaluate_coco};
+use crate::{
+    AreaRange, CocoEvaluation, CocoParams, Detections, EvalError, LabelSet, evaluate_coco,
+};
 
 /// Fewer objects than these, and there is no average precision.
 pub const MIN_OBJECTS: u64 = 20;
@@ -87,6 +89,36 @@ pub fn subset_precision(
     Ok(rows)
 }
 
+/// The curves of a subset, with the one range that the subset is, and one number of detections.
+///
+/// # Errors
+/// As [`Subset::values`] and [`evaluate_coco`].
+pub fn subset_curves(
+    labels: &LabelSet,
+    detections: &Detections,
+    coverage: CoverageOf<'_>,
+    subset: &Subset,
+    max_detections: u32,
+) -> Result<CocoEvaluation, EvalError> {
+    let values = subset.values(labels, detections, coverage)?;
+    curves_of(labels, detections, &values, max_detections)
+}
+
+fn curves_of(
+    labels: &LabelSet,
+    detections: &Detections,
+    values: &SubsetValues,
+    max_detections: u32,
+) -> Result<CocoEvaluation, EvalError> {
+    let restriction = values.restriction();
+    let coco = CocoParams {
+        max_detections: vec![max_detections],
+        area_ranges: vec![AreaRange::new("subset", restriction.range)],
+        ..CocoParams::default()
+    };
+    evaluate_coco(labels, detections, &coco, Some(&restriction))
+}
+
 fn one_kind(
     labels: &LabelSet,
     detections: &Detections,
@@ -96,13 +128,7 @@ fn one_kind(
     kind: GroupKind,
 ) -> Result<Vec<SubsetAp>, EvalError> {
     let values = subset.values(labels, detections, coverage)?;
-    let restriction = values.restriction();
-    let coco = CocoParams {
-        max_detections: vec![params.max_detections],
-        area_ranges: vec![AreaRange::new("subset", restriction.range)],
-        ..CocoParams::default()
-    };
-    let evaluation = evaluate_coco(labels, detections, &coco, Some(&restriction))?;
+    let evaluation = curves_of(labels, detections, &values, params.max_detections)?;
     let n_categories = labels.categories.len();
     let mut n_objects = vec![0u64; n_categories];
     let mut images: Vec<Vec<u32>> = vec![Vec::new(); n_categories];
@@ -119,7 +145,7 @@ fn one_kind(
         images.dedup();
         u64::try_from(images.len()).unwrap_or(u64::MAX)
     };
-    let thresholds: Vec<usize> = (0..coco.iou_thresholds.len()).collect();
+    let thresholds: Vec<usize> = (0..evaluation.params.iou_thresholds.len()).collect();
     let at = |iou: f64| -> Vec<usize> { evaluation.threshold(iou).into_iter().collect() };
     let figure = |thresholds: &[usize], categories: &[usize], n: u64| {
         if n < params.min_objects {

@@ -2,6 +2,8 @@
 
 mod charts;
 mod csv;
+mod failed;
+mod files;
 mod html;
 mod json;
 mod latex;
@@ -10,6 +12,8 @@ mod page;
 mod words;
 
 pub use csv::csv;
+pub use failed::failures_jsonl;
+pub use files::report_files;
 pub use html::html;
 pub use json::{json, read_json};
 pub use latex::latex;

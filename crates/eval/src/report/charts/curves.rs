@@ -21,8 +21,6 @@ pub(in crate::report) enum CurveStyle {
     Points,
     /// Markers with intervals, joined.
     JoinedPoints,
-    /// A line alone.
-    Line,
     /// A dashed line alone.
     Dashed,
     /// A line that jumps.
@@ -96,7 +94,7 @@ pub(in crate::report) fn curve_chart(
     let key = curves.iter().map(|curve| {
         let mark = match curve.style {
             CurveStyle::Points | CurveStyle::JoinedPoints => letter_of(curve.marker),
-            CurveStyle::Line | CurveStyle::Steps => "━",
+            CurveStyle::Steps => "━",
             CurveStyle::Dashed => "╍",
         };
         KeyEntry::new(curve.name, curve.ink, mark)

@@ -13,8 +13,8 @@ const TERMS: &[Term] = &[
         word: "AP50, AP75, AP",
         meaning: "Average precision: the mean precision over all recalls (101 of them, by the rules of \
                   MS-COCO) when a detection counts as right from an IoU of 0.5 or 0.75 on; AP alone is the mean \
-                  over the IoUs 0.50, 0.55, …, 0.95. Over several classes it is the mean of theirs; a \
-                  supercategory pools the boxes of its classes by class and averages.",
+                  over the IoUs 0.50, 0.55, …, 0.95. Over all classes it is the mean of theirs; of a \
+                  supercategory, its classes count as one.",
     },
     Term {
         word: "AP40, AP11",

@@ -53,8 +53,6 @@ pub(super) enum Block {
     Heading { id: String, text: String },
     /// A paragraph.
     Text { text: String },
-    /// A list of short points.
-    Points { points: Vec<String> },
     /// A table.
     Table { table: Table },
     /// A chart with the table of its numbers, folded away if it is only that.
