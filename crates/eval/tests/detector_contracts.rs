@@ -378,10 +378,10 @@ fn rfdetr_has_logits_of_coco_numbers() {
         .filter(|at| ![1, 3].contains(at))
         .map(|at| fixed(&[0, at / 91, at % 91], -20.0))
         .collect();
-    logits.push(fixed(&[0, 0, 3], 22.0));
+    logits.push(fixed(&[0, 0, 3], 2.0));
     // Normalized: (10 / 255 - 0.485) / 0.229 of red on the right.
     logits.push(Entry {
-        value: 20.0,
+        value: 1.0,
         ..seen(&[0, 0, 1], &[0, 0, 5, 500])
     });
     let graph = Builder::default()
@@ -396,8 +396,8 @@ fn rfdetr_has_logits_of_coco_numbers() {
     assert_found(
         &(detector, found),
         &[
-            ("car", [80.0, 30.0, 120.0, 70.0], score(22.0)),
-            ("person", [80.0, 30.0, 120.0, 70.0], score(20.0 + red)),
+            ("car", [80.0, 30.0, 120.0, 70.0], score(2.0)),
+            ("person", [80.0, 30.0, 120.0, 70.0], score(1.0 + red)),
         ],
     );
 }

@@ -66,10 +66,23 @@ impl Numbers {
             // Nothing is labeled: the model's own classes.
             SourceFormat::Folder | SourceFormat::List => Self {
                 image_ids: by_place(),
-                categories: numbered(classes.names.iter().flatten().map(String::as_str)),
+                categories: of_model(classes),
             },
         })
     }
+}
+
+/// The model's classes as categories, with the numbers of MS-COCO where it has them all.
+fn of_model(classes: &ClassNames) -> Vec<Category> {
+    let mut categories = numbered(classes.names.iter().flatten().map(String::as_str));
+    let numbers: Option<Vec<i64>> = categories
+        .iter()
+        .map(|category| ClassNames::coco_number(&category.name))
+        .collect();
+    for (category, number) in categories.iter_mut().zip(numbers.unwrap_or_default()) {
+        category.id = number;
+    }
+    categories
 }
 
 fn numbered<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<Category> {
