@@ -90,6 +90,40 @@ fn weights_of_one_give_the_protocols_average_precision_to_the_last_bit() {
 }
 
 #[test]
+fn a_lone_true_positive_is_not_quite_a_precision_of_one() {
+    // 1 / (1 + 2^-52), as in pycocotools.
+    let lone = [ImageMatches {
+        image: 0,
+        category: 0,
+        detections: vec![MatchedDetection {
+            detection: 0,
+            score: 0.5,
+            outcome: Outcome::TruePositive {
+                object: 0,
+                iou: 0.7,
+            },
+        }],
+        objects: vec![MatchedObject {
+            object: 0,
+            is_ignored: false,
+            detection: Some(0),
+        }],
+    }];
+    let found = rank_by_category(&lone, 1)[0].average_precision(&[1]);
+    assert_eq!(
+        found,
+        RankedMatches::of(&lone).average_precision(&[1]),
+        "as in the protocol"
+    );
+    assert!(
+        found.is_some_and(|it| it < 1.0 && it > 0.999_999),
+        "{found:?}"
+    );
+    let twice = rank_by_category(&lone, 1)[0].average_precision(&[2]);
+    assert_eq!(twice, Some(1.0), "2 of 2 are");
+}
+
+#[test]
 fn an_image_drawn_twice_counts_as_two_images() {
     let matches = matches(4, 30, 0.6);
     let weights = Plan::of_images(30).with(1, 8, 0.95).weights(0).images;

@@ -294,6 +294,15 @@ fn detections_are_followed_over_short_gaps() {
         let is_far = object.box_px.x > 50.0;
         assert_eq!(*number, Some(if is_far { 2 } else { 1 }), "{object:?}");
     }
+    let one = FollowSettings {
+        max_gap_frames: 1,
+        ..FollowSettings::default()
+    };
+    let held = Detections {
+        items: items.clone(),
+    };
+    let held = track_detections(&held, 8, one).unwrap();
+    assert_eq!(held.objects.len(), 14, "one missing frame is bridged");
     let short = FollowSettings {
         max_gap_frames: 0,
         ..FollowSettings::default()
