@@ -1,11 +1,15 @@
 //! The command line, as typed.
 
+pub(crate) mod detect;
+pub(crate) mod divergence;
 pub(crate) mod generate;
 pub(crate) mod overlay;
 
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use detect::DetectArgs;
+use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
 use starbreak::dataset::same_file;
 use starbreak::{DEFAULT_PRESET, Recipe, Seed};
@@ -110,6 +114,10 @@ pub(crate) enum Verb {
     Verify(VerifyArgs),
     /// Join the shards of one generated set
     Merge(MergeArgs),
+    /// Run a detector (ONNX) over a dataset: its boxes as a file
+    Detect(DetectArgs),
+    /// Measure how far sets of images are apart: K-L and other divergences, with noise floor
+    Divergence(DivergenceArgs),
     /// Show one crack over the values of one parameter: each picture, and all on one sheet
     Sweep {
         /// A PNG or JPEG file

@@ -6,6 +6,9 @@ mod bench_physics;
 mod contact_sheet;
 mod crack;
 mod demo;
+mod detect;
+mod detect_ids;
+mod divergence;
 mod generate;
 mod network_file;
 mod overlay_bank;
@@ -54,6 +57,8 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
         Verb::Generate(args) => generate::run(global, &args, screen),
         Verb::Verify(args) => verify::run(global, &args, screen),
         Verb::Merge(args) => verify::merge(&args, screen),
+        Verb::Detect(args) => detect::run(global, &args, screen),
+        Verb::Divergence(args) => divergence::run(global, &args, screen),
         Verb::Sweep {
             input,
             output,

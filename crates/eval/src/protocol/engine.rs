@@ -28,7 +28,7 @@ pub struct Restriction<'a> {
 
 impl Restriction<'_> {
     /// There is a value for each.
-    pub(super) fn check(&self, n_objects: usize, n_detections: usize) -> Result<(), EvalError> {
+    pub(crate) fn check(&self, n_objects: usize, n_detections: usize) -> Result<(), EvalError> {
         let (of_objects, of_detections) = (self.objects.len(), self.detections.len());
         if (of_objects, of_detections) == (n_objects, n_detections) {
             return Ok(());

@@ -73,7 +73,7 @@ fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
     let step = nice_step(end);
     let end = ((end / step).ceil() * step).max(step);
     let chart_id = format!("{id}-tide-chart");
-    let svg = bar_chart(
+    let chart = bar_chart(
         &rows,
         (end, step),
         "gain of AP50, points",
@@ -85,7 +85,8 @@ fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
     );
     Block::Chart {
         id: format!("fig-{chart_id}"),
-        svg,
+        svg: chart.svg,
+        key: chart.key,
         caption: format!(
             "Error types after TIDE, whole images: what AP50 ({} clean, {} cracked) would gain if the \
              errors of a kind were mended.",

@@ -5,9 +5,11 @@ use kuva::prelude::MarkerShape;
 use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
 use super::super::words;
 use super::overview::is_own_tau;
+use super::precision::group_name;
 use super::{Block, Cell, Table};
 use crate::evaluation::{
-    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, GroupKind, LogisticFit, Study,
+    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, GroupKind, LogisticFit, Scope,
+    ScopeKind, Study,
 };
 
 /// Points of a fitted curve.
@@ -30,10 +32,8 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
                 settings.score_threshold, settings.iou_threshold
             ),
         },
-        Block::Table {
-            table: rate_table(study, &failures.rates),
-        },
     ];
+    blocks.extend(rate_blocks(study, &failures.rates));
     for (place, dose) in failures.dose_responses.iter().enumerate() {
         blocks.extend(dose_chart(dose, &format!("{id}-dose{place}")));
     }
@@ -43,14 +43,63 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
     blocks
 }
 
-/// Sums and supercategories at every place, classes at the study's own τ where there is a rate.
-fn rate_table(study: &Study, rates: &[FailureRow]) -> Table {
+/// All classes everywhere, then the groups in the region, and folded away the same elsewhere.
+fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
+    let mut scopes: Vec<&Scope> = Vec::new();
+    for row in rates {
+        if !scopes.contains(&&row.scope) {
+            scopes.push(&row.scope);
+        }
+    }
+    let all = rates.iter().filter(|row| row.group.kind == GroupKind::All);
+    let mut blocks = vec![Block::Table {
+        table: rate_table(
+            "All classes, in the region and outside of it: lost and recovered objects, with Wilson's 95 % \
+             intervals; p of McNemar's exact test of lost against recovered.",
+            "Where",
+            all.map(|row| (words::scope(&row.scope), row)),
+        ),
+    }];
+    for scope in scopes {
+        let groups: Vec<&FailureRow> = rates
+            .iter()
+            .filter(|row| row.scope == *scope && row.group.kind != GroupKind::All)
+            .filter(|row| row.failure_rate.value.is_some())
+            .collect();
+        if groups.is_empty() {
+            continue;
+        }
+        let place = words::scope(scope);
+        let caption = format!(
+            "Supercategories and classes with enough objects {place}; p corrected by Holm's method over \
+             the classes."
+        );
+        let table = rate_table(
+            &caption,
+            "Class",
+            groups.into_iter().map(|row| (group_name(&row.group), row)),
+        );
+        let is_main = scope.kind == ScopeKind::InRegion && is_own_tau(study, scope.tau);
+        blocks.push(match is_main {
+            true => Block::Table { table },
+            false => Block::Fold {
+                title: format!("Failure rates per class {place}"),
+                blocks: vec![Block::Table { table }],
+            },
+        });
+    }
+    blocks
+}
+
+fn rate_table<'a>(
+    caption: &str,
+    what: &'static str,
+    rows: impl Iterator<Item = (String, &'a FailureRow)>,
+) -> Table {
     let mut table = Table::new(
-        "Lost and recovered objects, with Wilson's 95 % intervals; p of McNemar's exact test of lost \
-         against recovered, corrected by Holm's method over the classes.",
+        caption,
         &[
-            ("Class", false),
-            ("Where", false),
+            (what, false),
             ("Objects", true),
             ("Found clean", true),
             ("Found cracked", true),
@@ -60,30 +109,18 @@ fn rate_table(study: &Study, rates: &[FailureRow]) -> Table {
             ("p", true),
         ],
     );
-    for row in rates {
-        let is_class = row.group.kind == GroupKind::Class;
-        let is_shown =
-            !is_class || (row.failure_rate.value.is_some() && is_own_tau(study, row.scope.tau));
-        if !is_shown {
-            continue;
-        }
-        let who = match row.group.kind {
-            GroupKind::All => "all classes".to_owned(),
-            GroupKind::Supercategory => format!("{} (all)", row.group.name),
-            GroupKind::Class => row.group.name.clone(),
-        };
-        let cells = vec![
-            Cell::head(who),
-            Cell::text(words::scope(&row.scope)),
+    for (name, row) in rows {
+        let rate = table.estimate(&row.failure_rate, words::percent);
+        table.push(vec![
+            Cell::head(name),
             Cell::count(row.n_objects),
             Cell::count(row.n_found_clean),
             Cell::count(row.n_found_cracked),
             Cell::count(row.n_lost),
             Cell::count(row.n_recovered),
-            table.estimate(&row.failure_rate, words::percent),
+            rate,
             Cell::probability(row.p_holm.or(row.p)),
-        ];
-        table.push(cells);
+        ]);
     }
     table
 }
@@ -127,6 +164,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
                 x: bin.mean.unwrap_or((bin.low + bin.high) / 2.0),
                 y: value * 100.0,
                 interval: bin.rate.interval().map(|ends| ends.map(|v| v * 100.0)),
+                words: Some(format!("n={}", bin.n)),
             });
         }
     }
@@ -151,7 +189,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         style: CurveStyle::Points,
         points,
     });
-    let svg = curve_chart(
+    let chart = curve_chart(
         &curves,
         (
             (0.0, end),
@@ -168,7 +206,8 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
     );
     Some(Block::Chart {
         id: format!("fig-{id}"),
-        svg,
+        svg: chart.svg,
+        key: chart.key,
         caption: format!(
             "Share of the objects found clean that is lost, over {fact}{unit}.{}",
             dose.fit.as_ref().map_or(String::new(), |fit| fit_text(fit))
@@ -207,6 +246,7 @@ fn fit_points(fit: &LogisticFit, end: f64) -> Vec<CurvePoint> {
             x,
             y: 100.0 / (1.0 + (-(fit.intercept + slope * x)).exp()),
             interval: None,
+            words: None,
         }
     };
     (0..=N_CURVE_POINTS).map(at).collect()
@@ -294,10 +334,7 @@ fn shift_table(failures: &FailureResults) -> Option<Table> {
         let score = table.estimate(&row.score, signed_three_digits);
         let iou = table.estimate(&row.iou, signed_three_digits);
         table.push(vec![
-            Cell::head(match row.group.kind {
-                GroupKind::All => "all classes",
-                _ => row.group.name.as_str(),
-            }),
+            Cell::head(group_name(&row.group)),
             Cell::text(words::scope(&row.scope)),
             Cell::count(row.n_pairs),
             score,

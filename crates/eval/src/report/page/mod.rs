@@ -16,6 +16,7 @@ use serde::Serialize;
 
 use crate::evaluation::{Evaluation, Study, Warning, WarningKind};
 
+use super::charts::KeyEntry;
 use super::words;
 pub(super) use table::{Cell, Table};
 
@@ -60,6 +61,7 @@ pub(super) enum Block {
     Chart {
         id: String,
         svg: String,
+        key: Vec<KeyEntry>,
         caption: String,
         table: Option<Table>,
     },

@@ -67,8 +67,17 @@ pub(super) fn subtitle(study: &Study) -> String {
         study.dataset,
         plural(detectors.len(), "detector"),
         plural(conditions.len(), "condition"),
-        study.provenance.settings.protocol,
+        protocol_name(&study.provenance.settings.protocol),
     ))
+}
+
+fn protocol_name(protocol: &str) -> &str {
+    match protocol {
+        "coco" => "MS-COCO",
+        "kitti" => "KITTI",
+        "bdd" => "BDD100K",
+        other => other,
+    }
 }
 
 fn plural(n: usize, what: &str) -> String {
@@ -248,6 +257,7 @@ fn severity_chart(study: &Study) -> Option<Block> {
                 x: severity.into(),
                 y,
                 interval,
+                words: None,
             });
         }
         let markers = [
@@ -267,7 +277,7 @@ fn severity_chart(study: &Study) -> Option<Block> {
     if n_severities < 2 {
         return None;
     }
-    let svg = curve_chart(
+    let chart = curve_chart(
         &curves,
         ((0.5, 5.5), 1.0, "severity"),
         ((0.0, 100.0), 20.0, "AP50 in the region, %"),
@@ -279,7 +289,8 @@ fn severity_chart(study: &Study) -> Option<Block> {
     );
     Some(Block::Chart {
         id: "fig-severities".to_owned(),
-        svg,
+        svg: chart.svg,
+        key: chart.key,
         caption:
             "AP50 of all classes in the region over the severity of the cracks. The region grows \
                   with the severity, so that each point has objects of its own."

@@ -179,7 +179,7 @@ fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
     let metric = words::metric(metric);
     let place = words::scope(scope);
     let chart_id = format!("{id}-ap-chart");
-    let svg = row_chart(
+    let chart = row_chart(
         &names,
         &series,
         ((0.0, 100.0), 20.0),
@@ -192,7 +192,8 @@ fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
     );
     Some(Block::Chart {
         id: format!("fig-{chart_id}"),
-        svg,
+        svg: chart.svg,
+        key: chart.key,
         caption: format!(
             "{metric} {place} of all classes, supercategories and classes with enough objects; lines \
              are 95 % intervals of the bootstrap over images."
@@ -201,7 +202,7 @@ fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
     })
 }
 
-fn group_name(group: &Group) -> String {
+pub(super) fn group_name(group: &Group) -> String {
     match group.kind {
         GroupKind::All => "all classes".to_owned(),
         GroupKind::Supercategory => format!("{} (all)", words::name(&group.name)),

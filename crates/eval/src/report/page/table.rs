@@ -34,6 +34,8 @@ pub(in crate::report) struct Cell {
     sort: Option<f64>,
     mark: Option<String>,
     is_head: bool,
+    /// Letters that say nothing to a reader, to be broken anywhere.
+    is_hash: bool,
     /// Depth of its shade, percent.
     shade: Option<u8>,
 }
@@ -43,6 +45,14 @@ impl Cell {
         Self {
             text: words::name(text.as_ref()),
             ..Self::default()
+        }
+    }
+
+    /// A hash.
+    pub(in crate::report) fn hash(text: impl AsRef<str>) -> Self {
+        Self {
+            is_hash: true,
+            ..Self::text(text)
         }
     }
 

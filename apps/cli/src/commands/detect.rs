@@ -1,0 +1,351 @@
+//! `starbreak detect`: a detector over a dataset.
+
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text};
+use starbreak_eval::EvalError;
+use starbreak_eval::detector::{
+    Backend, Contract, Detector, DetectorOptions, Device, ImageToSee, LabelMap, LabelRules, Seen,
+    preset_names,
+};
+
+use super::detect_ids::Numbers;
+use crate::args::Global;
+use crate::args::detect::DetectArgs;
+use crate::failure::{Failure, SOME_FAILED};
+use crate::interrupt::Interrupt;
+use crate::screen::{Screen, path_text};
+
+/// Longest contract or label map that is read, bytes.
+const MOST_TOML_BYTES: u64 = 1 << 20;
+
+/// Names that are listed in a remark.
+const MOST_NAMED: usize = 12;
+
+pub(crate) fn run(
+    global: &Global,
+    args: &DetectArgs,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let (Some(source), Some(model), Some(output)) = (&args.source, &args.model, &args.output)
+    else {
+        return list_contracts(screen);
+    };
+    let source = Source::open(&SourceSpec::parse(source)?)?;
+    let detector = Detector::open(model, &options_of(args)?)?;
+    let contract = detector.contract();
+    screen.note(&format!(
+        "contract {}, because {}: {}",
+        contract.name,
+        detector.reason(),
+        contract.about
+    ));
+    screen.note(&format!(
+        "{} classes by {}; scores from {} on, at most {} detections per image",
+        contract.classes.names.iter().flatten().count(),
+        contract.classes.origin,
+        contract.score_threshold,
+        contract.max_detections
+    ));
+    let images = images_of(&source, args.limit, screen)?;
+    let numbers = Numbers::of(&source, &images, detector.classes())?;
+    let map = label_map(args, &source, &detector, &numbers)?;
+    say_unmapped(&map, screen);
+
+    let interrupt = Interrupt::listen();
+    let progress = screen.progress(images.len() as u64, "images");
+    let started = Instant::now();
+    let seen = detector.detect_all(
+        &images,
+        usize::from(global.threads),
+        interrupt.flag(),
+        &|image, found| {
+            progress.step();
+            if let Err(error) = found {
+                progress.line(&format!("error: {:?}: {error}", image.name));
+            }
+        },
+    );
+    progress.finish();
+    if seen.iter().any(Option::is_none) {
+        return Err(Failure::interrupted(
+            "interrupted: nothing was written; run the command again",
+        ));
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    let results = Results::of(&images, &seen, &numbers, &map);
+    let mut batch = OutputBatch::new();
+    batch.stage(output, results.text.as_bytes())?;
+    batch.commit()?;
+    finish(
+        &Run {
+            detector: &detector,
+            images: &images,
+            output,
+            seconds,
+        },
+        &results,
+        &map,
+        screen,
+    )
+}
+
+/// What is said of a run.
+struct Run<'a> {
+    detector: &'a Detector,
+    images: &'a [ImageToSee],
+    output: &'a Path,
+    seconds: f64,
+}
+
+fn list_contracts(screen: &Screen) -> Result<ExitCode, Failure> {
+    let mut lines = Vec::new();
+    for name in preset_names() {
+        lines.push(format!("{name:24} {}", Contract::preset(name)?.about));
+    }
+    screen.data(&lines.join("\n"))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn options_of(args: &DetectArgs) -> Result<DetectorOptions, Failure> {
+    let contract = match args.contract.as_deref() {
+        None => None,
+        Some(name) if preset_names().any(|known| known == name) => Some(Contract::preset(name)?),
+        Some(path) if path.ends_with(".toml") || Path::new(path).is_file() => {
+            let text = read_text(Path::new(path), MOST_TOML_BYTES)?;
+            Some(Contract::parse(path, &text.text)?)
+        }
+        // The error names the presets.
+        Some(name) => Some(Contract::preset(name)?),
+    };
+    let backend = match &args.onnxruntime {
+        None => Backend::PureRust,
+        Some(library) => Backend::OnnxRuntime {
+            library: library.clone(),
+            device: if args.cuda { Device::Cuda } else { Device::Cpu },
+        },
+    };
+    Ok(DetectorOptions {
+        contract,
+        score_threshold: args.score_threshold,
+        backend,
+        ..DetectorOptions::default()
+    })
+}
+
+fn images_of(
+    source: &Source,
+    limit: Option<usize>,
+    screen: &Screen,
+) -> Result<Vec<ImageToSee>, Failure> {
+    let mut images = Vec::new();
+    let mut n_bad = 0_u64;
+    for image in source.images() {
+        match image {
+            Ok(image) => images.push(ImageToSee {
+                name: image.name,
+                path: image.path,
+            }),
+            Err(bad) => {
+                n_bad += 1;
+                screen.note(&format!("bad record: {bad}"));
+            }
+        }
+    }
+    if n_bad > 0 {
+        return Err(Failure::wrong_input(format!(
+            "the dataset has {n_bad} bad records; mend them"
+        )));
+    }
+    images.truncate(limit.unwrap_or(usize::MAX));
+    if images.is_empty() {
+        return Err(Failure::wrong_input(format!(
+            "{:?} holds no image to be looked through; check the path and --limit",
+            source.root()
+        )));
+    }
+    Ok(images)
+}
+
+fn label_map(
+    args: &DetectArgs,
+    source: &Source,
+    detector: &Detector,
+    numbers: &Numbers,
+) -> Result<LabelMap, Failure> {
+    let rules = match &args.label_map {
+        Some(path) => {
+            let text = read_text(path, MOST_TOML_BYTES)?;
+            LabelRules::parse(&path.to_string_lossy(), &text.text)?
+        }
+        None => LabelRules::of_dataset(source.format().name())?,
+    };
+    Ok(LabelMap::new(
+        detector.classes(),
+        &numbers.categories,
+        &rules,
+    )?)
+}
+
+fn say_unmapped(map: &LabelMap, screen: &Screen) {
+    let list = |names: &[String]| {
+        let mut text: Vec<&str> = names.iter().take(MOST_NAMED).map(String::as_str).collect();
+        if names.len() > MOST_NAMED {
+            text.push("…");
+        }
+        text.join(", ")
+    };
+    let classes = map.unmapped_classes();
+    if !classes.is_empty() {
+        screen.note(&format!(
+            "{} classes of the model have no category in the dataset, their detections are left out: {}",
+            classes.len(),
+            list(classes)
+        ));
+    }
+    let categories = map.unmapped_categories();
+    if !categories.is_empty() {
+        screen.note(&format!(
+            "{} categories of the dataset have no class in the model, their objects cannot be found: {}",
+            categories.len(),
+            list(categories)
+        ));
+    }
+}
+
+/// Detections as text, and what was counted on the way.
+struct Results {
+    text: String,
+    n_detections: u64,
+    n_unmapped: u64,
+    n_inverted: u64,
+    n_without_class: u64,
+    failures: Vec<(String, String)>,
+}
+
+impl Results {
+    fn of(images: &[ImageToSee], seen: &[Seen], numbers: &Numbers, map: &LabelMap) -> Self {
+        let mut results = Self {
+            text: String::from("["),
+            n_detections: 0,
+            n_unmapped: 0,
+            n_inverted: 0,
+            n_without_class: 0,
+            failures: Vec::new(),
+        };
+        for (place, (image, seen)) in images.iter().zip(seen).enumerate() {
+            match seen {
+                Some(Ok(found)) => {
+                    results.n_inverted += u64::from(found.n_inverted);
+                    results.n_without_class += u64::from(found.n_without_class);
+                    for detection in &found.detections {
+                        let category = map
+                            .category(detection.class)
+                            .and_then(|category| numbers.categories.get(category as usize));
+                        let Some(category) = category else {
+                            results.n_unmapped += 1;
+                            continue;
+                        };
+                        let b = detection.box_px;
+                        let record = json!({
+                            "image_id": numbers.image_ids.get(place),
+                            "category_id": category.id,
+                            "bbox": [b.x, b.y, b.width, b.height],
+                            "score": detection.score,
+                        });
+                        results.text.push_str(if results.n_detections == 0 {
+                            "\n"
+                        } else {
+                            ",\n"
+                        });
+                        results.text.push_str(&record.to_string());
+                        results.n_detections += 1;
+                    }
+                }
+                Some(Err(error)) => results
+                    .failures
+                    .push((image.name.clone(), error.to_string())),
+                None => {}
+            }
+        }
+        results.text.push_str("\n]\n");
+        results
+    }
+}
+
+fn finish(
+    run: &Run<'_>,
+    results: &Results,
+    map: &LabelMap,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    #[expect(clippy::cast_precision_loss, reason = "a rate")]
+    let rate = run.images.len() as f64 / run.seconds.max(1e-9);
+    let n_failed = results.failures.len();
+    let mut said = format!(
+        "{}: {} detections in {} images, {rate:.1} images per second",
+        run.output.display(),
+        results.n_detections,
+        run.images.len() - n_failed,
+    );
+    for (n, what) in [
+        (
+            results.n_unmapped,
+            "detections of classes without a category",
+        ),
+        (results.n_inverted, "boxes with sides the wrong way round"),
+        (results.n_without_class, "boxes of labels that are no class"),
+    ] {
+        if n > 0 {
+            said.push_str(&format!("; left out {n} {what}"));
+        }
+    }
+    screen.say(&said);
+    screen.result(|| result_json(run, results, map))?;
+    if n_failed == 0 {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let first = results.failures.first();
+    Err(Failure {
+        message: format!(
+            "{n_failed} of {} images failed and have no detections, the first: {}; mend or remove them and run the \
+             command again",
+            run.images.len(),
+            first.map_or_else(String::new, |(name, error)| format!("{name:?}: {error}")),
+        ),
+        code: SOME_FAILED,
+    })
+}
+
+fn result_json(run: &Run<'_>, results: &Results, map: &LabelMap) -> Value {
+    let contract = run.detector.contract();
+    json!({
+        "output": path_text(run.output),
+        "contract": contract.name,
+        "reason": run.detector.reason(),
+        "score_threshold": contract.score_threshold,
+        "n_classes": contract.classes.names.iter().flatten().count(),
+        "unmapped_classes": map.unmapped_classes(),
+        "unmapped_categories": map.unmapped_categories(),
+        "n_images": run.images.len(),
+        "n_detections": results.n_detections,
+        "n_unmapped": results.n_unmapped,
+        "n_inverted": results.n_inverted,
+        "n_without_class": results.n_without_class,
+        "seconds": run.seconds,
+        "failed": results
+            .failures
+            .iter()
+            .map(|(name, error)| json!({"name": name, "error": error}))
+            .collect::<Vec<_>>(),
+    })
+}
+
+impl From<EvalError> for Failure {
+    fn from(error: EvalError) -> Self {
+        Self::wrong_input(error)
+    }
+}
