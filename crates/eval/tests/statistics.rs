@@ -10,6 +10,7 @@ use starbreak_eval::failure::fit_logistic;
 use starbreak_eval::resampling::{bca_interval, percentile_interval};
 use starbreak_eval::statistic::{holm, mcnemar, signed_rank_test, wilson_interval};
 use starbreak_eval::tide::{TideSettings, tide};
+use starbreak_eval::timeline::kaplan_meier;
 use starbreak_eval::{
     BoxPx, Category, Detection, Detections, LabelSet, LabeledImage, Object, ObjectKind,
 };
@@ -224,4 +225,36 @@ fn tide_is_that_of_tidecv() {
         same(tide.false_positive_d_ap, &special["FalsePos"], "FalsePos");
         same(tide.false_negative_d_ap, &special["FalseNeg"], "FalseNeg");
     }
+}
+
+#[test]
+fn survival_is_that_of_lifelines() {
+    for case in answers("survival") {
+        let is_lost: Vec<bool> = case["failed"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|it| it.as_bool().unwrap())
+            .collect();
+        let curve = kaplan_meier(&f64s(&case["times"]), &is_lost, 0.95).unwrap();
+        let rows = case["rows"].as_array().unwrap();
+        assert_eq!(curve.steps.len(), rows.len(), "times of a loss");
+        for (step, row) in curve.steps.iter().zip(rows) {
+            let expected = |name: &str| row[name].as_f64().unwrap();
+            assert_close(step.time_s, expected("time"), 1e-12, "time");
+            assert_eq!(Some(step.n_at_risk), row["at_risk"].as_u64(), "at risk");
+            let share = step.share.value.unwrap();
+            assert!((share - expected("survival")).abs() < 1e-12, "share");
+            match step.share.interval {
+                Some(interval) => {
+                    assert_close(interval.low, expected("low"), 1e-9, "lower end");
+                    assert_close(interval.high, expected("high"), 1e-9, "upper end");
+                }
+                None => assert!(share < 1e-12, "only the end has no interval: {share}"),
+            }
+        }
+        assert_eq!(curve.median_s.value, case["median"].as_f64(), "median");
+    }
+    assert!(kaplan_meier(&[1.0], &[], 0.95).is_err(), "a time too many");
+    assert!(kaplan_meier(&[f64::NAN], &[true], 0.95).is_err(), "no time");
 }

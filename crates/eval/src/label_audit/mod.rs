@@ -26,7 +26,8 @@ pub struct AuditSettings {
     pub iou: f64,
     /// Pairs below which nothing is concluded. **Default** 30.
     pub min_pairs: u64,
-    /// By how much another map must raise the share of pairs that agree. **Default** 0.1.
+    /// By how much another map must raise the share of pairs that agree, if it does not put right
+    /// half of the pairs that it touches. **Default** 0.1.
     pub margin: f64,
     /// p that its exact `McNemar` test must not exceed. **Default** 0.001.
     pub max_p: f64,
@@ -136,6 +137,8 @@ pub struct MapAgreement {
     /// Share of the pairs that agree under it. A permutation is judged on the half of the images
     /// that it was not made from, each half in turn.
     pub agreement: Measured,
+    /// Pairs whose detected class it changes.
+    pub n_touched: u64,
     /// Pairs that agree under it and not as they are.
     pub n_gained: u64,
     /// Pairs that agree as they are and not under it.
@@ -184,11 +187,13 @@ pub fn label_audit(
 
 fn judged(candidate: Candidate, halves: &[Confusion; 2]) -> MapAgreement {
     let (mut n_gained, mut n_lost, mut n_agreeing, mut n_pairs) = (0, 0, 0, 0);
+    let mut n_touched = 0;
     for (half, map) in halves.iter().zip(&candidate.to_labels) {
         for (detected, labeled, n) in half.cells() {
             let mapped = map.get(detected as usize).copied().flatten();
             let (is_mapped, is_as_is) = (mapped == Some(labeled), detected == labeled);
             n_pairs += n;
+            n_touched += n * u64::from(mapped != Some(detected));
             n_agreeing += n * u64::from(is_mapped);
             n_gained += n * u64::from(is_mapped && !is_as_is);
             n_lost += n * u64::from(is_as_is && !is_mapped);
@@ -197,6 +202,7 @@ fn judged(candidate: Candidate, halves: &[Confusion; 2]) -> MapAgreement {
     MapAgreement {
         map: candidate.map,
         agreement: proportion(n_agreeing, n_pairs, 0.95),
+        n_touched,
         n_gained,
         n_lost,
         p: mcnemar(n_gained, n_lost).exact.p,
@@ -219,18 +225,21 @@ fn verdict(
         }
     };
     let is_better = |map: &&MapAgreement| {
-        map.agreement
-            .value
-            .is_some_and(|it| it >= as_is + settings.margin)
-            && map.p.is_some_and(|p| p <= settings.max_p)
+        let value = map.agreement.value;
+        let is_much = value.is_some_and(|it| it >= as_is + settings.margin);
+        let is_half = map.n_gained > 0 && 2 * map.n_gained >= map.n_touched;
+        map.p.is_some_and(|p| p <= settings.max_p)
+            && (is_much || is_half)
+            && map.n_gained > map.n_lost
     };
-    // Of maps that explain about as much, a rule says more than a permutation.
+    // Of maps that explain about as much, a rule says more than a permutation. Of rules that explain
+    // the same, such as both shifts when what fell into a gap of the numbers was never read, the
+    // first one tried stands.
     let mut better = maps.iter().filter(is_better);
     if let Some(best) = better.next() {
         let value = |it: &MapAgreement| it.agreement.value.unwrap_or(0.0);
         let is_rule = |it: &&MapAgreement| !matches!(it.map, ClassMap::Permutation { .. });
-        let rule = maps.iter().filter(is_better).filter(is_rule);
-        let rule = rule.max_by(|a, b| value(a).total_cmp(&value(b)));
+        let rule = maps.iter().filter(is_better).find(is_rule);
         let chosen = rule
             .filter(|it| value(it) + 0.02 >= value(best))
             .unwrap_or(best);
