@@ -50,6 +50,11 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
         &["starbreak-eval", "starbreak-cli"],
         "plots are drawn for the report and by the command",
     ),
+    (
+        "hotcoco",
+        &["starbreak-eval"],
+        "the protocol of MS-COCO stands in one place",
+    ),
     ("anyhow", SHELL, "libraries name their errors"),
     ("png", CODECS, "files are read and written in one place"),
     ("jpeg-encoder", CODECS, "files are written in one place"),

@@ -59,6 +59,18 @@ pub enum DatasetError {
         /// Why not.
         reason: String,
     },
+    /// A JSON file that is none, or that has another form than lists of records.
+    #[error(
+        "{path:?} is not the JSON it should be from byte {at_byte} on: {reason}; write or copy it again"
+    )]
+    JsonText {
+        /// The file.
+        path: PathBuf,
+        /// Place of the first byte that is wrong, from 0.
+        at_byte: u64,
+        /// What is wrong.
+        reason: String,
+    },
     /// A text file that is not UTF-8.
     #[error("{name:?} is not UTF-8 text from byte {at} on; save it as UTF-8")]
     NotText {

@@ -29,6 +29,7 @@
 
 mod error;
 mod image_file;
+mod line_log;
 
 mod animation;
 mod array;
@@ -36,6 +37,8 @@ mod bank_file;
 mod encode;
 
 mod generated;
+
+mod json_records;
 
 mod output_batch;
 mod paths;
@@ -62,8 +65,10 @@ pub use generated::{
 pub use image_file::{
     ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_bytes, read_image,
 };
+pub use json_records::{JsonLists, JsonRecord, read_json_records};
+pub use line_log::LineLog;
 pub use output_batch::OutputBatch;
-pub use paths::{FileSet, file_in, is_inside, same_file};
+pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, sha256_file, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{

@@ -35,6 +35,13 @@ impl BoxPx {
         [self.x, self.y, self.x + self.width, self.y + self.height]
     }
 
+    /// Whether all its numbers are finite and no side is negative.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let numbers = [self.x, self.y, self.width, self.height];
+        numbers.iter().all(|number| number.is_finite()) && self.width >= 0.0 && self.height >= 0.0
+    }
+
     /// Width times height, px².
     #[must_use]
     pub fn area_px2(&self) -> f64 {

@@ -9,14 +9,31 @@
 
 mod boxes;
 mod detections;
+pub mod detector;
 mod error;
+pub mod evaluation;
+mod json_record;
 mod labels;
 mod matching;
+mod protocol;
+
+pub mod report;
+
+// Statistics.
+pub mod failure;
+pub mod resampling;
+pub mod statistic;
+pub mod tide;
 
 pub mod divergence;
 
 pub use boxes::BoxPx;
-pub use detections::{Detection, Detections};
+pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
 pub use error::EvalError;
-pub use labels::{Category, LabelSet, LabeledImage, Object, ObjectKind};
+pub use labels::{Category, KittiFacts, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind};
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
+pub use protocol::{
+    AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, MatchRule,
+    N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision, evaluate_coco,
+    evaluate_kitti, match_images, mean_in_numpy_order,
+};

@@ -1,6 +1,13 @@
 //! What is really in the images: images, categories and labeled objects.
 
-use crate::BoxPx;
+mod coco;
+pub(crate) mod kitti;
+
+use std::path::Path;
+
+pub use kitti::{KittiFacts, KittiLabels};
+
+use crate::{BoxPx, EvalError};
 
 /// The labels of a dataset, in the order in which its protocol evaluates them.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -66,4 +73,42 @@ pub enum ObjectKind {
     Crowd,
     /// Neither to be found nor an error when found once.
     Ignored,
+}
+
+impl LabelSet {
+    /// The ground truth in a file of MS-COCO, `instances_*.json`: images and categories in the
+    /// order of their numbers, objects in that of the file.
+    ///
+    /// What pycocotools takes is taken, such as boxes without area, boxes that begin before the
+    /// frame, the number 0, and numbers with gaps. The area is that of the outline, as the file
+    /// says it, and below 0 in no range of sizes; outlines are not kept.
+    ///
+    /// # Errors
+    /// [`EvalError::Record`] for what makes no sense: numbers that are not finite, negative sides,
+    /// texts for numbers, missing keys, a number that occurs twice, objects of images or categories
+    /// that the file lacks. [`EvalError::File`] where a list is missing, [`EvalError::Dataset`].
+    pub fn read_coco(path: &Path) -> Result<Self, EvalError> {
+        let mut reader = coco::Reader::default();
+        reader.read(path, str::to_owned)?;
+        reader.finish(path)
+    }
+
+    /// Place of the image with this number, in sets whose images stand in the order of numbers.
+    #[must_use]
+    pub fn image_of_id(&self, id: i64) -> Option<u32> {
+        index_of(&self.images, id, |image| image.id)
+    }
+
+    /// Place of the category with this number, in sets whose categories stand in the order of
+    /// numbers.
+    #[must_use]
+    pub fn category_of_id(&self, id: i64) -> Option<u32> {
+        index_of(&self.categories, id, |category| category.id)
+    }
+}
+
+/// The place of the item of this number among items in the order of numbers.
+pub(crate) fn index_of<T>(items: &[T], id: i64, id_of: impl Fn(&T) -> i64) -> Option<u32> {
+    let idx = items.binary_search_by_key(&id, id_of).ok()?;
+    u32::try_from(idx).ok()
 }

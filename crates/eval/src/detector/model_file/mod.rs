@@ -1,0 +1,193 @@
+//! What an ONNX file says of itself, before it is run.
+
+mod limits;
+mod names;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use rten_onnx::onnx::{DataLocation, DataType, GraphProto, ModelProto, ValueInfoProto};
+
+pub use limits::ModelLimits;
+pub use names::{ModelFacts, Side, TensorFacts, TensorType};
+
+use crate::EvalError;
+
+/// What an ONNX file says of itself.
+///
+/// # Errors
+///
+/// [`EvalError::Model`] where the bytes are no ONNX model, are cut short, or ask for more memory
+/// than the limits allow.
+pub(super) fn read_facts(
+    name: &str,
+    bytes: &[u8],
+    limits: &ModelLimits,
+) -> Result<ModelFacts, EvalError> {
+    let wrong = |reason: String| EvalError::Model {
+        model: name.to_owned(),
+        reason,
+    };
+    if bytes.is_empty() {
+        return Err(wrong("is empty; give an ONNX file".to_owned()));
+    }
+    // The parser is another's: should it ever panic, that is a refusal like any other.
+    let parsed = catch_unwind(AssertUnwindSafe(|| ModelProto::parse_buf(bytes)));
+    let not_onnx = |cause: String| {
+        let seems = seems_to_be(bytes).map_or_else(String::new, |what| format!(": {what}"));
+        wrong(format!(
+            "is no whole ONNX model ({cause}){seems}; export it again, or copy it again as a binary file"
+        ))
+    };
+    let model = match parsed {
+        Ok(Ok(model)) => model,
+        Ok(Err(error)) => return Err(not_onnx(one_line(&error.to_string()))),
+        Err(_) => return Err(not_onnx("its structure breaks the parser".to_owned())),
+    };
+    let Some(graph) = &model.graph else {
+        return Err(not_onnx("there is no graph in it".to_owned()));
+    };
+    if graph.node.is_empty() || graph.output.is_empty() {
+        return Err(not_onnx("its graph computes nothing".to_owned()));
+    }
+    limits::check(name, &model, graph, limits)?;
+    let initializers: Vec<&str> = graph
+        .initializer
+        .iter()
+        .filter_map(|tensor| tensor.name.as_deref())
+        .collect();
+    let is_given = |value: &&ValueInfoProto| {
+        let name = value.name.as_deref().unwrap_or_default();
+        !initializers.contains(&name)
+    };
+    let mut operators: Vec<String> = Vec::new();
+    let mut external_files: Vec<String> = Vec::new();
+    walk(graph, &mut operators, &mut external_files);
+    let metadata = model
+        .metadata_props
+        .iter()
+        .filter_map(|entry| Some((entry.key.clone()?, entry.value.clone().unwrap_or_default())))
+        .collect();
+    Ok(ModelFacts {
+        inputs: graph
+            .input
+            .iter()
+            .filter(is_given)
+            .map(tensor_facts)
+            .collect(),
+        outputs: graph.output.iter().map(tensor_facts).collect(),
+        operators,
+        values: graph
+            .node
+            .iter()
+            .flat_map(|node| node.output.iter())
+            .filter(|name| !name.is_empty())
+            .cloned()
+            .collect(),
+        external_files,
+        metadata,
+        producer: model.producer_name.clone().unwrap_or_default(),
+    })
+}
+
+/// Operators and files of weights, also of graphs inside of operators.
+fn walk(graph: &GraphProto, operators: &mut Vec<String>, files: &mut Vec<String>) {
+    for tensor in &graph.initializer {
+        if tensor.data_location != Some(DataLocation::EXTERNAL) {
+            continue;
+        }
+        let location = tensor
+            .external_data
+            .iter()
+            .find(|entry| entry.key.as_deref() == Some("location"))
+            .and_then(|entry| entry.value.clone());
+        insert(files, location.unwrap_or_default());
+    }
+    for node in &graph.node {
+        insert(operators, node.op_type.clone().unwrap_or_default());
+        for attribute in &node.attribute {
+            if let Some(inside) = &attribute.g {
+                walk(inside, operators, files);
+            }
+        }
+    }
+}
+
+fn insert(sorted: &mut Vec<String>, text: String) {
+    if let Err(place) = sorted.binary_search(&text) {
+        sorted.insert(place, text);
+    }
+}
+
+fn tensor_facts(value: &ValueInfoProto) -> TensorFacts {
+    let tensor = value
+        .r#type
+        .as_ref()
+        .and_then(|kind| kind.tensor_type.as_ref());
+    let sides = tensor
+        .and_then(|tensor| tensor.shape.as_ref())
+        .map(|shape| {
+            shape
+                .dim
+                .iter()
+                .map(|dim| match (dim.dim_value, &dim.dim_param) {
+                    (Some(side), _) => match u64::try_from(side) {
+                        Ok(side) if side > 0 => Side::Fixed(side),
+                        _ => Side::Open("?".to_owned()),
+                    },
+                    (None, Some(name)) => Side::Open(name.clone()),
+                    (None, None) => Side::Open("?".to_owned()),
+                })
+                .collect()
+        });
+    let element = tensor.and_then(|tensor| tensor.elem_type);
+    TensorFacts {
+        name: value.name.clone().unwrap_or_default(),
+        sides,
+        element: match element {
+            Some(DataType::FLOAT) => TensorType::F32,
+            Some(DataType::FLOAT16) => TensorType::F16,
+            Some(DataType::DOUBLE) => TensorType::F64,
+            Some(DataType::INT64) => TensorType::I64,
+            Some(DataType::INT32) => TensorType::I32,
+            Some(DataType::UINT8) => TensorType::U8,
+            Some(DataType::BOOL) => TensorType::Bool,
+            _ => TensorType::Other,
+        },
+    }
+}
+
+/// What a file is that is no ONNX model, by its first bytes.
+fn seems_to_be(bytes: &[u8]) -> Option<&'static str> {
+    let head = bytes.get(..bytes.len().min(512)).unwrap_or_default();
+    let known: [(&[u8], &str); 6] = [
+        (
+            b"PK\x03\x04",
+            "it is a ZIP archive, such as the weights .pt of PyTorch; export them to ONNX",
+        ),
+        (
+            b"\x80\x02",
+            "it is a Python pickle; export the model to ONNX",
+        ),
+        (b"\x89HDF", "it is an HDF5 file; export the model to ONNX"),
+        (
+            b"version https://git-lfs",
+            "it is a pointer of Git LFS; fetch the file itself with git lfs pull",
+        ),
+        (b"<", "it is a web page or XML; fetch the file itself"),
+        (b"\x1f\x8b", "it is gzip; unpack it"),
+    ];
+    let found = known.iter().find(|(start, _)| head.starts_with(start));
+    if let Some((_, what)) = found {
+        return Some(what);
+    }
+    let is_text = head
+        .iter()
+        .all(|byte| matches!(byte, b'\t' | b'\n' | b'\r' | 0x20..=0x7e));
+    is_text.then_some("it is text")
+}
+
+/// A message of another's on one line, shortened.
+pub(super) fn one_line(text: &str) -> String {
+    let line: Vec<&str> = text.split_whitespace().collect();
+    line.join(" ").chars().take(300).collect()
+}

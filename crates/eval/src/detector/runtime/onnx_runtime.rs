@@ -1,0 +1,1 @@
+//! The other backend: ONNX Runtime, loaded at run time.

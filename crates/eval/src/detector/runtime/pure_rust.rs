@@ -1,0 +1,157 @@
+//! The default: rten, in Rust.
+
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex};
+
+use rten::{LoadErrorKind, Model, ModelOptions, RunOptions, ThreadPool, Value, ValueOrView};
+use rten_tensor::{AsView as _, Layout as _, Tensor};
+
+use super::{InputTensor, InputValues, RawOutput, Runtime};
+use crate::detector::model_file::one_line;
+
+/// A model in rten.
+pub(in super::super) struct PureRust {
+    model: Model,
+    /// Pools of one thread that no run has at the moment.
+    idle: Mutex<Vec<Arc<ThreadPool>>>,
+}
+
+impl fmt::Debug for PureRust {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PureRust").finish_non_exhaustive()
+    }
+}
+
+impl PureRust {
+    /// The model in the bytes of a file, with the files of weights beside it.
+    pub(in super::super) fn load(
+        bytes: Vec<u8>,
+        external: Vec<(String, Vec<u8>)>,
+    ) -> Result<Self, String> {
+        let load = || {
+            let mut options = ModelOptions::with_all_ops();
+            for (name, bytes) in external {
+                options.external_data(&name, bytes);
+            }
+            options.load(bytes)
+        };
+        let loaded = catch_unwind(AssertUnwindSafe(load));
+        let model = match loaded {
+            Ok(Ok(model)) => model,
+            Ok(Err(error)) => {
+                let text = one_line(&error.to_string());
+                let way_out = match error.kind() {
+                    LoadErrorKind::OperatorInvalid => {
+                        "; run it with ONNX Runtime, which knows all operators: --onnxruntime PATH \
+                         (docs/detectors.md)"
+                    }
+                    LoadErrorKind::ExternalDataError => {
+                        "; put the files of weights beside the model again, unchanged"
+                    }
+                    _ => "; export it again, or run it with ONNX Runtime: --onnxruntime PATH",
+                };
+                return Err(format!("cannot be loaded: {text}{way_out}"));
+            }
+            Err(_) => {
+                return Err(
+                    "cannot be loaded: its graph breaks the runtime; run it with ONNX Runtime: \
+                     --onnxruntime PATH"
+                        .to_owned(),
+                );
+            }
+        };
+        Ok(Self {
+            model,
+            idle: Mutex::new(Vec::new()),
+        })
+    }
+
+    fn run_in(
+        &self,
+        pool: &Arc<ThreadPool>,
+        inputs: Vec<InputTensor>,
+        outputs: &[String],
+    ) -> Result<Vec<RawOutput>, String> {
+        let mut given: Vec<(rten::NodeId, ValueOrView<'_>)> = Vec::new();
+        for input in inputs {
+            let node = self.model.node_id(&input.name);
+            let node = node.map_err(|error| one_line(&error.to_string()))?;
+            let value = value_of(&input.shape, input.values)?;
+            given.push((node, value.into()));
+        }
+        let mut wanted = Vec::new();
+        for output in outputs {
+            let node = self.model.node_id(output);
+            wanted.push(node.map_err(|error| one_line(&error.to_string()))?);
+        }
+        let options = RunOptions::default().with_thread_pool(Some(Arc::clone(pool)));
+        let values = self
+            .model
+            .run(given, &wanted, Some(options))
+            .map_err(|error| format!("it cannot be run: {}", one_line(&error.to_string())))?;
+        values.into_iter().map(raw_output).collect()
+    }
+}
+
+impl Runtime for PureRust {
+    fn run(&self, inputs: Vec<InputTensor>, outputs: &[String]) -> Result<Vec<RawOutput>, String> {
+        // One thread per run: sums come in one order, and images are what is done side by side.
+        let pool = self.idle.lock().ok().and_then(|mut idle| idle.pop());
+        let pool = pool.unwrap_or_else(|| Arc::new(ThreadPool::with_num_threads(1)));
+        let ran = catch_unwind(AssertUnwindSafe(|| self.run_in(&pool, inputs, outputs)));
+        if let Ok(mut idle) = self.idle.lock() {
+            idle.push(pool);
+        }
+        ran.unwrap_or_else(|_| {
+            Err(
+                "its graph breaks the runtime; run it with ONNX Runtime: --onnxruntime PATH"
+                    .to_owned(),
+            )
+        })
+    }
+}
+
+fn value_of(shape: &[usize], values: InputValues) -> Result<Value, String> {
+    let fits = |n: usize| {
+        if shape.iter().product::<usize>() == n {
+            Ok(())
+        } else {
+            Err(format!("{n} numbers do not fill an input {shape:?}"))
+        }
+    };
+    Ok(match values {
+        InputValues::F32(values) => {
+            fits(values.len())?;
+            Tensor::from_data(shape, values).into()
+        }
+        InputValues::U8(values) => {
+            fits(values.len())?;
+            Tensor::from_data(shape, values).into()
+        }
+        InputValues::Whole(values) => {
+            fits(values.len())?;
+            Tensor::from_data(shape, values).into()
+        }
+    })
+}
+
+fn raw_output(value: Value) -> Result<RawOutput, String> {
+    #[expect(clippy::cast_precision_loss, reason = "labels are small whole numbers")]
+    Ok(match value {
+        Value::FloatTensor(tensor) => (tensor.shape().to_vec(), tensor.to_vec()),
+        Value::Int32Tensor(tensor) => (
+            tensor.shape().to_vec(),
+            tensor.iter().map(|&value| value as f32).collect(),
+        ),
+        Value::Int8Tensor(tensor) => (
+            tensor.shape().to_vec(),
+            tensor.iter().map(|&value| f32::from(value)).collect(),
+        ),
+        Value::UInt8Tensor(tensor) => (
+            tensor.shape().to_vec(),
+            tensor.iter().map(|&value| f32::from(value)).collect(),
+        ),
+        _ => return Err("an output is a sequence, not a tensor".to_owned()),
+    })
+}

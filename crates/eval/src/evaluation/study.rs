@@ -1,0 +1,236 @@
+use serde::{Deserialize, Serialize};
+
+use super::{
+    Estimate, FailureResults, LabelAudit, PairedMetric, PairedRow, ProtocolResults, Provenance,
+    Scope, TideErrors, WorstFailure,
+};
+
+/// Detectors times conditions, each evaluated, and what follows from all of them together.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Study {
+    /// [`Study::SCHEMA`].
+    pub schema: String,
+    /// What it is called on paper.
+    pub title: String,
+    /// Name of the data set.
+    pub dataset: String,
+    /// What all evaluations share.
+    pub provenance: Provenance,
+    /// What a reader must know first.
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
+    /// One per detector and condition, detectors first.
+    pub evaluations: Vec<Evaluation>,
+    /// mPC and rPC of each detector.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub robustness: Vec<RobustnessRow>,
+    /// How far the sets of images lie apart.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub divergence: Option<DivergenceResults>,
+}
+
+impl Study {
+    /// Name and version of the format of its JSON.
+    pub const SCHEMA: &'static str = "starbreak.evaluation/1";
+
+    /// One evaluation alone, as a study of one detector and one condition.
+    #[must_use]
+    pub fn of_one(evaluation: Evaluation, dataset: &str, provenance: Provenance) -> Self {
+        Self {
+            schema: Self::SCHEMA.to_owned(),
+            title: format!("{} on {dataset}", evaluation.detector),
+            dataset: dataset.to_owned(),
+            provenance,
+            warnings: Vec::new(),
+            evaluations: vec![evaluation],
+            robustness: Vec::new(),
+            divergence: None,
+        }
+    }
+}
+
+/// One detector under one condition: the same images clean and cracked.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Evaluation {
+    /// Name of the detector.
+    pub detector: String,
+    /// What was done to the glass.
+    pub condition: Condition,
+    /// How much there is of everything.
+    pub counts: Counts,
+    /// What a reader must know first.
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
+    /// Whole clean images.
+    pub clean: ProtocolResults,
+    /// Whole cracked images.
+    pub cracked: ProtocolResults,
+    /// Clean against cracked, inside the region, outside of it, and everywhere.
+    #[serde(default)]
+    pub paired: Vec<PairedRow>,
+    /// What fails.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failures: Option<FailureResults>,
+    /// Which kinds of errors, clean.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tide_clean: Option<TideErrors>,
+    /// Which kinds of errors, cracked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tide_cracked: Option<TideErrors>,
+    /// Whether the classes are the right ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub label_audit: Option<LabelAudit>,
+    /// Of clips: what is found when.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub timelines: Vec<TimelineResults>,
+    /// The images in which most was lost.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub worst: Vec<WorstFailure>,
+}
+
+/// What was done to the glass.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Condition {
+    /// Its name: `windshield-star, severity 3, seed 1`.
+    pub name: String,
+    /// The family of cracks, over which mPC averages: a preset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub family: Option<String>,
+    /// 1 to 5.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub severity: Option<u8>,
+    /// Seed of the cracks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+}
+
+/// How much there is of everything.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Counts {
+    /// Images.
+    pub n_images: u64,
+    /// Images that the region touches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_images_with_region: Option<u64>,
+    /// Objects to be found.
+    pub n_objects: u64,
+    /// Objects to be found in the region.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_objects_in_region: Option<u64>,
+    /// Mean share of an image that the region covers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_region_share: Option<f64>,
+}
+
+/// Something that a reader must know before the numbers.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Warning {
+    /// What it is about.
+    pub kind: WarningKind,
+    /// In plain words, with the way out.
+    pub text: String,
+}
+
+/// What a warning is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum WarningKind {
+    /// The classes of the detector may not be those of the labels.
+    LabelMap,
+    /// There is little to count.
+    SmallSample,
+    /// Numbers are refused.
+    Refused,
+    /// Something is not as the protocol has it.
+    Protocol,
+    /// Files or images are missing.
+    Missing,
+}
+
+/// mPC and rPC of a detector: mean AP under corruption, and its share of the clean AP.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RobustnessRow {
+    /// The detector.
+    pub detector: String,
+    /// Where.
+    pub scope: Scope,
+    /// Which AP is averaged.
+    pub metric: PairedMetric,
+    /// AP of the clean images.
+    pub clean: Estimate,
+    /// Mean over families of the mean over severities of the mean over seeds.
+    pub mpc: Estimate,
+    /// `mpc / clean`.
+    pub rpc: Estimate,
+}
+
+/// How far sets of images lie apart.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct DivergenceResults {
+    /// Names of the sets.
+    pub sets: Vec<String>,
+    /// One table per feature and measure.
+    pub tables: Vec<DivergenceTable>,
+}
+
+/// One measure over one feature between all sets.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct DivergenceTable {
+    /// What of the images is compared: `luma256`.
+    pub feature: String,
+    /// How: `KL(row ‖ column)`, nats.
+    pub measure: String,
+    /// Rows and columns in the order of the sets.
+    pub values: Vec<Vec<Estimate>>,
+    /// What two halves of the same set give, per set.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub noise_floor: Vec<Option<f64>>,
+}
+
+/// What is found in each frame of a clip.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct TimelineResults {
+    /// Name of the clip.
+    pub clip: String,
+    /// Frames per second, where known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames_per_s: Option<f64>,
+    /// Frame after frame.
+    pub frames: Vec<TimelineFrame>,
+    /// Object after object.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tracks: Vec<TrackResult>,
+}
+
+/// One frame of a clip.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct TimelineFrame {
+    /// When, s.
+    pub time_s: f64,
+    /// Objects to be found.
+    pub n_objects: u64,
+    /// Found clean.
+    pub n_found_clean: u64,
+    /// Found cracked.
+    pub n_found_cracked: u64,
+}
+
+/// One object through a clip.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct TrackResult {
+    /// Its name in the labels.
+    pub track: String,
+    /// Its class.
+    pub class: String,
+    /// Frames in which it is labeled.
+    pub n_frames: u64,
+    /// Share of them in which it is found clean.
+    pub found_clean: f64,
+    /// Share of them in which it is found cracked.
+    pub found_cracked: f64,
+    /// Changes between found and not found, cracked.
+    pub n_flickers: u64,
+    /// From its first frame to the moment from which it is no longer found, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_to_failure_s: Option<f64>,
+}

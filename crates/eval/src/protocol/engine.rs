@@ -1,0 +1,256 @@
+//! The matching of detections with objects, by the library hotcoco.
+
+use std::sync::Arc;
+
+use hotcoco::params::{AreaRange as EngineRange, IouType};
+use hotcoco::types::Category;
+use hotcoco::{Annotation, COCO, COCOeval, Dataset, EvalImg, Extra, Image};
+
+use crate::{
+    Detections, EvalError, ImageMatches, LabelSet, MatchedDetection, MatchedObject, ObjectKind,
+    Outcome,
+};
+
+/// What counts and what is merely ignored, by one value per object and detection: objects outside
+/// the range are not to be found, and a detection that finds one of them counts for nothing, nor
+/// does a detection outside the range that finds nothing.
+///
+/// With areas this is the rule of sizes of MS-COCO, with coverages that of regions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Restriction<'a> {
+    /// A value per object, in the order of [`LabelSet::objects`].
+    pub objects: &'a [f64],
+    /// A value per detection, in the order of [`Detections::items`].
+    pub detections: &'a [f64],
+    /// The least and the greatest value that counts.
+    pub range: [f64; 2],
+}
+
+impl Restriction<'_> {
+    /// There is a value for each.
+    pub(super) fn check(&self, n_objects: usize, n_detections: usize) -> Result<(), EvalError> {
+        let (of_objects, of_detections) = (self.objects.len(), self.detections.len());
+        if (of_objects, of_detections) == (n_objects, n_detections) {
+            return Ok(());
+        }
+        Err(EvalError::Rule(format!(
+            "{of_objects} and {of_detections} values for {n_objects} objects and {n_detections} detections"
+        )))
+    }
+}
+
+/// How detections are matched with objects, as in MS-COCO: image by image, detections by falling
+/// score, each taking the object that it overlaps most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MatchRule<'a> {
+    /// The least overlap, intersection over union, 0 to 1.
+    pub iou_threshold: f64,
+    /// The most detections of a category in an image; those with the highest scores stay.
+    pub max_detections: u32,
+    /// What counts, if not all.
+    pub region: Option<Restriction<'a>>,
+}
+
+impl Default for MatchRule<'_> {
+    /// IoU 0.5, 100 detections, everything counts.
+    fn default() -> Self {
+        Self {
+            iou_threshold: 0.5,
+            max_detections: 100,
+            region: None,
+        }
+    }
+}
+
+/// What became of all detections and objects, one entry per image and category that has any, by
+/// image and then category.
+///
+/// # Errors
+/// [`EvalError::Rule`] for a threshold outside 0 to 1, or values of other number than the objects
+/// and detections.
+pub fn match_images(
+    labels: &LabelSet,
+    detections: &Detections,
+    rule: &MatchRule<'_>,
+) -> Result<Vec<ImageMatches>, EvalError> {
+    let threshold = rule.iou_threshold;
+    if !(0.0..=1.0).contains(&threshold) {
+        return Err(EvalError::Rule(format!(
+            "a threshold of overlap of {threshold}; expected 0 to 1"
+        )));
+    }
+    let range = rule.region.map_or([0.0, 1e10], |region| region.range);
+    let mut engine = engine(labels, detections, rule.region.as_ref())?;
+    engine.params.iou_thrs = vec![threshold];
+    engine.params.max_dets = vec![usize::try_from(rule.max_detections).unwrap_or(usize::MAX)];
+    engine.params.area_ranges = vec![EngineRange {
+        label: "all".to_owned(),
+        range,
+    }];
+    run(&mut engine)?;
+    let cells = engine.eval_imgs().iter().flatten();
+    Ok(cells
+        .map(|cell| of_cell(labels, detections, cell))
+        .collect())
+}
+
+/// The engine with labels and detections, to be set up and run.
+///
+/// Images and categories go by their places, objects and detections by their places plus one, as 0
+/// is no number to pycocotools.
+pub(super) fn engine(
+    labels: &LabelSet,
+    detections: &Detections,
+    restriction: Option<&Restriction<'_>>,
+) -> Result<COCOeval, EvalError> {
+    if let Some(restriction) = restriction {
+        restriction.check(labels.objects.len(), detections.items.len())?;
+    }
+    let images = (0u64..).zip(&labels.images).map(|(id, _)| Image {
+        id,
+        file_name: String::new(),
+        height: 0,
+        width: 0,
+        license: None,
+        coco_url: None,
+        flickr_url: None,
+        date_captured: None,
+        neg_category_ids: Vec::new(),
+        not_exhaustive_category_ids: Vec::new(),
+        extra: Extra::default(),
+    });
+    let categories = (0u64..)
+        .zip(&labels.categories)
+        .map(|(id, category)| Category {
+            id,
+            name: category.name.clone(),
+            supercategory: None,
+            skeleton: None,
+            keypoints: None,
+            frequency: None,
+            isthing: None,
+            extra: Extra::default(),
+        });
+    let objects = labels.objects.iter().enumerate().map(|(idx, object)| {
+        let value = restriction.and_then(|r| r.objects.get(idx)).copied();
+        Annotation {
+            id: number_of(idx),
+            image_id: u64::from(object.image),
+            category_id: u64::from(object.category),
+            bbox: Some(numbers(&object.box_px)),
+            area: Some(match object.kind {
+                // In no range: found once without error, and not to be found.
+                ObjectKind::Ignored => f64::NEG_INFINITY,
+                _ => value.unwrap_or(object.area_px2),
+            }),
+            iscrowd: object.kind == ObjectKind::Crowd,
+            ..blank()
+        }
+    });
+    let found = detections.items.iter().enumerate().map(|(idx, detection)| {
+        let value = restriction.and_then(|r| r.detections.get(idx)).copied();
+        Annotation {
+            id: number_of(idx),
+            image_id: u64::from(detection.image),
+            category_id: u64::from(detection.category),
+            bbox: Some(numbers(&detection.box_px)),
+            area: Some(value.unwrap_or_else(|| detection.box_px.area_px2())),
+            score: Some(detection.score),
+            ..blank()
+        }
+    });
+    let set = |images: Vec<Image>, categories: Vec<Category>, annotations: Vec<Annotation>| {
+        let dataset = Dataset {
+            info: None,
+            images,
+            annotations,
+            categories,
+            licenses: Vec::new(),
+        };
+        Arc::new(COCO::from_dataset(dataset))
+    };
+    let truth = set(images.collect(), categories.collect(), objects.collect());
+    let said = set(Vec::new(), Vec::new(), found.collect());
+    Ok(COCOeval::new(truth, said, IouType::Bbox))
+}
+
+pub(super) fn run(engine: &mut COCOeval) -> Result<(), EvalError> {
+    engine
+        .evaluate()
+        .map_err(|error| EvalError::Rule(format!("hotcoco: {error}")))
+}
+
+fn number_of(idx: usize) -> u64 {
+    u64::try_from(idx).map_or(u64::MAX, |idx| idx + 1)
+}
+
+/// The place of what has this number in the engine.
+pub(super) fn place_of(number: u64) -> u32 {
+    u32::try_from(number.saturating_sub(1)).unwrap_or(u32::MAX)
+}
+
+fn numbers(box_px: &crate::BoxPx) -> [f64; 4] {
+    [box_px.x, box_px.y, box_px.width, box_px.height]
+}
+
+fn blank() -> Annotation {
+    Annotation {
+        id: 0,
+        image_id: 0,
+        category_id: 0,
+        bbox: None,
+        area: None,
+        segmentation: None,
+        iscrowd: false,
+        keypoints: None,
+        num_keypoints: None,
+        obb: None,
+        score: None,
+        is_group_of: None,
+        extra: Extra::default(),
+    }
+}
+
+/// What became of the detections and objects of a cell, at its one threshold.
+fn of_cell(labels: &LabelSet, detections: &Detections, cell: &EvalImg) -> ImageMatches {
+    let box_of_object = |object: u32| {
+        let idx = usize::try_from(object).unwrap_or(usize::MAX);
+        labels.objects.get(idx).map(|object| object.box_px)
+    };
+    let outcome_of = |rank: usize, detection: u32| {
+        if cell.dt_ignore[(0, rank)] {
+            return Outcome::Ignored;
+        }
+        if !cell.dt_matched[(0, rank)] {
+            return Outcome::FalsePositive;
+        }
+        let object = place_of(cell.dt_matches[(0, rank)]);
+        let idx = usize::try_from(detection).unwrap_or(usize::MAX);
+        let boxes = box_of_object(object).zip(detections.items.get(idx));
+        Outcome::TruePositive {
+            object,
+            iou: boxes.map_or(0.0, |(object, said)| object.iou(&said.box_px)),
+        }
+    };
+    let said = cell.dt_ids.iter().zip(&cell.dt_scores).enumerate();
+    let objects = cell.gt_ids.iter().zip(&cell.gt_ignore).enumerate();
+    let small = |id: u64| u32::try_from(id).unwrap_or(u32::MAX);
+    ImageMatches {
+        image: small(cell.image_id),
+        category: small(cell.category_id),
+        detections: said
+            .map(|(rank, (id, score))| MatchedDetection {
+                detection: place_of(*id),
+                score: *score,
+                outcome: outcome_of(rank, place_of(*id)),
+            })
+            .collect(),
+        objects: objects
+            .map(|(idx, (id, is_ignored))| MatchedObject {
+                object: place_of(*id),
+                is_ignored: *is_ignored,
+                detection: cell.gt_matched[(0, idx)].then(|| place_of(cell.gt_matches[(0, idx)])),
+            })
+            .collect(),
+    }
+}
