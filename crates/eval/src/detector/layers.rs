@@ -8,6 +8,9 @@ use crate::EvalError;
 /// Side of the gray image by which a layer is chosen, px.
 const PROBE_SIDE_PX: u32 = 64;
 
+/// Values that are asked for in one run.
+const AT_ONCE: usize = 16;
+
 impl Detector {
     /// The mean of each channel of a layer over the whole input: the feature vector of an image, one
     /// value per channel. Padding around the image is in the mean, alike for images of one shape.
@@ -58,21 +61,26 @@ impl Detector {
         let probe = RgbImage::from_pixel(PROBE_SIDE_PX, PROBE_SIDE_PX, Rgb([128; 3]));
         let name = "a gray image";
         let mut best: Option<(usize, usize, &String)> = None;
-        // One by one: a value that is no floating point fails alone.
-        for value in &self.facts.values {
-            let Ok(found) = self.values(name, &probe, std::slice::from_ref(value)) else {
-                continue;
-            };
-            let Some((shape, _)) = found.first() else {
-                continue;
-            };
+        let shapes = self.facts.values.chunks(AT_ONCE).flat_map(|values| {
+            let all = self.values(name, &probe, values);
+            // A value that is no floating point fails, and alone where they are asked for one by one.
+            let found = all.unwrap_or_else(|_| {
+                let one = |value| self.values(name, &probe, std::slice::from_ref(value));
+                let one = |value| one(value).ok().and_then(|mut found| found.pop());
+                values
+                    .iter()
+                    .map(|value| one(value).unwrap_or_default())
+                    .collect()
+            });
+            values.iter().zip(found)
+        });
+        for (value, (shape, _)) in shapes {
             let &[1, channels, height, width] = shape.as_slice() else {
                 continue;
             };
             let area = height * width;
-            let is_better = best.is_none_or(|(least, most, _)| {
-                area < least || (area == least && channels > most)
-            });
+            let is_better = best
+                .is_none_or(|(least, most, _)| area < least || (area == least && channels > most));
             if height > 1 && width > 1 && channels > 1 && is_better {
                 best = Some((area, channels, value));
             }
