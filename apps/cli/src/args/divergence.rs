@@ -47,6 +47,13 @@ pub(crate) struct DivergenceArgs {
     /// What shows through where an image is transparent
     #[arg(long, value_enum, default_value_t = BackgroundWord::Black)]
     pub(crate) background: BackgroundWord,
+    /// Compare the activations of a layer of this ONNX detector, too: Fréchet distance, KID, MMD
+    #[arg(long, value_name = "FILE.onnx", conflicts_with_all = ["histograms", "features"])]
+    pub(crate) model: Option<PathBuf>,
+    /// Name of the value in the model whose channel means are the features; the widest of its
+    /// coarsest maps unless given
+    #[arg(long, value_name = "NAME", requires = "model")]
+    pub(crate) layer: Option<String>,
     /// Width of the RBF kernel of MMD, in units of the features; 10 is that of CMMD
     #[arg(long, value_name = "X", default_value_t = 10.0)]
     pub(crate) sigma: f64,

@@ -55,8 +55,12 @@ pub(crate) fn run(
         })?;
     }
     with_threads(n_threads, || {
-        let sets = sets::read_all(&args.sets, args, &reading, &interrupt, screen)?;
-        let report = compare_sets(&sets, &reading, &settings, &[])?;
+        let eye = sets::Eye::open(args)?;
+        let sets = sets::read_all(&args.sets, args, &reading, eye.as_ref(), &interrupt, screen)?;
+        let mut report = compare_sets(&sets, &reading, &settings, &[])?;
+        if let Some(eye) = &eye {
+            eye.compare(&sets, args, &settings, &mut report)?;
+        }
         interrupt.check()?;
         show::report(&report, screen);
         let value = serde_json::to_value(&report).map_err(Failure::wrong_input)?;

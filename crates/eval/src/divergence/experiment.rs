@@ -136,16 +136,17 @@ pub struct PaperExperiment {
 /// The paper's comparisons of those sets that are there, and whether simulated and real patterns are
 /// closer to each other than KITTI is to cats ([`DivergenceReport::orderings`]).
 ///
-/// **Source**: the paper, figure of K-L divergences. Its numbers cannot be made again: it names
+/// **Source**: [Prabhakar2025], figure of K-L divergences. Its numbers cannot be made again: it names
 /// neither feature nor bins nor estimator.
 ///
 /// # Errors
 /// As for [`compare_sets`].
 pub fn paper_experiment(
-    mut given: Vec<(PaperRole, ImageSet)>,
+    given: &[(PaperRole, ImageSet)],
     reading: &ReadSettings,
     settings: &CompareSettings,
 ) -> Result<PaperExperiment, EvalError> {
+    let mut given = given.to_vec();
     given.sort_by_key(|(role, _)| *role);
     given.dedup_by_key(|(role, _)| *role);
     let (roles, sets): (Vec<PaperRole>, Vec<ImageSet>) = given.into_iter().unzip();

@@ -1,5 +1,7 @@
 //! The matrix of all pairs as a picture.
 
+use std::sync::Arc;
+
 use kuva::backend::svg::SvgBackend;
 use kuva::prelude::{ColorMap, Figure, Heatmap, Layout, Plot};
 
@@ -41,13 +43,13 @@ pub fn divergence_svg(report: &DivergenceReport) -> String {
         rows.reverse();
         let heat = Heatmap::new()
             .with_data(rows)
-            .with_color_map(ColorMap::Cividis)
+            .with_color_map(ColorMap::Custom(Arc::new(shade)))
             .with_values();
         let panel = vec![Plot::Heatmap(heat)];
         let mut turned = names.clone();
         turned.reverse();
         let layout = Layout::auto_from_plots(&panel)
-            .with_title(format!("{}: JS, nats", feature.name()))
+            .with_title(format!("{}: JS, millinats", feature.name()))
             .with_x_categories(names.clone())
             .with_y_categories(turned)
             .with_x_tick_rotate(-30.0);
@@ -78,13 +80,19 @@ fn matrix(report: &DivergenceReport, feature: Feature) -> Vec<Vec<f64>> {
     };
     let cell = |(i, a): (usize, &str), (j, b): (usize, &str)| {
         let value = if i == j { floor(a) } else { value(a, b) };
-        value.map_or(f64::NAN, |v| (v * 1e4).round() / 1e4)
+        value.map_or(f64::NAN, |v| (v * 1e5).round() / 1e2)
     };
     let names: Vec<&str> = report.sets.iter().map(|set| set.name.as_str()).collect();
     let places = || names.iter().copied().enumerate();
     places()
         .map(|row| places().map(|column| cell(row, column)).collect())
         .collect()
+}
+
+/// White to orange: dark text stays readable on all of it.
+fn shade(share: f64) -> String {
+    let mix = |end: f64| 255.0 - (255.0 - end) * share.clamp(0.0, 1.0);
+    format!("rgb({:.0},{:.0},{:.0})", mix(240.0), mix(150.0), mix(40.0))
 }
 
 fn shortened(name: &str) -> String {

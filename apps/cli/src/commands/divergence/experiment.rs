@@ -5,11 +5,11 @@ use std::process::ExitCode;
 use serde_json::json;
 use starbreak::dataset::SourceFormat;
 use starbreak_eval::divergence::{
-    CompareSettings, Measure, PaperComparison, PaperExperiment, PaperRole, ReadSettings,
+    CompareSettings, ImageSet, Measure, PaperComparison, PaperExperiment, PaperRole, ReadSettings,
     paper_experiment,
 };
 
-use super::sets::Named;
+use super::sets::{Eye, Named};
 use super::{digits, finish, show};
 use crate::args::divergence::DivergenceArgs;
 use crate::failure::Failure;
@@ -23,6 +23,7 @@ pub(super) fn run(
     interrupt: &Interrupt,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
+    let eye = Eye::open(args)?;
     let mut sets = Vec::new();
     for role in PaperRole::ALL {
         let given = &args.experiment;
@@ -46,7 +47,10 @@ pub(super) fn run(
         };
         if let Some(text) = text {
             let named = Named::parse_or(text, role.paper_name(), layout)?;
-            sets.push((role, named.read(args, reading, interrupt, screen)?));
+            sets.push((
+                role,
+                named.read(args, reading, eye.as_ref(), interrupt, screen)?,
+            ));
         }
     }
     if sets.len() < 2 {
@@ -55,7 +59,11 @@ pub(super) fn run(
             PaperRole::ALL.map(PaperRole::flag).join(", ")
         )));
     }
-    let experiment = paper_experiment(sets, reading, settings)?;
+    let mut experiment = paper_experiment(&sets, reading, settings)?;
+    if let Some(eye) = &eye {
+        let sets: Vec<ImageSet> = sets.into_iter().map(|(_, set)| set).collect();
+        eye.compare(&sets, args, settings, &mut experiment.report)?;
+    }
     interrupt.check()?;
     show::report(&experiment.report, screen);
     screen.say("\nThe paper's comparisons (its figure names no feature, bins or estimator, so that only their order can be compared):");

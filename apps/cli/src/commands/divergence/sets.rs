@@ -2,9 +2,14 @@
 
 use std::ffi::{OsStr, OsString};
 
+use image::RgbImage;
 use starbreak::dataset::{Source, SourceFormat, SourceSpec};
 use starbreak::import::{crack_geometry, read_network};
-use starbreak_eval::divergence::{FailedImage, ImageSet, NamedPattern, ReadSettings};
+use starbreak_eval::detector::{Detector, DetectorOptions};
+use starbreak_eval::divergence::{
+    CompareSettings, DivergenceReport, FailedImage, ImageSet, NamedPattern, ReadSettings, VectorOf,
+    compare_vectors,
+};
 
 use super::wide;
 use crate::args::divergence::DivergenceArgs;
@@ -14,6 +19,59 @@ use crate::screen::Screen;
 
 /// Before the folder of crack networks.
 const NETWORKS: &str = "networks:";
+
+/// The model by whose activations images are compared.
+pub(super) struct Eye {
+    detector: Detector,
+    layer: String,
+    origin: String,
+}
+
+impl Eye {
+    /// The model of the command line, if there is one.
+    pub(super) fn open(args: &DivergenceArgs) -> Result<Option<Self>, Failure> {
+        let Some(file) = &args.model else {
+            return Ok(None);
+        };
+        let detector = Detector::open(file, &DetectorOptions::default())?;
+        let layer = match &args.layer {
+            Some(layer) => layer.clone(),
+            None => detector.coarsest_layer()?,
+        };
+        let origin = format!("{}, layer {layer}, channel means", file.display());
+        Ok(Some(Self {
+            detector,
+            layer,
+            origin,
+        }))
+    }
+
+    /// Adds the comparison of activations to each pair of a report; sets of one image have none.
+    pub(super) fn compare(
+        &self,
+        sets: &[ImageSet],
+        args: &DivergenceArgs,
+        settings: &CompareSettings,
+        report: &mut DivergenceReport,
+    ) -> Result<(), Failure> {
+        for pair in &mut report.pairs {
+            let place = |name: &str| sets.iter().position(|set| set.name() == name);
+            let Some((a, b)) = place(&pair.a).zip(place(&pair.b)) else {
+                continue;
+            };
+            let vectors = |at: usize| sets.get(at).and_then(ImageSet::vectors);
+            let (Some(of_a), Some(of_b)) = (vectors(a), vectors(b)) else {
+                continue;
+            };
+            if of_a.n() < 2 || of_b.n() < 2 {
+                continue;
+            }
+            let compared = compare_vectors(of_a, of_b, &self.origin, args.sigma, [a, b], settings)?;
+            pair.activations = Some(compared);
+        }
+        Ok(())
+    }
+}
 
 /// A set that was named.
 pub(super) struct Named {
@@ -80,6 +138,7 @@ impl Named {
         &self,
         args: &DivergenceArgs,
         reading: &ReadSettings,
+        eye: Option<&Eye>,
         interrupt: &Interrupt,
         screen: &Screen,
     ) -> Result<ImageSet, Failure> {
@@ -90,12 +149,21 @@ impl Named {
         }
         let n = source.images().take(limit.unwrap_or(usize::MAX)).count();
         let progress = screen.progress(u64::try_from(n).unwrap_or(u64::MAX), "images");
+        let vector_of = |image: &RgbImage| -> Result<Vec<f32>, String> {
+            let Some(eye) = eye else {
+                return Ok(Vec::new());
+            };
+            let found = eye
+                .detector
+                .pooled_activations(&self.name, image, &eye.layer);
+            found.map_err(|error| error.to_string())
+        };
         let set = ImageSet::read(
             &self.name,
             &source,
             reading,
             limit,
-            None,
+            eye.map(|_| &vector_of as &VectorOf<'_>),
             interrupt.flag(),
             &|| progress.step(),
         );
@@ -117,6 +185,7 @@ pub(super) fn read_all(
     texts: &[OsString],
     args: &DivergenceArgs,
     reading: &ReadSettings,
+    eye: Option<&Eye>,
     interrupt: &Interrupt,
     screen: &Screen,
 ) -> Result<Vec<ImageSet>, Failure> {
@@ -140,7 +209,7 @@ pub(super) fn read_all(
     }
     named
         .iter()
-        .map(|set| set.read(args, reading, interrupt, screen))
+        .map(|set| set.read(args, reading, eye, interrupt, screen))
         .collect()
 }
 

@@ -29,7 +29,7 @@ pub struct FrechetDistance {
 
 /// The Fréchet distance of two sets of feature vectors.
 ///
-/// **Source**: [DowsonLandau1982], [Heusel2017]; shrinkage [LedoitWolf2004], equation 14, towards
+/// **Source**: [DowsonLandau1982], [Heusel2017]; shrinkage [LedoitWolf2004], towards
 /// the mean variance times the identity.
 ///
 /// # Errors

@@ -88,7 +88,7 @@ pub fn histogram_divergence(
 /// First Wasserstein distance of bins around a circle (angles), in widths of a bin:
 /// `Σ |D_k − median(D)|` with `D = F_P − F_Q`.
 ///
-/// **Source**: [Rabin2011], section 3: on the circle the cumulative sums may begin anywhere, and the median
+/// **Source**: [Rabin2011]: on the circle the cumulative sums may begin anywhere, and the median
 /// is the best beginning.
 ///
 /// # Errors
