@@ -71,16 +71,6 @@ pub enum DatasetError {
         /// What is wrong.
         reason: String,
     },
-    /// A file that is not an array of floats.
-    #[error(
-        "{name:?} is not a NumPy file of floats: {reason}; write it with numpy.save of a float32 or float64 array"
-    )]
-    BadArray {
-        /// The file.
-        name: String,
-        /// Why not.
-        reason: String,
-    },
     /// A text file that is not UTF-8.
     #[error("{name:?} is not UTF-8 text from byte {at} on; save it as UTF-8")]
     NotText {
