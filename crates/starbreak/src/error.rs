@@ -83,6 +83,14 @@ pub enum Error {
         /// Their qualities.
         qualities: [u8; 2],
     },
+    /// A detector or a condition of a study without results.
+    #[error("the study has no results of detector {detector}, condition {condition}; run it again")]
+    StudyCell {
+        /// Which detector, from 0.
+        detector: usize,
+        /// Which condition, from 0.
+        condition: usize,
+    },
     /// A network in mm where nothing says how far away its pane is.
     #[error(
         "the network is in mm, but the recipe has no [glass] that says where the pane stands; use a preset of the          physics, such as windshield-star"

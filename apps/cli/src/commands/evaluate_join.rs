@@ -166,7 +166,7 @@ fn files_of(path: &Path) -> Vec<PathBuf> {
 }
 
 /// The label files of KITTI, where they are in their usual places.
-fn label_files(root: &Path) -> Vec<PathBuf> {
+pub(super) fn label_files(root: &Path) -> Vec<PathBuf> {
     let places = ["training/label_2", "label_2"];
     let found = places
         .iter()
@@ -179,7 +179,7 @@ fn label_files(root: &Path) -> Vec<PathBuf> {
 }
 
 /// The command line as a shell takes it.
-fn command() -> String {
+pub(super) fn command() -> String {
     let word = |word: std::ffi::OsString| {
         let word = word.to_string_lossy().into_owned();
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);

@@ -20,6 +20,8 @@ mod plot;
 mod recipe;
 mod shell;
 mod simulate;
+mod study;
+mod study_report;
 mod sweep;
 mod verify;
 mod video;
@@ -131,6 +133,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
         },
         Verb::Video(args) => video::run(global, args, screen),
         Verb::Evaluate(args) => evaluate::run(global, &args, screen),
+        Verb::Study(args) => study::run(global, &args, screen),
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
         Verb::Bench {
             output,

@@ -1,6 +1,7 @@
 //! What is really in the images: images, categories and labeled objects.
 
 mod coco;
+mod kept;
 pub(crate) mod kitti;
 mod open;
 mod pooled;

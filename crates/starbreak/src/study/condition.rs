@@ -88,7 +88,8 @@ pub fn conditions(
 }
 
 /// A name that any file system takes, never empty and never hidden.
-pub(super) fn folder_name(name: &str) -> String {
+#[must_use]
+pub fn folder_name(name: &str) -> String {
     let plain: String = name
         .chars()
         .map(|c| match c {

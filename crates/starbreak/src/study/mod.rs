@@ -12,9 +12,10 @@
 
 mod arm;
 mod condition;
+mod numbers;
 mod run;
 mod set;
 
 pub use arm::UnseenImage;
-pub use condition::{Condition, Family, conditions};
+pub use condition::{Condition, Family, conditions, folder_name};
 pub use run::{DetectorRuns, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns};
