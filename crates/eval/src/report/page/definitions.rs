@@ -66,7 +66,7 @@ const TERMS: &[Term] = &[
         word: "Kinds of errors (TIDE)",
         meaning: "What AP50 would gain if all errors of a kind were mended: wrong class in the right place, \
                   poor overlap, both, a second detection of the same object, a detection of nothing, an object \
-                  missed. The kinds do not add up to 100.",
+                  missed. Mending one kind changes the others, so they do not add up.",
     },
     Term {
         word: "mPC and rPC",

@@ -54,8 +54,10 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
     let all = rates.iter().filter(|row| row.group.kind == GroupKind::All);
     let mut blocks = vec![Block::Table {
         table: rate_table(
+            true,
             "All classes, in the region and outside of it: lost and recovered objects, with Wilson's 95 % \
-             intervals; p of McNemar's exact test of lost against recovered.",
+             intervals, which take objects as independent, and beside them intervals over images, which do \
+             not; p of McNemar's exact test of lost against recovered.",
             "Where",
             all.map(|row| (words::scope(&row.scope), row)),
         ),
@@ -75,6 +77,7 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
              the classes."
         );
         let table = rate_table(
+            false,
             &caption,
             "Class",
             groups.into_iter().map(|row| (group_name(&row.group), row)),
@@ -92,26 +95,28 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
 }
 
 fn rate_table<'a>(
+    has_images: bool,
     caption: &str,
     what: &'static str,
     rows: impl Iterator<Item = (String, &'a FailureRow)>,
 ) -> Table {
-    let mut table = Table::new(
-        caption,
-        &[
-            (what, false),
-            ("Objects", true),
-            ("Found clean", true),
-            ("Found cracked", true),
-            ("Lost", true),
-            ("Recovered", true),
-            ("Failure rate, %", true),
-            ("p", true),
-        ],
-    );
+    let mut columns = vec![
+        (what, false),
+        ("Objects", true),
+        ("Found clean", true),
+        ("Found cracked", true),
+        ("Lost", true),
+        ("Recovered", true),
+        ("Failure rate, %", true),
+    ];
+    if has_images {
+        columns.push(("Over images, %", true));
+    }
+    columns.push(("p", true));
+    let mut table = Table::new(caption, &columns);
     for (name, row) in rows {
         let rate = table.estimate(&row.failure_rate, words::percent);
-        table.push(vec![
+        let mut cells = vec![
             Cell::head(name),
             Cell::count(row.n_objects),
             Cell::count(row.n_found_clean),
@@ -119,8 +124,17 @@ fn rate_table<'a>(
             Cell::count(row.n_lost),
             Cell::count(row.n_recovered),
             rate,
-            Cell::probability(row.p_holm.or(row.p)),
-        ]);
+        ];
+        if has_images {
+            let ends = row.failure_rate_over_images.as_ref();
+            let ends = ends.and_then(Estimate::interval);
+            cells.push(Cell::text(ends.map_or_else(
+                || words::NOTHING.to_owned(),
+                |[low, high]| format!("[{}, {}]", words::percent(low), words::percent(high)),
+            )));
+        }
+        cells.push(Cell::probability(row.p_holm.or(row.p)));
+        table.push(cells);
     }
     table
 }

@@ -90,10 +90,10 @@ fn plural(n: usize, what: &str) -> String {
 /// The findings, one sentence each.
 pub(super) fn facts(study: &Study) -> Vec<String> {
     let mut facts = Vec::new();
+    if study.evaluations.len() > 4 {
+        return facts_of_many(study);
+    }
     for one in &study.evaluations {
-        if study.evaluations.len() > 6 {
-            break;
-        }
         let who = format!("{}, {}", one.detector, one.condition.name);
         if let Some(row) = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)
             && let (Some(clean), Some(cracked), Some(delta)) =
@@ -134,6 +134,65 @@ pub(super) fn facts(study: &Study) -> Vec<String> {
         }
     }
     facts
+}
+
+/// The same of many conditions: from which to which value, per detector.
+fn facts_of_many(study: &Study) -> Vec<String> {
+    let mut detectors: Vec<&str> = Vec::new();
+    for one in &study.evaluations {
+        if !detectors.contains(&one.detector.as_str()) {
+            detectors.push(&one.detector);
+        }
+    }
+    let fact = |detector: &&str| {
+        let of_detector: Vec<&Evaluation> = study
+            .evaluations
+            .iter()
+            .filter(|one| one.detector == *detector)
+            .collect();
+        let deltas = of_detector.iter().filter_map(|one| {
+            headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)?
+                .delta
+                .value
+        });
+        let rates = |kind| {
+            let rate =
+                move |one: &&Evaluation| headline_failure(study, one, kind)?.failure_rate.value;
+            span(of_detector.iter().filter_map(rate))
+        };
+        let [least, most] = span(deltas)?;
+        let mut text = format!(
+            "{detector}: over {} conditions AP50 in the region changes by {} to {} points",
+            of_detector.len(),
+            words::signed_percent(least),
+            words::signed_percent(most),
+        );
+        for (kind, place) in [
+            (ScopeKind::InRegion, "in the region"),
+            (ScopeKind::OutOfRegion, "outside of it"),
+        ] {
+            if let Some([least, most]) = rates(kind) {
+                text.push_str(&format!(
+                    "; {place} {} to {} % of the objects found clean are lost",
+                    words::percent(least),
+                    words::percent(most),
+                ));
+            }
+        }
+        text.push('.');
+        Some(words::name(&text))
+    };
+    detectors.iter().filter_map(fact).collect()
+}
+
+/// Least and greatest of values.
+fn span(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    values.fold(None, |ends: Option<[f64; 2]>, value| {
+        Some(match ends {
+            None => [value, value],
+            Some([least, most]) => [least.min(value), most.max(value)],
+        })
+    })
 }
 
 pub(super) fn section(study: &Study) -> Section {

@@ -57,6 +57,13 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
             table: paired_table(evaluation, main),
         });
     }
+    // The control first, then everything, then other thresholds.
+    let rank = |scope: &Scope| match (scope.kind, is_own_tau(study, scope.tau)) {
+        (ScopeKind::OutOfRegion, true) => 0,
+        (ScopeKind::WholeImage, _) => 1,
+        _ => 2,
+    };
+    scopes.sort_by_key(|scope| rank(scope));
     for scope in scopes {
         if Some(scope) == main {
             continue;
@@ -68,6 +75,10 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
             }],
         });
     }
+    blocks.extend(subset_table(evaluation).map(|table| Block::Fold {
+        title: "By coverage, and by size in the region".to_owned(),
+        blocks: vec![Block::Table { table }],
+    }));
     blocks.extend(coco_table(evaluation).map(|table| Block::Fold {
         title: "The twelve numbers of MS-COCO, whole images".to_owned(),
         blocks: vec![Block::Table { table }],
@@ -267,6 +278,37 @@ fn paired_table(evaluation: &Evaluation, scope: &Scope) -> Table {
         ));
     }
     table
+}
+
+/// AP50 of all classes by bin of coverage and by size.
+fn subset_table(evaluation: &Evaluation) -> Option<Table> {
+    let mut table = Table::new(
+        "AP50 of all classes by how much of an object the region covers, and by its size, percent; without \
+         intervals.",
+        &[
+            ("Objects of", false),
+            ("Objects", true),
+            ("Images", true),
+            ("AP50 clean", true),
+            ("AP50 cracked", true),
+        ],
+    );
+    let all = |row: &&crate::SubsetRow| row.group.kind == GroupKind::All;
+    for row in evaluation.subsets.iter().filter(all) {
+        let clean = table.estimate(&row.clean_ap50, words::percent);
+        let cracked = match &row.cracked_ap50 {
+            Some(cracked) => table.estimate(cracked, words::percent),
+            None => Cell::text(words::NOTHING),
+        };
+        table.push(vec![
+            Cell::head(&row.subset),
+            Cell::count(row.n_objects),
+            Cell::count(row.n_images),
+            clean,
+            cracked,
+        ]);
+    }
+    (!table.rows.is_empty()).then_some(table)
 }
 
 fn coco_table(evaluation: &Evaluation) -> Option<Table> {
