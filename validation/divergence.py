@@ -72,7 +72,7 @@ def known_answers(folder):
         for family, entries in expected.items():
             for want, have in zip(entries, got[family], strict=True):
                 for key, value in want.items():
-                    error = abs(have[key] - value) / max(abs(value), 1e-3)
+                    error = abs(have[key] - value) / abs(value)
                     worst[family, key] = max(worst.get((family, key), 0), error)
     failed = 0
     for (family, key), error in worst.items():

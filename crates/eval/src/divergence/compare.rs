@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::draws::{Purpose, multiplicities, stream, subset};
+use super::draws::{Purpose, coins, multiplicities, stream, subset};
 use super::features::{BinAxis, Feature};
 use super::measures::{HistogramDivergence, circular_w1_bins, histogram_divergence};
-use super::notes::{n_shared, notes};
+use super::notes::{are_paired, n_shared, notes};
 use super::report::{
     CompareSettings, DEFINITION, DivergenceReport, Estimate, FeatureComparison, FeatureOrdering,
     Measure, OrderingTest, PairComparison, REPORT_SCHEMA, SetFloor,
@@ -115,6 +115,7 @@ pub fn compare_sets(
             n_a: set_a.items.len(),
             n_b: set_b.items.len(),
             n_shared: n_shared(set_a, set_b),
+            is_paired: are_paired(set_a, set_b),
             features: by_feature
                 .map(|(at, (feature, values))| spread.feature(at, *feature, values))
                 .collect(),
@@ -305,7 +306,7 @@ impl Comparison<'_> {
         self.sets.iter().zip(floors).filter_map(of_set).collect()
     }
 
-    /// Values of all images of both sets, labeled anew; none where there are only two.
+    /// Values of all images of both sets, labeled anew (of paired sets: inside each pair); none where there are only two.
     fn permutations(&self, [a, b]: [usize; 2]) -> Vec<Vec<Values>> {
         let (Some(set_a), Some(set_b)) = (self.sets.get(a), self.sets.get(b)) else {
             return Vec::new();
@@ -315,13 +316,21 @@ impl Comparison<'_> {
         if n_items < 3 {
             return Vec::new();
         }
+        let is_paired = are_paired(set_a, set_b);
         let whole = self.pooled(items(), |_| 1);
         let n_a = set_a.items.len();
         // The smaller set is summed, the larger is what is left.
         let n_picked = n_a.min(n_items - n_a);
         let relabel = |index: usize| {
             let mut random = stream(self.settings.seed, Purpose::Permutation, [a, b], index);
-            let is_picked = subset(&mut random, n_items, n_picked);
+            let is_picked = if is_paired {
+                // Of each image one of its two versions.
+                let flips = coins(&mut random, n_a);
+                let others = flips.iter().map(|flip| !flip);
+                flips.iter().copied().chain(others).collect()
+            } else {
+                subset(&mut random, n_items, n_picked)
+            };
             let picked = self.pooled(items(), |item| {
                 is_picked.get(item).map_or(0, |p| u32::from(*p))
             });

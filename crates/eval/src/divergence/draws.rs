@@ -65,6 +65,11 @@ pub(super) fn subset(random: &mut ChaCha8Rng, n: usize, part: usize) -> Vec<bool
     is_picked
 }
 
+/// `n` fair coins.
+pub(super) fn coins(random: &mut ChaCha8Rng, n: usize) -> Vec<bool> {
+    (0..n).map(|_| random.next_u64() >> 63 == 1).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -11,6 +11,14 @@ pub(super) fn n_shared(a: &ImageSet, b: &ImageSet) -> usize {
     a.items.iter().filter(|item| is_there(&item.sha256)).count()
 }
 
+/// Whether both sets have the same images by name: a clean set and its cracked twin.
+pub(super) fn are_paired(a: &ImageSet, b: &ImageSet) -> bool {
+    let names = |set: &ImageSet| -> Vec<String> {
+        set.items.iter().map(|item| item.name.clone()).collect()
+    };
+    a.items.len() > 1 && names(a) == names(b)
+}
+
 /// One line for each thing.
 pub(super) fn notes(sets: &[ImageSet], pairs: &[PairComparison]) -> Vec<String> {
     let mut notes = Vec::new();

@@ -82,7 +82,7 @@ pub struct Estimate {
     /// Value over floor: about 1 or less where there is no difference to be seen.
     pub effect: Option<f64>,
     /// Share of random relabelings of all images of both that are at least as far apart,
-    /// `(1 + k) / (1 + n)`.
+    /// `(1 + k) / (1 + n)`; of [paired](PairComparison::is_paired) sets inside each pair.
     pub p_value: Option<f64>,
 }
 
@@ -140,6 +140,9 @@ pub struct PairComparison {
     pub n_b: usize,
     /// Files that are in both, by their bytes.
     pub n_shared: usize,
+    /// Whether both have the same images by name, such as a clean set and its cracked twin: then the
+    /// p-values of features exchange the two versions of an image, and see much smaller differences.
+    pub is_paired: bool,
     /// By feature.
     pub features: Vec<FeatureComparison>,
     /// By activations, where there are any.

@@ -32,8 +32,16 @@ pub(super) fn report(report: &DivergenceReport, screen: &Screen) {
 
 fn pair(pair: &PairComparison, screen: &Screen) {
     screen.say(&format!(
-        "\n{} ({}) | {} ({})",
-        pair.a, pair.n_a, pair.b, pair.n_b
+        "\n{} ({}) | {} ({}){}",
+        pair.a,
+        pair.n_a,
+        pair.b,
+        pair.n_b,
+        if pair.is_paired {
+            ", the same images by name: p exchanges the two versions of each"
+        } else {
+            ""
+        }
     ));
     screen.say(&format!(
         "  {:<15} {:>10} {:>23} {:>10} {:>8} {:>7} {:>10} {:>10} {:>22}",
