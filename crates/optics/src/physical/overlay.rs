@@ -303,9 +303,9 @@ impl Run {
     fn influence_codes(&self, threshold: f32, visible: [f32; 3]) -> [u8; CHUNK] {
         std::array::from_fn(|k| {
             let mut influences = false;
-            for c in 0..3 {
+            for (c, visible) in visible.into_iter().enumerate() {
                 influences |= (1.0 - self.keep[c][k]).abs() >= threshold;
-                influences |= self.add[c][k].abs() >= visible[c];
+                influences |= self.add[c][k].abs() >= visible;
             }
             u8::from(influences).wrapping_neg()
         })

@@ -89,7 +89,7 @@ fn bin(light: f32) -> usize {
     )]
     let bin = (light * BINS as f32) as i32;
     // By way of 32 bits with a sign, which a processor converts to at once.
-    bin.max(0).unsigned_abs().min(BINS as u32 - 1) as usize
+    (bin.max(0).unsigned_abs() as usize).min(BINS - 1)
 }
 
 /// Least light of the code after each; NaN, which nothing reaches, after the last.
