@@ -1,5 +1,6 @@
 //! What is really in the images: images, categories and labeled objects.
 
+mod clusters;
 mod coco;
 pub(crate) mod kitti;
 mod open;
