@@ -1,5 +1,6 @@
 //! What is really in the images: images, categories and labeled objects.
 
+mod clusters;
 mod coco;
 mod kept;
 pub(crate) mod kitti;

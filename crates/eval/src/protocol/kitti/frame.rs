@@ -2,7 +2,7 @@
 
 use super::{KittiClass, KittiDifficulty};
 use crate::protocol::engine::Restriction;
-use crate::{KittiDetections, KittiLabels};
+use crate::{KittiDetections, KittiFacts, KittiLabels};
 
 /// What is in a frame.
 pub(super) struct Frame<'a> {
@@ -125,12 +125,13 @@ impl Frame<'_> {
     }
 
     pub(super) fn objects_of(&self, class: KittiClass, difficulty: KittiDifficulty) -> Vec<Part> {
-        let (min_height, max_occlusion, max_truncation) = difficulty.limits();
         let part_of = |object: &Thing<'_>| {
-            let [_, y0, _, y1] = object.corners_px;
-            let is_hard = object.occlusion > max_occlusion
-                || object.truncation > max_truncation
-                || y1 - y0 < min_height;
+            let facts = KittiFacts {
+                corners_px: object.corners_px,
+                truncation: object.truncation,
+                occlusion: object.occlusion,
+            };
+            let is_hard = is_hard(&facts, difficulty);
             match Self::is_near(object, class) {
                 false => Part::Absent,
                 true if !object.name.eq_ignore_ascii_case(class.name()) => Part::Ignored,
@@ -146,10 +147,8 @@ impl Frame<'_> {
         class: KittiClass,
         difficulty: KittiDifficulty,
     ) -> Vec<Part> {
-        let (min_height, ..) = difficulty.limits();
         let part_of = |detection: &Thing<'_>| {
-            let [_, y0, _, y1] = detection.corners_px;
-            if (y0 - y1).abs().trunc() < min_height {
+            if is_low(&detection.corners_px, difficulty) {
                 Part::Ignored
             } else if detection.name.eq_ignore_ascii_case(class.name()) {
                 Part::Counts
@@ -267,6 +266,20 @@ impl Frame<'_> {
 pub(super) struct Parts {
     pub(super) objects: Vec<Part>,
     pub(super) detections: Vec<Part>,
+}
+
+/// Whether an object is harder than those that are to be found.
+pub(super) fn is_hard(facts: &KittiFacts, difficulty: KittiDifficulty) -> bool {
+    let (min_height, max_occlusion, max_truncation) = difficulty.limits();
+    let [_, y0, _, y1] = facts.corners_px;
+    facts.occlusion > max_occlusion || facts.truncation > max_truncation || y1 - y0 < min_height
+}
+
+/// Whether a detection is too low, in whole pixels.
+pub(super) fn is_low(corners_px: &[f64; 4], difficulty: KittiDifficulty) -> bool {
+    let (min_height, ..) = difficulty.limits();
+    let [_, y0, _, y1] = corners_px;
+    (y0 - y1).abs().trunc() < min_height
 }
 
 /// What an overlap is a share of.

@@ -5,6 +5,9 @@
 //! so that it may take an object; objects choose detections, in the order of the file.
 
 mod frame;
+mod rules;
+
+pub use rules::{KittiMatchRule, match_kitti};
 
 use super::curve::exact;
 use super::engine::Restriction;
