@@ -98,7 +98,17 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
         ],
         "solvers do not serialize; serialization is a boundary",
     ),
-    ("toml", &["starbreak"], "only a recipe is TOML"),
+    (
+        "toml",
+        &["starbreak", "starbreak-eval"],
+        "only a recipe and a detector's contract are TOML",
+    ),
+    (
+        "rten",
+        &["starbreak-eval"],
+        "only evaluation runs detectors",
+    ),
+    ("ort", &["starbreak-eval"], "only evaluation runs detectors"),
     ("roxmltree", &["starbreak"], "only an import reads SVG"),
     ("simplecss", &["starbreak"], "only an import reads SVG"),
     ("svgtypes", &["starbreak"], "only an import reads SVG"),

@@ -72,7 +72,7 @@ fn bytes_that_flip_give_an_error_or_a_model_but_no_panic() {
     let whole = yolox().bytes();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.onnx");
-    for place in 0..whole.len() {
+    for place in (0..whole.len()).step_by(3) {
         let mut bytes = whole.clone();
         let flipped = bytes.get_mut(place).unwrap();
         *flipped ^= 0x2a;

@@ -6,6 +6,8 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text};
+use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text, same_file};
+use starbreak_eval::EvalError;
 use starbreak_eval::detector::{
     Backend, Contract, Detector, DetectorOptions, Device, ImageToSee, LabelMap, LabelRules, Seen,
     preset_names,
@@ -33,12 +35,14 @@ pub(crate) fn run(
     else {
         return list_contracts(screen);
     };
+    refuse_output(args, model, output)?;
     let source = Source::open(&SourceSpec::parse(source)?)?;
     let detector = Detector::open(model, &options_of(args)?)?;
     say_contract(&detector, screen);
     let images = images_of(&source, args.limit, screen)?;
     let numbers = Numbers::of(&source, &images, detector.classes())?;
     let map = label_map(args, &source, &detector, &numbers)?;
+    say_contract(&detector, screen);
     say_unmapped(&map, screen);
 
     let interrupt = Interrupt::listen();
@@ -95,6 +99,18 @@ pub(super) fn say_contract(detector: &Detector, screen: &Screen) {
         contract.score_threshold,
         contract.max_detections
     ));
+/// The output is none of the inputs, and can be written: better said before the work than after.
+fn refuse_output(args: &DetectArgs, model: &Path, output: &Path) -> Result<(), Failure> {
+    let contract = args.contract.as_deref().map(Path::new);
+    let inputs = [Some(model), contract, args.label_map.as_deref()];
+    if let Some(input) = inputs.into_iter().flatten().find(|&i| same_file(i, output)) {
+        return Err(Failure::wrong_input(format!(
+            "the output {output:?} would replace the input {input:?}; choose another name"
+        )));
+    }
+    let mut trial = OutputBatch::new_unsynced();
+    trial.stage(output, b"")?;
+    Ok(())
 }
 
 /// What is said of a run.
@@ -200,6 +216,24 @@ fn label_map(
 }
 
 pub(super) fn say_unmapped(map: &LabelMap, screen: &Screen) {
+fn say_contract(detector: &Detector, screen: &Screen) {
+    let contract = detector.contract();
+    screen.note(&format!(
+        "contract {}, because {}: {}",
+        contract.name,
+        detector.reason(),
+        contract.about
+    ));
+    screen.note(&format!(
+        "{} classes by {}; scores from {} on, at most {} detections per image",
+        contract.classes.names.iter().flatten().count(),
+        contract.classes.origin,
+        contract.score_threshold,
+        contract.max_detections
+    ));
+}
+
+fn say_unmapped(map: &LabelMap, screen: &Screen) {
     let list = |names: &[String]| {
         let mut text: Vec<&str> = names.iter().take(MOST_NAMED).map(String::as_str).collect();
         if names.len() > MOST_NAMED {

@@ -1,0 +1,172 @@
+//! `starbreak detect`: a detector over a dataset, whole results or none.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+mod common;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use common::{all_refused, folder, json, names, skipped, starbreak, succeed, write_photo};
+use serde_json::Value;
+
+/// A file or folder of the shared data, or `None` with a note on the error output.
+fn shared(name: &str) -> Option<PathBuf> {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    skipped(&format!("{} is not there", path.display()));
+    None
+}
+
+#[test]
+fn boxes_carry_the_numbers_of_the_labels_and_do_not_depend_on_threads() {
+    let (Some(model), Some(data)) = (shared("onnx/FastestDet.onnx"), shared("coco96")) else {
+        return;
+    };
+    let dir = folder();
+    let source = format!("coco:{}", data.display());
+    let model = model.to_string_lossy().into_owned();
+    let detect = |out: &str, threads: &str| {
+        let args = ["detect", "--json", "--model", &model, &source, "-o", out];
+        succeed(
+            dir.path(),
+            &[&args[..], &["--limit", "6", "--threads", threads]].concat(),
+        )
+    };
+    let outcome = detect("one.json", "1");
+    assert!(
+        outcome.stderr.contains("contract fastestdet, because"),
+        "{outcome:?}"
+    );
+    detect("three.json", "3");
+    let read = |name: &str| fs::read(dir.path().join(name)).unwrap();
+    assert_eq!(read("one.json"), read("three.json"), "the same bytes");
+    let annotations = fs::read_dir(data.join("annotations"))
+        .unwrap()
+        .next()
+        .unwrap();
+    let labels = json(&annotations.unwrap().path());
+    let ids = |list: &str| -> Vec<i64> {
+        let items = labels[list].as_array().unwrap();
+        items
+            .iter()
+            .map(|item| item["id"].as_i64().unwrap())
+            .collect()
+    };
+    let (images, categories) = (ids("images"), ids("categories"));
+    let boxes = json(&dir.path().join("one.json"));
+    let boxes: &Vec<Value> = boxes.as_array().unwrap();
+    let said: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(
+        said["n_detections"].as_u64(),
+        Some(boxes.len() as u64),
+        "{said}"
+    );
+    assert!(boxes.len() > 100, "only {} boxes", boxes.len());
+    for found in boxes {
+        assert!(
+            images.contains(&found["image_id"].as_i64().unwrap()),
+            "{found}"
+        );
+        assert!(
+            categories.contains(&found["category_id"].as_i64().unwrap()),
+            "{found}"
+        );
+        assert_eq!(found["bbox"].as_array().unwrap().len(), 4, "{found}");
+    }
+}
+
+#[test]
+fn an_image_that_is_none_is_listed_and_the_others_are_done() {
+    let Some(model) = shared("onnx/FastestDet.onnx") else {
+        return;
+    };
+    let dir = folder();
+    fs::create_dir(dir.path().join("photos")).unwrap();
+    write_photo(&dir.path().join("photos/good.png"));
+    fs::write(dir.path().join("photos/bad.png"), b"no image").unwrap();
+    let model = model.to_string_lossy().into_owned();
+    let args = [
+        "detect",
+        "--json",
+        "--model",
+        &model,
+        "folder:photos",
+        "-o",
+        "dt.json",
+    ];
+    let outcome = starbreak(dir.path(), &args);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(
+        outcome.stderr.contains("1 of 2 images failed"),
+        "{outcome:?}"
+    );
+    let said: Value = serde_json::from_str(&outcome.stdout).unwrap();
+    assert_eq!(said["failed"][0]["name"], "bad.png", "{said}");
+    let boxes = json(&dir.path().join("dt.json"));
+    let is_second = |found: &Value| found["image_id"] == 2;
+    assert!(boxes.as_array().unwrap().iter().all(is_second), "{boxes}");
+}
+
+#[test]
+fn what_cannot_work_is_refused_before_anything_is_written() {
+    let dir = folder();
+    fs::create_dir(dir.path().join("photos")).unwrap();
+    write_photo(&dir.path().join("photos/good.png"));
+    fs::write(dir.path().join("text.onnx"), "no model").unwrap();
+    fs::write(
+        dir.path().join("mine.toml"),
+        "schema = 1\npreset = \"yolov9\"\n",
+    )
+    .unwrap();
+    let detect = |more: &[&'static str]| [&["detect", "folder:photos"][..], more].concat();
+    all_refused(
+        dir.path(),
+        &[
+            (detect(&["-o", "dt.json"]), "--model"),
+            (
+                detect(&["--model", "text.onnx", "-o", "dt.json"]),
+                "it is text",
+            ),
+            (
+                detect(&["--model", "none.onnx", "-o", "dt.json"]),
+                "none.onnx",
+            ),
+            (
+                detect(&["--model", "text.onnx", "-o", "text.onnx"]),
+                "would replace",
+            ),
+            (detect(&["--model", "text.onnx", "-o", "photos"]), "photos"),
+            (
+                detect(&["--model", "text.onnx", "-o", "a", "--contract", "yolov99"]),
+                "did you mean \"yolov",
+            ),
+            (
+                detect(&["--model", "text.onnx", "-o", "a", "--contract", "mine.toml"]),
+                "yolov9",
+            ),
+            (
+                detect(&[
+                    "--model",
+                    "text.onnx",
+                    "-o",
+                    "a",
+                    "--score-threshold",
+                    "1.5",
+                ]),
+                "0 to 1",
+            ),
+            (
+                detect(&["--model", "text.onnx", "-o", "a", "--cuda"]),
+                "--onnxruntime",
+            ),
+        ],
+    );
+    let listed = succeed(dir.path(), &["detect", "--list-contracts"]);
+    assert!(
+        listed.stdout.contains("torchvision-fasterrcnn"),
+        "{listed:?}"
+    );
+    assert_eq!(names(dir.path()).len(), 3, "nothing was written");
+}
