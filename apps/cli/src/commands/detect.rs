@@ -5,9 +5,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text};
 use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text, same_file};
-use starbreak_eval::EvalError;
 use starbreak_eval::detector::{
     Backend, Contract, Detector, DetectorOptions, Device, ImageToSee, LabelMap, LabelRules, Seen,
     preset_names,
@@ -38,7 +36,6 @@ pub(crate) fn run(
     refuse_output(args, model, output)?;
     let source = Source::open(&SourceSpec::parse(source)?)?;
     let detector = Detector::open(model, &options_of(args)?)?;
-    say_contract(&detector, screen);
     let images = images_of(&source, args.limit, screen)?;
     let numbers = Numbers::of(&source, &images, detector.classes())?;
     let map = label_map(args, &source, &detector, &numbers)?;
@@ -99,6 +96,8 @@ pub(super) fn say_contract(detector: &Detector, screen: &Screen) {
         contract.score_threshold,
         contract.max_detections
     ));
+}
+
 /// The output is none of the inputs, and can be written: better said before the work than after.
 fn refuse_output(args: &DetectArgs, model: &Path, output: &Path) -> Result<(), Failure> {
     let contract = args.contract.as_deref().map(Path::new);
@@ -216,24 +215,6 @@ fn label_map(
 }
 
 pub(super) fn say_unmapped(map: &LabelMap, screen: &Screen) {
-fn say_contract(detector: &Detector, screen: &Screen) {
-    let contract = detector.contract();
-    screen.note(&format!(
-        "contract {}, because {}: {}",
-        contract.name,
-        detector.reason(),
-        contract.about
-    ));
-    screen.note(&format!(
-        "{} classes by {}; scores from {} on, at most {} detections per image",
-        contract.classes.names.iter().flatten().count(),
-        contract.classes.origin,
-        contract.score_threshold,
-        contract.max_detections
-    ));
-}
-
-fn say_unmapped(map: &LabelMap, screen: &Screen) {
     let list = |names: &[String]| {
         let mut text: Vec<&str> = names.iter().take(MOST_NAMED).map(String::as_str).collect();
         if names.len() > MOST_NAMED {
