@@ -56,6 +56,12 @@ impl From<starbreak::RecipeError> for Failure {
     }
 }
 
+impl From<starbreak_eval::EvalError> for Failure {
+    fn from(error: starbreak_eval::EvalError) -> Self {
+        Self::wrong_input(error)
+    }
+}
+
 impl From<DatasetError> for Failure {
     fn from(error: DatasetError) -> Self {
         Self::wrong_input(error)

@@ -49,6 +49,16 @@ pub enum DatasetError {
         /// How many values there are.
         n_values: usize,
     },
+    /// A file that is not an array of floats.
+    #[error(
+        "{name:?} is not a NumPy file of floats: {reason}; write it with numpy.save of a float32 or float64 array"
+    )]
+    BadArray {
+        /// The file.
+        name: String,
+        /// Why not.
+        reason: String,
+    },
     /// A JSON file that is none, or that has another form than lists of records.
     #[error(
         "{path:?} is not the JSON it should be from byte {at_byte} on: {reason}; write or copy it again"

@@ -2,6 +2,8 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
+use crate::error::DatasetError;
+
 /// Whether both paths lead to the same file, so that writing one would destroy the other.
 ///
 /// Relative paths, `.` and `..`, symbolic links and, on Unix, hard links are seen through. A path
@@ -20,6 +22,35 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
 #[must_use]
 pub fn is_inside(path: &Path, folder: &Path) -> bool {
     resolved(path).starts_with(resolved(folder))
+}
+
+/// The files in a folder, not below it, whose names end in a dot and `extension`: each name
+/// without that end, and the path, in the order of the bytes of the names. Names that begin with a
+/// dot or are not UTF-8 are left out.
+///
+/// # Errors
+/// [`DatasetError::Read`] where there is no folder, or it cannot be listed.
+pub fn files_in(folder: &Path, extension: &str) -> Result<Vec<(String, PathBuf)>, DatasetError> {
+    let read_error = |source| DatasetError::Read {
+        path: folder.to_owned(),
+        source,
+    };
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(read_error)? {
+        let entry = entry.map_err(read_error)?;
+        let name = entry.file_name();
+        let stem = name
+            .to_str()
+            .and_then(|name| name.strip_suffix(extension)?.strip_suffix('.'))
+            .filter(|stem| !stem.is_empty() && !stem.starts_with('.'));
+        if let Some(stem) = stem
+            && !entry.path().is_dir()
+        {
+            files.push((stem.to_owned(), entry.path()));
+        }
+    }
+    files.sort_unstable();
+    Ok(files)
 }
 
 /// Device and number of an existing file.

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
+use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text};
 use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text, same_file};
 use starbreak_eval::EvalError;
 use starbreak_eval::detector::{
@@ -37,6 +38,7 @@ pub(crate) fn run(
     refuse_output(args, model, output)?;
     let source = Source::open(&SourceSpec::parse(source)?)?;
     let detector = Detector::open(model, &options_of(args)?)?;
+    say_contract(&detector, screen);
     let images = images_of(&source, args.limit, screen)?;
     let numbers = Numbers::of(&source, &images, detector.classes())?;
     let map = label_map(args, &source, &detector, &numbers)?;
@@ -81,6 +83,22 @@ pub(crate) fn run(
     )
 }
 
+/// How images become input and outputs boxes, and why so.
+pub(super) fn say_contract(detector: &Detector, screen: &Screen) {
+    let contract = detector.contract();
+    screen.note(&format!(
+        "contract {}, because {}: {}",
+        contract.name,
+        detector.reason(),
+        contract.about
+    ));
+    screen.note(&format!(
+        "{} classes by {}; scores from {} on, at most {} detections per image",
+        contract.classes.names.iter().flatten().count(),
+        contract.classes.origin,
+        contract.score_threshold,
+        contract.max_detections
+    ));
 /// The output is none of the inputs, and can be written: better said before the work than after.
 fn refuse_output(args: &DetectArgs, model: &Path, output: &Path) -> Result<(), Failure> {
     let contract = args.contract.as_deref().map(Path::new);
@@ -112,17 +130,25 @@ fn list_contracts(screen: &Screen) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// The contract of a preset or a file.
+pub(super) fn contract_of(name: &str) -> Result<Contract, Failure> {
+    let is_preset = preset_names().any(|known| known == name);
+    if !is_preset && (name.ends_with(".toml") || Path::new(name).is_file()) {
+        let text = read_text(Path::new(name), MOST_TOML_BYTES)?;
+        return Ok(Contract::parse(name, &text.text)?);
+    }
+    // The error names the presets.
+    Ok(Contract::preset(name)?)
+}
+
+/// The label map in a file.
+pub(super) fn label_rules(path: &Path) -> Result<LabelRules, Failure> {
+    let text = read_text(path, MOST_TOML_BYTES)?;
+    Ok(LabelRules::parse(&path.to_string_lossy(), &text.text)?)
+}
+
 fn options_of(args: &DetectArgs) -> Result<DetectorOptions, Failure> {
-    let contract = match args.contract.as_deref() {
-        None => None,
-        Some(name) if preset_names().any(|known| known == name) => Some(Contract::preset(name)?),
-        Some(path) if path.ends_with(".toml") || Path::new(path).is_file() => {
-            let text = read_text(Path::new(path), MOST_TOML_BYTES)?;
-            Some(Contract::parse(path, &text.text)?)
-        }
-        // The error names the presets.
-        Some(name) => Some(Contract::preset(name)?),
-    };
+    let contract = args.contract.as_deref().map(contract_of).transpose()?;
     let backend = match &args.onnxruntime {
         None => Backend::PureRust,
         Some(library) => Backend::OnnxRuntime {
@@ -179,10 +205,7 @@ fn label_map(
     numbers: &Numbers,
 ) -> Result<LabelMap, Failure> {
     let rules = match &args.label_map {
-        Some(path) => {
-            let text = read_text(path, MOST_TOML_BYTES)?;
-            LabelRules::parse(&path.to_string_lossy(), &text.text)?
-        }
+        Some(path) => label_rules(path)?,
         None => LabelRules::of_dataset(source.format().name())?,
     };
     Ok(LabelMap::new(
@@ -192,6 +215,7 @@ fn label_map(
     )?)
 }
 
+pub(super) fn say_unmapped(map: &LabelMap, screen: &Screen) {
 fn say_contract(detector: &Detector, screen: &Screen) {
     let contract = detector.contract();
     screen.note(&format!(
@@ -361,10 +385,4 @@ fn result_json(run: &Run<'_>, results: &Results, map: &LabelMap) -> Value {
             .map(|(name, error)| json!({"name": name, "error": error}))
             .collect::<Vec<_>>(),
     })
-}
-
-impl From<EvalError> for Failure {
-    fn from(error: EvalError) -> Self {
-        Self::wrong_input(error)
-    }
 }

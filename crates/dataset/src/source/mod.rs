@@ -8,6 +8,7 @@ pub(crate) mod name;
 mod tree;
 
 mod index;
+mod index_files;
 mod json;
 mod lines;
 
@@ -22,6 +23,7 @@ use std::fmt;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+pub use index_files::IndexFiles;
 pub use record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
 pub use spec::{SourceFormat, SourceSpec};
 
@@ -40,6 +42,9 @@ pub struct Source {
     root: PathBuf,
     layout: Box<dyn Layout>,
 }
+
+/// The root of a dataset, the names of its index files, and these where they are all of it.
+type Place = (PathBuf, Vec<String>, Option<Vec<String>>);
 
 /// Images or bad records, one after the other.
 type Images<'a> = Box<dyn Iterator<Item = Result<SourceImage, BadRecord>> + Send + 'a>;

@@ -9,6 +9,7 @@ pub(crate) mod contract;
 mod decode;
 mod input_plan;
 mod label_map;
+mod layers;
 mod model_file;
 mod nms;
 mod pixels;

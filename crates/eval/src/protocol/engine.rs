@@ -26,6 +26,19 @@ pub struct Restriction<'a> {
     pub range: [f64; 2],
 }
 
+impl Restriction<'_> {
+    /// There is a value for each.
+    pub(crate) fn check(&self, n_objects: usize, n_detections: usize) -> Result<(), EvalError> {
+        let (of_objects, of_detections) = (self.objects.len(), self.detections.len());
+        if (of_objects, of_detections) == (n_objects, n_detections) {
+            return Ok(());
+        }
+        Err(EvalError::Rule(format!(
+            "{of_objects} and {of_detections} values for {n_objects} objects and {n_detections} detections"
+        )))
+    }
+}
+
 /// How detections are matched with objects, as in MS-COCO: image by image, detections by falling
 /// score, each taking the object that it overlaps most.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,14 +104,7 @@ pub(super) fn engine(
     restriction: Option<&Restriction<'_>>,
 ) -> Result<COCOeval, EvalError> {
     if let Some(restriction) = restriction {
-        let (n_objects, n_detections) = (labels.objects.len(), detections.items.len());
-        let values = (restriction.objects.len(), restriction.detections.len());
-        if values != (n_objects, n_detections) {
-            return Err(EvalError::Rule(format!(
-                "{} and {} values for {n_objects} objects and {n_detections} detections",
-                values.0, values.1
-            )));
-        }
+        restriction.check(labels.objects.len(), detections.items.len())?;
     }
     let images = (0u64..).zip(&labels.images).map(|(id, _)| Image {
         id,

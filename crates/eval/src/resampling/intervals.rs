@@ -5,7 +5,7 @@ use crate::statistic::{Interval, Method, normal_cdf, normal_quantile};
 /// Percentiles (1 ∓ level)/2 of replicates, interpolated between the two nearest as by default in
 /// NumPy; `None` for fewer than 20 replicates or a level outside of 0 to 1.
 ///
-/// Two-sided, each tail on its own [Efron1993, ch. 13].
+/// Two-sided, each tail on its own [Efron1993].
 #[must_use]
 pub fn percentile_interval(replicates: &[f64], level: f64) -> Option<Interval> {
     let sorted = usable(replicates, level)?;

@@ -12,5 +12,6 @@ mod signed_rank;
 pub use holm::holm;
 pub use measured::{Interval, Measured, Method, TestOutcome};
 pub(crate) use normal::{normal_cdf, normal_quantile, two_sided_normal_p};
+pub(crate) use proportion::paired_difference;
 pub use proportion::{McNemar, mcnemar, proportion, wilson_interval};
 pub use signed_rank::{SignedRank, signed_rank_test};

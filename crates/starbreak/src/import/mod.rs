@@ -1,6 +1,7 @@
 //! Networks from files: our own JSON, and drawings in SVG that somebody traced over a photo.
 
 mod error;
+mod geometry;
 mod svg;
 
 use std::path::Path;
@@ -11,6 +12,7 @@ use starbreak_glass::CrackNetwork;
 use crate::Error;
 
 pub use error::ImportError;
+pub use geometry::crack_geometry;
 
 /// Longest network file, bytes.
 pub const MAX_NETWORK_FILE_BYTES: u64 = 1 << 26;

@@ -78,6 +78,13 @@ pub(super) fn read_facts(
             .collect(),
         outputs: graph.output.iter().map(tensor_facts).collect(),
         operators,
+        values: graph
+            .node
+            .iter()
+            .flat_map(|node| node.output.iter())
+            .filter(|name| !name.is_empty())
+            .cloned()
+            .collect(),
         external_files,
         metadata,
         producer: model.producer_name.clone().unwrap_or_default(),

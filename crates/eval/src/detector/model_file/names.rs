@@ -11,6 +11,8 @@ pub struct ModelFacts {
     pub outputs: Vec<TensorFacts>,
     /// The operators in it, in order.
     pub operators: Vec<String>,
+    /// Names of the values that its operators compute, in the order of the file.
+    pub values: Vec<String>,
     /// Files of weights beside it, in order.
     pub external_files: Vec<String>,
     /// What its maker wrote into it.

@@ -1,0 +1,139 @@
+//! Numbers for people.
+
+use starbreak_eval::divergence::{
+    DivergenceReport, Estimate, Measure, OrderingTest, PairComparison, VectorComparison,
+};
+
+use super::digits;
+use crate::screen::Screen;
+
+pub(super) fn report(report: &DivergenceReport, screen: &Screen) {
+    let settings = &report.settings;
+    screen.say(&format!(
+        "{}: natural logarithms, alpha {} per bin, {} % intervals of {} bootstrap replicates, floors of {} split-halves, p of {} relabelings, seed {}",
+        report.definition,
+        settings.alpha,
+        settings.confidence * 100.0,
+        settings.n_bootstrap,
+        settings.n_splits,
+        settings.n_permutations,
+        settings.seed
+    ));
+    for note in &report.notes {
+        screen.note(&format!("note: {note}"));
+    }
+    for pair in &report.pairs {
+        self::pair(pair, screen);
+    }
+    for test in &report.orderings {
+        ordering(test, screen);
+    }
+}
+
+fn pair(pair: &PairComparison, screen: &Screen) {
+    screen.say(&format!(
+        "\n{} ({}) | {} ({}){}",
+        pair.a,
+        pair.n_a,
+        pair.b,
+        pair.n_b,
+        if pair.is_paired {
+            ", the same images by name: p exchanges the two versions of each"
+        } else {
+            ""
+        }
+    ));
+    screen.say(&format!(
+        "  {:<15} {:>10} {:>23} {:>10} {:>8} {:>7} {:>10} {:>10} {:>22}",
+        "feature", "JS", "interval", "floor", "effect", "p", "KL(A|B)", "KL(B|A)", "W1"
+    ));
+    for compared in &pair.features {
+        let value = |measure| compared.measures.get(&measure);
+        let Some(js) = value(Measure::Js) else {
+            let why = compared.missing.as_deref().unwrap_or_default();
+            screen.say(&format!("  {:<15} {why}", compared.feature.name()));
+            continue;
+        };
+        let number = |measure| value(measure).map_or_else(|| "-".to_owned(), |e| digits(e.value));
+        let w1 = value(Measure::W1).map_or_else(
+            || "-".to_owned(),
+            |e| format!("{} {}", digits(e.value), compared.axis.unit()),
+        );
+        screen.say(&format!(
+            "  {:<15} {} {:>10} {:>10} {:>22}",
+            compared.feature.name(),
+            columns(js),
+            number(Measure::KlAb),
+            number(Measure::KlBa),
+            w1
+        ));
+    }
+    if let Some(compared) = &pair.activations {
+        vectors(compared, screen);
+    }
+}
+
+pub(super) fn vectors(compared: &VectorComparison, screen: &Screen) {
+    let deficient = if compared.is_rank_deficient {
+        "; fewer vectors than dimensions: frechet is biased, frechet_shrunk is for the order only"
+    } else {
+        ""
+    };
+    screen.say(&format!(
+        "  {}: {} and {} vectors of {} values, shrinkage {} and {}, RBF width {}{deficient}",
+        compared.origin,
+        compared.n_a,
+        compared.n_b,
+        compared.n_dimensions,
+        digits(compared.shrinkage[0]),
+        digits(compared.shrinkage[1]),
+        compared.rbf_sigma
+    ));
+    for (measure, estimate) in &compared.measures {
+        screen.say(&format!("  {:<15} {}", measure.name(), columns(estimate)));
+    }
+}
+
+/// Value, interval, floor, effect and p.
+fn columns(estimate: &Estimate) -> String {
+    let or_none = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), digits);
+    let interval = estimate.interval.map_or_else(
+        || "-".to_owned(),
+        |[low, high]| format!("[{}, {}]", digits(low), digits(high)),
+    );
+    format!(
+        "{:>10} {interval:>23} {:>10} {:>8} {:>7}",
+        digits(estimate.value),
+        or_none(estimate.floor),
+        estimate
+            .effect
+            .map_or_else(|| "-".to_owned(), |e| format!("{e:.1}")),
+        estimate
+            .p_value
+            .map_or_else(|| "-".to_owned(), |p| format!("{p:.3}")),
+    )
+}
+
+pub(super) fn ordering(test: &OrderingTest, screen: &Screen) {
+    screen.say(&format!(
+        "\nJS({}, {}) < JS({}, {}): {} in {} of {} features with probability > 0.95",
+        test.closer[0],
+        test.closer[1],
+        test.farther[0],
+        test.farther[1],
+        if test.holds { "holds," } else { "not shown:" },
+        test.n_holding,
+        test.n_features
+    ));
+    for feature in &test.features {
+        let probability = feature
+            .probability
+            .map_or_else(|| "-".to_owned(), |p| format!("{p:.3}"));
+        screen.say(&format!(
+            "  {:<15} {} < {}: probability {probability}",
+            feature.feature.name(),
+            digits(feature.closer),
+            digits(feature.farther),
+        ));
+    }
+}

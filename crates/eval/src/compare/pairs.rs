@@ -1,0 +1,58 @@
+//! Whether clean and cracked detections are a pair.
+
+use crate::evaluation::{Warning, WarningKind};
+use crate::protocol::exact;
+use crate::{EvalError, GroundTruth, KittiDetections, SaidDetections};
+
+/// Clean and cracked are of the same frames, and what a reader must know of both.
+///
+/// # Errors
+/// [`EvalError::Rule`] where they are not.
+pub fn check_pair(
+    truth: &GroundTruth,
+    clean: &SaidDetections,
+    cracked: Option<&SaidDetections>,
+) -> Result<Vec<Warning>, EvalError> {
+    let mut warnings = Vec::new();
+    let frames = |said: &SaidDetections| {
+        said.kitti
+            .as_ref()
+            .map(|k: &KittiDetections| k.images.clone())
+    };
+    if let Some(cracked) = cracked
+        && frames(clean) != frames(cracked)
+    {
+        return Err(EvalError::Rule(
+            "clean and cracked results are not of the same frames; a pair has a result file for each frame on both sides, empty where nothing was found".to_owned(),
+        ));
+    }
+    let n_frames = frames(clean).map_or(truth.labels.images.len(), |images| images.len());
+    if n_frames < truth.labels.images.len() {
+        warnings.push(Warning {
+            kind: WarningKind::Protocol,
+            text: format!(
+                "{n_frames} of {} labeled frames have a result file; as in KITTI's own program the others are not evaluated",
+                truth.labels.images.len()
+            ),
+        });
+    }
+    for (side, said) in [("clean", Some(clean)), ("cracked", cracked)] {
+        let Some(unused) = said.and_then(|said| said.unused.as_ref()) else {
+            continue;
+        };
+        let n_all = count_of(unused.n_detections + said.map_or(0, |s| s.detections.items.len()));
+        let share = exact(count_of(unused.n_detections)) / exact(n_all.max(1)) * 100.0;
+        warnings.push(Warning {
+            kind: WarningKind::LabelMap,
+            text: format!(
+                "{} {side} detections ({share:.0} %) are of categories that the labels lack, the first of {:?}; they count for nothing",
+                unused.n_detections, unused.first
+            ),
+        });
+    }
+    Ok(warnings)
+}
+
+fn count_of(n: usize) -> u64 {
+    u64::try_from(n).unwrap_or(u64::MAX)
+}

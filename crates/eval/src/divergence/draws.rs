@@ -1,0 +1,96 @@
+//! Random picks of images, by seed alone.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use sha2::{Digest, Sha256};
+
+/// What a draw is for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Purpose {
+    /// With replacement, for an interval.
+    Bootstrap,
+    /// Both sets mixed, for a p-value.
+    Permutation,
+    /// A set in two halves, for its floor.
+    Halves,
+}
+
+/// The stream for one draw: ChaCha8 with the key SHA-256(`div/1`, seed, purpose, sets, index).
+pub(super) fn stream(seed: u64, purpose: Purpose, sets: [usize; 2], index: usize) -> ChaCha8Rng {
+    let word: &[u8] = match purpose {
+        Purpose::Bootstrap => b"bootstrap",
+        Purpose::Permutation => b"permutation",
+        Purpose::Halves => b"halves",
+    };
+    let wide = |n: usize| u64::try_from(n).unwrap_or(u64::MAX).to_le_bytes();
+    let key = Sha256::new()
+        .chain_update(b"div/1")
+        .chain_update(seed.to_le_bytes())
+        .chain_update(wide(sets[0]))
+        .chain_update(wide(sets[1]))
+        .chain_update(wide(index))
+        .chain_update(word)
+        .finalize();
+    ChaCha8Rng::from_seed(key.into())
+}
+
+/// One of `n`, all alike to one part in 2⁶⁴/n.
+fn one_of(random: &mut ChaCha8Rng, n: usize) -> usize {
+    let wide = u128::from(random.next_u64()) * u128::try_from(n).unwrap_or(u128::MAX >> 64);
+    usize::try_from(wide >> 64).unwrap_or_default()
+}
+
+/// How often each of `n` is drawn in `n` draws with replacement.
+pub(super) fn multiplicities(random: &mut ChaCha8Rng, n: usize) -> Vec<u32> {
+    let mut times = vec![0_u32; n];
+    for _ in 0..n {
+        if let Some(count) = times.get_mut(one_of(random, n)) {
+            *count += 1;
+        }
+    }
+    times
+}
+
+/// Which `part` of `n` are picked, without replacement, in rising order.
+pub(super) fn subset(random: &mut ChaCha8Rng, n: usize, part: usize) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..n).collect();
+    let mut is_picked = vec![false; n];
+    for at in 0..part.min(n) {
+        let from = at + one_of(random, n - at);
+        order.swap(at, from);
+        if let Some(flag) = order.get(at).and_then(|&item| is_picked.get_mut(item)) {
+            *flag = true;
+        }
+    }
+    is_picked
+}
+
+/// `n` fair coins.
+pub(super) fn coins(random: &mut ChaCha8Rng, n: usize) -> Vec<bool> {
+    (0..n).map(|_| random.next_u64() >> 63 == 1).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn draws_are_even_whole_and_the_same_again() {
+        let mut hits = [0_u32; 7];
+        for index in 0..7000 {
+            let mut random = stream(1, Purpose::Halves, [0, 0], index);
+            let picked = subset(&mut random, 7, 3);
+            assert_eq!(picked.iter().filter(|p| **p).count(), 3, "three of seven");
+            for (hit, picked) in hits.iter_mut().zip(picked) {
+                *hit += u32::from(picked);
+            }
+        }
+        for hit in hits {
+            // 3000 expected, standard deviation 41.
+            assert!((2795..=3205).contains(&hit), "{hits:?}");
+        }
+        let draw = || multiplicities(&mut stream(5, Purpose::Bootstrap, [1, 1], 9), 50);
+        assert_eq!(draw(), draw(), "by seed alone");
+        assert_eq!(draw().iter().sum::<u32>(), 50, "as many as there are");
+    }
+}

@@ -1,0 +1,103 @@
+//! Points and lines over a number: failure over coverage, AP over severity, found over time.
+
+use kuva::prelude::{LinePlot, MarkerShape, Plot, ScatterPlot, TextAnnotation, TickFormat};
+
+use super::{Chart, ChartText, Ink, KeyEntry, finish, layout, letter_of};
+
+/// A point with the ends of its interval.
+#[derive(Debug, Clone)]
+pub(in crate::report) struct CurvePoint {
+    pub(in crate::report) x: f64,
+    pub(in crate::report) y: f64,
+    pub(in crate::report) interval: Option<[f64; 2]>,
+    /// What stands below it at the foot of the chart: how many objects it rests on.
+    pub(in crate::report) words: Option<String>,
+}
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::report) enum CurveStyle {
+    /// Markers with intervals.
+    Points,
+    /// Markers with intervals, joined.
+    JoinedPoints,
+    /// A dashed line alone.
+    Dashed,
+    /// A line that jumps.
+    Steps,
+}
+
+/// One curve.
+pub(in crate::report) struct Curve<'a> {
+    pub(in crate::report) name: &'a str,
+    pub(in crate::report) ink: Ink,
+    pub(in crate::report) marker: MarkerShape,
+    pub(in crate::report) style: CurveStyle,
+    pub(in crate::report) points: Vec<CurvePoint>,
+}
+
+/// An axis: its ends, the distance of its marks, its words.
+pub(in crate::report) type Axis<'a> = ((f64, f64), f64, &'a str);
+
+/// A chart of curves.
+pub(in crate::report) fn curve_chart(
+    curves: &[Curve<'_>],
+    (x, x_step, x_label): Axis<'_>,
+    (y, y_step, y_label): Axis<'_>,
+    text: &ChartText<'_>,
+) -> Chart {
+    let mut plots = Vec::new();
+    for curve in curves {
+        let at = curve.points.iter().map(|point| (point.x, point.y));
+        let arms = curve.points.iter().map(|point| match point.interval {
+            Some([low, high]) => ((point.y - low).max(0.0), (high - point.y).max(0.0)),
+            None => (0.0, 0.0),
+        });
+        let has_points = matches!(curve.style, CurveStyle::Points | CurveStyle::JoinedPoints);
+        if curve.style != CurveStyle::Points {
+            let mut line = LinePlot::new()
+                .with_data(at.clone())
+                .with_color(curve.ink.css())
+                .with_stroke_width(2.0);
+            line = match curve.style {
+                CurveStyle::Dashed => line.with_dashed(),
+                CurveStyle::Steps => line.with_step(),
+                _ => line,
+            };
+            plots.push(Plot::Line(line));
+        }
+        if has_points {
+            let points = ScatterPlot::new()
+                .with_data(at)
+                .with_y_err_asymmetric(arms)
+                .with_color(curve.ink.css())
+                .with_marker(curve.marker)
+                .with_size(4.5);
+            plots.push(Plot::Scatter(points));
+        }
+    }
+    let mut layout = layout(x, y, 380.0)
+        .with_x_tick_step(x_step)
+        .with_y_tick_step(y_step)
+        .with_x_tick_format(TickFormat::Auto)
+        .with_y_tick_format(TickFormat::Auto)
+        .with_x_label(x_label)
+        .with_y_label(y_label);
+    let points = curves.iter().flat_map(|curve| &curve.points);
+    for (point, words) in points.filter_map(|p| Some((p, p.words.as_ref()?))) {
+        let foot = y.0 + (y.1 - y.0) * 0.02;
+        let note = TextAnnotation::new(words.as_str(), point.x, foot)
+            .with_font_size(11)
+            .with_color("var(--soft)");
+        layout = layout.with_annotation(note);
+    }
+    let key = curves.iter().map(|curve| {
+        let mark = match curve.style {
+            CurveStyle::Points | CurveStyle::JoinedPoints => letter_of(curve.marker),
+            CurveStyle::Steps => "━",
+            CurveStyle::Dashed => "╍",
+        };
+        KeyEntry::new(curve.name, curve.ink, mark)
+    });
+    finish(plots, layout, text, key.collect())
+}

@@ -1,0 +1,135 @@
+//! Which kinds of errors cost how much, and whether the classes are the right ones.
+
+use super::super::charts::{ChartText, bar_chart};
+use super::super::words;
+use super::failures::nice_step;
+use super::{Block, Cell, Table};
+use crate::evaluation::{Evaluation, LabelAudit, LabelVerdict, TideErrors};
+
+pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    if let (Some(clean), Some(cracked)) = (&evaluation.tide_clean, &evaluation.tide_cracked) {
+        blocks.push(Block::Heading {
+            id: format!("{id}-errors"),
+            text: "Kinds of errors".to_owned(),
+        });
+        blocks.push(tide_chart(clean, cracked, id));
+    }
+    if let Some(audit) = &evaluation.label_audit {
+        blocks.push(Block::Heading {
+            id: format!("{id}-audit"),
+            text: "Classes of the detector".to_owned(),
+        });
+        blocks.push(Block::Text {
+            text: audit_text(audit),
+        });
+        if !audit.disagreements.is_empty() {
+            blocks.push(Block::Fold {
+                title: "Objects that are found as another class".to_owned(),
+                blocks: vec![Block::Table {
+                    table: audit_table(audit),
+                }],
+            });
+        }
+    }
+    blocks
+}
+
+fn of(errors: &TideErrors) -> [(&'static str, f64); 8] {
+    [
+        ("classification", errors.classification),
+        ("localization", errors.localization),
+        ("both", errors.both),
+        ("duplicate", errors.duplicate),
+        ("background", errors.background),
+        ("missed", errors.missed),
+        ("all false positives", errors.false_positive),
+        ("all false negatives", errors.false_negative),
+    ]
+}
+
+fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
+    let mut table = Table::new(
+        "What AP50 would gain if the errors of a kind were mended, points of percent.",
+        &[
+            ("Kind", false),
+            ("Clean", true),
+            ("Cracked", true),
+            ("Difference", true),
+        ],
+    );
+    let mut rows = Vec::new();
+    let mut end = 0.0_f64;
+    for ((name, clean), (_, cracked)) in of(clean).into_iter().zip(of(cracked)) {
+        table.push(vec![
+            Cell::head(name),
+            Cell::number(Some(clean), words::percent),
+            Cell::number(Some(cracked), words::percent),
+            Cell::number(Some(cracked - clean), words::signed_percent),
+        ]);
+        end = end.max(clean * 100.0).max(cracked * 100.0);
+        rows.push((name.to_owned(), [clean * 100.0, cracked * 100.0]));
+    }
+    let step = nice_step(end);
+    let end = ((end / step).ceil() * step).max(step);
+    let chart_id = format!("{id}-tide-chart");
+    let chart = bar_chart(
+        &rows,
+        (end, step),
+        "gain of AP50, points",
+        &ChartText {
+            id: &chart_id,
+            title: "Gain of AP50 by kind of error, clean and cracked",
+            description: "Two bars per kind of error; the table has the numbers.",
+        },
+    );
+    Block::Chart {
+        id: format!("fig-{chart_id}"),
+        svg: chart.svg,
+        key: chart.key,
+        caption: format!(
+            "Error types after TIDE, whole images: what AP50 ({} clean, {} cracked) would gain if the \
+             errors of a kind were mended.",
+            words::percent(clean.ap50),
+            words::percent(cracked.ap50)
+        ),
+        table: Some(table),
+    }
+}
+
+fn audit_text(audit: &LabelAudit) -> String {
+    let agreement = audit.agreement.value.map_or_else(
+        || words::NOTHING.to_owned(),
+        |share| format!("{} %", words::percent(share)),
+    );
+    let verdict = match audit.verdict {
+        LabelVerdict::Fits => "No other label map agrees clearly better.",
+        LabelVerdict::Wrong => {
+            "Another label map agrees clearly better: the one in use is probably wrong, and every \
+             number per class with it."
+        }
+        LabelVerdict::Unexplained => "No other label map explains the disagreement.",
+        LabelVerdict::TooFew => "That is too little to tell.",
+    };
+    let advice = audit.advice.as_deref().map(words::name).unwrap_or_default();
+    format!(
+        "{} objects of the clean images are covered well by a detection of whatever class; the class is the \
+         same in {agreement}. {verdict} {advice}",
+        words::count(audit.n_pairs),
+    )
+}
+
+fn audit_table(audit: &LabelAudit) -> Table {
+    let mut table = Table::new(
+        "The commonest disagreements between labels and detections, clean images.",
+        &[("Labeled", false), ("Found as", false), ("How often", true)],
+    );
+    for row in audit.disagreements.iter().take(20) {
+        table.push(vec![
+            Cell::head(&row.truth),
+            Cell::text(&row.detected),
+            Cell::count(row.n),
+        ]);
+    }
+    table
+}

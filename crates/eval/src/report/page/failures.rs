@@ -1,0 +1,416 @@
+//! What is lost, over what dose, what appears, what shifts.
+
+use kuva::prelude::MarkerShape;
+
+use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
+use super::super::words;
+use super::overview::is_own_tau;
+use super::precision::group_name;
+use super::{Block, Cell, Table};
+use crate::evaluation::{
+    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, GroupKind, LogisticFit, Scope,
+    ScopeKind, Study,
+};
+
+/// Points of a fitted curve.
+const N_CURVE_POINTS: u32 = 60;
+
+pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Block> {
+    let Some(failures) = &evaluation.failures else {
+        return Vec::new();
+    };
+    let settings = &study.provenance.settings;
+    let mut blocks = vec![
+        Block::Heading {
+            id: format!("{id}-failures"),
+            text: "What fails".to_owned(),
+        },
+        Block::Text {
+            text: format!(
+                "An object counts as found if a detection of its class with a score of at least {} \
+                 overlaps it by an IoU of at least {}.",
+                settings.score_threshold, settings.iou_threshold
+            ),
+        },
+    ];
+    blocks.extend(rate_blocks(study, &failures.rates));
+    for (place, dose) in failures.dose_responses.iter().enumerate() {
+        blocks.extend(dose_chart(dose, &format!("{id}-dose{place}")));
+    }
+    blocks.extend(new_table(failures).map(|table| Block::Table { table }));
+    blocks.extend(shift_table(failures).map(|table| Block::Table { table }));
+    blocks.extend(flip_table(failures).map(|table| Block::Table { table }));
+    blocks
+}
+
+/// All classes everywhere, then the groups in the region, and folded away the same elsewhere.
+fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
+    let mut scopes: Vec<&Scope> = Vec::new();
+    for row in rates {
+        if !scopes.contains(&&row.scope) {
+            scopes.push(&row.scope);
+        }
+    }
+    let all = rates.iter().filter(|row| row.group.kind == GroupKind::All);
+    let mut blocks = vec![Block::Table {
+        table: rate_table(
+            true,
+            "All classes, in the region and outside of it: lost and recovered objects, with Wilson's 95 % \
+             intervals, which take objects as independent, and beside them intervals over images, which do \
+             not; p of McNemar's exact test of lost against recovered.",
+            "Where",
+            all.map(|row| (words::scope(&row.scope), row)),
+        ),
+    }];
+    for scope in scopes {
+        let groups: Vec<&FailureRow> = rates
+            .iter()
+            .filter(|row| row.scope == *scope && row.group.kind != GroupKind::All)
+            .filter(|row| row.failure_rate.value.is_some())
+            .collect();
+        if groups.is_empty() {
+            continue;
+        }
+        let place = words::scope(scope);
+        let caption = format!(
+            "Supercategories and classes with enough objects {place}; p corrected by Holm's method over \
+             the classes."
+        );
+        let table = rate_table(
+            false,
+            &caption,
+            "Class",
+            groups.into_iter().map(|row| (group_name(&row.group), row)),
+        );
+        let is_main = scope.kind == ScopeKind::InRegion && is_own_tau(study, scope.tau);
+        blocks.push(match is_main {
+            true => Block::Table { table },
+            false => Block::Fold {
+                title: format!("Failure rates per class {place}"),
+                blocks: vec![Block::Table { table }],
+            },
+        });
+    }
+    blocks
+}
+
+fn rate_table<'a>(
+    has_images: bool,
+    caption: &str,
+    what: &'static str,
+    rows: impl Iterator<Item = (String, &'a FailureRow)>,
+) -> Table {
+    let mut columns = vec![
+        (what, false),
+        ("Objects", true),
+        ("Found clean", true),
+        ("Found cracked", true),
+        ("Lost", true),
+        ("Recovered", true),
+        ("Failure rate, %", true),
+    ];
+    if has_images {
+        columns.push(("Over images, %", true));
+    }
+    columns.push(("p", true));
+    let mut table = Table::new(caption, &columns);
+    for (name, row) in rows {
+        let rate = table.estimate(&row.failure_rate, words::percent);
+        let mut cells = vec![
+            Cell::head(name),
+            Cell::count(row.n_objects),
+            Cell::count(row.n_found_clean),
+            Cell::count(row.n_found_cracked),
+            Cell::count(row.n_lost),
+            Cell::count(row.n_recovered),
+            rate,
+        ];
+        if has_images {
+            let ends = row.failure_rate_over_images.as_ref();
+            let ends = ends.and_then(Estimate::interval);
+            cells.push(Cell::text(ends.map_or_else(
+                || words::NOTHING.to_owned(),
+                |[low, high]| format!("[{}, {}]", words::percent(low), words::percent(high)),
+            )));
+        }
+        cells.push(Cell::probability(row.p_holm.or(row.p)));
+        table.push(cells);
+    }
+    table
+}
+
+fn three_digits(value: f64) -> String {
+    words::decimal(value, 3)
+}
+
+fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
+    let fact = words::name(&dose.fact);
+    let unit = match dose.unit.as_str() {
+        "" => String::new(),
+        unit => format!(", {}", words::name(unit)),
+    };
+    let mut table = Table::new(
+        &format!("Lost over {fact}: objects found clean, by rising {fact}."),
+        &[
+            ("From", true),
+            ("To", true),
+            ("Mean", true),
+            ("Found clean", true),
+            ("Lost", true),
+            ("Failure rate, %", true),
+        ],
+    );
+    let mut points = Vec::new();
+    let mut end = 0.0_f64;
+    for bin in &dose.bins {
+        end = end.max(bin.high);
+        let rate = table.estimate(&bin.rate, words::percent);
+        table.push(vec![
+            Cell::number(Some(bin.low), three_digits),
+            Cell::number(Some(bin.high), three_digits),
+            Cell::number(bin.mean, three_digits),
+            Cell::count(bin.n),
+            Cell::count(bin.n_lost),
+            rate,
+        ]);
+        if let Some(value) = bin.rate.value {
+            points.push(CurvePoint {
+                x: bin.mean.unwrap_or((bin.low + bin.high) / 2.0),
+                y: value * 100.0,
+                interval: bin.rate.interval().map(|ends| ends.map(|v| v * 100.0)),
+                words: Some(format!("n={}", bin.n)),
+            });
+        }
+    }
+    if points.is_empty() || !end.is_finite() || end <= 0.0 {
+        return None;
+    }
+    let name = "lost of those found clean, with 95 % intervals";
+    let mut curves = Vec::new();
+    if let Some(fit) = &dose.fit {
+        curves.push(Curve {
+            name: "logistic fit",
+            ink: Ink::Third,
+            marker: MarkerShape::Circle,
+            style: CurveStyle::Dashed,
+            points: fit_points(fit, end),
+        });
+    }
+    curves.push(Curve {
+        name,
+        ink: Ink::Cracked,
+        marker: MarkerShape::Diamond,
+        style: CurveStyle::Points,
+        points,
+    });
+    let chart = curve_chart(
+        &curves,
+        (
+            (0.0, end),
+            nice_step(end),
+            &format!("{fact} of the object{unit}"),
+        ),
+        ((0.0, 100.0), 20.0, "failure rate, %"),
+        &ChartText {
+            id,
+            title: &format!("Failure rate over {fact}"),
+            description: "Points are bins of objects, lines their intervals; the table has the numbers and \
+                          how many objects each rests on.",
+        },
+    );
+    Some(Block::Chart {
+        id: format!("fig-{id}"),
+        svg: chart.svg,
+        key: chart.key,
+        caption: format!(
+            "Share of the objects found clean that is lost, over {fact}{unit}.{}",
+            dose.fit.as_ref().map_or(String::new(), |fit| fit_text(fit))
+        ),
+        table: Some(table),
+    })
+}
+
+fn fit_text(fit: &LogisticFit) -> String {
+    let Some(slope) = fit.slope.value else {
+        return String::new();
+    };
+    let interval = fit.slope.interval().map_or(String::new(), |[low, high]| {
+        format!(
+            " (95 % interval {} to {})",
+            words::decimal(low, 2),
+            words::decimal(high, 2)
+        )
+    });
+    let p = fit
+        .p
+        .map_or(String::new(), |p| format!(", p {}", words::probability(p)));
+    format!(
+        " Logistic fit through the single objects: slope {}{interval} per unit{p}.",
+        words::decimal(slope, 2)
+    )
+}
+
+fn fit_points(fit: &LogisticFit, end: f64) -> Vec<CurvePoint> {
+    let Some(slope) = fit.slope.value else {
+        return Vec::new();
+    };
+    let at = |place: u32| {
+        let x = end * f64::from(place) / f64::from(N_CURVE_POINTS);
+        CurvePoint {
+            x,
+            y: 100.0 / (1.0 + (-(fit.intercept + slope * x)).exp()),
+            interval: None,
+            words: None,
+        }
+    };
+    (0..=N_CURVE_POINTS).map(at).collect()
+}
+
+/// The distance of marks on an axis from 0 to `end`: 1, 2 or 5 times a power of ten, about five of
+/// them.
+pub(super) fn nice_step(end: f64) -> f64 {
+    let rough = end / 5.0;
+    if !rough.is_finite() || rough <= 0.0 {
+        return 1.0;
+    }
+    let power = 10.0_f64.powf(rough.log10().floor());
+    let factor = match rough / power {
+        f if f < 1.5 => 1.0,
+        f if f < 3.5 => 2.0,
+        f if f < 7.5 => 5.0,
+        _ => 10.0,
+    };
+    factor * power
+}
+
+fn new_table(failures: &FailureResults) -> Option<Table> {
+    if failures.new_false_positives.is_empty() {
+        return None;
+    }
+    let mut table = Table::new(
+        "False positives, and those among the cracked ones that no clean detection overlaps by half.",
+        &[
+            ("Where", false),
+            ("Clean", true),
+            ("Cracked", true),
+            ("New", true),
+            ("Area, Mpx", true),
+            ("New per Mpx", true),
+        ],
+    );
+    for row in &failures.new_false_positives {
+        let rate = table.estimate(&row.new_per_mpx, |v| words::decimal(v, 2));
+        table.push(vec![
+            Cell::head(words::scope(&row.scope)),
+            Cell::count(row.n_clean),
+            Cell::count(row.n_cracked),
+            Cell::count(row.n_new),
+            Cell::number(Some(row.area_mpx), |v| words::decimal(v, 2)),
+            rate,
+        ]);
+    }
+    Some(table)
+}
+
+fn signed_three_digits(value: f64) -> String {
+    let text = words::decimal(value, 3);
+    if value > 0.0 && text != "0.000" {
+        return format!("+{text}");
+    }
+    text
+}
+
+fn shift_table(failures: &FailureResults) -> Option<Table> {
+    let is_shown =
+        |kind: GroupKind, score: &Estimate| kind != GroupKind::Class || score.value.is_some();
+    let rows: Vec<_> = failures
+        .shifts
+        .iter()
+        .filter(|row| is_shown(row.group.kind, &row.score))
+        .collect();
+    if rows.is_empty() {
+        return None;
+    }
+    let mut table = Table::new(
+        "Objects found in both: mean change of score and of overlap with the truth (cracked minus \
+         clean), with Wilcoxon's signed-rank test.",
+        &[
+            ("Class", false),
+            ("Where", false),
+            ("Pairs", true),
+            ("Score", true),
+            ("p", true),
+            ("IoU", true),
+            ("p", true),
+        ],
+    );
+    for row in rows {
+        let score = table.estimate(&row.score, signed_three_digits);
+        let iou = table.estimate(&row.iou, signed_three_digits);
+        table.push(vec![
+            Cell::head(group_name(&row.group)),
+            Cell::text(words::scope(&row.scope)),
+            Cell::count(row.n_pairs),
+            score,
+            Cell::probability(row.p_score),
+            iou,
+            Cell::probability(row.p_iou),
+        ]);
+    }
+    Some(table)
+}
+
+fn flip_table(failures: &FailureResults) -> Option<Table> {
+    if failures.flips.is_empty() {
+        return None;
+    }
+    let mut table = Table::new(
+        "Objects found clean as what they are, and cracked as something else.",
+        &[
+            ("Where", false),
+            ("Found clean", true),
+            ("Flipped", true),
+            ("Rate, %", true),
+            ("Commonest", false),
+        ],
+    );
+    for row in &failures.flips {
+        let commonest: Vec<String> = row
+            .commonest
+            .iter()
+            .take(5)
+            .map(|flip| format!("{} → {} ({})", flip.from, flip.to, flip.n))
+            .collect();
+        let rate = table.estimate(&row.rate, words::percent);
+        table.push(vec![
+            Cell::head(words::scope(&row.scope)),
+            Cell::count(row.n),
+            Cell::count(row.n_flipped),
+            rate,
+            Cell::text(match commonest.is_empty() {
+                true => words::NOTHING.to_owned(),
+                false => commonest.join(", "),
+            }),
+        ]);
+    }
+    Some(table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nice_step;
+
+    #[test]
+    fn marks_stand_at_round_numbers() {
+        for (end, step) in [
+            (1.0, 0.2),
+            (0.37, 0.1),
+            (7.0, 1.0),
+            (48.0, 10.0),
+            (0.0, 1.0),
+        ] {
+            let found = nice_step(end);
+            assert!((found - step).abs() < 1e-12, "up to {end}: {found}");
+        }
+    }
+}

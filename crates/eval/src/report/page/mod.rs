@@ -1,0 +1,179 @@
+//! The page as blocks: what is said in which order, without a tag. The template gives each kind of
+//! block its markup and escapes all text.
+
+mod definitions;
+mod errors;
+mod failures;
+mod overview;
+mod pictures;
+mod precision;
+mod provenance;
+mod sets;
+mod table;
+mod timeline;
+
+use serde::Serialize;
+
+use crate::evaluation::{Evaluation, Study, Warning, WarningKind};
+
+use super::charts::KeyEntry;
+use super::words;
+pub(super) use table::{Cell, Table};
+
+/// The whole page.
+#[derive(Debug, Serialize)]
+pub(super) struct Page {
+    pub(super) title: String,
+    pub(super) subtitle: String,
+    pub(super) warnings: Vec<PageWarning>,
+    pub(super) facts: Vec<String>,
+    pub(super) sections: Vec<Section>,
+}
+
+/// A warning with the word for what it is about.
+#[derive(Debug, Serialize)]
+pub(super) struct PageWarning {
+    pub(super) about: &'static str,
+    pub(super) text: String,
+}
+
+/// A heading with what stands under it.
+#[derive(Debug, Serialize)]
+pub(super) struct Section {
+    pub(super) id: String,
+    pub(super) title: String,
+    pub(super) blocks: Vec<Block>,
+}
+
+/// One thing after the other.
+#[derive(Debug, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub(super) enum Block {
+    /// A heading below that of the section.
+    Heading { id: String, text: String },
+    /// A paragraph.
+    Text { text: String },
+    /// A table.
+    Table { table: Table },
+    /// A chart with the table of its numbers, folded away if it is only that.
+    Chart {
+        id: String,
+        svg: String,
+        key: Vec<KeyEntry>,
+        caption: String,
+        table: Option<Table>,
+    },
+    /// Blocks that open when asked for, and in print.
+    Fold { title: String, blocks: Vec<Block> },
+    /// Words and what they mean.
+    Terms { terms: Vec<Term> },
+    /// Clean | cracked pairs of pictures.
+    Pictures { pairs: Vec<pictures::Pair> },
+    /// Text as it is, with its line breaks.
+    Verbatim { title: String, text: String },
+}
+
+/// A word and what it means.
+#[derive(Debug, Serialize)]
+pub(super) struct Term {
+    pub(super) word: &'static str,
+    pub(super) meaning: &'static str,
+}
+
+/// Everything that the page says about a study.
+pub(super) fn page(study: &Study) -> Page {
+    let n_evaluations = study.evaluations.len();
+    let mut sections = vec![overview::section(study)];
+    for (place, evaluation) in study.evaluations.iter().enumerate() {
+        let id = format!("e{place}");
+        sections.push(evaluation_section(study, evaluation, &id, n_evaluations));
+    }
+    sections.extend(study.divergence.as_ref().map(sets::section));
+    sections.push(definitions::section());
+    sections.push(provenance::section(study));
+    Page {
+        title: words::name(&study.title),
+        subtitle: overview::subtitle(study),
+        warnings: warnings(study),
+        facts: overview::facts(study),
+        sections,
+    }
+}
+
+/// What a reader must know first: of the study, then of the evaluations; what several of them say in the
+/// same words is said once, with how many they are.
+fn warnings(study: &Study) -> Vec<PageWarning> {
+    let page_warning = |warning: &Warning, text: String| PageWarning {
+        about: about(warning.kind),
+        text,
+    };
+    let mut all: Vec<PageWarning> = Vec::new();
+    for warning in &study.warnings {
+        all.push(page_warning(warning, words::name(&warning.text)));
+    }
+    let mut groups: Vec<(&Warning, Vec<String>)> = Vec::new();
+    for one in &study.evaluations {
+        let who = format!("{}, {}", one.detector, one.condition.name);
+        for warning in &one.warnings {
+            match groups.iter_mut().find(|(known, _)| *known == warning) {
+                Some((_, list)) => list.push(who.clone()),
+                None => groups.push((warning, vec![who.clone()])),
+            }
+        }
+    }
+    let n_evaluations = study.evaluations.len();
+    for (warning, who) in groups {
+        let text = match who.as_slice() {
+            _ if n_evaluations == 1 => warning.text.clone(),
+            _ if who.len() == n_evaluations => {
+                format!("All {n_evaluations} evaluations: {}", warning.text)
+            }
+            [alone] => format!("{alone}: {}", warning.text),
+            [first, others @ ..] => {
+                format!("{first}, and {} more: {}", others.len(), warning.text)
+            }
+            [] => continue,
+        };
+        all.push(page_warning(warning, words::name(&text)));
+    }
+    all
+}
+
+fn about(kind: WarningKind) -> &'static str {
+    match kind {
+        WarningKind::LabelMap => "Classes",
+        WarningKind::SmallSample => "Few objects",
+        WarningKind::Refused => "No number",
+        WarningKind::Protocol => "Protocol",
+        WarningKind::Missing => "Missing",
+    }
+}
+
+fn evaluation_section(
+    study: &Study,
+    evaluation: &Evaluation,
+    id: &str,
+    n_evaluations: usize,
+) -> Section {
+    let mut blocks = precision::blocks(study, evaluation, id);
+    blocks.extend(failures::blocks(study, evaluation, id));
+    blocks.extend(errors::blocks(evaluation, id));
+    blocks.extend(timeline::blocks(evaluation, id));
+    blocks.extend(pictures::blocks(evaluation, id));
+    let title = words::name(&format!(
+        "{} · {}",
+        evaluation.detector, evaluation.condition.name
+    ));
+    // Of many, a reader opens what he wants to see.
+    if n_evaluations > 2 {
+        blocks = vec![Block::Fold {
+            title: format!("All numbers of {title}"),
+            blocks,
+        }];
+    }
+    Section {
+        id: id.to_owned(),
+        title,
+        blocks,
+    }
+}

@@ -1,0 +1,389 @@
+//! What all evaluations of a study say together.
+
+use kuva::prelude::MarkerShape;
+
+use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
+use super::super::words;
+use super::{Block, Cell, Section, Table};
+use crate::evaluation::{
+    Evaluation, FailureRow, GroupKind, PairedMetric, PairedRow, ScopeKind, Study,
+};
+
+/// The row that sums up: all classes, of the given place and metric, at the study's own τ.
+pub(super) fn headline<'a>(
+    study: &Study,
+    evaluation: &'a Evaluation,
+    kind: ScopeKind,
+    metric: PairedMetric,
+) -> Option<&'a PairedRow> {
+    let is_it = |row: &&PairedRow| {
+        row.scope.kind == kind
+            && row.metric == metric
+            && row.group.kind == GroupKind::All
+            && is_own_tau(study, row.scope.tau)
+    };
+    evaluation.paired.iter().find(is_it)
+}
+
+/// The same of the rates of failure.
+pub(super) fn headline_failure<'a>(
+    study: &Study,
+    evaluation: &'a Evaluation,
+    kind: ScopeKind,
+) -> Option<&'a FailureRow> {
+    let rates = &evaluation.failures.as_ref()?.rates;
+    rates.iter().find(|row| {
+        row.scope.kind == kind
+            && row.group.kind == GroupKind::All
+            && is_own_tau(study, row.scope.tau)
+    })
+}
+
+/// Whether a number is at the τ that the study settled on, or at none.
+pub(super) fn is_own_tau(study: &Study, tau: Option<f64>) -> bool {
+    match (tau, study.provenance.settings.tau) {
+        (Some(one), Some(own)) => (one - own).abs() < 1e-12,
+        _ => true,
+    }
+}
+
+pub(super) fn subtitle(study: &Study) -> String {
+    let mut detectors: Vec<&str> = Vec::new();
+    let mut conditions: Vec<&str> = Vec::new();
+    for one in &study.evaluations {
+        if !detectors.contains(&one.detector.as_str()) {
+            detectors.push(&one.detector);
+        }
+        if !conditions.contains(&one.condition.name.as_str()) {
+            conditions.push(&one.condition.name);
+        }
+    }
+    let n_images = study.evaluations.first().map_or(0, |e| e.counts.n_images);
+    let n_objects = study.evaluations.first().map_or(0, |e| e.counts.n_objects);
+    words::name(&format!(
+        "{} images with {} objects of {}, clean and cracked: {} and {}, by the rules of {}.",
+        words::count(n_images),
+        words::count(n_objects),
+        study.dataset,
+        plural(detectors.len(), "detector"),
+        plural(conditions.len(), "condition"),
+        protocol_name(&study.provenance.settings.protocol),
+    ))
+}
+
+fn protocol_name(protocol: &str) -> &str {
+    match protocol {
+        "coco" => "MS-COCO",
+        "kitti" => "KITTI",
+        "bdd" => "BDD100K",
+        other => other,
+    }
+}
+
+fn plural(n: usize, what: &str) -> String {
+    match n {
+        1 => format!("1 {what}"),
+        _ => format!("{n} {what}s"),
+    }
+}
+
+/// The findings, one sentence each.
+pub(super) fn facts(study: &Study) -> Vec<String> {
+    let mut facts = Vec::new();
+    if study.evaluations.len() > 4 {
+        return facts_of_many(study);
+    }
+    for one in &study.evaluations {
+        let who = format!("{}, {}", one.detector, one.condition.name);
+        if let Some(row) = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)
+            && let (Some(clean), Some(cracked), Some(delta)) =
+                (row.clean.value, row.cracked.value, row.delta.value)
+        {
+            let interval = row.delta.interval().map_or(String::new(), |[low, high]| {
+                let ends = [low, high].map(words::signed_percent);
+                format!(", 95 % interval {} to {}", ends[0], ends[1])
+            });
+            facts.push(words::name(&format!(
+                "{who}: in the region AP50 goes from {} to {} ({} points{interval}).",
+                words::percent(clean),
+                words::percent(cracked),
+                words::signed_percent(delta),
+            )));
+        }
+        let inside = headline_failure(study, one, ScopeKind::InRegion);
+        let outside = headline_failure(study, one, ScopeKind::OutOfRegion);
+        if let Some(row) = inside
+            && let Some(rate) = row.failure_rate.value
+        {
+            let control = outside
+                .filter(|row| row.failure_rate.value.is_some())
+                .map_or(String::new(), |row| {
+                    let rate = row.failure_rate.value.map_or(String::new(), words::percent);
+                    format!(
+                        "; outside of it {} of {} ({rate} %)",
+                        words::count(row.n_lost),
+                        words::count(row.n_found_clean),
+                    )
+                });
+            facts.push(words::name(&format!(
+                "{who}: of {} objects found clean in the region, {} are lost ({} %){control}.",
+                words::count(row.n_found_clean),
+                words::count(row.n_lost),
+                words::percent(rate),
+            )));
+        }
+    }
+    facts
+}
+
+/// The same of many conditions: from which to which value, per detector.
+fn facts_of_many(study: &Study) -> Vec<String> {
+    let mut detectors: Vec<&str> = Vec::new();
+    for one in &study.evaluations {
+        if !detectors.contains(&one.detector.as_str()) {
+            detectors.push(&one.detector);
+        }
+    }
+    let fact = |detector: &&str| {
+        let of_detector: Vec<&Evaluation> = study
+            .evaluations
+            .iter()
+            .filter(|one| one.detector == *detector)
+            .collect();
+        let deltas = of_detector.iter().filter_map(|one| {
+            headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)?
+                .delta
+                .value
+        });
+        let rates = |kind| {
+            let rate =
+                move |one: &&Evaluation| headline_failure(study, one, kind)?.failure_rate.value;
+            span(of_detector.iter().filter_map(rate))
+        };
+        let [least, most] = span(deltas)?;
+        let mut text = format!(
+            "{detector}: over {} conditions AP50 in the region changes by {} to {} points",
+            of_detector.len(),
+            words::signed_percent(least),
+            words::signed_percent(most),
+        );
+        for (kind, place) in [
+            (ScopeKind::InRegion, "in the region"),
+            (ScopeKind::OutOfRegion, "outside of it"),
+        ] {
+            if let Some([least, most]) = rates(kind) {
+                text.push_str(&format!(
+                    "; {place} {} to {} % of the objects found clean are lost",
+                    words::percent(least),
+                    words::percent(most),
+                ));
+            }
+        }
+        text.push('.');
+        Some(words::name(&text))
+    };
+    detectors.iter().filter_map(fact).collect()
+}
+
+/// Least and greatest of values.
+fn span(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    values.fold(None, |ends: Option<[f64; 2]>, value| {
+        Some(match ends {
+            None => [value, value],
+            Some([least, most]) => [least.min(value), most.max(value)],
+        })
+    })
+}
+
+pub(super) fn section(study: &Study) -> Section {
+    let mut blocks = vec![Block::Table {
+        table: overview_table(study),
+    }];
+    blocks.extend(severity_chart(study));
+    blocks.extend(robustness_table(study).map(|table| Block::Table { table }));
+    Section {
+        id: "overview".to_owned(),
+        title: "Overview".to_owned(),
+        blocks,
+    }
+}
+
+fn overview_table(study: &Study) -> Table {
+    let mut table = Table::new(
+        "All detectors and conditions: AP50 of all classes in the region, clean and cracked, and how \
+         many objects that were found clean are lost, in the region and outside of it. Percent; 95 % \
+         intervals in brackets.",
+        &[
+            ("Detector", false),
+            ("Condition", false),
+            ("Objects in region", true),
+            ("AP50 clean", true),
+            ("AP50 cracked", true),
+            ("Difference", true),
+            ("Lost in region", true),
+            ("Lost outside", true),
+        ],
+    );
+    for one in &study.evaluations {
+        let paired = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)
+            .or_else(|| headline(study, one, ScopeKind::WholeImage, PairedMetric::Ap50));
+        let failure = |kind| headline_failure(study, one, kind).map(|row| &row.failure_rate);
+        let mut row = vec![Cell::head(&one.detector), Cell::text(&one.condition.name)];
+        match paired {
+            Some(paired) => {
+                row.push(Cell::count(paired.n_objects));
+                row.push(table.estimate(&paired.clean, words::percent));
+                row.push(table.estimate(&paired.cracked, words::percent));
+                row.push(table.estimate(&paired.delta, words::signed_percent));
+            }
+            None => row.extend([(); 4].map(|()| Cell::text(words::NOTHING))),
+        }
+        for kind in [ScopeKind::InRegion, ScopeKind::OutOfRegion] {
+            row.push(match failure(kind) {
+                Some(rate) => table.estimate(rate, words::percent),
+                None => Cell::text(words::NOTHING),
+            });
+        }
+        table.push(row);
+    }
+    table
+}
+
+/// AP50 in the region over the severity, a curve per detector and family.
+fn severity_chart(study: &Study) -> Option<Block> {
+    let mut names: Vec<(String, String)> = Vec::new();
+    for one in &study.evaluations {
+        let key = (
+            one.detector.clone(),
+            one.condition.family.clone().unwrap_or_default(),
+        );
+        if one.condition.severity.is_some() && !names.contains(&key) {
+            names.push(key);
+        }
+    }
+    let mut table = Table::new(
+        "AP50 in the region over the severity, mean over seeds, percent.",
+        &[
+            ("Curve", false),
+            ("Severity", true),
+            ("Seeds", true),
+            ("AP50 cracked", true),
+        ],
+    );
+    let mut curves = Vec::new();
+    let titles: Vec<String> = names
+        .iter()
+        .map(|(detector, family)| {
+            words::name(format!("{detector}, {family}").trim_end_matches(", "))
+        })
+        .collect();
+    for (place, ((detector, family), title)) in names.iter().zip(&titles).enumerate() {
+        let mut points = Vec::new();
+        for severity in 1..=5_u8 {
+            let rows: Vec<&PairedRow> = study
+                .evaluations
+                .iter()
+                .filter(|one| {
+                    one.detector == *detector
+                        && one.condition.family.clone().unwrap_or_default() == *family
+                        && one.condition.severity == Some(severity)
+                })
+                .filter_map(|one| headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50))
+                .collect();
+            let values: Vec<f64> = rows.iter().filter_map(|row| row.cracked.value).collect();
+            let n_seeds = u32::try_from(values.len()).unwrap_or(u32::MAX);
+            if n_seeds == 0 {
+                continue;
+            }
+            let y = values.iter().sum::<f64>() / f64::from(n_seeds) * 100.0;
+            let interval = match rows.as_slice() {
+                [row] => row
+                    .cracked
+                    .interval()
+                    .map(|ends| ends.map(|end| end * 100.0)),
+                _ => None,
+            };
+            let small = interval.map(|[low, high]| {
+                format!("[{}, {}]", words::decimal(low, 1), words::decimal(high, 1))
+            });
+            table.push(vec![
+                Cell::head(title),
+                Cell::count(severity.into()),
+                Cell::count(n_seeds.into()),
+                Cell::number(Some(y / 100.0), words::percent).with_small(small),
+            ]);
+            points.push(CurvePoint {
+                x: severity.into(),
+                y,
+                interval,
+                words: None,
+            });
+        }
+        let markers = [
+            MarkerShape::Circle,
+            MarkerShape::Diamond,
+            MarkerShape::Square,
+        ];
+        curves.push(Curve {
+            name: title,
+            ink: Ink::of_series(place),
+            marker: *markers.get(place % 3).unwrap_or(&MarkerShape::Circle),
+            style: CurveStyle::JoinedPoints,
+            points,
+        });
+    }
+    let n_severities = curves.iter().map(|curve| curve.points.len()).max()?;
+    if n_severities < 2 {
+        return None;
+    }
+    let chart = curve_chart(
+        &curves,
+        ((0.5, 5.5), 1.0, "severity"),
+        ((0.0, 100.0), 20.0, "AP50 in the region, %"),
+        &ChartText {
+            id: "severities",
+            title: "AP50 in the region over the severity of the cracks",
+            description: "One curve per detector and family of cracks; the table below has the numbers.",
+        },
+    );
+    Some(Block::Chart {
+        id: "fig-severities".to_owned(),
+        svg: chart.svg,
+        key: chart.key,
+        caption:
+            "AP50 of all classes in the region over the severity of the cracks. The region grows \
+                  with the severity, so that each point has objects of its own."
+                .to_owned(),
+        table: Some(table),
+    })
+}
+
+fn robustness_table(study: &Study) -> Option<Table> {
+    if study.robustness.is_empty() {
+        return None;
+    }
+    let mut table = Table::new(
+        "Robustness over all conditions: mean performance under corruption (mPC) and its share of the \
+         clean performance (rPC). Percent.",
+        &[
+            ("Detector", false),
+            ("Where", false),
+            ("Metric", false),
+            ("Clean", true),
+            ("mPC", true),
+            ("rPC", true),
+        ],
+    );
+    for row in &study.robustness {
+        let cells = vec![
+            Cell::head(&row.detector),
+            Cell::text(words::scope(&row.scope)),
+            Cell::text(words::metric(row.metric)),
+            table.estimate(&row.clean, words::percent),
+            table.estimate(&row.mpc, words::percent),
+            table.estimate(&row.rpc, words::percent),
+        ];
+        table.push(cells);
+    }
+    Some(table)
+}

@@ -1,0 +1,146 @@
+//! The worst failures as pairs of pictures with boxes.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+
+use super::super::words;
+use super::Block;
+use crate::evaluation::{BoxRole, Evaluation, RoledBox, WorstFailure};
+
+/// Most boxes that are drawn over a picture.
+const MAX_BOXES: usize = 60;
+
+/// A pair of pictures.
+#[derive(Debug, Serialize)]
+pub(in crate::report) struct Pair {
+    id: String,
+    image: String,
+    text: String,
+    width_px: u32,
+    height_px: u32,
+    /// How wide a stroke is so that it looks the same on every image, px of the image.
+    stroke_px: f64,
+    letter_px: f64,
+    sides: Vec<Side>,
+}
+
+/// One of both.
+#[derive(Debug, Serialize)]
+pub(in crate::report) struct Side {
+    name: &'static str,
+    uri: String,
+    boxes: Vec<Drawn>,
+}
+
+/// A box as it is drawn.
+#[derive(Debug, Serialize)]
+pub(in crate::report) struct Drawn {
+    role: &'static str,
+    x: f64,
+    y: f64,
+    width: f64,
+    height: f64,
+    text: String,
+    text_y: f64,
+}
+
+pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
+    let pairs: Vec<Pair> = evaluation
+        .worst
+        .iter()
+        .enumerate()
+        .filter_map(|(place, worst)| pair(worst, format!("{id}-worst{place}")))
+        .collect();
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    vec![
+        Block::Heading {
+            id: format!("{id}-worst"),
+            text: "Worst failures".to_owned(),
+        },
+        Block::Text {
+            text: "The images in which most objects found clean are lost, clean and cracked. Solid \
+                   frames: found in both. Thick frames with a dark edge: lost. Dashed frames: not found in \
+                   either. Dotted frames: new detections where nothing is."
+                .to_owned(),
+        },
+        Block::Pictures { pairs },
+    ]
+}
+
+fn pair(worst: &WorstFailure, id: String) -> Option<Pair> {
+    let pictures = worst.pictures.as_ref()?;
+    let (width, height) = (f64::from(worst.width_px), f64::from(worst.height_px));
+    if width < 1.0 || height < 1.0 {
+        return None;
+    }
+    let letter_px = width.max(height) / 36.0;
+    let drawn = |on_cracked: bool| {
+        let is_here = |one: &&RoledBox| on_cracked || one.role != BoxRole::New;
+        let boxes = worst.boxes.iter().filter(is_here).take(MAX_BOXES);
+        boxes
+            .map(|one| draw(one, on_cracked, (width, height), letter_px))
+            .collect()
+    };
+    let uri = |jpeg: &[u8]| format!("data:image/jpeg;base64,{}", STANDARD.encode(jpeg));
+    Some(Pair {
+        image: words::name(&worst.image),
+        text: format!(
+            "{} of {} lost, {} new",
+            worst.n_lost, worst.n_found_clean, worst.n_new
+        ),
+        width_px: worst.width_px,
+        height_px: worst.height_px,
+        stroke_px: width.max(height) / 320.0,
+        letter_px,
+        sides: vec![
+            Side {
+                name: "clean",
+                uri: uri(&pictures.clean_jpeg),
+                boxes: drawn(false),
+            },
+            Side {
+                name: "cracked",
+                uri: uri(&pictures.cracked_jpeg),
+                boxes: drawn(true),
+            },
+        ],
+        id,
+    })
+}
+
+fn draw(one: &RoledBox, on_cracked: bool, (width, height): (f64, f64), letter_px: f64) -> Drawn {
+    let role = match (one.role, on_cracked) {
+        (BoxRole::Missed, _) => "missed",
+        (BoxRole::Lost, true) => "lost",
+        (BoxRole::Found | BoxRole::Lost, _) => "found",
+        (BoxRole::New, _) => "new",
+    };
+    // A box from outside may be anywhere, and be no number.
+    let inside = |value: f64, end: f64| match value.is_finite() {
+        true => (value.clamp(0.0, end) * 10.0).round() / 10.0,
+        false => 0.0,
+    };
+    let [x0, y0, x1, y1] = one.box_px.corners();
+    let (x, y) = (inside(x0, width), inside(y0, height));
+    let class = words::name(&one.class);
+    let score = one.score.filter(|score| score.is_finite());
+    let text = match (role, score) {
+        ("lost", _) => format!("{class} lost"),
+        ("new", Some(score)) => format!("{class} new {score:.2}"),
+        ("new", None) => format!("{class} new"),
+        ("found", Some(score)) => format!("{class} {score:.2}"),
+        _ => class,
+    };
+    Drawn {
+        role,
+        x,
+        y,
+        width: (inside(x1, width) - x).max(0.0),
+        height: (inside(y1, height) - y).max(0.0),
+        text,
+        text_y: (y - 0.25 * letter_px).max(letter_px),
+    }
+}

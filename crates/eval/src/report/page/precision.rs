@@ -1,0 +1,384 @@
+//! AP: paired in and out of the region, on whole images, by the protocol's own table.
+
+use kuva::prelude::MarkerShape;
+
+use super::super::charts::{ChartText, Ink, RowPoint, RowSeries, row_chart};
+use super::super::words;
+use super::overview::is_own_tau;
+use super::{Block, Cell, Table};
+use crate::evaluation::{
+    Evaluation, Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind, Study,
+};
+
+/// Most rows of a chart.
+const MAX_CHART_ROWS: usize = 24;
+
+/// The twelve numbers of MS-COCO.
+const COCO_STATS: [&str; 12] = [
+    "AP",
+    "AP50",
+    "AP75",
+    "AP small",
+    "AP medium",
+    "AP large",
+    "AR 1",
+    "AR 10",
+    "AR 100",
+    "AR small",
+    "AR medium",
+    "AR large",
+];
+
+pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let mut scopes: Vec<&Scope> = Vec::new();
+    for row in &evaluation.paired {
+        if !scopes.contains(&&row.scope) {
+            scopes.push(&row.scope);
+        }
+    }
+    if !scopes.is_empty() {
+        blocks.push(Block::Heading {
+            id: format!("{id}-ap"),
+            text: "Average precision, paired".to_owned(),
+        });
+        blocks.push(Block::Text {
+            text: region_text(evaluation),
+        });
+    }
+    let main = scopes
+        .iter()
+        .find(|scope| scope.kind == ScopeKind::InRegion && is_own_tau(study, scope.tau))
+        .or_else(|| scopes.first())
+        .copied();
+    if let Some(main) = main {
+        blocks.extend(chart(evaluation, main, id));
+        blocks.push(Block::Table {
+            table: paired_table(evaluation, main),
+        });
+    }
+    // The control first, then everything, then other thresholds.
+    let rank = |scope: &Scope| match (scope.kind, is_own_tau(study, scope.tau)) {
+        (ScopeKind::OutOfRegion, true) => 0,
+        (ScopeKind::WholeImage, _) => 1,
+        _ => 2,
+    };
+    scopes.sort_by_key(|scope| rank(scope));
+    for scope in scopes {
+        if Some(scope) == main {
+            continue;
+        }
+        blocks.push(Block::Fold {
+            title: format!("The same {}", words::scope(scope)),
+            blocks: vec![Block::Table {
+                table: paired_table(evaluation, scope),
+            }],
+        });
+    }
+    blocks.extend(subset_table(evaluation).map(|table| Block::Fold {
+        title: "By coverage, and by size in the region".to_owned(),
+        blocks: vec![Block::Table { table }],
+    }));
+    blocks.extend(coco_table(evaluation).map(|table| Block::Fold {
+        title: "The twelve numbers of MS-COCO, whole images".to_owned(),
+        blocks: vec![Block::Table { table }],
+    }));
+    blocks.extend(kitti_table(evaluation).map(|table| Block::Table { table }));
+    blocks
+}
+
+fn region_text(evaluation: &Evaluation) -> String {
+    let counts = &evaluation.counts;
+    let mut text = "The clean and the cracked image are judged by the same objects under the same \
+                    mask; the difference is cracked minus clean."
+        .to_owned();
+    if let (Some(n_images), Some(n_objects)) =
+        (counts.n_images_with_region, counts.n_objects_in_region)
+    {
+        text.push_str(&format!(
+            " The region touches {} of {} images and holds {} of {} objects",
+            words::count(n_images),
+            words::count(counts.n_images),
+            words::count(n_objects),
+            words::count(counts.n_objects),
+        ));
+        if let Some(share) = counts.mean_region_share {
+            text.push_str(&format!(
+                "; it covers {} % of an image on average",
+                words::percent(share)
+            ));
+        }
+        text.push('.');
+    }
+    text
+}
+
+fn find<'a>(
+    evaluation: &'a Evaluation,
+    scope: &Scope,
+    group: &Group,
+    metric: PairedMetric,
+) -> Option<&'a PairedRow> {
+    evaluation
+        .paired
+        .iter()
+        .find(|row| row.scope == *scope && row.group == *group && row.metric == metric)
+}
+
+/// The two metrics of a table: those of the paper, or KITTI's.
+fn metrics(evaluation: &Evaluation, scope: &Scope) -> Vec<PairedMetric> {
+    use PairedMetric::{Ap, Ap50, Ap75, KittiAp11, KittiAp40};
+    let has = |metric| {
+        evaluation
+            .paired
+            .iter()
+            .any(|row| row.scope == *scope && row.metric == metric)
+    };
+    let all = [Ap50, Ap75, KittiAp40, KittiAp11, Ap];
+    all.into_iter()
+        .filter(|metric| has(*metric))
+        .take(2)
+        .collect()
+}
+
+/// The groups of a scope: all, supercategories, classes; those with many objects first.
+fn groups(evaluation: &Evaluation, scope: &Scope) -> Vec<(Group, u64)> {
+    let mut groups: Vec<(Group, u64)> = Vec::new();
+    for row in evaluation.paired.iter().filter(|row| row.scope == *scope) {
+        if groups.iter().all(|(known, _)| *known != row.group) {
+            groups.push((row.group.clone(), row.n_objects));
+        }
+    }
+    groups.sort_by(|a, b| (a.0.kind, b.1, &a.0.name).cmp(&(b.0.kind, a.1, &b.0.name)));
+    groups
+}
+
+fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
+    let metric = *metrics(evaluation, scope).first()?;
+    let rows: Vec<&PairedRow> = groups(evaluation, scope)
+        .iter()
+        .filter_map(|(group, _)| find(evaluation, scope, group, metric))
+        .filter(|row| row.clean.value.is_some() && row.cracked.value.is_some())
+        .take(MAX_CHART_ROWS)
+        .collect();
+    if rows.is_empty() {
+        return None;
+    }
+    let names: Vec<String> = rows.iter().map(|row| group_name(&row.group)).collect();
+    let series = |name, ink, marker, of: fn(&PairedRow) -> &crate::evaluation::Estimate| {
+        let points = rows.iter().enumerate().filter_map(|(row, paired)| {
+            let estimate = of(paired);
+            Some(RowPoint {
+                row,
+                value: estimate.value? * 100.0,
+                interval: estimate.interval().map(|ends| ends.map(|end| end * 100.0)),
+            })
+        });
+        RowSeries {
+            name,
+            ink,
+            marker,
+            points: points.collect(),
+        }
+    };
+    let series = [
+        series("clean", Ink::Clean, MarkerShape::Circle, |row| &row.clean),
+        series("cracked", Ink::Cracked, MarkerShape::Diamond, |row| {
+            &row.cracked
+        }),
+    ];
+    let metric = words::metric(metric);
+    let place = words::scope(scope);
+    let chart_id = format!("{id}-ap-chart");
+    let chart = row_chart(
+        &names,
+        &series,
+        ((0.0, 100.0), 20.0),
+        &format!("{metric}, %"),
+        &ChartText {
+            id: &chart_id,
+            title: &format!("{metric} {place}, clean and cracked, with 95 % intervals"),
+            description: "One row per group of classes; the table that follows has the numbers.",
+        },
+    );
+    Some(Block::Chart {
+        id: format!("fig-{chart_id}"),
+        svg: chart.svg,
+        key: chart.key,
+        caption: format!(
+            "{metric} {place} of all classes, supercategories and classes with enough objects; lines \
+             are 95 % intervals of the bootstrap over images."
+        ),
+        table: None,
+    })
+}
+
+pub(super) fn group_name(group: &Group) -> String {
+    match group.kind {
+        GroupKind::All => "all classes".to_owned(),
+        GroupKind::Supercategory => format!("{} (all)", words::name(&group.name)),
+        GroupKind::Class => words::name(&group.name),
+    }
+}
+
+fn paired_table(evaluation: &Evaluation, scope: &Scope) -> Table {
+    const COLUMNS: [&str; 2] = ["Objects", "Images"];
+    let metrics = metrics(evaluation, scope);
+    let mut columns = vec![("Class", false)];
+    columns.extend(COLUMNS.map(|name| (name, true)));
+    for metric in &metrics {
+        let heads: [&'static str; 4] = match metric {
+            PairedMetric::Ap50 => ["AP50 clean", "AP50 cracked", "Difference", "p (Holm)"],
+            PairedMetric::Ap75 => ["AP75 clean", "AP75 cracked", "Difference", "p (Holm)"],
+            PairedMetric::Ap => ["AP clean", "AP cracked", "Difference", "p (Holm)"],
+            PairedMetric::KittiAp11 => ["AP11 clean", "AP11 cracked", "Difference", "p (Holm)"],
+            PairedMetric::KittiAp40 => ["AP40 clean", "AP40 cracked", "Difference", "p (Holm)"],
+        };
+        columns.extend(heads.map(|name| (name, true)));
+    }
+    let place = words::scope(scope);
+    let mut table = Table::new("", &columns);
+    let mut left_out: Vec<String> = Vec::new();
+    for (group, n_objects) in groups(evaluation, scope) {
+        let rows: Vec<Option<&PairedRow>> = metrics
+            .iter()
+            .map(|metric| find(evaluation, scope, &group, *metric))
+            .collect();
+        let is_empty = |row: &Option<&PairedRow>| row.is_none_or(|row| row.clean.value.is_none());
+        if group.kind == GroupKind::Class && rows.iter().all(is_empty) {
+            left_out.push(format!("{} ({n_objects})", words::name(&group.name)));
+            continue;
+        }
+        let n_images = rows.iter().flatten().map(|row| row.n_images).next();
+        let mut cells = vec![
+            Cell::head(group_name(&group)),
+            Cell::count(n_objects),
+            Cell::count(n_images.unwrap_or(0)),
+        ];
+        for row in rows {
+            let Some(row) = row else {
+                cells.extend([(); 4].map(|()| Cell::text(words::NOTHING)));
+                continue;
+            };
+            cells.push(table.estimate(&row.clean, words::percent));
+            cells.push(table.estimate(&row.cracked, words::percent));
+            cells.push(table.estimate(&row.delta, words::signed_percent));
+            cells.push(Cell::probability(row.p_holm.or(row.p)));
+        }
+        table.push(cells);
+    }
+    table.caption = format!(
+        "Average precision {place}, percent, with 95 % intervals of the paired bootstrap; p of the \
+         permutation test, corrected by Holm's method."
+    );
+    if !left_out.is_empty() {
+        table.caption.push_str(&format!(
+            " Too few objects for a number of its own (how many there are): {}.",
+            left_out.join(", ")
+        ));
+    }
+    table
+}
+
+/// AP50 of all classes by bin of coverage and by size.
+fn subset_table(evaluation: &Evaluation) -> Option<Table> {
+    let mut table = Table::new(
+        "AP50 of all classes by how much of an object the region covers, and by its size, percent; without \
+         intervals.",
+        &[
+            ("Objects of", false),
+            ("Objects", true),
+            ("Images", true),
+            ("AP50 clean", true),
+            ("AP50 cracked", true),
+        ],
+    );
+    let all = |row: &&crate::SubsetRow| row.group.kind == GroupKind::All;
+    for row in evaluation.subsets.iter().filter(all) {
+        let clean = table.estimate(&row.clean_ap50, words::percent);
+        let cracked = match &row.cracked_ap50 {
+            Some(cracked) => table.estimate(cracked, words::percent),
+            None => Cell::text(words::NOTHING),
+        };
+        table.push(vec![
+            Cell::head(&row.subset),
+            Cell::count(row.n_objects),
+            Cell::count(row.n_images),
+            clean,
+            cracked,
+        ]);
+    }
+    (!table.rows.is_empty()).then_some(table)
+}
+
+fn coco_table(evaluation: &Evaluation) -> Option<Table> {
+    let (clean, cracked) = (evaluation.clean.coco_stats?, evaluation.cracked.coco_stats?);
+    let mut table = Table::new(
+        "Whole images by the rules of MS-COCO, percent; equal to pycocotools on the same files.",
+        &[
+            ("Number", false),
+            ("Clean", true),
+            ("Cracked", true),
+            ("Difference", true),
+        ],
+    );
+    for ((name, clean), cracked) in COCO_STATS.iter().zip(clean).zip(cracked) {
+        let difference = clean.zip(cracked).map(|(clean, cracked)| cracked - clean);
+        table.push(vec![
+            Cell::head(name),
+            Cell::number(clean, words::percent),
+            Cell::number(cracked, words::percent),
+            Cell::number(difference, words::signed_percent),
+        ]);
+    }
+    Some(table)
+}
+
+fn kitti_table(evaluation: &Evaluation) -> Option<Table> {
+    if evaluation.clean.kitti.is_empty() {
+        return None;
+    }
+    let mut table = Table::new(
+        "Whole images by the rules of KITTI, percent. The ceiling is what a perfect detector would \
+         reach with so few objects.",
+        &[
+            ("Class", false),
+            ("Difficulty", false),
+            ("Overlap above", true),
+            ("Objects", true),
+            ("AP40 clean", true),
+            ("AP40 cracked", true),
+            ("Ceiling", true),
+            ("AP11 clean", true),
+            ("AP11 cracked", true),
+            ("Ceiling", true),
+        ],
+    );
+    for clean in &evaluation.clean.kitti {
+        let cracked = evaluation
+            .cracked
+            .kitti
+            .iter()
+            .find(|row| row.class == clean.class && row.difficulty == clean.difficulty);
+        let mut cells = vec![
+            Cell::head(&clean.class),
+            Cell::text(&clean.difficulty),
+            Cell::number(Some(clean.min_overlap), |v| words::decimal(v, 2)),
+            Cell::count(clean.n_objects),
+            table.estimate(&clean.ap40, words::percent),
+        ];
+        cells.push(match cracked {
+            Some(row) => table.estimate(&row.ap40, words::percent),
+            None => Cell::text(words::NOTHING),
+        });
+        cells.push(Cell::number(Some(clean.ceiling_ap40), words::percent));
+        cells.push(table.estimate(&clean.ap11, words::percent));
+        cells.push(match cracked {
+            Some(row) => table.estimate(&row.ap11, words::percent),
+            None => Cell::text(words::NOTHING),
+        });
+        cells.push(Cell::number(Some(clean.ceiling_ap11), words::percent));
+        table.push(cells);
+    }
+    Some(table)
+}

@@ -1,0 +1,99 @@
+//! All that the numbers depend on.
+
+use super::super::words;
+use super::{Block, Cell, Section, Table};
+use crate::evaluation::{Provenance, Study};
+
+pub(super) fn section(study: &Study) -> Section {
+    let provenance = &study.provenance;
+    let mut blocks = vec![Block::Table {
+        table: settings(provenance),
+    }];
+    if !provenance.inputs.is_empty() {
+        let mut table = Table::new(
+            "Files that were read, with SHA-256.",
+            &[
+                ("What", false),
+                ("Where", false),
+                ("Bytes", true),
+                ("SHA-256", false),
+            ],
+        );
+        for input in &provenance.inputs {
+            table.push(vec![
+                Cell::head(&input.role),
+                Cell::text(&input.path),
+                input
+                    .n_bytes
+                    .map_or_else(|| Cell::text(words::NOTHING), Cell::count),
+                Cell::hash(&input.sha256),
+            ]);
+        }
+        blocks.push(Block::Table { table });
+    }
+    if let Some(command) = &provenance.command {
+        blocks.push(Block::Verbatim {
+            title: "The command".to_owned(),
+            text: words::name(command),
+        });
+    }
+    if let Some(recipe) = &provenance.recipe {
+        let lines: Vec<String> = recipe.lines().map(words::name).collect();
+        blocks.push(Block::Fold {
+            title: "The recipe that broke the glass".to_owned(),
+            blocks: vec![Block::Verbatim {
+                title: "Recipe".to_owned(),
+                text: lines.join("\n"),
+            }],
+        });
+    }
+    Section {
+        id: "provenance".to_owned(),
+        title: "Where the numbers come from".to_owned(),
+        blocks,
+    }
+}
+
+fn settings(provenance: &Provenance) -> Table {
+    let settings = &provenance.settings;
+    let mut table = Table::new(
+        "Settings and versions.",
+        &[("What", false), ("Value", false)],
+    );
+    let mut row = |what: &str, value: String| {
+        table.push(vec![Cell::head(what), Cell::text(value)]);
+    };
+    row("protocol", settings.protocol.clone());
+    if let Some(definition) = &settings.region_definition {
+        row("definition of the region", definition.clone());
+    }
+    if let Some(tau) = settings.tau {
+        row("τ, least share of a box in the region", tau.to_string());
+    }
+    row(
+        "score of a detection that counts as found",
+        settings.score_threshold.to_string(),
+    );
+    row(
+        "IoU of a detection that counts as found",
+        settings.iou_threshold.to_string(),
+    );
+    row(
+        "fewest objects for a number",
+        settings.min_objects.to_string(),
+    );
+    if let Some(n) = settings.max_detections {
+        row("most detections per image and class", n.to_string());
+    }
+    row("draws of the bootstrap", settings.n_bootstrap.to_string());
+    row(
+        "draws of the permutation test",
+        settings.n_permutations.to_string(),
+    );
+    row("drawn as one", settings.resampling_unit.clone());
+    row("seed of both", settings.seed.to_string());
+    for version in &provenance.versions {
+        row(&version.name, version.version.clone());
+    }
+    table
+}
