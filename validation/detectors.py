@@ -3,7 +3,9 @@
 detectors.py EXAMPLE [STARBREAK]: EXAMPLE is examples/detector_outputs, built with or without the
 feature `ort`; with STARBREAK the AP of the command is counted, too. Ends with an error if an output
 is off by more than 1e-3, if a detection is off by more than 1e-3 px from the reference's
-post-processing of the same outputs, or by more than 0.1 px or 1e-3 of score from the whole reference.
+post-processing of the same outputs, or if more than one in a
+thousand has no partner within 0.1 px and 1e-3 of score in the whole reference: an overlap or a score
+just at its threshold falls to the other side there.
 """
 
 import json
@@ -199,7 +201,7 @@ def main():
                     n += len(ours)
                     rows += as_results(ours, ids[stem], numbers)
                 ap = quietly(average_precision, truth, rows)
-                is_bad = worst_raw > TOLERANCE or same[1][1] > 0 or whole[1][1] > 0
+                is_bad = worst_raw > TOLERANCE or same[1][1] > 0 or whole[1][1] > n / 1000
                 failed |= is_bad
                 print(
                     f"{name} by {backend}, {len(images)} images: outputs differ from ONNX Runtime "

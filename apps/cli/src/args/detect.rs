@@ -36,7 +36,7 @@ pub(crate) struct DetectArgs {
     /// Leave out detections with a lower score, instead of the contract's threshold
     #[arg(long, value_name = "0..1", value_parser = parse_score)]
     pub(crate) score_threshold: Option<f32>,
-    /// Form of the detections: results of MS-COCO, a JSON file
+    /// Form of the detections: results of MS-COCO, of KITTI (OUT/data/NNNNNN.txt) or of BDD100K
     #[arg(long, value_enum, default_value_t = ResultFormat::Coco)]
     pub(crate) format: ResultFormat,
     /// Which class of the model is which category of the dataset: a TOML file with schema = 1 and
@@ -60,6 +60,10 @@ pub(crate) struct DetectArgs {
 pub(crate) enum ResultFormat {
     /// Results of MS-COCO: one JSON list
     Coco,
+    /// Results of KITTI: a folder with one text per image
+    Kitti,
+    /// Frames of Scalabel, as BDD100K has them: one JSON list
+    Bdd,
 }
 
 fn parse_score(text: &str) -> Result<f32, String> {

@@ -1,6 +1,6 @@
 //! `starbreak detect`: a detector over a dataset.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -10,10 +10,11 @@ use starbreak_eval::detector::{
     Backend, Contract, Detector, DetectorOptions, Device, ImageToSee, LabelMap, LabelRules, Seen,
     preset_names,
 };
+use starbreak_eval::{Detection, Detections};
 
-use super::detect_ids::Numbers;
+use super::detect_labels::Referred;
 use crate::args::Global;
-use crate::args::detect::DetectArgs;
+use crate::args::detect::{DetectArgs, ResultFormat};
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
@@ -34,11 +35,16 @@ pub(crate) fn run(
         return list_contracts(screen);
     };
     refuse_output(args, model, output)?;
-    let source = Source::open(&SourceSpec::parse(source)?)?;
+    let spec = SourceSpec::parse(source)?;
+    let source = Source::open(&spec)?;
     let detector = Detector::open(model, &options_of(args)?)?;
     let images = images_of(&source, args.limit, screen)?;
-    let numbers = Numbers::of(&source, &images, detector.classes())?;
-    let map = label_map(args, &source, &detector, &numbers)?;
+    let referred = Referred::of(&spec, &images, detector.classes())?;
+    let rules = match &args.label_map {
+        Some(path) => label_rules(path)?,
+        None => LabelRules::of_dataset(source.format().name())?,
+    };
+    let map = LabelMap::new(detector.classes(), &referred.labels.categories, &rules)?;
     say_contract(&detector, screen);
     say_unmapped(&map, screen);
 
@@ -63,21 +69,45 @@ pub(crate) fn run(
         ));
     }
     let seconds = started.elapsed().as_secs_f64();
-    let results = Results::of(&images, &seen, &numbers, &map);
+    let results = Results::of(&images, &seen, &referred, &map);
+    write(args.format, output, &results.detections, &referred)?;
+    let run = Run {
+        detector: &detector,
+        images: &images,
+        output,
+        seconds,
+    };
+    finish(&run, &results, &map, screen)
+}
+
+/// All files together, or none.
+fn write(
+    format: ResultFormat,
+    output: &Path,
+    detections: &Detections,
+    referred: &Referred,
+) -> Result<(), Failure> {
+    let labels = &referred.labels;
+    let files: Vec<(PathBuf, String)> = match format {
+        ResultFormat::Coco => vec![(output.to_owned(), detections.to_coco(labels))],
+        ResultFormat::Bdd => vec![(output.to_owned(), detections.to_scalabel(labels))],
+        ResultFormat::Kitti => {
+            let mut seen = referred.places.clone();
+            seen.sort_unstable();
+            // Frames that were not looked through have no file: they are not evaluated.
+            let files = (0_u32..).zip(detections.to_kitti(labels));
+            files
+                .filter(|(place, _)| seen.binary_search(place).is_ok())
+                .map(|(_, (name, text))| (output.join("data").join(name), text))
+                .collect()
+        }
+    };
     let mut batch = OutputBatch::new();
-    batch.stage(output, results.text.as_bytes())?;
+    for (path, text) in &files {
+        batch.stage(path, text.as_bytes())?;
+    }
     batch.commit()?;
-    finish(
-        &Run {
-            detector: &detector,
-            images: &images,
-            output,
-            seconds,
-        },
-        &results,
-        &map,
-        screen,
-    )
+    Ok(())
 }
 
 /// How images become input and outputs boxes, and why so.
@@ -107,8 +137,12 @@ fn refuse_output(args: &DetectArgs, model: &Path, output: &Path) -> Result<(), F
             "the output {output:?} would replace the input {input:?}; choose another name"
         )));
     }
+    let trial_path = match args.format {
+        ResultFormat::Coco | ResultFormat::Bdd => output.to_owned(),
+        ResultFormat::Kitti => output.join("data").join("000000.txt"),
+    };
     let mut trial = OutputBatch::new_unsynced();
-    trial.stage(output, b"")?;
+    trial.stage(&trial_path, b"")?;
     Ok(())
 }
 
@@ -217,33 +251,56 @@ fn label_map(
 pub(super) fn say_unmapped(map: &LabelMap, screen: &Screen) {
     let list = |names: &[String]| {
         let mut text: Vec<&str> = names.iter().take(MOST_NAMED).map(String::as_str).collect();
+/// How images become input and outputs boxes, and why so.
+pub(super) fn say_contract(detector: &Detector, screen: &Screen) {
+    let contract = detector.contract();
+    screen.note(&format!(
+        "contract {}, because {}: {}",
+        contract.name,
+        detector.reason(),
+        contract.about
+    ));
+    screen.note(&format!(
+        "{} classes by {}; scores from {} on, at most {} detections per image",
+        contract.classes.names.iter().flatten().count(),
+        contract.classes.origin,
+        contract.score_threshold,
+        contract.max_detections
+    ));
+}
+
+/// Which classes and categories have no partner.
+pub(super) fn say_unmapped(map: &LabelMap, screen: &Screen) {
+    let list = |names: &[&str]| {
+        let mut text: Vec<&str> = names.iter().take(MOST_NAMED).copied().collect();
         if names.len() > MOST_NAMED {
             text.push("…");
         }
         text.join(", ")
     };
-    let classes = map.unmapped_classes();
+    let classes: Vec<&str> = map.unmapped_classes().iter().map(String::as_str).collect();
     if !classes.is_empty() {
         screen.note(&format!(
             "{} classes of the model have no category in the dataset, their detections are left out: {}",
             classes.len(),
-            list(classes)
+            list(&classes)
         ));
     }
-    let categories = map.unmapped_categories();
+    // KITTI's areas of no labels are no objects.
+    let categories = map.unmapped_categories().iter().map(String::as_str);
+    let categories: Vec<&str> = categories.filter(|name| *name != "DontCare").collect();
     if !categories.is_empty() {
         screen.note(&format!(
             "{} categories of the dataset have no class in the model, their objects cannot be found: {}",
             categories.len(),
-            list(categories)
+            list(&categories)
         ));
     }
 }
 
-/// Detections as text, and what was counted on the way.
+/// Detections, and what was counted on the way.
 struct Results {
-    text: String,
-    n_detections: u64,
+    detections: Detections,
     n_unmapped: u64,
     n_inverted: u64,
     n_without_class: u64,
@@ -251,51 +308,39 @@ struct Results {
 }
 
 impl Results {
-    fn of(images: &[ImageToSee], seen: &[Seen], numbers: &Numbers, map: &LabelMap) -> Self {
+    fn of(images: &[ImageToSee], seen: &[Seen], referred: &Referred, map: &LabelMap) -> Self {
         let mut results = Self {
-            text: String::from("["),
-            n_detections: 0,
+            detections: Detections::default(),
             n_unmapped: 0,
             n_inverted: 0,
             n_without_class: 0,
             failures: Vec::new(),
         };
-        for (place, (image, seen)) in images.iter().zip(seen).enumerate() {
+        for ((image, seen), &place) in images.iter().zip(seen).zip(&referred.places) {
             match seen {
                 Some(Ok(found)) => {
                     results.n_inverted += u64::from(found.n_inverted);
                     results.n_without_class += u64::from(found.n_without_class);
-                    for detection in &found.detections {
-                        let category = map
-                            .category(detection.class)
-                            .and_then(|category| numbers.categories.get(category as usize));
-                        let Some(category) = category else {
+                    for raw in &found.detections {
+                        let Some(category) = map.category(raw.class) else {
                             results.n_unmapped += 1;
                             continue;
                         };
-                        let b = detection.box_px;
-                        let record = json!({
-                            "image_id": numbers.image_ids.get(place),
-                            "category_id": category.id,
-                            "bbox": [b.x, b.y, b.width, b.height],
-                            "score": detection.score,
+                        results.detections.items.push(Detection {
+                            image: place,
+                            category,
+                            box_px: raw.box_px,
+                            score: raw.score,
                         });
-                        results.text.push_str(if results.n_detections == 0 {
-                            "\n"
-                        } else {
-                            ",\n"
-                        });
-                        results.text.push_str(&record.to_string());
-                        results.n_detections += 1;
                     }
                 }
-                Some(Err(error)) => results
-                    .failures
-                    .push((image.name.clone(), error.to_string())),
+                Some(Err(error)) => {
+                    let failure = (image.name.clone(), error.to_string());
+                    results.failures.push(failure);
+                }
                 None => {}
             }
         }
-        results.text.push_str("\n]\n");
         results
     }
 }
@@ -312,7 +357,7 @@ fn finish(
     let mut said = format!(
         "{}: {} detections in {} images, {rate:.1} images per second",
         run.output.display(),
-        results.n_detections,
+        results.detections.items.len(),
         run.images.len() - n_failed,
     );
     for (n, what) in [
@@ -355,7 +400,7 @@ fn result_json(run: &Run<'_>, results: &Results, map: &LabelMap) -> Value {
         "unmapped_classes": map.unmapped_classes(),
         "unmapped_categories": map.unmapped_categories(),
         "n_images": run.images.len(),
-        "n_detections": results.n_detections,
+        "n_detections": results.detections.items.len(),
         "n_unmapped": results.n_unmapped,
         "n_inverted": results.n_inverted,
         "n_without_class": results.n_without_class,

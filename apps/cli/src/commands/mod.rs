@@ -7,7 +7,7 @@ mod contact_sheet;
 mod crack;
 mod demo;
 mod detect;
-mod detect_ids;
+mod detect_labels;
 mod divergence;
 mod evaluate;
 mod evaluate_join;

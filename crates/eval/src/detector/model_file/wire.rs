@@ -49,7 +49,7 @@ impl Message {
                 Self::Tensor
             }
             (Self::Graph, 15) | (Self::Attribute, 22 | 23) => Self::SparseTensor,
-            (Self::Graph, 11 | 12 | 13) => Self::ValueInfo,
+            (Self::Graph, 11..=13) => Self::ValueInfo,
             (Self::Node, 5) => Self::Attribute,
             (Self::ValueInfo, 2) | (Self::Attribute, 14 | 15) => Self::Type,
             (Self::Type, 1 | 4 | 5 | 8 | 9) => Self::TypeInside,
