@@ -31,7 +31,7 @@ pub struct SurvivalStep {
     pub share: Measured,
 }
 
-/// The product-limit estimate of Kaplan and Meier [KaplanMeier1958]: S(t) = Π (1 − dᵢ/nᵢ) over the
+/// The product-limit estimate [KaplanMeier1958] of Kaplan and Meier, S(t) = Π (1 − dᵢ/nᵢ) over the
 /// times up to t at which dᵢ of nᵢ objects are lost. An object that leaves at a time counts as
 /// looked at up to and at that time.
 ///
