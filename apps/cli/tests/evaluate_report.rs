@@ -32,14 +32,16 @@ fn write_set(folder: &Path) {
         "annotations": objects,
         "categories": [{"id": 1, "name": "<b>car</b>", "supercategory": "vehicle"}],
     });
-    let detection = |id: i32| {
-        json!({"image_id": id, "category_id": 1, "bbox": [2.0, 2.0, 10.0, 10.0], "score": 0.9 - f64::from(id) * 0.001})
-    };
+    let detection = |id: i32| json!({"image_id": id, "category_id": 1, "bbox": [2.0, 2.0, 10.0, 10.0], "score": 0.9 - f64::from(id) * 0.001});
     let clean: Vec<Value> = (1..=40).map(detection).collect();
     let cracked: Vec<Value> = (13..=39).map(detection).collect();
     fs::write(folder.join("labels.json"), labels.to_string()).unwrap();
     fs::write(folder.join("clean.json"), Value::from(clean).to_string()).unwrap();
-    fs::write(folder.join("cracked.json"), Value::from(cracked).to_string()).unwrap();
+    fs::write(
+        folder.join("cracked.json"),
+        Value::from(cracked).to_string(),
+    )
+    .unwrap();
     fs::create_dir(folder.join("regions")).unwrap();
     for id in 1..=40_u32 {
         let is_hit = |x: u32| id <= 30 && x < 20;
@@ -55,8 +57,17 @@ fn write_set(folder: &Path) {
 }
 
 const EVALUATE: [&str; 11] = [
-    "evaluate", "--ground-truth", "labels.json", "--clean", "clean.json", "--cracked",
-    "cracked.json", "--regions", "regions", "--replicates", "200",
+    "evaluate",
+    "--ground-truth",
+    "labels.json",
+    "--clean",
+    "clean.json",
+    "--cracked",
+    "cracked.json",
+    "--regions",
+    "regions",
+    "--replicates",
+    "200",
 ];
 
 fn run(folder: &Path, more: &[&str]) -> Output {
@@ -68,9 +79,17 @@ fn the_numbers_are_those_of_the_made_up_set() {
     let folder = tempfile::tempdir().unwrap();
     write_set(folder.path());
     let output = run(folder.path(), &["-o", "out", "--json"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     let printed: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(printed["clean"]["coco_stats"].as_array().map(Vec::len), Some(12), "the contract");
+    assert_eq!(
+        printed["clean"]["coco_stats"].as_array().map(Vec::len),
+        Some(12),
+        "the contract"
+    );
     let text = fs::read_to_string(folder.path().join("out/evaluation.json")).unwrap();
     let study: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(study["schema"], "starbreak.evaluation/1", "the schema");
@@ -85,13 +104,23 @@ fn the_numbers_are_those_of_the_made_up_set() {
         rates.iter().find(is_it).unwrap()
     };
     let inside = rate("in_region", Some(0.05));
-    assert_eq!((&inside["n_found_clean"], &inside["n_lost"]), (&json!(30), &json!(12)), "12 of 30");
+    assert_eq!(
+        (&inside["n_found_clean"], &inside["n_lost"]),
+        (&json!(30), &json!(12)),
+        "12 of 30"
+    );
     assert_eq!(inside["failure_rate"]["value"], json!(0.4), "0.4");
     let everywhere = rate("whole_image", None);
     assert_eq!(everywhere["n_lost"], json!(13), "and one outside");
     let outside = rate("out_of_region", Some(0.05));
-    assert!(outside["failure_rate"]["value"].is_null(), "10 objects are too few");
-    assert!(outside["failure_rate"]["refused"].is_string(), "and it is said");
+    assert!(
+        outside["failure_rate"]["value"].is_null(),
+        "10 objects are too few"
+    );
+    assert!(
+        outside["failure_rate"]["refused"].is_string(),
+        "and it is said"
+    );
     let paired = evaluation["paired"].as_array().unwrap();
     let is_it = |row: &&Value| {
         row["scope"]["kind"] == "in_region"
@@ -103,16 +132,28 @@ fn the_numbers_are_those_of_the_made_up_set() {
     // All that is found is right: precision is 1 at the 61 recalls up to 18 of 30.
     let wanted = 61.0 / 101.0;
     let cracked = row["cracked"]["value"].as_f64().unwrap();
-    assert!((cracked - wanted).abs() < 1e-12, "AP50 {cracked}, by hand {wanted}");
+    assert!(
+        (cracked - wanted).abs() < 1e-12,
+        "AP50 {cracked}, by hand {wanted}"
+    );
     assert_eq!(row["clean"]["value"], json!(1.0), "clean finds all");
     let delta = &row["delta"];
-    let (low, high) = (delta["low"].as_f64().unwrap(), delta["high"].as_f64().unwrap());
-    assert!(low < wanted - 1.0 && wanted - 1.0 < high && high < 0.0, "{low} to {high}");
+    let (low, high) = (
+        delta["low"].as_f64().unwrap(),
+        delta["high"].as_f64().unwrap(),
+    );
+    assert!(
+        low < wanted - 1.0 && wanted - 1.0 < high && high < 0.0,
+        "{low} to {high}"
+    );
     assert!(row["p"].as_f64().unwrap() < 0.02, "not by chance");
     let lines = fs::read_to_string(folder.path().join("out/failures.jsonl")).unwrap();
     assert_eq!(lines.lines().count(), 13, "one line per lost object");
     let page = fs::read_to_string(folder.path().join("out/report.html")).unwrap();
-    assert!(page.contains("&lt;b&gt;car") && !page.contains("<b>car"), "a name is a name");
+    assert!(
+        page.contains("&lt;b&gt;car") && !page.contains("<b>car"),
+        "a name is a name"
+    );
     for name in ["numbers.csv", "table.tex"] {
         assert!(folder.path().join("out").join(name).is_file(), "{name}");
     }
@@ -122,15 +163,31 @@ fn the_numbers_are_those_of_the_made_up_set() {
 fn equal_input_gives_equal_bytes_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
     write_set(folder.path());
-    let files = ["evaluation.json", "numbers.csv", "table.tex", "failures.jsonl"];
+    let files = [
+        "evaluation.json",
+        "numbers.csv",
+        "table.tex",
+        "failures.jsonl",
+    ];
     let read = |out: &str| files.map(|name| fs::read(folder.path().join(out).join(name)).unwrap());
-    assert!(run(folder.path(), &["-o", "out", "--threads", "1"]).status.success(), "one thread");
+    assert!(
+        run(folder.path(), &["-o", "out", "--threads", "1"])
+            .status
+            .success(),
+        "one thread"
+    );
     let first = read("out");
-    assert!(run(folder.path(), &["-o", "out", "--threads", "3"]).status.success(), "three");
+    assert!(
+        run(folder.path(), &["-o", "out", "--threads", "3"])
+            .status
+            .success(),
+        "three"
+    );
     let again = read("out");
     for ((a, b), name) in first.iter().zip(&again).zip(files) {
         // The command line is part of the provenance.
-        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace("--threads 1", "--threads 3");
+        let text =
+            |bytes: &[u8]| String::from_utf8_lossy(bytes).replace("--threads 1", "--threads 3");
         assert_eq!(text(a), text(b), "{name}");
     }
 }

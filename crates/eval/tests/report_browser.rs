@@ -58,7 +58,9 @@ fn browse(program: &Path, profile: &Path, page: &Path, options: &[&str]) -> Stri
 #[test]
 fn it_renders_in_light_in_the_dark_narrow_and_on_paper() {
     let Some(program) = chromium() else {
-        println!("skipped: the report in a browser: there is no chromium; install it, or name it by STARBREAK_TEST_CHROMIUM");
+        println!(
+            "skipped: the report in a browser: there is no chromium; install it, or name it by STARBREAK_TEST_CHROMIUM"
+        );
         return;
     };
     let folder = tempfile::tempdir().unwrap();
@@ -67,9 +69,15 @@ fn it_renders_in_light_in_the_dark_narrow_and_on_paper() {
     fs::write(&page, html(&plausible::study(&[3])).unwrap()).unwrap();
 
     let text = browse(&program, &profile, &page, &["--dump-dom"]);
-    assert!(text.contains("A study with made-up numbers"), "the page is there");
+    assert!(
+        text.contains("A study with made-up numbers"),
+        "the page is there"
+    );
     // The page's own script has run: its hash is the one that its policy allows.
-    assert!(text.contains("<button type=\"button\">Detector"), "tables can be sorted");
+    assert!(
+        text.contains("<button type=\"button\">Detector"),
+        "tables can be sorted"
+    );
 
     let shot = |name: &str, size: &str, more: &[&str]| -> DynamicImage {
         let file = folder.path().join(name);
@@ -81,21 +89,36 @@ fn it_renders_in_light_in_the_dark_narrow_and_on_paper() {
         read_image(&file, &ImageLimits::default()).unwrap().pixels
     };
     let light = shot("light.png", "1000,1400", &[]);
-    let dark_options = ["--force-dark-mode", "--blink-settings=preferredColorScheme=0"];
+    let dark_options = [
+        "--force-dark-mode",
+        "--blink-settings=preferredColorScheme=0",
+    ];
     let dark = shot("dark.png", "1000,1400", &dark_options);
     let narrow = shot("narrow.png", "500,1400", &[]);
     assert_eq!(corner(&light), [255, 255, 255], "white paper");
     assert_eq!(corner(&dark), [20, 23, 26], "dark paper in the dark");
     for (name, image) in [("light", &light), ("dark", &dark), ("narrow", &narrow)] {
         let share = share_of_ink(image);
-        assert!((0.01..0.5).contains(&share), "{name}: {share} of the picture is ink");
+        assert!(
+            (0.01..0.5).contains(&share),
+            "{name}: {share} of the picture is ink"
+        );
     }
 
     let file = folder.path().join("report.pdf");
     let print = format!("--print-to-pdf={}", file.display());
-    browse(&program, &profile, &page, &[&print, "--no-pdf-header-footer"]);
+    browse(
+        &program,
+        &profile,
+        &page,
+        &[&print, "--no-pdf-header-footer"],
+    );
     let pdf = fs::read(&file).unwrap();
-    assert!(pdf.starts_with(b"%PDF") && pdf.len() > 50_000, "{} bytes of PDF", pdf.len());
+    assert!(
+        pdf.starts_with(b"%PDF") && pdf.len() > 50_000,
+        "{} bytes of PDF",
+        pdf.len()
+    );
 }
 
 fn corner(image: &DynamicImage) -> [u8; 3] {
