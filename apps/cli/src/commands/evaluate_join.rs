@@ -90,7 +90,10 @@ impl Join<'_> {
                 .and_then(|set| set.get("recipe").and_then(Value::as_str))
                 .map(str::to_owned),
         };
-        Ok(Study::of_one(evaluation, &dataset_name(args), provenance))
+        let dataset = dataset_name(args);
+        let name = Path::new(&dataset).file_name();
+        let name = name.map_or(dataset.clone(), |name| name.to_string_lossy().into_owned());
+        Ok(Study::of_one(evaluation, &name, provenance))
     }
 }
 

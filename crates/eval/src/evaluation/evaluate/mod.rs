@@ -7,7 +7,9 @@ mod worst_images;
 
 use std::path::Path;
 
-use super::{Condition, DamageFacts, Evaluation, ProtocolResults, Settings, Warning, WarningKind};
+use super::{
+    Condition, DamageFacts, Estimate, Evaluation, ProtocolResults, Settings, Warning, WarningKind,
+};
 use crate::resampling::Plan;
 use crate::tide::TideSettings;
 use crate::{
@@ -182,6 +184,15 @@ pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
         evaluation.paired = rows.paired;
     }
     with_plain(input, &mut evaluation, coverages, &mut warnings)?;
+    for row in &mut evaluation.paired {
+        for estimate in [&mut row.clean, &mut row.cracked, &mut row.delta] {
+            say_alike(estimate);
+        }
+    }
+    for row in &mut evaluation.subsets {
+        say_alike(&mut row.clean_ap50);
+        row.cracked_ap50.iter_mut().for_each(say_alike);
+    }
     warnings.extend(small_samples(&evaluation, settings));
     evaluation.warnings = warnings;
     Ok(evaluation)
@@ -304,6 +315,16 @@ fn as_plain(
         root: truth.root.clone(),
     };
     Some((truth, clean, cracked))
+}
+
+/// The reason of a refused number without its n, which stands beside it: so that equal reasons are one
+/// note under a table.
+fn say_alike(estimate: &mut Estimate) {
+    let own = format!("{} objects, fewer than ", estimate.n);
+    let why = estimate.refused.as_ref();
+    if let Some(least) = why.and_then(|why| why.strip_prefix(&own)) {
+        estimate.refused = Some(format!("fewer than {least} objects"));
+    }
 }
 
 /// Coverages of images without any region.

@@ -10,7 +10,7 @@ pub(in crate::report) struct CurvePoint {
     pub(in crate::report) x: f64,
     pub(in crate::report) y: f64,
     pub(in crate::report) interval: Option<[f64; 2]>,
-    /// What stands below it at the foot of the chart: how many objects it rests on.
+    /// What stands above it at the top of the chart: how many objects it rests on.
     pub(in crate::report) words: Option<String>,
 }
 
@@ -83,10 +83,17 @@ pub(in crate::report) fn curve_chart(
         .with_y_tick_format(TickFormat::Auto)
         .with_x_label(x_label)
         .with_y_label(y_label);
+    // Words stand in a row at the top; where two would touch, the table alone has the second.
+    let width = x.1 - x.0;
+    let mut is_free_from = x.0;
     let points = curves.iter().flat_map(|curve| &curve.points);
     for (point, words) in points.filter_map(|p| Some((p, p.words.as_ref()?))) {
-        let foot = y.0 + (y.1 - y.0) * 0.02;
-        let note = TextAnnotation::new(words.as_str(), point.x, foot)
+        let at = point.x.clamp(x.0 + width * 0.045, x.1 - width * 0.045);
+        if at < is_free_from {
+            continue;
+        }
+        is_free_from = at + width * 0.1;
+        let note = TextAnnotation::new(words.as_str(), at, y.0 + (y.1 - y.0) * 0.96)
             .with_font_size(11)
             .with_color("var(--soft)");
         layout = layout.with_annotation(note);

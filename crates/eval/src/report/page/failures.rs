@@ -38,8 +38,8 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
         blocks.extend(dose_chart(dose, &format!("{id}-dose{place}")));
     }
     blocks.extend(new_table(failures).map(|table| Block::Table { table }));
-    blocks.extend(shift_table(failures).map(|table| Block::Table { table }));
-    blocks.extend(flip_table(failures).map(|table| Block::Table { table }));
+    blocks.extend(shift_table(study, failures).map(|table| Block::Table { table }));
+    blocks.extend(flip_table(study, failures).map(|table| Block::Table { table }));
     blocks
 }
 
@@ -161,9 +161,11 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         ],
     );
     let mut points = Vec::new();
+    // The last bin may be long and have its objects near its beginning.
     let mut end = 0.0_f64;
     for bin in &dose.bins {
-        end = end.max(bin.high);
+        let mean = bin.mean.unwrap_or(bin.low);
+        end = end.max(bin.high.min(mean * 1.25));
         let rate = table.estimate(&bin.rate, words::percent);
         table.push(vec![
             Cell::number(Some(bin.low), three_digits),
@@ -210,7 +212,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
             nice_step(end),
             &format!("{fact} of the object{unit}"),
         ),
-        ((0.0, 100.0), 20.0, "failure rate, %"),
+        ((0.0, 108.0), 20.0, "failure rate, %"),
         &ChartText {
             id,
             title: &format!("Failure rate over {fact}"),
@@ -320,13 +322,14 @@ fn signed_three_digits(value: f64) -> String {
     text
 }
 
-fn shift_table(failures: &FailureResults) -> Option<Table> {
+fn shift_table(study: &Study, failures: &FailureResults) -> Option<Table> {
     let is_shown =
         |kind: GroupKind, score: &Estimate| kind != GroupKind::Class || score.value.is_some();
     let rows: Vec<_> = failures
         .shifts
         .iter()
         .filter(|row| is_shown(row.group.kind, &row.score))
+        .filter(|row| is_own_tau(study, row.scope.tau))
         .collect();
     if rows.is_empty() {
         return None;
@@ -360,7 +363,7 @@ fn shift_table(failures: &FailureResults) -> Option<Table> {
     Some(table)
 }
 
-fn flip_table(failures: &FailureResults) -> Option<Table> {
+fn flip_table(study: &Study, failures: &FailureResults) -> Option<Table> {
     if failures.flips.is_empty() {
         return None;
     }
@@ -374,7 +377,8 @@ fn flip_table(failures: &FailureResults) -> Option<Table> {
             ("Commonest", false),
         ],
     );
-    for row in &failures.flips {
+    let of_tau = failures.flips.iter();
+    for row in of_tau.filter(|row| is_own_tau(study, row.scope.tau)) {
         let commonest: Vec<String> = row
             .commonest
             .iter()

@@ -69,7 +69,7 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
             continue;
         }
         blocks.push(Block::Fold {
-            title: format!("The same {}", words::scope(scope)),
+            title: format!("Average precision, {}", words::scope(scope)),
             blocks: vec![Block::Table {
                 table: paired_table(evaluation, scope),
             }],
@@ -246,7 +246,9 @@ fn paired_table(evaluation: &Evaluation, scope: &Scope) -> Table {
             .collect();
         let is_empty = |row: &Option<&PairedRow>| row.is_none_or(|row| row.clean.value.is_none());
         if group.kind == GroupKind::Class && rows.iter().all(is_empty) {
-            left_out.push(format!("{} ({n_objects})", words::name(&group.name)));
+            if n_objects > 0 {
+                left_out.push(format!("{} ({n_objects})", words::name(&group.name)));
+            }
             continue;
         }
         let n_images = rows.iter().flatten().map(|row| row.n_images).next();
@@ -272,8 +274,8 @@ fn paired_table(evaluation: &Evaluation, scope: &Scope) -> Table {
          permutation test, corrected by Holm's method."
     );
     if !left_out.is_empty() {
-        table.caption.push_str(&format!(
-            " Too few objects for a number of its own (how many there are): {}.",
+        table.remark(&format!(
+            "Classes with too few objects for a number of their own, and how many they have: {}.",
             left_out.join(", ")
         ));
     }

@@ -113,6 +113,14 @@ impl Table {
         self.rows.push(row);
     }
 
+    /// A note that belongs to the whole table.
+    pub(in crate::report) fn remark(&mut self, text: &str) {
+        self.notes.push(Note {
+            mark: String::new(),
+            text: words::name(text),
+        });
+    }
+
     /// A number with its interval below it, or a mark of the note that says why there is none.
     pub(in crate::report) fn estimate(
         &mut self,
