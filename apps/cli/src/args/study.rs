@@ -57,9 +57,10 @@ pub(crate) struct StudyArgs {
     /// Score from which a detection counts as found, in rates of failure
     #[arg(long, value_name = "0..1", default_value_t = 0.3, value_parser = parse_share)]
     pub(crate) score_threshold: f64,
-    /// Worst failures that the report shows of each detector and condition, 0 to 100
-    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(0..=100))]
-    pub(crate) worst: u32,
+    /// Worst failures that the report shows of each detector and condition, 0 to 100; 6, or fewer so
+    /// that all conditions together show 24, unless given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100))]
+    pub(crate) worst: Option<u32>,
     /// What to do about records of the dataset that break its format: stop before anything is
     /// written, or leave them out
     #[arg(long, value_enum, default_value_t = OnError::Stop)]

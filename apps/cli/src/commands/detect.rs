@@ -110,24 +110,6 @@ fn write(
     Ok(())
 }
 
-/// How images become input and outputs boxes, and why so.
-pub(super) fn say_contract(detector: &Detector, screen: &Screen) {
-    let contract = detector.contract();
-    screen.note(&format!(
-        "contract {}, because {}: {}",
-        contract.name,
-        detector.reason(),
-        contract.about
-    ));
-    screen.note(&format!(
-        "{} classes by {}; scores from {} on, at most {} detections per image",
-        contract.classes.names.iter().flatten().count(),
-        contract.classes.origin,
-        contract.score_threshold,
-        contract.max_detections
-    ));
-}
-
 /// The output is none of the inputs, and can be written: better said before the work than after.
 fn refuse_output(args: &DetectArgs, model: &Path, output: &Path) -> Result<(), Failure> {
     let contract = args.contract.as_deref().map(Path::new);
@@ -231,26 +213,6 @@ fn images_of(
     Ok(images)
 }
 
-fn label_map(
-    args: &DetectArgs,
-    source: &Source,
-    detector: &Detector,
-    numbers: &Numbers,
-) -> Result<LabelMap, Failure> {
-    let rules = match &args.label_map {
-        Some(path) => label_rules(path)?,
-        None => LabelRules::of_dataset(source.format().name())?,
-    };
-    Ok(LabelMap::new(
-        detector.classes(),
-        &numbers.categories,
-        &rules,
-    )?)
-}
-
-pub(super) fn say_unmapped(map: &LabelMap, screen: &Screen) {
-    let list = |names: &[String]| {
-        let mut text: Vec<&str> = names.iter().take(MOST_NAMED).map(String::as_str).collect();
 /// How images become input and outputs boxes, and why so.
 pub(super) fn say_contract(detector: &Detector, screen: &Screen) {
     let contract = detector.contract();

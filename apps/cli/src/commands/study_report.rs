@@ -64,7 +64,7 @@ impl StudyReport<'_> {
             score_threshold: args.score_threshold,
             n_replicates: args.replicates,
             seed: self.seed,
-            n_worst: args.worst,
+            n_worst: args.worst.unwrap_or_else(|| self.usual_n_worst()),
             ..EvaluateSettings::of(self.truth.protocol)
         };
         let dataset = args.source.to_string_lossy();
@@ -91,6 +91,13 @@ impl StudyReport<'_> {
         Ok(self.plan.numbers(
             self.truth, self.runs, &settings, &title, &dataset, provenance,
         )?)
+    }
+
+    /// A page with many conditions shows few pictures of each.
+    fn usual_n_worst(&self) -> u32 {
+        let n_cells = self.plan.detectors.len() * self.plan.conditions.len();
+        let n_cells = u32::try_from(n_cells).unwrap_or(u32::MAX).max(1);
+        (24 / n_cells).clamp(1, 6)
     }
 
     fn inputs(&self) -> Result<Vec<InputFile>, Failure> {

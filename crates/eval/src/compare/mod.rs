@@ -331,6 +331,10 @@ pub fn compare_in_regions(
     for (scope, subset) in &scopes {
         let (clean, cracked) = both(subset)?;
         for (idx, row) in clean.iter().enumerate() {
+            // A class without any object in this place has no row.
+            if row.group.kind == GroupKind::Class && row.n_objects == 0 {
+                continue;
+            }
             let other = cracked.as_ref().and_then(|rows| rows.get(idx));
             for metric in [PairedMetric::Ap50, PairedMetric::Ap75, PairedMetric::Ap] {
                 let figure = |row: &SubsetAp| match metric {
