@@ -226,7 +226,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         key: chart.key,
         caption: format!(
             "Share of the objects found clean that is lost, over {fact}{unit}.{}",
-            dose.fit.as_ref().map_or(String::new(), |fit| fit_text(fit))
+            dose.fit.as_ref().map_or(String::new(), fit_text)
         ),
         table: Some(table),
     })
