@@ -408,7 +408,7 @@ mod tests {
     fn marks_stand_at_round_numbers() {
         for (end, step) in [
             (1.0, 0.2),
-            (0.37, 0.1),
+            (0.37, 0.05),
             (7.0, 1.0),
             (48.0, 10.0),
             (0.0, 1.0),
