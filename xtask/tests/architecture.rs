@@ -55,6 +55,16 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
         &["starbreak-eval"],
         "the protocol of MS-COCO stands in one place",
     ),
+    (
+        "minijinja",
+        &["starbreak-eval"],
+        "only the report is made from a template",
+    ),
+    (
+        "base64",
+        &["starbreak-eval"],
+        "only the report holds pictures as text",
+    ),
     ("anyhow", SHELL, "libraries name their errors"),
     ("png", CODECS, "files are read and written in one place"),
     ("jpeg-encoder", CODECS, "files are written in one place"),

@@ -327,6 +327,9 @@ fn the_latex_table_is_balanced_and_rectangular() {
             rows.iter().all(|n| Some(n) == rows.first()),
             "columns: {rows:?}"
         );
+        let n_columns = rows.first().map_or(0, |n| n + 1);
+        let rule = format!("\\cmidrule{{2-{n_columns}}}");
+        assert!(text.contains(&rule), "a rule to the last column: {rule}");
         assert!(
             text.contains("--\\textsuperscript{1}"),
             "a refused number has its note"

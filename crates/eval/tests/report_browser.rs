@@ -1,4 +1,5 @@
 //! The report in a browser: it renders, is dark in the dark and light on paper.
+#![expect(clippy::print_stderr, reason = "a skipped test must be seen")]
 #![expect(
     clippy::unwrap_used,
     clippy::cast_precision_loss,
@@ -58,8 +59,8 @@ fn browse(program: &Path, profile: &Path, page: &Path, options: &[&str]) -> Stri
 #[test]
 fn it_renders_in_light_in_the_dark_narrow_and_on_paper() {
     let Some(program) = chromium() else {
-        println!(
-            "skipped: the report in a browser: there is no chromium; install it, or name it by STARBREAK_TEST_CHROMIUM"
+        eprintln!(
+            "SKIPPED: the report in a browser: there is no chromium; install it, or name it by STARBREAK_TEST_CHROMIUM"
         );
         return;
     };

@@ -78,7 +78,7 @@ impl<'a> PrintedTable<'a> {
             })
             .collect();
         let n_rows = groups.len() * metrics.len();
-        let n_columns = self.conditions.len() + 4;
+        let n_columns = self.conditions.len() + 5;
         let mut is_first = true;
         let mut lines = String::new();
         for (place, metric) in metrics.iter().enumerate() {

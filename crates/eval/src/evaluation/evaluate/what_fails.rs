@@ -268,7 +268,7 @@ fn doses(
         let known: Vec<f64> = found.map(|(_, value)| *value).collect();
         let edges = quantile_edges(&known, N_FACT_BINS);
         if edges.len() > 2 {
-            doses.push(dose(all, (name, unit), with.into_iter(), &edges)?);
+            doses.push(dose(all, (name, unit), with, &edges)?);
         }
     }
     Ok(doses)

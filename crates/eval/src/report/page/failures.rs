@@ -226,7 +226,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         key: chart.key,
         caption: format!(
             "Share of the objects found clean that is lost, over {fact}{unit}.{}",
-            dose.fit.as_ref().map_or(String::new(), |fit| fit_text(fit))
+            dose.fit.as_ref().map_or(String::new(), fit_text)
         ),
         table: Some(table),
     })
@@ -408,7 +408,7 @@ mod tests {
     fn marks_stand_at_round_numbers() {
         for (end, step) in [
             (1.0, 0.2),
-            (0.37, 0.1),
+            (0.37, 0.05),
             (7.0, 1.0),
             (48.0, 10.0),
             (0.0, 1.0),
