@@ -70,6 +70,19 @@ pub(crate) fn run(
     }
     let seconds = started.elapsed().as_secs_f64();
     let results = Results::of(&images, &seen, &referred, &map);
+    if results.failures.len() == images.len() {
+        return Err(Failure {
+            message: format!(
+                "nothing was written: not one of {} images could be looked at, the first because: {}",
+                images.len(),
+                results
+                    .failures
+                    .first()
+                    .map_or("", |(_, error)| error.as_str())
+            ),
+            code: SOME_FAILED,
+        });
+    }
     write(args.format, output, &results.detections, &referred)?;
     let run = Run {
         detector: &detector,

@@ -41,6 +41,7 @@ fn evaluated(global: &Global, args: &EvaluateArgs, screen: &Screen) -> Result<()
             ));
         }
     };
+    refuse_mixed(args)?;
     let params = params(args, &truth);
     let clean = truth.read_detections(&args.clean)?;
     let cracked = match &args.cracked {
@@ -153,6 +154,41 @@ fn evaluated(global: &Global, args: &EvaluateArgs, screen: &Screen) -> Result<()
         screen.say(&format!("wrote {}", path_text(folder.join("report.html"))));
     }
     screen.result(|| result)
+}
+
+/// Flags of the plain protocol change what is compared nowhere else; τ is a share.
+fn refuse_mixed(args: &EvaluateArgs) -> Result<(), Failure> {
+    let compares = args.regions.is_some() || args.cracked_set.is_some() || args.output.is_some();
+    let plain = [
+        ("--iou-thresholds", !args.iou_thresholds.is_empty()),
+        ("--class-agnostic", args.class_agnostic),
+        ("--area-range", !args.area_range.is_empty()),
+    ];
+    if compares && let Some((flag, _)) = plain.iter().find(|(_, is_there)| *is_there) {
+        return Err(Failure::wrong_input(format!(
+            "{flag} holds for the numbers of whole images alone; leave it out with --regions, --cracked-set and -o, \
+             whose comparisons have rules of their own"
+        )));
+    }
+    let mut taus: Vec<f64> = args.tau.clone();
+    taus.sort_by(f64::total_cmp);
+    let is_share = |tau: &f64| (0.0..=1.0).contains(tau);
+    let is_twice = taus
+        .windows(2)
+        .any(|pair| matches!(pair, [a, b] if (a - b).abs() < 1e-12));
+    if !taus.iter().all(is_share) || is_twice {
+        return Err(Failure::wrong_input(format!(
+            "--tau {:?}: expected shares from 0 to 1, each once",
+            args.tau
+        )));
+    }
+    if !(0.0..=1.0).contains(&args.score_threshold) {
+        return Err(Failure::wrong_input(format!(
+            "--score-threshold {}: expected 0 to 1",
+            args.score_threshold
+        )));
+    }
+    Ok(())
 }
 
 /// The masks of the region, as said or those of the cracked set.

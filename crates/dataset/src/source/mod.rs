@@ -68,6 +68,11 @@ trait Layout: fmt::Debug + Send + Sync {
         self.has_image(&found.name)
     }
 
+    /// The names of all classes that there may be, where the dataset has such a list.
+    fn categories(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Files of the dataset which are not below its root, with their names in it.
     fn outside_files(&self) -> Vec<(String, PathBuf)> {
         Vec::new()
@@ -134,6 +139,13 @@ impl Source {
     #[must_use]
     pub fn root(&self) -> &Path {
         &self.root
+    }
+
+    /// The names of all classes that there may be, labeled or not, in the order of their numbers:
+    /// those of YOLO's `data.yaml`; nothing for other formats.
+    #[must_use]
+    pub fn categories(&self) -> Vec<String> {
+        self.layout.categories()
     }
 
     /// The images of the dataset in the order of the bytes of their names, and bad records.

@@ -234,13 +234,18 @@ fn count(n: usize) -> u64 {
 
 fn kitti_ap(curve: &KittiCurve) -> KittiAp {
     let [ceiling11, ceiling40] = KittiCurve::ceiling(curve.n_gt);
+    // The curve of no object is one of zeros in KITTI's own program.
+    let of = |percent: f64| match curve.n_gt {
+        0 => Estimate::refused(0, "no objects"),
+        n => Estimate::of(percent / 100.0, n),
+    };
     KittiAp {
         class: curve.class.name().to_owned(),
         difficulty: curve.difficulty.name().to_owned(),
         min_overlap: curve.class.min_overlap(),
         n_objects: curve.n_gt,
-        ap11: Estimate::of(curve.ap11() / 100.0, curve.n_gt),
-        ap40: Estimate::of(curve.ap40() / 100.0, curve.n_gt),
+        ap11: of(curve.ap11()),
+        ap40: of(curve.ap40()),
         ceiling_ap11: ceiling11 / 100.0,
         ceiling_ap40: ceiling40 / 100.0,
     }

@@ -40,6 +40,14 @@ pub fn check_pair(
         let Some(unused) = said.and_then(|said| said.unused.as_ref()) else {
             continue;
         };
+        let n_known = said.map_or(0, |said| said.detections.items.len());
+        if n_known == 0 {
+            return Err(EvalError::Rule(format!(
+                "all {} {side} detections are of categories that the labels lack, the first of {:?}; give \
+                 the numbers of the labels' categories",
+                unused.n_detections, unused.first
+            )));
+        }
         let n_all = count_of(unused.n_detections + said.map_or(0, |s| s.detections.items.len()));
         let share = exact(count_of(unused.n_detections)) / exact(n_all.max(1)) * 100.0;
         warnings.push(Warning {
@@ -50,7 +58,44 @@ pub fn check_pair(
             ),
         });
     }
+    if let Some(cracked) = cracked {
+        warnings.extend(one_sided(truth, clean, cracked));
+    }
     Ok(warnings)
+}
+
+/// Images with detections on one side only, where they are so many that a results file may be of
+/// other images than it should.
+fn one_sided(
+    truth: &GroundTruth,
+    clean: &SaidDetections,
+    cracked: &SaidDetections,
+) -> Option<Warning> {
+    let n_images = truth.labels.images.len();
+    let seen = |said: &SaidDetections| {
+        let mut seen = vec![false; n_images];
+        for detection in &said.detections.items {
+            if let Some(image) = seen.get_mut(detection.image as usize) {
+                *image = true;
+            }
+        }
+        seen
+    };
+    let (clean, cracked) = (seen(clean), seen(cracked));
+    let count = |only: bool| {
+        let pairs = clean.iter().zip(&cracked);
+        pairs
+            .filter(|&(clean, cracked)| *clean == only && *cracked != only)
+            .count()
+    };
+    let (n_clean, n_cracked) = (count(true), count(false));
+    ((n_clean + n_cracked) * 5 > n_images).then(|| Warning {
+        kind: WarningKind::Missing,
+        text: format!(
+            "{n_clean} of {n_images} images have clean detections only and {n_cracked} cracked ones only; \
+             if a results file is not of all images, every difference is wrong: detect in all of them"
+        ),
+    })
 }
 
 fn count_of(n: usize) -> u64 {

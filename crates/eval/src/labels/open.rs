@@ -352,14 +352,19 @@ fn boxes_of(source: &Source) -> Result<LabelSet, EvalError> {
             cluster: None,
         });
     }
-    let mut names: Vec<&String> = rows.iter().map(|(_, name, ..)| name).collect();
-    names.sort_unstable();
-    names.dedup();
+    // All classes that there may be, and those that occur: what a detector says of a class that
+    // nothing is labeled with is an error, too.
+    let mut names = source.categories();
+    let mut labeled: Vec<&String> = rows.iter().map(|(_, name, ..)| name).collect();
+    labeled.sort_unstable();
+    names.extend(labeled.into_iter().cloned());
+    let mut seen = std::collections::BTreeSet::new();
+    names.retain(|name| seen.insert(name.clone()));
     labels.categories = (1..)
         .zip(names)
         .map(|(id, name)| Category {
             id,
-            name: name.clone(),
+            name,
             supercategory: None,
         })
         .collect();

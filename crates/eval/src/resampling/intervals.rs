@@ -18,6 +18,28 @@ pub fn percentile_interval(replicates: &[f64], level: f64) -> Option<Interval> {
     })
 }
 
+/// The basic interval, `2·value − percentiles`: what the replicates lie above the value is what the
+/// value is taken to lie above the truth [Efron1993]. As [`percentile_interval`] otherwise.
+///
+/// For statistics that lean to one side when units are drawn anew, as the AP of small classes does:
+/// their percentiles may lie beside the value itself. Ends are cut to `bounds`.
+#[must_use]
+pub fn basic_interval(
+    value: f64,
+    replicates: &[f64],
+    level: f64,
+    bounds: [f64; 2],
+) -> Option<Interval> {
+    let percentiles = percentile_interval(replicates, level)?;
+    let [least, most] = bounds;
+    Some(Interval {
+        low: (2.0 * value - percentiles.high).clamp(least, most),
+        high: (2.0 * value - percentiles.low).clamp(least, most),
+        level,
+        method: Method::BootstrapBasic,
+    })
+}
+
 /// The bias-corrected and accelerated interval [Efron1987].
 ///
 /// z₀ = Φ⁻¹(share of replicates below the value, equal ones by half),

@@ -18,6 +18,9 @@ use crate::Error;
 struct FoundInImage {
     /// Name of the image in the source.
     image: String,
+    /// SHA-256 of the file that was looked at, hexadecimal; empty where it could not be read.
+    #[serde(default)]
+    sha256: String,
     /// Category's place in the labels, `x, y, width, height` in px, and score.
     boxes: Vec<(u32, [f64; 4], f64)>,
     /// Why nothing could be looked for.
@@ -51,6 +54,8 @@ pub(super) struct ArmRun<'a> {
     pub(super) identity: Value,
     /// The images.
     pub(super) images: &'a [ImageToSee],
+    /// SHA-256 of the file that is looked at.
+    pub(super) sha256: &'a (dyn Fn(&ImageToSee) -> Result<String, Error> + Sync),
     /// What is found in the image of this place.
     pub(super) find: &'a (dyn Fn(u32, &ImageToSee) -> Result<Vec<Detection>, Error> + Sync),
     /// Threads to use, 1 or more.
@@ -83,8 +88,11 @@ impl ArmRun<'_> {
             let Ok(found) = serde_json::from_str::<FoundInImage>(line) else {
                 return false;
             };
-            let is_next =
-                self.images.get(done.len()).map(|image| &image.name) == Some(&found.image);
+            let is_same = |image: &ImageToSee| {
+                image.name == found.image
+                    && (self.sha256)(image).is_ok_and(|sha256| sha256 == found.sha256)
+            };
+            let is_next = self.images.get(done.len()).is_some_and(is_same);
             // What failed may be mended: it is tried again, with all after it.
             let is_good = is_next && found.error.is_none();
             if is_good {
@@ -131,7 +139,10 @@ impl ArmRun<'_> {
             let Some(image) = self.images.get(place as usize) else {
                 return;
             };
-            let found = found_in(&image.name, (self.find)(place, image));
+            let found = match (self.sha256)(image) {
+                Ok(sha256) => found_in(&image.name, sha256, (self.find)(place, image)),
+                Err(error) => found_in(&image.name, String::new(), Err(error)),
+            };
             let mut shared = lock();
             shared.waiting.insert(place, found);
             if let Err(error) = shared.write_those_in_turn() {
@@ -158,11 +169,12 @@ impl Shared {
     }
 }
 
-fn found_in(name: &str, result: Result<Vec<Detection>, Error>) -> FoundInImage {
+fn found_in(name: &str, sha256: String, result: Result<Vec<Detection>, Error>) -> FoundInImage {
     let image = name.to_owned();
     match result {
         Ok(found) => FoundInImage {
             image,
+            sha256,
             boxes: found
                 .iter()
                 .map(|detection| {
@@ -175,6 +187,7 @@ fn found_in(name: &str, result: Result<Vec<Detection>, Error>) -> FoundInImage {
         },
         Err(error) => FoundInImage {
             image,
+            sha256,
             boxes: Vec::new(),
             error: Some(error.to_string()),
         },
@@ -249,6 +262,33 @@ mod tests {
         Ok((0..place).map(one).collect())
     }
 
+    /// Another file in the place of one image.
+    #[test]
+    fn an_image_that_was_replaced_is_looked_at_again() {
+        let dir = tempfile::tempdir().unwrap();
+        let go = AtomicBool::new(false);
+        run(&dir, 1, &find, &go).unwrap();
+        let mut images = images();
+        images[20].path = PathBuf::from("another");
+        let n_calls = AtomicU32::new(0);
+        ArmRun {
+            log: &dir.path().join("arm.jsonl"),
+            identity: json!({ "model": 1 }),
+            images: &images,
+            sha256: &|image| Ok(format!("{} {}", image.name, image.path.display())),
+            find: &|place, image| {
+                n_calls.fetch_add(1, Ordering::Relaxed);
+                find(place, image)
+            },
+            n_threads: 2,
+            stop: &go,
+            tell: &|| (),
+        }
+        .run()
+        .unwrap();
+        assert_eq!(n_calls.into_inner(), 20, "that one and all after it");
+    }
+
     fn run(
         dir: &tempfile::TempDir,
         model: u32,
@@ -259,6 +299,7 @@ mod tests {
             log: &dir.path().join("arm.jsonl"),
             identity: json!({ "model": model }),
             images: &images(),
+            sha256: &|image| Ok(format!("{} {}", image.name, image.path.display())),
             find,
             n_threads: 3,
             stop,

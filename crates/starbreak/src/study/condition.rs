@@ -36,7 +36,8 @@ pub enum Family {
 /// for a camera or for single keys.
 ///
 /// # Errors
-/// [`RecipeError`] of a preset that there is not, of a severity out of range, and of `adjust`.
+/// [`RecipeError`] of a preset that there is not, of a severity out of range, of `adjust`, and where
+/// two conditions would have one name.
 pub fn conditions(
     families: &[Family],
     severities: &[u8],
@@ -64,18 +65,12 @@ pub fn conditions(
                 if let Some(severity) = severity {
                     folder = format!("{folder}-severity-{severity}");
                 }
-                if seeds.len() > 1 {
-                    folder = format!("{folder}-seed-{}", seed.0);
-                }
-                // Two recipes of one name, or twice the same: each gets a folder of its own.
-                let mut unique = folder.clone();
-                let mut again = 1;
-                while !names.insert(unique.clone()) {
-                    again += 1;
-                    unique = format!("{folder}-{again}");
+                folder = format!("{folder}-seed-{}", seed.0);
+                if !names.insert(folder.clone()) {
+                    return Err(RecipeError::Twice { what: folder });
                 }
                 all.push(Condition {
-                    name: unique,
+                    name: folder,
                     family: name.clone(),
                     severity,
                     seed: *seed,
@@ -136,13 +131,24 @@ mod tests {
     }
 
     #[test]
-    fn no_two_conditions_share_a_folder() {
-        let twice = [
-            Family::Preset("paper".to_owned()),
-            Family::Preset("paper".to_owned()),
-        ];
-        let all = conditions(&twice, &[], &[Seed(0)], &|_| Ok(())).unwrap();
-        assert_ne!(all[0].name, all[1].name, "folders");
+    fn no_two_conditions_share_a_name() {
+        let paper = Family::Preset("paper".to_owned());
+        let mild = || {
+            Family::Recipe(
+                "mild".to_owned(),
+                Box::new(Recipe::preset("paper").unwrap()),
+            )
+        };
+        let none = |_: &mut Recipe| Ok(());
+        for (families, severities, seeds) in [
+            (vec![paper.clone(), paper.clone()], vec![], vec![Seed(0)]),
+            (vec![paper.clone()], vec![1, 1], vec![Seed(0)]),
+            (vec![paper], vec![1], vec![Seed(0), Seed(0)]),
+            (vec![mild(), mild()], vec![], vec![Seed(0)]),
+        ] {
+            let refused = conditions(&families, &severities, &seeds, &none).unwrap_err();
+            assert!(refused.to_string().contains("twice"), "{refused}");
+        }
         for (name, expected) in [("..", "unnamed"), ("a/../b", "a_.._b"), ("", "unnamed")] {
             assert_eq!(folder_name(name), expected, "{name:?}");
         }

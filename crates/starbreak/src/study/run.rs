@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use serde_json::json;
 use starbreak_dataset::{
     Encoding, ImageFormat, ImageLimits, JpegQuality, SetLayout, Source, decode_image,
-    encode_image_as, read_image,
+    encode_image_as, read_image, sha256_file,
 };
 use starbreak_eval::detector::{Detector, ImageToSee, LabelMap};
 use starbreak_eval::{Detection, Detections};
@@ -91,6 +91,12 @@ pub struct StudyRuns {
     pub unseen: Vec<UnseenImage>,
 }
 
+/// Where the file of an image is.
+type PathOf<'a> = dyn Fn(&ImageToSee) -> PathBuf + Sync + 'a;
+
+/// The pixels in a file.
+type Read<'a> = dyn Fn(&Path) -> Result<image::RgbImage, Error> + Sync + 'a;
+
 impl StudyPlan<'_> {
     /// Breaks all images, and looks at all of them; goes on where an earlier run was interrupted.
     /// None where `stop` was set on the way.
@@ -106,6 +112,8 @@ impl StudyPlan<'_> {
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
     ) -> Result<Option<StudyRuns>, Error> {
+        let quality = self.quality()?;
+        self.try_detectors(quality)?;
         let mut unseen: Vec<UnseenImage> = Vec::new();
         let mut sets = Vec::new();
         for condition in self.conditions {
@@ -124,11 +132,11 @@ impl StudyPlan<'_> {
             }));
             sets.push(SetLayout::new(&folder, 1));
         }
-        let quality = self.quality()?;
         let mut detectors = Vec::new();
         for detector in self.detectors {
-            let clean = |image: &ImageToSee| clean_image(&image.path, quality);
-            let Some(arm) = self.look(detector, None, &clean, stop, tell)? else {
+            let of_source = |image: &ImageToSee| image.path.clone();
+            let clean = |path: &Path| clean_image(path, quality);
+            let Some(arm) = self.look(detector, None, (&of_source, &clean), stop, tell)? else {
                 return Ok(None);
             };
             unseen.extend(arm.unseen);
@@ -137,8 +145,15 @@ impl StudyPlan<'_> {
                 cracked: Vec::new(),
             };
             for (condition, layout) in self.conditions.iter().zip(&sets) {
-                let cracked = |image: &ImageToSee| cracked_image(&layout.path(&image.name));
-                let Some(arm) = self.look(detector, Some(condition), &cracked, stop, tell)? else {
+                let of_set = |image: &ImageToSee| layout.path(&image.name);
+                let arm = self.look(
+                    detector,
+                    Some(condition),
+                    (&of_set, &cracked_image),
+                    stop,
+                    tell,
+                )?;
+                let Some(arm) = arm else {
                     return Ok(None);
                 };
                 unseen.extend(arm.unseen);
@@ -153,6 +168,21 @@ impl StudyPlan<'_> {
             sets,
             unseen,
         }))
+    }
+
+    /// Lets each detector look at one image, before anything is broken: a model or a contract that
+    /// does not work at all is no matter of single images.
+    fn try_detectors(&self, quality: JpegQuality) -> Result<(), Error> {
+        let readable = self.images.iter().find_map(|image| {
+            let pixels = clean_image(&image.path, quality).ok()?;
+            Some((&image.name, pixels))
+        });
+        if let Some((name, pixels)) = readable {
+            for detector in self.detectors {
+                detector.detector.detect(name, &pixels)?;
+            }
+        }
+        Ok(())
     }
 
     /// Where the cracked images of a condition lie.
@@ -186,7 +216,7 @@ impl StudyPlan<'_> {
         &self,
         detector: &StudyDetector,
         condition: Option<&Condition>,
-        read: &(dyn Fn(&ImageToSee) -> Result<image::RgbImage, Error> + Sync),
+        (path_of, read): (&PathOf<'_>, &Read<'_>),
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
     ) -> Result<Option<Arm>, Error> {
@@ -213,8 +243,11 @@ impl StudyPlan<'_> {
             log: &log,
             identity,
             images: self.images,
+            sha256: &|image| Ok(sha256_file(&path_of(image))?),
             find: &|place, image| {
-                let found = detector.detector.detect(&image.name, &read(image)?)?;
+                let found = detector
+                    .detector
+                    .detect(&image.name, &read(&path_of(image))?)?;
                 let of_labels = |raw: &starbreak_eval::detector::RawDetection| {
                     Some(Detection {
                         image: place,
