@@ -12,11 +12,12 @@ use common::{command, folder, json, snapshot, starbreak};
 use serde_json::Value;
 
 /// The shared data, where it is at hand.
+#[expect(clippy::print_stderr, reason = "a skipped test must be seen")]
 fn data() -> Option<PathBuf> {
     let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let is_there = shared.join("onnx/FastestDet.onnx").is_file();
     if !is_there {
-        println!("SKIPPED: {} is not at hand", shared.display());
+        eprintln!("SKIPPED: {} is not at hand", shared.display());
     }
     is_there.then(|| shared.canonicalize().unwrap())
 }

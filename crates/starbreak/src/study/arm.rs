@@ -46,6 +46,9 @@ pub(super) struct Arm {
     pub(super) unseen: Vec<UnseenImage>,
 }
 
+/// What is found in the image of a place.
+type Find<'a> = dyn Fn(u32, &ImageToSee) -> Result<Vec<Detection>, Error> + Sync + 'a;
+
 /// How an arm is run.
 pub(super) struct ArmRun<'a> {
     /// Its log, from which it goes on.
@@ -57,7 +60,7 @@ pub(super) struct ArmRun<'a> {
     /// SHA-256 of the file that is looked at.
     pub(super) sha256: &'a (dyn Fn(&ImageToSee) -> Result<String, Error> + Sync),
     /// What is found in the image of this place.
-    pub(super) find: &'a (dyn Fn(u32, &ImageToSee) -> Result<Vec<Detection>, Error> + Sync),
+    pub(super) find: &'a Find<'a>,
     /// Threads to use, 1 or more.
     pub(super) n_threads: usize,
     /// Once it is set no further image begins.
@@ -289,12 +292,7 @@ mod tests {
         assert_eq!(n_calls.into_inner(), 20, "that one and all after it");
     }
 
-    fn run(
-        dir: &tempfile::TempDir,
-        model: u32,
-        find: &(dyn Fn(u32, &ImageToSee) -> Result<Vec<Detection>, Error> + Sync),
-        stop: &AtomicBool,
-    ) -> Option<Arm> {
+    fn run(dir: &tempfile::TempDir, model: u32, find: &Find<'_>, stop: &AtomicBool) -> Option<Arm> {
         ArmRun {
             log: &dir.path().join("arm.jsonl"),
             identity: json!({ "model": model }),
