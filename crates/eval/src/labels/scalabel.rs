@@ -148,11 +148,14 @@ pub(crate) fn for_each_frame(
     Ok(())
 }
 
+/// An object with the name of its category.
+type NamedObject = (String, BoxPx, ObjectKind);
+
 /// Takes the frames of one file or several.
 #[derive(Default)]
 pub(super) struct Reader {
     /// Image, and its objects by name of category.
-    frames: Vec<(LabeledImage, Vec<(String, BoxPx, ObjectKind)>)>,
+    frames: Vec<(LabeledImage, Vec<NamedObject>)>,
 }
 
 impl Reader {
