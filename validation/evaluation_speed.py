@@ -17,8 +17,6 @@ import sys
 import tempfile
 import time
 
-import numpy as np
-
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 STARBREAK = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "starbreak"
 N_IMAGES, N_OBJECTS, N_DETECTIONS, N_CLASSES = 5000, 35871, 500_000, 80
@@ -36,6 +34,8 @@ FASTER = PYCOCOTOOLS.replace("pycocotools.coco ", "faster_coco_eval ").replace("
 
 
 def make(folder):
+    import numpy as np
+
     rng = np.random.default_rng(0)
     classes = rng.permutation(np.arange(1, 91))[:N_CLASSES]
     share = rng.dirichlet(np.full(N_CLASSES, 0.5))
@@ -80,10 +80,14 @@ def run(command):
 
 
 def main():
+    if sys.argv[1:2] == ["--make"]:
+        make(pathlib.Path(sys.argv[2]))
+        return
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 3
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
-        make(folder)
+        # In a process of its own: a child counts the memory of its parent as its own.
+        subprocess.run([sys.executable, __file__, "--make", folder], check=True)
         truth, said = folder / "gt.json", folder / "dt.json"
         print(f"{N_IMAGES} images, {N_OBJECTS} objects, {N_DETECTIONS} detections, {N_CLASSES} classes; "
               f"{(truth.stat().st_size + said.stat().st_size) / 1e6:.1f} MB of JSON; load {os.getloadavg()[0]:.1f}")

@@ -8,16 +8,15 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::Duration;
 
-use common::{command, folder, json, snapshot, starbreak};
+use common::{command, folder, json, skipped, snapshot, starbreak};
 use serde_json::Value;
 
 /// The shared data, where it is at hand.
-#[expect(clippy::print_stderr, reason = "a skipped test must be seen")]
 fn data() -> Option<PathBuf> {
     let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let is_there = shared.join("onnx/FastestDet.onnx").is_file();
     if !is_there {
-        eprintln!("SKIPPED: {} is not at hand", shared.display());
+        skipped(&format!("{} is not at hand", shared.display()));
     }
     is_there.then(|| shared.canonicalize().unwrap())
 }

@@ -150,12 +150,15 @@ pub(crate) fn for_each_frame(
 
 /// An object of a frame: name of its category, box, and how it counts.
 type FrameObject = (String, BoxPx, ObjectKind);
+/// An object with the name of its category.
+type NamedObject = (String, BoxPx, ObjectKind);
 
 /// Takes the frames of one file or several.
 #[derive(Default)]
 pub(super) struct Reader {
     /// Image, and its objects by name of category.
     frames: Vec<(LabeledImage, Vec<FrameObject>)>,
+    frames: Vec<(LabeledImage, Vec<NamedObject>)>,
 }
 
 impl Reader {
