@@ -148,8 +148,6 @@ pub(crate) fn for_each_frame(
     Ok(())
 }
 
-/// An object of a frame: name of its category, box, and how it counts.
-type FrameObject = (String, BoxPx, ObjectKind);
 /// An object with the name of its category.
 type NamedObject = (String, BoxPx, ObjectKind);
 
@@ -157,7 +155,6 @@ type NamedObject = (String, BoxPx, ObjectKind);
 #[derive(Default)]
 pub(super) struct Reader {
     /// Image, and its objects by name of category.
-    frames: Vec<(LabeledImage, Vec<FrameObject>)>,
     frames: Vec<(LabeledImage, Vec<NamedObject>)>,
 }
 
