@@ -55,7 +55,7 @@ pub struct PerformanceCell {
 }
 
 /// mPC and rPC of a set of APs; with a reason instead where a kind lacks a severity that another
-/// one has, or an AP is undefined, since a mean over other cells is another number.
+/// one has, or an AP is not given, since a mean over other cells is another number.
 #[must_use]
 pub fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) -> MeanPerformance {
     let mut families: Vec<&str> = sets.iter().map(|it| it.family.as_str()).collect();
@@ -74,7 +74,9 @@ pub fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) -> MeanPe
             if reason.is_none() && cell.ap.is_none() {
                 reason = Some(match cell.n_seeds {
                     0 => format!("{family} lacks severity {severity}, which others have"),
-                    _ => format!("an AP of {family} at severity {severity} is undefined"),
+                    _ => format!(
+                        "there is no AP of {family} at severity {severity}: too few objects, or none"
+                    ),
                 });
             }
             cells.push(cell);
@@ -88,7 +90,7 @@ pub fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) -> MeanPe
         .zip(clean.filter(|clean| *clean > 0.0))
         .map(|(mpc, clean)| mpc / clean);
     if reason.is_none() && rpc.is_none() {
-        reason = Some("the clean AP is 0 or undefined".to_owned());
+        reason = Some("the clean AP is 0, or there is none: too few objects, or none".to_owned());
     }
     MeanPerformance {
         clean,

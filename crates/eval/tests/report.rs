@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use starbreak_eval::evaluation::{Group, GroupKind, Study};
+use starbreak_eval::evaluation::{Estimate, Group, GroupKind, Study};
 use starbreak_eval::report::{csv, html, json, latex, numbers, read_json};
 
 #[path = "report/plausible.rs"]
@@ -316,7 +316,10 @@ fn the_latex_table_is_balanced_and_rectangular() {
                 "end {word}"
             );
         }
-        let columns = |row: &str| row.replace("\\&", "").matches(" & ").count();
+        let columns = |row: &str| {
+            let n_wide = row.matches("\\multicolumn{3}").count();
+            row.replace("\\&", "").matches(" & ").count() + 2 * n_wide
+        };
         let rows: Vec<usize> = text
             .lines()
             .filter(|l| l.ends_with("\\\\"))
@@ -335,4 +338,114 @@ fn the_latex_table_is_balanced_and_rectangular() {
             "a refused number has its note"
         );
     }
+}
+
+#[test]
+fn the_latex_table_gives_each_condition_its_own_objects_and_clean_value() {
+    let mut study = plausible::study(&[1, 3]);
+    for (place, one) in study.evaluations.iter_mut().enumerate() {
+        // Two of the same name, with objects and a clean AP of their own.
+        one.condition.name = "star".to_owned();
+        for row in &mut one.paired {
+            row.n_objects += 1000 * (1 + place as u64);
+            row.clean.value = row.clean.value.map(|_| 0.111 * (1 + place) as f64);
+            row.cracked.value = row.cracked.value.map(|_| 0.05 + 0.1 * place as f64);
+        }
+    }
+    let text = latex(&study);
+    assert!(
+        text.contains("{star}") && text.contains("{star (2)}"),
+        "two of the same name stay two"
+    );
+    let all = text.lines().find(|line| line.contains("& all &")).unwrap();
+    let cells: Vec<&str> = all.split(" & ").collect();
+    let begins = |place: usize, with: &str| {
+        let cell = cells.get(place).copied().unwrap_or("");
+        assert!(cell.starts_with(with), "cell {place} is {cell}, not {with}");
+    };
+    for (place, with) in [(4, "11.1"), (5, "5.0"), (7, "22.2"), (8, "15.0")] {
+        begins(place, with);
+    }
+    let n_of = |place: usize| cells.get(place).unwrap().parse::<u64>().unwrap() / 1000;
+    assert_eq!([n_of(3), n_of(6)], [1, 2], "each its own objects");
+
+    let many = latex(&plausible::study(&[1, 2, 3, 4, 5]));
+    let n_tables = many.matches("\\begin{tabular}").count();
+    assert_eq!(n_tables, 3, "two conditions side by side, of five");
+    assert!(many.contains("Table 3 of 3."), "the parts are numbered");
+    for severity in 1..=5 {
+        let head = format!("{{windshield-star, severity {severity}}}");
+        assert_eq!(many.matches(&head).count(), 1, "{head} stands once");
+    }
+}
+
+#[test]
+fn a_span_says_how_many_conditions_have_a_number() {
+    let mut study = plausible::study(&[1, 2, 3, 4, 5]);
+    let one = study.evaluations.first_mut().unwrap();
+    for row in &mut one.paired {
+        row.delta.value = None;
+    }
+    let page = html(&study).unwrap();
+    let facts = page.split("In short").nth(1).unwrap();
+    let facts = facts.split("</section>").next().unwrap();
+    let said: Vec<&str> = facts.split("<li>").skip(1).collect();
+    assert!(
+        said.iter()
+            .any(|fact| fact.contains("(4 of 5 conditions have a number)")),
+        "one of five has none: {said:?}"
+    );
+    let others = said.iter().filter(|fact| !fact.contains("4 of 5"));
+    assert!(
+        others.clone().count() > 0 && others.clone().all(|fact| !fact.contains("have a number")),
+        "where all have one, nothing is said: {said:?}"
+    );
+}
+
+#[test]
+fn csv_says_only_what_is_there() {
+    let mut study = plausible::study(&[2]);
+    let one = study.evaluations.first_mut().unwrap();
+    one.subsets = vec![starbreak_eval::SubsetRow {
+        subset: "coverage 0.05 to 0.2".to_owned(),
+        group: Group::all(),
+        n_objects: 61,
+        n_images: 20,
+        clean_ap50: Estimate::of(0.41, 61),
+        cracked_ap50: Some(Estimate::of(0.32, 61)),
+    }];
+    let rate = &mut one.failures.as_mut().unwrap().rates;
+    rate.first_mut().unwrap().failure_rate_over_images =
+        Some(Estimate::with_interval(0.25, [0.125, 0.5], 88));
+    one.paired.first_mut().unwrap().clean = Estimate::of(0.625, 77);
+    let rows = rows_of(&csv(&study));
+    let field = |row: &Vec<String>, place: usize| row.get(place).cloned().unwrap_or_default();
+    let find = |metric: &str, value: &str| {
+        let row = rows
+            .iter()
+            .find(|row| field(row, 6) == metric && field(row, 7) == value);
+        row.cloned()
+            .unwrap_or_else(|| panic!("no row {metric} of {value}"))
+    };
+    let subset = find("ap50_cracked[coverage 0.05 to 0.2]", "0.32");
+    assert_eq!(field(&subset, 10), "61", "its objects");
+    let over_images = find("failure_rate_over_images", "0.25");
+    assert_eq!(
+        [field(&over_images, 8), field(&over_images, 9)],
+        ["0.125", "0.5"],
+        "its interval"
+    );
+    for row in rows.iter().skip(1) {
+        let [low, high, method] = [8, 9, 11].map(|place| field(row, place));
+        assert!(
+            !method.contains("95 %") || !(low.is_empty() || high.is_empty()),
+            "an interval that is not there: {row:?}"
+        );
+        assert!(
+            field(row, 7).is_empty() || field(row, 10) != "0",
+            "a number that rests on nothing: {row:?}"
+        );
+    }
+    let ap50 = find("ap50_clean", "0.625");
+    assert_eq!(field(&ap50, 11), "no interval", "a value alone");
 }

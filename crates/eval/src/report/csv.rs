@@ -1,7 +1,7 @@
 //! The numbers as CSV, one row each.
 
 use super::numbers::{Number, numbers};
-use crate::evaluation::Study;
+use crate::evaluation::{Estimate, Study};
 
 /// The columns.
 const HEAD: &str =
@@ -10,7 +10,8 @@ const HEAD: &str =
 /// All numbers of a study as tidy CSV (RFC 4180, UTF-8, lines end in a line feed): one row per number,
 /// `detector,condition,scope,tau,group,class,metric,value,low,high,n,method,refused`.
 ///
-/// Fractions are fractions. Where a number is refused, `value` is empty and `refused` says why. A text that
+/// Fractions are fractions; `n` says on how many things a number rests and is empty where that is not
+/// known; `method` names an interval only where `low` and `high` are there. Where a number is refused, `value` is empty and `refused` says why. A text that
 /// a spreadsheet would take for a formula gets an apostrophe in front.
 #[must_use]
 pub fn csv(study: &Study) -> String {
@@ -47,11 +48,19 @@ fn row(number: &Number) -> String {
         float(estimate.value),
         float(estimate.low),
         float(estimate.high),
-        estimate.n.to_string(),
+        n_things(estimate),
         field(method),
         field(estimate.refused.as_deref().unwrap_or("")),
     ]
     .join(",")
+}
+
+/// On how many things a number rests; empty where it does not say.
+fn n_things(estimate: &Estimate) -> String {
+    match (estimate.n, estimate.value) {
+        (0, Some(_)) => String::new(),
+        (n, _) => n.to_string(),
+    }
 }
 
 /// A text as one field.

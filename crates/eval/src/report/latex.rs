@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use super::conditions::{Told, told_apart};
 use super::words;
 use crate::evaluation::{
     Estimate, Evaluation, Group, GroupKind, PairedMetric, Scope, ScopeKind, Study,
@@ -11,54 +12,84 @@ use crate::evaluation::{
 /// Most classes per detector that a printed table holds.
 const MAX_GROUPS: usize = 12;
 
-/// AP50 and AP75 per class over detectors and conditions as a LaTeX table, in the layout of the paper's
-/// Table 1: detectors and thresholds as row groups, classes as rows, clean and each condition as columns.
+/// Most conditions side by side: with intervals more do not fit a page.
+const MAX_CONDITIONS: usize = 2;
+
+/// AP50 and AP75 per class over detectors and conditions as LaTeX tables, in the layout of the paper's
+/// Table 1: detectors and thresholds as row groups, classes as rows, conditions as columns.
 ///
-/// It holds all classes, the supercategories (of data without any: the classes) with numbers, in the
-/// region at the study's own τ, or on whole images where there is no region. Needs the packages
-/// `booktabs` and `multirow`. Where a number is refused stands `--` with a footnote that says why.
+/// A condition has three columns, its objects, clean and cracked: the region is its own, and so are the
+/// objects in it and their clean AP. Up to two conditions stand side by side, more have further tables,
+/// family by family. It holds all classes, the supercategories (of data without any: the classes) with
+/// numbers, in the region at the study's own τ, or on whole images where there is no region. Needs the
+/// packages `booktabs` and `multirow`. Where a number is refused stands `--` with a footnote that says why.
 #[must_use]
 pub fn latex(study: &Study) -> String {
     let mut detectors: Vec<&str> = Vec::new();
-    let mut conditions: Vec<&str> = Vec::new();
     for one in &study.evaluations {
         if !detectors.contains(&one.detector.as_str()) {
             detectors.push(&one.detector);
         }
-        if !conditions.contains(&one.condition.name.as_str()) {
-            conditions.push(&one.condition.name);
+    }
+    let told = told_apart(study);
+    let blocks = blocks(&told);
+    let mut text = String::from("% Needs \\usepackage{booktabs} and \\usepackage{multirow}.\n");
+    for (place, conditions) in blocks.iter().enumerate() {
+        let mut table = PrintedTable {
+            study,
+            conditions,
+            body: String::new(),
+            reasons: Vec::new(),
+        };
+        for detector in &detectors {
+            table.add_detector(detector);
+        }
+        table.finish((place + 1, blocks.len()), &mut text);
+    }
+    text
+}
+
+/// The conditions of each table: of one family, if any family has several.
+fn blocks<'a>(told: &[Told<'a>]) -> Vec<Vec<Told<'a>>> {
+    let mut runs: Vec<Vec<Told<'a>>> = Vec::new();
+    for one in told {
+        let family = &one.condition.family;
+        let known = |run: &&mut Vec<Told<'a>>| {
+            run.first()
+                .is_some_and(|first| first.condition.family == *family)
+        };
+        match runs.iter_mut().find(known) {
+            Some(run) => run.push(one.clone()),
+            None => runs.push(vec![one.clone()]),
         }
     }
-    let mut table = PrintedTable {
-        study,
-        conditions,
-        body: String::new(),
-        reasons: Vec::new(),
-    };
-    for (place, detector) in detectors.iter().enumerate() {
-        if place > 0 {
-            table.body.push_str("  \\midrule\n");
-        }
-        table.add_detector(detector);
+    if runs.iter().all(|run| run.len() == 1) {
+        runs = vec![told.to_vec()];
     }
-    table.finish()
+    runs.iter()
+        .flat_map(|run| run.chunks(MAX_CONDITIONS).map(<[_]>::to_vec))
+        .collect()
 }
 
 struct PrintedTable<'a> {
     study: &'a Study,
-    conditions: Vec<&'a str>,
+    conditions: &'a [Told<'a>],
     body: String,
     reasons: Vec<String>,
 }
 
 impl<'a> PrintedTable<'a> {
-    fn evaluations_of(&self, detector: &str) -> Vec<&'a Evaluation> {
-        let of = self.study.evaluations.iter();
-        of.filter(|one| one.detector == detector).collect()
+    /// One per condition of the table.
+    fn evaluations_of(&self, detector: &str) -> Vec<Option<&'a Evaluation>> {
+        self.conditions
+            .iter()
+            .map(|condition| condition.evaluation(self.study, detector))
+            .collect()
     }
 
     fn add_detector(&mut self, detector: &str) {
-        let evaluations = self.evaluations_of(detector);
+        let of_conditions = self.evaluations_of(detector);
+        let evaluations: Vec<&Evaluation> = of_conditions.iter().copied().flatten().collect();
         let Some(scope) = main_scope(self.study, &evaluations) else {
             return;
         };
@@ -78,12 +109,14 @@ impl<'a> PrintedTable<'a> {
             })
             .collect();
         let n_rows = groups.len() * metrics.len();
-        let n_columns = self.conditions.len() + 5;
+        let n_columns = 3 * self.conditions.len() + 3;
+        if !self.body.is_empty() {
+            self.body.push_str("  \\midrule\n");
+        }
         let mut is_first = true;
-        let mut lines = String::new();
         for (place, metric) in metrics.iter().enumerate() {
             if place > 0 {
-                let _ = writeln!(lines, "  \\cmidrule{{2-{n_columns}}}");
+                let _ = writeln!(self.body, "  \\cmidrule{{2-{n_columns}}}");
             }
             for (row, group) in groups.iter().enumerate() {
                 let detector = match is_first {
@@ -99,51 +132,41 @@ impl<'a> PrintedTable<'a> {
                     ),
                     _ => String::new(),
                 };
-                let cells = self.cells(&evaluations, &scope, group, *metric);
+                let cells: Vec<String> = of_conditions
+                    .iter()
+                    .flat_map(|one| self.cells(*one, &scope, group, *metric))
+                    .collect();
                 let _ = writeln!(
-                    lines,
+                    self.body,
                     "  {detector} & {metric_cell} & {} & {} \\\\",
                     escaped(&group_name(group)),
                     cells.join(" & ")
                 );
             }
         }
-        self.body.push_str(&lines);
     }
 
-    /// How many objects, then clean and each condition.
+    /// How many objects the condition has there, then clean and cracked, of these objects.
     fn cells(
         &mut self,
-        evaluations: &[&Evaluation],
+        evaluation: Option<&Evaluation>,
         scope: &Scope,
         group: &Group,
         metric: PairedMetric,
-    ) -> Vec<String> {
-        let find = |one: &&Evaluation| {
-            let is_it = |row: &&crate::evaluation::PairedRow| {
-                row.scope == *scope && row.group == *group && row.metric == metric
-            };
-            one.paired.iter().find(is_it).cloned()
-        };
-        let rows: Vec<_> = evaluations.iter().map(|one| (one, find(one))).collect();
-        let first = rows.iter().find_map(|(_, row)| row.as_ref());
-        // The clean number belongs to the region, and the region to the condition: with several
-        // conditions it is that of the first.
-        let mut cells = vec![
-            first.map_or_else(|| "--".to_owned(), |row| row.n_objects.to_string()),
-            first.map_or_else(|| "--".to_owned(), |row| self.number(&row.clean)),
-        ];
-        for condition in self.conditions.clone() {
-            let row = rows
+    ) -> [String; 3] {
+        let row = evaluation.and_then(|one| {
+            one.paired
                 .iter()
-                .find(|(one, _)| one.condition.name == condition)
-                .and_then(|(_, row)| row.as_ref());
-            cells.push(match row {
-                Some(row) => self.number(&row.cracked),
-                None => "--".to_owned(),
-            });
+                .find(|row| row.scope == *scope && row.group == *group && row.metric == metric)
+        });
+        match row {
+            Some(row) => [
+                row.n_objects.to_string(),
+                self.number(&row.clean),
+                self.number(&row.cracked),
+            ],
+            None => ["0".to_owned(), "--".to_owned(), "--".to_owned()],
         }
-        cells
     }
 
     fn number(&mut self, estimate: &Estimate) -> String {
@@ -157,45 +180,63 @@ impl<'a> PrintedTable<'a> {
         let Some(why) = &estimate.refused else {
             return "--".to_owned();
         };
-        let place = self.reasons.iter().position(|known| known == why);
+        // How many there are stands in a column of its own.
+        let n_objects = format!("{} objects, ", estimate.n);
+        let why = match why.strip_prefix(&n_objects) {
+            Some(rest) => format!("too few objects ({rest})"),
+            None => why.clone(),
+        };
+        let place = self.reasons.iter().position(|known| *known == why);
         let place = place.unwrap_or_else(|| {
-            self.reasons.push(why.clone());
+            self.reasons.push(why);
             self.reasons.len() - 1
         });
         format!("--\\textsuperscript{{{}}}", place + 1)
     }
 
-    fn finish(self) -> String {
+    fn finish(self, (number, n_tables): (usize, usize), text: &mut String) {
         let Self {
             study,
             conditions,
             body,
             reasons,
         } = self;
-        let mut text = String::new();
-        let columns = "r".repeat(conditions.len() + 2);
-        let heads: Vec<String> = conditions.iter().map(|name| escaped(name)).collect();
+        let columns = "rrr".repeat(conditions.len());
+        let heads: Vec<String> = conditions
+            .iter()
+            .map(|one| format!("\\multicolumn{{3}}{{c}}{{{}}}", escaped(&one.label)))
+            .collect();
+        let rules: Vec<String> = (0..conditions.len())
+            .map(|place| format!("\\cmidrule(lr){{{}-{}}}", 3 * place + 4, 3 * place + 6))
+            .collect();
         let place = match study.provenance.settings.tau {
-            Some(tau) => format!("of objects in the region ($\\tau = {tau}$)"),
-            None => "of all objects".to_owned(),
+            Some(tau) => format!(
+                "of the objects in the region of each condition ($\\tau = {tau}$), $n$ of them"
+            ),
+            None => "of all objects, $n$ of them".to_owned(),
         };
-        let _ = writeln!(
-            text,
-            "% Needs \\usepackage{{booktabs}} and \\usepackage{{multirow}}."
-        );
+        let part = match n_tables {
+            1 => String::new(),
+            _ => format!(" Table {number} of {n_tables}."),
+        };
         let _ = writeln!(text, "\\begin{{table*}}");
         let _ = writeln!(text, "  \\centering");
         let _ = writeln!(
             text,
-            "  \\caption{{Average precision (\\%) {place}, {}, clean and cracked, with 95\\,\\% intervals.}}",
+            "  \\caption{{Average precision (\\%) {place}, on {}: clean and cracked, with 95\\,\\% intervals. \
+             Each condition has a region, and so objects and a clean value, of its own.{part}}}",
             escaped(&study.dataset)
         );
         let _ = writeln!(text, "  \\begin{{tabular}}{{lll{columns}}}");
         let _ = writeln!(text, "  \\toprule");
+        let _ = writeln!(text, "   &  &  & {} \\\\", heads.join(" & "));
+        let _ = writeln!(text, "  {}", rules.join(" "));
         let _ = writeln!(
             text,
-            "  Detector & Metric & Category & $n$ & Clean & {} \\\\",
-            heads.join(" & ")
+            "  Detector & Metric & Category & {} \\\\",
+            ["$n$ & Clean & Cracked"]
+                .repeat(conditions.len())
+                .join(" & ")
         );
         let _ = writeln!(text, "  \\midrule");
         text.push_str(&body);
@@ -210,7 +251,6 @@ impl<'a> PrintedTable<'a> {
             );
         }
         let _ = writeln!(text, "\\end{{table*}}");
-        text
     }
 }
 

@@ -1,8 +1,10 @@
 //! All numbers of a study in one long list, one row each: what CSV holds.
 
+use super::conditions::labels;
 use super::words;
+use crate::SubsetRow;
 use crate::evaluation::{
-    DoseResponse, Estimate, Evaluation, FailureResults, Group, GroupKind, PairedRow,
+    DoseResponse, Estimate, Evaluation, FailureResults, Group, GroupAp, GroupKind, PairedRow,
     ProtocolResults, Scope, ScopeKind, Study, TideErrors, TimelineResults,
 };
 
@@ -11,7 +13,7 @@ use crate::evaluation::{
 pub struct Number {
     /// The detector; empty for numbers about images alone.
     pub detector: String,
-    /// The condition.
+    /// The condition; the second of the same name has a `(2)` behind it, and so on.
     pub condition: String,
     /// `in_region`, `out_of_region` or `whole_image`; empty where there is no place.
     pub scope: &'static str,
@@ -30,14 +32,15 @@ pub struct Number {
 }
 
 const BOOTSTRAP: &str = "paired bootstrap over images, 95 %";
+const OVER_IMAGES: &str = "bootstrap over images, 95 %";
 const WILSON: &str = "Wilson, 95 %";
 
 /// All numbers of a study, in the order of the page.
 #[must_use]
 pub fn numbers(study: &Study) -> Vec<Number> {
     let mut list = Vec::new();
-    for evaluation in &study.evaluations {
-        of_evaluation(evaluation, &mut list);
+    for (evaluation, condition) in study.evaluations.iter().zip(labels(study)) {
+        of_evaluation(evaluation, &condition, &mut list);
     }
     for row in &study.robustness {
         let metric = words::metric_key(row.metric);
@@ -94,7 +97,13 @@ impl Adder<'_> {
         let mut number = self.about.clone();
         number.metric = metric.into();
         number.estimate = estimate.clone();
-        number.method = method;
+        // What names an interval is only there with one.
+        let has_interval = estimate.interval().is_some() || !method.ends_with("95 %");
+        number.method = match (has_interval, estimate.value) {
+            (true, _) => method,
+            (false, Some(_)) => "no interval",
+            (false, None) => "",
+        };
         self.list.push(number);
     }
 
@@ -107,12 +116,15 @@ impl Adder<'_> {
     }
 }
 
-fn of_evaluation(evaluation: &Evaluation, list: &mut Vec<Number>) {
-    let about = blank(&evaluation.detector, &evaluation.condition.name);
+fn of_evaluation(evaluation: &Evaluation, condition: &str, list: &mut Vec<Number>) {
+    let about = blank(&evaluation.detector, condition);
     of_protocol(&about, "clean", &evaluation.clean, list);
     of_protocol(&about, "cracked", &evaluation.cracked, list);
     for row in &evaluation.paired {
         of_pair(&about, row, list);
+    }
+    for row in &evaluation.subsets {
+        of_subset(&about, row, list);
     }
     if let Some(failures) = &evaluation.failures {
         of_failures(&about, failures, list);
@@ -123,7 +135,7 @@ fn of_evaluation(evaluation: &Evaluation, list: &mut Vec<Number>) {
     ];
     for (side, errors) in tide {
         if let Some(errors) = errors {
-            of_tide(&about, side, errors, list);
+            of_tide(&about, side, errors, evaluation.counts.n_objects, list);
         }
     }
     for clip in &evaluation.timelines {
@@ -150,9 +162,20 @@ fn of_protocol(about: &Number, side: &str, results: &ProtocolResults, list: &mut
     put_scope(&mut about, &Scope::whole_image());
     let mut adder = Adder { list, about };
     put_group(&mut adder.about, &Group::all());
+    let of_all = |row: &&GroupAp| row.group.kind == GroupKind::All;
+    let n_all = results
+        .groups
+        .iter()
+        .find(of_all)
+        .map_or(0, |row| row.n_objects);
     for (name, value) in STATS.iter().zip(results.coco_stats.into_iter().flatten()) {
+        // How many objects have a size is not among the results.
+        let is_of_all = !["_small", "_medium", "_large"]
+            .iter()
+            .any(|size| name.ends_with(size));
+        let n = if is_of_all { n_all } else { 0 };
         let estimate = match value {
-            Some(value) => Estimate::of(value, 0),
+            Some(value) => Estimate::of(value, n),
             None => Estimate::refused(0, "no such object"),
         };
         adder.add(format!("coco_{name}_{side}"), &estimate, "COCO protocol");
@@ -203,6 +226,22 @@ fn of_pair(about: &Number, row: &PairedRow, list: &mut Vec<Number>) {
     }
 }
 
+fn of_subset(about: &Number, row: &SubsetRow, list: &mut Vec<Number>) {
+    let mut about = about.clone();
+    put_group(&mut about, &row.group);
+    let mut adder = Adder { list, about };
+    let subset = &row.subset;
+    let sides = [
+        ("clean", Some(&row.clean_ap50)),
+        ("cracked", row.cracked_ap50.as_ref()),
+    ];
+    for (side, estimate) in sides {
+        if let Some(estimate) = estimate {
+            adder.add(format!("ap50_{side}[{subset}]"), estimate, "COCO protocol");
+        }
+    }
+}
+
 fn of_failures(about: &Number, failures: &FailureResults, list: &mut Vec<Number>) {
     let mut adder = Adder {
         list,
@@ -212,6 +251,9 @@ fn of_failures(about: &Number, failures: &FailureResults, list: &mut Vec<Number>
         put_scope(&mut adder.about, &row.scope);
         put_group(&mut adder.about, &row.group);
         adder.add("failure_rate", &row.failure_rate, WILSON);
+        if let Some(rate) = &row.failure_rate_over_images {
+            adder.add("failure_rate_over_images", rate, OVER_IMAGES);
+        }
         adder.add("recovery_rate", &row.recovery_rate, WILSON);
         for (name, count) in [
             ("objects", row.n_objects),
@@ -293,7 +335,13 @@ fn of_dose(adder: &mut Adder<'_>, dose: &DoseResponse) {
     }
 }
 
-fn of_tide(about: &Number, side: &str, errors: &TideErrors, list: &mut Vec<Number>) {
+fn of_tide(
+    about: &Number,
+    side: &str,
+    errors: &TideErrors,
+    n_objects: u64,
+    list: &mut Vec<Number>,
+) {
     let mut about = about.clone();
     put_scope(&mut about, &Scope::whole_image());
     put_group(&mut about, &Group::all());
@@ -309,7 +357,7 @@ fn of_tide(about: &Number, side: &str, errors: &TideErrors, list: &mut Vec<Numbe
         ("false_positive", errors.false_positive),
         ("false_negative", errors.false_negative),
     ] {
-        adder.add_value(format!("tide_{name}_{side}"), value, 0, "TIDE");
+        adder.add_value(format!("tide_{name}_{side}"), value, n_objects, "TIDE");
     }
 }
 

@@ -54,19 +54,23 @@ const TERMS: &[Term] = &[
     Term {
         word: "Failure rate",
         meaning: "Of the objects found in the clean image, the share that is not found in the cracked one. \
-                  Recovered objects went the other way. McNemar's exact test asks whether more are lost than \
-                  recovered.",
+                  Recovered objects went the other way. McNemar's exact test, two-sided: how \
+                  often chance alone makes the numbers of lost and of recovered objects differ as much.",
     },
     Term {
         word: "New false positives",
-        meaning: "Detections in the cracked image where no object is, and where the clean image has no \
-                  detection with an IoU of 0.5 or more; per million pixels of the place.",
+        meaning: "Detections in the cracked image that match no label, and that no detection of the clean \
+                  image overlaps by an IoU of 0.5 or more; per million pixels of the place. Something without a \
+                  label, or with another one, may well be there.",
     },
     Term {
         word: "Kinds of errors (TIDE)",
         meaning: "What AP50 would gain if all errors of a kind were mended: wrong class in the right place, \
                   poor overlap, both, a second detection of the same object, a detection of nothing, an object \
-                  missed. Mending one kind changes the others, so they do not add up.",
+                  missed. Mending one kind changes the others, so they do not add up. The AP50 that \
+                  TIDE starts from is its own: a class without objects that is detected counts as 0 in the mean, \
+                  and an image keeps its 100 best detections over all classes, not of each class. It is \
+                  therefore mostly lower than the AP50 by the rules of MS-COCO.",
     },
     Term {
         word: "mPC and rPC",

@@ -88,8 +88,10 @@ fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
         svg: chart.svg,
         key: chart.key,
         caption: format!(
-            "Error types after TIDE, whole images: what AP50 ({} clean, {} cracked) would gain if the \
-             errors of a kind were mended.",
+            "Error types after TIDE, whole images: what TIDE's own AP50 ({} clean, {} cracked) would gain if \
+             the errors of a kind were mended. It is not the AP50 of the other tables: TIDE counts classes \
+             that are detected without having any object as 0, and keeps 100 detections per image over all \
+             classes together.",
             words::percent(clean.ap50),
             words::percent(cracked.ap50)
         ),

@@ -57,7 +57,7 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
             true,
             "All classes, in the region and outside of it: lost and recovered objects, with Wilson's 95 % \
              intervals, which take objects as independent, and beside them intervals over images, which do \
-             not; p of McNemar's exact test of lost against recovered.",
+             not; p of McNemar's exact two-sided test of lost against recovered.",
             "Where",
             all.map(|row| (words::scope(&row.scope), row)),
         ),
@@ -212,7 +212,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
             nice_step(end),
             &format!("{fact} of the object{unit}"),
         ),
-        ((0.0, 108.0), 20.0, "failure rate, %"),
+        ((0.0, 118.0), 20.0, "failure rate, %"),
         &ChartText {
             id,
             title: &format!("Failure rate over {fact}"),

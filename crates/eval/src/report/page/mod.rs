@@ -11,10 +11,11 @@ mod provenance;
 mod sets;
 mod table;
 mod timeline;
+mod warnings;
 
 use serde::Serialize;
 
-use crate::evaluation::{Evaluation, Study, Warning, WarningKind};
+use crate::evaluation::{Evaluation, Study};
 
 use super::charts::KeyEntry;
 use super::words;
@@ -94,58 +95,9 @@ pub(super) fn page(study: &Study) -> Page {
     Page {
         title: words::name(&study.title),
         subtitle: overview::subtitle(study),
-        warnings: warnings(study),
+        warnings: warnings::warnings(study),
         facts: overview::facts(study),
         sections,
-    }
-}
-
-/// What a reader must know first: of the study, then of the evaluations; what several of them say in the
-/// same words is said once, with how many they are.
-fn warnings(study: &Study) -> Vec<PageWarning> {
-    let page_warning = |warning: &Warning, text: String| PageWarning {
-        about: about(warning.kind),
-        text,
-    };
-    let mut all: Vec<PageWarning> = Vec::new();
-    for warning in &study.warnings {
-        all.push(page_warning(warning, words::name(&warning.text)));
-    }
-    let mut groups: Vec<(&Warning, Vec<String>)> = Vec::new();
-    for one in &study.evaluations {
-        let who = format!("{}, {}", one.detector, one.condition.name);
-        for warning in &one.warnings {
-            match groups.iter_mut().find(|(known, _)| *known == warning) {
-                Some((_, list)) => list.push(who.clone()),
-                None => groups.push((warning, vec![who.clone()])),
-            }
-        }
-    }
-    let n_evaluations = study.evaluations.len();
-    for (warning, who) in groups {
-        let text = match who.as_slice() {
-            _ if n_evaluations == 1 => warning.text.clone(),
-            _ if who.len() == n_evaluations => {
-                format!("All {n_evaluations} evaluations: {}", warning.text)
-            }
-            [alone] => format!("{alone}: {}", warning.text),
-            [first, others @ ..] => {
-                format!("{first}, and {} more: {}", others.len(), warning.text)
-            }
-            [] => continue,
-        };
-        all.push(page_warning(warning, words::name(&text)));
-    }
-    all
-}
-
-fn about(kind: WarningKind) -> &'static str {
-    match kind {
-        WarningKind::LabelMap => "Classes",
-        WarningKind::SmallSample => "Few objects",
-        WarningKind::Refused => "No number",
-        WarningKind::Protocol => "Protocol",
-        WarningKind::Missing => "Missing",
     }
 }
 
@@ -159,7 +111,7 @@ fn evaluation_section(
     blocks.extend(failures::blocks(study, evaluation, id));
     blocks.extend(errors::blocks(evaluation, id));
     blocks.extend(timeline::blocks(evaluation, id));
-    blocks.extend(pictures::blocks(evaluation, id));
+    blocks.extend(pictures::blocks(study, evaluation, id));
     let title = words::name(&format!(
         "{} · {}",
         evaluation.detector, evaluation.condition.name

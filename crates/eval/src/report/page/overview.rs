@@ -155,42 +155,63 @@ fn facts_of_many(study: &Study) -> Vec<String> {
                 .delta
                 .value
         });
+        let deltas: Vec<f64> = deltas.collect();
         let rates = |kind| {
             let rate =
                 move |one: &&Evaluation| headline_failure(study, one, kind)?.failure_rate.value;
-            span(of_detector.iter().filter_map(rate))
+            of_detector.iter().filter_map(rate).collect::<Vec<f64>>()
         };
-        let [least, most] = span(deltas)?;
-        let mut text = format!(
-            "{detector}: over {} conditions AP50 in the region changes by {} to {} points",
-            of_detector.len(),
-            words::signed_percent(least),
-            words::signed_percent(most),
-        );
+        let n_conditions = of_detector.len();
+        let mut parts = Vec::new();
+        if let Some([least, most]) = span(&deltas) {
+            parts.push(format!(
+                "AP50 in the region changes by {} to {} points{}",
+                words::signed_percent(least),
+                words::signed_percent(most),
+                have_a_number(deltas.len(), n_conditions),
+            ));
+        }
         for (kind, place) in [
             (ScopeKind::InRegion, "in the region"),
             (ScopeKind::OutOfRegion, "outside of it"),
         ] {
-            if let Some([least, most]) = rates(kind) {
-                text.push_str(&format!(
-                    "; {place} {} to {} % of the objects found clean are lost",
+            let rates = rates(kind);
+            if let Some([least, most]) = span(&rates) {
+                parts.push(format!(
+                    "{place} {} to {} % of the objects found clean are lost{}",
                     words::percent(least),
                     words::percent(most),
+                    have_a_number(rates.len(), n_conditions),
                 ));
             }
         }
-        text.push('.');
-        Some(words::name(&text))
+        if parts.is_empty() {
+            return words::name(&format!(
+                "{detector}: none of {n_conditions} conditions has a number in the region."
+            ));
+        }
+        words::name(&format!(
+            "{detector}, {n_conditions} conditions: {}.",
+            parts.join("; ")
+        ))
     };
-    detectors.iter().filter_map(fact).collect()
+    detectors.iter().map(fact).collect()
+}
+
+/// How many of the conditions a span is of, where it is not of all.
+fn have_a_number(n: usize, n_conditions: usize) -> String {
+    match n == n_conditions {
+        true => String::new(),
+        false => format!(" ({n} of {n_conditions} conditions have a number)"),
+    }
 }
 
 /// Least and greatest of values.
-fn span(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    values.fold(None, |ends: Option<[f64; 2]>, value| {
+fn span(values: &[f64]) -> Option<[f64; 2]> {
+    values.iter().fold(None, |ends: Option<[f64; 2]>, value| {
         Some(match ends {
-            None => [value, value],
-            Some([least, most]) => [least.min(value), most.max(value)],
+            None => [*value, *value],
+            Some([least, most]) => [least.min(*value), most.max(*value)],
         })
     })
 }

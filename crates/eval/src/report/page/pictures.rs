@@ -6,10 +6,13 @@ use serde::Serialize;
 
 use super::super::words;
 use super::Block;
-use crate::evaluation::{BoxRole, Evaluation, RoledBox, WorstFailure};
+use crate::evaluation::{BoxRole, Evaluation, RoledBox, Study, WorstFailure};
 
 /// Most boxes that are drawn over a picture.
 const MAX_BOXES: usize = 60;
+
+/// Width of a bold letter, at most and on average, as a share of its height.
+const LETTER_WIDTH: f64 = 0.62;
 
 /// A pair of pictures.
 #[derive(Debug, Serialize)]
@@ -42,15 +45,17 @@ pub(in crate::report) struct Drawn {
     width: f64,
     height: f64,
     text: String,
+    text_x: f64,
     text_y: f64,
 }
 
-pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
+pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Block> {
+    let tau = study.provenance.settings.tau;
     let pairs: Vec<Pair> = evaluation
         .worst
         .iter()
         .enumerate()
-        .filter_map(|(place, worst)| pair(worst, format!("{id}-worst{place}")))
+        .filter_map(|(place, worst)| pair(worst, tau, format!("{id}-worst{place}")))
         .collect();
     if pairs.is_empty() {
         return Vec::new();
@@ -61,16 +66,18 @@ pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
             text: "Worst failures".to_owned(),
         },
         Block::Text {
-            text: "The images in which most objects found clean are lost, clean and cracked. Solid \
-                   frames: found in both. Thick frames with a dark edge: lost. Dashed frames: not found in \
-                   either. Dotted frames: new detections where nothing is."
+            text: "The images in which most objects found clean are lost, clean and cracked; lost objects \
+                   count wherever they are, and the line below says how much of each the region covers. \
+                   Solid frames: found in both. Thick frames with a dark edge: lost. Dashed frames: not \
+                   found in either. Dotted frames: new false positives, detections that match no label and \
+                   that no clean detection overlaps."
                 .to_owned(),
         },
         Block::Pictures { pairs },
     ]
 }
 
-fn pair(worst: &WorstFailure, id: String) -> Option<Pair> {
+fn pair(worst: &WorstFailure, tau: Option<f64>, id: String) -> Option<Pair> {
     let pictures = worst.pictures.as_ref()?;
     let (width, height) = (f64::from(worst.width_px), f64::from(worst.height_px));
     if width < 1.0 || height < 1.0 {
@@ -81,15 +88,18 @@ fn pair(worst: &WorstFailure, id: String) -> Option<Pair> {
         let is_here = |one: &&RoledBox| on_cracked || one.role != BoxRole::New;
         let boxes = worst.boxes.iter().filter(is_here).take(MAX_BOXES);
         boxes
-            .map(|one| draw(one, on_cracked, (width, height), letter_px))
+            .map(|one| draw(one, on_cracked, tau, (width, height), letter_px))
             .collect()
     };
     let uri = |jpeg: &[u8]| format!("data:image/jpeg;base64,{}", STANDARD.encode(jpeg));
     Some(Pair {
         image: words::name(&worst.image),
         text: format!(
-            "{} of {} lost, {} new",
-            worst.n_lost, worst.n_found_clean, worst.n_new
+            "{} of {} lost, {} new{}",
+            worst.n_lost,
+            worst.n_found_clean,
+            worst.n_new,
+            lost_objects(worst, tau)
         ),
         width_px: worst.width_px,
         height_px: worst.height_px,
@@ -111,7 +121,48 @@ fn pair(worst: &WorstFailure, id: String) -> Option<Pair> {
     })
 }
 
-fn draw(one: &RoledBox, on_cracked: bool, (width, height): (f64, f64), letter_px: f64) -> Drawn {
+/// The lost objects with the share of each that the region covers, most covered first.
+fn lost_objects(worst: &WorstFailure, tau: Option<f64>) -> String {
+    let mut lost: Vec<(f64, &RoledBox)> = worst
+        .boxes
+        .iter()
+        .filter(|one| one.role == BoxRole::Lost)
+        .filter_map(|one| Some((one.coverage?, one)))
+        .collect();
+    if lost.is_empty() || tau.is_none() {
+        return String::new();
+    }
+    lost.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let texts: Vec<String> = lost
+        .iter()
+        .map(|(coverage, one)| {
+            let outside = match is_outside(one, tau) {
+                true => ", outside the region",
+                false => "",
+            };
+            let class = words::name(&one.class);
+            format!("{class} ({} %{outside})", words::percent(*coverage))
+        })
+        .collect();
+    format!(". Lost, and covered by the region: {}", texts.join(", "))
+}
+
+/// Whether the region leaves an object out, so that its loss has another cause than the glass in front.
+fn is_outside(one: &RoledBox, tau: Option<f64>) -> bool {
+    match (one.coverage, tau) {
+        (Some(coverage), Some(tau)) if tau > 0.0 => coverage < tau,
+        (Some(coverage), Some(_)) => coverage <= 0.0,
+        _ => false,
+    }
+}
+
+fn draw(
+    one: &RoledBox,
+    on_cracked: bool,
+    tau: Option<f64>,
+    (width, height): (f64, f64),
+    letter_px: f64,
+) -> Drawn {
     let role = match (one.role, on_cracked) {
         (BoxRole::Missed, _) => "missed",
         (BoxRole::Lost, true) => "lost",
@@ -128,14 +179,19 @@ fn draw(one: &RoledBox, on_cracked: bool, (width, height): (f64, f64), letter_px
     let class = words::name(&one.class);
     let score = one.score.filter(|score| score.is_finite());
     let text = match (role, score) {
+        ("lost", _) if is_outside(one, tau) => format!("{class} lost, outside"),
         ("lost", _) => format!("{class} lost"),
         ("new", Some(score)) => format!("{class} new {score:.2}"),
         ("new", None) => format!("{class} new"),
         ("found", Some(score)) => format!("{class} {score:.2}"),
         _ => class,
     };
+    // Long words begin further left, so that they end inside.
+    let n_letters = f64::from(u32::try_from(text.chars().count()).unwrap_or(u32::MAX));
+    let room = (width - n_letters * letter_px * LETTER_WIDTH).max(0.0);
     Drawn {
         role,
+        text_x: (x.min(room) * 10.0).round() / 10.0,
         x,
         y,
         width: (inside(x1, width) - x).max(0.0),
