@@ -10,12 +10,16 @@ use std::process::{Command, Stdio};
 use common::{Outcome, folder, names, raw_png, succeed};
 use serde_json::Value;
 
-const VERBS: [&str; 13] = [
+const VERBS: [&str; 17] = [
     "demo",
     "crack",
     "generate",
     "verify",
     "merge",
+    "study",
+    "detect",
+    "evaluate",
+    "divergence",
     "patterns",
     "video",
     "sweep",

@@ -1,5 +1,7 @@
 //! What a study writes once all is found.
 
+use std::path::Path;
+
 use serde_json::json;
 use starbreak::dataset::{IndexFiles, OutputBatch, SourceSpec};
 use starbreak::study::{StudyPlan, StudyRuns};
@@ -111,12 +113,26 @@ impl StudyReport<'_> {
             let source = self.args.source.to_string_lossy();
             inputs.push(InputFile::of("labels", &source, &labels)?);
         }
-        for path in &self.args.model {
-            inputs.push(InputFile::of(
-                "model",
-                &path_text(path),
-                std::slice::from_ref(path),
-            )?);
+        for (path, detector) in self.args.model.iter().zip(self.plan.detectors) {
+            let contract = detector.detector.contract();
+            let role = format!(
+                "model {}, contract {}: scores from {} on",
+                detector.name, contract.name, contract.score_threshold
+            );
+            let file = std::slice::from_ref(path);
+            inputs.push(InputFile::of(&role, &path_text(path), file)?);
+        }
+        let contracts = self.args.contract.iter().map(Path::new);
+        let contracts = contracts.filter(|path| path.extension().is_some_and(|end| end == "toml"));
+        let files = contracts.map(|path| ("contract", path));
+        let map = self
+            .args
+            .label_map
+            .iter()
+            .map(|path| ("label map", path.as_path()));
+        for (role, path) in files.chain(map) {
+            let file = [path.to_owned()];
+            inputs.push(InputFile::of(role, &path_text(path), &file)?);
         }
         for condition in self.plan.conditions {
             let run = self.plan.set_folder(condition).join("starbreak/run.json");

@@ -26,14 +26,24 @@ pub fn wilson_interval(k: u64, n: u64, level: f64) -> Option<Interval> {
         return None;
     }
     let z = normal_quantile(0.5 + level / 2.0);
+    let (is_none, is_all) = (k == 0, k == n);
     let n = as_f64(n);
     let share = as_f64(k) / n;
     let middle = share + z * z / (2.0 * n);
     let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
     let scale = 1.0 + z * z / n;
     Some(Interval {
-        low: ((middle - half) / scale).max(0.0),
-        high: ((middle + half) / scale).min(1.0),
+        // Exactly, where rounding would leave a trace.
+        low: if is_none {
+            0.0
+        } else {
+            ((middle - half) / scale).max(0.0)
+        },
+        high: if is_all {
+            1.0
+        } else {
+            ((middle + half) / scale).min(1.0)
+        },
         level,
         method: Method::Wilson,
     })
