@@ -1,16 +1,20 @@
 //! The command line, as typed.
 
+pub(crate) mod detect;
 pub(crate) mod divergence;
+pub(crate) mod evaluate;
 pub(crate) mod generate;
 pub(crate) mod overlay;
+pub(crate) mod study;
 
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use detect::DetectArgs;
 use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
 use starbreak::dataset::same_file;
-use starbreak::{DEFAULT_PRESET, Recipe, Seed};
+use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
 
 use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
@@ -112,6 +116,8 @@ pub(crate) enum Verb {
     Verify(VerifyArgs),
     /// Join the shards of one generated set
     Merge(MergeArgs),
+    /// Run a detector (ONNX) over a dataset: its boxes as a file
+    Detect(DetectArgs),
     /// Measure how far sets of images are apart: K-L and other divergences, with noise floor
     Divergence(DivergenceArgs),
     /// Show one crack over the values of one parameter: each picture, and all on one sheet
@@ -186,6 +192,10 @@ pub(crate) enum Verb {
     },
     /// Put a crack before a clip, or its whole life from the impact on; also a folder of frames
     Video(VideoArgs),
+    /// Say how well detections match labels: clean, cracked, and where the glass is broken
+    Evaluate(evaluate::EvaluateArgs),
+    /// Break a dataset's glass, let detectors look at it clean and cracked, and report what fails
+    Study(study::StudyArgs),
     /// Print a complete, commented recipe
     Recipe {
         /// Print the JSON Schema of recipes instead
@@ -318,6 +328,12 @@ impl Global {
             (None, Some(severity)) => Recipe::preset_at(preset, severity)?,
             (None, None) => Recipe::preset(preset)?,
         };
+        self.adjust(&mut recipe)?;
+        Ok(recipe)
+    }
+
+    /// Lays the camera over a recipe, then sets single parameters.
+    pub(crate) fn adjust(&self, recipe: &mut Recipe) -> Result<(), RecipeError> {
         if let Some(camera) = &self.camera {
             // The models first: a camera sets only what they have.
             for assignment in self
@@ -332,7 +348,7 @@ impl Global {
         for assignment in &self.set {
             recipe.set(assignment)?;
         }
-        Ok(recipe)
+        Ok(())
     }
 
     /// None of the outputs is the recipe file, which would be lost.

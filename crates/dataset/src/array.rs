@@ -22,6 +22,24 @@ const ALIGNMENT: usize = 64;
 /// # Ok::<(), starbreak_dataset::DatasetError>(())
 /// ```
 pub fn encode_array(shape: &[usize], values: &[f32]) -> Result<Vec<u8>, DatasetError> {
+    encode("<f4", shape, values, |value| value.to_le_bytes())
+}
+
+/// The same of 64-bit floats.
+///
+/// # Errors
+/// As [`encode_array`].
+pub fn encode_array_f64(shape: &[usize], values: &[f64]) -> Result<Vec<u8>, DatasetError> {
+    encode("<f8", shape, values, |value| value.to_le_bytes())
+}
+
+/// The file of values of one kind.
+fn encode<T: Copy, const N: usize>(
+    kind: &str,
+    shape: &[usize],
+    values: &[T],
+    bytes_of: impl Fn(T) -> [u8; N],
+) -> Result<Vec<u8>, DatasetError> {
     let wrong = || DatasetError::ArrayShape {
         shape: shape.to_vec(),
         n_values: values.len(),
@@ -33,7 +51,7 @@ pub fn encode_array(shape: &[usize], values: &[f32]) -> Result<Vec<u8>, DatasetE
     let sides: Vec<String> = shape.iter().map(usize::to_string).collect();
     let end = if sides.len() == 1 { "," } else { "" };
     let mut header = format!(
-        "{{'descr': '<f4', 'fortran_order': False, 'shape': ({}{end}), }}",
+        "{{'descr': '{kind}', 'fortran_order': False, 'shape': ({}{end}), }}",
         sides.join(", ")
     );
     let unpadded = PREFIX + header.len() + 1;
@@ -41,12 +59,12 @@ pub fn encode_array(shape: &[usize], values: &[f32]) -> Result<Vec<u8>, DatasetE
     header.push_str(&" ".repeat(padding));
     header.push('\n');
 
-    let mut file = Vec::with_capacity(PREFIX + header.len() + 4 * values.len());
+    let mut file = Vec::with_capacity(PREFIX + header.len() + N * values.len());
     file.extend_from_slice(b"\x93NUMPY\x01\x00");
     let length = u16::try_from(header.len()).map_err(|_| wrong())?;
     file.extend_from_slice(&length.to_le_bytes());
     file.extend_from_slice(header.as_bytes());
-    file.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    file.extend(values.iter().flat_map(|value| bytes_of(*value)));
     Ok(file)
 }
 

@@ -107,7 +107,9 @@ fn encode_oriented(
 pub fn encode_mask(mask: &GrayImage) -> Result<Vec<u8>, DatasetError> {
     check_size(ImageFormat::Png, mask.dimensions(), MAX_PNG_SIDE_PX)?;
     let mode = (ColorType::Grayscale, BitDepth::Eight);
-    write_png(mask.dimensions(), mode, samples_of(mask), None, None)
+    // What lies above says as much of a mask as all neighbors do, and is looked up in less time.
+    let samples = samples_of(mask);
+    write_png(mask.dimensions(), mode, samples, Filter::Up, (None, None))
 }
 
 /// The bytes of an image file whose pixels lie as those of the file that `file` was read from:
@@ -209,8 +211,8 @@ fn encode_png(
         (pixels.width(), pixels.height()),
         mode,
         &samples,
-        icc_profile,
-        exif,
+        PICTURE_FILTER,
+        (icc_profile, exif),
     )
 }
 
@@ -218,8 +220,8 @@ fn write_png(
     (width_px, height_px): (u32, u32),
     (color_type, bit_depth): (ColorType, BitDepth),
     samples: &[u8],
-    icc_profile: Option<&[u8]>,
-    exif: Option<&[u8]>,
+    filter: Filter,
+    (icc_profile, exif): (Option<&[u8]>, Option<&[u8]>),
 ) -> Result<Vec<u8>, DatasetError> {
     let mut info = png::Info::with_size(width_px, height_px);
     info.color_type = color_type;
@@ -230,18 +232,22 @@ fn write_png(
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::with_info(&mut bytes, info).map_err(png_error)?;
     use_fast_compression(&mut encoder);
+    encoder.set_filter(filter);
     let mut writer = encoder.write_header().map_err(png_error)?;
     writer.write_image_data(samples).map_err(png_error)?;
     writer.finish().map_err(png_error)?;
     Ok(bytes)
 }
 
+/// The filter of all pictures but masks.
+const PICTURE_FILTER: Filter = Filter::Paeth;
+
 /// 35 times faster than the balanced setting on photographs, and hardly larger. The one filter takes
 /// a tenth less time than to choose for each row, and is nearly always the choice
 /// (docs/decisions/0017-codecs.md).
 pub(crate) fn use_fast_compression<W: std::io::Write>(encoder: &mut png::Encoder<'_, W>) {
     encoder.set_compression(Compression::Fast);
-    encoder.set_filter(Filter::Paeth);
+    encoder.set_filter(PICTURE_FILTER);
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "the form that map_err wants")]

@@ -51,7 +51,7 @@ mod text_file;
 pub mod video;
 
 pub use animation::{AnimationParams, encode_animation};
-pub use array::{DecodedArray, decode_array, encode_array};
+pub use array::{DecodedArray, decode_array, encode_array, encode_array_f64};
 pub use bank_file::{BankFault, BankFile, BankRecord, BankWriter, WrittenBank};
 pub use encode::{
     Encoding, JpegQuality, encode_image, encode_image_as, encode_mask, encode_mask_as,
@@ -72,7 +72,7 @@ pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, sha256_file, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{
-    BadRecord, FileRole, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat, SourceImage,
-    SourceSpec,
+    BadRecord, FileRole, IndexFiles, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat,
+    SourceImage, SourceSpec,
 };
 pub use text_file::{TextFile, read_text};

@@ -8,6 +8,7 @@
 //! pixels, so that no metric can peek at the simulator.
 
 mod boxes;
+mod compare;
 mod detections;
 pub mod detector;
 mod error;
@@ -16,24 +17,41 @@ mod json_record;
 mod labels;
 mod matching;
 mod protocol;
+mod region;
 
 pub mod report;
 
 // Statistics.
 pub mod failure;
+pub mod label_audit;
+mod mean_performance;
 pub mod resampling;
 pub mod statistic;
 pub mod tide;
+pub mod timeline;
 
 pub mod divergence;
 
 pub use boxes::BoxPx;
+pub use compare::{
+    COVERAGE_BINS, CompareParams, Evaluated, RegionResults, SubsetRow, check_pair,
+    compare_in_regions, cover, evaluate,
+};
 pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
 pub use error::EvalError;
-pub use labels::{Category, KittiFacts, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind};
+pub use labels::{
+    Category, GroundTruth, KittiFacts, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind,
+    Pooling, Protocol, SaidDetections,
+};
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
+pub use mean_performance::{CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance};
 pub use protocol::{
-    AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, MatchRule,
-    N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision, evaluate_coco,
-    evaluate_kitti, match_images, mean_in_numpy_order,
+    AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, KittiMatchRule,
+    MatchRule, N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision,
+    bdd_detections, bdd_labels, evaluate_coco, evaluate_kitti, match_images, match_kitti,
+    mean_in_numpy_order,
+};
+pub use region::{
+    CoverageOf, Coverages, MIN_OBJECTS, RegionMask, RegionMasks, Size, Subset, SubsetAp,
+    SubsetParams, SubsetValues, subset_curves, subset_precision,
 };

@@ -52,16 +52,22 @@ impl Contrast {
         }
         let region = region.as_raw();
         let of_mode = match (before, after) {
-            (DynamicImage::ImageLuma8(a), DynamicImage::ImageLuma8(b)) => over8(a, b, 1, region),
-            (DynamicImage::ImageLumaA8(a), DynamicImage::ImageLumaA8(b)) => over8(a, b, 2, region),
-            (DynamicImage::ImageRgb8(a), DynamicImage::ImageRgb8(b)) => over8(a, b, 3, region),
-            (DynamicImage::ImageRgba8(a), DynamicImage::ImageRgba8(b)) => over8(a, b, 4, region),
-            (DynamicImage::ImageLuma16(a), DynamicImage::ImageLuma16(b)) => over16(a, b, 1, region),
-            (DynamicImage::ImageLumaA16(a), DynamicImage::ImageLumaA16(b)) => {
-                over16(a, b, 2, region)
+            (DynamicImage::ImageLuma8(a), DynamicImage::ImageLuma8(b)) => over8::<1>(a, b, region),
+            (DynamicImage::ImageLumaA8(a), DynamicImage::ImageLumaA8(b)) => {
+                over8::<2>(a, b, region)
             }
-            (DynamicImage::ImageRgb16(a), DynamicImage::ImageRgb16(b)) => over16(a, b, 3, region),
-            (DynamicImage::ImageRgba16(a), DynamicImage::ImageRgba16(b)) => over16(a, b, 4, region),
+            (DynamicImage::ImageRgb8(a), DynamicImage::ImageRgb8(b)) => over8::<3>(a, b, region),
+            (DynamicImage::ImageRgba8(a), DynamicImage::ImageRgba8(b)) => over8::<4>(a, b, region),
+            (DynamicImage::ImageLuma16(a), DynamicImage::ImageLuma16(b)) => {
+                over16::<1>(a, b, region)
+            }
+            (DynamicImage::ImageLumaA16(a), DynamicImage::ImageLumaA16(b)) => {
+                over16::<2>(a, b, region)
+            }
+            (DynamicImage::ImageRgb16(a), DynamicImage::ImageRgb16(b)) => over16::<3>(a, b, region),
+            (DynamicImage::ImageRgba16(a), DynamicImage::ImageRgba16(b)) => {
+                over16::<4>(a, b, region)
+            }
             _ => {
                 return Err(OpticsError::ImageMode {
                     mode: format!("{:?} and {:?}", before.color(), after.color()),
@@ -97,28 +103,45 @@ impl Sums {
     }
 }
 
-fn over8(before: &[u8], after: &[u8], channels: usize, region: &[u8]) -> Sums {
-    over(before, after, channels, region, decode8, f64::from)
+fn over8<const CHANNELS: usize>(before: &[u8], after: &[u8], region: &[u8]) -> Sums {
+    over::<_, CHANNELS>(before, after, region, decode8, |sum, colors| {
+        // Whole numbers, so that their order does not matter.
+        let squares = colors.map(|(before, after)| {
+            let change = i32::from(after) - i32::from(before);
+            change * change
+        });
+        sum + f64::from(squares.sum::<i32>())
+    })
 }
 
-fn over16(before: &[u16], after: &[u16], channels: usize, region: &[u8]) -> Sums {
+fn over16<const CHANNELS: usize>(before: &[u16], after: &[u16], region: &[u8]) -> Sums {
     let code = |sample: u16| f64::from(sample) / 257.0;
-    over(before, after, channels, region, decode16, code)
+    over::<_, CHANNELS>(before, after, region, decode16, |sum, colors| {
+        colors.fold(sum, |sum, (before, after)| {
+            let change = code(after) - code(before);
+            sum + change * change
+        })
+    })
 }
 
 /// Pixels that are looked at together.
 const BLOCK: usize = 32;
 
-fn over<S: Copy>(
+/// The colors of a pixel before and after.
+type Colors<'a, S> = std::iter::Zip<
+    std::iter::Copied<std::slice::Iter<'a, S>>,
+    std::iter::Copied<std::slice::Iter<'a, S>>,
+>;
+
+fn over<S: Copy, const CHANNELS: usize>(
     before: &[S],
     after: &[S],
-    channels: usize,
     region: &[u8],
     decode: impl Fn(S) -> f32,
-    code: impl Fn(S) -> f64,
+    add_squares: impl Fn(f64, Colors<'_, S>) -> f64,
 ) -> Sums {
-    let n_colors = if channels < 3 { 1 } else { 3 };
-    let light = |pixel: &[S]| {
+    let n_colors = if CHANNELS < 3 { 1 } else { 3 };
+    let light = |pixel: &[S; CHANNELS]| {
         let of_color = |c: usize| decode(pixel[c.min(n_colors - 1)]);
         f64::from(luminance([of_color(0), of_color(1), of_color(2)]))
     };
@@ -126,28 +149,26 @@ fn over<S: Copy>(
         n_colors: if n_colors == 1 { 1.0 } else { 3.0 },
         ..Sums::default()
     };
-    // Most blocks of a mask hold nothing, and are seen as a whole.
-    let blocks = before
-        .chunks(channels * BLOCK)
-        .zip(after.chunks(channels * BLOCK))
-        .zip(region.chunks(BLOCK))
-        .filter(|(_, region)| region.iter().fold(0, |any, code| any | code) > 0);
-    let pixels = blocks.flat_map(|((before, after), region)| {
-        let pixels = before
-            .chunks_exact(channels)
-            .zip(after.chunks_exact(channels));
-        pixels.zip(region)
-    });
-    for ((before, after), _) in pixels.filter(|(_, influence)| **influence > 0) {
-        let (was, is) = (light(before), light(after));
-        sums.n += 1.0;
-        sums.n_brighter += f64::from(u8::from(is > was));
-        sums.n_darker += f64::from(u8::from(is < was));
-        sums.change += (is - was).abs();
-        sums.before += was;
-        for c in 0..n_colors {
-            let change = code(after[c]) - code(before[c]);
-            sums.squares += change * change;
+    let pixels = before.as_chunks().0.chunks(BLOCK);
+    let pixels = pixels.zip(after.as_chunks().0.chunks(BLOCK));
+    for ((before, after), region) in pixels.zip(region.chunks(BLOCK)) {
+        // Most blocks of a mask hold nothing, and are seen as a whole.
+        if region.iter().fold(0, |any, code| any | code) == 0 {
+            continue;
+        }
+        for ((before, after), influence) in before.iter().zip(after).zip(region) {
+            if *influence == 0 {
+                continue;
+            }
+            let (was, is) = (light(before), light(after));
+            sums.n += 1.0;
+            sums.n_brighter += f64::from(u8::from(is > was));
+            sums.n_darker += f64::from(u8::from(is < was));
+            sums.change += (is - was).abs();
+            sums.before += was;
+            let colors = before[..n_colors].iter().copied();
+            let colors = colors.zip(after[..n_colors].iter().copied());
+            sums.squares = add_squares(sums.squares, colors);
         }
     }
     sums

@@ -1,6 +1,7 @@
 use std::path::{Path, PathBuf};
 
 use starbreak_dataset::DatasetError;
+use starbreak_eval::EvalError;
 use starbreak_fracture::FractureError;
 use starbreak_optics::OpticsError;
 
@@ -58,6 +59,37 @@ pub enum Error {
         folder: PathBuf,
         /// Which file, and why.
         reason: String,
+    },
+    /// Labels, detections, a model or a question of the evaluation.
+    #[error(transparent)]
+    Eval(#[from] EvalError),
+    /// What was found in an image cannot be written down.
+    #[error("what was found in {image:?} cannot be written down: {reason}")]
+    StudyLine {
+        /// The image.
+        image: String,
+        /// Why.
+        reason: String,
+    },
+    /// Conditions whose images are not written alike.
+    #[error(
+        "condition {} writes JPEG at quality {}, {} at {}; the clean images pass the same codec, so set one \
+         output.quality for all, as with --set output.quality={}",
+        .conditions[0], .qualities[0], .conditions[1], .qualities[1], .qualities[0]
+    )]
+    StudyQuality {
+        /// Two conditions.
+        conditions: [String; 2],
+        /// Their qualities.
+        qualities: [u8; 2],
+    },
+    /// A detector or a condition of a study without results.
+    #[error("the study has no results of detector {detector}, condition {condition}; run it again")]
+    StudyCell {
+        /// Which detector, from 0.
+        detector: usize,
+        /// Which condition, from 0.
+        condition: usize,
     },
     /// A network in mm where nothing says how far away its pane is.
     #[error(

@@ -27,6 +27,7 @@ pub mod import;
 pub mod overlay;
 pub mod pipeline;
 mod recipe;
+pub mod study;
 
 pub use error::Error;
 pub use import::ImportError;
@@ -36,6 +37,7 @@ pub use recipe::{
     SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
 };
 pub use starbreak_dataset as dataset;
+pub use starbreak_eval as eval;
 pub use starbreak_fracture as fracture;
 pub use starbreak_glass as glass;
 pub use starbreak_glass::Seed;

@@ -14,7 +14,7 @@ use starbreak::generate::{
     preview, survey,
 };
 use starbreak::pipeline::{RunContext, with_threads};
-use starbreak::{OutputFormat, Recipe};
+use starbreak::{OutputFormat, OutputSettings, Recipe};
 
 use super::contact_sheet::{Cell, contact_sheet};
 use super::network_file;
@@ -42,7 +42,7 @@ pub(crate) fn run(
         _ => global.recipe()?,
     };
     let context = RunContext::new(&recipe, global.seed(), &args.output)?;
-    refuse_outputs(&context)?;
+    refuse_outputs(&context.settings.output)?;
     let options = options_of(args);
     let source = Source::open(&SourceSpec::parse(&args.source)?)?;
     let survey = survey(&source, options.selection, global.seed());
@@ -162,8 +162,7 @@ fn options_of(args: &GenerateArgs) -> GenerateOptions {
 }
 
 /// The set keeps the names of its source, so an image keeps its format.
-fn refuse_outputs(context: &RunContext) -> Result<(), Failure> {
-    let output = &context.settings.output;
+pub(super) fn refuse_outputs(output: &OutputSettings) -> Result<(), Failure> {
     if output.format != OutputFormat::Same {
         return Err(Failure::wrong_input(
             "generate keeps the names and formats of the dataset; set output.format = \"same\"",
@@ -178,7 +177,11 @@ fn refuse_outputs(context: &RunContext) -> Result<(), Failure> {
 }
 
 /// Stops, or says what is left out.
-fn mind_bad_records(survey: &Survey, on_error: OnError, screen: &Screen) -> Result<(), Failure> {
+pub(super) fn mind_bad_records(
+    survey: &Survey,
+    on_error: OnError,
+    screen: &Screen,
+) -> Result<(), Failure> {
     let n_bad = survey.bad.len();
     if n_bad == 0 {
         return Ok(());

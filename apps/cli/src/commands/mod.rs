@@ -6,7 +6,11 @@ mod bench_physics;
 mod contact_sheet;
 mod crack;
 mod demo;
+mod detect;
+mod detect_labels;
 mod divergence;
+mod evaluate;
+mod evaluate_join;
 mod generate;
 mod network_file;
 mod overlay_bank;
@@ -16,6 +20,8 @@ mod plot;
 mod recipe;
 mod shell;
 mod simulate;
+mod study;
+mod study_report;
 mod sweep;
 mod verify;
 mod video;
@@ -55,6 +61,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
         Verb::Generate(args) => generate::run(global, &args, screen),
         Verb::Verify(args) => verify::run(global, &args, screen),
         Verb::Merge(args) => verify::merge(&args, screen),
+        Verb::Detect(args) => detect::run(global, &args, screen),
         Verb::Divergence(args) => divergence::run(global, &args, screen),
         Verb::Sweep {
             input,
@@ -125,6 +132,8 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             )),
         },
         Verb::Video(args) => video::run(global, args, screen),
+        Verb::Evaluate(args) => evaluate::run(global, &args, screen),
+        Verb::Study(args) => study::run(global, &args, screen),
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
         Verb::Bench {
             output,

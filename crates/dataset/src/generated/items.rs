@@ -3,7 +3,6 @@
 use std::fs;
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use super::{GeneratedSet, MAX_RECORD_BYTES, SetLayout};
 use crate::error::DatasetError;
@@ -41,6 +40,27 @@ impl GeneratedSet {
     }
 }
 
+/// What is wanted of a sample's record.
+#[derive(Deserialize)]
+struct Sample {
+    item: Item,
+    input: NamedFile,
+    output: NamedFile,
+    region: Option<NamedFile>,
+    crack: Option<NamedFile>,
+}
+
+#[derive(Deserialize)]
+struct Item {
+    sample_index: u32,
+}
+
+#[derive(Deserialize)]
+struct NamedFile {
+    name: String,
+    sha256: String,
+}
+
 pub(super) fn done(
     layout: &SetLayout,
     name: &str,
@@ -55,15 +75,13 @@ pub(super) fn done(
     let Ok(file) = read_text(&path, MAX_RECORD_BYTES) else {
         return Ok(None);
     };
-    let Ok(record) = serde_json::from_str::<Value>(&file.text) else {
+    let Ok(record) = serde_json::from_str::<Sample>(&file.text) else {
         return Ok(None);
     };
-    let of = |key: &str| record[key]["sha256"].as_str().map(str::to_owned);
-    let (Some(input_sha256), Some(image_sha256)) = (of("input"), of("output")) else {
-        return Ok(None);
-    };
-    let is_this = record["input"]["name"] == name && record["item"]["sample_index"] == sample_idx;
-    let (region_sha256, crack_sha256) = (of("region"), of("crack"));
+    let is_this = record.input.name == name && record.item.sample_index == sample_idx;
+    let (input_sha256, image_sha256) = (record.input.sha256, record.output.sha256);
+    let of = |file: Option<NamedFile>| file.map(|file| file.sha256);
+    let (region_sha256, crack_sha256) = (of(record.region), of(record.crack));
     let wanted = [
         Some(&files.image),
         region_sha256.as_ref().map(|_| &files.region),

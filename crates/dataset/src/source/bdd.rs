@@ -14,7 +14,7 @@ use super::index::{
 use super::json::{self, Id, Sink, record_reason};
 use super::name::path_below;
 use super::record::{BadRecord, FileRole, ObjectKind, SourceFile};
-use super::{Images, Layout, SourceFormat, SourceSpec, layout_error, no_index};
+use super::{Images, Layout, Place, SourceFormat, SourceSpec, layout_error, no_index};
 use crate::error::DatasetError;
 
 /// The two forms of an index: a list of frames, or an object with one.
@@ -47,28 +47,9 @@ pub(super) struct Bdd {
 impl Bdd {
     /// The root of the dataset and what its index files say.
     pub(super) fn open(spec: &SourceSpec) -> Result<(PathBuf, Self), DatasetError> {
-        let path = spec.path.as_path();
-        let metadata = fs::metadata(path).map_err(|source| DatasetError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        if !metadata.is_dir() {
-            let (root, name) = super::root_and_name(spec, &["labels"])?;
-            let names = [name];
-            let bdd = Self::of(&root, &names, Some(names.to_vec()))?;
-            return Ok((root, bdd));
-        }
-        let names = INDEX_FOLDERS
-            .iter()
-            .map(|folder| index_names(path, folder))
-            .find(|names| !names.is_empty());
-        let names = names.ok_or_else(|| {
-            layout_error(
-                spec,
-                "there is no JSON file in labels/det_20, in labels or beside them",
-            )
-        })?;
-        Ok((path.to_owned(), Self::of(path, &names, None)?))
+        let (root, names, own) = place(spec)?;
+        let bdd = Self::of(&root, &names, own)?;
+        Ok((root, bdd))
     }
 
     fn of(root: &Path, names: &[String], own: Option<Vec<String>>) -> Result<Self, DatasetError> {
@@ -82,6 +63,30 @@ impl Bdd {
     }
 }
 
+/// The root of the dataset, the names of its index files, and these where they are all of it.
+pub(super) fn place(spec: &SourceSpec) -> Result<Place, DatasetError> {
+    let path = spec.path.as_path();
+    let metadata = fs::metadata(path).map_err(|source| DatasetError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    if !metadata.is_dir() {
+        let (root, name) = super::root_and_name(spec, &["labels"])?;
+        return Ok((root, vec![name.clone()], Some(vec![name])));
+    }
+    let names = INDEX_FOLDERS
+        .iter()
+        .map(|folder| index_names(path, folder))
+        .find(|names| !names.is_empty());
+    let names = names.ok_or_else(|| {
+        layout_error(
+            spec,
+            "there is no JSON file in labels/det_20, in labels or beside them",
+        )
+    })?;
+    Ok((path.to_owned(), names, None))
+}
+
 /// The JSON files in a folder of the dataset, in the order of their names.
 fn index_names(root: &Path, folder: &str) -> Vec<String> {
     super::names_in(&path_below(root, folder))
@@ -92,7 +97,7 @@ fn index_names(root: &Path, folder: &str) -> Vec<String> {
 }
 
 /// Folders where the images of an index may be, the likeliest first.
-fn folders_of_images(name: &str) -> Vec<String> {
+pub(super) fn folders_of_images(name: &str) -> Vec<String> {
     let (folder, file) = name.rsplit_once('/').unwrap_or(("", name));
     let stem = file.strip_suffix(".json").unwrap_or(file);
     let split = stem.rsplit('_').next().unwrap_or(stem);

@@ -8,6 +8,7 @@ pub(crate) mod name;
 mod tree;
 
 mod index;
+mod index_files;
 mod json;
 mod lines;
 
@@ -22,6 +23,7 @@ use std::fmt;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+pub use index_files::IndexFiles;
 pub use record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
 pub use spec::{SourceFormat, SourceSpec};
 
@@ -40,6 +42,9 @@ pub struct Source {
     root: PathBuf,
     layout: Box<dyn Layout>,
 }
+
+/// The root of a dataset, the names of its index files, and these where they are all of it.
+type Place = (PathBuf, Vec<String>, Option<Vec<String>>);
 
 /// Images or bad records, one after the other.
 type Images<'a> = Box<dyn Iterator<Item = Result<SourceImage, BadRecord>> + Send + 'a>;
@@ -61,6 +66,11 @@ trait Layout: fmt::Debug + Send + Sync {
     /// Whether a folder that cannot be entered, or a bad name, hides images of the dataset.
     fn hides_images(&self, found: &Found) -> bool {
         self.has_image(&found.name)
+    }
+
+    /// The names of all classes that there may be, where the dataset has such a list.
+    fn categories(&self) -> Vec<String> {
+        Vec::new()
     }
 
     /// Files of the dataset which are not below its root, with their names in it.
@@ -129,6 +139,13 @@ impl Source {
     #[must_use]
     pub fn root(&self) -> &Path {
         &self.root
+    }
+
+    /// The names of all classes that there may be, labeled or not, in the order of their numbers:
+    /// those of YOLO's `data.yaml`; nothing for other formats.
+    #[must_use]
+    pub fn categories(&self) -> Vec<String> {
+        self.layout.categories()
     }
 
     /// The images of the dataset in the order of the bytes of their names, and bad records.

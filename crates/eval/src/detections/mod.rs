@@ -2,6 +2,8 @@
 
 mod coco;
 mod kitti;
+mod scalabel;
+mod write;
 
 use std::path::Path;
 
@@ -59,5 +61,14 @@ impl Detections {
     /// [`EvalError::Dataset`].
     pub fn read_coco(path: &Path, labels: &LabelSet) -> Result<ReadDetections, EvalError> {
         coco::read(path, labels)
+    }
+
+    /// The detections in a file of frames in the form of Scalabel, `labels` with a `score` each.
+    /// A frame that the file lacks has no detections.
+    ///
+    /// # Errors
+    /// As [`read_coco`](Self::read_coco); also for a frame that occurs twice.
+    pub fn read_scalabel(path: &Path, labels: &LabelSet) -> Result<ReadDetections, EvalError> {
+        scalabel::read(path, labels)
     }
 }

@@ -11,6 +11,9 @@ const PROBE_SIDE_PX: u32 = 64;
 /// Values that are asked for in one run.
 const AT_ONCE: usize = 16;
 
+/// Sides of an array, and its numbers, last side fastest.
+type ShapeAndValues = (Vec<usize>, Vec<f32>);
+
 impl Detector {
     /// The mean of each channel of a layer over the whole input: the feature vector of an image, one
     /// value per channel. Padding around the image is in the mean, alike for images of one shape.
@@ -99,7 +102,7 @@ impl Detector {
         name: &str,
         image: &RgbImage,
         wanted: &[String],
-    ) -> Result<Vec<(Vec<usize>, Vec<f32>)>, EvalError> {
+    ) -> Result<Vec<ShapeAndValues>, EvalError> {
         let wrong = |reason: String| self.wrong(name, reason);
         let placement = self.placement(name, image)?;
         let tensor = super::pixels::image_tensor(image, &placement, &self.contract.input);

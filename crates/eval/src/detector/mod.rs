@@ -4,6 +4,7 @@
 //! [`Detector::detect`] finds boxes in an image. Pre- and post-processing follow the code that each
 //! model's authors evaluate with; `docs/detectors.md` names it per preset.
 
+mod batch;
 pub(crate) mod contract;
 mod decode;
 mod input_plan;
@@ -19,6 +20,7 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 use starbreak_dataset::read_bytes;
 
+pub use batch::{ImageToSee, Seen};
 pub use contract::{Choice, ClassNames, Contract, Interpolation, choose, preset_names};
 pub use label_map::{LabelMap, LabelRules};
 pub use model_file::{ModelFacts, ModelLimits, Side, TensorFacts, TensorType};

@@ -3,6 +3,7 @@
 mod activations;
 mod compare;
 mod draws;
+mod estimate;
 mod experiment;
 mod features;
 mod given;

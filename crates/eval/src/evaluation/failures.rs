@@ -40,6 +40,10 @@ pub struct FailureRow {
     pub n_recovered: u64,
     /// Lost of those found clean.
     pub failure_rate: Estimate,
+    /// The same with an interval from drawing images or clusters, which lets objects of one image
+    /// depend on each other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failure_rate_over_images: Option<Estimate>,
     /// Recovered of those not found clean.
     pub recovery_rate: Estimate,
     /// McNemar's exact test of lost against recovered.

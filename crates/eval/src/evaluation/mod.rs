@@ -3,24 +3,32 @@
 //! Fractions stay fractions (an AP of 0.413, not 41.3); only what a person reads shows percent. A
 //! number that would mislead is not there: its [`Estimate`] says why.
 
+mod damage_facts;
 mod estimate;
+mod evaluate;
 mod failures;
 mod paired;
 mod provenance;
 mod results;
+mod robustness;
 mod study;
 mod worst;
 
+pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
+pub use evaluate::{EvaluateInput, EvaluateSettings, ImageFolders, evaluate};
 pub use failures::{
     ClassFlip, DoseBin, DoseResponse, FailureResults, FailureRow, FlipRow, LogisticFit,
     NewFalsePositives, ShiftRow,
 };
 pub use paired::{Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
 pub use provenance::{InputFile, Provenance, Settings, Versions};
-pub use results::{GroupAp, KittiAp, LabelAudit, ProtocolResults, ShiftedLabel, TideErrors};
+pub use results::{
+    GroupAp, KittiAp, LabelAudit, LabelVerdict, ProtocolResults, ShiftedLabel, TideErrors,
+};
+pub use robustness::robustness;
 pub use study::{
     Condition, Counts, DivergenceResults, DivergenceTable, Evaluation, RobustnessRow, Study,
     TimelineFrame, TimelineResults, TrackResult, Warning, WarningKind,
 };
-pub use worst::{BoxRole, PicturePair, RoledBox, WorstFailure};
+pub use worst::{BoxRole, Change, ChangedObject, PicturePair, RoledBox, WorstFailure};

@@ -69,7 +69,7 @@ pub enum GroupKind {
 }
 
 /// What is compared between the clean and the cracked images.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PairedMetric {
     /// AP at an overlap of 0.5.

@@ -1,4 +1,9 @@
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
+use starbreak_dataset::{file_len, sha256_file, sha256_hex};
+
+use crate::EvalError;
 
 /// All that the numbers depend on.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -29,6 +34,41 @@ pub struct InputFile {
     /// Its bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub n_bytes: Option<u64>,
+}
+
+impl InputFile {
+    /// What was read of `path`: of a single file its hash, of several that of the list of their hashes
+    /// and names, in the order given.
+    ///
+    /// # Errors
+    /// [`EvalError::Dataset`] if one cannot be read.
+    pub fn of(role: &str, path: &str, files: &[PathBuf]) -> Result<Self, EvalError> {
+        let mut n_bytes = 0;
+        let mut hashes = Vec::with_capacity(files.len());
+        for file in files {
+            n_bytes += file_len(file)?;
+            hashes.push(sha256_file(file)?);
+        }
+        let sha256 = match hashes.as_slice() {
+            [alone] => alone.clone(),
+            _ => {
+                let name =
+                    |file: &PathBuf| file.file_name().map(|n| n.to_string_lossy().into_owned());
+                let lines: Vec<String> = hashes
+                    .iter()
+                    .zip(files)
+                    .map(|(hash, file)| format!("{hash}  {}\n", name(file).unwrap_or_default()))
+                    .collect();
+                sha256_hex(lines.concat().as_bytes())
+            }
+        };
+        Ok(Self {
+            role: role.to_owned(),
+            path: path.to_owned(),
+            sha256,
+            n_bytes: Some(n_bytes),
+        })
+    }
 }
 
 /// A program with its version.

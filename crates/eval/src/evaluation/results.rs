@@ -57,21 +57,34 @@ pub struct KittiAp {
 }
 
 /// Whether the detector's classes are the labels' classes.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LabelAudit {
     /// Objects that some detection of any class covers well.
     pub n_pairs: u64,
-    /// Those of them whose detection has the object's class.
-    pub n_agreeing: u64,
-    /// The label map that agrees best, if it beats the one in use: `shifted by +1`.
+    /// Share of them whose detection has the object's class.
+    pub agreement: Estimate,
+    /// What to think of it.
+    pub verdict: LabelVerdict,
+    /// What to do, where there is something to do.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub better_map: Option<String>,
-    /// How many pairs would agree under it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub n_agreeing_under_better_map: Option<u64>,
+    pub advice: Option<String>,
     /// The commonest disagreements.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub disagreements: Vec<ShiftedLabel>,
+}
+
+/// What to think of the classes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LabelVerdict {
+    /// No other map of classes explains the pairs clearly better.
+    Fits,
+    /// Another map does.
+    Wrong,
+    /// Few pairs agree, and no other map explains them.
+    Unexplained,
+    /// There are too few pairs to tell.
+    TooFew,
 }
 
 /// Objects of one class that are found as another.

@@ -1,9 +1,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Estimate, FailureResults, LabelAudit, PairedMetric, PairedRow, ProtocolResults, Provenance,
-    Scope, TideErrors, WorstFailure,
+    ChangedObject, Estimate, FailureResults, LabelAudit, PairedMetric, PairedRow, ProtocolResults,
+    Provenance, Scope, TideErrors, WorstFailure,
 };
+use crate::SubsetRow;
 
 /// Detectors times conditions, each evaluated, and what follows from all of them together.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -68,6 +69,9 @@ pub struct Evaluation {
     /// Clean against cracked, inside the region, outside of it, and everywhere.
     #[serde(default)]
     pub paired: Vec<PairedRow>,
+    /// Clean against cracked by bin of coverage, and by size in the region.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub subsets: Vec<SubsetRow>,
     /// What fails.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failures: Option<FailureResults>,
@@ -86,6 +90,9 @@ pub struct Evaluation {
     /// The images in which most was lost.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub worst: Vec<WorstFailure>,
+    /// All objects that are lost or recovered; a file of their own, not part of the JSON.
+    #[serde(skip)]
+    pub changed_objects: Vec<ChangedObject>,
 }
 
 /// What was done to the glass.

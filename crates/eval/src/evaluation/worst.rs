@@ -63,3 +63,34 @@ pub struct PicturePair {
     /// Cracked.
     pub cracked_jpeg: Vec<u8>,
 }
+
+/// An object that only one of both images shows to the detector.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ChangedObject {
+    /// The image's path inside the dataset.
+    pub image: String,
+    /// The label's number in the source.
+    pub object_id: i64,
+    /// Name of its class.
+    pub class: String,
+    /// Its box.
+    pub box_px: BoxPx,
+    /// What became of it.
+    pub change: Change,
+    /// Share of its box that the region covers.
+    pub coverage: f64,
+    /// Score of the detection that found it.
+    pub score: f64,
+    /// Overlap of that detection.
+    pub iou: f64,
+}
+
+/// What became of an object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    /// Found clean, not cracked.
+    Lost,
+    /// Found cracked, not clean.
+    Recovered,
+}

@@ -61,13 +61,14 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// Reads a file; `name` makes the name of an image of what the file calls it.
+    /// Reads a file; `names` makes the names of images in the dataset of what the file calls them.
     pub(super) fn read(
         &mut self,
         path: &Path,
-        name: impl Fn(&str) -> String,
+        names: impl Fn(&[&str]) -> Vec<String>,
     ) -> Result<(), EvalError> {
-        let lists = read_json_records(path, |record| self.take(path, &record, &name))?;
+        let n_before = self.images.len();
+        let lists = read_json_records(path, |record| self.take(path, &record))?;
         for key in ["images", "annotations", "categories"] {
             if !lists.keys.iter().any(|known| known == key) {
                 let reason = match lists.is_one_list {
@@ -77,23 +78,23 @@ impl Reader {
                 return Err(refuse_file(path, reason));
             }
         }
+        let images = self.images.get_mut(n_before..).unwrap_or(&mut []);
+        let said: Vec<&str> = images.iter().map(|image| image.name.as_str()).collect();
+        let named = names(&said);
+        for (image, name) in images.iter_mut().zip(named) {
+            image.name = name;
+        }
         Ok(())
     }
 
-    fn take(
-        &mut self,
-        path: &Path,
-        record: &JsonRecord<'_>,
-        name: &impl Fn(&str) -> String,
-    ) -> Result<(), EvalError> {
+    fn take(&mut self, path: &Path, record: &JsonRecord<'_>) -> Result<(), EvalError> {
         match (record.key, record.idx) {
             ("images", Some(_)) => {
                 let image: ImageRecord = parse(path, record)?;
                 let id = image.id.0;
-                let file = image.file_name.unwrap_or_else(|| id.to_string());
                 self.images.push(LabeledImage {
                     id,
-                    name: name(&file),
+                    name: image.file_name.unwrap_or_else(|| id.to_string()),
                     width_px: image.width,
                     height_px: image.height,
                     cluster: None,

@@ -1,11 +1,18 @@
 //! What is really in the images: images, categories and labeled objects.
 
+mod clusters;
 mod coco;
+mod kept;
 pub(crate) mod kitti;
+mod open;
+mod pooled;
+pub(crate) mod scalabel;
 
 use std::path::Path;
 
 pub use kitti::{KittiFacts, KittiLabels};
+pub use open::{GroundTruth, Protocol, SaidDetections};
+pub use pooled::Pooling;
 
 use crate::{BoxPx, EvalError};
 
@@ -89,7 +96,7 @@ impl LabelSet {
     /// that the file lacks. [`EvalError::File`] where a list is missing, [`EvalError::Dataset`].
     pub fn read_coco(path: &Path) -> Result<Self, EvalError> {
         let mut reader = coco::Reader::default();
-        reader.read(path, str::to_owned)?;
+        reader.read(path, as_they_are)?;
         reader.finish(path)
     }
 
@@ -97,6 +104,26 @@ impl LabelSet {
     #[must_use]
     pub fn image_of_id(&self, id: i64) -> Option<u32> {
         index_of(&self.images, id, |image| image.id)
+    }
+
+    /// The ground truth in a file of frames in the form of Scalabel, such as `det_val.json` of
+    /// BDD100K: frames in the order of their names, numbered from 1; the ten classes of BDD100K
+    /// with older and finer names mapped to them, or, where none of them occurs, the names that do.
+    ///
+    /// # Errors
+    /// [`EvalError::Record`] for what makes no sense, [`EvalError::File`] where there are no frames,
+    /// [`EvalError::Dataset`].
+    pub fn read_scalabel(path: &Path) -> Result<Self, EvalError> {
+        let mut reader = scalabel::Reader::default();
+        reader.read(path, as_they_are)?;
+        reader.finish(path)
+    }
+
+    /// Place of the category of this name.
+    #[must_use]
+    pub fn category_of_name(&self, name: &str) -> Option<u32> {
+        let place = self.categories.iter().position(|c| c.name == name)?;
+        u32::try_from(place).ok()
     }
 
     /// Place of the category with this number, in sets whose categories stand in the order of
@@ -111,4 +138,9 @@ impl LabelSet {
 pub(crate) fn index_of<T>(items: &[T], id: i64, id_of: impl Fn(&T) -> i64) -> Option<u32> {
     let idx = items.binary_search_by_key(&id, id_of).ok()?;
     u32::try_from(idx).ok()
+}
+
+/// Names that are those in the dataset already.
+fn as_they_are(names: &[&str]) -> Vec<String> {
+    names.iter().map(|name| (*name).to_owned()).collect()
 }

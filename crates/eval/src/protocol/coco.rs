@@ -1,10 +1,12 @@
 //! The protocol of MS-COCO.
 
+use std::ops::Range;
+
 use hotcoco::params::AreaRange as EngineRange;
 use hotcoco::{COCOeval, EvalImg, Params};
 
 use super::curve::{N_RECALLS, RankedMatches, mean_in_numpy_order};
-use super::engine::{Restriction, engine, place_of, run};
+use super::engine::{Restriction, engine, place_of, run, runs_of_categories};
 use crate::{Detections, EvalError, LabelSet};
 
 /// A range of areas, both ends in it.
@@ -130,7 +132,27 @@ pub fn evaluate_coco(
     values: Option<&Restriction<'_>>,
 ) -> Result<CocoEvaluation, EvalError> {
     params.check()?;
-    let mut engine = engine(labels, detections, values)?;
+    let n_categories = labels.categories.len();
+    if !params.by_category {
+        return evaluate_run(labels, detections, params, values, &(0..n_categories));
+    }
+    let mut evaluation = CocoEvaluation::blank(params, n_categories);
+    for categories in runs_of_categories(labels, detections) {
+        let part = evaluate_run(labels, detections, params, values, &categories)?;
+        evaluation.put(&part, categories.start);
+    }
+    Ok(evaluation)
+}
+
+/// The same of some of the categories.
+fn evaluate_run(
+    labels: &LabelSet,
+    detections: &Detections,
+    params: &CocoParams,
+    values: Option<&Restriction<'_>>,
+    categories: &Range<usize>,
+) -> Result<CocoEvaluation, EvalError> {
+    let mut engine = engine(labels, detections, values, categories)?;
     engine.params.iou_thrs.clone_from(&params.iou_thresholds);
     let caps = params.max_detections.iter();
     engine.params.max_dets = caps
@@ -144,13 +166,16 @@ pub fn evaluate_coco(
     engine.params.use_cats = params.by_category;
     run(&mut engine)?;
     let n_categories = match params.by_category {
-        true => labels.categories.len(),
+        true => categories.len(),
         false => 1,
     };
     let mut evaluation = CocoEvaluation::blank(params, n_categories);
     let zero = labels.objects.iter().position(|object| object.id == 0);
     match zero.filter(|_| params.has_gt_id_zero_quirk) {
-        Some(zero) => evaluation.accumulate(&engine, zero, values, detections),
+        Some(zero) => {
+            let first = categories.start;
+            evaluation.accumulate(&engine, zero, values, detections, first);
+        }
         None => {
             engine.accumulate();
             if let Some(curves) = engine.accumulated() {
@@ -190,6 +215,25 @@ impl CocoEvaluation {
         ]
     }
 
+    /// Takes over the curves of a run of categories, the first of which is at this place.
+    fn put(&mut self, part: &Self, first: usize) {
+        let [_, _, n_k, n_a, n_m] = self.shape();
+        let (of_whole, of_part) = (n_k * n_a * n_m, part.n_categories * n_a * n_m);
+        let begin = first * n_a * n_m;
+        for (to, from) in [
+            (&mut self.precision, &part.precision),
+            (&mut self.recall, &part.recall),
+            (&mut self.scores, &part.scores),
+        ] {
+            let rows = to.chunks_mut(of_whole.max(1));
+            for (row, values) in rows.zip(from.chunks(of_part.max(1))) {
+                if let Some(slots) = row.get_mut(begin..begin + values.len()) {
+                    slots.copy_from_slice(values);
+                }
+            }
+        }
+    }
+
     fn recall_at(&self, [t, k, a, m]: [usize; 4]) -> usize {
         let [_, _, n_k, n_a, n_m] = self.shape();
         ((t * n_k + k) * n_a + a) * n_m + m
@@ -207,6 +251,7 @@ impl CocoEvaluation {
         zero: usize,
         values: Option<&Restriction<'_>>,
         detections: &Detections,
+        first_category: usize,
     ) {
         let area_of = |detection: u32| {
             let idx = usize::try_from(detection).unwrap_or(usize::MAX);
@@ -225,7 +270,10 @@ impl CocoEvaluation {
             let cells: Vec<&EvalImg> = cells
                 .chunks(n_a.max(1))
                 .filter_map(|of_pair| of_pair.get(a)?.as_ref())
-                .filter(|cell| n_k == 1 || usize::try_from(cell.category_id) == Ok(k))
+                .filter(|cell| {
+                    !self.params.by_category
+                        || usize::try_from(cell.category_id) == Ok(first_category + k)
+                })
                 .collect();
             for t in 0..n_t {
                 let mut ranked = RankedMatches::default();

@@ -1,5 +1,6 @@
 //! The matching of detections with objects, by the library hotcoco.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use hotcoco::params::{AreaRange as EngineRange, IouType};
@@ -28,7 +29,7 @@ pub struct Restriction<'a> {
 
 impl Restriction<'_> {
     /// There is a value for each.
-    pub(super) fn check(&self, n_objects: usize, n_detections: usize) -> Result<(), EvalError> {
+    pub(crate) fn check(&self, n_objects: usize, n_detections: usize) -> Result<(), EvalError> {
         let (of_objects, of_detections) = (self.objects.len(), self.detections.len());
         if (of_objects, of_detections) == (n_objects, n_detections) {
             return Ok(());
@@ -80,21 +81,50 @@ pub fn match_images(
         )));
     }
     let range = rule.region.map_or([0.0, 1e10], |region| region.range);
-    let mut engine = engine(labels, detections, rule.region.as_ref())?;
-    engine.params.iou_thrs = vec![threshold];
-    engine.params.max_dets = vec![usize::try_from(rule.max_detections).unwrap_or(usize::MAX)];
-    engine.params.area_ranges = vec![EngineRange {
-        label: "all".to_owned(),
-        range,
-    }];
-    run(&mut engine)?;
-    let cells = engine.eval_imgs().iter().flatten();
-    Ok(cells
-        .map(|cell| of_cell(labels, detections, cell))
-        .collect())
+    let mut matches = Vec::new();
+    for categories in runs_of_categories(labels, detections) {
+        let mut engine = engine(labels, detections, rule.region.as_ref(), &categories)?;
+        engine.params.iou_thrs = vec![threshold];
+        engine.params.max_dets = vec![usize::try_from(rule.max_detections).unwrap_or(usize::MAX)];
+        engine.params.area_ranges = vec![EngineRange {
+            label: "all".to_owned(),
+            range,
+        }];
+        run(&mut engine)?;
+        let cells = engine.eval_imgs().iter().flatten();
+        matches.extend(cells.map(|cell| of_cell(labels, detections, cell)));
+    }
+    matches.sort_by_key(|of_image: &ImageMatches| (of_image.image, of_image.category));
+    Ok(matches)
 }
 
-/// The engine with labels and detections, to be set up and run.
+/// Categories that are evaluated together: as many as have so many detections, so that the engine,
+/// which holds some 300 bytes for each, does not hold all at once.
+const RUN_DETECTIONS: usize = 50_000;
+
+/// All categories in runs, in their order.
+pub(super) fn runs_of_categories(labels: &LabelSet, detections: &Detections) -> Vec<Range<usize>> {
+    let mut counts = vec![0; labels.categories.len()];
+    for detection in &detections.items {
+        let idx = usize::try_from(detection.category).unwrap_or(usize::MAX);
+        if let Some(count) = counts.get_mut(idx) {
+            *count += 1;
+        }
+    }
+    let mut runs = Vec::new();
+    let (mut start, mut n_in_run) = (0, 0);
+    for (idx, count) in counts.iter().enumerate() {
+        if n_in_run + count > RUN_DETECTIONS && idx > start {
+            runs.push(start..idx);
+            (start, n_in_run) = (idx, 0);
+        }
+        n_in_run += count;
+    }
+    runs.push(start..counts.len());
+    runs
+}
+
+/// The engine with labels and detections of these categories, to be set up and run.
 ///
 /// Images and categories go by their places, objects and detections by their places plus one, as 0
 /// is no number to pycocotools.
@@ -102,7 +132,9 @@ pub(super) fn engine(
     labels: &LabelSet,
     detections: &Detections,
     restriction: Option<&Restriction<'_>>,
+    categories: &Range<usize>,
 ) -> Result<COCOeval, EvalError> {
+    let is_in = |category: u32| usize::try_from(category).is_ok_and(|c| categories.contains(&c));
     if let Some(restriction) = restriction {
         restriction.check(labels.objects.len(), detections.items.len())?;
     }
@@ -119,19 +151,21 @@ pub(super) fn engine(
         not_exhaustive_category_ids: Vec::new(),
         extra: Extra::default(),
     });
-    let categories = (0u64..)
-        .zip(&labels.categories)
-        .map(|(id, category)| Category {
-            id,
-            name: category.name.clone(),
-            supercategory: None,
-            skeleton: None,
-            keypoints: None,
-            frequency: None,
-            isthing: None,
-            extra: Extra::default(),
-        });
-    let objects = labels.objects.iter().enumerate().map(|(idx, object)| {
+    let of_run = (0u64..).zip(&labels.categories);
+    let of_run = of_run.skip(categories.start).take(categories.len());
+    let kinds = of_run.map(|(id, category)| Category {
+        id,
+        name: category.name.clone(),
+        supercategory: None,
+        skeleton: None,
+        keypoints: None,
+        frequency: None,
+        isthing: None,
+        extra: Extra::default(),
+    });
+    let objects = labels.objects.iter().enumerate();
+    let objects = objects.filter(|(_, object)| is_in(object.category));
+    let objects = objects.map(|(idx, object)| {
         let value = restriction.and_then(|r| r.objects.get(idx)).copied();
         Annotation {
             id: number_of(idx),
@@ -147,7 +181,9 @@ pub(super) fn engine(
             ..blank()
         }
     });
-    let found = detections.items.iter().enumerate().map(|(idx, detection)| {
+    let found = detections.items.iter().enumerate();
+    let found = found.filter(|(_, detection)| is_in(detection.category));
+    let found = found.map(|(idx, detection)| {
         let value = restriction.and_then(|r| r.detections.get(idx)).copied();
         Annotation {
             id: number_of(idx),
@@ -159,6 +195,12 @@ pub(super) fn engine(
             ..blank()
         }
     });
+    let n_objects = labels.objects.iter().filter(|o| is_in(o.category)).count();
+    let n_found = detections
+        .items
+        .iter()
+        .filter(|d| is_in(d.category))
+        .count();
     let set = |images: Vec<Image>, categories: Vec<Category>, annotations: Vec<Annotation>| {
         let dataset = Dataset {
             info: None,
@@ -169,9 +211,20 @@ pub(super) fn engine(
         };
         Arc::new(COCO::from_dataset(dataset))
     };
-    let truth = set(images.collect(), categories.collect(), objects.collect());
-    let said = set(Vec::new(), Vec::new(), found.collect());
+    let truth = set(
+        images.collect(),
+        kinds.collect(),
+        gathered(objects, n_objects),
+    );
+    let said = set(Vec::new(), Vec::new(), gathered(found, n_found));
     Ok(COCOeval::new(truth, said, IouType::Bbox))
+}
+
+/// The annotations in room that is taken once, as they are large.
+fn gathered(annotations: impl Iterator<Item = Annotation>, n: usize) -> Vec<Annotation> {
+    let mut list = Vec::with_capacity(n);
+    list.extend(annotations);
+    list
 }
 
 pub(super) fn run(engine: &mut COCOeval) -> Result<(), EvalError> {

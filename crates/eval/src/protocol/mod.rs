@@ -1,11 +1,18 @@
 //! What counts as found, and how that becomes one number: the protocols of benchmarks.
 
+mod bdd;
 mod coco;
 mod curve;
 mod engine;
 mod kitti;
 
+pub(crate) use curve::exact;
+
+pub use bdd::{bdd_detections, bdd_labels};
 pub use coco::{AreaRange, CocoEvaluation, CocoParams, evaluate_coco};
 pub use curve::{PrecisionCurve, RankedMatches, average_precision, mean_in_numpy_order};
 pub use engine::{MatchRule, Restriction, match_images};
-pub use kitti::{KittiClass, KittiCurve, KittiDifficulty, N_KITTI_RECALLS, evaluate_kitti};
+pub use kitti::{
+    KittiClass, KittiCurve, KittiDifficulty, KittiMatchRule, N_KITTI_RECALLS, evaluate_kitti,
+    match_kitti,
+};

@@ -5,7 +5,7 @@ use crate::statistic::{Interval, Method, normal_cdf, normal_quantile};
 /// Percentiles (1 ∓ level)/2 of replicates, interpolated between the two nearest as by default in
 /// NumPy; `None` for fewer than 20 replicates or a level outside of 0 to 1.
 ///
-/// Two-sided, each tail on its own [Efron1993, ch. 13].
+/// Two-sided, each tail on its own [Efron1993].
 #[must_use]
 pub fn percentile_interval(replicates: &[f64], level: f64) -> Option<Interval> {
     let sorted = usable(replicates, level)?;
@@ -15,6 +15,28 @@ pub fn percentile_interval(replicates: &[f64], level: f64) -> Option<Interval> {
         high: quantile(&sorted, 1.0 - tail)?,
         level,
         method: Method::BootstrapPercentile,
+    })
+}
+
+/// The basic interval, `2·value − percentiles`: what the replicates lie above the value is what the
+/// value is taken to lie above the truth [Efron1993]. As [`percentile_interval`] otherwise.
+///
+/// For statistics that lean to one side when units are drawn anew, as the AP of small classes does:
+/// their percentiles may lie beside the value itself. Ends are cut to `bounds`.
+#[must_use]
+pub fn basic_interval(
+    value: f64,
+    replicates: &[f64],
+    level: f64,
+    bounds: [f64; 2],
+) -> Option<Interval> {
+    let percentiles = percentile_interval(replicates, level)?;
+    let [least, most] = bounds;
+    Some(Interval {
+        low: (2.0 * value - percentiles.high).clamp(least, most),
+        high: (2.0 * value - percentiles.low).clamp(least, most),
+        level,
+        method: Method::BootstrapBasic,
     })
 }
 

@@ -14,7 +14,7 @@ mod replicates;
 
 pub use draws::{Plan, Weights};
 pub(crate) use intervals::quantile;
-pub use intervals::{bca_interval, percentile_interval};
+pub use intervals::{basic_interval, bca_interval, percentile_interval};
 pub use paired::{PairedPrecision, PairedPrecisions, paired_average_precision};
 pub use permutation::permutation_test;
 pub use ranked::{RankedCategory, rank_by_category};

@@ -102,9 +102,9 @@ pub fn paired_average_precision(
     let row = |place: usize, category: Option<u32>, n_objects: u64| PairedPrecision {
         category,
         n_objects,
-        clean: replicates.percentile(place * N_VALUES, Method::AveragePrecision),
-        cracked: replicates.percentile(place * N_VALUES + 1, Method::AveragePrecision),
-        difference: replicates.percentile(place * N_VALUES + 2, Method::Difference),
+        clean: replicates.basic(place * N_VALUES, Method::AveragePrecision, [0.0, 1.0]),
+        cracked: replicates.basic(place * N_VALUES + 1, Method::AveragePrecision, [0.0, 1.0]),
+        difference: replicates.basic(place * N_VALUES + 2, Method::Difference, [-1.0, 1.0]),
         ratio: replicates.percentile(place * N_VALUES + 3, Method::Ratio),
         test: tests.get(place).cloned().unwrap_or_else(|| {
             TestOutcome::none(0, Method::PermutationSampled, "there is no such category")

@@ -1,12 +1,16 @@
 //! Average precision of weighted images, from detections sorted once.
 
 use crate::matching::{ImageMatches, Outcome};
+use crate::protocol::mean_in_numpy_order;
 
 /// Places on the axis of recall.
 const N_RECALLS: usize = 101;
 
 /// The counted detections of one category by falling score, ready to be weighted: what is ignored
 /// is gone, and each detection knows only its image and whether it found something.
+///
+/// It gives the average precision of [`RankedMatches`](crate::RankedMatches), to the last bit, and
+/// nothing else: without a curve a replicate takes a tenth of the time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RankedCategory {
     category: u32,
@@ -59,7 +63,8 @@ impl RankedCategory {
                 objects.push((cell, n));
             }
         }
-        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // Stable; -0 equals 0.
+        scored.sort_by(|a, b| (b.0 + 0.0).total_cmp(&(a.0 + 0.0)));
         Self {
             category,
             entries: scored.into_iter().map(|(_, entry)| entry).collect(),
@@ -89,7 +94,7 @@ impl RankedCategory {
     /// nothing to be found, or where weights are missing.
     ///
     /// Mean over 101 recalls of the greatest precision at that recall or beyond,
-    /// tp / (tp + fp + 2⁻⁵²), as the COCO API has it [Lin2014]: to the last bit for weights of 1.
+    /// tp / (tp + fp + 2⁻⁵²), as the COCO API has it, to the last bit for weights of 1 [Lin2014].
     #[must_use]
     pub fn average_precision(&self, weights: &[u32]) -> Option<f64> {
         let n_objects = self.n_objects(weights);
@@ -128,7 +133,7 @@ impl RankedCategory {
                 at_recall[next] = greatest;
             }
         }
-        Some(mean_as_numpy(&at_recall))
+        mean_in_numpy_order(&at_recall)
     }
 }
 
@@ -139,18 +144,4 @@ fn recall(i: usize) -> f64 {
     } else {
         i as f64 * 0.01
     }
-}
-
-/// The mean in the order of sums of `numpy.mean` for 101 values: eight lanes, their tree, the rest.
-fn mean_as_numpy(values: &[f64; N_RECALLS]) -> f64 {
-    let mut lanes = [0.0_f64; 8];
-    let (blocks, rest) = values.as_chunks::<8>();
-    for (k, block) in blocks.iter().enumerate() {
-        for (lane, value) in lanes.iter_mut().zip(block) {
-            *lane = if k == 0 { *value } else { *lane + value };
-        }
-    }
-    let [a, b, c, d, e, f, g, h] = lanes;
-    let head = ((a + b) + (c + d)) + ((e + f) + (g + h));
-    rest.iter().fold(head, |sum, value| sum + value) / N_RECALLS as f64
 }

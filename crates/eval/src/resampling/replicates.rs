@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::intervals::{bca_interval, percentile_interval};
+use super::intervals::{basic_interval, bca_interval, percentile_interval};
 use super::{Plan, Weights};
 use crate::EvalError;
 use crate::statistic::{Interval, Measured, Method};
@@ -80,6 +80,15 @@ impl Replicates {
     pub fn percentile(&self, place: usize, method: Method) -> Measured {
         self.measured(place, method, |_, values| {
             percentile_interval(values, self.level)
+                .ok_or_else(|| "there are too few replicates".to_owned())
+        })
+    }
+
+    /// A statistic with its basic interval, cut to `bounds`; n are the units drawn.
+    #[must_use]
+    pub fn basic(&self, place: usize, method: Method, bounds: [f64; 2]) -> Measured {
+        self.measured(place, method, |whole, values| {
+            basic_interval(whole, values, self.level, bounds)
                 .ok_or_else(|| "there are too few replicates".to_owned())
         })
     }

@@ -143,6 +143,8 @@ pub enum Method {
     GreenwoodLogLog,
     /// Percentiles of bootstrap replicates.
     BootstrapPercentile,
+    /// Twice the value minus the percentiles of bootstrap replicates.
+    BootstrapBasic,
     /// Bias-corrected and accelerated bootstrap.
     BootstrapBca,
     /// `McNemar`'s exact test.

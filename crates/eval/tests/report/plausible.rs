@@ -7,10 +7,10 @@ use starbreak_eval::BoxPx;
 use starbreak_eval::evaluation::{
     BoxRole, ClassFlip, Condition, Counts, DivergenceResults, DivergenceTable, DoseBin,
     DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, FlipRow, Group, GroupKind,
-    InputFile, KittiAp, LabelAudit, LogisticFit, NewFalsePositives, PairedMetric, PairedRow,
-    PicturePair, ProtocolResults, Provenance, RobustnessRow, RoledBox, Scope, ScopeKind, Settings,
-    ShiftRow, ShiftedLabel, Study, TideErrors, TimelineFrame, TimelineResults, TrackResult,
-    Versions, Warning, WarningKind, WorstFailure,
+    InputFile, KittiAp, LabelAudit, LabelVerdict, LogisticFit, NewFalsePositives, PairedMetric,
+    PairedRow, PicturePair, ProtocolResults, Provenance, RobustnessRow, RoledBox, Scope, ScopeKind,
+    Settings, ShiftRow, ShiftedLabel, Study, TideErrors, TimelineFrame, TimelineResults,
+    TrackResult, Versions, Warning, WarningKind, WorstFailure,
 };
 
 /// Classes with how many objects each has, its AP50 and its supercategory.
@@ -130,6 +130,7 @@ fn failures(severity: f64) -> FailureResults {
                 n_lost,
                 n_recovered: n_lost / 8,
                 failure_rate: estimate(rate, n_found_clean),
+                failure_rate_over_images: None,
                 recovery_rate: estimate(0.03, n_objects - n_found_clean),
                 p: (n_found_clean >= 20).then_some(0.0007),
                 p_holm: (n_found_clean >= 20).then_some(0.004),
@@ -348,14 +349,19 @@ pub(crate) fn evaluation(detector: &str, severity: u8) -> Evaluation {
         clean: protocol(skill),
         cracked: protocol(skill * (1.0 - 0.06 * strength)),
         paired: paired(strength, skill),
+        subsets: Vec::new(),
         failures: Some(failures(strength)),
         tide_clean: Some(tide(1.0)),
         tide_cracked: Some(tide(1.0 + 0.1 * strength)),
         label_audit: Some(LabelAudit {
             n_pairs: 312,
-            n_agreeing: 268,
-            better_map: (detector != "YOLOX-nano").then(|| "shifted by +1".to_owned()),
-            n_agreeing_under_better_map: (detector != "YOLOX-nano").then_some(290),
+            agreement: Estimate::with_interval(0.859, [0.816, 0.893], 312),
+            verdict: match detector {
+                "YOLOX-nano" => LabelVerdict::Fits,
+                _ => LabelVerdict::Wrong,
+            },
+            advice: (detector != "YOLOX-nano")
+                .then(|| "subtract 1 from the category numbers of the detections".to_owned()),
             disagreements: vec![ShiftedLabel {
                 truth: "truck".to_owned(),
                 detected: "car".to_owned(),
@@ -367,6 +373,7 @@ pub(crate) fn evaluation(detector: &str, severity: u8) -> Evaluation {
             worst(1, "val2017/000000000139.jpg"),
             worst(2, "val2017/000000000285.jpg"),
         ],
+        changed_objects: Vec::new(),
     }
 }
 

@@ -28,23 +28,6 @@ impl<const L: usize> Chunks<L> {
         }
     }
 
-    /// As [`Chunks::new`], with room for as many runs.
-    pub(crate) fn with_room(width: usize, height: usize, n_runs: usize) -> Self {
-        let n_across = width.div_ceil(CHUNK);
-        Self {
-            width,
-            height,
-            n_across,
-            places: vec![0; n_across * height],
-            runs: Vec::with_capacity(n_runs),
-        }
-    }
-
-    /// The run that holds a pixel of the frame, made if it does not exist.
-    pub(crate) fn run_at_mut(&mut self, (x, y): (usize, usize)) -> &mut [[f32; L]; CHUNK] {
-        self.run_mut(x / CHUNK, y)
-    }
-
     pub(crate) fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }
@@ -105,15 +88,8 @@ impl<const L: usize> Chunks<L> {
             })
     }
 
-    /// A pixel within the frame that something touched.
-    pub(crate) fn pixel(&self, x: usize, y: usize) -> Option<&[f32; L]> {
-        if x >= self.width || y >= self.height {
-            return None;
-        }
-        self.run_at(x, y).map(|run| &run[x % CHUNK])
-    }
-
     /// The run that holds a pixel, if it exists.
+    #[cfg(test)]
     pub(crate) fn run_at(&self, x: usize, y: usize) -> Option<&[[f32; L]; CHUNK]> {
         let place = self.places[y * self.n_across + x / CHUNK] as usize;
         (place > 0).then(|| &self.runs[place - 1])

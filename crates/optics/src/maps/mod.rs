@@ -9,11 +9,13 @@ mod cells;
 mod chunks;
 mod emit;
 mod kernel;
+mod lane_runs;
 mod layer;
 mod raster;
 mod sharp;
 
-pub(crate) use chunks::{CHUNK, Chunks};
+pub(crate) use chunks::CHUNK;
 pub(crate) use kernel::{Kernel, Pupil};
+pub(crate) use lane_runs::{LaneRun, LaneRuns};
 pub(crate) use layer::{Facet, spread};
 pub(crate) use sharp::cover;

@@ -66,26 +66,27 @@ impl From {
         out
     }
 
-    fn restore(self, block: &mut Block, above: &Block) {
+    /// The numbers of these differences, in place of those above them.
+    fn restore(self, differences: &Block, block: &mut Block) {
         match self {
-            Self::Zero => {}
+            Self::Zero => *block = *differences,
             Self::Left => {
                 let mut sum = 0_i32;
-                for value in block {
-                    sum = sum.wrapping_add(*value);
+                for (value, difference) in block.iter_mut().zip(differences) {
+                    sum = sum.wrapping_add(*difference);
                     *value = sum;
                 }
             }
             Self::Above => {
-                for (value, above) in block.iter_mut().zip(above) {
-                    *value = value.wrapping_add(*above);
+                for (value, difference) in block.iter_mut().zip(differences) {
+                    *value = value.wrapping_add(*difference);
                 }
             }
             Self::Gradient => {
                 let mut sum = 0_i32;
-                for (value, above) in block.iter_mut().zip(above) {
-                    sum = sum.wrapping_add(*value);
-                    *value = sum.wrapping_add(*above);
+                for (value, difference) in block.iter_mut().zip(differences) {
+                    sum = sum.wrapping_add(*difference);
+                    *value = value.wrapping_add(sum);
                 }
             }
         }
@@ -169,53 +170,79 @@ fn read_head(bytes: &mut Bytes<'_>) -> Result<(From, [usize; N_GROUPS]), OpticsE
     Ok((from, widths))
 }
 
+/// The differences of a block as they were written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coded {
+    from: From,
+    zigzag: [u32; CHUNK],
+}
+
+impl Coded {
+    pub(super) const NOTHING: Self = Self {
+        from: From::Zero,
+        zigzag: [0; CHUNK],
+    };
+
+    /// The block itself, in place of the one above it; false where a number is too large.
+    pub(super) fn restore(&self, block: &mut Block) -> bool {
+        self.from.restore(&self.zigzag.map(unzigzag), block);
+        // Some number is too large where any bit beyond those of the largest one is set.
+        let any = block
+            .iter()
+            .fold(0, |any, value| any | value.unsigned_abs());
+        any <= MOST.unsigned_abs()
+    }
+}
+
 /// Reads what [`write_block`] wrote.
-pub(super) fn read_block(bytes: &mut Bytes<'_>, above: &Block) -> Result<Block, OpticsError> {
+pub(super) fn read_block(bytes: &mut Bytes<'_>, coded: &mut Coded) -> Result<(), OpticsError> {
     let (from, widths) = read_head(bytes)?;
     let n_bytes = widths.iter().sum::<usize>();
     let rest = bytes.rest();
     if rest.len() < n_bytes {
         return Err(bytes.wrong("it ends in a block"));
     }
-    let mut block = [0; CHUNK];
+    coded.from = from;
     let mut at = 0;
-    for (group, width) in block.chunks_exact_mut(GROUP).zip(widths) {
+    let groups = coded.zigzag.as_chunks_mut::<GROUP>().0.iter_mut();
+    for (group, width) in groups.zip(widths) {
         unpack(&rest[at..], width, group);
         at += width;
     }
     bytes.skip(n_bytes);
-    from.restore(&mut block, above);
-    let most = MOST.unsigned_abs();
-    if block
-        .iter()
-        .fold(0, |any, value| any.max(value.unsigned_abs()))
-        > most
-    {
-        return Err(bytes.wrong("a number is too large"));
-    }
-    Ok(block)
+    Ok(())
 }
 
+/// Up to this width four numbers lie in eight bytes, whatever bit they begin at.
+const HALF_WIDTH: usize = 15;
+
 /// Eight numbers of a width out of the first bytes, as many as that.
-fn unpack(data: &[u8], width: usize, group: &mut [i32]) {
-    let mask = (1_u64 << width) - 1;
-    match data.first_chunk::<8>() {
-        _ if width == 0 => {}
-        Some(window) if width <= 8 => {
-            let bits = u64::from_le_bytes(*window);
-            for (k, value) in group.iter_mut().enumerate() {
-                *value = unzigzag(bits >> (k * width) & mask);
-            }
+fn unpack(data: &[u8], width: usize, group: &mut [u32; GROUP]) {
+    #[expect(clippy::cast_possible_truncation, reason = "at most 31 bits")]
+    let lowest = |bits: u64| (bits & ((1 << width) - 1)) as u32;
+    let window = |at: usize| Some(u64::from_le_bytes(*data.get(at..)?.first_chunk()?));
+    if width == 0 {
+        *group = [0; GROUP];
+        return;
+    }
+    if width <= HALF_WIDTH
+        && let (Some(first), Some(second)) = (window(0), window(width / 2))
+    {
+        // The second half begins amid a byte where the width is odd.
+        let mut halves = [first, second >> (width % 2 * 4)];
+        let (low, high) = group.split_at_mut(GROUP / 2);
+        for (low, high) in low.iter_mut().zip(high) {
+            (*low, *high) = (lowest(halves[0]), lowest(halves[1]));
+            halves = halves.map(|half| half >> width);
         }
-        _ => {
-            let mut padded = [0_u8; MAX_WIDTH + 8];
-            padded[..width].copy_from_slice(&data[..width]);
-            for (k, value) in group.iter_mut().enumerate() {
-                let at = k * width;
-                let window = padded[at / 8..].first_chunk().copied().unwrap_or_default();
-                *value = unzigzag(u64::from_le_bytes(window) >> (at % 8) & mask);
-            }
-        }
+        return;
+    }
+    let mut padded = [0_u8; MAX_WIDTH + 8];
+    padded[..width].copy_from_slice(&data[..width]);
+    for (k, value) in group.iter_mut().enumerate() {
+        let at = k * width;
+        let window = padded[at / 8..].first_chunk().copied().unwrap_or_default();
+        *value = lowest(u64::from_le_bytes(window) >> (at % 8));
     }
 }
 
@@ -224,7 +251,6 @@ fn zigzag(value: i32) -> u32 {
     ((value << 1) ^ (value >> 31)) as u32
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "at most 31 bits")]
-fn unzigzag(bits: u64) -> i32 {
-    (bits >> 1) as i32 ^ -((bits & 1) as i32)
+fn unzigzag(bits: u32) -> i32 {
+    (bits >> 1).cast_signed() ^ -(bits & 1).cast_signed()
 }

@@ -16,7 +16,7 @@ use super::bytes::{Bytes, write_count};
 use super::runs::{from_steps, n_runs, read_runs, steps, write_runs};
 use super::{MAX_PIXELS, MAX_SIDE_PX};
 use crate::OpticsError;
-use crate::maps::{CHUNK, Chunks};
+use crate::maps::{CHUNK, LaneRun, LaneRuns};
 use crate::physical::{LEAST_ELSEWHERE, Outline, Pattern, PatternLayer};
 use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN};
 
@@ -80,7 +80,7 @@ impl Pattern {
         match self.outline() {
             Outline::Corners(_) => write_mask(&mut out, &self.coverage()),
             Outline::Codes(codes) => write_chunks(&mut out, codes, |_, run| {
-                [std::array::from_fn(|k| steps(run[k][0], 1.0))]
+                [run[0].map(|code| steps(code, 1.0))]
             }),
         }
         out
@@ -117,9 +117,9 @@ impl Pattern {
                 tint: read_chunks::<TINT, 4>(&mut bytes, (width, height), tint_pixels)?,
             });
         }
-        let mask = read_chunks::<1, 1>(&mut bytes, (width, height), |(x, _), blocks, run| {
-            for ((lanes, code), _) in run.iter_mut().zip(&blocks[0]).zip(x..width) {
-                lanes[0] = from_steps((*code).clamp(0, 255), 1.0);
+        let mask = read_chunks::<1, 1>(&mut bytes, (width, height), |(x, _), [codes], [run]| {
+            for ((lane, code), _) in run.iter_mut().zip(codes).zip(x..width) {
+                *lane = from_steps((*code).clamp(0, 255), 1.0);
             }
         })?;
         bytes.end()?;
@@ -149,10 +149,10 @@ fn sun_steps(value: f32) -> i32 {
 }
 
 fn sun_from_steps(steps: i32) -> f32 {
-    match u32::try_from(steps - SUN_SMALL) {
-        Ok(beyond) => f32::from_bits((beyond.min(SUN_MOST) + SUN_FIRST) << SUN_CUT),
-        Err(_) => from_steps(steps.max(0), SUN_STEPS),
-    }
+    let beyond = (steps - SUN_SMALL).clamp(0, SUN_MOST.cast_signed());
+    let large = f32::from_bits((beyond.cast_unsigned() + SUN_FIRST) << SUN_CUT);
+    let small = from_steps(steps.max(0), SUN_STEPS);
+    if steps < SUN_SMALL { small } else { large }
 }
 
 /// Middle of a pixel, px.
@@ -161,9 +161,10 @@ fn middle(at: usize) -> f32 {
     at as f32 + 0.5
 }
 
-fn light_blocks((x, y): (usize, usize), run: &[[f32; LANES]; CHUNK]) -> [Block; LANES] {
+fn light_blocks((x, y): (usize, usize), run: &LaneRun<LANES>) -> [Block; LANES] {
     let mut blocks = [[0; CHUNK]; LANES];
-    for (k, lanes) in run.iter().enumerate() {
+    for k in 0..CHUNK {
+        let lanes = run.map(|lane| lane[k]);
         for lane in 0..N_SHARES {
             blocks[lane][k] = steps(lanes[lane], SHARE_STEPS);
         }
@@ -187,38 +188,37 @@ fn light_blocks((x, y): (usize, usize), run: &[[f32; LANES]; CHUNK]) -> [Block; 
     blocks
 }
 
-fn light_pixels((x, y): (usize, usize), blocks: &[Block; LANES], run: &mut [[f32; LANES]; CHUNK]) {
-    for (k, lanes) in run.iter_mut().enumerate() {
-        for lane in 0..N_SHARES {
-            lanes[lane] = from_steps(blocks[lane][k], SHARE_STEPS);
-        }
-        lanes[SUN] = sun_from_steps(blocks[SUN][k]);
-        if lanes[FRAME] > LEAST_ELSEWHERE {
+fn light_pixels((x, y): (usize, usize), blocks: &[Block; LANES], run: &mut LaneRun<LANES>) {
+    for lane in 0..N_SHARES {
+        run[lane] = blocks[lane].map(|steps| from_steps(steps, SHARE_STEPS));
+    }
+    run[SUN] = blocks[SUN].map(sun_from_steps);
+    let shares = run[FRAME];
+    for (k, share) in shares.into_iter().enumerate() {
+        if share > LEAST_ELSEWHERE {
             for (lane, own) in [(FRAME_U, middle(x + k)), (FRAME_V, middle(y))] {
                 let steps = blocks[lane][k].clamp(-FARTHEST, FARTHEST);
-                lanes[lane] = (own + from_steps(steps, PLACE_STEPS)) * lanes[FRAME];
+                run[lane][k] = (own + from_steps(steps, PLACE_STEPS)) * share;
             }
         }
     }
 }
 
-fn tint_blocks(_: (usize, usize), run: &[[f32; 4]; CHUNK]) -> [Block; TINT] {
-    std::array::from_fn(|c| std::array::from_fn(|k| steps(run[k][c + 1], SHARE_STEPS)))
+fn tint_blocks(_: (usize, usize), run: &LaneRun<4>) -> [Block; TINT] {
+    std::array::from_fn(|c| run[c + 1].map(|color| steps(color, SHARE_STEPS)))
 }
 
-fn tint_pixels(_: (usize, usize), blocks: &[Block; TINT], run: &mut [[f32; 4]; CHUNK]) {
-    for (k, lanes) in run.iter_mut().enumerate() {
-        for c in 0..TINT {
-            lanes[c + 1] = from_steps(blocks[c][k], SHARE_STEPS);
-        }
+fn tint_pixels(_: (usize, usize), blocks: &[Block; TINT], run: &mut LaneRun<4>) {
+    for (lane, block) in run[1..].iter_mut().zip(blocks) {
+        *lane = block.map(|steps| from_steps(steps, SHARE_STEPS));
     }
 }
 
 /// Writes the runs that have anything in them.
 fn write_chunks<const L: usize, const B: usize>(
     out: &mut Vec<u8>,
-    chunks: &Chunks<L>,
-    blocks: impl Fn((usize, usize), &[[f32; L]; CHUNK]) -> [Block; B],
+    chunks: &LaneRuns<L>,
+    blocks: impl Fn((usize, usize), &LaneRun<L>) -> [Block; B],
 ) {
     let runs = chunks
         .iter()
@@ -249,12 +249,12 @@ fn write_mask(out: &mut Vec<u8>, mask: &image::GrayImage) {
 fn read_chunks<const B: usize, const L: usize>(
     bytes: &mut Bytes<'_>,
     size: (usize, usize),
-    pixels: impl Fn((usize, usize), &[Block; B], &mut [[f32; L]; CHUNK]),
-) -> Result<Chunks<L>, OpticsError> {
+    pixels: impl Fn((usize, usize), &[Block; B], &mut LaneRun<L>),
+) -> Result<LaneRuns<L>, OpticsError> {
     let n_runs = n_runs(bytes, size)?;
-    let mut chunks = Chunks::with_room(size.0, size.1, n_runs);
+    let mut chunks = LaneRuns::with_room(size.0, size.1, n_runs);
     read_runs(bytes, size, n_runs, |at, blocks| {
-        pixels(at, blocks, chunks.run_at_mut(at));
+        pixels(at, blocks, chunks.push(at));
     })?;
     Ok(chunks)
 }

@@ -1,6 +1,6 @@
 //! Runs of pixels that have something in them: where they are, and a block for each of their lanes.
 
-use super::block::{Block, MOST, read_block, write_block};
+use super::block::{Block, Coded, MOST, read_block, write_block};
 use super::bytes::{Bytes, write_count};
 use crate::OpticsError;
 use crate::maps::CHUNK;
@@ -84,6 +84,7 @@ pub(super) fn read_runs<const B: usize>(
     let n_across = size.0.div_ceil(CHUNK);
     let n_places = n_across * size.1;
     let mut above = Above::<B>::new(n_across);
+    let mut coded = [Coded::NOTHING; B];
     let mut next = 0;
     for _ in 0..n_runs {
         let place = next + bytes.count(n_places)?;
@@ -96,14 +97,25 @@ pub(super) fn read_runs<const B: usize>(
         if mask == 0 || usize::from(mask) >> B != 0 {
             return Err(bytes.wrong("a run has no lanes or unknown ones"));
         }
-        let mut blocks = [[0; CHUNK]; B];
-        for (lane, block) in blocks.iter_mut().enumerate() {
+        // Read over the blocks above, which are not wanted any more.
+        let (blocks, are_above) = above.take(across, y);
+        // All lanes before any is restored: bits that have just been taken apart one by one would
+        // have to be waited for.
+        for (lane, coded) in coded.iter_mut().enumerate() {
             if mask >> lane & 1 == 1 {
-                *block = read_block(bytes, above.get(across, y, lane))?;
+                read_block(bytes, coded)?;
             }
         }
-        each((across * CHUNK, y), &blocks);
-        above.set(across, y, &blocks);
+        for (lane, (block, coded)) in blocks.iter_mut().zip(&coded).enumerate() {
+            let is_present = mask >> lane & 1 == 1;
+            if !(is_present && are_above) {
+                *block = ZEROS;
+            }
+            if is_present && !coded.restore(block) {
+                return Err(bytes.wrong("a number is too large"));
+            }
+        }
+        each((across * CHUNK, y), blocks);
     }
     Ok(())
 }
@@ -124,9 +136,22 @@ impl<const B: usize> Above<B> {
         }
     }
 
+    /// Whether the latest blocks of a column are of the row above `y`.
+    fn are_above(&self, across: usize, y: usize) -> bool {
+        self.rows[across].wrapping_add(1) == y && y > 0
+    }
+
+    /// The latest blocks of a column, which are to become those of row `y`, and whether they are
+    /// of the row above it.
+    fn take(&mut self, across: usize, y: usize) -> (&mut [Block; B], bool) {
+        let are_above = self.are_above(across, y);
+        self.rows[across] = y;
+        (&mut self.blocks[across], are_above)
+    }
+
     /// The block in the row above `y`, zeros where there is none.
     fn get(&self, across: usize, y: usize, lane: usize) -> &Block {
-        if self.rows[across].wrapping_add(1) == y && y > 0 {
+        if self.are_above(across, y) {
             &self.blocks[across][lane]
         } else {
             &ZEROS

@@ -17,41 +17,13 @@ pub(super) struct Elsewhere {
 }
 
 /// A mirror's picture moves by at most this much, px, from one pixel to the next.
-const ONE_MIRROR: f32 = 2.0;
+pub(super) const ONE_MIRROR: f32 = 2.0;
 
 /// Averages over less, px, are the pixel itself, and over more come from the coarse scene alone.
 const FINE_WIDTHS: [f32; 2] = [1.5, 8.0];
 
 /// Side of a cell of the finest coarse scene, px.
 const CELL_PX: usize = 16;
-
-impl Elsewhere {
-    pub(super) fn new() -> Self {
-        Self {
-            share: [0.0; CHUNK],
-            u: [0.0; CHUNK],
-            v: [0.0; CHUNK],
-            width: [0.0; CHUNK],
-        }
-    }
-
-    /// Sets a pixel from its share and its place times its share.
-    pub(super) fn set(&mut self, k: usize, [share, u, v]: [f32; 3]) {
-        self.share[k] = share;
-        self.u[k] = u / share;
-        self.v[k] = v / share;
-    }
-
-    /// Averages a pixel over more of the frame the faster its place runs away from those of its
-    /// neighbors: mirrors mix over about a blur's radius.
-    pub(super) fn widen(&mut self, k: usize, beside: [Option<[f32; 2]>; 2], blur_px: f32) {
-        for [u, v] in beside.into_iter().flatten() {
-            let (du, dv) = (u - self.u[k], v - self.v[k]);
-            let excess = (du * du + dv * dv).sqrt() - ONE_MIRROR;
-            self.width[k] = self.width[k].max(0.5 * excess * blur_px);
-        }
-    }
-}
 
 impl OverlayLayer {
     /// The light of all runs from elsewhere, weighted by its share.

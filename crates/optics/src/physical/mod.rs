@@ -7,6 +7,7 @@
 
 mod defocus;
 mod elsewhere;
+mod light;
 mod overlay;
 mod params;
 mod pattern;

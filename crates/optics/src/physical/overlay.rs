@@ -1,14 +1,15 @@
 //! A baked crack under the light of one environment.
 
+use std::ops::Range;
+
 use image::GrayImage;
 
 use super::PhysicalOptics;
 use super::elsewhere::Elsewhere;
-use super::pattern::{Pattern, PatternLayer};
+use super::pattern::Pattern;
 use crate::environment::{Environment, Rgb};
 use crate::maps::CHUNK;
 use crate::srgb::{decode16, encode16};
-use crate::surface::{CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, N_SHARES, SUN, ZENITH};
 
 /// A baked crack under the light of one environment: what to do to each pixel of an image.
 ///
@@ -36,6 +37,8 @@ pub(super) struct Run {
     pub(super) y: usize,
     pub(super) keep: [[f32; CHUNK]; 3],
     pub(super) add: [[f32; CHUNK]; 3],
+    /// Bit k is set where the crack does anything to pixel k; the others stay as they are.
+    pub(super) touched: u32,
     /// Place among the runs that take light from elsewhere in the frame.
     pub(super) elsewhere: Option<usize>,
 }
@@ -61,7 +64,7 @@ pub struct OpticalMaps {
 }
 
 /// Less influence is none: below a step of an 8-bit image.
-const LEAST_INFLUENCE: f32 = 2e-4;
+pub(super) const LEAST_INFLUENCE: f32 = 2e-4;
 
 /// A smaller share of light from elsewhere is taken from the pixel itself.
 pub(crate) const LEAST_ELSEWHERE: f32 = 5e-4;
@@ -77,7 +80,7 @@ impl Overlay {
             layers: pattern
                 .layers()
                 .iter()
-                .map(|layer| OverlayLayer::new(layer, environment))
+                .map(|layer| OverlayLayer::lit(layer, environment))
                 .collect(),
             optics: *optics,
             f_px: pattern.f_px(),
@@ -96,14 +99,7 @@ impl Overlay {
         let (width, height) = (size.0 as usize, size.1 as usize);
         let mut layer = OverlayLayer::default();
         for (x, y) in (0..height).flat_map(|y| (0..width).step_by(CHUNK).map(move |x| (x, y))) {
-            let mut run = Run {
-                x,
-                y,
-                keep: [[1.0; CHUNK]; 3],
-                add: [[0.0; CHUNK]; 3],
-                elsewhere: None,
-            };
-            let mut is_touched = false;
+            let mut run = Run::untouched((x, y));
             for k in 0..CHUNK.min(width - x) {
                 let (keep, add) = pixel(x + k, y);
                 let lost = keep.map(|keep| 1.0 - keep);
@@ -112,14 +108,14 @@ impl Overlay {
                     .chain(add)
                     .any(|share| share >= LEAST_INFLUENCE)
                 {
-                    is_touched = true;
+                    run.touched |= 1 << k;
                     for c in 0..3 {
                         run.keep[c][k] = keep[c];
                         run.add[c][k] = add[c];
                     }
                 }
             }
-            if is_touched {
+            if run.touched != 0 {
                 layer.runs.push(run);
             }
         }
@@ -169,10 +165,9 @@ impl Overlay {
         });
         for run in self.layers.iter().flat_map(|layer| &layer.runs) {
             let row = &mut mask.as_mut()[run.y * width..(run.y + 1) * width];
-            for (k, pixel) in row.iter_mut().skip(run.x).take(CHUNK).enumerate() {
-                if run.influences(k, threshold, visible) {
-                    *pixel = 255;
-                }
+            let codes = run.influence_codes(threshold, visible);
+            for (pixel, code) in row.iter_mut().skip(run.x).zip(codes) {
+                *pixel |= code;
             }
         }
         mask
@@ -194,6 +189,9 @@ impl Overlay {
     #[must_use]
     pub fn mean_displacement_px(&self, xs: [u32; 2], ys: [u32; 2]) -> f64 {
         let [xs, ys] = [xs, ys].map(|[from, to]| from as usize..to as usize);
+        if !self.moves_any(&xs, &ys) {
+            return 0.0;
+        }
         // Of each pixel: what it keeps of its light, its share of other light, and that times the
         // distance it comes from.
         let mut pixels = vec![[1.0, 0.0, 0.0]; xs.len() * ys.len()];
@@ -220,6 +218,13 @@ impl Overlay {
             (light + pixel[0] + pixel[1], moved + pixel[2])
         });
         if moved > 0.0 { moved / light } else { 0.0 }
+    }
+
+    /// Whether a run in these columns and rows takes light from elsewhere.
+    fn moves_any(&self, xs: &Range<usize>, ys: &Range<usize>) -> bool {
+        let runs = self.layers.iter().flat_map(|layer| &layer.runs);
+        runs.filter(|run| run.elsewhere.is_some())
+            .any(|run| ys.contains(&run.y) && run.x < xs.end && xs.start < run.x + CHUNK)
     }
 
     /// The maps, pixel by pixel.
@@ -271,118 +276,38 @@ impl Overlay {
 }
 
 impl Run {
-    /// Whether a pixel loses at least this share of its light, or visibly more or less is added.
-    fn influences(&self, k: usize, threshold: f32, visible: [f32; 3]) -> bool {
-        (0..3).any(|c| {
-            (1.0 - self.keep[c][k]).abs() >= threshold || self.add[c][k].abs() >= visible[c]
+    /// A run that changes nothing.
+    pub(super) fn untouched((x, y): (usize, usize)) -> Self {
+        Self {
+            x,
+            y,
+            keep: [[1.0; CHUNK]; 3],
+            add: [[0.0; CHUNK]; 3],
+            touched: 0,
+            elsewhere: None,
+        }
+    }
+
+    /// The pixels that the crack does anything to, among the first `n`.
+    pub(super) fn touched_among(&self, n: usize) -> impl Iterator<Item = usize> + use<> {
+        let mut rest = self.touched;
+        std::iter::from_fn(move || {
+            let k = rest.trailing_zeros() as usize;
+            rest &= rest.wrapping_sub(1);
+            (k < n).then_some(k)
         })
     }
-}
 
-/// By how much more than the mean a color is reflected, over that mean: −1 where none of it is,
-/// 2 where all is of this color, and no more than there is to reflect.
-fn tint_of(color: f32, lit_share: f32, share: f32) -> f32 {
-    if lit_share <= LEAST_INFLUENCE {
-        return 0.0;
-    }
-    let most = ((1.0 - share) / lit_share).clamp(0.0, 2.0);
-    (color / lit_share).clamp(-1.0, most)
-}
-
-impl OverlayLayer {
-    fn new(layer: &PatternLayer, environment: &Environment) -> Self {
-        let mut overlay = Self {
-            runs: Vec::with_capacity(layer.light.n_runs()),
-            elsewhere: Vec::new(),
-        };
-        let lit: [(usize, Rgb); 5] = [
-            (HORIZON, environment.horizon_rgb),
-            (ZENITH, environment.zenith_rgb),
-            (GROUND, environment.ground_rgb),
-            (CABIN, environment.cabin_rgb),
-            (SUN, environment.sun_rgb),
-        ];
-        let brightest = lit.map(|(lane, rgb)| (lane, rgb.into_iter().fold(1.0, f32::max)));
-        for (x, y, pixels) in layer.light.iter() {
-            let tint = layer.tint.run_at(x, y);
-            let mut run = Run {
-                x,
-                y,
-                keep: [[1.0; CHUNK]; 3],
-                add: [[0.0; CHUNK]; 3],
-                elsewhere: None,
-            };
-            let mut other = Elsewhere::new();
-            let (mut is_touched, mut has_other) = (false, false);
-            for (k, lanes) in pixels.iter().enumerate() {
-                let mut lanes = *lanes;
-                let most: f32 = brightest
-                    .iter()
-                    .map(|(lane, color)| lanes[*lane].abs() * color)
-                    .sum();
-                if most + lanes[FRAME].abs() < LEAST_INFLUENCE {
-                    continue;
-                }
-                let mut share: f32 = lanes[..N_SHARES].iter().sum();
-                if share > 1.0 {
-                    // Facets of different blur over each other.
-                    for lane in &mut lanes {
-                        *lane /= share;
-                    }
-                    share = 1.0;
-                }
-                // The steps of a kernel leave a trace of less than nothing beside a glint; under the
-                // sun it would be a black pixel.
-                lanes[SUN] = lanes[SUN].max(0.0);
-                let mut add = [0.0_f32; 3];
-                for (lane, rgb) in &lit {
-                    for (sum, color) in add.iter_mut().zip(rgb) {
-                        *sum += lanes[*lane] * color;
-                    }
-                }
-                let most = add
-                    .iter()
-                    .fold(share.abs(), |most, add| most.max(add.abs()));
-                if most < LEAST_INFLUENCE {
-                    continue;
-                }
-                is_touched = true;
-                let lit_share = share - lanes[FRAME];
-                let tints = match tint.map(|tint| tint[k]) {
-                    Some([_, red, green, blue]) if red != 0.0 || green != 0.0 || blue != 0.0 => {
-                        [red, green, blue].map(|color| tint_of(color, lit_share, share))
-                    }
-                    _ => [0.0; 3],
-                };
-                for (c, tint) in tints.into_iter().enumerate() {
-                    // What is reflected more of one color is so at the expense of what passes,
-                    // and by as much: nothing is lost.
-                    run.keep[c][k] = 1.0 - share - lit_share * tint;
-                    run.add[c][k] = add[c] * (1.0 + tint);
-                }
-                if lanes[FRAME] > LEAST_ELSEWHERE {
-                    has_other = true;
-                    other.set(k, [lanes[FRAME], lanes[FRAME_U], lanes[FRAME_V]]);
-                    let beside = [(x + k + 1, y), (x + k, y + 1)].map(|(x, y)| {
-                        let lanes = layer.light.pixel(x, y)?;
-                        (lanes[FRAME] > LEAST_ELSEWHERE)
-                            .then(|| [lanes[FRAME_U] / lanes[FRAME], lanes[FRAME_V] / lanes[FRAME]])
-                    });
-                    other.widen(k, beside, layer.blur_px);
-                } else {
-                    for keep in &mut run.keep {
-                        keep[k] += lanes[FRAME];
-                    }
-                }
+    /// 255 where a pixel loses at least this share of its light, or visibly more or less is
+    /// added, else 0.
+    fn influence_codes(&self, threshold: f32, visible: [f32; 3]) -> [u8; CHUNK] {
+        std::array::from_fn(|k| {
+            let mut influences = false;
+            for (c, visible) in visible.into_iter().enumerate() {
+                influences |= (1.0 - self.keep[c][k]).abs() >= threshold;
+                influences |= self.add[c][k].abs() >= visible;
             }
-            if has_other {
-                run.elsewhere = Some(overlay.elsewhere.len());
-                overlay.elsewhere.push(other);
-            }
-            if is_touched {
-                overlay.runs.push(run);
-            }
-        }
-        overlay
+            u8::from(influences).wrapping_neg()
+        })
     }
 }

@@ -8,7 +8,7 @@ use starbreak_glass::{CrackNetwork, Seed};
 use super::{Overlay, PhysicalOptics};
 use crate::environment::{Environment, HemisphereWeights, Horizon};
 use crate::interface::gap::GapTable;
-use crate::maps::{CHUNK, Chunks, Facet, Pupil, cover, spread};
+use crate::maps::{CHUNK, Facet, LaneRuns, Pupil, cover, spread};
 use crate::surface::{
     Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, fragment_facets, hit_facets,
 };
@@ -34,14 +34,14 @@ pub(crate) enum Outline {
     /// The corners of the facets.
     Corners(Vec<[[f64; 2]; 4]>),
     /// Their coverage, as codes of a mask.
-    Codes(Chunks<1>),
+    Codes(LaneRuns<1>),
 }
 
 /// Facets that are rendered together.
 #[derive(Debug, Clone)]
 pub(crate) struct PatternLayer {
-    pub(crate) light: Chunks<LANES>,
-    pub(crate) tint: Chunks<4>,
+    pub(crate) light: LaneRuns<LANES>,
+    pub(crate) tint: LaneRuns<4>,
     /// Mean radius of the discs, px.
     pub(crate) blur_px: f32,
 }
@@ -105,8 +105,8 @@ pub fn bake(
         if !light.is_empty() {
             let tint = spread(&facets.tint, 1, pupil, size);
             pattern.layers.push(PatternLayer {
-                light,
-                tint,
+                light: LaneRuns::from(&light),
+                tint: LaneRuns::from(&tint),
                 blur_px: mean_blur_px(&facets.light),
             });
         }
@@ -170,7 +170,7 @@ impl Pattern {
             Outline::Codes(codes) => {
                 let (width, height) = self.size;
                 let mut mask = GrayImage::new(width, height);
-                for_each_pixel(&mut mask, codes, |[code]| code);
+                set_codes(&mut mask, codes);
                 mask
             }
         }
@@ -197,22 +197,18 @@ impl Pattern {
     }
 }
 
-/// Sets the pixels that chunks have to a code each.
-fn for_each_pixel<const L: usize>(
-    mask: &mut GrayImage,
-    chunks: &Chunks<L>,
-    code: impl Fn([f32; L]) -> f32,
-) {
+/// Sets the pixels that runs have to their codes.
+fn set_codes(mask: &mut GrayImage, codes: &LaneRuns<1>) {
     let width = mask.width() as usize;
-    for (x, y, run) in chunks.iter() {
+    for (x, y, [run]) in codes.iter() {
         let row = &mut mask.as_mut()[y * width..(y + 1) * width];
-        for (pixel, lanes) in row.iter_mut().skip(x).take(CHUNK).zip(run) {
+        for (pixel, code) in row.iter_mut().skip(x).take(CHUNK).zip(run) {
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "`as` clamps to a code"
             )]
-            let code = code(*lanes).round() as u8;
+            let code = code.round() as u8;
             *pixel = code;
         }
     }

@@ -292,7 +292,9 @@ impl Run {
         other: Option<&[[f32; COLORS]; CHUNK]>,
     ) {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
-        for (k, pixel) in pixels.chunks_exact_mut(stride).enumerate() {
+        let n = pixels.len() / stride;
+        for k in self.touched_among(n) {
+            let pixel = &mut pixels[k * stride..(k + 1) * stride];
             let (keep, add) = self.pixel(k, other);
             for c in 0..COLORS {
                 pixel[c] = S::code(pixel[c].light() * keep[c] + add[c]);

@@ -37,7 +37,7 @@ pub struct Survey {
     pub bad: Vec<BadRecord>,
     /// The names of all images that are taken, shards or not: the SHA-256 of that of the names
     /// before, followed by the name.
-    pub(super) names_sha256: String,
+    pub(crate) names_sha256: String,
     seed: Seed,
     selection: Selection,
     /// The last image that a limit takes.

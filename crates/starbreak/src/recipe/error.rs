@@ -45,6 +45,15 @@ impl fmt::Display for Place {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecipeError {
+    /// Two conditions of a study that cannot be told apart.
+    #[error(
+        "the condition {what} is there twice; give each preset, severity and seed once, and recipes files of \
+         different names"
+    )]
+    Twice {
+        /// Its name.
+        what: String,
+    },
     /// Not TOML.
     #[error("{place}:{line}:{column}: {what}")]
     Syntax {

@@ -11,7 +11,7 @@ use super::index::{Catalog, IndexFile, folder_of_images};
 use super::json::{self, Id};
 use super::name::path_below;
 use super::record::{FileRole, SourceFile};
-use super::{Images, Layout, SourceFormat, SourceSpec, layout_error, no_index};
+use super::{Images, Layout, Place, SourceFormat, SourceSpec, layout_error, no_index};
 use crate::error::DatasetError;
 use reader::{AnnotationOf, ImageRecord, LISTS, Reader};
 
@@ -26,24 +26,8 @@ pub(super) struct Coco {
 impl Coco {
     /// The root of the dataset and what its index files say.
     pub(super) fn open(spec: &SourceSpec) -> Result<(PathBuf, Self), DatasetError> {
-        let path = spec.path.as_path();
-        let metadata = fs::metadata(path).map_err(|source| DatasetError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
-        if metadata.is_dir() {
-            let names = index_names(path);
-            if names.is_empty() {
-                return Err(layout_error(
-                    spec,
-                    format!("it has neither annotations/instances_*.json nor {BESIDE_IMAGES}"),
-                ));
-            }
-            return Ok((path.to_owned(), Self::of(path, &names, None)?));
-        }
-        let (root, name) = super::root_and_name(spec, &["annotations"])?;
-        let names = [name];
-        let coco = Self::of(&root, &names, Some(names.to_vec()))?;
+        let (root, names, own) = place(spec)?;
+        let coco = Self::of(&root, &names, own)?;
         Ok((root, coco))
     }
 
@@ -56,6 +40,27 @@ impl Coco {
             catalog: Catalog::of(files, "annotation", own),
         })
     }
+}
+
+/// The root of the dataset, the names of its index files, and these where they are all of it.
+pub(super) fn place(spec: &SourceSpec) -> Result<Place, DatasetError> {
+    let path = spec.path.as_path();
+    let metadata = fs::metadata(path).map_err(|source| DatasetError::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    if metadata.is_dir() {
+        let names = index_names(path);
+        if names.is_empty() {
+            return Err(layout_error(
+                spec,
+                format!("it has neither annotations/instances_*.json nor {BESIDE_IMAGES}"),
+            ));
+        }
+        return Ok((path.to_owned(), names, None));
+    }
+    let (root, name) = super::root_and_name(spec, &["annotations"])?;
+    Ok((root, vec![name.clone()], Some(vec![name])))
 }
 
 /// The index files in a folder, in the order of their names.
@@ -77,7 +82,7 @@ fn index_names(root: &Path) -> Vec<String> {
 }
 
 /// Folders where the images of an index may be, the likeliest first.
-fn folders_of_images(name: &str) -> Vec<String> {
+pub(super) fn folders_of_images(name: &str) -> Vec<String> {
     let (folder, file) = name.rsplit_once('/').unwrap_or(("", name));
     let split = file
         .strip_suffix(".json")

@@ -276,6 +276,10 @@ impl Layout for Yolo {
         Box::new(bad.map(Err).chain(images))
     }
 
+    fn categories(&self) -> Vec<String> {
+        self.data.names.values().cloned().collect()
+    }
+
     fn has_image(&self, name: &str) -> bool {
         let found = self
             .images

@@ -81,6 +81,12 @@ fn by_one_output(facts: &ModelFacts, output: &TensorFacts) -> Vec<Candidate> {
             Vec::new()
         }
         Some(3) => match (output.side(1), output.side(2)) {
+            // Of small frames a grid has fewer places than there are numbers at each.
+            (places, Some(n))
+                if n > 6 && !grid_candidates(facts, output, places, n - 5).is_empty() =>
+            {
+                grid_candidates(facts, output, places, n - 5)
+            }
             (_, Some(6)) => rows_of_six(facts, output),
             (Some(n), Some(places)) if n < places && n > 4 => vec![(
                 "yolov8",
@@ -148,10 +154,6 @@ fn by_places(
     places: Option<u64>,
     n: u64,
 ) -> Vec<Candidate> {
-    let by_grid = grid_candidates(facts, output, places, n - 5);
-    if !by_grid.is_empty() {
-        return by_grid;
-    }
     let n_listed = class_names(facts).map(|list| list.names.len() as u64);
     let queries = (
         "rtdetr-ultralytics",

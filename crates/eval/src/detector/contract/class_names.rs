@@ -40,6 +40,17 @@ impl ClassNames {
         }
     }
 
+    /// The number of a class in MS-COCO, 1 to 90, where it has one of this name.
+    #[must_use]
+    pub fn coco_number(name: &str) -> Option<i64> {
+        let list = include_str!("../../../presets/classes/coco-91.txt");
+        let numbered = (0..).zip(list.lines());
+        let mut named = numbered.filter(|(_, known)| *known != "-");
+        named
+            .find(|(_, known)| *known == name)
+            .map(|(number, _)| number)
+    }
+
     /// The names in the entry `names` that Ultralytics writes into its models, a dictionary as
     /// Python prints it: `{0: 'person', 1: "cat's eye"}`.
     ///

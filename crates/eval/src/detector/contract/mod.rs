@@ -140,6 +140,8 @@ pub enum Interpolation {
     Linear,
     /// OpenCV's `INTER_AREA`.
     Area,
+    /// Pillow's `BILINEAR`, which is antialiased.
+    Antialiased,
 }
 
 /// When the frame around the image is filled.

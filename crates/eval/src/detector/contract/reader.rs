@@ -146,6 +146,7 @@ fn read_input(keys: &Keys<'_>) -> Result<InputContract, EvalError> {
         &[
             ("linear", Interpolation::Linear),
             ("area", Interpolation::Area),
+            ("antialiased", Interpolation::Antialiased),
         ],
     )?;
     let pad_stage = keys.word(

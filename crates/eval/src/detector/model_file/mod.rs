@@ -2,6 +2,7 @@
 
 mod limits;
 mod names;
+mod wire;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -30,14 +31,15 @@ pub(super) fn read_facts(
     if bytes.is_empty() {
         return Err(wrong("is empty; give an ONNX file".to_owned()));
     }
-    // The parser is another's: should it ever panic, that is a refusal like any other.
-    let parsed = catch_unwind(AssertUnwindSafe(|| ModelProto::parse_buf(bytes)));
     let not_onnx = |cause: String| {
         let seems = seems_to_be(bytes).map_or_else(String::new, |what| format!(": {what}"));
         wrong(format!(
             "is no whole ONNX model ({cause}){seems}; export it again, or copy it again as a binary file"
         ))
     };
+    wire::check(bytes).map_err(not_onnx)?;
+    // The parser is another's: should it ever panic, that is a refusal like any other.
+    let parsed = catch_unwind(AssertUnwindSafe(|| ModelProto::parse_buf(bytes)));
     let model = match parsed {
         Ok(Ok(model)) => model,
         Ok(Err(error)) => return Err(not_onnx(one_line(&error.to_string()))),

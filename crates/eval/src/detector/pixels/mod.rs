@@ -1,5 +1,6 @@
 //! Images to the numbers that a model takes.
 
+mod antialiased;
 mod area;
 mod linear;
 mod placement;
@@ -13,13 +14,15 @@ use image::RgbImage;
 
 use super::contract::Interpolation;
 
-/// The image in another size, to the bit as `cv2.resize` of OpenCV 5.0 makes it of 8-bit images on
-/// x86-64.
+/// The image in another size, to the bit as the named function makes it of 8-bit images:
+/// `cv2.resize` of OpenCV 5.0 on x86-64, or `Image.resize` of Pillow 11.
 ///
 /// `INTER_LINEAR` is fixed-point bilinear interpolation of 11-bit weights without antialiasing;
 /// halved on both sides it is the mean of 2 × 2 pixels. `INTER_AREA` is the mean over the area of
 /// the new pixel in 32-bit floating point, rounded half to even; enlarged along a side it is
-/// bilinear interpolation of its own weights.
+/// bilinear interpolation of its own weights. Pillow's `BILINEAR` is a triangle as wide as two new
+/// pixels where a side shrinks, in fixed point of 22 bits, columns before rows (Pillow 13 takes rows
+/// first of some sizes, and differs by a level there).
 ///
 /// # Limits
 ///
@@ -46,6 +49,7 @@ pub fn resize(source: &RgbImage, width_px: u32, height_px: u32, how: Interpolati
             }
         }
         Interpolation::Area => linear::resize(source, x, y, linear::Weights::Edges),
+        Interpolation::Antialiased => antialiased::resize(source, x, y),
     };
     RgbImage::from_raw(width_px, height_px, pixels)
         .unwrap_or_else(|| RgbImage::new(width_px, height_px))

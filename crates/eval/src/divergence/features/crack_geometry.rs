@@ -137,13 +137,10 @@ fn branch_lengths(neighbors: &[Vec<(usize, f64)>]) -> Vec<f64> {
     for start in starts {
         for first in 0..n_of(start) {
             let (mut node, mut exit, mut length) = (start, first, 0.0);
-            loop {
-                let Some(flag) = is_walked
-                    .get_mut(node)
-                    .and_then(|flags| flags.get_mut(exit))
-                else {
-                    break;
-                };
+            while let Some(flag) = is_walked
+                .get_mut(node)
+                .and_then(|flags| flags.get_mut(exit))
+            {
                 if *flag {
                     break;
                 }

@@ -25,7 +25,7 @@ impl Gaussian {
     /// matrix is not finite or not symmetric. That it is positive is checked where it matters.
     pub fn new(mean: Vec<f64>, covariance: Vec<f64>) -> Result<Self, EvalError> {
         let d = mean.len();
-        let expected = d.checked_mul(d).unwrap_or(usize::MAX);
+        let expected = d.saturating_mul(d);
         if d == 0 || covariance.len() != expected {
             return Err(EvalError::Dimensions {
                 what: "a covariance",

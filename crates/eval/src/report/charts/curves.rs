@@ -1,15 +1,17 @@
 //! Points and lines over a number: failure over coverage, AP over severity, found over time.
 
-use kuva::prelude::{LinePlot, MarkerShape, Plot, ScatterPlot, TickFormat};
+use kuva::prelude::{LinePlot, MarkerShape, Plot, ScatterPlot, TextAnnotation, TickFormat};
 
-use super::{ChartText, Ink, finish, layout};
+use super::{Chart, ChartText, Ink, KeyEntry, finish, layout, letter_of};
 
 /// A point with the ends of its interval.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(in crate::report) struct CurvePoint {
     pub(in crate::report) x: f64,
     pub(in crate::report) y: f64,
     pub(in crate::report) interval: Option<[f64; 2]>,
+    /// What stands above it at the top of the chart: how many objects it rests on.
+    pub(in crate::report) words: Option<String>,
 }
 
 /// How a curve is drawn.
@@ -19,8 +21,6 @@ pub(in crate::report) enum CurveStyle {
     Points,
     /// Markers with intervals, joined.
     JoinedPoints,
-    /// A line alone.
-    Line,
     /// A dashed line alone.
     Dashed,
     /// A line that jumps.
@@ -45,7 +45,7 @@ pub(in crate::report) fn curve_chart(
     (x, x_step, x_label): Axis<'_>,
     (y, y_step, y_label): Axis<'_>,
     text: &ChartText<'_>,
-) -> String {
+) -> Chart {
     let mut plots = Vec::new();
     for curve in curves {
         let at = curve.points.iter().map(|point| (point.x, point.y));
@@ -64,9 +64,6 @@ pub(in crate::report) fn curve_chart(
                 CurveStyle::Steps => line.with_step(),
                 _ => line,
             };
-            if !has_points {
-                line = line.with_legend(curve.name);
-            }
             plots.push(Plot::Line(line));
         }
         if has_points {
@@ -75,17 +72,39 @@ pub(in crate::report) fn curve_chart(
                 .with_y_err_asymmetric(arms)
                 .with_color(curve.ink.css())
                 .with_marker(curve.marker)
-                .with_size(4.5)
-                .with_legend(curve.name);
+                .with_size(4.5);
             plots.push(Plot::Scatter(points));
         }
     }
-    let layout = layout(x, y, 380.0)
+    let mut layout = layout(x, y, 380.0)
         .with_x_tick_step(x_step)
         .with_y_tick_step(y_step)
         .with_x_tick_format(TickFormat::Auto)
         .with_y_tick_format(TickFormat::Auto)
         .with_x_label(x_label)
         .with_y_label(y_label);
-    finish(plots, layout, text)
+    // Words stand in a row at the top; where two would touch, the table alone has the second.
+    let width = x.1 - x.0;
+    let mut is_free_from = x.0;
+    let points = curves.iter().flat_map(|curve| &curve.points);
+    for (point, words) in points.filter_map(|p| Some((p, p.words.as_ref()?))) {
+        let at = point.x.clamp(x.0 + width * 0.045, x.1 - width * 0.045);
+        if at < is_free_from {
+            continue;
+        }
+        is_free_from = at + width * 0.1;
+        let note = TextAnnotation::new(words.as_str(), at, y.0 + (y.1 - y.0) * 0.96)
+            .with_font_size(11)
+            .with_color("var(--soft)");
+        layout = layout.with_annotation(note);
+    }
+    let key = curves.iter().map(|curve| {
+        let mark = match curve.style {
+            CurveStyle::Points | CurveStyle::JoinedPoints => letter_of(curve.marker),
+            CurveStyle::Steps => "━",
+            CurveStyle::Dashed => "╍",
+        };
+        KeyEntry::new(curve.name, curve.ink, mark)
+    });
+    finish(plots, layout, text, key.collect())
 }

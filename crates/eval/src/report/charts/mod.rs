@@ -5,10 +5,13 @@ mod bars;
 mod curves;
 mod rows;
 
+use std::sync::Arc;
+
 use kuva::backend::svg::SvgBackend;
-use kuva::prelude::{Layout, LegendPosition, Plot};
+use kuva::prelude::{Layout, MarkerShape, Plot, TickFormat};
 use kuva::render::render::render_multiple;
 use kuva::render::theme::Theme;
+use serde::Serialize;
 
 pub(super) use bars::bar_chart;
 pub(super) use curves::{Curve, CurvePoint, CurveStyle, curve_chart};
@@ -30,6 +33,40 @@ pub(super) struct ChartText<'a> {
     pub(super) description: &'a str,
 }
 
+/// A chart: the picture, and what its colors and marks mean, which stands above it as text.
+pub(super) struct Chart {
+    pub(super) svg: String,
+    pub(super) key: Vec<KeyEntry>,
+}
+
+/// What a color and mark mean.
+#[derive(Debug, Serialize)]
+pub(super) struct KeyEntry {
+    name: String,
+    color: &'static str,
+    mark: &'static str,
+}
+
+impl KeyEntry {
+    fn new(name: &str, ink: Ink, mark: &'static str) -> Self {
+        Self {
+            name: name.to_owned(),
+            color: ink.class(),
+            mark,
+        }
+    }
+}
+
+/// A letter that looks like a marker.
+fn letter_of(marker: MarkerShape) -> &'static str {
+    match marker {
+        MarkerShape::Diamond => "◆",
+        MarkerShape::Square => "■",
+        MarkerShape::Triangle => "▲",
+        _ => "●",
+    }
+}
+
 /// Name of a series' color in the style sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ink {
@@ -38,7 +75,6 @@ pub(super) enum Ink {
     Third,
     Fourth,
     Fifth,
-    Faint,
 }
 
 impl Ink {
@@ -49,7 +85,16 @@ impl Ink {
             Self::Third => "var(--third)",
             Self::Fourth => "var(--fourth)",
             Self::Fifth => "var(--fifth)",
-            Self::Faint => "var(--grid)",
+        }
+    }
+
+    fn class(self) -> &'static str {
+        match self {
+            Self::Clean => "clean",
+            Self::Cracked => "cracked",
+            Self::Third => "third",
+            Self::Fourth => "fourth",
+            Self::Fifth => "fifth",
         }
     }
 
@@ -82,8 +127,6 @@ fn layout(x: (f64, f64), y: (f64, f64), height: f64) -> Layout {
         .with_theme(theme)
         .with_width(WIDTH)
         .with_height(height)
-        .with_legend_position(LegendPosition::OutsideTopLeft)
-        .with_legend_box(false)
         .with_tick_size(13)
         .with_label_size(14)
         .with_body_size(13)
@@ -95,7 +138,7 @@ fn layout(x: (f64, f64), y: (f64, f64), height: f64) -> Layout {
 }
 
 /// The SVG of plots, with its own words, a view box in place of a size, and ids of its own.
-fn finish(plots: Vec<Plot>, layout: Layout, text: &ChartText<'_>) -> String {
+fn finish(plots: Vec<Plot>, layout: Layout, text: &ChartText<'_>, key: Vec<KeyEntry>) -> Chart {
     let scene = render_multiple(plots, layout);
     let (width, height) = (scene.width, scene.height);
     let svg = SvgBackend::new().render_scene(&scene);
@@ -107,13 +150,14 @@ fn finish(plots: Vec<Plot>, layout: Layout, text: &ChartText<'_>) -> String {
     let inside = inside
         .replace(" id=\"", &format!(" id=\"{id}-"))
         .replace("url(#", &format!("url(#{id}-"));
-    format!(
+    let svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 {width:.0} {height:.0}\" \
          role=\"img\" aria-labelledby=\"{id}-title {id}-desc\"><title id=\"{id}-title\">{}</title>\
          <desc id=\"{id}-desc\">{}</desc>{inside}",
         escaped(text.title),
         escaped(text.description),
-    )
+    );
+    Chart { svg, key }
 }
 
 /// Text between tags.
@@ -121,6 +165,24 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")
+}
+
+/// The words of an axis whose marks stand at 1, 2, …: names, from the end nearest to the origin.
+fn names_at_marks(names: Vec<String>) -> TickFormat {
+    let at = move |value: f64| {
+        let is_at = |place: usize| (count(place + 1) - value).abs() < 1e-6;
+        let place = (0..names.len()).find(|place| is_at(*place));
+        place
+            .and_then(|place| names.get(place))
+            .cloned()
+            .unwrap_or_default()
+    };
+    TickFormat::Custom(Arc::new(at))
+}
+
+/// A count of rows or series as a place on an axis.
+fn count(n: usize) -> f64 {
+    f64::from(u32::try_from(n).unwrap_or(u32::MAX))
 }
 
 /// A name as kuva is to draw it: short, and no formula of TeX.

@@ -1,8 +1,10 @@
 //! Points with intervals in named rows: AP per class, clean above cracked.
 
-use kuva::prelude::{MarkerShape, Plot, ReferenceLine, ScatterPlot, TickFormat};
+use kuva::prelude::{MarkerShape, Plot, ScatterPlot, TickFormat};
 
-use super::{ChartText, Ink, finish, label, layout};
+use super::{
+    Chart, ChartText, Ink, KeyEntry, count, finish, label, layout, letter_of, names_at_marks,
+};
 
 /// A point in a row.
 #[derive(Debug, Clone, Copy)]
@@ -34,7 +36,7 @@ pub(in crate::report) fn row_chart(
     (x, step): ((f64, f64), f64),
     x_label: &str,
     text: &ChartText<'_>,
-) -> String {
+) -> Chart {
     let n_rows = count(names.len());
     let spread = 0.34;
     let n_series = count(series.len());
@@ -52,31 +54,20 @@ pub(in crate::report) fn row_chart(
                 .with_x_err_asymmetric(arms)
                 .with_color(one.ink.css())
                 .with_marker(one.marker)
-                .with_size(4.5)
-                .with_legend(one.name),
+                .with_size(4.5),
         )
     });
     let mut labels: Vec<String> = names.iter().map(|name| label(name)).collect();
     labels.reverse();
     let height = ROW_HEIGHT * n_rows + FRAME_HEIGHT;
-    let mut layout = layout(x, (0.4, n_rows + 0.6), height)
-        .with_y_categories(labels)
+    let layout = layout(x, (0.4, n_rows + 0.6), height)
+        .with_y_tick_step(1.0)
+        .with_y_tick_format(names_at_marks(labels))
         .with_x_tick_step(step)
         .with_x_tick_format(TickFormat::Auto)
         .with_x_label(x_label);
-    let mut at = x.0;
-    while at <= x.1 + step * 1e-6 {
-        let line = ReferenceLine::vertical(at)
-            .with_color(Ink::Faint.css())
-            .with_dasharray("none")
-            .with_stroke_width(1.0);
-        layout = layout.with_reference_line(line);
-        at += step;
-    }
-    finish(plots.collect(), layout, text)
-}
-
-/// A count of rows or series as a place on an axis.
-fn count(n: usize) -> f64 {
-    f64::from(u32::try_from(n).unwrap_or(u32::MAX))
+    let key = series
+        .iter()
+        .map(|one| KeyEntry::new(one.name, one.ink, letter_of(one.marker)));
+    finish(plots.collect(), layout, text, key.collect())
 }

@@ -13,8 +13,8 @@ const TERMS: &[Term] = &[
         word: "AP50, AP75, AP",
         meaning: "Average precision: the mean precision over all recalls (101 of them, by the rules of \
                   MS-COCO) when a detection counts as right from an IoU of 0.5 or 0.75 on; AP alone is the mean \
-                  over the IoUs 0.50, 0.55, …, 0.95. Over several classes it is the mean of theirs; a \
-                  supercategory pools the boxes of its classes by class and averages.",
+                  over the IoUs 0.50, 0.55, …, 0.95. Over all classes it is the mean of theirs; of a \
+                  supercategory, its classes count as one.",
     },
     Term {
         word: "AP40, AP11",
@@ -66,7 +66,7 @@ const TERMS: &[Term] = &[
         word: "Kinds of errors (TIDE)",
         meaning: "What AP50 would gain if all errors of a kind were mended: wrong class in the right place, \
                   poor overlap, both, a second detection of the same object, a detection of nothing, an object \
-                  missed. The kinds do not add up to 100.",
+                  missed. Mending one kind changes the others, so they do not add up.",
     },
     Term {
         word: "mPC and rPC",

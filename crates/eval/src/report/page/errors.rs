@@ -4,7 +4,7 @@ use super::super::charts::{ChartText, bar_chart};
 use super::super::words;
 use super::failures::nice_step;
 use super::{Block, Cell, Table};
-use crate::evaluation::{Evaluation, LabelAudit, TideErrors};
+use crate::evaluation::{Evaluation, LabelAudit, LabelVerdict, TideErrors};
 
 pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
     let mut blocks = Vec::new();
@@ -73,7 +73,7 @@ fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
     let step = nice_step(end);
     let end = ((end / step).ceil() * step).max(step);
     let chart_id = format!("{id}-tide-chart");
-    let svg = bar_chart(
+    let chart = bar_chart(
         &rows,
         (end, step),
         "gain of AP50, points",
@@ -85,7 +85,8 @@ fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
     );
     Block::Chart {
         id: format!("fig-{chart_id}"),
-        svg,
+        svg: chart.svg,
+        key: chart.key,
         caption: format!(
             "Error types after TIDE, whole images: what AP50 ({} clean, {} cracked) would gain if the \
              errors of a kind were mended.",
@@ -97,25 +98,25 @@ fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
 }
 
 fn audit_text(audit: &LabelAudit) -> String {
-    let mut text = format!(
-        "Of {} objects of the clean images that some detection covers well, {} have the detection's \
-         class.",
-        words::count(audit.n_pairs),
-        words::count(audit.n_agreeing),
+    let agreement = audit.agreement.value.map_or_else(
+        || words::NOTHING.to_owned(),
+        |share| format!("{} %", words::percent(share)),
     );
-    if let Some(map) = &audit.better_map {
-        let n = audit
-            .n_agreeing_under_better_map
-            .map_or(String::new(), |n| format!(" ({})", words::count(n)));
-        text.push_str(&format!(
-            " With the detector's classes {} more would agree{n}: the label map is probably wrong, and \
-             every number per class with it.",
-            words::name(map)
-        ));
-    } else {
-        text.push_str(" No other label map agrees better.");
-    }
-    text
+    let verdict = match audit.verdict {
+        LabelVerdict::Fits => "No other label map agrees clearly better.",
+        LabelVerdict::Wrong => {
+            "Another label map agrees clearly better: the one in use is probably wrong, and every \
+             number per class with it."
+        }
+        LabelVerdict::Unexplained => "No other label map explains the disagreement.",
+        LabelVerdict::TooFew => "That is too little to tell.",
+    };
+    let advice = audit.advice.as_deref().map(words::name).unwrap_or_default();
+    format!(
+        "{} objects of the clean images are covered well by a detection of whatever class; the class is the \
+         same in {agreement}. {verdict} {advice}",
+        words::count(audit.n_pairs),
+    )
 }
 
 fn audit_table(audit: &LabelAudit) -> Table {

@@ -5,9 +5,11 @@ use kuva::prelude::MarkerShape;
 use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
 use super::super::words;
 use super::overview::is_own_tau;
+use super::precision::group_name;
 use super::{Block, Cell, Table};
 use crate::evaluation::{
-    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, GroupKind, LogisticFit, Study,
+    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, GroupKind, LogisticFit, Scope,
+    ScopeKind, Study,
 };
 
 /// Points of a fitted curve.
@@ -30,59 +32,108 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
                 settings.score_threshold, settings.iou_threshold
             ),
         },
-        Block::Table {
-            table: rate_table(study, &failures.rates),
-        },
     ];
+    blocks.extend(rate_blocks(study, &failures.rates));
     for (place, dose) in failures.dose_responses.iter().enumerate() {
         blocks.extend(dose_chart(dose, &format!("{id}-dose{place}")));
     }
     blocks.extend(new_table(failures).map(|table| Block::Table { table }));
-    blocks.extend(shift_table(failures).map(|table| Block::Table { table }));
-    blocks.extend(flip_table(failures).map(|table| Block::Table { table }));
+    blocks.extend(shift_table(study, failures).map(|table| Block::Table { table }));
+    blocks.extend(flip_table(study, failures).map(|table| Block::Table { table }));
     blocks
 }
 
-/// Sums and supercategories at every place, classes at the study's own τ where there is a rate.
-fn rate_table(study: &Study, rates: &[FailureRow]) -> Table {
-    let mut table = Table::new(
-        "Lost and recovered objects, with Wilson's 95 % intervals; p of McNemar's exact test of lost \
-         against recovered, corrected by Holm's method over the classes.",
-        &[
-            ("Class", false),
-            ("Where", false),
-            ("Objects", true),
-            ("Found clean", true),
-            ("Found cracked", true),
-            ("Lost", true),
-            ("Recovered", true),
-            ("Failure rate, %", true),
-            ("p", true),
-        ],
-    );
+/// All classes everywhere, then the groups in the region, and folded away the same elsewhere.
+fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
+    let mut scopes: Vec<&Scope> = Vec::new();
     for row in rates {
-        let is_class = row.group.kind == GroupKind::Class;
-        let is_shown =
-            !is_class || (row.failure_rate.value.is_some() && is_own_tau(study, row.scope.tau));
-        if !is_shown {
+        if !scopes.contains(&&row.scope) {
+            scopes.push(&row.scope);
+        }
+    }
+    let all = rates.iter().filter(|row| row.group.kind == GroupKind::All);
+    let mut blocks = vec![Block::Table {
+        table: rate_table(
+            true,
+            "All classes, in the region and outside of it: lost and recovered objects, with Wilson's 95 % \
+             intervals, which take objects as independent, and beside them intervals over images, which do \
+             not; p of McNemar's exact test of lost against recovered.",
+            "Where",
+            all.map(|row| (words::scope(&row.scope), row)),
+        ),
+    }];
+    for scope in scopes {
+        let groups: Vec<&FailureRow> = rates
+            .iter()
+            .filter(|row| row.scope == *scope && row.group.kind != GroupKind::All)
+            .filter(|row| row.failure_rate.value.is_some())
+            .collect();
+        if groups.is_empty() {
             continue;
         }
-        let who = match row.group.kind {
-            GroupKind::All => "all classes".to_owned(),
-            GroupKind::Supercategory => format!("{} (all)", row.group.name),
-            GroupKind::Class => row.group.name.clone(),
-        };
-        let cells = vec![
-            Cell::head(who),
-            Cell::text(words::scope(&row.scope)),
+        let place = words::scope(scope);
+        let caption = format!(
+            "Supercategories and classes with enough objects {place}; p corrected by Holm's method over \
+             the classes."
+        );
+        let table = rate_table(
+            false,
+            &caption,
+            "Class",
+            groups.into_iter().map(|row| (group_name(&row.group), row)),
+        );
+        let is_main = scope.kind == ScopeKind::InRegion && is_own_tau(study, scope.tau);
+        blocks.push(match is_main {
+            true => Block::Table { table },
+            false => Block::Fold {
+                title: format!("Failure rates per class {place}"),
+                blocks: vec![Block::Table { table }],
+            },
+        });
+    }
+    blocks
+}
+
+fn rate_table<'a>(
+    has_images: bool,
+    caption: &str,
+    what: &'static str,
+    rows: impl Iterator<Item = (String, &'a FailureRow)>,
+) -> Table {
+    let mut columns = vec![
+        (what, false),
+        ("Objects", true),
+        ("Found clean", true),
+        ("Found cracked", true),
+        ("Lost", true),
+        ("Recovered", true),
+        ("Failure rate, %", true),
+    ];
+    if has_images {
+        columns.push(("Over images, %", true));
+    }
+    columns.push(("p", true));
+    let mut table = Table::new(caption, &columns);
+    for (name, row) in rows {
+        let rate = table.estimate(&row.failure_rate, words::percent);
+        let mut cells = vec![
+            Cell::head(name),
             Cell::count(row.n_objects),
             Cell::count(row.n_found_clean),
             Cell::count(row.n_found_cracked),
             Cell::count(row.n_lost),
             Cell::count(row.n_recovered),
-            table.estimate(&row.failure_rate, words::percent),
-            Cell::probability(row.p_holm.or(row.p)),
+            rate,
         ];
+        if has_images {
+            let ends = row.failure_rate_over_images.as_ref();
+            let ends = ends.and_then(Estimate::interval);
+            cells.push(Cell::text(ends.map_or_else(
+                || words::NOTHING.to_owned(),
+                |[low, high]| format!("[{}, {}]", words::percent(low), words::percent(high)),
+            )));
+        }
+        cells.push(Cell::probability(row.p_holm.or(row.p)));
         table.push(cells);
     }
     table
@@ -110,9 +161,11 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         ],
     );
     let mut points = Vec::new();
+    // The last bin may be long and have its objects near its beginning.
     let mut end = 0.0_f64;
     for bin in &dose.bins {
-        end = end.max(bin.high);
+        let mean = bin.mean.unwrap_or(bin.low);
+        end = end.max(bin.high.min(mean * 1.25));
         let rate = table.estimate(&bin.rate, words::percent);
         table.push(vec![
             Cell::number(Some(bin.low), three_digits),
@@ -127,6 +180,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
                 x: bin.mean.unwrap_or((bin.low + bin.high) / 2.0),
                 y: value * 100.0,
                 interval: bin.rate.interval().map(|ends| ends.map(|v| v * 100.0)),
+                words: Some(format!("n={}", bin.n)),
             });
         }
     }
@@ -151,14 +205,14 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         style: CurveStyle::Points,
         points,
     });
-    let svg = curve_chart(
+    let chart = curve_chart(
         &curves,
         (
             (0.0, end),
             nice_step(end),
             &format!("{fact} of the object{unit}"),
         ),
-        ((0.0, 100.0), 20.0, "failure rate, %"),
+        ((0.0, 108.0), 20.0, "failure rate, %"),
         &ChartText {
             id,
             title: &format!("Failure rate over {fact}"),
@@ -168,10 +222,11 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
     );
     Some(Block::Chart {
         id: format!("fig-{id}"),
-        svg,
+        svg: chart.svg,
+        key: chart.key,
         caption: format!(
             "Share of the objects found clean that is lost, over {fact}{unit}.{}",
-            dose.fit.as_ref().map_or(String::new(), |fit| fit_text(fit))
+            dose.fit.as_ref().map_or(String::new(), fit_text)
         ),
         table: Some(table),
     })
@@ -207,6 +262,7 @@ fn fit_points(fit: &LogisticFit, end: f64) -> Vec<CurvePoint> {
             x,
             y: 100.0 / (1.0 + (-(fit.intercept + slope * x)).exp()),
             interval: None,
+            words: None,
         }
     };
     (0..=N_CURVE_POINTS).map(at).collect()
@@ -266,13 +322,14 @@ fn signed_three_digits(value: f64) -> String {
     text
 }
 
-fn shift_table(failures: &FailureResults) -> Option<Table> {
+fn shift_table(study: &Study, failures: &FailureResults) -> Option<Table> {
     let is_shown =
         |kind: GroupKind, score: &Estimate| kind != GroupKind::Class || score.value.is_some();
     let rows: Vec<_> = failures
         .shifts
         .iter()
         .filter(|row| is_shown(row.group.kind, &row.score))
+        .filter(|row| is_own_tau(study, row.scope.tau))
         .collect();
     if rows.is_empty() {
         return None;
@@ -294,10 +351,7 @@ fn shift_table(failures: &FailureResults) -> Option<Table> {
         let score = table.estimate(&row.score, signed_three_digits);
         let iou = table.estimate(&row.iou, signed_three_digits);
         table.push(vec![
-            Cell::head(match row.group.kind {
-                GroupKind::All => "all classes",
-                _ => row.group.name.as_str(),
-            }),
+            Cell::head(group_name(&row.group)),
             Cell::text(words::scope(&row.scope)),
             Cell::count(row.n_pairs),
             score,
@@ -309,7 +363,7 @@ fn shift_table(failures: &FailureResults) -> Option<Table> {
     Some(table)
 }
 
-fn flip_table(failures: &FailureResults) -> Option<Table> {
+fn flip_table(study: &Study, failures: &FailureResults) -> Option<Table> {
     if failures.flips.is_empty() {
         return None;
     }
@@ -323,7 +377,8 @@ fn flip_table(failures: &FailureResults) -> Option<Table> {
             ("Commonest", false),
         ],
     );
-    for row in &failures.flips {
+    let of_tau = failures.flips.iter();
+    for row in of_tau.filter(|row| is_own_tau(study, row.scope.tau)) {
         let commonest: Vec<String> = row
             .commonest
             .iter()
@@ -353,7 +408,7 @@ mod tests {
     fn marks_stand_at_round_numbers() {
         for (end, step) in [
             (1.0, 0.2),
-            (0.37, 0.1),
+            (0.37, 0.05),
             (7.0, 1.0),
             (48.0, 10.0),
             (0.0, 1.0),

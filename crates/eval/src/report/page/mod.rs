@@ -16,6 +16,7 @@ use serde::Serialize;
 
 use crate::evaluation::{Evaluation, Study, Warning, WarningKind};
 
+use super::charts::KeyEntry;
 use super::words;
 pub(super) use table::{Cell, Table};
 
@@ -52,14 +53,13 @@ pub(super) enum Block {
     Heading { id: String, text: String },
     /// A paragraph.
     Text { text: String },
-    /// A list of short points.
-    Points { points: Vec<String> },
     /// A table.
     Table { table: Table },
     /// A chart with the table of its numbers, folded away if it is only that.
     Chart {
         id: String,
         svg: String,
+        key: Vec<KeyEntry>,
         caption: String,
         table: Option<Table>,
     },
@@ -100,27 +100,43 @@ pub(super) fn page(study: &Study) -> Page {
     }
 }
 
-/// What a reader must know first: of the study, then of each evaluation, each text once.
+/// What a reader must know first: of the study, then of the evaluations; what several of them say in the
+/// same words is said once, with how many they are.
 fn warnings(study: &Study) -> Vec<PageWarning> {
-    let of_evaluations = study.evaluations.iter().flat_map(|one| {
-        let is_alone = study.evaluations.len() == 1;
-        let whose = move |text: &str| match is_alone {
-            true => words::name(text),
-            false => words::name(&format!("{}, {}: {text}", one.detector, one.condition.name)),
-        };
-        one.warnings.iter().map(move |w| (w, whose(&w.text)))
-    });
-    let of_study = study.warnings.iter().map(|w| (w, words::name(&w.text)));
-    let mut warnings: Vec<PageWarning> = Vec::new();
-    for (Warning { kind, .. }, text) in of_study.chain(of_evaluations) {
-        if warnings.iter().all(|known| known.text != text) {
-            warnings.push(PageWarning {
-                about: about(*kind),
-                text,
-            });
+    let page_warning = |warning: &Warning, text: String| PageWarning {
+        about: about(warning.kind),
+        text,
+    };
+    let mut all: Vec<PageWarning> = Vec::new();
+    for warning in &study.warnings {
+        all.push(page_warning(warning, words::name(&warning.text)));
+    }
+    let mut groups: Vec<(&Warning, Vec<String>)> = Vec::new();
+    for one in &study.evaluations {
+        let who = format!("{}, {}", one.detector, one.condition.name);
+        for warning in &one.warnings {
+            match groups.iter_mut().find(|(known, _)| *known == warning) {
+                Some((_, list)) => list.push(who.clone()),
+                None => groups.push((warning, vec![who.clone()])),
+            }
         }
     }
-    warnings
+    let n_evaluations = study.evaluations.len();
+    for (warning, who) in groups {
+        let text = match who.as_slice() {
+            _ if n_evaluations == 1 => warning.text.clone(),
+            _ if who.len() == n_evaluations => {
+                format!("All {n_evaluations} evaluations: {}", warning.text)
+            }
+            [alone] => format!("{alone}: {}", warning.text),
+            [first, others @ ..] => {
+                format!("{first}, and {} more: {}", others.len(), warning.text)
+            }
+            [] => continue,
+        };
+        all.push(page_warning(warning, words::name(&text)));
+    }
+    all
 }
 
 fn about(kind: WarningKind) -> &'static str {

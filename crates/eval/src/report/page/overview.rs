@@ -67,8 +67,17 @@ pub(super) fn subtitle(study: &Study) -> String {
         study.dataset,
         plural(detectors.len(), "detector"),
         plural(conditions.len(), "condition"),
-        study.provenance.settings.protocol,
+        protocol_name(&study.provenance.settings.protocol),
     ))
+}
+
+fn protocol_name(protocol: &str) -> &str {
+    match protocol {
+        "coco" => "MS-COCO",
+        "kitti" => "KITTI",
+        "bdd" => "BDD100K",
+        other => other,
+    }
 }
 
 fn plural(n: usize, what: &str) -> String {
@@ -81,10 +90,10 @@ fn plural(n: usize, what: &str) -> String {
 /// The findings, one sentence each.
 pub(super) fn facts(study: &Study) -> Vec<String> {
     let mut facts = Vec::new();
+    if study.evaluations.len() > 4 {
+        return facts_of_many(study);
+    }
     for one in &study.evaluations {
-        if study.evaluations.len() > 6 {
-            break;
-        }
         let who = format!("{}, {}", one.detector, one.condition.name);
         if let Some(row) = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)
             && let (Some(clean), Some(cracked), Some(delta)) =
@@ -125,6 +134,65 @@ pub(super) fn facts(study: &Study) -> Vec<String> {
         }
     }
     facts
+}
+
+/// The same of many conditions: from which to which value, per detector.
+fn facts_of_many(study: &Study) -> Vec<String> {
+    let mut detectors: Vec<&str> = Vec::new();
+    for one in &study.evaluations {
+        if !detectors.contains(&one.detector.as_str()) {
+            detectors.push(&one.detector);
+        }
+    }
+    let fact = |detector: &&str| {
+        let of_detector: Vec<&Evaluation> = study
+            .evaluations
+            .iter()
+            .filter(|one| one.detector == *detector)
+            .collect();
+        let deltas = of_detector.iter().filter_map(|one| {
+            headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)?
+                .delta
+                .value
+        });
+        let rates = |kind| {
+            let rate =
+                move |one: &&Evaluation| headline_failure(study, one, kind)?.failure_rate.value;
+            span(of_detector.iter().filter_map(rate))
+        };
+        let [least, most] = span(deltas)?;
+        let mut text = format!(
+            "{detector}: over {} conditions AP50 in the region changes by {} to {} points",
+            of_detector.len(),
+            words::signed_percent(least),
+            words::signed_percent(most),
+        );
+        for (kind, place) in [
+            (ScopeKind::InRegion, "in the region"),
+            (ScopeKind::OutOfRegion, "outside of it"),
+        ] {
+            if let Some([least, most]) = rates(kind) {
+                text.push_str(&format!(
+                    "; {place} {} to {} % of the objects found clean are lost",
+                    words::percent(least),
+                    words::percent(most),
+                ));
+            }
+        }
+        text.push('.');
+        Some(words::name(&text))
+    };
+    detectors.iter().filter_map(fact).collect()
+}
+
+/// Least and greatest of values.
+fn span(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    values.fold(None, |ends: Option<[f64; 2]>, value| {
+        Some(match ends {
+            None => [value, value],
+            Some([least, most]) => [least.min(value), most.max(value)],
+        })
+    })
 }
 
 pub(super) fn section(study: &Study) -> Section {
@@ -248,6 +316,7 @@ fn severity_chart(study: &Study) -> Option<Block> {
                 x: severity.into(),
                 y,
                 interval,
+                words: None,
             });
         }
         let markers = [
@@ -267,7 +336,7 @@ fn severity_chart(study: &Study) -> Option<Block> {
     if n_severities < 2 {
         return None;
     }
-    let svg = curve_chart(
+    let chart = curve_chart(
         &curves,
         ((0.5, 5.5), 1.0, "severity"),
         ((0.0, 100.0), 20.0, "AP50 in the region, %"),
@@ -279,7 +348,8 @@ fn severity_chart(study: &Study) -> Option<Block> {
     );
     Some(Block::Chart {
         id: "fig-severities".to_owned(),
-        svg,
+        svg: chart.svg,
+        key: chart.key,
         caption:
             "AP50 of all classes in the region over the severity of the cracks. The region grows \
                   with the severity, so that each point has objects of its own."

@@ -57,17 +57,28 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
             table: paired_table(evaluation, main),
         });
     }
+    // The control first, then everything, then other thresholds.
+    let rank = |scope: &Scope| match (scope.kind, is_own_tau(study, scope.tau)) {
+        (ScopeKind::OutOfRegion, true) => 0,
+        (ScopeKind::WholeImage, _) => 1,
+        _ => 2,
+    };
+    scopes.sort_by_key(|scope| rank(scope));
     for scope in scopes {
         if Some(scope) == main {
             continue;
         }
         blocks.push(Block::Fold {
-            title: format!("The same {}", words::scope(scope)),
+            title: format!("Average precision, {}", words::scope(scope)),
             blocks: vec![Block::Table {
                 table: paired_table(evaluation, scope),
             }],
         });
     }
+    blocks.extend(subset_table(evaluation).map(|table| Block::Fold {
+        title: "By coverage, and by size in the region".to_owned(),
+        blocks: vec![Block::Table { table }],
+    }));
     blocks.extend(coco_table(evaluation).map(|table| Block::Fold {
         title: "The twelve numbers of MS-COCO, whole images".to_owned(),
         blocks: vec![Block::Table { table }],
@@ -179,7 +190,7 @@ fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
     let metric = words::metric(metric);
     let place = words::scope(scope);
     let chart_id = format!("{id}-ap-chart");
-    let svg = row_chart(
+    let chart = row_chart(
         &names,
         &series,
         ((0.0, 100.0), 20.0),
@@ -192,7 +203,8 @@ fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
     );
     Some(Block::Chart {
         id: format!("fig-{chart_id}"),
-        svg,
+        svg: chart.svg,
+        key: chart.key,
         caption: format!(
             "{metric} {place} of all classes, supercategories and classes with enough objects; lines \
              are 95 % intervals of the bootstrap over images."
@@ -201,7 +213,7 @@ fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
     })
 }
 
-fn group_name(group: &Group) -> String {
+pub(super) fn group_name(group: &Group) -> String {
     match group.kind {
         GroupKind::All => "all classes".to_owned(),
         GroupKind::Supercategory => format!("{} (all)", words::name(&group.name)),
@@ -234,7 +246,9 @@ fn paired_table(evaluation: &Evaluation, scope: &Scope) -> Table {
             .collect();
         let is_empty = |row: &Option<&PairedRow>| row.is_none_or(|row| row.clean.value.is_none());
         if group.kind == GroupKind::Class && rows.iter().all(is_empty) {
-            left_out.push(format!("{} ({n_objects})", words::name(&group.name)));
+            if n_objects > 0 {
+                left_out.push(format!("{} ({n_objects})", words::name(&group.name)));
+            }
             continue;
         }
         let n_images = rows.iter().flatten().map(|row| row.n_images).next();
@@ -260,12 +274,43 @@ fn paired_table(evaluation: &Evaluation, scope: &Scope) -> Table {
          permutation test, corrected by Holm's method."
     );
     if !left_out.is_empty() {
-        table.caption.push_str(&format!(
-            " Too few objects for a number of its own (how many there are): {}.",
+        table.remark(&format!(
+            "Classes with too few objects for a number of their own, and how many they have: {}.",
             left_out.join(", ")
         ));
     }
     table
+}
+
+/// AP50 of all classes by bin of coverage and by size.
+fn subset_table(evaluation: &Evaluation) -> Option<Table> {
+    let mut table = Table::new(
+        "AP50 of all classes by how much of an object the region covers, and by its size, percent; without \
+         intervals.",
+        &[
+            ("Objects of", false),
+            ("Objects", true),
+            ("Images", true),
+            ("AP50 clean", true),
+            ("AP50 cracked", true),
+        ],
+    );
+    let all = |row: &&crate::SubsetRow| row.group.kind == GroupKind::All;
+    for row in evaluation.subsets.iter().filter(all) {
+        let clean = table.estimate(&row.clean_ap50, words::percent);
+        let cracked = match &row.cracked_ap50 {
+            Some(cracked) => table.estimate(cracked, words::percent),
+            None => Cell::text(words::NOTHING),
+        };
+        table.push(vec![
+            Cell::head(&row.subset),
+            Cell::count(row.n_objects),
+            Cell::count(row.n_images),
+            clean,
+            cracked,
+        ]);
+    }
+    (!table.rows.is_empty()).then_some(table)
 }
 
 fn coco_table(evaluation: &Evaluation) -> Option<Table> {

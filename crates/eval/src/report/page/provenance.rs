@@ -26,7 +26,7 @@ pub(super) fn section(study: &Study) -> Section {
                 input
                     .n_bytes
                     .map_or_else(|| Cell::text(words::NOTHING), Cell::count),
-                Cell::text(&input.sha256),
+                Cell::hash(&input.sha256),
             ]);
         }
         blocks.push(Block::Table { table });

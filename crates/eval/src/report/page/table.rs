@@ -34,6 +34,8 @@ pub(in crate::report) struct Cell {
     sort: Option<f64>,
     mark: Option<String>,
     is_head: bool,
+    /// Letters that say nothing to a reader, to be broken anywhere.
+    is_hash: bool,
     /// Depth of its shade, percent.
     shade: Option<u8>,
 }
@@ -43,6 +45,14 @@ impl Cell {
         Self {
             text: words::name(text.as_ref()),
             ..Self::default()
+        }
+    }
+
+    /// A hash.
+    pub(in crate::report) fn hash(text: impl AsRef<str>) -> Self {
+        Self {
+            is_hash: true,
+            ..Self::text(text)
         }
     }
 
@@ -101,6 +111,14 @@ impl Table {
 
     pub(in crate::report) fn push(&mut self, row: Vec<Cell>) {
         self.rows.push(row);
+    }
+
+    /// A note that belongs to the whole table.
+    pub(in crate::report) fn remark(&mut self, text: &str) {
+        self.notes.push(Note {
+            mark: String::new(),
+            text: words::name(text),
+        });
     }
 
     /// A number with its interval below it, or a mark of the note that says why there is none.

@@ -41,6 +41,7 @@ fn chart(clip: &TimelineResults, id: &str) -> Option<Block> {
             x: frame.time_s,
             y: words::as_number(of(frame)),
             interval: None,
+            words: None,
         };
         clip.frames.iter().map(point).collect()
     };
@@ -73,7 +74,7 @@ fn chart(clip: &TimelineResults, id: &str) -> Option<Block> {
     ];
     let name = words::name(&clip.clip);
     let top = words::as_number(most) * 1.1;
-    let svg = curve_chart(
+    let chart = curve_chart(
         &curves,
         ((0.0, end), nice_step(end), "time, s"),
         ((0.0, top), nice_step(top).max(1.0), "objects"),
@@ -102,7 +103,8 @@ fn chart(clip: &TimelineResults, id: &str) -> Option<Block> {
     }
     Some(Block::Chart {
         id: format!("fig-{id}"),
-        svg,
+        svg: chart.svg,
+        key: chart.key,
         caption: format!("Objects found in each frame of {name}."),
         table: Some(table),
     })

@@ -1,0 +1,78 @@
+//! `detect` as it is typed.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+/// `starbreak detect`.
+#[derive(Debug, Args)]
+pub(crate) struct DetectArgs {
+    /// The dataset: kitti:DIR, coco:DIR, bdd:DIR, yolo:DIR, folder:DIR or list:FILE
+    #[arg(value_name = "FORMAT:PATH", required_unless_present = "list_contracts")]
+    pub(crate) source: Option<OsString>,
+    /// The detector, an ONNX file
+    #[arg(
+        long,
+        value_name = "FILE.onnx",
+        required_unless_present = "list_contracts"
+    )]
+    pub(crate) model: Option<PathBuf>,
+    /// Where the detections go
+    #[arg(
+        short,
+        long,
+        value_name = "OUT",
+        required_unless_present = "list_contracts"
+    )]
+    pub(crate) output: Option<PathBuf>,
+    /// What the model takes and gives: a preset, or a TOML file; without it the preset that fits
+    /// the model's inputs and outputs
+    #[arg(long, value_name = "PRESET|FILE")]
+    pub(crate) contract: Option<String>,
+    /// Print the presets of --contract instead
+    #[arg(long, exclusive = true)]
+    pub(crate) list_contracts: bool,
+    /// Leave out detections with a lower score, instead of the contract's threshold
+    #[arg(long, value_name = "0..1", value_parser = parse_score)]
+    pub(crate) score_threshold: Option<f32>,
+    /// Form of the detections: results of MS-COCO, of KITTI (OUT/data/NNNNNN.txt) or of BDD100K
+    #[arg(long, value_enum, default_value_t = ResultFormat::Coco)]
+    pub(crate) format: ResultFormat,
+    /// Which class of the model is which category of the dataset: a TOML file with schema = 1 and
+    /// [map] "class" = "category"; all others by equal names
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) label_map: Option<PathBuf>,
+    /// Only the first N images
+    #[arg(long, value_name = "N")]
+    pub(crate) limit: Option<usize>,
+    /// Run the model with this library of ONNX Runtime, such as
+    /// onnxruntime/capi/libonnxruntime.so.1.31.1 of the Python package
+    #[arg(long, value_name = "PATH")]
+    pub(crate) onnxruntime: Option<PathBuf>,
+    /// Run it on an NVIDIA GPU
+    #[arg(long, requires = "onnxruntime")]
+    pub(crate) cuda: bool,
+}
+
+/// Form of detections.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ResultFormat {
+    /// Results of MS-COCO: one JSON list
+    Coco,
+    /// Results of KITTI: a folder with one text per image
+    Kitti,
+    /// Frames of Scalabel, as BDD100K has them: one JSON list
+    Bdd,
+}
+
+fn parse_score(text: &str) -> Result<f32, String> {
+    let score: f32 = text
+        .parse()
+        .map_err(|_| "expected a number from 0 to 1".to_owned())?;
+    if (0.0..=1.0).contains(&score) {
+        Ok(score)
+    } else {
+        Err("expected a number from 0 to 1".to_owned())
+    }
+}

@@ -1,0 +1,389 @@
+//! `starbreak detect`: a detector over a dataset.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text, same_file};
+use starbreak_eval::detector::{
+    Backend, Contract, Detector, DetectorOptions, Device, ImageToSee, LabelMap, LabelRules, Seen,
+    preset_names,
+};
+use starbreak_eval::{Detection, Detections};
+
+use super::detect_labels::Referred;
+use crate::args::Global;
+use crate::args::detect::{DetectArgs, ResultFormat};
+use crate::failure::{Failure, SOME_FAILED};
+use crate::interrupt::Interrupt;
+use crate::screen::{Screen, path_text};
+
+/// Longest contract or label map that is read, bytes.
+const MOST_TOML_BYTES: u64 = 1 << 20;
+
+/// Names that are listed in a remark.
+const MOST_NAMED: usize = 12;
+
+pub(crate) fn run(
+    global: &Global,
+    args: &DetectArgs,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    let (Some(source), Some(model), Some(output)) = (&args.source, &args.model, &args.output)
+    else {
+        return list_contracts(screen);
+    };
+    refuse_output(args, model, output)?;
+    let spec = SourceSpec::parse(source)?;
+    let source = Source::open(&spec)?;
+    let detector = Detector::open(model, &options_of(args)?)?;
+    let images = images_of(&source, args.limit, screen)?;
+    let referred = Referred::of(&spec, &images, detector.classes())?;
+    let rules = match &args.label_map {
+        Some(path) => label_rules(path)?,
+        None => LabelRules::of_dataset(source.format().name())?,
+    };
+    let map = LabelMap::new(detector.classes(), &referred.labels.categories, &rules)?;
+    say_contract(&detector, screen);
+    say_unmapped(&map, screen);
+
+    let interrupt = Interrupt::listen();
+    let progress = screen.progress(images.len() as u64, "images");
+    let started = Instant::now();
+    let seen = detector.detect_all(
+        &images,
+        usize::from(global.threads),
+        interrupt.flag(),
+        &|image, found| {
+            progress.step();
+            if let Err(error) = found {
+                progress.line(&format!("error: {:?}: {error}", image.name));
+            }
+        },
+    );
+    progress.finish();
+    if seen.iter().any(Option::is_none) {
+        return Err(Failure::interrupted(
+            "interrupted: nothing was written; run the command again",
+        ));
+    }
+    let seconds = started.elapsed().as_secs_f64();
+    let results = Results::of(&images, &seen, &referred, &map);
+    if results.failures.len() == images.len() {
+        return Err(Failure {
+            message: format!(
+                "nothing was written: not one of {} images could be looked at, the first because: {}",
+                images.len(),
+                results
+                    .failures
+                    .first()
+                    .map_or("", |(_, error)| error.as_str())
+            ),
+            code: SOME_FAILED,
+        });
+    }
+    write(args.format, output, &results.detections, &referred)?;
+    let run = Run {
+        detector: &detector,
+        images: &images,
+        output,
+        seconds,
+    };
+    finish(&run, &results, &map, screen)
+}
+
+/// All files together, or none.
+fn write(
+    format: ResultFormat,
+    output: &Path,
+    detections: &Detections,
+    referred: &Referred,
+) -> Result<(), Failure> {
+    let labels = &referred.labels;
+    let files: Vec<(PathBuf, String)> = match format {
+        ResultFormat::Coco => vec![(output.to_owned(), detections.to_coco(labels))],
+        ResultFormat::Bdd => vec![(output.to_owned(), detections.to_scalabel(labels))],
+        ResultFormat::Kitti => {
+            let mut seen = referred.places.clone();
+            seen.sort_unstable();
+            // Frames that were not looked through have no file: they are not evaluated.
+            let files = (0_u32..).zip(detections.to_kitti(labels));
+            files
+                .filter(|(place, _)| seen.binary_search(place).is_ok())
+                .map(|(_, (name, text))| (output.join("data").join(name), text))
+                .collect()
+        }
+    };
+    let mut batch = OutputBatch::new();
+    for (path, text) in &files {
+        batch.stage(path, text.as_bytes())?;
+    }
+    batch.commit()?;
+    Ok(())
+}
+
+/// The output is none of the inputs, and can be written: better said before the work than after.
+fn refuse_output(args: &DetectArgs, model: &Path, output: &Path) -> Result<(), Failure> {
+    let contract = args.contract.as_deref().map(Path::new);
+    let inputs = [Some(model), contract, args.label_map.as_deref()];
+    if let Some(input) = inputs.into_iter().flatten().find(|&i| same_file(i, output)) {
+        return Err(Failure::wrong_input(format!(
+            "the output {output:?} would replace the input {input:?}; choose another name"
+        )));
+    }
+    let trial_path = match args.format {
+        ResultFormat::Coco | ResultFormat::Bdd => output.to_owned(),
+        ResultFormat::Kitti => output.join("data").join("000000.txt"),
+    };
+    let mut trial = OutputBatch::new_unsynced();
+    trial.stage(&trial_path, b"")?;
+    Ok(())
+}
+
+/// What is said of a run.
+struct Run<'a> {
+    detector: &'a Detector,
+    images: &'a [ImageToSee],
+    output: &'a Path,
+    seconds: f64,
+}
+
+fn list_contracts(screen: &Screen) -> Result<ExitCode, Failure> {
+    let mut lines = Vec::new();
+    for name in preset_names() {
+        lines.push(format!("{name:24} {}", Contract::preset(name)?.about));
+    }
+    screen.data(&lines.join("\n"))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The contract of a preset or a file.
+pub(super) fn contract_of(name: &str) -> Result<Contract, Failure> {
+    let is_preset = preset_names().any(|known| known == name);
+    if !is_preset && (name.ends_with(".toml") || Path::new(name).is_file()) {
+        let text = read_text(Path::new(name), MOST_TOML_BYTES)?;
+        return Ok(Contract::parse(name, &text.text)?);
+    }
+    // The error names the presets.
+    Ok(Contract::preset(name)?)
+}
+
+/// The label map in a file.
+pub(super) fn label_rules(path: &Path) -> Result<LabelRules, Failure> {
+    let text = read_text(path, MOST_TOML_BYTES)?;
+    Ok(LabelRules::parse(&path.to_string_lossy(), &text.text)?)
+}
+
+fn options_of(args: &DetectArgs) -> Result<DetectorOptions, Failure> {
+    let contract = args.contract.as_deref().map(contract_of).transpose()?;
+    let backend = match &args.onnxruntime {
+        None => Backend::PureRust,
+        Some(library) => Backend::OnnxRuntime {
+            library: library.clone(),
+            device: if args.cuda { Device::Cuda } else { Device::Cpu },
+        },
+    };
+    Ok(DetectorOptions {
+        contract,
+        score_threshold: args.score_threshold,
+        backend,
+        ..DetectorOptions::default()
+    })
+}
+
+fn images_of(
+    source: &Source,
+    limit: Option<usize>,
+    screen: &Screen,
+) -> Result<Vec<ImageToSee>, Failure> {
+    let mut images = Vec::new();
+    let mut n_bad = 0_u64;
+    for image in source.images() {
+        match image {
+            Ok(image) => images.push(ImageToSee {
+                name: image.name,
+                path: image.path,
+            }),
+            Err(bad) => {
+                n_bad += 1;
+                screen.note(&format!("bad record: {bad}"));
+            }
+        }
+    }
+    if n_bad > 0 {
+        return Err(Failure::wrong_input(format!(
+            "the dataset has {n_bad} bad records; mend them"
+        )));
+    }
+    images.truncate(limit.unwrap_or(usize::MAX));
+    if images.is_empty() {
+        return Err(Failure::wrong_input(format!(
+            "{:?} holds no image to be looked through; check the path and --limit",
+            source.root()
+        )));
+    }
+    Ok(images)
+}
+
+/// How images become input and outputs boxes, and why so.
+pub(super) fn say_contract(detector: &Detector, screen: &Screen) {
+    let contract = detector.contract();
+    screen.note(&format!(
+        "contract {}, because {}: {}",
+        contract.name,
+        detector.reason(),
+        contract.about
+    ));
+    screen.note(&format!(
+        "{} classes by {}; scores from {} on, at most {} detections per image",
+        contract.classes.names.iter().flatten().count(),
+        contract.classes.origin,
+        contract.score_threshold,
+        contract.max_detections
+    ));
+}
+
+/// Which classes and categories have no partner.
+pub(super) fn say_unmapped(map: &LabelMap, screen: &Screen) {
+    let list = |names: &[&str]| {
+        let mut text: Vec<&str> = names.iter().take(MOST_NAMED).copied().collect();
+        if names.len() > MOST_NAMED {
+            text.push("…");
+        }
+        text.join(", ")
+    };
+    let classes: Vec<&str> = map.unmapped_classes().iter().map(String::as_str).collect();
+    if !classes.is_empty() {
+        screen.note(&format!(
+            "{} classes of the model have no category in the dataset, their detections are left out: {}",
+            classes.len(),
+            list(&classes)
+        ));
+    }
+    // KITTI's areas of no labels are no objects.
+    let categories = map.unmapped_categories().iter().map(String::as_str);
+    let categories: Vec<&str> = categories.filter(|name| *name != "DontCare").collect();
+    if !categories.is_empty() {
+        screen.note(&format!(
+            "{} categories of the dataset have no class in the model, their objects cannot be found: {}",
+            categories.len(),
+            list(&categories)
+        ));
+    }
+}
+
+/// Detections, and what was counted on the way.
+struct Results {
+    detections: Detections,
+    n_unmapped: u64,
+    n_inverted: u64,
+    n_without_class: u64,
+    failures: Vec<(String, String)>,
+}
+
+impl Results {
+    fn of(images: &[ImageToSee], seen: &[Seen], referred: &Referred, map: &LabelMap) -> Self {
+        let mut results = Self {
+            detections: Detections::default(),
+            n_unmapped: 0,
+            n_inverted: 0,
+            n_without_class: 0,
+            failures: Vec::new(),
+        };
+        for ((image, seen), &place) in images.iter().zip(seen).zip(&referred.places) {
+            match seen {
+                Some(Ok(found)) => {
+                    results.n_inverted += u64::from(found.n_inverted);
+                    results.n_without_class += u64::from(found.n_without_class);
+                    for raw in &found.detections {
+                        let Some(category) = map.category(raw.class) else {
+                            results.n_unmapped += 1;
+                            continue;
+                        };
+                        results.detections.items.push(Detection {
+                            image: place,
+                            category,
+                            box_px: raw.box_px,
+                            score: raw.score,
+                        });
+                    }
+                }
+                Some(Err(error)) => {
+                    let failure = (image.name.clone(), error.to_string());
+                    results.failures.push(failure);
+                }
+                None => {}
+            }
+        }
+        results
+    }
+}
+
+fn finish(
+    run: &Run<'_>,
+    results: &Results,
+    map: &LabelMap,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    #[expect(clippy::cast_precision_loss, reason = "a rate")]
+    let rate = run.images.len() as f64 / run.seconds.max(1e-9);
+    let n_failed = results.failures.len();
+    let mut said = format!(
+        "{}: {} detections in {} images, {rate:.1} images per second",
+        run.output.display(),
+        results.detections.items.len(),
+        run.images.len() - n_failed,
+    );
+    for (n, what) in [
+        (
+            results.n_unmapped,
+            "detections of classes without a category",
+        ),
+        (results.n_inverted, "boxes with sides the wrong way round"),
+        (results.n_without_class, "boxes of labels that are no class"),
+    ] {
+        if n > 0 {
+            said.push_str(&format!("; left out {n} {what}"));
+        }
+    }
+    screen.say(&said);
+    screen.result(|| result_json(run, results, map))?;
+    if n_failed == 0 {
+        return Ok(ExitCode::SUCCESS);
+    }
+    let first = results.failures.first();
+    Err(Failure {
+        message: format!(
+            "{n_failed} of {} images failed and have no detections, the first: {}; mend or remove them and run the \
+             command again",
+            run.images.len(),
+            first.map_or_else(String::new, |(name, error)| format!("{name:?}: {error}")),
+        ),
+        code: SOME_FAILED,
+    })
+}
+
+fn result_json(run: &Run<'_>, results: &Results, map: &LabelMap) -> Value {
+    let contract = run.detector.contract();
+    json!({
+        "output": path_text(run.output),
+        "contract": contract.name,
+        "reason": run.detector.reason(),
+        "score_threshold": contract.score_threshold,
+        "n_classes": contract.classes.names.iter().flatten().count(),
+        "unmapped_classes": map.unmapped_classes(),
+        "unmapped_categories": map.unmapped_categories(),
+        "n_images": run.images.len(),
+        "n_detections": results.detections.items.len(),
+        "n_unmapped": results.n_unmapped,
+        "n_inverted": results.n_inverted,
+        "n_without_class": results.n_without_class,
+        "seconds": run.seconds,
+        "failed": results
+            .failures
+            .iter()
+            .map(|(name, error)| json!({"name": name, "error": error}))
+            .collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,300 @@
+//! `starbreak study`: detectors on a dataset before and behind broken glass.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::Mutex;
+
+use starbreak::dataset::{Source, SourceSpec, sha256_file};
+use starbreak::generate::{Selection, Survey, survey};
+use starbreak::pipeline::with_threads;
+use starbreak::study::{
+    Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns, conditions,
+};
+use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
+use starbreak_eval::GroundTruth;
+use starbreak_eval::detector::{Detector, DetectorOptions, ImageToSee, LabelMap, LabelRules};
+
+use super::detect::{contract_of, say_contract, say_unmapped};
+use super::generate::mind_bad_records;
+use super::study_report::StudyReport;
+use crate::args::Global;
+use crate::args::study::StudyArgs;
+use crate::failure::{Failure, SOME_FAILED};
+use crate::interrupt::Interrupt;
+use crate::screen::{Progress, Screen};
+
+pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+    let conditions = conditions_of(global, args)?;
+    let spec = SourceSpec::parse(&args.source)?;
+    let truth = GroundTruth::of_dataset(&spec, args.protocol.map(Into::into))?;
+    let source = Source::open(&spec)?;
+    let selection = Selection {
+        limit: args.limit,
+        ..Selection::default()
+    };
+    let survey = survey(&source, selection, global.seed());
+    mind_bad_records(&survey, args.on_error, screen)?;
+    let (truth, images) = labeled_images(&source, &survey, &truth, screen)?;
+    let detectors = detectors_of(args, &source, &truth, screen)?;
+
+    let interrupt = Interrupt::listen();
+    let plan = StudyPlan {
+        source: &source,
+        survey: &survey,
+        selection,
+        images: &images,
+        detectors: &detectors,
+        conditions: &conditions,
+        out: &args.output,
+        n_threads: n_threads(global),
+    };
+    let steps = Steps {
+        screen,
+        n_steps: conditions.len() * (1 + detectors.len()) + detectors.len(),
+        now: Mutex::new((0, None)),
+    };
+    let runs = with_threads(usize::from(global.threads), || {
+        plan.run(interrupt.flag(), &|event| steps.tell(event))
+    })??;
+    steps.finish();
+    let Some(runs) = runs else {
+        return Err(Failure::interrupted(
+            "interrupted; the same command goes on where it was",
+        ));
+    };
+    say_unseen(&runs, screen);
+    let report = StudyReport {
+        args,
+        plan: &plan,
+        runs: &runs,
+        truth: &truth,
+        seed: global.seed,
+    };
+    screen.say("evaluating: intervals and tests");
+    with_threads(usize::from(global.threads), || report.write(screen))??;
+    match runs.unseen.len() {
+        0 => Ok(ExitCode::SUCCESS),
+        n => Err(Failure {
+            message: format!(
+                "{n} images could not be used and count nowhere; {:?} lists them with their reasons",
+                args.output.join("unseen.jsonl")
+            ),
+            code: SOME_FAILED,
+        }),
+    }
+}
+
+fn n_threads(global: &Global) -> usize {
+    match global.threads {
+        0 => std::thread::available_parallelism().map_or(1, usize::from),
+        n => usize::from(n),
+    }
+}
+
+/// Families times severities times seeds.
+fn conditions_of(global: &Global, args: &StudyArgs) -> Result<Vec<Condition>, Failure> {
+    let mut families = Vec::new();
+    for name in &args.presets {
+        families.push(Family::Preset(name.clone()));
+    }
+    for path in &args.recipes {
+        families.push(recipe_family(path)?);
+    }
+    if families.is_empty() {
+        families.push(match &global.recipe {
+            Some(path) => recipe_family(path)?,
+            None => Family::Preset(
+                global
+                    .preset
+                    .as_deref()
+                    .unwrap_or(DEFAULT_PRESET)
+                    .to_owned(),
+            ),
+        });
+    }
+    let mut severities = args.severities.clone();
+    severities.extend(global.severity);
+    let has_preset = families
+        .iter()
+        .any(|family| matches!(family, Family::Preset(_)));
+    if !severities.is_empty() && !has_preset {
+        return Err(Failure::wrong_input(
+            "severities scale presets, and a recipe says its values itself; leave --severities out",
+        ));
+    }
+    let seeds: Vec<Seed> = match args.seeds.as_slice() {
+        [] => vec![global.seed()],
+        seeds => seeds.iter().copied().map(Seed).collect(),
+    };
+    let adjust = |recipe: &mut Recipe| -> Result<(), RecipeError> { global.adjust(recipe) };
+    let all = conditions(&families, &severities, &seeds, &adjust)?;
+    for condition in &all {
+        super::generate::refuse_outputs(&condition.recipe.settings()?.output)?;
+    }
+    Ok(all)
+}
+
+fn recipe_family(path: &Path) -> Result<Family, Failure> {
+    let text = std::fs::read_to_string(path).map_err(|cause| {
+        Failure::wrong_input(format!(
+            "recipe {path:?} cannot be read as UTF-8 text: {cause}"
+        ))
+    })?;
+    let recipe = Recipe::parse(&path.to_string_lossy(), &text)?;
+    let stem = path.file_stem().unwrap_or(path.as_os_str());
+    Ok(Family::Recipe(
+        stem.to_string_lossy().into_owned(),
+        Box::new(recipe),
+    ))
+}
+
+/// The images that have labels, in the order of these.
+fn labeled_images(
+    source: &Source,
+    survey: &Survey,
+    truth: &GroundTruth,
+    screen: &Screen,
+) -> Result<(GroundTruth, Vec<ImageToSee>), Failure> {
+    let mut paths: BTreeMap<String, _> = survey
+        .selected(source)
+        .map(|image| (image.name, image.path))
+        .collect();
+    let (truth, _) = truth.keep(|image| paths.contains_key(&image.name));
+    let images: Vec<ImageToSee> = truth
+        .labels
+        .images
+        .iter()
+        .filter_map(|image| {
+            let path = paths.remove(&image.name)?;
+            Some(ImageToSee {
+                name: image.name.clone(),
+                path,
+            })
+        })
+        .collect();
+    if !paths.is_empty() {
+        screen.note(&format!(
+            "{} images have no labels and are left out of the numbers",
+            paths.len()
+        ));
+    }
+    if images.is_empty() {
+        return Err(Failure::wrong_input(format!(
+            "{:?} holds no image with labels; check the path and --limit",
+            source.root()
+        )));
+    }
+    Ok((truth, images))
+}
+
+fn detectors_of(
+    args: &StudyArgs,
+    source: &Source,
+    truth: &GroundTruth,
+    screen: &Screen,
+) -> Result<Vec<StudyDetector>, Failure> {
+    if args.contract.len() > args.model.len() {
+        return Err(Failure::wrong_input(format!(
+            "{} contracts for {} models; give one for each model, `auto` where it is to be found out",
+            args.contract.len(),
+            args.model.len()
+        )));
+    }
+    let rules = match &args.label_map {
+        Some(path) => super::detect::label_rules(path)?,
+        None => LabelRules::of_dataset(source.format().name())?,
+    };
+    let mut detectors: Vec<StudyDetector> = Vec::new();
+    for (place, path) in args.model.iter().enumerate() {
+        let contract = match args.contract.get(place).map(String::as_str) {
+            None | Some("auto") => None,
+            Some(name) => Some(contract_of(name)?),
+        };
+        let options = DetectorOptions {
+            contract,
+            ..DetectorOptions::default()
+        };
+        let detector = Detector::open(path, &options)?;
+        let stem = path.file_stem().unwrap_or(path.as_os_str());
+        let mut name = starbreak::study::folder_name(&stem.to_string_lossy());
+        if detectors.iter().any(|other| other.name == name) {
+            name = format!("{name}-{}", place + 1);
+        }
+        screen.note(&format!("detector {name}:"));
+        say_contract(&detector, screen);
+        let map = LabelMap::new(detector.classes(), &truth.labels.categories, &rules)?;
+        say_unmapped(&map, screen);
+        detectors.push(StudyDetector {
+            name,
+            sha256: sha256_file(path)?,
+            detector,
+            map,
+        });
+    }
+    Ok(detectors)
+}
+
+/// What a study does now, on the screen.
+struct Steps<'a> {
+    screen: &'a Screen,
+    n_steps: usize,
+    /// Number of the step, and its progress.
+    now: Mutex<(usize, Option<Progress>)>,
+}
+
+impl Steps<'_> {
+    fn tell(&self, event: StudyEvent<'_>) {
+        let Ok(mut now) = self.now.lock() else {
+            return;
+        };
+        match event {
+            StudyEvent::Begun(step, n_images) => {
+                if let Some(progress) = now.1.take() {
+                    progress.finish();
+                }
+                now.0 += 1;
+                let what = match step {
+                    Step::Breaking(condition) => format!("breaking: {}", condition.name),
+                    Step::Detecting(detector, None) => format!("{detector}: clean images"),
+                    Step::Detecting(detector, Some(condition)) => {
+                        format!("{detector}: {}", condition.name)
+                    }
+                };
+                self.screen
+                    .note(&format!("[{}/{}] {what}", now.0, self.n_steps));
+                now.1 = Some(self.screen.progress(n_images, "images"));
+            }
+            StudyEvent::Image => {
+                if let Some(progress) = &now.1 {
+                    progress.step();
+                }
+            }
+            StudyEvent::Failed(error) => {
+                if let Some(progress) = &now.1 {
+                    progress.line(&format!("error: {error}"));
+                }
+            }
+        }
+    }
+
+    fn finish(&self) {
+        if let Ok(mut now) = self.now.lock()
+            && let Some(progress) = now.1.take()
+        {
+            progress.finish();
+        }
+    }
+}
+
+fn say_unseen(runs: &StudyRuns, screen: &Screen) {
+    for unseen in runs.unseen.iter().take(10) {
+        screen.note(&format!(
+            "left out of all numbers: {:?}: {}",
+            unseen.name, unseen.reason
+        ));
+    }
+    if runs.unseen.len() > 10 {
+        screen.note(&format!("and {} more", runs.unseen.len() - 10));
+    }
+}

@@ -1,0 +1,167 @@
+//! What a study writes once all is found.
+
+use serde_json::json;
+use starbreak::dataset::{IndexFiles, OutputBatch, SourceSpec};
+use starbreak::study::{StudyPlan, StudyRuns};
+use starbreak_eval::GroundTruth;
+use starbreak_eval::evaluation::{
+    Estimate, EvaluateSettings, GroupKind, InputFile, PairedMetric, Provenance, ScopeKind, Study,
+    Versions,
+};
+use starbreak_eval::report::report_files;
+
+use super::evaluate_join::{command, label_files};
+use crate::args::study::StudyArgs;
+use crate::failure::Failure;
+use crate::screen::{Screen, path_text};
+
+/// All that the report is made from.
+pub(super) struct StudyReport<'a> {
+    pub(super) args: &'a StudyArgs,
+    pub(super) plan: &'a StudyPlan<'a>,
+    pub(super) runs: &'a StudyRuns,
+    pub(super) truth: &'a GroundTruth,
+    pub(super) seed: u64,
+}
+
+impl StudyReport<'_> {
+    /// Writes report.html, evaluation.json, numbers.csv, table.tex, failures.jsonl, and the
+    /// detections of every arm as results of MS-COCO: all of them or none.
+    pub(super) fn write(&self, screen: &Screen) -> Result<(), Failure> {
+        let study = self.numbers()?;
+        let out = &self.args.output;
+        let mut batch = OutputBatch::new();
+        let labels = &self.truth.labels;
+        for (detector, found) in self.plan.detectors.iter().zip(&self.runs.detectors) {
+            let folder = out.join("detections").join(&detector.name);
+            let clean = found.clean.to_coco(labels);
+            batch.stage(&folder.join("clean.json"), clean.as_bytes())?;
+            for (condition, cracked) in self.plan.conditions.iter().zip(&found.cracked) {
+                let name = format!("{}.json", condition.name);
+                batch.stage(&folder.join(name), cracked.to_coco(labels).as_bytes())?;
+            }
+        }
+        if !self.runs.unseen.is_empty() {
+            let lines = self.runs.unseen.iter().map(|unseen| {
+                let line = json!({ "name": unseen.name, "reason": unseen.reason });
+                format!("{line}\n")
+            });
+            let text: String = lines.collect();
+            batch.stage(&out.join("unseen.jsonl"), text.as_bytes())?;
+        }
+        for (name, text) in report_files(&study)? {
+            batch.stage(&out.join(name), text.as_bytes())?;
+        }
+        batch.commit()?;
+        say_numbers(&study, screen);
+        screen.say(&format!("wrote {}", path_text(out.join("report.html"))));
+        screen.result(|| json!(study))
+    }
+
+    fn numbers(&self) -> Result<Study, Failure> {
+        let args = self.args;
+        let settings = EvaluateSettings {
+            score_threshold: args.score_threshold,
+            n_replicates: args.replicates,
+            seed: self.seed,
+            n_worst: args.worst.unwrap_or_else(|| self.usual_n_worst()),
+            ..EvaluateSettings::of(self.truth.protocol)
+        };
+        let dataset = args.source.to_string_lossy();
+        let names: Vec<&str> = self
+            .plan
+            .detectors
+            .iter()
+            .map(|detector| detector.name.as_str())
+            .collect();
+        let title = format!("{} behind broken glass", names.join(", "));
+        let provenance = Provenance {
+            inputs: self.inputs()?,
+            versions: vec![Versions {
+                name: "starbreak".to_owned(),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+            }],
+            settings: settings.described(self.truth, true),
+            command: Some(command()),
+            recipe: match self.plan.conditions {
+                [alone] => Some(alone.recipe.to_toml()),
+                _ => None,
+            },
+        };
+        Ok(self.plan.numbers(
+            self.truth, self.runs, &settings, &title, &dataset, provenance,
+        )?)
+    }
+
+    /// A page with many conditions shows few pictures of each.
+    fn usual_n_worst(&self) -> u32 {
+        let n_cells = self.plan.detectors.len() * self.plan.conditions.len();
+        let n_cells = u32::try_from(n_cells).unwrap_or(u32::MAX).max(1);
+        (24 / n_cells).clamp(1, 6)
+    }
+
+    fn inputs(&self) -> Result<Vec<InputFile>, Failure> {
+        let mut inputs = Vec::new();
+        let spec = SourceSpec::parse(&self.args.source)?;
+        let labels = match IndexFiles::of(&spec) {
+            Ok(index) => index.names.iter().map(|name| index.path(name)).collect(),
+            Err(_) => label_files(&spec.path),
+        };
+        if !labels.is_empty() {
+            let source = self.args.source.to_string_lossy();
+            inputs.push(InputFile::of("labels", &source, &labels)?);
+        }
+        for path in &self.args.model {
+            inputs.push(InputFile::of(
+                "model",
+                &path_text(path),
+                std::slice::from_ref(path),
+            )?);
+        }
+        for condition in self.plan.conditions {
+            let run = self.plan.set_folder(condition).join("starbreak/run.json");
+            inputs.push(InputFile::of(
+                "what the cracked set is made from",
+                &path_text(&run),
+                std::slice::from_ref(&run),
+            )?);
+        }
+        Ok(inputs)
+    }
+}
+
+/// A line for each detector and condition.
+fn say_numbers(study: &Study, screen: &Screen) {
+    let percent = |estimate: &Estimate| match estimate.value {
+        Some(value) => format!("{:.1} %", value * 100.0),
+        None => "not given".to_owned(),
+    };
+    for one in &study.evaluations {
+        let ap50 = one.paired.iter().find(|row| {
+            row.scope.kind == ScopeKind::WholeImage
+                && row.metric == PairedMetric::Ap50
+                && row.group.kind == GroupKind::All
+        });
+        let rate = |kind: ScopeKind| {
+            let rows = one.failures.iter().flat_map(|failures| &failures.rates);
+            let mut rows =
+                rows.filter(|row| row.scope.kind == kind && row.group.kind == GroupKind::All);
+            rows.next()
+                .map_or_else(|| "not given".to_owned(), |row| percent(&row.failure_rate))
+        };
+        let ap50 = ap50.map_or_else(String::new, |row| {
+            format!(
+                "AP50 {} to {}, ",
+                percent(&row.clean),
+                percent(&row.cracked)
+            )
+        });
+        screen.say(&format!(
+            "{}, {}: {ap50}lost in the region {}, outside {}",
+            one.detector,
+            one.condition.name,
+            rate(ScopeKind::InRegion),
+            rate(ScopeKind::OutOfRegion)
+        ));
+    }
+}

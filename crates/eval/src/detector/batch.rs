@@ -1,0 +1,87 @@
+//! Many images, side by side.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use starbreak_dataset::{ImageLimits, read_image};
+
+use super::{Detector, ImageDetections};
+use crate::EvalError;
+
+/// An image to be looked through.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImageToSee {
+    /// Its name in its dataset.
+    pub name: String,
+    /// Where it can be read.
+    pub path: PathBuf,
+}
+
+/// What a detector found in one image of many; `None` where it was stopped before.
+pub type Seen = Option<Result<ImageDetections, EvalError>>;
+
+impl Detector {
+    /// What is found in each of many images, in their order.
+    ///
+    /// Each thread reads an image, looks through it and takes the next, so that not more images are
+    /// held than there are threads; 0 threads stand for one per processor. The result does not
+    /// depend on their number. Once `stop` is set no image is begun. `on_seen` is called after each
+    /// image, by any thread, in any order.
+    pub fn detect_all(
+        &self,
+        images: &[ImageToSee],
+        n_threads: usize,
+        stop: &AtomicBool,
+        on_seen: &(dyn Fn(&ImageToSee, &Result<ImageDetections, EvalError>) + Sync),
+    ) -> Vec<Seen> {
+        let n_threads = match n_threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            n => n,
+        };
+        let next = AtomicUsize::new(0);
+        // Threads of the system and no pool: a thread of a pool which waits for the model begins
+        // another image meanwhile, and holds both.
+        let work = || {
+            let mut seen = Vec::new();
+            while !stop.load(Ordering::Relaxed) {
+                let place = next.fetch_add(1, Ordering::Relaxed);
+                let Some(image) = images.get(place) else {
+                    break;
+                };
+                let found = self.detect_file(image);
+                on_seen(image, &found);
+                seen.push((place, found));
+            }
+            seen
+        };
+        let mut all: Vec<Seen> = Vec::new();
+        all.resize_with(images.len(), || None);
+        std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..n_threads.min(images.len()))
+                .map(|_| scope.spawn(work))
+                .collect();
+            for thread in threads {
+                // Runtimes are guarded; what still panics is our own fault and is passed on.
+                let seen = thread
+                    .join()
+                    .unwrap_or_else(|cause| std::panic::resume_unwind(cause));
+                for (place, found) in seen {
+                    if let Some(slot) = all.get_mut(place) {
+                        *slot = Some(found);
+                    }
+                }
+            }
+        });
+        all
+    }
+
+    /// What is found in the image of a file.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError::Dataset`] where it is no whole image, and those of [`Detector::detect`].
+    pub fn detect_file(&self, image: &ImageToSee) -> Result<ImageDetections, EvalError> {
+        let file = read_image(&image.path, &ImageLimits::default())?;
+        self.detect(&image.name, &file.pixels.to_rgb8())
+    }
+}

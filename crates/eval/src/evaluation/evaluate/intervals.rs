@@ -1,0 +1,143 @@
+//! Intervals and tests of the paired numbers.
+
+use super::Plain;
+use crate::evaluation::{Estimate, Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
+use crate::resampling::{PairedPrecision, PairedPrecisions, paired_average_precision};
+use crate::statistic::{Measured, holm};
+use crate::{CoverageOf, Detections, EvalError, LabelSet, MatchRule, Subset, match_images};
+
+/// Puts intervals, tests and corrected tests to AP50 and AP75 of all groups: of every scope AP50, of the
+/// first τ and of whole images AP75, too.
+pub(super) fn put(rows: &mut [PairedRow], all: &Plain<'_>) -> Result<(), EvalError> {
+    let mut scopes: Vec<Scope> = Vec::new();
+    for row in rows.iter() {
+        if !scopes.contains(&row.scope) {
+            scopes.push(row.scope.clone());
+        }
+    }
+    let pooling = all.labels.by_supercategory();
+    let pooled = pooling.as_ref().map(|pooling| {
+        let labels = LabelSet {
+            images: all.labels.images.clone(),
+            categories: pooling.categories.clone(),
+            objects: pooling.objects_of(all.labels),
+        };
+        let clean = pooling.detections_of(all.clean);
+        (labels, clean, pooling.detections_of(all.cracked))
+    });
+    for scope in &scopes {
+        let is_own = scope
+            .tau
+            .is_none_or(|tau| (tau - all.settings.tau()).abs() < 1e-12);
+        let metrics = [(PairedMetric::Ap50, 0.5), (PairedMetric::Ap75, 0.75)];
+        for (metric, iou) in metrics {
+            if metric == PairedMetric::Ap75 && !is_own {
+                continue;
+            }
+            let of_classes = paired(all, (all.labels, all.clean, all.cracked), scope, iou)?;
+            let of_groups = match &pooled {
+                Some((labels, clean, cracked)) => {
+                    Some((labels, paired(all, (labels, clean, cracked), scope, iou)?))
+                }
+                None => None,
+            };
+            let of_row = |group: &Group| match group.kind {
+                GroupKind::All => Some(&of_classes.mean),
+                GroupKind::Class => find(all.labels, &of_classes, &group.name),
+                GroupKind::Supercategory => {
+                    let (labels, found) = of_groups.as_ref()?;
+                    find(labels, found, &group.name)
+                }
+            };
+            let here = |row: &&mut PairedRow| row.scope == *scope && row.metric == metric;
+            for row in rows.iter_mut().filter(here) {
+                if let Some(found) = of_row(&row.group) {
+                    put_row(row, found);
+                }
+            }
+        }
+    }
+    correct(rows, &scopes);
+    Ok(())
+}
+
+fn find<'a>(
+    labels: &LabelSet,
+    found: &'a PairedPrecisions,
+    name: &str,
+) -> Option<&'a PairedPrecision> {
+    let category = labels.category_of_name(name)?;
+    let is_it = |row: &&PairedPrecision| row.category == Some(category);
+    found.categories.iter().find(is_it)
+}
+
+fn paired(
+    all: &Plain<'_>,
+    (labels, clean, cracked): (&LabelSet, &Detections, &Detections),
+    scope: &Scope,
+    iou_threshold: f64,
+) -> Result<PairedPrecisions, EvalError> {
+    let subset = match (scope.kind, scope.tau) {
+        (ScopeKind::InRegion, Some(tau)) => Subset::InRegion { tau },
+        (ScopeKind::OutOfRegion, Some(tau)) => Subset::OutOfRegion { tau },
+        _ => Subset::WholeImage,
+    };
+    let matches = |detections: &Detections, set: usize| {
+        let coverage = CoverageOf {
+            objects: &all.coverages.objects,
+            detections: all.coverages.detections.get(set).map_or(&[], Vec::as_slice),
+        };
+        let values = subset.values(labels, detections, coverage)?;
+        let max_detections = all.settings.compare.coco.max_detections.last();
+        match_images(
+            labels,
+            detections,
+            &MatchRule {
+                iou_threshold,
+                max_detections: max_detections.copied().unwrap_or(100),
+                region: Some(values.restriction()),
+            },
+        )
+    };
+    let (clean, cracked) = (matches(clean, 0)?, matches(cracked, 1)?);
+    paired_average_precision(&clean, &[&cracked], labels.categories.len(), all.plan)
+}
+
+/// A number that is there gets its interval; one that is refused stays refused.
+fn put_row(row: &mut PairedRow, found: &PairedPrecision) {
+    put_interval(&mut row.clean, &found.clean);
+    put_interval(&mut row.cracked, &found.cracked);
+    put_interval(&mut row.delta, &found.difference);
+    if row.delta.value.is_some() {
+        row.p = found.test.p;
+    }
+}
+
+fn put_interval(estimate: &mut Estimate, found: &Measured) {
+    if estimate.value.is_none() {
+        return;
+    }
+    if let Some(interval) = found.interval {
+        estimate.low = Some(interval.low);
+        estimate.high = Some(interval.high);
+    }
+}
+
+/// Holm's correction over the classes, and over the supercategories, that have a number; all classes
+/// together are one question and keep their p.
+fn correct(rows: &mut [PairedRow], scopes: &[Scope]) {
+    let metrics = [PairedMetric::Ap50, PairedMetric::Ap75];
+    let kinds = [GroupKind::All, GroupKind::Supercategory, GroupKind::Class];
+    for scope in scopes {
+        for (metric, kind) in metrics.iter().flat_map(|m| kinds.map(|kind| (*m, kind))) {
+            let is_here = |row: &&mut PairedRow| {
+                row.scope == *scope && row.metric == metric && row.group.kind == kind
+            };
+            let mut family: Vec<&mut PairedRow> = rows.iter_mut().filter(is_here).collect();
+            let p: Vec<Option<f64>> = family.iter().map(|row| row.p).collect();
+            for (row, corrected) in family.iter_mut().zip(holm(&p)) {
+                row.p_holm = corrected;
+            }
+        }
+    }
+}

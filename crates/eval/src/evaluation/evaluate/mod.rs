@@ -1,0 +1,380 @@
+//! Everything about one detector under one condition, from labels, detections and masks.
+
+mod intervals;
+mod side_results;
+mod what_fails;
+mod worst_images;
+
+use std::path::Path;
+
+use super::{
+    Condition, DamageFacts, Estimate, Evaluation, ProtocolResults, Settings, Warning, WarningKind,
+};
+use crate::resampling::Plan;
+use crate::tide::TideSettings;
+use crate::{
+    CompareParams, Coverages, Detections, EvalError, GroundTruth, LabelSet, Protocol, RegionMasks,
+    SaidDetections, check_pair, compare_in_regions, cover,
+};
+
+/// What is evaluated.
+#[derive(Debug, Clone, Copy)]
+pub struct EvaluateInput<'a> {
+    /// Name of the detector.
+    pub detector: &'a str,
+    /// What was done to the glass.
+    pub condition: &'a Condition,
+    /// The labels.
+    pub truth: &'a GroundTruth,
+    /// What the detector finds in the clean images.
+    pub clean: &'a SaidDetections,
+    /// What it finds in the cracked images; without it only the clean numbers are there.
+    pub cracked: Option<&'a SaidDetections>,
+    /// Where the cracks' region masks are; without them only whole images are compared.
+    pub regions: Option<RegionMasks<'a>>,
+    /// What the cracks did to each object of [`GroundTruth::labels`].
+    pub facts: Option<&'a DamageFacts>,
+    /// Where both kinds of images are, for pictures of the worst failures.
+    pub images: Option<ImageFolders<'a>>,
+    /// How.
+    pub settings: &'a EvaluateSettings,
+}
+
+/// Where both kinds of images are.
+#[derive(Debug, Clone, Copy)]
+pub struct ImageFolders<'a> {
+    /// Root of the clean images.
+    pub clean: &'a Path,
+    /// Root of the cracked images, with the same names.
+    pub cracked: &'a Path,
+}
+
+/// How it is evaluated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvaluateSettings {
+    /// The protocol's own.
+    pub compare: CompareParams,
+    /// Score from which a detection counts as found, in rates of failure. **Default** 0.3.
+    pub score_threshold: f64,
+    /// Overlap from which it does. **Default** 0.5.
+    pub iou_threshold: f64,
+    /// Draws of the bootstrap, and of the permutation test. **Default** 1000.
+    pub n_replicates: u32,
+    /// Seed of both. **Default** 0.
+    pub seed: u64,
+    /// Level of confidence of all intervals. **Default** 0.95.
+    pub level: f64,
+    /// Worst failures that are shown. **Default** 6.
+    pub n_worst: u32,
+    /// Longer side of a picture in the report, px. **Default** 640.
+    pub picture_side_px: u32,
+    /// Quality of its JPEG, 1 to 100. **Default** 78.
+    pub picture_quality: u8,
+}
+
+impl EvaluateSettings {
+    /// The defaults of a protocol.
+    #[must_use]
+    pub fn of(protocol: Protocol) -> Self {
+        Self {
+            compare: CompareParams::of(protocol),
+            score_threshold: crate::failure::SCORE_THRESHOLD,
+            iou_threshold: 0.5,
+            n_replicates: 1000,
+            seed: 0,
+            level: 0.95,
+            n_worst: 6,
+            picture_side_px: 640,
+            picture_quality: 78,
+        }
+    }
+
+    /// τ that counts first.
+    #[must_use]
+    pub fn tau(&self) -> f64 {
+        self.compare.taus.first().copied().unwrap_or(0.05)
+    }
+
+    /// The same for provenance.
+    #[must_use]
+    pub fn described(&self, truth: &GroundTruth, has_regions: bool) -> Settings {
+        Settings {
+            protocol: truth.protocol.name().to_owned(),
+            region_definition: has_regions.then(|| "region-ap/1".to_owned()),
+            tau: has_regions.then(|| self.tau()),
+            score_threshold: self.score_threshold,
+            iou_threshold: self.iou_threshold,
+            n_bootstrap: self.n_replicates,
+            n_permutations: self.n_replicates,
+            seed: self.seed,
+            resampling_unit: match has_clusters(&truth.labels) {
+                true => "clip or drive".to_owned(),
+                false => "image".to_owned(),
+            },
+            min_objects: self.compare.min_objects,
+            max_detections: self.compare.coco.max_detections.last().copied(),
+        }
+    }
+}
+
+fn has_clusters(labels: &LabelSet) -> bool {
+    labels.images.iter().any(|image| image.cluster.is_some())
+}
+
+/// The labels and both sets of detections as the rules of MS-COCO take them, under which everything but
+/// KITTI's own AP is counted.
+struct Plain<'a> {
+    labels: &'a LabelSet,
+    clean: &'a Detections,
+    cracked: &'a Detections,
+    coverages: &'a Coverages,
+    plan: &'a Plan,
+    settings: &'a EvaluateSettings,
+}
+
+/// All numbers of one detector under one condition.
+///
+/// Whole images by the protocol; clean against cracked in the region, out of it and everywhere with
+/// intervals and tests; what fails, over coverage and damage; kinds of errors; whether the classes are the
+/// right ones; the worst failures. Equal input gives equal numbers on any number of threads.
+///
+/// Under KITTI's protocol its AP11 and AP40 have no intervals; AP50 and AP75 by the rules of MS-COCO stand
+/// beside them and have.
+///
+/// # Errors
+/// As [`crate::evaluate`], [`check_pair`], [`cover`] and [`compare_in_regions`]; [`EvalError::Dataset`] for
+/// an image of a worst failure that cannot be read.
+pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
+    let EvaluateInput {
+        truth,
+        clean,
+        cracked,
+        settings,
+        ..
+    } = *input;
+    let mut warnings = check_pair(truth, clean, cracked)?;
+    let clean_results = crate::evaluate(truth, clean, &settings.compare)?.results;
+    let cracked_results = match cracked {
+        Some(cracked) => crate::evaluate(truth, cracked, &settings.compare)?.results,
+        None => ProtocolResults::default(),
+    };
+    let sets: Vec<&SaidDetections> = [Some(clean), cracked].into_iter().flatten().collect();
+    let (counts, coverages) = cover(truth, &sets, input.regions, settings.tau())?;
+    let mut evaluation = Evaluation {
+        detector: input.detector.to_owned(),
+        condition: input.condition.clone(),
+        counts,
+        warnings: Vec::new(),
+        clean: clean_results,
+        cracked: cracked_results,
+        paired: Vec::new(),
+        subsets: Vec::new(),
+        failures: None,
+        tide_clean: None,
+        tide_cracked: None,
+        label_audit: None,
+        timelines: Vec::new(),
+        worst: Vec::new(),
+        changed_objects: Vec::new(),
+    };
+    if let (Some(cracked), Some(coverages)) = (cracked, &coverages)
+        && truth.protocol == Protocol::Kitti
+    {
+        let rows = compare_in_regions(truth, clean, Some(cracked), coverages, &settings.compare)?;
+        evaluation.paired = rows.paired;
+    }
+    with_plain(input, &mut evaluation, coverages, &mut warnings)?;
+    for row in &mut evaluation.paired {
+        for estimate in [&mut row.clean, &mut row.cracked, &mut row.delta] {
+            say_alike(estimate);
+        }
+    }
+    for row in &mut evaluation.subsets {
+        say_alike(&mut row.clean_ap50);
+        row.cracked_ap50.iter_mut().for_each(say_alike);
+    }
+    warnings.extend(small_samples(&evaluation, settings));
+    evaluation.warnings = warnings;
+    Ok(evaluation)
+}
+
+/// What is counted by the rules of MS-COCO, whatever the protocol.
+fn with_plain(
+    input: &EvaluateInput<'_>,
+    evaluation: &mut Evaluation,
+    coverages: Option<Coverages>,
+    warnings: &mut Vec<Warning>,
+) -> Result<(), EvalError> {
+    let (truth, settings) = (input.truth, input.settings);
+    let Some((plain, clean, cracked)) = as_plain(truth, input.clean, input.cracked) else {
+        return Ok(());
+    };
+    let is_kitti = truth.protocol == Protocol::Kitti;
+    let sets: Vec<&SaidDetections> = std::iter::once(&clean).chain(&cracked).collect();
+    let has_regions = coverages.is_some();
+    let coverages = match (coverages, is_kitti) {
+        (Some(coverages), false) => coverages,
+        (Some(_), true) => cover(&plain, &sets, input.regions, settings.tau())?
+            .1
+            .unwrap_or_default(),
+        (None, _) => nothing_covered(&plain.labels, &sets),
+    };
+    let clusters: Vec<Option<&str>> = plain
+        .labels
+        .images
+        .iter()
+        .map(|image| image.cluster.as_deref())
+        .collect();
+    let plan =
+        Plan::of_clusters(&clusters).with(settings.n_replicates, settings.seed, settings.level);
+    let tide_settings = TideSettings::default();
+    evaluation.tide_clean =
+        side_results::tide_errors(&plain.labels, &clean.detections, tide_settings)?;
+    let (audit, advice) = side_results::audit(&plain.labels, &clean.detections)?;
+    evaluation.label_audit = Some(audit);
+    warnings.extend(advice.map(|text| Warning {
+        kind: WarningKind::LabelMap,
+        text,
+    }));
+    let Some(cracked) = &cracked else {
+        return Ok(());
+    };
+    evaluation.tide_cracked =
+        side_results::tide_errors(&plain.labels, &cracked.detections, tide_settings)?;
+    let mut compare = settings.compare.clone();
+    if !has_regions {
+        compare.taus.clear();
+    }
+    let rows = compare_in_regions(&plain, &clean, Some(cracked), &coverages, &compare)?;
+    let all = Plain {
+        labels: &plain.labels,
+        clean: &clean.detections,
+        cracked: &cracked.detections,
+        coverages: &coverages,
+        plan: &plan,
+        settings,
+    };
+    let mut paired = rows.paired;
+    intervals::put(&mut paired, &all)?;
+    evaluation.paired.extend(paired);
+    if has_regions {
+        evaluation.subsets = rows.subsets;
+    }
+    let facts = input.facts.filter(|_| !is_kitti);
+    let sizes = side_results::image_areas_px(&plain);
+    let (failures, pairs, matches) = what_fails::failures(&all, facts, has_regions, sizes)?;
+    evaluation.failures = Some(failures);
+    evaluation.changed_objects = worst_images::changed_objects(&all, &pairs);
+    evaluation.worst = worst_images::worst(&all, &pairs, &matches, input.images)?;
+    Ok(())
+}
+
+/// The same data without what only KITTI knows; nothing where only a part of the frames is evaluated.
+fn as_plain(
+    truth: &GroundTruth,
+    clean: &SaidDetections,
+    cracked: Option<&SaidDetections>,
+) -> Option<(GroundTruth, SaidDetections, Option<SaidDetections>)> {
+    let Some(kitti) = &truth.kitti else {
+        return Some((truth.clone(), clean.clone(), cracked.cloned()));
+    };
+    if truth.protocol != Protocol::Kitti {
+        return Some((truth.clone(), clean.clone(), cracked.cloned()));
+    }
+    let labels = kitti.with_areas_as_crowds();
+    let is_whole = |said: &SaidDetections| {
+        let n_frames = said.kitti.as_ref().map(|kitti| kitti.images.len());
+        n_frames.is_none_or(|n| n == labels.images.len())
+    };
+    if !is_whole(clean) || !cracked.is_none_or(is_whole) {
+        return None;
+    }
+    let plain = |said: &SaidDetections| {
+        let items = said.detections.items.iter().filter_map(|detection| {
+            let own = truth.labels.categories.get(detection.category as usize)?;
+            let category = labels.category_of_name(&own.name)?;
+            let [x0, y0, x1, y1] = detection.box_px.corners();
+            (x1 >= x0 && y1 >= y0).then_some(crate::Detection {
+                category,
+                ..*detection
+            })
+        });
+        SaidDetections {
+            detections: Detections {
+                items: items.collect(),
+            },
+            kitti: None,
+            unused: None,
+        }
+    };
+    let (clean, cracked) = (plain(clean), cracked.map(plain));
+    let truth = GroundTruth {
+        protocol: Protocol::Coco,
+        labels,
+        kitti: None,
+        root: truth.root.clone(),
+    };
+    Some((truth, clean, cracked))
+}
+
+/// The reason of a refused number without its n, which stands beside it: so that equal reasons are one
+/// note under a table.
+fn say_alike(estimate: &mut Estimate) {
+    let own = format!("{} objects, fewer than ", estimate.n);
+    let why = estimate.refused.as_ref();
+    if let Some(least) = why.and_then(|why| why.strip_prefix(&own)) {
+        estimate.refused = Some(format!("fewer than {least} objects"));
+    }
+}
+
+/// Coverages of images without any region.
+fn nothing_covered(labels: &LabelSet, sets: &[&SaidDetections]) -> Coverages {
+    let of = |said: &&SaidDetections| vec![0.0; said.detections.items.len()];
+    Coverages {
+        objects: vec![0.0; labels.objects.len()],
+        detections: sets.iter().map(of).collect(),
+        region_px: vec![None; labels.images.len()],
+    }
+}
+
+/// How many classes have too few objects for a number, and how little there is in the region.
+fn small_samples(evaluation: &Evaluation, settings: &EvaluateSettings) -> Vec<Warning> {
+    use super::{GroupKind, ScopeKind};
+    let mut warnings = Vec::new();
+    let few = settings.compare.min_objects;
+    if let Some(n) = evaluation.counts.n_objects_in_region
+        && n < few
+    {
+        warnings.push(Warning {
+            kind: WarningKind::SmallSample,
+            text: format!(
+                "the region holds {n} objects, fewer than {few}: there is no number for it; take more \
+                 images or a larger damage"
+            ),
+        });
+    }
+    let mut n_classes = 0_u32;
+    let mut n_refused = 0_u32;
+    let mut seen: Vec<&str> = Vec::new();
+    for row in &evaluation.paired {
+        let is_class = row.group.kind == GroupKind::Class
+            && row.scope.kind == ScopeKind::InRegion
+            && row.scope.tau == Some(settings.tau())
+            && row.n_objects > 0;
+        if is_class && !seen.contains(&row.group.name.as_str()) {
+            seen.push(&row.group.name);
+            n_classes += 1;
+            n_refused += u32::from(row.clean.value.is_none());
+        }
+    }
+    if n_refused > 0 {
+        warnings.push(Warning {
+            kind: WarningKind::Refused,
+            text: format!(
+                "{n_refused} of {n_classes} classes in the region have too few objects for an AP of their \
+                 own (fewer than {few}); they count in the AP of all classes"
+            ),
+        });
+    }
+    warnings
+}

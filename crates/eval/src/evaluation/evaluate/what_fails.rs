@@ -1,0 +1,355 @@
+//! What is lost, over what dose, what appears, what shifts.
+
+use super::Plain;
+use super::side_results::estimate;
+use crate::evaluation::{
+    ClassFlip, DamageFacts, DoseBin, DoseResponse, Estimate, FailureResults, FailureRow, FlipRow,
+    Group, GroupKind, LogisticFit, NewFalsePositives, Scope, ScopeKind, ShiftRow,
+};
+use crate::failure::{
+    self, FalsePositiveAreas, ObjectPair, Where, class_flips, failure_rates, failure_table,
+    new_false_positives, pair_objects, quantile_edges, shifts,
+};
+use crate::statistic::{Measured, holm};
+use crate::{COVERAGE_BINS, EvalError, ImageMatches, MatchRule, match_images};
+
+/// Bins of a damage fact.
+const N_FACT_BINS: u32 = 8;
+
+/// Matches of whole images, clean and cracked.
+pub(super) struct Matches {
+    pub(super) clean: Vec<ImageMatches>,
+    pub(super) cracked: Vec<ImageMatches>,
+}
+
+/// Everything that fails, the pairs that it is counted from, and the matches those come from.
+pub(super) fn failures(
+    all: &Plain<'_>,
+    facts: Option<&DamageFacts>,
+    has_regions: bool,
+    image_px: Option<Vec<f64>>,
+) -> Result<(FailureResults, Vec<ObjectPair>, Matches), EvalError> {
+    let settings = all.settings;
+    let max_detections = settings.compare.coco.max_detections.last();
+    let rule = MatchRule {
+        iou_threshold: settings.iou_threshold,
+        max_detections: max_detections.copied().unwrap_or(100),
+        region: None,
+    };
+    let matches = Matches {
+        clean: match_images(all.labels, all.clean, &rule)?,
+        cracked: match_images(all.labels, all.cracked, &rule)?,
+    };
+    let pairs = pair_objects(
+        &matches.clean,
+        &matches.cracked,
+        all.labels,
+        &all.coverages.objects,
+        0,
+        settings.score_threshold,
+    )?;
+    let mut places: Vec<Where> = Vec::new();
+    if has_regions {
+        for tau in &settings.compare.taus {
+            places.push(Where::Region { tau: *tau });
+            places.push(Where::Outside { tau: *tau });
+        }
+    }
+    places.push(Where::Image);
+    let mut results = FailureResults {
+        rates: rates(all, &pairs, &places)?,
+        ..FailureResults::default()
+    };
+    for place in &places {
+        let here: Vec<ObjectPair> = here(&pairs, *place);
+        results.shifts.extend(shift_rows(all, &here, *place));
+        results.flips.push(flip_row(all, &here, &matches, *place));
+    }
+    if has_regions {
+        results.dose_responses = doses(all, &pairs, facts)?;
+    }
+    if let Some(image_px) = image_px {
+        results.new_false_positives = appeared(all, &matches, has_regions, &image_px)?;
+    }
+    Ok((results, pairs, matches))
+}
+
+fn here(pairs: &[ObjectPair], place: Where) -> Vec<ObjectPair> {
+    let is_here = |pair: &&ObjectPair| place.holds(pair.coverage);
+    pairs.iter().filter(is_here).copied().collect()
+}
+
+fn scope_of(place: Where) -> Scope {
+    let (kind, tau) = match place {
+        Where::Region { tau } => (ScopeKind::InRegion, Some(tau)),
+        Where::Outside { tau } => (ScopeKind::OutOfRegion, Some(tau)),
+        Where::Image | Where::Coverage { .. } => (ScopeKind::WholeImage, None),
+    };
+    Scope { kind, tau }
+}
+
+fn class(all: &Plain<'_>, category: u32) -> String {
+    let category = all.labels.categories.get(category as usize);
+    category.map_or(String::new(), |category| category.name.clone())
+}
+
+/// A share of too few objects is refused.
+fn unless_few(all: &Plain<'_>, measured: &Measured) -> Estimate {
+    unless_fewer_than(all.settings.compare.min_objects, measured, measured.n)
+}
+
+fn unless_fewer_than(least: u64, measured: &Measured, n: u64) -> Estimate {
+    if n < least {
+        return Estimate::refused(n, format!("fewer than {least} objects"));
+    }
+    Estimate {
+        n,
+        ..estimate(measured)
+    }
+}
+
+fn rates(
+    all: &Plain<'_>,
+    pairs: &[ObjectPair],
+    places: &[Where],
+) -> Result<Vec<FailureRow>, EvalError> {
+    let level = all.settings.level;
+    let mut rows = Vec::new();
+    let table = failure_table(pairs, places, level, Some(all.plan))?;
+    let pooling = all.labels.by_supercategory();
+    for place in places {
+        let of_place = table.iter().filter(|row| row.group.place == *place);
+        let mut of_scope: Vec<FailureRow> = of_place
+            .map(|found| {
+                let group = match found.group.category {
+                    None => Group::all(),
+                    Some(category) => Group {
+                        kind: GroupKind::Class,
+                        name: class(all, category),
+                    },
+                };
+                row_of(all, found, group)
+            })
+            .collect();
+        if let Some(pooling) = &pooling {
+            let groups = pooling.categories.iter().zip(0_u32..).map(|(group, idx)| {
+                let is_member = |pair: &&ObjectPair| {
+                    pooling.group(pair.category) == idx && place.holds(pair.coverage)
+                };
+                let of_group = failure::Group {
+                    category: None,
+                    place: *place,
+                };
+                let found = failure_rates(of_group, pairs.iter().filter(is_member), level);
+                let group = Group {
+                    kind: GroupKind::Supercategory,
+                    name: group.name.clone(),
+                };
+                row_of(all, &found, group)
+            });
+            of_scope.splice(1..1, groups.filter(|row| row.n_objects > 0));
+        }
+        for kind in [GroupKind::All, GroupKind::Supercategory, GroupKind::Class] {
+            let is_kind = |row: &&mut FailureRow| row.group.kind == kind;
+            let mut family: Vec<&mut FailureRow> = of_scope.iter_mut().filter(is_kind).collect();
+            let p: Vec<Option<f64>> = family.iter().map(|row| row.p).collect();
+            for (row, corrected) in family.iter_mut().zip(holm(&p)) {
+                row.p_holm = corrected;
+            }
+        }
+        rows.extend(of_scope);
+    }
+    Ok(rows)
+}
+
+fn row_of(all: &Plain<'_>, found: &failure::FailureRates, group: Group) -> FailureRow {
+    let n_found_clean = found.n_kept + found.n_lost;
+    let failure_rate = unless_few(all, &found.failure_rate);
+    let has_number = failure_rate.value.is_some();
+    let over_images = found.failure_rate_over_images.as_ref();
+    FailureRow {
+        scope: scope_of(found.group.place),
+        group,
+        n_objects: found.n_objects,
+        n_found_clean,
+        n_found_cracked: found.n_kept + found.n_recovered,
+        n_lost: found.n_lost,
+        n_recovered: found.n_recovered,
+        failure_rate,
+        failure_rate_over_images: over_images.filter(|_| has_number).map(estimate),
+        recovery_rate: unless_few(all, &found.recovery_rate),
+        p: found.test.exact.p.filter(|_| has_number),
+        p_holm: None,
+    }
+}
+
+fn shift_rows(all: &Plain<'_>, pairs: &[ObjectPair], place: Where) -> Vec<ShiftRow> {
+    let mut categories: Vec<u32> = pairs.iter().map(|pair| pair.category).collect();
+    categories.sort_unstable();
+    categories.dedup();
+    let groups = std::iter::once(None).chain(categories.into_iter().map(Some));
+    let row = |category: Option<u32>| {
+        let is_member = |pair: &&ObjectPair| category.is_none_or(|it| it == pair.category);
+        let group = failure::Group { category, place };
+        let found = shifts(group, pairs.iter().filter(is_member), all.settings.level);
+        let score = unless_few(all, &found.score.mean);
+        let p = |test: &crate::statistic::SignedRank| test.test.p.filter(|_| score.value.is_some());
+        ShiftRow {
+            scope: scope_of(place),
+            group: match category {
+                None => Group::all(),
+                Some(category) => Group {
+                    kind: GroupKind::Class,
+                    name: class(all, category),
+                },
+            },
+            n_pairs: found.n_pairs,
+            p_score: p(&found.score.signed_rank),
+            p_iou: p(&found.iou.signed_rank),
+            iou: unless_few(all, &found.iou.mean),
+            score,
+        }
+    };
+    groups.map(row).collect()
+}
+
+fn flip_row(all: &Plain<'_>, pairs: &[ObjectPair], matches: &Matches, place: Where) -> FlipRow {
+    let settings = all.settings;
+    let found = class_flips(
+        pairs,
+        &matches.cracked,
+        all.cracked,
+        all.labels,
+        settings.score_threshold,
+        settings.iou_threshold,
+        settings.level,
+    );
+    let mut commonest: Vec<ClassFlip> = found
+        .table
+        .iter()
+        .map(|flip| ClassFlip {
+            from: class(all, flip.category),
+            to: class(all, flip.taken_for),
+            n: flip.n,
+        })
+        .collect();
+    commonest.sort_by(|a, b| (b.n, &a.from, &a.to).cmp(&(a.n, &b.from, &b.to)));
+    FlipRow {
+        scope: scope_of(place),
+        n: found.n_found_clean,
+        n_flipped: found.n_flipped,
+        rate: unless_few(all, &found.flip_rate),
+        commonest,
+    }
+}
+
+/// Over coverage, and over each fact of the damage.
+fn doses(
+    all: &Plain<'_>,
+    pairs: &[ObjectPair],
+    facts: Option<&DamageFacts>,
+) -> Result<Vec<DoseResponse>, EvalError> {
+    let coverage = pairs.iter().map(|pair| (pair, pair.coverage));
+    let mut doses = vec![dose(all, ("coverage", ""), coverage, &COVERAGE_BINS)?];
+    let Some(facts) = facts else {
+        return Ok(doses);
+    };
+    for (name, unit, values) in [
+        ("displacement", "px", &facts.displacement_px),
+        ("blur radius", "px", &facts.blur_radius_px),
+        ("contrast lost", "", &facts.contrast_lost),
+    ] {
+        let value = |pair: &ObjectPair| values.get(pair.object as usize).copied();
+        let with: Vec<(&ObjectPair, f64)> = pairs
+            .iter()
+            .map(|pair| (pair, value(pair).unwrap_or(f64::NAN)))
+            .collect();
+        let found = with.iter().filter(|(pair, _)| pair.clean.is_some());
+        let known: Vec<f64> = found.map(|(_, value)| *value).collect();
+        let edges = quantile_edges(&known, N_FACT_BINS);
+        if edges.len() > 2 {
+            doses.push(dose(all, (name, unit), with, &edges)?);
+        }
+    }
+    Ok(doses)
+}
+
+fn dose<'a>(
+    all: &Plain<'_>,
+    (fact, unit): (&str, &str),
+    pairs: impl IntoIterator<Item = (&'a ObjectPair, f64)>,
+    edges: &[f64],
+) -> Result<DoseResponse, EvalError> {
+    /// Fewer objects than these make no point of a curve; their interval says how little they say.
+    const MIN_IN_BIN: u64 = 5;
+    let found = failure::dose_response(fact, pairs, edges, all.settings.level)?;
+    let bin = |bin: &failure::DoseBin| DoseBin {
+        low: bin.low,
+        high: bin.high,
+        mean: bin.mean,
+        n: bin.n,
+        n_lost: bin.n_lost,
+        rate: unless_fewer_than(MIN_IN_BIN, &bin.failure_rate, bin.n),
+    };
+    let fit = &found.fit;
+    let intercept = fit.intercept.estimate.value;
+    let has_fit = fit.slope.estimate.value.is_some();
+    Ok(DoseResponse {
+        fact: fact.to_owned(),
+        unit: unit.to_owned(),
+        group: Group::all(),
+        bins: found.bins.iter().map(bin).collect(),
+        fit: intercept.filter(|_| has_fit).map(|intercept| LogisticFit {
+            intercept,
+            slope: estimate(&fit.slope.estimate),
+            p: fit.slope.test.p,
+        }),
+    })
+}
+
+fn appeared(
+    all: &Plain<'_>,
+    matches: &Matches,
+    has_regions: bool,
+    image_px: &[f64],
+) -> Result<Vec<NewFalsePositives>, EvalError> {
+    let coverage = |set: usize| {
+        all.coverages
+            .detections
+            .get(set)
+            .map_or(&[][..], Vec::as_slice)
+    };
+    let region_px: Vec<f64> = all
+        .coverages
+        .region_px
+        .iter()
+        .map(|n| crate::protocol::exact(n.unwrap_or(0)))
+        .collect();
+    let areas = FalsePositiveAreas {
+        clean_coverage: coverage(0),
+        cracked_coverage: coverage(1),
+        region_px: &region_px,
+        image_px,
+        tau: all.settings.tau(),
+    };
+    let found = new_false_positives(
+        (&matches.clean, all.clean),
+        (&matches.cracked, all.cracked),
+        areas,
+        all.settings.score_threshold,
+        all.plan,
+    )?;
+    let is_wanted = |row: &&failure::FalsePositives| has_regions || row.place == Where::Image;
+    let row = |row: &failure::FalsePositives| NewFalsePositives {
+        scope: scope_of(row.place),
+        n_clean: row.n_clean,
+        n_cracked: row.n_cracked,
+        n_new: row.n_new,
+        area_mpx: row.area_mpx,
+        new_per_mpx: Estimate {
+            n: row.n_new,
+            ..estimate(&row.new_per_mpx)
+        },
+    };
+    Ok(found.iter().filter(is_wanted).map(row).collect())
+}

@@ -1,0 +1,272 @@
+//! Frames in the form of Scalabel, as of BDD100K `det_20`: labels and detections.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use starbreak_dataset::{JsonRecord, read_json_records};
+
+use super::{Category, LabelSet, LabeledImage, Object, ObjectKind};
+use crate::json_record::{parse, place, refuse, refuse_file};
+use crate::{BoxPx, EvalError};
+
+/// The classes of BDD100K in the order of its numbers, with their groups [BDD100K, `det.toml`].
+const CLASSES: [(&str, Option<&str>); 10] = [
+    ("pedestrian", Some("human")),
+    ("rider", Some("human")),
+    ("car", Some("vehicle")),
+    ("truck", Some("vehicle")),
+    ("bus", Some("vehicle")),
+    ("train", Some("vehicle")),
+    ("motorcycle", Some("bike")),
+    ("bicycle", Some("bike")),
+    ("traffic light", Some("traffic light")),
+    ("traffic sign", Some("traffic sign")),
+];
+
+/// Older or finer names of classes, and those that evaluation uses [BDD100K, `det.toml`].
+const SAME_CLASS: [(&str, &str); 5] = [
+    ("bike", "bicycle"),
+    ("caravan", "car"),
+    ("motor", "motorcycle"),
+    ("person", "pedestrian"),
+    ("van", "car"),
+];
+
+/// Classes that are ignored as a class of evaluation [BDD100K, `det.toml`].
+const IGNORED_CLASS: [(&str, &str); 3] = [
+    ("other person", "pedestrian"),
+    ("other vehicle", "car"),
+    ("trailer", "truck"),
+];
+
+/// A frame.
+#[derive(Deserialize)]
+pub(crate) struct Frame {
+    pub(crate) name: String,
+    #[serde(rename = "videoName", default)]
+    pub(crate) video: Option<String>,
+    #[serde(default)]
+    size: Option<FrameSize>,
+    #[serde(default)]
+    pub(crate) labels: Option<Vec<Label>>,
+}
+
+#[derive(Deserialize)]
+struct FrameSize {
+    width: u32,
+    height: u32,
+}
+
+/// What is in a frame.
+#[derive(Deserialize)]
+pub(crate) struct Label {
+    #[serde(default)]
+    pub(crate) category: Option<String>,
+    #[serde(default)]
+    attributes: Option<Attributes>,
+    #[serde(default)]
+    box2d: Option<Box2d>,
+    #[serde(default)]
+    pub(crate) score: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Attributes {
+    crowd: serde_json::Value,
+    ignored: serde_json::Value,
+}
+
+#[derive(Deserialize)]
+struct Box2d {
+    x1: f64,
+    y1: f64,
+    x2: f64,
+    y2: f64,
+}
+
+impl Label {
+    /// The box, if it has one, or why it is none.
+    pub(crate) fn box_px(&self) -> Result<Option<BoxPx>, String> {
+        let Some(Box2d { x1, y1, x2, y2 }) = self.box2d else {
+            return Ok(None);
+        };
+        let box_px = BoxPx::from_corners([x1, y1, x2, y2]);
+        match box_px.is_sound() {
+            true => Ok(Some(box_px)),
+            false => Err(format!(
+                "the box2d {x1} {y1} {x2} {y2} px ends before it begins"
+            )),
+        }
+    }
+}
+
+/// Whether an attribute is set, in the sense of Python, in which the public tools are written.
+fn is_set(value: &serde_json::Value) -> bool {
+    use serde_json::Value;
+    match value {
+        Value::Null => false,
+        Value::Bool(value) => *value,
+        Value::Number(value) => value.as_f64() != Some(0.0),
+        Value::String(value) => !value.is_empty(),
+        Value::Array(value) => !value.is_empty(),
+        Value::Object(value) => !value.is_empty(),
+    }
+}
+
+/// The class of evaluation that a name stands for, and whether it is ignored.
+pub(crate) fn class_of(name: &str) -> (&str, bool) {
+    let find = |map: &[(&str, &'static str)]| {
+        let pair = map.iter().find(|(from, _)| *from == name);
+        pair.map(|(_, to)| *to)
+    };
+    match (find(&IGNORED_CLASS), find(&SAME_CLASS)) {
+        (Some(class), _) => (class, true),
+        (None, Some(class)) => (class, false),
+        (None, None) => (name, false),
+    }
+}
+
+/// Each frame of a file, with its place.
+pub(crate) fn for_each_frame(
+    path: &Path,
+    mut take: impl FnMut(Frame, String) -> Result<(), EvalError>,
+) -> Result<(), EvalError> {
+    let mut has_frames = false;
+    let lists = read_json_records(path, |record: JsonRecord<'_>| {
+        if matches!(record.key, "" | "frames") && record.idx.is_some() {
+            has_frames = true;
+            let frame: Frame = parse(path, &record)?;
+            let at = format!("{}, frame {:?}", place(&record), frame.name);
+            return take(frame, at);
+        }
+        parse::<serde::de::IgnoredAny>(path, &record).map(drop)
+    })?;
+    if !lists.is_one_list && !lists.keys.iter().any(|key| key == "frames") {
+        return Err(refuse_file(path, "it has no list \"frames\", and is none"));
+    }
+    Ok(())
+}
+
+/// An object with the name of its category.
+type NamedObject = (String, BoxPx, ObjectKind);
+
+/// Takes the frames of one file or several.
+#[derive(Default)]
+pub(super) struct Reader {
+    /// Image, and its objects by name of category.
+    frames: Vec<(LabeledImage, Vec<NamedObject>)>,
+}
+
+impl Reader {
+    /// Reads a file; `names` makes the names of images in the dataset of what the file calls them.
+    pub(super) fn read(
+        &mut self,
+        path: &Path,
+        names: impl Fn(&[&str]) -> Vec<String>,
+    ) -> Result<(), EvalError> {
+        let n_before = self.frames.len();
+        for_each_frame(path, |frame, at| {
+            let mut objects = Vec::new();
+            for (idx, label) in frame.labels.iter().flatten().enumerate() {
+                let wrong = |reason: String| refuse(path, format!("{at}, label [{idx}]"), reason);
+                let Some(box_px) = label.box_px().map_err(wrong)? else {
+                    continue;
+                };
+                let Some(name) = &label.category else {
+                    return Err(wrong("it has a box but no category".to_owned()));
+                };
+                let (class, is_ignored) = class_of(name);
+                let blank = Attributes::default();
+                let attributes = label.attributes.as_ref().unwrap_or(&blank);
+                let kind = match is_set(&attributes.crowd) {
+                    true => ObjectKind::Crowd,
+                    false if is_ignored || is_set(&attributes.ignored) => ObjectKind::Ignored,
+                    false => ObjectKind::Regular,
+                };
+                objects.push((class.to_owned(), box_px, kind));
+            }
+            let image = LabeledImage {
+                id: 0,
+                name: frame.name,
+                width_px: frame.size.as_ref().map(|size| size.width),
+                height_px: frame.size.as_ref().map(|size| size.height),
+                cluster: frame.video,
+            };
+            self.frames.push((image, objects));
+            Ok(())
+        })?;
+        let frames = self.frames.get_mut(n_before..).unwrap_or(&mut []);
+        let said: Vec<&str> = frames
+            .iter()
+            .map(|(image, _)| image.name.as_str())
+            .collect();
+        let named = names(&said);
+        for ((image, _), name) in frames.iter_mut().zip(named) {
+            image.name = name;
+        }
+        Ok(())
+    }
+
+    /// All that was read: frames in the order of their names, numbered from 1, the classes of
+    /// BDD100K where all or some are of them, else those that occur.
+    pub(super) fn finish(mut self, path: &Path) -> Result<LabelSet, EvalError> {
+        self.frames.sort_by(|a, b| a.0.name.cmp(&b.0.name));
+        let twice = self.frames.windows(2).find_map(|pair| match pair {
+            [(a, _), (b, _)] if a.name == b.name => Some(a.name.clone()),
+            _ => None,
+        });
+        if let Some(name) = twice {
+            return Err(refuse(
+                path,
+                format!("frame {name:?}"),
+                "the name occurs twice",
+            ));
+        }
+        let is_known = |name: &str| CLASSES.iter().any(|(known, _)| *known == name);
+        let mut names: Vec<&str> = Vec::new();
+        for (_, objects) in &self.frames {
+            names.extend(objects.iter().map(|(name, ..)| name.as_str()));
+        }
+        names.sort_unstable();
+        names.dedup();
+        let classes: Vec<(String, Option<String>)> =
+            match names.is_empty() || names.iter().any(|name| is_known(name)) {
+                true => CLASSES
+                    .map(|(name, group)| (name.to_owned(), group.map(str::to_owned)))
+                    .into(),
+                false => names
+                    .iter()
+                    .map(|name| ((*name).to_owned(), None))
+                    .collect(),
+            };
+        let mut labels = LabelSet::default();
+        for (id, (name, supercategory)) in (1..).zip(classes) {
+            labels.categories.push(Category {
+                id,
+                name,
+                supercategory,
+            });
+        }
+        for (id, (image, objects)) in (1..).zip(self.frames) {
+            let place = u32::try_from(labels.images.len()).unwrap_or(u32::MAX);
+            labels.images.push(LabeledImage { id, ..image });
+            for (name, box_px, kind) in objects {
+                // Lanes and drivable areas of other tasks are no classes of this one.
+                let Some(category) = labels.category_of_name(&name) else {
+                    continue;
+                };
+                let next = labels.objects.len() + 1;
+                labels.objects.push(Object {
+                    id: i64::try_from(next).unwrap_or(i64::MAX),
+                    image: place,
+                    category,
+                    box_px,
+                    area_px2: box_px.area_px2(),
+                    kind,
+                });
+            }
+        }
+        Ok(labels)
+    }
+}

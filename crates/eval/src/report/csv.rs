@@ -1,0 +1,79 @@
+//! The numbers as CSV, one row each.
+
+use super::numbers::{Number, numbers};
+use crate::evaluation::Study;
+
+/// The columns.
+const HEAD: &str =
+    "detector,condition,scope,tau,group,class,metric,value,low,high,n,method,refused";
+
+/// All numbers of a study as tidy CSV (RFC 4180, UTF-8, lines end in a line feed): one row per number,
+/// `detector,condition,scope,tau,group,class,metric,value,low,high,n,method,refused`.
+///
+/// Fractions are fractions. Where a number is refused, `value` is empty and `refused` says why. A text that
+/// a spreadsheet would take for a formula gets an apostrophe in front.
+#[must_use]
+pub fn csv(study: &Study) -> String {
+    let mut text = String::from(HEAD);
+    text.push('\n');
+    for number in numbers(study) {
+        text.push_str(&row(&number));
+        text.push('\n');
+    }
+    text
+}
+
+fn row(number: &Number) -> String {
+    let Number {
+        detector,
+        condition,
+        scope,
+        tau,
+        group_kind,
+        class,
+        metric,
+        estimate,
+        method,
+    } = number;
+    let float = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    [
+        field(detector),
+        field(condition),
+        field(scope),
+        float(*tau),
+        field(group_kind),
+        field(class),
+        field(metric),
+        float(estimate.value),
+        float(estimate.low),
+        float(estimate.high),
+        estimate.n.to_string(),
+        field(method),
+        field(estimate.refused.as_deref().unwrap_or("")),
+    ]
+    .join(",")
+}
+
+/// A text as one field.
+fn field(text: &str) -> String {
+    let mut text = text.to_owned();
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+        text.insert(0, '\'');
+    }
+    if text.contains([',', '"', '\n', '\r']) {
+        return format!("\"{}\"", text.replace('"', "\"\""));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::field;
+
+    #[test]
+    fn fields_stay_fields() {
+        assert_eq!(field("hot dog"), "hot dog", "as it is");
+        assert_eq!(field("a,\"b\""), "\"a,\"\"b\"\"\"", "quoted");
+        assert_eq!(field("=1+1"), "'=1+1", "no formula");
+    }
+}

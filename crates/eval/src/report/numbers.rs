@@ -1,0 +1,363 @@
+//! All numbers of a study in one long list, one row each: what CSV holds.
+
+use super::words;
+use crate::evaluation::{
+    DoseResponse, Estimate, Evaluation, FailureResults, Group, GroupKind, PairedRow,
+    ProtocolResults, Scope, ScopeKind, Study, TideErrors, TimelineResults,
+};
+
+/// One number with what it is about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Number {
+    /// The detector; empty for numbers about images alone.
+    pub detector: String,
+    /// The condition.
+    pub condition: String,
+    /// `in_region`, `out_of_region` or `whole_image`; empty where there is no place.
+    pub scope: &'static str,
+    /// The share that decides about the region.
+    pub tau: Option<f64>,
+    /// `all`, `supercategory` or `class`; empty where there is no group.
+    pub group_kind: &'static str,
+    /// Name of the group.
+    pub class: String,
+    /// Which number.
+    pub metric: String,
+    /// The number, or why there is none.
+    pub estimate: Estimate,
+    /// How its interval, or it itself, came about.
+    pub method: &'static str,
+}
+
+const BOOTSTRAP: &str = "paired bootstrap over images, 95 %";
+const WILSON: &str = "Wilson, 95 %";
+
+/// All numbers of a study, in the order of the page.
+#[must_use]
+pub fn numbers(study: &Study) -> Vec<Number> {
+    let mut list = Vec::new();
+    for evaluation in &study.evaluations {
+        of_evaluation(evaluation, &mut list);
+    }
+    for row in &study.robustness {
+        let metric = words::metric_key(row.metric);
+        for (name, estimate) in [("clean", &row.clean), ("mpc", &row.mpc), ("rpc", &row.rpc)] {
+            let mut number = blank(&row.detector, "all");
+            put_scope(&mut number, &row.scope);
+            put_group(&mut number, &Group::all());
+            number.metric = format!("{name}_{metric}");
+            number.estimate = estimate.clone();
+            number.method = "mean over families, severities and seeds";
+            list.push(number);
+        }
+    }
+    of_sets(study, &mut list);
+    list
+}
+
+fn blank(detector: &str, condition: &str) -> Number {
+    Number {
+        detector: detector.to_owned(),
+        condition: condition.to_owned(),
+        scope: "",
+        tau: None,
+        group_kind: "",
+        class: String::new(),
+        metric: String::new(),
+        estimate: Estimate::default(),
+        method: "",
+    }
+}
+
+fn put_scope(number: &mut Number, scope: &Scope) {
+    number.scope = match scope.kind {
+        ScopeKind::InRegion => "in_region",
+        ScopeKind::OutOfRegion => "out_of_region",
+        ScopeKind::WholeImage => "whole_image",
+    };
+    number.tau = scope.tau;
+}
+
+fn put_group(number: &mut Number, group: &Group) {
+    number.group_kind = words::group_kind(group.kind);
+    number.class.clone_from(&group.name);
+}
+
+/// Adds numbers that share what they are about.
+struct Adder<'a> {
+    list: &'a mut Vec<Number>,
+    about: Number,
+}
+
+impl Adder<'_> {
+    fn add(&mut self, metric: impl Into<String>, estimate: &Estimate, method: &'static str) {
+        let mut number = self.about.clone();
+        number.metric = metric.into();
+        number.estimate = estimate.clone();
+        number.method = method;
+        self.list.push(number);
+    }
+
+    fn add_value(&mut self, metric: impl Into<String>, value: f64, n: u64, method: &'static str) {
+        self.add(metric, &Estimate::of(value, n), method);
+    }
+
+    fn add_count(&mut self, metric: impl Into<String>, count: u64) {
+        self.add_value(metric, words::as_number(count), count, "count");
+    }
+}
+
+fn of_evaluation(evaluation: &Evaluation, list: &mut Vec<Number>) {
+    let about = blank(&evaluation.detector, &evaluation.condition.name);
+    of_protocol(&about, "clean", &evaluation.clean, list);
+    of_protocol(&about, "cracked", &evaluation.cracked, list);
+    for row in &evaluation.paired {
+        of_pair(&about, row, list);
+    }
+    if let Some(failures) = &evaluation.failures {
+        of_failures(&about, failures, list);
+    }
+    let tide = [
+        ("clean", &evaluation.tide_clean),
+        ("cracked", &evaluation.tide_cracked),
+    ];
+    for (side, errors) in tide {
+        if let Some(errors) = errors {
+            of_tide(&about, side, errors, list);
+        }
+    }
+    for clip in &evaluation.timelines {
+        of_clip(&about, clip, list);
+    }
+}
+
+fn of_protocol(about: &Number, side: &str, results: &ProtocolResults, list: &mut Vec<Number>) {
+    const STATS: [&str; 12] = [
+        "ap",
+        "ap50",
+        "ap75",
+        "ap_small",
+        "ap_medium",
+        "ap_large",
+        "ar_1",
+        "ar_10",
+        "ar_100",
+        "ar_small",
+        "ar_medium",
+        "ar_large",
+    ];
+    let mut about = about.clone();
+    put_scope(&mut about, &Scope::whole_image());
+    let mut adder = Adder { list, about };
+    put_group(&mut adder.about, &Group::all());
+    for (name, value) in STATS.iter().zip(results.coco_stats.into_iter().flatten()) {
+        let estimate = match value {
+            Some(value) => Estimate::of(value, 0),
+            None => Estimate::refused(0, "no such object"),
+        };
+        adder.add(format!("coco_{name}_{side}"), &estimate, "COCO protocol");
+    }
+    for row in &results.groups {
+        put_group(&mut adder.about, &row.group);
+        for (name, estimate) in [("ap", &row.ap), ("ap50", &row.ap50), ("ap75", &row.ap75)] {
+            adder.add(format!("coco_{name}_{side}"), estimate, "COCO protocol");
+        }
+    }
+    for row in &results.kitti {
+        let group = Group {
+            kind: GroupKind::Class,
+            name: row.class.clone(),
+        };
+        put_group(&mut adder.about, &group);
+        let difficulty = &row.difficulty;
+        let name = |what: &str| format!("kitti_{what}_{difficulty}_{side}");
+        adder.add(name("ap11"), &row.ap11, "KITTI protocol");
+        adder.add(name("ap40"), &row.ap40, "KITTI protocol");
+        let n = row.n_objects;
+        adder.add_value(name("ceiling_ap11"), row.ceiling_ap11, n, "closed form");
+        adder.add_value(name("ceiling_ap40"), row.ceiling_ap40, n, "closed form");
+    }
+}
+
+fn of_pair(about: &Number, row: &PairedRow, list: &mut Vec<Number>) {
+    let mut about = about.clone();
+    put_scope(&mut about, &row.scope);
+    put_group(&mut about, &row.group);
+    let mut adder = Adder { list, about };
+    let metric = words::metric_key(row.metric);
+    adder.add(format!("{metric}_clean"), &row.clean, BOOTSTRAP);
+    adder.add(format!("{metric}_cracked"), &row.cracked, BOOTSTRAP);
+    adder.add(format!("{metric}_difference"), &row.delta, BOOTSTRAP);
+    let n = row.n_objects;
+    let p = [
+        ("p", row.p, "permutation"),
+        ("p_holm", row.p_holm, "permutation, Holm"),
+    ];
+    for (name, p, method) in p {
+        if let Some(p) = p {
+            adder.add_value(format!("{metric}_{name}"), p, n, method);
+        }
+    }
+    if let Some(ceiling) = row.ceiling {
+        adder.add_value(format!("{metric}_ceiling"), ceiling, n, "closed form");
+    }
+}
+
+fn of_failures(about: &Number, failures: &FailureResults, list: &mut Vec<Number>) {
+    let mut adder = Adder {
+        list,
+        about: about.clone(),
+    };
+    for row in &failures.rates {
+        put_scope(&mut adder.about, &row.scope);
+        put_group(&mut adder.about, &row.group);
+        adder.add("failure_rate", &row.failure_rate, WILSON);
+        adder.add("recovery_rate", &row.recovery_rate, WILSON);
+        for (name, count) in [
+            ("objects", row.n_objects),
+            ("found_clean", row.n_found_clean),
+            ("found_cracked", row.n_found_cracked),
+            ("lost", row.n_lost),
+            ("recovered", row.n_recovered),
+        ] {
+            adder.add_count(name, count);
+        }
+        let p = [
+            ("failure_p", row.p, "McNemar, exact"),
+            ("failure_p_holm", row.p_holm, "McNemar, exact, Holm"),
+        ];
+        for (name, p, method) in p {
+            if let Some(p) = p {
+                adder.add_value(name, p, row.n_lost + row.n_recovered, method);
+            }
+        }
+    }
+    adder.about = about.clone();
+    for row in &failures.new_false_positives {
+        put_scope(&mut adder.about, &row.scope);
+        adder.add(
+            "new_false_positives_per_mpx",
+            &row.new_per_mpx,
+            "Poisson, exact, 95 %",
+        );
+        adder.add_count("false_positives_clean", row.n_clean);
+        adder.add_count("false_positives_cracked", row.n_cracked);
+        adder.add_count("new_false_positives", row.n_new);
+    }
+    for row in &failures.shifts {
+        put_scope(&mut adder.about, &row.scope);
+        put_group(&mut adder.about, &row.group);
+        adder.add("score_shift", &row.score, "bootstrap, 95 %");
+        adder.add("iou_shift", &row.iou, "bootstrap, 95 %");
+        let p = [("score_shift_p", row.p_score), ("iou_shift_p", row.p_iou)];
+        for (name, p) in p {
+            if let Some(p) = p {
+                adder.add_value(name, p, row.n_pairs, "Wilcoxon signed-rank");
+            }
+        }
+    }
+    for row in &failures.flips {
+        put_scope(&mut adder.about, &row.scope);
+        put_group(&mut adder.about, &Group::all());
+        adder.add("flip_rate", &row.rate, WILSON);
+    }
+    adder.about = about.clone();
+    for dose in &failures.dose_responses {
+        of_dose(&mut adder, dose);
+    }
+}
+
+fn of_dose(adder: &mut Adder<'_>, dose: &DoseResponse) {
+    put_group(&mut adder.about, &dose.group);
+    let fact = dose.fact.replace(' ', "_");
+    for bin in &dose.bins {
+        let name = format!("failure_rate_at_{fact}_{:.3}_to_{:.3}", bin.low, bin.high);
+        adder.add(name, &bin.rate, WILSON);
+    }
+    if let Some(fit) = &dose.fit {
+        let n = fit.slope.n;
+        adder.add(
+            format!("logistic_slope_{fact}"),
+            &fit.slope,
+            "maximum likelihood, Wald, 95 %",
+        );
+        adder.add_value(
+            format!("logistic_intercept_{fact}"),
+            fit.intercept,
+            n,
+            "maximum likelihood",
+        );
+        if let Some(p) = fit.p {
+            adder.add_value(format!("logistic_p_{fact}"), p, n, "Wald");
+        }
+    }
+}
+
+fn of_tide(about: &Number, side: &str, errors: &TideErrors, list: &mut Vec<Number>) {
+    let mut about = about.clone();
+    put_scope(&mut about, &Scope::whole_image());
+    put_group(&mut about, &Group::all());
+    let mut adder = Adder { list, about };
+    for (name, value) in [
+        ("ap50", errors.ap50),
+        ("classification", errors.classification),
+        ("localization", errors.localization),
+        ("both", errors.both),
+        ("duplicate", errors.duplicate),
+        ("background", errors.background),
+        ("missed", errors.missed),
+        ("false_positive", errors.false_positive),
+        ("false_negative", errors.false_negative),
+    ] {
+        adder.add_value(format!("tide_{name}_{side}"), value, 0, "TIDE");
+    }
+}
+
+fn of_clip(about: &Number, clip: &TimelineResults, list: &mut Vec<Number>) {
+    let mut adder = Adder {
+        list,
+        about: about.clone(),
+    };
+    for track in &clip.tracks {
+        adder.about.class = track.class.clone();
+        let name = |what: &str| format!("{what}[{}/{}]", clip.clip, track.track);
+        let n = track.n_frames;
+        adder.add_value(
+            name("found_share_clean"),
+            track.found_clean,
+            n,
+            "share of frames",
+        );
+        adder.add_value(
+            name("found_share_cracked"),
+            track.found_cracked,
+            n,
+            "share of frames",
+        );
+        adder.add_count(name("flickers"), track.n_flickers);
+        if let Some(time_s) = track.time_to_failure_s {
+            adder.add_value(name("time_to_failure_s"), time_s, n, "frames");
+        }
+    }
+}
+
+fn of_sets(study: &Study, list: &mut Vec<Number>) {
+    let Some(divergence) = &study.divergence else {
+        return;
+    };
+    for table in &divergence.tables {
+        for (row, from) in table.values.iter().zip(&divergence.sets) {
+            for (estimate, to) in row
+                .iter()
+                .zip(&divergence.sets)
+                .filter(|(_, to)| *to != from)
+            {
+                let mut number = blank("", &format!("{from} | {to}"));
+                number.metric = format!("{} of {}", table.measure, table.feature);
+                number.estimate = estimate.clone();
+                number.method = "distance between sets of images";
+                list.push(number);
+            }
+        }
+    }
+}

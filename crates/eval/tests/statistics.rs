@@ -1,0 +1,260 @@
+//! Statistics against programs that we did not write: statsmodels, SciPy and tidecv, by way of
+//! `statistics/known_answers.py`.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test that cannot read its answers has failed"
+)]
+
+use serde_json::Value;
+use starbreak_eval::failure::fit_logistic;
+use starbreak_eval::resampling::{bca_interval, percentile_interval};
+use starbreak_eval::statistic::{holm, mcnemar, signed_rank_test, wilson_interval};
+use starbreak_eval::tide::{TideSettings, tide};
+use starbreak_eval::timeline::kaplan_meier;
+use starbreak_eval::{
+    BoxPx, Category, Detection, Detections, LabelSet, LabeledImage, Object, ObjectKind,
+};
+
+fn answers(part: &str) -> Vec<Value> {
+    let all: Value = serde_json::from_str(include_str!("statistics/known_answers.json")).unwrap();
+    let cases = all[part].as_array().unwrap().clone();
+    assert!(!cases.is_empty(), "there are answers for {part}");
+    cases
+}
+
+fn f64s(value: &Value) -> Vec<f64> {
+    let list = value.as_array().unwrap();
+    list.iter().map(|it| it.as_f64().unwrap()).collect()
+}
+
+#[track_caller]
+fn assert_close(found: f64, expected: f64, relative: f64, what: &str) {
+    let off = (found - expected).abs();
+    assert!(
+        off <= relative * expected.abs().max(1e-300),
+        "{what}: {found} instead of {expected}, off by {off:e}"
+    );
+}
+
+#[test]
+fn wilson_intervals_are_those_of_statsmodels() {
+    for case in answers("wilson") {
+        let (k, n) = (case["k"].as_u64().unwrap(), case["n"].as_u64().unwrap());
+        let interval = wilson_interval(k, n, case["level"].as_f64().unwrap()).unwrap();
+        for (found, end) in [(interval.low, "low"), (interval.high, "high")] {
+            let expected = case[end].as_f64().unwrap();
+            assert!(
+                (found - expected).abs() < 1e-13,
+                "{end} of {k} of {n}: {found} instead of {expected}"
+            );
+        }
+    }
+    assert_eq!(wilson_interval(0, 0, 0.95), None, "no share of nothing");
+    assert_eq!(wilson_interval(1, 2, 1.0), None, "nothing is certain");
+}
+
+#[test]
+fn mcnemar_is_that_of_statsmodels() {
+    for case in answers("mcnemar") {
+        let (b, c) = (case["b"].as_u64().unwrap(), case["c"].as_u64().unwrap());
+        let test = mcnemar(b, c);
+        let what = format!("{b} against {c}");
+        let (exact, mid_p) = (test.exact.p.unwrap(), test.mid_p.p.unwrap());
+        assert_close(exact, case["exact"].as_f64().unwrap(), 1e-10, &what);
+        assert_close(mid_p, case["mid_p"].as_f64().unwrap(), 1e-10, &what);
+        assert_eq!(test.exact.n, b + c, "n of {what}");
+    }
+    let none = mcnemar(0, 0);
+    assert_eq!(none.exact.p, None, "no change, no p");
+    assert!(none.exact.reason.is_some(), "and a reason");
+}
+
+#[test]
+fn holm_is_that_of_statsmodels() {
+    for case in answers("holm") {
+        let p: Vec<Option<f64>> = f64s(&case["p"]).into_iter().map(Some).collect();
+        for (found, expected) in holm(&p).into_iter().zip(f64s(&case["corrected"])) {
+            assert_close(found.unwrap(), expected, 1e-14, "corrected p");
+        }
+    }
+}
+
+#[test]
+fn signed_ranks_are_those_of_scipy_with_ties_too() {
+    for case in answers("signed_rank") {
+        let differences = f64s(&case["d"]);
+        let test = signed_rank_test(&differences);
+        let what = format!("p of {} differences", differences.len());
+        assert_close(
+            test.test.p.unwrap(),
+            case["p"].as_f64().unwrap(),
+            1e-12,
+            &what,
+        );
+        let method = serde_json::to_value(test.test.method).unwrap();
+        assert_eq!(method, case["method"], "method of {what}");
+    }
+}
+
+#[test]
+fn logistic_curves_are_those_of_statsmodels() {
+    for case in answers("logistic") {
+        let failed: Vec<bool> = f64s(&case["failed"]).iter().map(|it| *it > 0.5).collect();
+        let clusters: Vec<u32> = case["clusters"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|it| u32::try_from(it.as_u64().unwrap()).unwrap())
+            .collect();
+        let fit = fit_logistic(&f64s(&case["dose"]), &failed, &clusters, 0.95);
+        for (place, coefficient) in [&fit.intercept, &fit.slope].into_iter().enumerate() {
+            let beta = f64s(&case["beta"])[place];
+            assert_close(coefficient.estimate.value.unwrap(), beta, 1e-8, "beta");
+            let se = f64s(&case["se"])[place];
+            assert_close(coefficient.standard_error.unwrap(), se, 1e-8, "error");
+            let se = f64s(&case["se_clustered"])[place];
+            let found = coefficient.standard_error_clustered.unwrap();
+            assert_close(found, se, 1e-8, "error over clusters");
+            let p = f64s(&case["p"])[place];
+            assert_close(coefficient.test.p.unwrap(), p, 1e-6, "p");
+        }
+        let interval = fit.slope.estimate.interval.unwrap();
+        let ends = f64s(&case["slope_interval"]);
+        assert_close(interval.low, ends[0], 1e-6, "lower end of the slope");
+        assert_close(interval.high, ends[1], 1e-6, "upper end of the slope");
+        let auc = case["auc"].as_f64().unwrap();
+        assert_close(fit.auc.value.unwrap(), auc, 1e-12, "AUC");
+    }
+}
+
+#[test]
+fn bootstrap_intervals_are_those_of_scipy_from_the_same_replicates() {
+    for case in answers("bootstrap") {
+        let (value, replicates) = (case["value"].as_f64().unwrap(), f64s(&case["replicates"]));
+        let bca = bca_interval(value, &replicates, &f64s(&case["left_out"]), 0.95).unwrap();
+        let percentile = percentile_interval(&replicates, 0.95).unwrap();
+        for (found, name) in [(bca, "bca"), (percentile, "percentile")] {
+            let expected = f64s(&case[name]);
+            assert_close(found.low, expected[0], 1e-10, name);
+            assert_close(found.high, expected[1], 1e-10, name);
+        }
+    }
+}
+
+fn place(value: &Value) -> u32 {
+    u32::try_from(value.as_u64().unwrap()).unwrap()
+}
+
+fn box_px(value: &Value) -> BoxPx {
+    let sides = f64s(value);
+    BoxPx {
+        x: sides[0],
+        y: sides[1],
+        width: sides[2],
+        height: sides[3],
+    }
+}
+
+fn tide_input(case: &Value) -> (LabelSet, Detections) {
+    let images = (0..case["n_images"].as_i64().unwrap()).map(|id| LabeledImage {
+        id,
+        name: id.to_string(),
+        width_px: None,
+        height_px: None,
+        cluster: None,
+    });
+    let categories = (0..case["n_classes"].as_i64().unwrap()).map(|id| Category {
+        id,
+        name: id.to_string(),
+        supercategory: None,
+    });
+    let objects = case["objects"].as_array().unwrap().iter().zip(1..);
+    let labels = LabelSet {
+        images: images.collect(),
+        categories: categories.collect(),
+        objects: objects
+            .map(|(it, id)| Object {
+                id,
+                image: place(&it[0]),
+                category: place(&it[1]),
+                box_px: box_px(&it[2]),
+                area_px2: box_px(&it[2]).area_px2(),
+                kind: if it[3].as_bool().unwrap() {
+                    ObjectKind::Crowd
+                } else {
+                    ObjectKind::Regular
+                },
+            })
+            .collect(),
+    };
+    let items = case["detections"].as_array().unwrap().iter();
+    let detections = Detections {
+        items: items
+            .map(|it| Detection {
+                image: place(&it[0]),
+                category: place(&it[1]),
+                box_px: box_px(&it[2]),
+                score: it[3].as_f64().unwrap(),
+            })
+            .collect(),
+    };
+    (labels, detections)
+}
+
+#[test]
+fn tide_is_that_of_tidecv() {
+    for (k, case) in answers("tide").iter().enumerate() {
+        let (labels, detections) = tide_input(case);
+        let tide = tide(&labels, &detections, TideSettings::default()).unwrap();
+        let what = format!("case {k}");
+        let same = |found: Option<f64>, expected: &Value, name: &str| {
+            let (found, expected) = (found.unwrap(), expected.as_f64().unwrap());
+            assert!(
+                (found - expected).abs() < 1e-9,
+                "{name} of {what}: {found} instead of {expected}"
+            );
+        };
+        same(tide.ap, &case["ap"], "AP");
+        for error in &tide.errors {
+            let name = serde_json::to_value(error.kind).unwrap();
+            let name = name.as_str().unwrap();
+            assert_eq!(Some(error.n), case["n"][name].as_u64(), "{name} of {what}");
+            same(error.d_ap, &case["d_ap"][name], name);
+        }
+        let special = &case["special"];
+        same(tide.false_positive_d_ap, &special["FalsePos"], "FalsePos");
+        same(tide.false_negative_d_ap, &special["FalseNeg"], "FalseNeg");
+    }
+}
+
+#[test]
+fn survival_is_that_of_lifelines() {
+    for case in answers("survival") {
+        let is_lost: Vec<bool> = case["failed"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|it| it.as_bool().unwrap())
+            .collect();
+        let curve = kaplan_meier(&f64s(&case["times"]), &is_lost, 0.95).unwrap();
+        let rows = case["rows"].as_array().unwrap();
+        assert_eq!(curve.steps.len(), rows.len(), "times of a loss");
+        for (step, row) in curve.steps.iter().zip(rows) {
+            let expected = |name: &str| row[name].as_f64().unwrap();
+            assert_close(step.time_s, expected("time"), 1e-12, "time");
+            assert_eq!(Some(step.n_at_risk), row["at_risk"].as_u64(), "at risk");
+            let share = step.share.value.unwrap();
+            assert!((share - expected("survival")).abs() < 1e-12, "share");
+            match step.share.interval {
+                Some(interval) => {
+                    assert_close(interval.low, expected("low"), 1e-9, "lower end");
+                    assert_close(interval.high, expected("high"), 1e-9, "upper end");
+                }
+                None => assert!(share < 1e-12, "only the end has no interval: {share}"),
+            }
+        }
+        assert_eq!(curve.median_s.value, case["median"].as_f64(), "median");
+    }
+    assert!(kaplan_meier(&[1.0], &[], 0.95).is_err(), "a time too many");
+    assert!(kaplan_meier(&[f64::NAN], &[true], 0.95).is_err(), "no time");
+}

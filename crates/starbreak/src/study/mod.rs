@@ -1,0 +1,21 @@
+//! A study: detectors on clean and on cracked images, over a list of conditions.
+//!
+//! ```text
+//! Source ──► generate, once per condition ──► cracked images and their regions
+//!    │                                            │
+//!    └──► detect, once per detector ──► clean     └──► detect, per detector and condition ──► cracked
+//!                                          └────────┬────────┘
+//!                                               evaluate ──► report
+//! ```
+//!
+//! Each step goes on where an interrupted run was, and comes to the same.
+
+mod arm;
+mod condition;
+mod numbers;
+mod run;
+mod set;
+
+pub use arm::UnseenImage;
+pub use condition::{Condition, Family, conditions, folder_name};
+pub use run::{DetectorRuns, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns};
