@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Distances between sets against SciPy, NumPy, Pillow and scikit-learn, for many seeds; on whole images; usage: divergence.py STARBREAK [FOLDER OF IMAGES]..."""
+"""Distances between sets against SciPy, NumPy, Pillow and scikit-learn, for many seeds; sets of
+real images that are near and far; usage: divergence.py STARBREAK"""
 import json
 import subprocess
 import sys
@@ -124,6 +125,43 @@ def histograms(folder):
     return worst >= 1e-12
 
 
+def real_images(folder):
+    """Halves of coco96 within their floor; its cracked twin seen by pairs only; KITTI and BDD100K far."""
+    shared = Path(__file__).resolve().parent.parent.parent / "shared" / "data"
+    if not shared.is_dir():
+        print("SKIPPED real images: no ../shared/data")
+        return 0
+    images = sorted((shared / "coco96" / "val2017").iterdir())
+    for place, image in enumerate(images):
+        half = folder / f"half{place % 2}"
+        half.mkdir(exist_ok=True)
+        (half / image.name).symlink_to(image)
+    subprocess.run([STARBREAK, "generate", f"coco:{shared}/coco96", "-o", folder / "twin", "--seed", "7", "-q"], check=True)
+    model = shared / "onnx" / "yolox_nano.onnx"
+    failed = 0
+    for name, a, b, expected in (
+            ("halves of coco96", f"a=folder:{folder}/half0", f"b=folder:{folder}/half1", "same"),
+            ("coco96 and its cracked twin", f"a=coco:{shared}/coco96", f"b=coco:{folder}/twin", "differ"),
+            ("coco96 and KITTI (3 frames)", f"a=coco:{shared}/coco96", f"b=folder:{shared}/kitti/image_2", "report"),
+            ("coco96 and BDD100K (3 frames)", f"a=coco:{shared}/coco96", f"b=folder:{shared}/bdd", "report")):
+        pair = run(a, b, "--model", model, "--bootstrap", 200)["pairs"][0]
+        print(f"{name}: n {pair['n_a']} and {pair['n_b']}{', paired' if pair['is_paired'] else ''}")
+        seen = 0
+        for feature in pair["features"]:
+            js = feature["measures"]["js"]
+            seen += js["p_value"] < 0.05
+            print(f"  {feature['feature']:15} JS {js['value']:.5f} {js['interval']} floor {js['floor']:.5f} effect {js['effect']:.2f} p {js['p_value']:.3f}"
+                  f" KL {feature['measures']['kl_ab']['value']:.4f} {feature['measures']['kl_ba']['value']:.4f}")
+        activations = pair["activations"]
+        print(f"  {Path(activations['origin']).name}: {activations['n_dimensions']} values")
+        for measure, estimate in activations["measures"].items():
+            print(f"  {measure:15} {estimate['value']:.5g} floor {estimate['floor']} p {estimate['p_value']}")
+        wrong = (expected == "same" and seen > 1) or (expected == "differ" and seen < 3)
+        failed += wrong
+        print(f"  {seen} of 5 features with p < 0.05, expected {expected}: {'FAIL' if wrong else 'ok'}")
+    return failed
+
+
 with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
-    sys.exit(bool(known_answers(folder) + shrinkage(folder) + histograms(folder)))
+    sys.exit(bool(known_answers(folder) + shrinkage(folder) + histograms(folder) + real_images(folder)))

@@ -22,7 +22,8 @@ const FRECHET_BUDGET: usize = 30_000_000_000;
 /// kernel. `sets` are their places, which the draws depend on, `origin` says where they come from.
 ///
 /// Fréchet distances are resampled less often where vectors are long (the number is in
-/// [`VectorComparison::n_frechet_resamples`]); kernels not at all beyond 4000 vectors.
+/// [`VectorComparison::n_frechet_resamples`]); not at all
+/// where fewer than 20 would be affordable (from some 280 values on); kernels not beyond 4000 vectors.
 ///
 /// # Errors
 /// [`EvalError::VectorLengths`], [`EvalError::FewVectors`] below two vectors in a set,
@@ -45,7 +46,10 @@ pub fn compare_vectors(
             .saturating_mul(d * d)
             .saturating_mul(2),
     );
-    let n_frechet_resamples = FRECHET_BUDGET / work.max(1);
+    let n_frechet_resamples = match FRECHET_BUDGET / work.max(1) {
+        0..FEWEST_RESAMPLES => 0,
+        n => n,
+    };
     let mut measures = BTreeMap::new();
 
     let draws = Draws {
@@ -100,6 +104,9 @@ pub fn compare_vectors(
         measures,
     })
 }
+
+/// A p-value or an interval of fewer resamples than this misleads: then there is none.
+const FEWEST_RESAMPLES: usize = 20;
 
 struct Draws<'a> {
     a: &'a FeatureVectors,
