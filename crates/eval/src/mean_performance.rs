@@ -18,7 +18,7 @@ pub struct CrackedPrecision {
 /// Mean performance under cracks and its share of the clean one.
 ///
 /// mPC = 1/(N_c N_s) Σ_c Σ_s AP_{c,s} over kinds c and severities s, AP_{c,s} being the mean over
-/// seeds; rPC = mPC / AP_clean [Michaelis2019].
+/// seeds; rPC = mPC / AP_clean \[Michaelis2019\].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeanPerformance {
     /// AP of the clean images.

@@ -49,9 +49,6 @@ fn evaluated(global: &Global, args: &EvaluateArgs, screen: &Screen) -> Result<()
         None => None,
     };
     let warnings = check_pair(&truth, &clean, cracked.as_ref())?;
-    for warning in &warnings {
-        screen.note(&format!("warning: {}", warning.text));
-    }
     let folder = regions_folder(args);
     if folder.is_none() && !args.tau.is_empty() {
         return Err(Failure::wrong_input(
@@ -144,6 +141,9 @@ fn evaluated(global: &Global, args: &EvaluateArgs, screen: &Screen) -> Result<()
         }
     }
     batch.commit()?;
+    for warning in &warnings {
+        screen.note(&format!("warning: {}", warning.text));
+    }
     show(
         screen,
         &of_clean,

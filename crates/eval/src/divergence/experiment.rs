@@ -136,7 +136,7 @@ pub struct PaperExperiment {
 /// The paper's comparisons of those sets that are there, and whether simulated and real patterns are
 /// closer to each other than KITTI is to cats ([`DivergenceReport::orderings`]).
 ///
-/// **Source**: [Prabhakar2025], figure of K-L divergences. Its numbers cannot be made again: it names
+/// **Source**: \[Prabhakar2025\], figure of K-L divergences. Its numbers cannot be made again: it names
 /// neither feature nor bins nor estimator.
 ///
 /// # Errors

@@ -112,7 +112,7 @@ pub struct VectorComparison {
     pub n_a: usize,
     /// Vectors of the second set.
     pub n_b: usize,
-    /// Share of shrinkage of both covariances [LedoitWolf2004].
+    /// Share of shrinkage of both covariances \[LedoitWolf2004\].
     pub shrinkage: [f64; 2],
     /// Whether a set has no more vectors than dimensions.
     pub is_rank_deficient: bool,

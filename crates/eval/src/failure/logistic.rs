@@ -37,7 +37,7 @@ pub struct Coefficient {
     /// Standard error for independent objects.
     pub standard_error: Option<f64>,
     /// Standard error that lets objects of one cluster (image, drive) depend on each other
-    /// [LiangZeger1986]; `None` for fewer than two clusters.
+    /// \[LiangZeger1986\]; `None` for fewer than two clusters.
     pub standard_error_clustered: Option<f64>,
     /// Wald's test of 0 by the standard error of the interval.
     pub test: TestOutcome,
@@ -53,12 +53,12 @@ impl LogisticFit {
 }
 
 /// Fits a logistic curve to `failed` over `dose` by iteratively reweighted least squares
-/// [McCullaghNelder1989], with standard errors from the information and, over `clusters`, from the
+/// \[McCullaghNelder1989\], with standard errors from the information and, over `clusters`, from the
 /// sandwich with the factor G/(G−1) · (n−1)/(n−2).
 ///
 /// There is no curve, and a reason instead, where the dose does not vary, all or none failed, the
 /// doses of failures and the rest do not overlap (then the likelihood has no maximum
-/// [AlbertAnderson1984]; at most one shared dose is no overlap either), or the fit has not settled after
+/// \[AlbertAnderson1984\]; at most one shared dose is no overlap either), or the fit has not settled after
 /// 100 rounds. Doses that are not finite are left out.
 #[must_use]
 pub fn fit_logistic(dose: &[f64], failed: &[bool], clusters: &[u32], level: f64) -> LogisticFit {
@@ -309,7 +309,7 @@ fn sandwich(bread: [[f64; 2]; 2], meat: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     product(product(bread, meat), bread)
 }
 
-/// Mann and Whitney's statistic over both numbers [HanleyMcNeil1982].
+/// Mann and Whitney's statistic over both numbers \[HanleyMcNeil1982\].
 fn rank_auc(rows: &[Row]) -> Measured {
     let mut sorted = rows.to_vec();
     sorted.sort_by(|a, b| a.dose.total_cmp(&b.dose));

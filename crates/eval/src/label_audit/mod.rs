@@ -150,7 +150,7 @@ pub struct MapAgreement {
 /// Compares the classes of detections and labels on the same objects.
 ///
 /// Tried are: numbers or places shifted by up to two, places from 0 or 1 used as numbers, numbers
-/// used as places, and the permutation that agrees best (linear sum assignment [Crouse2016]). The
+/// used as places, and the permutation that agrees best (linear sum assignment \[Crouse2016\]). The
 /// maps are tried on the detections as they were read: what a reader refused for having an unknown
 /// category is not among them.
 ///

@@ -10,11 +10,11 @@ use crate::EvalError;
 /// Units are images, or clusters of images that are not independent of each other: drives, clips.
 /// With more than one crack pattern per image, the patterns are a second factor that crosses the
 /// images: both are drawn on their own and a cell weighs the product (the pigeonhole bootstrap
-/// [Owen2007]), which errs on the wide side.
+/// \[Owen2007\]), which errs on the wide side.
 ///
 /// A draw of n units out of n with replacement gives each a whole weight, how often it was drawn;
 /// an image that is drawn twice counts twice. (Counting each drawn image once, as some tools do,
-/// evaluates some 63 % of the images and gives other intervals.) [Efron1979]
+/// evaluates some 63 % of the images and gives other intervals.) \[Efron1979\]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     unit_of_image: Vec<u32>,
@@ -229,7 +229,7 @@ fn stream(seed: u64, factor: Factor, replicate: u32) -> ChaCha8Rng {
 }
 
 /// A whole number below `n`, each as likely: the upper half of a product, redrawn where it would
-/// favor some [Lemire2019].
+/// favor some \[Lemire2019\].
 fn below(stream: &mut ChaCha8Rng, n: u32) -> u32 {
     let reject_below = n.wrapping_neg() % n.max(1);
     loop {

@@ -5,7 +5,7 @@ use crate::statistic::{Interval, Method, normal_cdf, normal_quantile};
 /// Percentiles (1 ∓ level)/2 of replicates, interpolated between the two nearest as by default in
 /// NumPy; `None` for fewer than 20 replicates or a level outside of 0 to 1.
 ///
-/// Two-sided, each tail on its own [Efron1993].
+/// Two-sided, each tail on its own \[Efron1993\].
 #[must_use]
 pub fn percentile_interval(replicates: &[f64], level: f64) -> Option<Interval> {
     let sorted = usable(replicates, level)?;
@@ -19,7 +19,7 @@ pub fn percentile_interval(replicates: &[f64], level: f64) -> Option<Interval> {
 }
 
 /// The basic interval, `2·value − percentiles`: what the replicates lie above the value is what the
-/// value is taken to lie above the truth [Efron1993]. As [`percentile_interval`] otherwise.
+/// value is taken to lie above the truth \[Efron1993\]. As [`percentile_interval`] otherwise.
 ///
 /// For statistics that lean to one side when units are drawn anew, as the AP of small classes does:
 /// their percentiles may lie beside the value itself. Ends are cut to `bounds`.
@@ -40,7 +40,7 @@ pub fn basic_interval(
     })
 }
 
-/// The bias-corrected and accelerated interval [Efron1987].
+/// The bias-corrected and accelerated interval \[Efron1987\].
 ///
 /// z₀ = Φ⁻¹(share of replicates below the value, equal ones by half),
 /// a = Σ(m − θᵢ)³ / (6 (Σ(m − θᵢ)²)^{3/2}) over the values θᵢ with one unit left out, of mean m; the

@@ -20,7 +20,7 @@ const EXACT_UP_TO: u32 = 1024;
 ///
 /// With m patterns and n units, where (m + 1)ⁿ is up to 1024, all permutations are gone through,
 /// p = k/(m + 1)ⁿ; beyond that the plan's number is drawn, p = (k + 1)/(B + 1), which holds its
-/// level for any B [PhipsonSmyth2010].
+/// level for any B \[PhipsonSmyth2010\].
 ///
 /// # Errors
 /// If the plan has no replicates or no proper level.

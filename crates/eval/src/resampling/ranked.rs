@@ -94,7 +94,7 @@ impl RankedCategory {
     /// nothing to be found, or where weights are missing.
     ///
     /// Mean over 101 recalls of the greatest precision at that recall or beyond,
-    /// tp / (tp + fp + 2⁻⁵²), as the COCO API has it, to the last bit for weights of 1 [Lin2014].
+    /// tp / (tp + fp + 2⁻⁵²), as the COCO API has it, to the last bit for weights of 1 \[Lin2014\].
     #[must_use]
     pub fn average_precision(&self, weights: &[u32]) -> Option<f64> {
         let n_objects = self.n_objects(weights);

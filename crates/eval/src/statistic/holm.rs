@@ -1,4 +1,4 @@
-/// p values corrected for their number by Holm's method, in their order [Holm1979]; what has no p
+/// p values corrected for their number by Holm's method, in their order \[Holm1979\]; what has no p
 /// is not counted and stays without.
 ///
 /// The i-th smallest of m becomes max over j ≤ i of min(1, (m − j + 1) p₍ⱼ₎).

@@ -16,7 +16,7 @@ pub fn proportion(k: u64, n: u64, level: f64) -> Measured {
     Measured::of(as_f64(k) / as_f64(n), n, Method::Share).within(wilson_interval(k, n, level))
 }
 
-/// Wilson's score interval of the share `k / n` [Wilson1927]; `None` where `n` is 0 or `level` is
+/// Wilson's score interval of the share `k / n` \[Wilson1927\]; `None` where `n` is 0 or `level` is
 /// not between 0 and 1.
 ///
 /// (p̂ + z²/2n ± z √(p̂(1−p̂)/n + z²/4n²)) / (1 + z²/n)
@@ -50,7 +50,7 @@ pub fn wilson_interval(k: u64, n: u64, level: f64) -> Option<Interval> {
 }
 
 /// Agresti and Min's interval of a difference of paired shares, (b − c)/n: Wald's with half a pair
-/// added to each of the four cells [AgrestiMin2005].
+/// added to each of the four cells \[AgrestiMin2005\].
 pub(crate) fn paired_difference(lost: u64, recovered: u64, n: u64, level: f64) -> Measured {
     if n == 0 {
         return Measured::none(0, Method::Difference, "there are no pairs");
@@ -74,14 +74,14 @@ pub struct McNemar {
     /// Exact, conditional on the number of pairs that changed.
     pub exact: TestOutcome,
     /// The same with half the weight of what is as far off as seen: less conservative, and close to
-    /// its level [Fagerland2013].
+    /// its level \[Fagerland2013\].
     pub mid_p: TestOutcome,
 }
 
 /// `McNemar`'s exact test, two-sided, of `b` changes one way against `c` the other way.
 ///
 /// Under the null hypothesis b is binomial with b + c draws at ½:
-/// p = min(1, 2 P(B ≤ min(b, c))) [McNemar1947]; mid-p = p − P(B = b), or 1 − P(B = b)/2 for b = c.
+/// p = min(1, 2 P(B ≤ min(b, c))) \[McNemar1947\]; mid-p = p − P(B = b), or 1 − P(B = b)/2 for b = c.
 #[must_use]
 pub fn mcnemar(b: u64, c: u64) -> McNemar {
     let n = b + c;

@@ -15,11 +15,11 @@ pub struct SignedRank {
     pub w_plus: f64,
     /// Sum of the ranks of differences below 0.
     pub w_minus: f64,
-    /// Differences that are 0, which are left out [Wilcoxon1945].
+    /// Differences that are 0, which are left out \[Wilcoxon1945\].
     pub n_zero: u64,
     /// The test; its n are the differences that are not 0.
     pub test: TestOutcome,
-    /// Effect: (W⁺ − W⁻)/(W⁺ + W⁻), −1 to 1 [Kerby2014].
+    /// Effect: (W⁺ − W⁻)/(W⁺ + W⁻), −1 to 1 \[Kerby2014\].
     pub effect: Measured,
 }
 

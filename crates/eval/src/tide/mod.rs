@@ -1,4 +1,4 @@
-//! What kinds of errors cost how much AP: TIDE [Bolya2020].
+//! What kinds of errors cost how much AP: TIDE \[Bolya2020\].
 //!
 //! Detections of an image are looked at across classes. One that found nothing is, in this order:
 //! `Loc`, right class, overlap between t_b and t_f; `Cls`, wrong class, overlap of at least t_f;
@@ -20,9 +20,9 @@ use curves::{Fix, Points};
 /// What TIDE goes by.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TideSettings {
-    /// Overlap from which a detection finds an object. **Default** 0.5. **Source** [Bolya2020].
+    /// Overlap from which a detection finds an object. **Default** 0.5. **Source** \[Bolya2020\].
     pub found_iou: f64,
-    /// Overlap up to which a detection lies on background. **Default** 0.1. **Source** [Bolya2020].
+    /// Overlap up to which a detection lies on background. **Default** 0.1. **Source** \[Bolya2020\].
     pub background_iou: f64,
     /// Detections per image, over all classes, the best ones. **Default** 100. **Source** tidecv.
     pub max_detections: u32,

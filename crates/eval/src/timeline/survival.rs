@@ -31,12 +31,12 @@ pub struct SurvivalStep {
     pub share: Measured,
 }
 
-/// The product-limit estimate [KaplanMeier1958] of Kaplan and Meier, S(t) = Π (1 − dᵢ/nᵢ) over the
+/// The product-limit estimate \[KaplanMeier1958\] of Kaplan and Meier, S(t) = Π (1 − dᵢ/nᵢ) over the
 /// times up to t at which dᵢ of nᵢ objects are lost. An object that leaves at a time counts as
 /// looked at up to and at that time.
 ///
 /// The interval is exp(−exp(ln(−ln S) ± z √V / ln S)) with Greenwood's V = Σ dᵢ/(nᵢ(nᵢ − dᵢ))
-/// [Greenwood1926], which stays within 0 and 1.
+/// \[Greenwood1926\], which stays within 0 and 1.
 ///
 /// # Errors
 /// If there is not one time per object, a time is negative or not finite, or the level is not

@@ -29,7 +29,7 @@ pub struct FrechetDistance {
 
 /// The Fréchet distance of two sets of feature vectors.
 ///
-/// **Source**: [DowsonLandau1982], [Heusel2017]; shrinkage [LedoitWolf2004], towards
+/// **Source**: \[DowsonLandau1982\], \[Heusel2017\]; shrinkage \[LedoitWolf2004\], towards
 /// the mean variance times the identity.
 ///
 /// # Errors
@@ -65,7 +65,7 @@ pub(in crate::divergence) fn frechet_of_rows(
 /// problems in double precision, so that nothing complex comes up; eigenvalues that rounding made
 /// negative count as 0.
 ///
-/// **Source**: [DowsonLandau1982].
+/// **Source**: \[DowsonLandau1982\].
 ///
 /// # Errors
 /// [`EvalError::VectorLengths`] for different dimensions, [`EvalError::Covariance`] for a matrix with

@@ -156,7 +156,7 @@ impl Gaussian {
 /// `KL(a‖b)` of two normal distributions, nats:
 /// `½ (tr(S_b⁻¹ S_a) + (m_b − m_a)ᵀ S_b⁻¹ (m_b − m_a) − d + ln(det S_b / det S_a))`.
 ///
-/// **Source**: [KullbackLeibler1951]; by Cholesky factors, no inverse is formed.
+/// **Source**: \[KullbackLeibler1951\]; by Cholesky factors, no inverse is formed.
 ///
 /// # Errors
 /// [`EvalError::VectorLengths`] for different dimensions, [`EvalError::Covariance`] where one is not

@@ -12,7 +12,7 @@ const LOST_DIGITS: f64 = 1e-9;
 ///
 /// Each has `P_k = (p_k + α) / Σ (p + α)`. Natural logarithms; divergences are in nats.
 ///
-/// **Source**: [KullbackLeibler1951], [Jeffreys1946], [Lin1991]; formulas at the fields.
+/// **Source**: \[KullbackLeibler1951\], \[Jeffreys1946\], \[Lin1991\]; formulas at the fields.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct HistogramDivergence {
     /// `KL(P‖Q) = Σ P ln(P/Q)`, 0 to infinity: infinite where Q is 0 and P is not.
@@ -88,7 +88,7 @@ pub fn histogram_divergence(
 /// First Wasserstein distance of bins around a circle (angles), in widths of a bin:
 /// `Σ |D_k − median(D)|` with `D = F_P − F_Q`.
 ///
-/// **Source**: [Rabin2011]: on the circle the cumulative sums may begin anywhere, and the median
+/// **Source**: \[Rabin2011\]: on the circle the cumulative sums may begin anywhere, and the median
 /// is the best beginning.
 ///
 /// # Errors

@@ -118,7 +118,7 @@ impl KernelSums {
 /// The kernel inception distance: the unbiased estimate of MMD² with the cubic kernel
 /// `(x·y / d + 1)³`, over all pairs (no subsets). It may be slightly negative.
 ///
-/// **Source**: [Binkowski2018]; the estimate is that of [Gretton2012].
+/// **Source**: \[Binkowski2018\]; the estimate is that of \[Gretton2012\].
 ///
 /// # Errors
 /// [`EvalError::VectorLengths`], and [`EvalError::FewVectors`] below two vectors.
@@ -137,7 +137,7 @@ pub fn kernel_inception_distance(a: &FeatureVectors, b: &FeatureVectors) -> Resu
 /// The biased estimate of MMD² with the kernel `exp(−|x − y|² / 2σ²)`. CMMD is this with
 /// [`CMMD_SIGMA`], times [`CMMD_SCALE`], over CLIP features of length 1.
 ///
-/// **Source**: [Jayasumana2024], [Gretton2012].
+/// **Source**: \[Jayasumana2024\], \[Gretton2012\].
 ///
 /// # Errors
 /// [`EvalError::VectorLengths`], [`EvalError::KernelWidth`].

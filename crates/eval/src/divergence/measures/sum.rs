@@ -5,7 +5,7 @@ const BLOCK: usize = 128;
 
 /// The sum by halves, in eight lanes below [`BLOCK`] terms: its error grows with log n.
 ///
-/// **Source**: [Higham1993]. Lanes and block are those of NumPy's `add.reduce`, so that
+/// **Source**: \[Higham1993\]. Lanes and block are those of NumPy's `add.reduce`, so that
 /// a sum here is the one there, to the bit.
 pub(super) fn pairwise_sum(values: &[f64]) -> f64 {
     let n = values.len();
