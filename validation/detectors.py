@@ -222,7 +222,7 @@ def main():
                 print(f"{name} by `starbreak detect` of the JPEG files: AP {ap[0]:.2f} AP50 {ap[1]:.2f}")
             whole = WHOLE_SET[name]
             print(f"{name} on the 128 images that these were cut from: AP {whole[0]} AP50 {whole[1]}")
-    sys.exit(failed)
+    sys.exit(int(failed))
 
 
 def as_results(detections, image_id, numbers):
