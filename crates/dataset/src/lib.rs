@@ -73,6 +73,6 @@ pub use provenance::{Provenance, sha256_file, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{
     BadRecord, FileRole, IndexFiles, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat,
-    SourceImage, SourceSpec,
+    SourceImage, SourceSpec, bdd_class, is_set_in_python,
 };
 pub use text_file::{TextFile, read_text};

@@ -184,27 +184,18 @@ pub(crate) fn read_file(path: &Path, name: &str, max_bytes: u64) -> Result<Vec<u
         path: path.to_owned(),
         source,
     };
-    // Before the open: to open a pipe waits for its writer.
-    let metadata = fs::metadata(path).map_err(read_error)?;
-    if let Some(what) = not_a_file(&metadata) {
-        return Err(DatasetError::NotAFile {
-            path: path.to_owned(),
-            what,
-        });
-    }
-    check_file_len(name, metadata.len(), max_bytes)?;
+    let file = open_file(path)?;
+    let n_bytes = file.metadata().map_err(read_error)?.len();
+    check_file_len(name, n_bytes, max_bytes)?;
 
     let mut bytes = Vec::new();
-    let n_expected = usize::try_from(metadata.len()).unwrap_or(usize::MAX);
+    let n_expected = usize::try_from(n_bytes).unwrap_or(usize::MAX);
     bytes
         .try_reserve_exact(n_expected)
         .map_err(|_| read_error(io::ErrorKind::OutOfMemory.into()))?;
     // The file may grow while it is read.
-    File::open(path)
-        .and_then(|file| {
-            file.take(max_bytes.saturating_add(1))
-                .read_to_end(&mut bytes)
-        })
+    file.take(max_bytes.saturating_add(1))
+        .read_to_end(&mut bytes)
         .map_err(read_error)?;
     Ok(bytes)
 }

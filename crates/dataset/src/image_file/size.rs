@@ -1,12 +1,11 @@
 //! The size of an image from its headers.
 
-use std::fs::{self, File};
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use image::metadata::Orientation;
 
-use super::{ImageFormat, not_a_file, sniff};
+use super::{ImageFormat, open_file, sniff};
 use crate::error::{DatasetError, one_line};
 
 /// Longest EXIF block that is read, in bytes: in JPEG it is not longer, and of PNG's only the
@@ -33,16 +32,9 @@ pub fn image_size(path: &Path) -> Result<(u32, u32), DatasetError> {
         path: path.to_owned(),
         source,
     };
-    // Before the open: to open a pipe waits for its writer.
-    let metadata = fs::metadata(path).map_err(read_error)?;
-    if let Some(what) = not_a_file(&metadata) {
-        return Err(DatasetError::NotAFile {
-            path: path.to_owned(),
-            what,
-        });
-    }
     let name = path.to_string_lossy();
-    let file = File::open(path).map_err(read_error)?;
+    let file = open_file(path)?;
+    let n_bytes = file.metadata().map_err(read_error)?.len();
     let mut reader = BufReader::with_capacity(1024, file);
     let mut head = Vec::new();
     (&mut reader)
@@ -67,7 +59,7 @@ pub fn image_size(path: &Path) -> Result<(u32, u32), DatasetError> {
             return Err(DatasetError::Truncated {
                 name: name.into_owned(),
                 format,
-                n_bytes: usize::try_from(metadata.len()).unwrap_or(usize::MAX),
+                n_bytes: usize::try_from(n_bytes).unwrap_or(usize::MAX),
             });
         }
         Err(error) => {

@@ -157,8 +157,23 @@ struct Box2d {
     y2: f64,
 }
 
+/// The class of evaluation that a name of BDD100K stands for, and whether its objects are ignored.
+#[must_use]
+pub fn bdd_class(name: &str) -> (&str, bool) {
+    let find = |map: &[(&str, &'static str)]| {
+        let pair = map.iter().find(|(from, _)| *from == name);
+        pair.map(|(_, to)| *to)
+    };
+    match (find(&IGNORED_CLASS), find(&SAME_CLASS)) {
+        (Some(class), _) => (class, true),
+        (None, Some(class)) => (class, false),
+        (None, None) => (name, false),
+    }
+}
+
 /// Whether an attribute is set, in the sense of Python, in which the public tools are written.
-fn is_set(value: &serde_json::Value) -> bool {
+#[must_use]
+pub fn is_set_in_python(value: &serde_json::Value) -> bool {
     use serde_json::Value;
     match value {
         Value::Null => false,
@@ -265,23 +280,17 @@ impl Reader {
             .ok_or_else(|| format!("the box2d {x1} {y1} {x2} {y2} px ends before it begins"))?;
         let category = record.category.ok_or("it has a box but no category")?;
         let attributes = record.attributes.unwrap_or_default();
-        let find = |map: &[(&str, &'static str)]| {
-            let pair = map.iter().find(|(from, _)| *from == category);
-            pair.map(|(_, to)| *to)
+        let (class, is_ignored) = bdd_class(&category);
+        let kind = if is_ignored {
+            ObjectKind::Ignored
+        } else if is_set_in_python(&attributes.crowd) {
+            ObjectKind::Crowd
+        } else if is_set_in_python(&attributes.ignored) {
+            ObjectKind::Ignored
+        } else {
+            ObjectKind::Regular
         };
-        let (category, kind) = match (find(&IGNORED_CLASS), find(&SAME_CLASS)) {
-            (Some(class), _) => (class.to_owned(), ObjectKind::Ignored),
-            (None, same) => {
-                let kind = if is_set(&attributes.crowd) {
-                    ObjectKind::Crowd
-                } else if is_set(&attributes.ignored) {
-                    ObjectKind::Ignored
-                } else {
-                    ObjectKind::Regular
-                };
-                (same.map_or(category, str::to_owned), kind)
-            }
-        };
+        let category = class.to_owned();
         let next = self.categories.len();
         let number = *self
             .category_numbers

@@ -23,6 +23,7 @@ use std::fmt;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+pub use bdd::{bdd_class, is_set_in_python};
 pub use index_files::IndexFiles;
 pub use record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
 pub use spec::{SourceFormat, SourceSpec};

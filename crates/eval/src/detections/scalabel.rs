@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use starbreak_dataset::bdd_class;
+
 use super::{Detection, Detections, ReadDetections, Unused};
 use crate::json_record::refuse;
-use crate::labels::scalabel::{class_of, for_each_frame};
+use crate::labels::scalabel::for_each_frame;
 use crate::{EvalError, LabelSet};
 
 pub(super) fn read(path: &Path, labels: &LabelSet) -> Result<ReadDetections, EvalError> {
@@ -75,7 +77,7 @@ pub(super) fn read(path: &Path, labels: &LabelSet) -> Result<ReadDetections, Eva
             let Some(score) = label.score else {
                 return Err(wrong("it has no score; detections have one".to_owned()));
             };
-            match labels.category_of_name(class_of(name).0) {
+            match labels.category_of_name(bdd_class(name).0) {
                 Some(category) => items.push(Detection {
                     image,
                     category,

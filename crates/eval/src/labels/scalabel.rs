@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use serde::Deserialize;
-use starbreak_dataset::{JsonRecord, read_json_records};
+use starbreak_dataset::{JsonRecord, bdd_class, is_set_in_python, read_json_records};
 
 use super::{Category, LabelSet, LabeledImage, Object, ObjectKind};
 use crate::json_record::{parse, place, refuse, refuse_file};
@@ -21,22 +21,6 @@ const CLASSES: [(&str, Option<&str>); 10] = [
     ("bicycle", Some("bike")),
     ("traffic light", Some("traffic light")),
     ("traffic sign", Some("traffic sign")),
-];
-
-/// Older or finer names of classes, and those that evaluation uses [BDD100K, `det.toml`].
-const SAME_CLASS: [(&str, &str); 5] = [
-    ("bike", "bicycle"),
-    ("caravan", "car"),
-    ("motor", "motorcycle"),
-    ("person", "pedestrian"),
-    ("van", "car"),
-];
-
-/// Classes that are ignored as a class of evaluation [BDD100K, `det.toml`].
-const IGNORED_CLASS: [(&str, &str); 3] = [
-    ("other person", "pedestrian"),
-    ("other vehicle", "car"),
-    ("trailer", "truck"),
 ];
 
 /// A frame.
@@ -101,32 +85,6 @@ impl Label {
     }
 }
 
-/// Whether an attribute is set, in the sense of Python, in which the public tools are written.
-fn is_set(value: &serde_json::Value) -> bool {
-    use serde_json::Value;
-    match value {
-        Value::Null => false,
-        Value::Bool(value) => *value,
-        Value::Number(value) => value.as_f64() != Some(0.0),
-        Value::String(value) => !value.is_empty(),
-        Value::Array(value) => !value.is_empty(),
-        Value::Object(value) => !value.is_empty(),
-    }
-}
-
-/// The class of evaluation that a name stands for, and whether it is ignored.
-pub(crate) fn class_of(name: &str) -> (&str, bool) {
-    let find = |map: &[(&str, &'static str)]| {
-        let pair = map.iter().find(|(from, _)| *from == name);
-        pair.map(|(_, to)| *to)
-    };
-    match (find(&IGNORED_CLASS), find(&SAME_CLASS)) {
-        (Some(class), _) => (class, true),
-        (None, Some(class)) => (class, false),
-        (None, None) => (name, false),
-    }
-}
-
 /// Each frame of a file, with its place.
 pub(crate) fn for_each_frame(
     path: &Path,
@@ -176,12 +134,14 @@ impl Reader {
                 let Some(name) = &label.category else {
                     return Err(wrong("it has a box but no category".to_owned()));
                 };
-                let (class, is_ignored) = class_of(name);
+                let (class, is_ignored) = bdd_class(name);
                 let blank = Attributes::default();
                 let attributes = label.attributes.as_ref().unwrap_or(&blank);
-                let kind = match is_set(&attributes.crowd) {
+                let kind = match is_set_in_python(&attributes.crowd) {
                     true => ObjectKind::Crowd,
-                    false if is_ignored || is_set(&attributes.ignored) => ObjectKind::Ignored,
+                    false if is_ignored || is_set_in_python(&attributes.ignored) => {
+                        ObjectKind::Ignored
+                    }
                     false => ObjectKind::Regular,
                 };
                 objects.push((class.to_owned(), box_px, kind));
