@@ -46,10 +46,10 @@ pub use labels::{
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
 pub use mean_performance::{CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance};
 pub use protocol::{
-    AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, KittiMatchRule,
+    AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, KittiRanking,
     MatchRule, N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision,
-    bdd_detections, bdd_labels, evaluate_coco, evaluate_kitti, match_images, match_kitti,
-    mean_in_numpy_order,
+    bdd_detections, bdd_labels, evaluate_coco, evaluate_kitti, match_images, mean_in_numpy_order,
+    rank_kitti,
 };
 pub use region::{
     CoverageOf, Coverages, MIN_OBJECTS, RegionMask, RegionMasks, Size, Subset, SubsetAp,

@@ -3,11 +3,17 @@
 
 mod common;
 
+use std::path::Path;
+
 use common::{assert_same, json, reference};
 use serde_json::Value;
-use starbreak_eval::{
-    KittiDetections, KittiLabels, KittiMatchRule, Outcome, evaluate_kitti, match_kitti,
-};
+use starbreak_eval::{KittiDetections, KittiLabels, evaluate_kitti, rank_kitti};
+
+fn read(folder: &Path) -> (KittiLabels, KittiDetections) {
+    let labels = KittiLabels::read(&folder.join("label_2"), "").unwrap();
+    let detections = KittiDetections::read(folder, &labels).unwrap();
+    (labels, detections)
+}
 
 /// The numbers of a list, NaN for null.
 fn numbers(value: &Value) -> Vec<f64> {
@@ -23,8 +29,7 @@ fn every_curve_is_that_of_the_development_kit() {
     let expected = json(&folder.join("ref.json"));
     let mut n_curves = 0;
     for (name, case) in expected.as_object().unwrap() {
-        let labels = KittiLabels::read(&folder.join(name).join("label_2"), "").unwrap();
-        let detections = KittiDetections::read(&folder.join(name), &labels).unwrap();
+        let (labels, detections) = read(&folder.join(name));
         for curve in evaluate_kitti(&labels, &detections, None).unwrap() {
             let (class, difficulty) = (curve.class.name(), curve.difficulty.name());
             let theirs = &case[class][difficulty];
@@ -55,42 +60,48 @@ fn every_curve_is_that_of_the_development_kit() {
     assert_eq!(n_curves, 24 * 9, "all cases, classes and difficulties");
 }
 
-/// The rules of what is ignored are the same in both ways of matching.
+/// A frame that is drawn twice counts as two files do, and one that is not drawn as none.
 #[test]
-fn what_is_to_be_found_is_the_same_in_the_matches_for_statistics() {
+fn a_weighted_curve_is_that_of_repeated_files() {
     let Some(folder) = reference("kitti") else {
         return;
     };
-    let mut n_found = 0;
+    let mut n_reached = 0;
     for name in (0..24).map(|k| format!("case_{k:02}")) {
-        let labels = KittiLabels::read(&folder.join(&name).join("label_2"), "").unwrap();
-        let detections = KittiDetections::read(&folder.join(&name), &labels).unwrap();
-        for curve in evaluate_kitti(&labels, &detections, None).unwrap() {
-            let rule = KittiMatchRule {
-                class: curve.class,
-                difficulty: curve.difficulty,
-                min_overlap: curve.class.min_overlap(),
-                region: None,
-            };
-            let matches = match_kitti(&labels, &detections, &rule).unwrap();
-            let objects = || matches.iter().flat_map(|m| &m.objects);
-            let n_counted = objects().filter(|object| !object.is_ignored).count();
-            assert_eq!(
-                u64::try_from(n_counted).unwrap(),
-                curve.n_gt,
-                "{name}: {rule:?}"
-            );
-            for said in matches.iter().flat_map(|m| &m.detections) {
-                if let Outcome::TruePositive { object, iou } = said.outcome {
-                    let truth = &labels.set.objects[object as usize];
-                    let found = &detections.set.items[said.detection as usize];
-                    assert_eq!(truth.image, found.image, "in one frame");
-                    assert_eq!(truth.category, found.category, "of one class");
-                    assert!(iou > rule.min_overlap, "{iou}");
-                    n_found += 1;
+        let name = name.as_str();
+        let (labels, detections) = read(&folder.join(name));
+        let rankings = rank_kitti(&labels, &detections, None).unwrap();
+        let weights: Vec<u32> = (0..)
+            .map(|k| (k * 7 + 3) % 4)
+            .take(detections.images.len())
+            .collect();
+        let repeated = tempfile::tempdir().unwrap();
+        let mut n = 0;
+        for (image, weight) in detections.images.iter().zip(&weights) {
+            let file = &labels.set.images[*image as usize].name;
+            let stem = Path::new(file).file_stem().unwrap().to_str().unwrap();
+            for _ in 0..*weight {
+                for kind in ["label_2", "data"] {
+                    let to = repeated.path().join(kind);
+                    std::fs::create_dir_all(&to).unwrap();
+                    let from = folder.join(name).join(kind).join(format!("{stem}.txt"));
+                    std::fs::copy(from, to.join(format!("{n:06}.txt"))).unwrap();
                 }
+                n += 1;
             }
         }
+        let (labels, detections) = read(repeated.path());
+        let whole = evaluate_kitti(&labels, &detections, None).unwrap();
+        for (ranking, whole) in rankings.iter().zip(&whole) {
+            let weighted = ranking.curve(&weights);
+            let what = format!("{name}, {:?}, {:?}", whole.class, whole.difficulty);
+            n_reached += whole.counts.len();
+            assert_eq!(weighted.counts, whole.counts, "{what}");
+            assert_same(&weighted.thresholds, &whole.thresholds, &what);
+            assert_same(&weighted.precision, &whole.precision, &what);
+            assert_eq!(weighted.n_gt, whole.n_gt, "{what}");
+            assert_eq!(weighted.n_images, whole.n_images, "{what}");
+        }
     }
-    assert!(n_found > 50, "objects are found: {n_found}");
+    assert!(n_reached > 100, "recalls are reached: {n_reached}");
 }

@@ -49,6 +49,10 @@ pub(crate) struct EvaluateArgs {
     /// 0.05 with 0 and 0.2 beside it unless given
     #[arg(long, value_name = "X,…", value_delimiter = ',')]
     pub(crate) tau: Vec<f64>,
+    /// Which images are of one clip, drive or scene, so that intervals and tests draw these: a CSV file
+    /// of lines image,cluster, or the folder `mapping` of KITTI's development kit
+    #[arg(long, value_name = "FILE|DIR")]
+    pub(crate) clusters: Option<PathBuf>,
     /// By which rules; that of the dataset unless given
     #[arg(long, value_enum)]
     pub(crate) protocol: Option<ProtocolWord>,

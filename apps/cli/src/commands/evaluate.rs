@@ -31,8 +31,13 @@ pub(crate) fn run(
 }
 
 fn evaluated(global: &Global, args: &EvaluateArgs, screen: &Screen) -> Result<(), Failure> {
+    refuse_mixed(args)?;
+    for folder in args.output.iter().chain(&args.curves) {
+        // A folder that cannot be written to is known before the work.
+        OutputBatch::new().reserve(&folder.join("report.html"))?;
+    }
     let protocol = args.protocol.map(Protocol::from);
-    let truth = match (&args.source, &args.ground_truth) {
+    let mut truth = match (&args.source, &args.ground_truth) {
         (Some(source), _) => GroundTruth::of_dataset(&SourceSpec::parse(source)?, protocol)?,
         (None, Some(path)) => GroundTruth::of_path(path, protocol.unwrap_or(Protocol::Coco))?,
         (None, None) => {
@@ -41,7 +46,9 @@ fn evaluated(global: &Global, args: &EvaluateArgs, screen: &Screen) -> Result<()
             ));
         }
     };
-    refuse_mixed(args)?;
+    if let Some(path) = &args.clusters {
+        truth.read_clusters(path)?;
+    }
     let params = params(args, &truth);
     let clean = truth.read_detections(&args.clean)?;
     let cracked = match &args.cracked {
@@ -169,6 +176,11 @@ fn refuse_mixed(args: &EvaluateArgs) -> Result<(), Failure> {
             "{flag} holds for the numbers of whole images alone; leave it out with --regions, --cracked-set and -o, \
              whose comparisons have rules of their own"
         )));
+    }
+    if args.clusters.is_some() && args.output.is_none() {
+        return Err(Failure::wrong_input(
+            "--clusters is about intervals and tests, which come with a report; give -o, too",
+        ));
     }
     let mut taus: Vec<f64> = args.tau.clone();
     taus.sort_by(f64::total_cmp);

@@ -142,6 +142,9 @@ fn inputs(args: &EvaluateArgs) -> Result<Vec<InputFile>, Failure> {
     if let Some(path) = &args.cracked {
         add("cracked detections", &path_text(path), files_of(path))?;
     }
+    if let Some(path) = &args.clusters {
+        add("clusters of images", &path_text(path), files_of(path))?;
+    }
     if let Some(set) = &args.cracked_set {
         let run = set.join("starbreak").join("run.json");
         add(

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 use starbreak_dataset::{DatasetError, read_text};
 
-use crate::{BoxPx, EvalError, LabelSet};
+use crate::{BoxPx, EvalError, KittiLabels, LabelSet};
 
 /// Longest record that is read, bytes.
 const MAX_BYTES: u64 = 64 << 20;
@@ -116,6 +116,24 @@ impl DamageFacts {
             }
         }
         Ok(facts)
+    }
+
+    /// The same in the order of [`KittiLabels::with_areas_as_crowds`]; a `DontCare` area has none.
+    pub(super) fn with_areas_as_crowds(&self, labels: &KittiLabels) -> Self {
+        let places = labels.places_with_areas_as_crowds();
+        let of = |values: &[f64]| -> Vec<f64> {
+            let value = |place: &Option<usize>| place.and_then(|place| values.get(place).copied());
+            places
+                .iter()
+                .map(|place| value(place).unwrap_or(f64::NAN))
+                .collect()
+        };
+        Self {
+            displacement_px: of(&self.displacement_px),
+            blur_radius_px: of(&self.blur_radius_px),
+            contrast_lost: of(&self.contrast_lost),
+            n_images_without: self.n_images_without,
+        }
     }
 }
 

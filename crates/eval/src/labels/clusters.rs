@@ -1,8 +1,9 @@
 //! Which images are not independent of each other.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use starbreak_dataset::read_text;
+use starbreak_dataset::{files_in, read_text};
 
 use super::LabelSet;
 use crate::EvalError;
@@ -16,6 +17,57 @@ const MAPPING: &str = "train_mapping.txt";
 const ORDER: &str = "train_rand.txt";
 
 impl LabelSet {
+    /// Says of each image which clip, drive or scene it is of, so that statistics draw these and not
+    /// single images: by a folder `mapping` of KITTI's development kit
+    /// (`train_mapping.txt` and `train_rand.txt`), or by a CSV file of lines `image,cluster` with the name of
+    /// an image as in the labels, or its last part alone where that is unique.
+    ///
+    /// # Errors
+    /// [`EvalError::Dataset`] where it cannot be read, [`EvalError::Record`] for a line that is not of
+    /// two fields, [`EvalError::File`] for an image that it lacks or has twice.
+    pub fn read_clusters(&mut self, path: &Path) -> Result<(), EvalError> {
+        if files_in(path, "txt").is_ok() {
+            return self.read_drives(path);
+        }
+        let text = read_text(path, MAX_BYTES)?.text;
+        let mut by_name: BTreeMap<&str, &str> = BTreeMap::new();
+        for (idx, line) in text.lines().enumerate() {
+            if line.trim().is_empty() || (idx == 0 && line.trim() == "image,cluster") {
+                continue;
+            }
+            let fields: Option<(&str, &str)> = line.rsplit_once(',');
+            let fields = fields.map(|(name, cluster)| (name.trim(), cluster.trim()));
+            let Some((name, cluster)) = fields.filter(|(a, b)| !a.is_empty() && !b.is_empty())
+            else {
+                let reason = format!("{line:?} is not image,cluster");
+                return Err(refuse(path, format!("line {}", idx + 1), reason));
+            };
+            if by_name.insert(name, cluster).is_some() {
+                return Err(refuse_file(path, format!("it has {name:?} twice")));
+            }
+        }
+        let mut n_of_last: BTreeMap<String, u32> = BTreeMap::new();
+        for image in &self.images {
+            *n_of_last
+                .entry(last_part(&image.name).to_owned())
+                .or_default() += 1;
+        }
+        for image in &mut self.images {
+            let last = last_part(&image.name);
+            let alone = || {
+                let is_unique = n_of_last.get(last) == Some(&1);
+                by_name.get(last).filter(|_| is_unique)
+            };
+            let found = by_name.get(image.name.as_str()).or_else(alone);
+            let Some(cluster) = found else {
+                let reason = format!("it lacks the image {:?}", image.name);
+                return Err(refuse_file(path, reason));
+            };
+            image.cluster = Some((*cluster).to_owned());
+        }
+        Ok(())
+    }
+
     /// Says of each frame of KITTI's training data which drive it is of, by the folder `mapping` of
     /// the development kit: `train_rand.txt` has, separated by commas, for each frame the line of
     /// `train_mapping.txt`, from 1, on which its day, drive and number stand.
@@ -23,7 +75,7 @@ impl LabelSet {
     /// # Errors
     /// [`EvalError::Dataset`] where the files cannot be read, [`EvalError::Record`] for what is no
     /// such line, [`EvalError::File`] for a frame that they lack.
-    pub fn read_drives(&mut self, mapping: &Path) -> Result<(), EvalError> {
+    fn read_drives(&mut self, mapping: &Path) -> Result<(), EvalError> {
         let order_path = mapping.join(ORDER);
         let lines_path = mapping.join(MAPPING);
         let order = read_text(&order_path, MAX_BYTES)?.text;
@@ -59,11 +111,64 @@ impl LabelSet {
     }
 }
 
+fn last_part(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or(name)
+}
+
 #[cfg(test)]
 mod tests {
     #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
     use crate::{LabelSet, LabeledImage};
+
+    fn labels_of(names: &[&str]) -> LabelSet {
+        let image = |name: &&str| LabeledImage {
+            id: 1,
+            name: (*name).to_owned(),
+            width_px: None,
+            height_px: None,
+            cluster: None,
+        };
+        LabelSet {
+            images: names.iter().map(image).collect(),
+            ..LabelSet::default()
+        }
+    }
+
+    #[test]
+    fn an_image_is_of_the_cluster_on_its_line() {
+        let dir = tempfile::tempdir().unwrap();
+        let file = dir.path().join("clusters.csv");
+        let read = |text: &str, names: &[&str]| {
+            std::fs::write(&file, text).unwrap();
+            let mut labels = labels_of(names);
+            let read = labels.read_clusters(&file);
+            read.map(|()| {
+                labels
+                    .images
+                    .iter()
+                    .filter_map(|i| i.cluster.clone())
+                    .collect::<Vec<_>>()
+            })
+            .map_err(|error| error.to_string())
+        };
+        let names = ["a/1.png", "b/1.png", "b/2.png"];
+        let text = "image,cluster\nb/1.png, two\na/1.png,one\n\n2.png,two\n";
+        assert_eq!(
+            read(text, &names).unwrap(),
+            ["one", "two", "two"],
+            "by name"
+        );
+        for (text, named) in [
+            ("1.png,x\n2.png,y\n", "a/1.png"),
+            ("a/1.png,x\na/1.png,y\n", "twice"),
+            ("a/1.png\n", "line 1"),
+            ("a/1.png,\n", "line 1"),
+        ] {
+            let error = read(text, &names).unwrap_err();
+            assert!(error.contains(named), "{error} names {named}");
+        }
+    }
 
     #[test]
     fn a_frame_is_of_the_drive_on_its_line() {
@@ -71,19 +176,7 @@ mod tests {
         let mapping = "2011_09_26 2011_09_26_drive_0005_sync 0000000109\n2011_09_28 2011_09_28_drive_0001_sync 0000000003\n";
         std::fs::write(dir.path().join("train_mapping.txt"), mapping).unwrap();
         std::fs::write(dir.path().join("train_rand.txt"), "2, 1,2\n").unwrap();
-        let image = |name: &str| LabeledImage {
-            id: 1,
-            name: name.to_owned(),
-            width_px: None,
-            height_px: None,
-            cluster: None,
-        };
-        let mut labels = LabelSet {
-            images: ["image_2/000000.png", "training/image_2/000001.png"]
-                .map(image)
-                .into(),
-            ..LabelSet::default()
-        };
+        let mut labels = labels_of(&["image_2/000000.png", "training/image_2/000001.png"]);
         labels.read_drives(dir.path()).unwrap();
         let drives: Vec<_> = labels.images.iter().map(|i| i.cluster.as_deref()).collect();
         let expected = [
@@ -91,7 +184,9 @@ mod tests {
             Some("2011_09_26_drive_0005_sync"),
         ];
         assert_eq!(drives, expected, "by the order of the kit");
-        labels.images.push(image("image_2/000003.png"));
+        labels
+            .images
+            .extend(labels_of(&["image_2/000003.png"]).images);
         let error = labels.read_drives(dir.path()).unwrap_err().to_string();
         assert!(error.contains("000003"), "{error}");
     }

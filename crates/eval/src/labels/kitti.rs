@@ -121,9 +121,8 @@ impl KittiLabels {
             images: self.set.images.clone(),
             ..LabelSet::default()
         };
-        let is_area = |category: &Category| category.name.eq_ignore_ascii_case("DontCare");
-        let area = self.set.categories.iter().position(is_area);
-        let area = area.and_then(|idx| u32::try_from(idx).ok());
+        let area = self.category_of_areas();
+        let is_area = |category: &Category| category.name.eq_ignore_ascii_case(AREA);
         let kept = self.set.categories.iter().filter(|c| !is_area(c));
         set.categories = kept.cloned().collect();
         let shifted = |category: u32| match area {
@@ -151,7 +150,30 @@ impl KittiLabels {
         }
         set
     }
+
+    /// For each object of [`with_areas_as_crowds`](Self::with_areas_as_crowds) its place here, `None`
+    /// for a crowd.
+    pub(crate) fn places_with_areas_as_crowds(&self) -> Vec<Option<usize>> {
+        let area = self.category_of_areas();
+        let n_categories = self.set.categories.len() - usize::from(area.is_some());
+        let objects = self.set.objects.iter().enumerate();
+        objects
+            .flat_map(|(place, object)| match Some(object.category) == area {
+                true => vec![None; n_categories],
+                false => vec![Some(place)],
+            })
+            .collect()
+    }
+
+    fn category_of_areas(&self) -> Option<u32> {
+        let is_area = |category: &Category| category.name.eq_ignore_ascii_case(AREA);
+        let place = self.set.categories.iter().position(is_area)?;
+        u32::try_from(place).ok()
+    }
 }
+
+/// The type of areas in which nothing is labeled.
+const AREA: &str = "DontCare";
 
 /// The place of the category of this name, in whatever letters; it is added where it is new.
 fn category_of(set: &mut LabelSet, name: &str) -> u32 {

@@ -193,6 +193,18 @@ impl GroundTruth {
         })
     }
 
+    /// Which images are not independent of each other, by [`LabelSet::read_clusters`].
+    ///
+    /// # Errors
+    /// As it.
+    pub fn read_clusters(&mut self, path: &Path) -> Result<(), EvalError> {
+        self.labels.read_clusters(path)?;
+        if let Some(kitti) = &mut self.kitti {
+            kitti.set.images.clone_from(&self.labels.images);
+        }
+        Ok(())
+    }
+
     /// The detections in a file or folder: results of MS-COCO or frames of Scalabel, told apart by
     /// what is in them, or a folder of results of KITTI.
     ///

@@ -13,6 +13,6 @@ pub use coco::{AreaRange, CocoEvaluation, CocoParams, evaluate_coco};
 pub use curve::{PrecisionCurve, RankedMatches, average_precision, mean_in_numpy_order};
 pub use engine::{MatchRule, Restriction, match_images};
 pub use kitti::{
-    KittiClass, KittiCurve, KittiDifficulty, KittiMatchRule, N_KITTI_RECALLS, evaluate_kitti,
-    match_kitti,
+    KittiClass, KittiCurve, KittiDifficulty, KittiRanking, N_KITTI_RECALLS, evaluate_kitti,
+    rank_kitti,
 };

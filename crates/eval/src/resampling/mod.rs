@@ -3,10 +3,12 @@
 //! A [`Plan`] says what is drawn and with which seed; [`bootstrap`] gives any statistic of weights
 //! per image its replicates, [`permutation_test`] any statistic of swaps its p. Clean and cracked
 //! images get the same draws, so that what both share cancels in their difference.
-//! [`paired_average_precision`] does both for average precision.
+//! [`paired_average_precision`] does both for average precision, [`paired_kitti_precision`] for
+//! that of KITTI.
 
 mod draws;
 mod intervals;
+mod kitti;
 mod paired;
 mod permutation;
 mod ranked;
@@ -15,6 +17,7 @@ mod replicates;
 pub use draws::{Plan, Weights};
 pub(crate) use intervals::quantile;
 pub use intervals::{basic_interval, bca_interval, percentile_interval};
+pub use kitti::{KittiRecalls, paired_kitti_precision};
 pub use paired::{PairedPrecision, PairedPrecisions, paired_average_precision};
 pub use permutation::permutation_test;
 pub use ranked::{RankedCategory, rank_by_category};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::ranked::Ranked;
 use super::{Plan, RankedCategory, bootstrap, permutation_test};
 use crate::EvalError;
 use crate::matching::ImageMatches;
@@ -67,13 +68,30 @@ pub fn paired_average_precision(
         .chain(cracked.iter().copied())
         .collect();
     let n_versions = check_fit(&versions, plan)?;
-    let clean_ranked = rank(&versions[..1], n_categories, 1);
-    let cracked_ranked = rank(&versions[1..], n_categories, n_versions - 1);
+    paired_of_ranked(
+        &rank(&versions[..1], n_categories, 1),
+        &rank(&versions[1..], n_categories, n_versions - 1),
+        &rank(&versions, n_categories, n_versions),
+        n_versions,
+        plan,
+    )
+}
+
+/// The same of anything that has an average precision: clean, cracked over cells image times
+/// patterns plus pattern, and both together over cells image times versions plus version.
+pub(super) fn paired_of_ranked<R: Ranked>(
+    clean_ranked: &[R],
+    cracked_ranked: &[R],
+    all_ranked: &[R],
+    n_versions: u32,
+    plan: &Plan,
+) -> Result<PairedPrecisions, EvalError> {
+    let n_categories = clean_ranked.len();
     let replicates = bootstrap(plan, |weights| {
         let cells = cell_weights(&weights.images, &weights.patterns);
         let mut values = Vec::with_capacity((n_categories + 1) * N_VALUES);
         let mut sums = MeanOfPairs::default();
-        for (clean, cracked) in clean_ranked.iter().zip(&cracked_ranked) {
+        for (clean, cracked) in clean_ranked.iter().zip(cracked_ranked) {
             let pair = clean
                 .average_precision(&weights.images)
                 .zip(cracked.average_precision(&cells));
@@ -83,12 +101,11 @@ pub fn paired_average_precision(
         values.extend(four_values(sums.mean()));
         values
     })?;
-    let all_ranked = rank(&versions, n_categories, n_versions);
     let tests = permutation_test(plan, |roles| {
         let (as_clean, as_cracked) = role_weights(roles, n_versions);
         let mut values = Vec::with_capacity(n_categories + 1);
         let mut sums = MeanOfPairs::default();
-        for ranked in &all_ranked {
+        for ranked in all_ranked {
             let pair = ranked
                 .average_precision(&as_clean)
                 .zip(ranked.average_precision(&as_cracked));

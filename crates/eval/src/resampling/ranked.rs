@@ -6,6 +6,30 @@ use crate::protocol::mean_in_numpy_order;
 /// Places on the axis of recall.
 const N_RECALLS: usize = 101;
 
+/// Something with an average precision under weights per cell.
+pub(super) trait Ranked: Sync {
+    /// Place of its category, or whatever tells it from the others.
+    fn category(&self) -> u32;
+    /// Objects to be found under the weights.
+    fn n_objects(&self, weights: &[u32]) -> u64;
+    /// `None` where there is nothing to be found, or where weights are missing.
+    fn average_precision(&self, weights: &[u32]) -> Option<f64>;
+}
+
+impl Ranked for RankedCategory {
+    fn category(&self) -> u32 {
+        self.category()
+    }
+
+    fn n_objects(&self, weights: &[u32]) -> u64 {
+        self.n_objects(weights)
+    }
+
+    fn average_precision(&self, weights: &[u32]) -> Option<f64> {
+        self.average_precision(weights)
+    }
+}
+
 /// The counted detections of one category by falling score, ready to be weighted: what is ignored
 /// is gone, and each detection knows only its image and whether it found something.
 ///

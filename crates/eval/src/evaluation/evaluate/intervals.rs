@@ -1,20 +1,21 @@
 //! Intervals and tests of the paired numbers.
 
-use super::Plain;
+use super::{EvaluateSettings, Plain};
 use crate::evaluation::{Estimate, Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
-use crate::resampling::{PairedPrecision, PairedPrecisions, paired_average_precision};
+use crate::resampling::{
+    KittiRecalls, PairedPrecision, PairedPrecisions, Plan, paired_average_precision,
+    paired_kitti_precision,
+};
 use crate::statistic::{Measured, holm};
-use crate::{CoverageOf, Detections, EvalError, LabelSet, MatchRule, Subset, match_images};
+use crate::{
+    CoverageOf, Coverages, Detections, EvalError, GroundTruth, KittiDetections, KittiDifficulty,
+    LabelSet, MatchRule, SaidDetections, Subset, match_images, rank_kitti,
+};
 
 /// Puts intervals, tests and corrected tests to AP50 and AP75 of all groups: of every scope AP50, of the
 /// first τ and of whole images AP75, too.
 pub(super) fn put(rows: &mut [PairedRow], all: &Plain<'_>) -> Result<(), EvalError> {
-    let mut scopes: Vec<Scope> = Vec::new();
-    for row in rows.iter() {
-        if !scopes.contains(&row.scope) {
-            scopes.push(row.scope.clone());
-        }
-    }
+    let scopes = scopes_of(rows);
     let pooling = all.labels.by_supercategory();
     let pooled = pooling.as_ref().map(|pooling| {
         let labels = LabelSet {
@@ -61,6 +62,75 @@ pub(super) fn put(rows: &mut [PairedRow], all: &Plain<'_>) -> Result<(), EvalErr
     Ok(())
 }
 
+/// The same for AP11 and AP40 of KITTI, over the evaluated frames or their drives.
+pub(super) fn put_kitti(
+    rows: &mut [PairedRow],
+    truth: &GroundTruth,
+    sides: [&SaidDetections; 2],
+    coverages: &Coverages,
+    settings: &EvaluateSettings,
+) -> Result<(), EvalError> {
+    let [Some(clean), Some(cracked)] = sides.map(|said| said.kitti.as_ref()) else {
+        return Ok(());
+    };
+    let Some(labels) = &truth.kitti else {
+        return Ok(());
+    };
+    let cluster = |image: &u32| truth.labels.images.get(*image as usize)?.cluster.as_deref();
+    let clusters: Vec<Option<&str>> = clean.images.iter().map(cluster).collect();
+    let plan =
+        Plan::of_clusters(&clusters).with(settings.n_replicates, settings.seed, settings.level);
+    let scopes = scopes_of(rows);
+    for scope in &scopes {
+        let ranked = |detections: &KittiDetections, set: usize| {
+            let coverage = CoverageOf {
+                objects: &coverages.objects,
+                detections: coverages.detections.get(set).map_or(&[], Vec::as_slice),
+            };
+            let values = subset_of(scope).values(&labels.set, &detections.set, coverage)?;
+            let mut rankings = rank_kitti(labels, detections, Some(&values.restriction()))?;
+            rankings.retain(|ranking| ranking.difficulty() == KittiDifficulty::Moderate);
+            Ok::<_, EvalError>(rankings)
+        };
+        let (clean, cracked) = (ranked(clean, 0)?, ranked(cracked, 1)?);
+        for (metric, recalls) in [
+            (PairedMetric::KittiAp11, KittiRecalls::R11),
+            (PairedMetric::KittiAp40, KittiRecalls::R40),
+        ] {
+            let found = paired_kitti_precision(&clean, &cracked, recalls, &plan)?;
+            let here = |row: &&mut PairedRow| row.scope == *scope && row.metric == metric;
+            for row in rows.iter_mut().filter(here) {
+                let mut of_class = clean.iter().zip(&found.categories);
+                let found = of_class.find(|(ranking, _)| ranking.class().name() == row.group.name);
+                if let Some((_, found)) = found {
+                    put_row(row, found);
+                }
+            }
+        }
+    }
+    correct(rows, &scopes);
+    Ok(())
+}
+
+/// Each once, in their order.
+fn scopes_of(rows: &[PairedRow]) -> Vec<Scope> {
+    let mut scopes: Vec<Scope> = Vec::new();
+    for row in rows {
+        if !scopes.contains(&row.scope) {
+            scopes.push(row.scope.clone());
+        }
+    }
+    scopes
+}
+
+fn subset_of(scope: &Scope) -> Subset {
+    match (scope.kind, scope.tau) {
+        (ScopeKind::InRegion, Some(tau)) => Subset::InRegion { tau },
+        (ScopeKind::OutOfRegion, Some(tau)) => Subset::OutOfRegion { tau },
+        _ => Subset::WholeImage,
+    }
+}
+
 fn find<'a>(
     labels: &LabelSet,
     found: &'a PairedPrecisions,
@@ -77,11 +147,7 @@ fn paired(
     scope: &Scope,
     iou_threshold: f64,
 ) -> Result<PairedPrecisions, EvalError> {
-    let subset = match (scope.kind, scope.tau) {
-        (ScopeKind::InRegion, Some(tau)) => Subset::InRegion { tau },
-        (ScopeKind::OutOfRegion, Some(tau)) => Subset::OutOfRegion { tau },
-        _ => Subset::WholeImage,
-    };
+    let subset = subset_of(scope);
     let matches = |detections: &Detections, set: usize| {
         let coverage = CoverageOf {
             objects: &all.coverages.objects,
@@ -126,7 +192,12 @@ fn put_interval(estimate: &mut Estimate, found: &Measured) {
 /// Holm's correction over the classes, and over the supercategories, that have a number; all classes
 /// together are one question and keep their p.
 fn correct(rows: &mut [PairedRow], scopes: &[Scope]) {
-    let metrics = [PairedMetric::Ap50, PairedMetric::Ap75];
+    let metrics = [
+        PairedMetric::Ap50,
+        PairedMetric::Ap75,
+        PairedMetric::KittiAp11,
+        PairedMetric::KittiAp40,
+    ];
     let kinds = [GroupKind::All, GroupKind::Supercategory, GroupKind::Class];
     for scope in scopes {
         for (metric, kind) in metrics.iter().flat_map(|m| kinds.map(|kind| (*m, kind))) {

@@ -138,8 +138,7 @@ struct Plain<'a> {
 /// intervals and tests; what fails, over coverage and damage; kinds of errors; whether the classes are the
 /// right ones; the worst failures. Equal input gives equal numbers on any number of threads.
 ///
-/// Under KITTI's protocol its AP11 and AP40 have no intervals; AP50 and AP75 by the rules of MS-COCO stand
-/// beside them and have.
+/// Under KITTI's protocol AP50 and AP75 by the rules of MS-COCO stand beside its AP11 and AP40.
 ///
 /// # Errors
 /// As [`crate::evaluate`], [`check_pair`], [`cover`] and [`compare_in_regions`]; [`EvalError::Dataset`] for
@@ -182,6 +181,8 @@ pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
     {
         let rows = compare_in_regions(truth, clean, Some(cracked), coverages, &settings.compare)?;
         evaluation.paired = rows.paired;
+        let sides = [clean, cracked];
+        intervals::put_kitti(&mut evaluation.paired, truth, sides, coverages, settings)?;
     }
     with_plain(input, &mut evaluation, coverages, &mut warnings)?;
     for row in &mut evaluation.paired {
@@ -260,9 +261,13 @@ fn with_plain(
     if has_regions {
         evaluation.subsets = rows.subsets;
     }
-    let facts = input.facts.filter(|_| !is_kitti);
+    let facts = match (input.facts, &truth.kitti) {
+        (Some(facts), Some(kitti)) if is_kitti => Some(facts.with_areas_as_crowds(kitti)),
+        (facts, _) => facts.cloned(),
+    };
     let sizes = side_results::image_areas_px(&plain);
-    let (failures, pairs, matches) = what_fails::failures(&all, facts, has_regions, sizes)?;
+    let (failures, pairs, matches) =
+        what_fails::failures(&all, facts.as_ref(), has_regions, sizes)?;
     evaluation.failures = Some(failures);
     evaluation.changed_objects = worst_images::changed_objects(&all, &pairs);
     evaluation.worst = worst_images::worst(&all, &pairs, &matches, input.images)?;

@@ -190,6 +190,18 @@ impl Frame<'_> {
         scores
     }
 
+    /// The scores of the detections that take part, falling, each once.
+    pub(super) fn distinct_scores(&self, parts: &Parts) -> Vec<f64> {
+        let takes_part = self.detections.iter().zip(&parts.detections);
+        let mut scores: Vec<f64> = takes_part
+            .filter(|(_, part)| **part != Part::Absent)
+            .map(|(detection, _)| detection.score + 0.0)
+            .collect();
+        scores.sort_by(|a, b| b.total_cmp(a));
+        scores.dedup_by(|a, b| a.total_cmp(b).is_eq());
+        scores
+    }
+
     /// Found objects, false detections and missed objects above a score.
     pub(super) fn counts(
         &self,

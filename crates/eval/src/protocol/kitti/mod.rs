@@ -5,14 +5,13 @@
 //! so that it may take an object; objects choose detections, in the order of the file.
 
 mod frame;
-mod rules;
+mod ranked;
 
-pub use rules::{KittiMatchRule, match_kitti};
+pub use ranked::{KittiRanking, rank_kitti};
 
 use super::curve::exact;
 use super::engine::Restriction;
 use crate::{EvalError, KittiDetections, KittiLabels};
-use frame::{Frame, Part, Parts, frames};
 
 /// Recalls at which precision is read.
 pub const N_KITTI_RECALLS: usize = 41;
@@ -178,52 +177,17 @@ pub fn evaluate_kitti(
     detections: &KittiDetections,
     restriction: Option<&Restriction<'_>>,
 ) -> Result<Vec<KittiCurve>, EvalError> {
-    if let Some(restriction) = restriction {
-        restriction.check(labels.set.objects.len(), detections.set.items.len())?;
-    }
-    let frames = frames(labels, detections, restriction);
-    let mut curves = Vec::new();
-    for class in KittiClass::ALL {
-        let overlaps: Vec<Vec<f64>> = frames.iter().map(|frame| frame.overlaps(class)).collect();
-        for difficulty in KittiDifficulty::ALL {
-            curves.push(curve(class, difficulty, &frames, &overlaps));
-        }
-    }
-    Ok(curves)
+    let rankings = rank_kitti(labels, detections, restriction)?;
+    Ok(rankings
+        .iter()
+        .map(|ranking| ranking.curve(&vec![1; ranking.n_cells()]))
+        .collect())
 }
 
-fn curve(
-    class: KittiClass,
-    difficulty: KittiDifficulty,
-    frames: &[Frame<'_>],
-    overlaps: &[Vec<f64>],
-) -> KittiCurve {
-    let of_frame = |frame: &Frame<'_>| Parts {
-        objects: frame.objects_of(class, difficulty),
-        detections: frame.detections_of(class, difficulty),
-    };
-    let parts: Vec<Parts> = frames.iter().map(of_frame).collect();
-    let all = || frames.iter().zip(&parts).zip(overlaps);
-    let n_counted = |parts: &Parts| {
-        let objects = parts.objects.iter();
-        objects.filter(|part| **part == Part::Counts).count()
-    };
-    let count = |n: usize| u64::try_from(n).unwrap_or(u64::MAX);
-    let n_gt = count(parts.iter().map(n_counted).sum());
-    let n_images = count(parts.iter().filter(|parts| n_counted(parts) > 0).count());
-    let scores = all().flat_map(|((frame, parts), overlaps)| frame.scores(class, parts, overlaps));
-    let thresholds = score_thresholds(scores.collect(), n_gt);
-    let counts_above = |least: &f64| {
-        let mut sum = [0u64; 3];
-        for ((frame, parts), overlaps) in all() {
-            let counts = frame.counts(class, parts, overlaps, *least);
-            sum.iter_mut().zip(counts).for_each(|(sum, n)| *sum += n);
-        }
-        sum
-    };
-    let counts: Vec<[u64; 3]> = thresholds.iter().map(counts_above).collect();
+/// The best precision at each recall or a higher one, by the counts above each score.
+fn precision_of(counts: &[[u64; 3]]) -> [f64; N_KITTI_RECALLS] {
     let mut precision = [0.0; N_KITTI_RECALLS];
-    for (precision, [found, wrong, _]) in precision.iter_mut().zip(&counts) {
+    for (precision, [found, wrong, _]) in precision.iter_mut().zip(counts) {
         *precision = exact(*found) / exact(found + wrong);
     }
     let raw = precision;
@@ -234,15 +198,7 @@ fn curve(
             .iter()
             .fold(*precision, |best, p| if best < *p { *p } else { best });
     }
-    KittiCurve {
-        class,
-        difficulty,
-        n_gt,
-        n_images,
-        thresholds,
-        counts,
-        precision,
-    }
+    precision
 }
 
 /// The scores that come nearest to 41 recalls at equal distances.
