@@ -1,10 +1,13 @@
 //! Intervals and tests of the paired numbers.
 
-use super::Plain;
+use super::{EvaluateSettings, Plain};
 use crate::evaluation::{Estimate, Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
 use crate::resampling::{PairedPrecision, PairedPrecisions, paired_average_precision};
 use crate::statistic::{Measured, holm};
-use crate::{CoverageOf, Detections, EvalError, LabelSet, MatchRule, Subset, match_images};
+use crate::{
+    CoverageOf, Coverages, Detections, EvalError, ImageMatches, LabelSet, MatchRule, Subset,
+    match_images,
+};
 
 /// Puts intervals, tests and corrected tests to AP50 and AP75 of all groups: of every scope AP50, of the
 /// first τ and of whole images AP75, too.
@@ -43,6 +46,9 @@ pub(super) fn put(rows: &mut [PairedRow], all: &Plain<'_>) -> Result<(), EvalErr
             };
             let of_row = |group: &Group| match group.kind {
                 GroupKind::All => Some(&of_classes.mean),
+                GroupKind::MeanOfSupercategories => {
+                    of_groups.as_ref().map(|(_, found)| &found.mean)
+                }
                 GroupKind::Class => find(all.labels, &of_classes, &group.name),
                 GroupKind::Supercategory => {
                     let (labels, found) = of_groups.as_ref()?;
@@ -77,30 +83,60 @@ fn paired(
     scope: &Scope,
     iou_threshold: f64,
 ) -> Result<PairedPrecisions, EvalError> {
-    let subset = match (scope.kind, scope.tau) {
-        (ScopeKind::InRegion, Some(tau)) => Subset::InRegion { tau },
-        (ScopeKind::OutOfRegion, Some(tau)) => Subset::OutOfRegion { tau },
-        _ => Subset::WholeImage,
+    let place = Place {
+        scope,
+        iou_threshold,
+        max_detections: max_detections(all.settings),
     };
-    let matches = |detections: &Detections, set: usize| {
-        let coverage = CoverageOf {
-            objects: &all.coverages.objects,
-            detections: all.coverages.detections.get(set).map_or(&[], Vec::as_slice),
+    let clean = place.matches(labels, clean, coverage_of(all.coverages, 0))?;
+    let cracked = place.matches(labels, cracked, coverage_of(all.coverages, 1))?;
+    paired_average_precision(&clean, &[&cracked], labels.categories.len(), all.plan)
+}
+
+/// Most detections of a category in an image.
+pub(super) fn max_detections(settings: &EvaluateSettings) -> u32 {
+    let most = settings.compare.coco.max_detections.last();
+    most.copied().unwrap_or(100)
+}
+
+/// The coverages of one of the sets of detections.
+pub(super) fn coverage_of(coverages: &Coverages, set: usize) -> CoverageOf<'_> {
+    CoverageOf {
+        objects: &coverages.objects,
+        detections: coverages.detections.get(set).map_or(&[], Vec::as_slice),
+    }
+}
+
+/// Where, and by which overlap, detections are matched.
+pub(super) struct Place<'a> {
+    pub(super) scope: &'a Scope,
+    pub(super) iou_threshold: f64,
+    pub(super) max_detections: u32,
+}
+
+impl Place<'_> {
+    pub(super) fn matches(
+        &self,
+        labels: &LabelSet,
+        detections: &Detections,
+        coverage: CoverageOf<'_>,
+    ) -> Result<Vec<ImageMatches>, EvalError> {
+        let subset = match (self.scope.kind, self.scope.tau) {
+            (ScopeKind::InRegion, Some(tau)) => Subset::InRegion { tau },
+            (ScopeKind::OutOfRegion, Some(tau)) => Subset::OutOfRegion { tau },
+            _ => Subset::WholeImage,
         };
         let values = subset.values(labels, detections, coverage)?;
-        let max_detections = all.settings.compare.coco.max_detections.last();
         match_images(
             labels,
             detections,
             &MatchRule {
-                iou_threshold,
-                max_detections: max_detections.copied().unwrap_or(100),
+                iou_threshold: self.iou_threshold,
+                max_detections: self.max_detections,
                 region: Some(values.restriction()),
             },
         )
-    };
-    let (clean, cracked) = (matches(clean, 0)?, matches(cracked, 1)?);
-    paired_average_precision(&clean, &[&cracked], labels.categories.len(), all.plan)
+    }
 }
 
 /// A number that is there gets its interval; one that is refused stays refused.
@@ -127,7 +163,12 @@ fn put_interval(estimate: &mut Estimate, found: &Measured) {
 /// together are one question and keep their p.
 fn correct(rows: &mut [PairedRow], scopes: &[Scope]) {
     let metrics = [PairedMetric::Ap50, PairedMetric::Ap75];
-    let kinds = [GroupKind::All, GroupKind::Supercategory, GroupKind::Class];
+    let kinds = [
+        GroupKind::All,
+        GroupKind::MeanOfSupercategories,
+        GroupKind::Supercategory,
+        GroupKind::Class,
+    ];
     for scope in scopes {
         for (metric, kind) in metrics.iter().flat_map(|m| kinds.map(|kind| (*m, kind))) {
             let is_here = |row: &&mut PairedRow| {
