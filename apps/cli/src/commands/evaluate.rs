@@ -6,7 +6,9 @@ use std::process::ExitCode;
 use serde_json::{Map, Value, json};
 use starbreak::dataset::{OutputBatch, SourceSpec, encode_array_f64};
 use starbreak::pipeline::with_threads;
-use starbreak_eval::evaluation::{Estimate, Evaluation, PairedMetric, PairedRow, ScopeKind};
+use starbreak_eval::evaluation::{
+    CleanResults, Estimate, Evaluation, PairedMetric, PairedRow, ScopeKind,
+};
 use starbreak_eval::report::report_files;
 use starbreak_eval::{
     AreaRange, CocoEvaluation, CompareParams, CoverageOf, Coverages, Evaluated, GroundTruth,
@@ -141,7 +143,7 @@ fn evaluated(global: &Global, args: &EvaluateArgs, screen: &Screen) -> Result<()
         let study = join.study(global, args)?;
         if let (Value::Object(result), Some(evaluation)) = (&mut result, study.evaluations.first())
         {
-            put_joined(result, evaluation);
+            put_joined(result, evaluation, study.clean.first());
         }
         for (name, text) in report_files(&study)? {
             batch.stage(&folder.join(name), text.as_bytes())?;
@@ -210,14 +212,26 @@ fn regions_folder(args: &EvaluateArgs) -> Option<PathBuf> {
 }
 
 /// The numbers that come with a report, in the one result on standard output.
-fn put_joined(result: &mut Map<String, Value>, evaluation: &Evaluation) {
-    result.insert("warnings".to_owned(), json!(evaluation.warnings));
+fn put_joined(
+    result: &mut Map<String, Value>,
+    evaluation: &Evaluation,
+    clean: Option<&CleanResults>,
+) {
+    let of_clean = clean.iter().flat_map(|clean| &clean.warnings);
+    let warnings: Vec<_> = of_clean.chain(&evaluation.warnings).collect();
+    result.insert("warnings".to_owned(), json!(warnings));
     result.insert("paired".to_owned(), json!(evaluation.paired));
     for (key, value) in [
         ("failures", json!(evaluation.failures)),
-        ("tide_clean", json!(evaluation.tide_clean)),
+        (
+            "tide_clean",
+            json!(clean.and_then(|clean| clean.tide.as_ref())),
+        ),
         ("tide_cracked", json!(evaluation.tide_cracked)),
-        ("label_audit", json!(evaluation.label_audit)),
+        (
+            "label_audit",
+            json!(clean.and_then(|clean| clean.label_audit.as_ref())),
+        ),
     ] {
         if !value.is_null() {
             result.insert(key.to_owned(), value);

@@ -6,7 +6,7 @@ use serde_json::Value;
 use starbreak::dataset::{IndexFiles, SourceSpec, files_in, set_identity};
 use starbreak_eval::evaluation::{
     Condition, DamageFacts, EvaluateInput, EvaluateSettings, ImageFolders, InputFile, Provenance,
-    Study, Versions, evaluate,
+    Study, Versions, clean_results, evaluate,
 };
 use starbreak_eval::{CompareParams, GroundTruth, RegionMasks, SaidDetections};
 
@@ -93,7 +93,10 @@ impl Join<'_> {
         let dataset = dataset_name(args);
         let name = Path::new(&dataset).file_name();
         let name = name.map_or(dataset.clone(), |name| name.to_string_lossy().into_owned());
-        Ok(Study::of_one(evaluation, &name, provenance))
+        let mut study = Study::of_one(evaluation, &name, provenance);
+        let clean = clean_results(&detector, self.truth, self.clean, &settings)?;
+        study.clean.push(clean);
+        Ok(study)
     }
 }
 

@@ -195,6 +195,10 @@ fn groups(
         let said = pooling.detections_of(&said.detections);
         let pooled_coco = evaluate_coco(&pooled, &said, &one, None)?;
         let counts = objects_per_category(&pooled, pooled.objects.iter().map(|o| o.category));
+        let every: Vec<usize> = (0..pooled.categories.len()).collect();
+        let n = counts.iter().sum();
+        let mean = Group::mean_of_supercategories();
+        rows.push(row(&pooled_coco, mean, &every, 0, 0, n));
         for (idx, (category, n)) in pooled.categories.iter().zip(counts).enumerate() {
             let group = group_of(GroupKind::Supercategory, &category.name);
             rows.push(row(&pooled_coco, group, &[idx], 0, 0, n));
@@ -221,11 +225,17 @@ fn objects_per_category(labels: &LabelSet, categories: impl Iterator<Item = u32>
     let mut counts = vec![0; labels.categories.len()];
     for (object, category) in labels.objects.iter().zip(categories) {
         let idx = usize::try_from(category).unwrap_or(usize::MAX);
-        if let (ObjectKind::Regular, Some(n)) = (object.kind, counts.get_mut(idx)) {
+        if let (true, Some(n)) = (is_counted(object), counts.get_mut(idx)) {
             *n += 1;
         }
     }
     counts
+}
+
+/// Whether an object is to be found on whole images: one with an area below 0 is in no range of sizes, and
+/// ignored by the rules of MS-COCO.
+fn is_counted(object: &crate::Object) -> bool {
+    object.kind == ObjectKind::Regular && object.area_px2 >= 0.0
 }
 
 fn count(n: usize) -> u64 {
@@ -263,7 +273,7 @@ pub fn cover(
     tau: f64,
 ) -> Result<(Counts, Option<Coverages>), EvalError> {
     let labels = &truth.labels;
-    let regular = |o: &&crate::Object| o.kind == ObjectKind::Regular;
+    let regular = |o: &&crate::Object| is_counted(o);
     let mut counts = Counts {
         n_images: count(labels.images.len()),
         n_objects: count(labels.objects.iter().filter(regular).count()),
@@ -279,6 +289,8 @@ pub fn cover(
     let inside = objects.filter(|(o, c)| regular(o) && **c >= least).count();
     counts.n_objects_in_region = Some(count(inside));
     counts.n_images_with_region = Some(count(coverages.n_images_with_region()));
+    counts.n_images_intact = Some(count(coverages.n_images_intact()));
+    counts.mean_region_share = coverages.mean_region_share();
     Ok((counts, Some(coverages)))
 }
 

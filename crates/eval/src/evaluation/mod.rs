@@ -3,25 +3,32 @@
 //! Fractions stay fractions (an AP of 0.413, not 41.3); only what a person reads shows percent. A
 //! number that would mislead is not there: its [`Estimate`] says why.
 
+mod clean;
 mod damage_facts;
 mod estimate;
 mod evaluate;
 mod failures;
 mod paired;
+mod pooled;
 mod provenance;
 mod results;
 mod robustness;
 mod study;
 mod worst;
 
+pub use clean::CleanResults;
 pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
-pub use evaluate::{EvaluateInput, EvaluateSettings, ImageFolders, evaluate};
+pub use evaluate::{
+    CrackedSet, EvaluateInput, EvaluateSettings, ImageFolders, SeedsInput, clean_results, evaluate,
+    evaluate_with_coverages, pool_seeds, put_robustness_intervals,
+};
 pub use failures::{
     ClassFlip, DoseBin, DoseResponse, FailureResults, FailureRow, FlipRow, LogisticFit,
     NewFalsePositives, ShiftRow,
 };
 pub use paired::{Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
+pub use pooled::PooledSeeds;
 pub use provenance::{InputFile, Provenance, Settings, Versions};
 pub use results::{
     GroupAp, KittiAp, LabelAudit, LabelVerdict, ProtocolResults, ShiftedLabel, TideErrors,

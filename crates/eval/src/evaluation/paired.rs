@@ -41,7 +41,8 @@ pub enum ScopeKind {
 pub struct Group {
     /// What sort of group.
     pub kind: GroupKind,
-    /// Its name in the labels; of [`GroupKind::All`] it is `all`.
+    /// Its name in the labels; of [`GroupKind::All`] it is `all`, of
+    /// [`GroupKind::MeanOfSupercategories`] `mean of supercategories`.
     pub name: String,
 }
 
@@ -54,6 +55,15 @@ impl Group {
             name: "all".to_owned(),
         }
     }
+
+    /// The mean over the supercategories.
+    #[must_use]
+    pub fn mean_of_supercategories() -> Self {
+        Self {
+            kind: GroupKind::MeanOfSupercategories,
+            name: "mean of supercategories".to_owned(),
+        }
+    }
 }
 
 /// The sorts of [`Group`].
@@ -62,6 +72,8 @@ impl Group {
 pub enum GroupKind {
     /// All classes.
     All,
+    /// The mean over the supercategories, each pooled.
+    MeanOfSupercategories,
     /// The classes of one supercategory, pooled.
     Supercategory,
     /// One class.

@@ -96,5 +96,6 @@ fn row(
         clean: estimate(mean.clean),
         mpc: estimate(mean.mpc),
         rpc: estimate(mean.rpc),
+        n_seeds: None,
     })
 }

@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ChangedObject, Estimate, FailureResults, LabelAudit, PairedMetric, PairedRow, ProtocolResults,
-    Provenance, Scope, TideErrors, WorstFailure,
+    ChangedObject, CleanResults, Estimate, FailureResults, PairedMetric, PairedRow, PooledSeeds,
+    ProtocolResults, Provenance, Scope, TideErrors, WorstFailure,
 };
 use crate::SubsetRow;
 
@@ -20,8 +20,14 @@ pub struct Study {
     /// What a reader must know first.
     #[serde(default)]
     pub warnings: Vec<Warning>,
+    /// What each detector does on the clean images, whatever the condition.
+    #[serde(default)]
+    pub clean: Vec<CleanResults>,
     /// One per detector and condition, detectors first.
     pub evaluations: Vec<Evaluation>,
+    /// Conditions that differ in nothing but their seed taken together, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pooled: Vec<PooledSeeds>,
     /// mPC and rPC of each detector.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub robustness: Vec<RobustnessRow>,
@@ -34,7 +40,8 @@ impl Study {
     /// Name and version of the format of its JSON.
     pub const SCHEMA: &'static str = "starbreak.evaluation/1";
 
-    /// One evaluation alone, as a study of one detector and one condition.
+    /// One evaluation alone, as a study of one detector and one condition; its clean results are to be
+    /// put into [`Study::clean`].
     #[must_use]
     pub fn of_one(evaluation: Evaluation, dataset: &str, provenance: Provenance) -> Self {
         Self {
@@ -43,10 +50,18 @@ impl Study {
             dataset: dataset.to_owned(),
             provenance,
             warnings: Vec::new(),
+            clean: Vec::new(),
             evaluations: vec![evaluation],
+            pooled: Vec::new(),
             robustness: Vec::new(),
             divergence: None,
         }
+    }
+
+    /// What a detector does on the clean images.
+    #[must_use]
+    pub fn clean_of(&self, detector: &str) -> Option<&CleanResults> {
+        self.clean.iter().find(|one| one.detector == detector)
     }
 }
 
@@ -62,8 +77,6 @@ pub struct Evaluation {
     /// What a reader must know first.
     #[serde(default)]
     pub warnings: Vec<Warning>,
-    /// Whole clean images.
-    pub clean: ProtocolResults,
     /// Whole cracked images.
     pub cracked: ProtocolResults,
     /// Clean against cracked, inside the region, outside of it, and everywhere.
@@ -75,15 +88,9 @@ pub struct Evaluation {
     /// What fails.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failures: Option<FailureResults>,
-    /// Which kinds of errors, clean.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub tide_clean: Option<TideErrors>,
     /// Which kinds of errors, cracked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tide_cracked: Option<TideErrors>,
-    /// Whether the classes are the right ones.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub label_audit: Option<LabelAudit>,
     /// Of clips: what is found when.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub timelines: Vec<TimelineResults>,
@@ -119,12 +126,15 @@ pub struct Counts {
     /// Images that the region touches.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub n_images_with_region: Option<u64>,
+    /// Images that it does not touch: the cracks left them as they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_images_intact: Option<u64>,
     /// Objects to be found.
     pub n_objects: u64,
     /// Objects to be found in the region.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub n_objects_in_region: Option<u64>,
-    /// Mean share of an image that the region covers.
+    /// Mean share of an image that the region covers, 0 to 1, over the images with a mask.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_region_share: Option<f64>,
 }
@@ -165,10 +175,15 @@ pub struct RobustnessRow {
     pub metric: PairedMetric,
     /// AP of the clean images.
     pub clean: Estimate,
-    /// Mean over families of the mean over severities of the mean over seeds.
+    /// Mean over families of the mean over severities of the mean over seeds. The interval, of AP50 and
+    /// AP75, draws images or clusters, and seeds where there are several.
     pub mpc: Estimate,
     /// `mpc / clean`.
     pub rpc: Estimate,
+    /// Seeds of every family and severity, where that number is the same; with 1 the intervals know
+    /// nothing of how patterns differ.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub n_seeds: Option<u64>,
 }
 
 /// How far sets of images lie apart.

@@ -28,6 +28,8 @@ pub struct Coverages {
     /// Pixels in the region of each image; nothing where no mask was needed, as there is neither
     /// object nor detection, and there is none.
     pub region_px: Vec<Option<u64>>,
+    /// Share of each image that the region covers, 0 to 1; nothing as above.
+    pub region_share: Vec<Option<f64>>,
 }
 
 impl RegionMasks<'_> {
@@ -73,6 +75,7 @@ impl RegionMasks<'_> {
             };
             Ok(OfImage {
                 region_px: Some(mask.n_pixels()),
+                region_share: share_of(&mask),
                 objects: covered(objects.of(idx)),
                 detections: detections.iter().map(|set| covered(set.of(idx))).collect(),
             })
@@ -84,6 +87,7 @@ impl RegionMasks<'_> {
             objects: vec![0.0; labels.objects.len()],
             detections: sets.iter().map(|set| vec![0.0; set.items.len()]).collect(),
             region_px: found.iter().map(|image| image.region_px).collect(),
+            region_share: found.iter().map(|image| image.region_share).collect(),
         };
         let put = |to: &mut Vec<f64>, boxes: &[(usize, BoxPx)], values: &[f64]| {
             for ((idx, _), value) in boxes.iter().zip(values) {
@@ -153,8 +157,15 @@ fn is_absent(error: &EvalError) -> bool {
 #[derive(Default)]
 struct OfImage {
     region_px: Option<u64>,
+    region_share: Option<f64>,
     objects: Vec<f64>,
     detections: Vec<Vec<f64>>,
+}
+
+/// The share of its image that a mask covers; nothing of an empty image.
+fn share_of(mask: &RegionMask) -> Option<f64> {
+    let n_pixels = u64::from(mask.width_px()) * u64::from(mask.height_px());
+    (n_pixels > 0).then(|| exact(mask.n_pixels()) / exact(n_pixels))
 }
 
 /// Boxes with their places, image by image.
@@ -192,6 +203,21 @@ impl Coverages {
     pub fn n_images_with_region(&self) -> usize {
         let sizes = self.region_px.iter().flatten();
         sizes.filter(|size| **size > 0).count()
+    }
+
+    /// Mean over the images that have a mask of the share that it covers, 0 to 1.
+    #[must_use]
+    pub fn mean_region_share(&self) -> Option<f64> {
+        let shares: Vec<f64> = self.region_share.iter().copied().flatten().collect();
+        let n = exact(u64::try_from(shares.len()).ok()?);
+        (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / n)
+    }
+
+    /// Images of whose masks no pixel is in the region: the cracks left them as they are.
+    #[must_use]
+    pub fn n_images_intact(&self) -> usize {
+        let sizes = self.region_px.iter().flatten();
+        sizes.filter(|size| **size == 0).count()
     }
 
     /// The area of all regions, in millions of pixels.

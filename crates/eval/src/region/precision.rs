@@ -45,7 +45,7 @@ impl Default for SubsetParams {
 }
 
 /// Average precision of all classes (the mean of those with objects), of each supercategory with
-/// its classes pooled, and of each class, of one subset. Where coverages are not at hand, the
+/// its classes pooled and their mean, and of each class, of one subset. Where coverages are not at hand, the
 /// subset must be [`Subset::WholeImage`], and sizes and coverages do not count.
 ///
 /// # Errors
@@ -80,10 +80,14 @@ pub fn subset_precision(
             params,
             GroupKind::Supercategory,
         )?;
-        // Behind the row of all.
-        let groups = groups
-            .into_iter()
-            .filter(|row| row.group.kind != GroupKind::All);
+        // Behind the row of all; that of all groups is their mean.
+        let groups = groups.into_iter().map(|row| match row.group.kind {
+            GroupKind::All => SubsetAp {
+                group: Group::mean_of_supercategories(),
+                ..row
+            },
+            _ => row,
+        });
         rows.splice(1..1, groups);
     }
     Ok(rows)

@@ -1,6 +1,6 @@
 //! The conditions of a study, told apart by all that they are: a name alone may stand for two.
 
-use crate::evaluation::{Condition, Evaluation, Study};
+use crate::evaluation::{Condition, Evaluation, FailureRow, PairedRow, PooledSeeds, Study};
 
 /// A condition of a study.
 #[derive(Debug, Clone)]
@@ -11,6 +11,8 @@ pub(super) struct Told<'a> {
     n_before: usize,
     /// Its name; the second of the same name gets a `(2)`, and so on.
     pub(super) label: String,
+    /// Whether it is all seeds of a family and severity.
+    pub(super) is_pooled: bool,
 }
 
 impl<'a> Told<'a> {
@@ -22,6 +24,112 @@ impl<'a> Told<'a> {
             .filter(|one| one.detector == detector && one.condition == *self.condition);
         same.nth(self.n_before)
     }
+
+    /// What a detector's clean and cracked images say under it.
+    pub(super) fn paired(&self, study: &'a Study, detector: &str) -> Option<&'a [PairedRow]> {
+        if self.is_pooled {
+            let mut pooled = study.pooled.iter();
+            let is_it =
+                |one: &&PooledSeeds| one.detector == detector && one.condition == *self.condition;
+            return pooled.find(is_it).map(|one| one.paired.as_slice());
+        }
+        Some(&self.evaluation(study, detector)?.paired)
+    }
+}
+
+/// The conditions of a table on paper: seeds that are taken together are one.
+pub(super) fn printed(study: &Study) -> Vec<Told<'_>> {
+    let mut printed: Vec<Told<'_>> = Vec::new();
+    for told in told_apart(study) {
+        let mut of_condition = study.evaluations.iter();
+        let one = of_condition.find(|one| one.condition == *told.condition);
+        let Some(pooled) = one.and_then(|one| pool_of(study, one)) else {
+            printed.push(told);
+            continue;
+        };
+        if printed
+            .iter()
+            .all(|known| *known.condition != pooled.condition)
+        {
+            printed.push(Told {
+                condition: &pooled.condition,
+                n_before: 0,
+                label: pooled.condition.name.clone(),
+                is_pooled: true,
+            });
+        }
+    }
+    printed
+}
+
+/// A detector under a condition, or under all seeds of one: what sums a study up.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Summed<'a> {
+    /// The detector.
+    pub(super) detector: &'a str,
+    /// What was done to the glass.
+    pub(super) condition: &'a Condition,
+    /// Clean against cracked.
+    pub(super) paired: &'a [PairedRow],
+    /// What is lost.
+    pub(super) rates: &'a [FailureRow],
+    /// Seeds taken together; 1 of a condition that stands alone.
+    pub(super) n_seeds: usize,
+}
+
+impl<'a> Summed<'a> {
+    /// A condition alone.
+    pub(super) fn of(evaluation: &'a Evaluation) -> Self {
+        let failures = evaluation.failures.as_ref();
+        Self {
+            detector: &evaluation.detector,
+            condition: &evaluation.condition,
+            paired: &evaluation.paired,
+            rates: failures.map_or(&[], |failures| &failures.rates),
+            n_seeds: 1,
+        }
+    }
+
+    fn of_pool(pooled: &'a PooledSeeds) -> Self {
+        Self {
+            detector: &pooled.detector,
+            condition: &pooled.condition,
+            paired: &pooled.paired,
+            rates: &pooled.rates,
+            n_seeds: pooled.seeds.len(),
+        }
+    }
+}
+
+/// The seeds that an evaluation is taken together with.
+pub(super) fn pool_of<'a>(study: &'a Study, one: &Evaluation) -> Option<&'a PooledSeeds> {
+    study.pooled.iter().find(|pooled| {
+        pooled.detector == one.detector
+            && pooled.condition.family == one.condition.family
+            && pooled.condition.severity == one.condition.severity
+            && one
+                .condition
+                .seed
+                .is_some_and(|seed| pooled.seeds.contains(&seed))
+    })
+}
+
+/// Every condition of every detector in the order of the study; seeds that are taken together are one.
+pub(super) fn summed(study: &Study) -> Vec<Summed<'_>> {
+    let mut all: Vec<Summed<'_>> = Vec::new();
+    for one in &study.evaluations {
+        let next = match pool_of(study, one) {
+            None => Summed::of(one),
+            Some(pooled) => Summed::of_pool(pooled),
+        };
+        let is_known = |known: &Summed<'_>| {
+            next.n_seeds > 1 && known.detector == next.detector && known.condition == next.condition
+        };
+        if !all.iter().any(is_known) {
+            all.push(next);
+        }
+    }
+    all
 }
 
 /// All conditions, in the order of the study.
@@ -44,6 +152,7 @@ pub(super) fn told_apart(study: &Study) -> Vec<Told<'_>> {
             condition,
             n_before,
             label,
+            is_pooled: false,
         });
     }
     told

@@ -3,10 +3,10 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::conditions::{Told, told_apart};
+use super::conditions::{Told, printed};
 use super::words;
 use crate::evaluation::{
-    Estimate, Evaluation, Group, GroupKind, PairedMetric, Scope, ScopeKind, Study,
+    Estimate, Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind, Study,
 };
 
 /// Most classes per detector that a printed table holds.
@@ -31,7 +31,7 @@ pub fn latex(study: &Study) -> String {
             detectors.push(&one.detector);
         }
     }
-    let told = told_apart(study);
+    let told = printed(study);
     let blocks = blocks(&told);
     let mut text = String::from("% Needs \\usepackage{booktabs} and \\usepackage{multirow}.\n");
     for (place, conditions) in blocks.iter().enumerate() {
@@ -80,16 +80,16 @@ struct PrintedTable<'a> {
 
 impl<'a> PrintedTable<'a> {
     /// One per condition of the table.
-    fn evaluations_of(&self, detector: &str) -> Vec<Option<&'a Evaluation>> {
+    fn evaluations_of(&self, detector: &str) -> Vec<Option<&'a [PairedRow]>> {
         self.conditions
             .iter()
-            .map(|condition| condition.evaluation(self.study, detector))
+            .map(|condition| condition.paired(self.study, detector))
             .collect()
     }
 
     fn add_detector(&mut self, detector: &str) {
         let of_conditions = self.evaluations_of(detector);
-        let evaluations: Vec<&Evaluation> = of_conditions.iter().copied().flatten().collect();
+        let evaluations: Vec<&[PairedRow]> = of_conditions.iter().copied().flatten().collect();
         let Some(scope) = main_scope(self.study, &evaluations) else {
             return;
         };
@@ -103,7 +103,7 @@ impl<'a> PrintedTable<'a> {
         let metrics: Vec<PairedMetric> = metrics
             .into_iter()
             .filter(|metric| {
-                let rows = evaluations.iter().flat_map(|one| &one.paired);
+                let rows = evaluations.iter().copied().flatten();
                 rows.clone()
                     .any(|row| row.metric == *metric && row.scope == scope)
             })
@@ -149,14 +149,13 @@ impl<'a> PrintedTable<'a> {
     /// How many objects the condition has there, then clean and cracked, of these objects.
     fn cells(
         &mut self,
-        evaluation: Option<&Evaluation>,
+        paired: Option<&[PairedRow]>,
         scope: &Scope,
         group: &Group,
         metric: PairedMetric,
     ) -> [String; 3] {
-        let row = evaluation.and_then(|one| {
-            one.paired
-                .iter()
+        let row = paired.and_then(|rows| {
+            rows.iter()
                 .find(|row| row.scope == *scope && row.group == *group && row.metric == metric)
         });
         match row {
@@ -215,6 +214,12 @@ impl<'a> PrintedTable<'a> {
             ),
             None => "of all objects, $n$ of them".to_owned(),
         };
+        let seeds = match conditions.iter().any(|one| one.is_pooled) {
+            true => {
+                " Of several seeds, an object counts once per seed, and intervals draw images and seeds."
+            }
+            false => "",
+        };
         let part = match n_tables {
             1 => String::new(),
             _ => format!(" Table {number} of {n_tables}."),
@@ -224,7 +229,7 @@ impl<'a> PrintedTable<'a> {
         let _ = writeln!(
             text,
             "  \\caption{{Average precision (\\%) {place}, on {}: clean and cracked, with 95\\,\\% intervals. \
-             Each condition has a region, and so objects and a clean value, of its own.{part}}}",
+             Each condition has a region, and so objects and a clean value, of its own.{seeds}{part}}}",
             escaped(&study.dataset)
         );
         let _ = writeln!(text, "  \\begin{{tabular}}{{lll{columns}}}");
@@ -255,14 +260,9 @@ impl<'a> PrintedTable<'a> {
 }
 
 /// In the region at the study's own τ, else everywhere.
-fn main_scope(study: &Study, evaluations: &[&Evaluation]) -> Option<Scope> {
+fn main_scope(study: &Study, evaluations: &[&[PairedRow]]) -> Option<Scope> {
     let tau = study.provenance.settings.tau;
-    let scopes = || {
-        evaluations
-            .iter()
-            .flat_map(|one| &one.paired)
-            .map(|row| &row.scope)
-    };
+    let scopes = || evaluations.iter().copied().flatten().map(|row| &row.scope);
     let is_own = |scope: &&Scope| match (scope.tau, tau) {
         (Some(one), Some(own)) => (one - own).abs() < 1e-12,
         _ => true,
@@ -273,11 +273,12 @@ fn main_scope(study: &Study, evaluations: &[&Evaluation]) -> Option<Scope> {
         .cloned()
 }
 
-fn printed_groups(evaluations: &[&Evaluation], scope: &Scope) -> Vec<Group> {
+fn printed_groups(evaluations: &[&[PairedRow]], scope: &Scope) -> Vec<Group> {
     let rows = || {
         evaluations
             .iter()
-            .flat_map(|one| &one.paired)
+            .copied()
+            .flatten()
             .filter(|row| row.scope == *scope)
     };
     let kinds: BTreeSet<GroupKind> = rows().map(|row| row.group.kind).collect();
@@ -286,7 +287,10 @@ fn printed_groups(evaluations: &[&Evaluation], scope: &Scope) -> Vec<Group> {
         false => GroupKind::Class,
     };
     let mut groups: Vec<(Group, u64)> = Vec::new();
-    for row in rows().filter(|row| row.group.kind == GroupKind::All || row.group.kind == small) {
+    let is_printed = |kind: GroupKind| {
+        kind == small || matches!(kind, GroupKind::All | GroupKind::MeanOfSupercategories)
+    };
+    for row in rows().filter(|row| is_printed(row.group.kind)) {
         if groups.iter().all(|(known, _)| *known != row.group) {
             groups.push((row.group.clone(), row.n_objects));
         }
@@ -302,6 +306,7 @@ fn printed_groups(evaluations: &[&Evaluation], scope: &Scope) -> Vec<Group> {
 fn group_name(group: &Group) -> String {
     match group.kind {
         GroupKind::All => "all".to_owned(),
+        GroupKind::MeanOfSupercategories => "mean of categories".to_owned(),
         _ => words::name(&group.name),
     }
 }

@@ -4,8 +4,8 @@ use super::conditions::labels;
 use super::words;
 use crate::SubsetRow;
 use crate::evaluation::{
-    DoseResponse, Estimate, Evaluation, FailureResults, Group, GroupAp, GroupKind, PairedRow,
-    ProtocolResults, Scope, ScopeKind, Study, TideErrors, TimelineResults,
+    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, Group, GroupAp, GroupKind,
+    PairedRow, ProtocolResults, Scope, ScopeKind, Study, TideErrors, TimelineResults,
 };
 
 /// One number with what it is about.
@@ -31,6 +31,7 @@ pub struct Number {
     pub method: &'static str,
 }
 
+const TWO_WAY: &str = "two-way bootstrap over images and seeds, 95 %";
 const BOOTSTRAP: &str = "paired bootstrap over images, 95 %";
 const OVER_IMAGES: &str = "bootstrap over images, 95 %";
 const WILSON: &str = "Wilson, 95 %";
@@ -39,18 +40,47 @@ const WILSON: &str = "Wilson, 95 %";
 #[must_use]
 pub fn numbers(study: &Study) -> Vec<Number> {
     let mut list = Vec::new();
+    for one in &study.clean {
+        let about = blank(&one.detector, "clean");
+        of_protocol(&about, "clean", &one.results, &mut list);
+        if let Some(errors) = &one.tide {
+            let of_all = |row: &&GroupAp| row.group.kind == GroupKind::All;
+            let n = one.results.groups.iter().find(of_all);
+            of_tide(
+                &about,
+                "clean",
+                errors,
+                n.map_or(0, |row| row.n_objects),
+                &mut list,
+            );
+        }
+    }
+    for pooled in &study.pooled {
+        let about = blank(&pooled.detector, &pooled.condition.name);
+        for row in &pooled.paired {
+            of_pair(&about, row, TWO_WAY, &mut list);
+        }
+        of_rates(&about, &pooled.rates, TWO_WAY, &mut list);
+    }
     for (evaluation, condition) in study.evaluations.iter().zip(labels(study)) {
         of_evaluation(evaluation, &condition, &mut list);
     }
     for row in &study.robustness {
         let metric = words::metric_key(row.metric);
+        let method = match (row.mpc.interval().is_some(), row.n_seeds) {
+            (false, _) => "mean over families, severities and seeds",
+            (true, Some(2..)) => {
+                "mean over families, severities and seeds; two-way bootstrap over images and seeds, 95 %"
+            }
+            (true, _) => "mean over families and severities; bootstrap over images, 95 %",
+        };
         for (name, estimate) in [("clean", &row.clean), ("mpc", &row.mpc), ("rpc", &row.rpc)] {
             let mut number = blank(&row.detector, "all");
             put_scope(&mut number, &row.scope);
             put_group(&mut number, &Group::all());
             number.metric = format!("{name}_{metric}");
             number.estimate = estimate.clone();
-            number.method = "mean over families, severities and seeds";
+            number.method = method;
             list.push(number);
         }
     }
@@ -118,10 +148,9 @@ impl Adder<'_> {
 
 fn of_evaluation(evaluation: &Evaluation, condition: &str, list: &mut Vec<Number>) {
     let about = blank(&evaluation.detector, condition);
-    of_protocol(&about, "clean", &evaluation.clean, list);
     of_protocol(&about, "cracked", &evaluation.cracked, list);
     for row in &evaluation.paired {
-        of_pair(&about, row, list);
+        of_pair(&about, row, BOOTSTRAP, list);
     }
     for row in &evaluation.subsets {
         of_subset(&about, row, list);
@@ -129,14 +158,8 @@ fn of_evaluation(evaluation: &Evaluation, condition: &str, list: &mut Vec<Number
     if let Some(failures) = &evaluation.failures {
         of_failures(&about, failures, list);
     }
-    let tide = [
-        ("clean", &evaluation.tide_clean),
-        ("cracked", &evaluation.tide_cracked),
-    ];
-    for (side, errors) in tide {
-        if let Some(errors) = errors {
-            of_tide(&about, side, errors, evaluation.counts.n_objects, list);
-        }
+    if let Some(errors) = &evaluation.tide_cracked {
+        of_tide(&about, "cracked", errors, evaluation.counts.n_objects, list);
     }
     for clip in &evaluation.timelines {
         of_clip(&about, clip, list);
@@ -202,15 +225,28 @@ fn of_protocol(about: &Number, side: &str, results: &ProtocolResults, list: &mut
     }
 }
 
-fn of_pair(about: &Number, row: &PairedRow, list: &mut Vec<Number>) {
+fn of_pair(about: &Number, row: &PairedRow, method: &'static str, list: &mut Vec<Number>) {
     let mut about = about.clone();
     put_scope(&mut about, &row.scope);
     put_group(&mut about, &row.group);
     let mut adder = Adder { list, about };
     let metric = words::metric_key(row.metric);
-    adder.add(format!("{metric}_clean"), &row.clean, BOOTSTRAP);
-    adder.add(format!("{metric}_cracked"), &row.cracked, BOOTSTRAP);
-    adder.add(format!("{metric}_difference"), &row.delta, BOOTSTRAP);
+    let all = [
+        ("clean", &row.clean),
+        ("cracked", &row.cracked),
+        ("difference", &row.delta),
+    ];
+    // One reason for all three is said once.
+    let is_refused = all
+        .iter()
+        .all(|(_, estimate)| estimate.value.is_none() && estimate.refused == row.delta.refused);
+    if is_refused {
+        adder.add(metric, &row.delta, method);
+        return;
+    }
+    for (name, estimate) in all {
+        adder.add(format!("{metric}_{name}"), estimate, method);
+    }
     let n = row.n_objects;
     let p = [
         ("p", row.p, "permutation"),
@@ -242,15 +278,16 @@ fn of_subset(about: &Number, row: &SubsetRow, list: &mut Vec<Number>) {
     }
 }
 
-fn of_failures(about: &Number, failures: &FailureResults, list: &mut Vec<Number>) {
+/// What is lost, with where the interval of the rate of failure comes from.
+fn of_rates(about: &Number, rates: &[FailureRow], method: &'static str, list: &mut Vec<Number>) {
     let mut adder = Adder {
         list,
         about: about.clone(),
     };
-    for row in &failures.rates {
+    for row in rates {
         put_scope(&mut adder.about, &row.scope);
         put_group(&mut adder.about, &row.group);
-        adder.add("failure_rate", &row.failure_rate, WILSON);
+        adder.add("failure_rate", &row.failure_rate, method);
         if let Some(rate) = &row.failure_rate_over_images {
             adder.add("failure_rate_over_images", rate, OVER_IMAGES);
         }
@@ -274,7 +311,14 @@ fn of_failures(about: &Number, failures: &FailureResults, list: &mut Vec<Number>
             }
         }
     }
-    adder.about = about.clone();
+}
+
+fn of_failures(about: &Number, failures: &FailureResults, list: &mut Vec<Number>) {
+    of_rates(about, &failures.rates, WILSON, list);
+    let mut adder = Adder {
+        list,
+        about: about.clone(),
+    };
     for row in &failures.new_false_positives {
         put_scope(&mut adder.about, &row.scope);
         adder.add(

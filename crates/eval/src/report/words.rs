@@ -123,6 +123,7 @@ pub(super) fn metric_key(metric: PairedMetric) -> &'static str {
 pub(super) fn group_kind(kind: GroupKind) -> &'static str {
     match kind {
         GroupKind::All => "all",
+        GroupKind::MeanOfSupercategories => "mean_of_supercategories",
         GroupKind::Supercategory => "supercategory",
         GroupKind::Class => "class",
     }

@@ -4,8 +4,10 @@
 //! per image its replicates, [`permutation_test`] any statistic of swaps its p. Clean and cracked
 //! images get the same draws, so that what both share cancels in their difference.
 //! [`paired_average_precision`] does both for average precision, [`paired_kitti_precision`] for
-//! that of KITTI.
+//! that of KITTI, [`crossed_average_precision`] the first over several crack patterns, each with a
+//! region of its own.
 
+mod crossed;
 mod draws;
 mod intervals;
 mod kitti;
@@ -14,6 +16,7 @@ mod permutation;
 mod ranked;
 mod replicates;
 
+pub use crossed::crossed_average_precision;
 pub use draws::{Plan, Weights};
 pub(crate) use intervals::quantile;
 pub use intervals::{basic_interval, bca_interval, percentile_interval};

@@ -45,7 +45,7 @@ pub struct PairedPrecisions {
 }
 
 /// Values per category in the bootstrap: clean, cracked, difference, ratio.
-const N_VALUES: usize = 4;
+pub(super) const N_VALUES: usize = 4;
 
 /// Average precision per category, clean and cracked, with bootstrap intervals of both, of their
 /// difference and of their ratio, a permutation test per category, and Holm's correction.
@@ -182,7 +182,11 @@ fn check_fit(versions: &[&[ImageMatches]], plan: &Plan) -> Result<u32, EvalError
 }
 
 /// Categories over cells: image times versions plus version.
-fn rank(versions: &[&[ImageMatches]], n_categories: usize, n_versions: u32) -> Vec<RankedCategory> {
+pub(super) fn rank(
+    versions: &[&[ImageMatches]],
+    n_categories: usize,
+    n_versions: u32,
+) -> Vec<RankedCategory> {
     let mut by_category: Vec<Vec<(&ImageMatches, u32)>> = vec![Vec::new(); n_categories];
     for (matches, version) in versions.iter().zip(0..) {
         for item in *matches {
@@ -199,7 +203,7 @@ fn rank(versions: &[&[ImageMatches]], n_categories: usize, n_versions: u32) -> V
 }
 
 /// Weights of cells: image times pattern.
-fn cell_weights(images: &[u32], patterns: &[u32]) -> Vec<u32> {
+pub(super) fn cell_weights(images: &[u32], patterns: &[u32]) -> Vec<u32> {
     images
         .iter()
         .flat_map(|image| patterns.iter().map(move |pattern| image * pattern))
@@ -219,7 +223,7 @@ fn role_weights(roles: &[u32], n_versions: u32) -> (Vec<u32>, Vec<u32>) {
         .unzip()
 }
 
-fn four_values(pair: Option<(f64, f64)>) -> [Option<f64>; N_VALUES] {
+pub(super) fn four_values(pair: Option<(f64, f64)>) -> [Option<f64>; N_VALUES] {
     let Some((clean, cracked)) = pair else {
         return [None; N_VALUES];
     };
@@ -229,14 +233,14 @@ fn four_values(pair: Option<(f64, f64)>) -> [Option<f64>; N_VALUES] {
 
 /// The mean over categories of both values, of those that have them.
 #[derive(Debug, Default)]
-struct MeanOfPairs {
+pub(super) struct MeanOfPairs {
     clean: f64,
     cracked: f64,
     n: u32,
 }
 
 impl MeanOfPairs {
-    fn add(&mut self, pair: Option<(f64, f64)>) {
+    pub(super) fn add(&mut self, pair: Option<(f64, f64)>) {
         if let Some((clean, cracked)) = pair {
             self.clean += clean;
             self.cracked += cracked;
@@ -244,7 +248,7 @@ impl MeanOfPairs {
         }
     }
 
-    fn mean(&self) -> Option<(f64, f64)> {
+    pub(super) fn mean(&self) -> Option<(f64, f64)> {
         let n = f64::from(self.n);
         (self.n > 0).then(|| (self.clean / n, self.cracked / n))
     }

@@ -3,12 +3,13 @@
 use std::collections::BTreeSet;
 
 use rayon::prelude::*;
-use starbreak_eval::GroundTruth;
-use starbreak_eval::RegionMasks;
 use starbreak_eval::evaluation::{
-    Condition as ReportedCondition, DamageFacts, EvaluateInput, EvaluateSettings, Evaluation,
-    ImageFolders, Provenance, Study, Warning, WarningKind, evaluate, robustness,
+    CleanResults, Condition as ReportedCondition, CrackedSet, DamageFacts, EvaluateInput,
+    EvaluateSettings, Evaluation, ImageFolders, PooledSeeds, Provenance, RobustnessRow, SeedsInput,
+    Study, Warning, WarningKind, clean_results, evaluate_with_coverages, pool_seeds,
+    put_robustness_intervals, robustness,
 };
+use starbreak_eval::{Coverages, GroundTruth, RegionMasks, SaidDetections};
 
 use super::{Condition, StudyPlan, StudyRuns};
 use crate::Error;
@@ -30,19 +31,18 @@ impl StudyPlan<'_> {
     ) -> Result<Study, Error> {
         let unseen: BTreeSet<&str> = runs.unseen.iter().map(|one| one.name.as_str()).collect();
         let (truth, places) = truth.keep(|image| !unseen.contains(image.name.as_str()));
-        let cells: Vec<(usize, usize)> = (0..self.detectors.len())
-            .flat_map(|detector| {
-                (0..self.conditions.len()).map(move |condition| (detector, condition))
-            })
-            .collect();
-        // Each has threads enough for itself; side by side their order is kept.
-        let evaluations: Result<Vec<Evaluation>, Error> = cells
-            .par_iter()
-            .map(|(detector, condition)| {
-                self.cell(&truth, &places, runs, settings, (*detector, *condition))
-            })
-            .collect();
-        let evaluations = evaluations?;
+        let n_detectors = self.detectors.len();
+        let mut clean = Vec::new();
+        let mut evaluations = Vec::new();
+        let mut pooled = Vec::new();
+        let mut of_detectors = Vec::new();
+        for detector in 0..n_detectors {
+            let one = self.of_detector(&truth, &places, runs, settings, detector)?;
+            clean.push(one.clean);
+            evaluations.extend(one.evaluations);
+            pooled.extend(one.pooled);
+            of_detectors.push(one.robustness);
+        }
         let mut warnings = Vec::new();
         if !unseen.is_empty() {
             warnings.push(Warning {
@@ -60,50 +60,103 @@ impl StudyPlan<'_> {
             dataset: dataset.to_owned(),
             provenance,
             warnings,
-            robustness: robustness(&evaluations, Some(settings.tau())),
+            clean,
             evaluations,
+            pooled,
+            robustness: of_detectors.into_iter().flatten().collect(),
             divergence: None,
         })
     }
 
-    fn cell(
+    /// One detector under all conditions.
+    fn of_detector(
         &self,
         truth: &GroundTruth,
         places: &[Option<u32>],
         runs: &StudyRuns,
         settings: &EvaluateSettings,
-        (detector, condition): (usize, usize),
-    ) -> Result<Evaluation, Error> {
+        detector: usize,
+    ) -> Result<OfDetector, Error> {
         let missing = || Error::StudyCell {
             detector,
-            condition,
+            condition: 0,
         };
         let name = &self.detectors.get(detector).ok_or_else(missing)?.name;
         let found = runs.detectors.get(detector).ok_or_else(missing)?;
-        let layout = runs.sets.get(condition).ok_or_else(missing)?;
-        let cracked = found.cracked.get(condition).ok_or_else(missing)?;
-        let condition = self.conditions.get(condition).ok_or_else(missing)?;
-        let facts = DamageFacts::read(&layout.state("provenance"), &truth.labels)?;
-        let root = truth.root.as_deref();
-        let regions = layout.state("regions");
-        Ok(evaluate(&EvaluateInput {
+        let clean = truth.said(&found.clean.keep(places));
+        let conditions: Vec<ReportedCondition> = self.conditions.iter().map(reported).collect();
+        let cracked: Vec<SaidDetections> = found
+            .cracked
+            .iter()
+            .map(|cracked| truth.said(&cracked.keep(places)))
+            .collect();
+        // Each has threads enough for itself; side by side their order is kept.
+        let cells: Result<Vec<(Evaluation, Option<Coverages>)>, Error> = (0..conditions.len())
+            .into_par_iter()
+            .map(|place| {
+                let missing = || Error::StudyCell {
+                    detector,
+                    condition: place,
+                };
+                let layout = runs.sets.get(place).ok_or_else(missing)?;
+                let facts = DamageFacts::read(&layout.state("provenance"), &truth.labels)?;
+                let root = truth.root.as_deref();
+                let regions = layout.state("regions");
+                Ok(evaluate_with_coverages(&EvaluateInput {
+                    detector: name,
+                    condition: conditions.get(place).ok_or_else(missing)?,
+                    truth,
+                    clean: &clean,
+                    cracked: Some(cracked.get(place).ok_or_else(missing)?),
+                    regions: Some(RegionMasks {
+                        folder: &regions,
+                        root,
+                    }),
+                    facts: Some(&facts),
+                    images: root.map(|clean| ImageFolders {
+                        clean,
+                        cracked: layout.root(),
+                    }),
+                    settings,
+                })?)
+            })
+            .collect();
+        let (evaluations, coverages): (Vec<Evaluation>, Vec<Option<Coverages>>) =
+            cells?.into_iter().unzip();
+        let sets: Vec<CrackedSet<'_>> = conditions
+            .iter()
+            .zip(&cracked)
+            .zip(&coverages)
+            .map(|((condition, said), coverages)| CrackedSet {
+                condition,
+                said,
+                coverages: coverages.as_ref(),
+            })
+            .collect();
+        let all = SeedsInput {
             detector: name,
-            condition: &reported(condition),
             truth,
-            clean: &truth.said(&found.clean.keep(places)),
-            cracked: Some(&truth.said(&cracked.keep(places))),
-            regions: Some(RegionMasks {
-                folder: &regions,
-                root,
-            }),
-            facts: Some(&facts),
-            images: root.map(|clean| ImageFolders {
-                clean,
-                cracked: layout.root(),
-            }),
+            clean: &clean,
+            cracked: &sets,
             settings,
-        })?)
+        };
+        let mut of_means = robustness(&evaluations, Some(settings.tau()));
+        put_robustness_intervals(&mut of_means, &all)?;
+        Ok(OfDetector {
+            clean: clean_results(name, truth, &clean, settings)?,
+            pooled: pool_seeds(&all)?,
+            robustness: of_means,
+            evaluations,
+        })
     }
+}
+
+/// What is known of one detector.
+struct OfDetector {
+    clean: CleanResults,
+    evaluations: Vec<Evaluation>,
+    pooled: Vec<PooledSeeds>,
+    robustness: Vec<RobustnessRow>,
 }
 
 fn reported(condition: &Condition) -> ReportedCondition {

@@ -8,8 +8,8 @@ use crate::resampling::{
 };
 use crate::statistic::{Measured, holm};
 use crate::{
-    CoverageOf, Coverages, Detections, EvalError, GroundTruth, KittiDetections, KittiDifficulty,
-    LabelSet, MatchRule, SaidDetections, Subset, match_images, rank_kitti,
+    CoverageOf, Coverages, Detections, EvalError, GroundTruth, ImageMatches, KittiDetections,
+    KittiDifficulty, LabelSet, MatchRule, SaidDetections, Subset, match_images, rank_kitti,
 };
 
 /// Puts intervals, tests and corrected tests to AP50 and AP75 of all groups: of every scope AP50, of the
@@ -44,6 +44,9 @@ pub(super) fn put(rows: &mut [PairedRow], all: &Plain<'_>) -> Result<(), EvalErr
             };
             let of_row = |group: &Group| match group.kind {
                 GroupKind::All => Some(&of_classes.mean),
+                GroupKind::MeanOfSupercategories => {
+                    of_groups.as_ref().map(|(_, found)| &found.mean)
+                }
                 GroupKind::Class => find(all.labels, &of_classes, &group.name),
                 GroupKind::Supercategory => {
                     let (labels, found) = of_groups.as_ref()?;
@@ -83,10 +86,7 @@ pub(super) fn put_kitti(
     let scopes = scopes_of(rows);
     for scope in &scopes {
         let ranked = |detections: &KittiDetections, set: usize| {
-            let coverage = CoverageOf {
-                objects: &coverages.objects,
-                detections: coverages.detections.get(set).map_or(&[], Vec::as_slice),
-            };
+            let coverage = coverage_of(coverages, set);
             let values = subset_of(scope).values(&labels.set, &detections.set, coverage)?;
             let mut rankings = rank_kitti(labels, detections, Some(&values.restriction()))?;
             rankings.retain(|ranking| ranking.difficulty() == KittiDifficulty::Moderate);
@@ -147,26 +147,56 @@ fn paired(
     scope: &Scope,
     iou_threshold: f64,
 ) -> Result<PairedPrecisions, EvalError> {
-    let subset = subset_of(scope);
-    let matches = |detections: &Detections, set: usize| {
-        let coverage = CoverageOf {
-            objects: &all.coverages.objects,
-            detections: all.coverages.detections.get(set).map_or(&[], Vec::as_slice),
-        };
+    let place = Place {
+        scope,
+        iou_threshold,
+        max_detections: max_detections(all.settings),
+    };
+    let clean = place.matches(labels, clean, coverage_of(all.coverages, 0))?;
+    let cracked = place.matches(labels, cracked, coverage_of(all.coverages, 1))?;
+    paired_average_precision(&clean, &[&cracked], labels.categories.len(), all.plan)
+}
+
+/// Most detections of a category in an image.
+pub(super) fn max_detections(settings: &EvaluateSettings) -> u32 {
+    let most = settings.compare.coco.max_detections.last();
+    most.copied().unwrap_or(100)
+}
+
+/// The coverages of one of the sets of detections.
+pub(super) fn coverage_of(coverages: &Coverages, set: usize) -> CoverageOf<'_> {
+    CoverageOf {
+        objects: &coverages.objects,
+        detections: coverages.detections.get(set).map_or(&[], Vec::as_slice),
+    }
+}
+
+/// Where, and by which overlap, detections are matched.
+pub(super) struct Place<'a> {
+    pub(super) scope: &'a Scope,
+    pub(super) iou_threshold: f64,
+    pub(super) max_detections: u32,
+}
+
+impl Place<'_> {
+    pub(super) fn matches(
+        &self,
+        labels: &LabelSet,
+        detections: &Detections,
+        coverage: CoverageOf<'_>,
+    ) -> Result<Vec<ImageMatches>, EvalError> {
+        let subset = subset_of(self.scope);
         let values = subset.values(labels, detections, coverage)?;
-        let max_detections = all.settings.compare.coco.max_detections.last();
         match_images(
             labels,
             detections,
             &MatchRule {
-                iou_threshold,
-                max_detections: max_detections.copied().unwrap_or(100),
+                iou_threshold: self.iou_threshold,
+                max_detections: self.max_detections,
                 region: Some(values.restriction()),
             },
         )
-    };
-    let (clean, cracked) = (matches(clean, 0)?, matches(cracked, 1)?);
-    paired_average_precision(&clean, &[&cracked], labels.categories.len(), all.plan)
+    }
 }
 
 /// A number that is there gets its interval; one that is refused stays refused.
@@ -198,7 +228,12 @@ fn correct(rows: &mut [PairedRow], scopes: &[Scope]) {
         PairedMetric::KittiAp11,
         PairedMetric::KittiAp40,
     ];
-    let kinds = [GroupKind::All, GroupKind::Supercategory, GroupKind::Class];
+    let kinds = [
+        GroupKind::All,
+        GroupKind::MeanOfSupercategories,
+        GroupKind::Supercategory,
+        GroupKind::Class,
+    ];
     for scope in scopes {
         for (metric, kind) in metrics.iter().flat_map(|m| kinds.map(|kind| (*m, kind))) {
             let is_here = |row: &&mut PairedRow| {

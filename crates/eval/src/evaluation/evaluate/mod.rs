@@ -1,14 +1,20 @@
 //! Everything about one detector under one condition, from labels, detections and masks.
 
 mod intervals;
+mod mean_intervals;
+mod pooling;
 mod side_results;
 mod what_fails;
 mod worst_images;
 
+pub use mean_intervals::put_robustness_intervals;
+pub use pooling::{CrackedSet, SeedsInput, pool_seeds};
+
 use std::path::Path;
 
 use super::{
-    Condition, DamageFacts, Estimate, Evaluation, ProtocolResults, Settings, Warning, WarningKind,
+    CleanResults, Condition, DamageFacts, Estimate, Evaluation, ProtocolResults, Settings, Warning,
+    WarningKind,
 };
 use crate::resampling::Plan;
 use crate::tide::TideSettings;
@@ -134,9 +140,9 @@ struct Plain<'a> {
 
 /// All numbers of one detector under one condition.
 ///
-/// Whole images by the protocol; clean against cracked in the region, out of it and everywhere with
-/// intervals and tests; what fails, over coverage and damage; kinds of errors; whether the classes are the
-/// right ones; the worst failures. Equal input gives equal numbers on any number of threads.
+/// Whole cracked images by the protocol; clean against cracked in the region, out of it and everywhere with
+/// intervals and tests; what fails, over coverage and damage; kinds of errors; the worst failures. What the
+/// detector does on the clean images is apart, in [`clean_results`]. Equal input gives equal numbers on any number of threads.
 ///
 /// Under KITTI's protocol AP50 and AP75 by the rules of MS-COCO stand beside its AP11 and AP40.
 ///
@@ -144,6 +150,17 @@ struct Plain<'a> {
 /// As [`crate::evaluate`], [`check_pair`], [`cover`] and [`compare_in_regions`]; [`EvalError::Dataset`] for
 /// an image of a worst failure that cannot be read.
 pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
+    Ok(evaluate_with_coverages(input)?.0)
+}
+
+/// As [`evaluate`], with how much of each box the regions cover, of clean (0) and cracked (1) detections:
+/// what [`pool_seeds`] goes on with. Without regions there is none.
+///
+/// # Errors
+/// As [`evaluate`].
+pub fn evaluate_with_coverages(
+    input: &EvaluateInput<'_>,
+) -> Result<(Evaluation, Option<Coverages>), EvalError> {
     let EvaluateInput {
         truth,
         clean,
@@ -152,7 +169,6 @@ pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
         ..
     } = *input;
     let mut warnings = check_pair(truth, clean, cracked)?;
-    let clean_results = crate::evaluate(truth, clean, &settings.compare)?.results;
     let cracked_results = match cracked {
         Some(cracked) => crate::evaluate(truth, cracked, &settings.compare)?.results,
         None => ProtocolResults::default(),
@@ -164,14 +180,11 @@ pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
         condition: input.condition.clone(),
         counts,
         warnings: Vec::new(),
-        clean: clean_results,
         cracked: cracked_results,
         paired: Vec::new(),
         subsets: Vec::new(),
         failures: None,
-        tide_clean: None,
         tide_cracked: None,
-        label_audit: None,
         timelines: Vec::new(),
         worst: Vec::new(),
         changed_objects: Vec::new(),
@@ -184,7 +197,7 @@ pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
         let sides = [clean, cracked];
         intervals::put_kitti(&mut evaluation.paired, truth, sides, coverages, settings)?;
     }
-    with_plain(input, &mut evaluation, coverages, &mut warnings)?;
+    let coverages = with_plain(input, &mut evaluation, coverages)?;
     for row in &mut evaluation.paired {
         for estimate in [&mut row.clean, &mut row.cracked, &mut row.delta] {
             say_alike(estimate);
@@ -196,19 +209,50 @@ pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
     }
     warnings.extend(small_samples(&evaluation, settings));
     evaluation.warnings = warnings;
-    Ok(evaluation)
+    Ok((evaluation, coverages))
 }
 
-/// What is counted by the rules of MS-COCO, whatever the protocol.
+/// What a detector does on the clean images: the protocol's numbers, kinds of errors, and whether its
+/// classes are those of the labels.
+///
+/// # Errors
+/// As [`crate::evaluate`].
+pub fn clean_results(
+    detector: &str,
+    truth: &GroundTruth,
+    clean: &SaidDetections,
+    settings: &EvaluateSettings,
+) -> Result<CleanResults, EvalError> {
+    let mut of_clean = CleanResults {
+        detector: detector.to_owned(),
+        warnings: Vec::new(),
+        results: crate::evaluate(truth, clean, &settings.compare)?.results,
+        tide: None,
+        label_audit: None,
+    };
+    let Some((plain, clean, _)) = as_plain(truth, clean, None) else {
+        return Ok(of_clean);
+    };
+    let found = &clean.detections;
+    of_clean.tide = side_results::tide_errors(&plain.labels, found, TideSettings::default())?;
+    let (audit, advice) = side_results::audit(&plain.labels, found)?;
+    of_clean.label_audit = Some(audit);
+    of_clean.warnings.extend(advice.map(|text| Warning {
+        kind: WarningKind::LabelMap,
+        text,
+    }));
+    Ok(of_clean)
+}
+
+/// What is counted by the rules of MS-COCO, whatever the protocol; gives the coverages of these labels back.
 fn with_plain(
     input: &EvaluateInput<'_>,
     evaluation: &mut Evaluation,
     coverages: Option<Coverages>,
-    warnings: &mut Vec<Warning>,
-) -> Result<(), EvalError> {
+) -> Result<Option<Coverages>, EvalError> {
     let (truth, settings) = (input.truth, input.settings);
     let Some((plain, clean, cracked)) = as_plain(truth, input.clean, input.cracked) else {
-        return Ok(());
+        return Ok(None);
     };
     let is_kitti = truth.protocol == Protocol::Kitti;
     let sets: Vec<&SaidDetections> = std::iter::once(&clean).chain(&cracked).collect();
@@ -220,28 +264,12 @@ fn with_plain(
             .unwrap_or_default(),
         (None, _) => nothing_covered(&plain.labels, &sets),
     };
-    let clusters: Vec<Option<&str>> = plain
-        .labels
-        .images
-        .iter()
-        .map(|image| image.cluster.as_deref())
-        .collect();
-    let plan =
-        Plan::of_clusters(&clusters).with(settings.n_replicates, settings.seed, settings.level);
-    let tide_settings = TideSettings::default();
-    evaluation.tide_clean =
-        side_results::tide_errors(&plain.labels, &clean.detections, tide_settings)?;
-    let (audit, advice) = side_results::audit(&plain.labels, &clean.detections)?;
-    evaluation.label_audit = Some(audit);
-    warnings.extend(advice.map(|text| Warning {
-        kind: WarningKind::LabelMap,
-        text,
-    }));
+    let plan = plan_of(&plain.labels, settings);
     let Some(cracked) = &cracked else {
-        return Ok(());
+        return Ok(None);
     };
     evaluation.tide_cracked =
-        side_results::tide_errors(&plain.labels, &cracked.detections, tide_settings)?;
+        side_results::tide_errors(&plain.labels, &cracked.detections, TideSettings::default())?;
     let mut compare = settings.compare.clone();
     if !has_regions {
         compare.taus.clear();
@@ -271,7 +299,17 @@ fn with_plain(
     evaluation.failures = Some(failures);
     evaluation.changed_objects = worst_images::changed_objects(&all, &pairs);
     evaluation.worst = worst_images::worst(&all, &pairs, &matches, input.images)?;
-    Ok(())
+    Ok(has_regions.then_some(coverages))
+}
+
+/// What is drawn: images, or clusters where the labels know them.
+fn plan_of(labels: &LabelSet, settings: &EvaluateSettings) -> Plan {
+    let clusters: Vec<Option<&str>> = labels
+        .images
+        .iter()
+        .map(|image| image.cluster.as_deref())
+        .collect();
+    Plan::of_clusters(&clusters).with(settings.n_replicates, settings.seed, settings.level)
 }
 
 /// The same data without what only KITTI knows; nothing where only a part of the frames is evaluated.
@@ -339,6 +377,7 @@ fn nothing_covered(labels: &LabelSet, sets: &[&SaidDetections]) -> Coverages {
         objects: vec![0.0; labels.objects.len()],
         detections: sets.iter().map(of).collect(),
         region_px: vec![None; labels.images.len()],
+        region_share: vec![None; labels.images.len()],
     }
 }
 

@@ -3,22 +3,33 @@
 use super::super::charts::{ChartText, bar_chart};
 use super::super::words;
 use super::failures::nice_step;
-use super::{Block, Cell, Table};
-use crate::evaluation::{Evaluation, LabelAudit, LabelVerdict, TideErrors};
+use super::{Block, Cell, Section, Table};
+use crate::evaluation::{Evaluation, LabelAudit, LabelVerdict, Study, TideErrors};
 
-pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
+pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Block> {
     let mut blocks = Vec::new();
-    if let (Some(clean), Some(cracked)) = (&evaluation.tide_clean, &evaluation.tide_cracked) {
+    let of_clean = study.clean_of(&evaluation.detector);
+    let clean = of_clean.and_then(|one| one.tide.as_ref());
+    if let (Some(clean), Some(cracked)) = (clean, &evaluation.tide_cracked) {
         blocks.push(Block::Heading {
             id: format!("{id}-errors"),
             text: "Kinds of errors".to_owned(),
         });
         blocks.push(tide_chart(clean, cracked, id));
     }
-    if let Some(audit) = &evaluation.label_audit {
+    blocks
+}
+
+/// Whether the classes of each detector are those of the labels, on the clean images.
+pub(super) fn classes_section(study: &Study) -> Option<Section> {
+    let mut blocks = Vec::new();
+    for (place, one) in study.clean.iter().enumerate() {
+        let Some(audit) = &one.label_audit else {
+            continue;
+        };
         blocks.push(Block::Heading {
-            id: format!("{id}-audit"),
-            text: "Classes of the detector".to_owned(),
+            id: format!("classes-{place}"),
+            text: words::name(&one.detector),
         });
         blocks.push(Block::Text {
             text: audit_text(audit),
@@ -32,7 +43,11 @@ pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
             });
         }
     }
-    blocks
+    (!blocks.is_empty()).then(|| Section {
+        id: "classes".to_owned(),
+        title: "Classes of the detectors".to_owned(),
+        blocks,
+    })
 }
 
 fn of(errors: &TideErrors) -> [(&'static str, f64); 8] {

@@ -6,6 +6,7 @@ mod errors;
 mod failures;
 mod overview;
 mod pictures;
+mod pooled;
 mod precision;
 mod provenance;
 mod sets;
@@ -85,6 +86,10 @@ pub(super) struct Term {
 pub(super) fn page(study: &Study) -> Page {
     let n_evaluations = study.evaluations.len();
     let mut sections = vec![overview::section(study)];
+    sections.extend(errors::classes_section(study));
+    for (place, pooled) in study.pooled.iter().enumerate() {
+        sections.push(pooled::section(study, pooled, &format!("p{place}")));
+    }
     for (place, evaluation) in study.evaluations.iter().enumerate() {
         let id = format!("e{place}");
         sections.push(evaluation_section(study, evaluation, &id, n_evaluations));
@@ -109,7 +114,7 @@ fn evaluation_section(
 ) -> Section {
     let mut blocks = precision::blocks(study, evaluation, id);
     blocks.extend(failures::blocks(study, evaluation, id));
-    blocks.extend(errors::blocks(evaluation, id));
+    blocks.extend(errors::blocks(study, evaluation, id));
     blocks.extend(timeline::blocks(evaluation, id));
     blocks.extend(pictures::blocks(study, evaluation, id));
     let title = words::name(&format!(

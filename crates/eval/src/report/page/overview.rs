@@ -3,16 +3,15 @@
 use kuva::prelude::MarkerShape;
 
 use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
+use super::super::conditions::{Summed, summed};
 use super::super::words;
 use super::{Block, Cell, Section, Table};
-use crate::evaluation::{
-    Evaluation, FailureRow, GroupKind, PairedMetric, PairedRow, ScopeKind, Study,
-};
+use crate::evaluation::{FailureRow, GroupKind, PairedMetric, PairedRow, ScopeKind, Study};
 
 /// The row that sums up: all classes, of the given place and metric, at the study's own τ.
 pub(super) fn headline<'a>(
     study: &Study,
-    evaluation: &'a Evaluation,
+    one: &Summed<'a>,
     kind: ScopeKind,
     metric: PairedMetric,
 ) -> Option<&'a PairedRow> {
@@ -22,17 +21,16 @@ pub(super) fn headline<'a>(
             && row.group.kind == GroupKind::All
             && is_own_tau(study, row.scope.tau)
     };
-    evaluation.paired.iter().find(is_it)
+    one.paired.iter().find(is_it)
 }
 
 /// The same of the rates of failure.
 pub(super) fn headline_failure<'a>(
     study: &Study,
-    evaluation: &'a Evaluation,
+    one: &Summed<'a>,
     kind: ScopeKind,
 ) -> Option<&'a FailureRow> {
-    let rates = &evaluation.failures.as_ref()?.rates;
-    rates.iter().find(|row| {
+    one.rates.iter().find(|row| {
         row.scope.kind == kind
             && row.group.kind == GroupKind::All
             && is_own_tau(study, row.scope.tau)
@@ -90,10 +88,11 @@ fn plural(n: usize, what: &str) -> String {
 /// The findings, one sentence each.
 pub(super) fn facts(study: &Study) -> Vec<String> {
     let mut facts = Vec::new();
-    if study.evaluations.len() > 4 {
-        return facts_of_many(study);
+    let all = summed(study);
+    if all.len() > 4 {
+        return facts_of_many(study, &all);
     }
-    for one in &study.evaluations {
+    for one in &all {
         let who = format!("{}, {}", one.detector, one.condition.name);
         if let Some(row) = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)
             && let (Some(clean), Some(cracked), Some(delta)) =
@@ -137,19 +136,16 @@ pub(super) fn facts(study: &Study) -> Vec<String> {
 }
 
 /// The same of many conditions: from which to which value, per detector.
-fn facts_of_many(study: &Study) -> Vec<String> {
+fn facts_of_many(study: &Study, all: &[Summed<'_>]) -> Vec<String> {
     let mut detectors: Vec<&str> = Vec::new();
-    for one in &study.evaluations {
-        if !detectors.contains(&one.detector.as_str()) {
-            detectors.push(&one.detector);
+    for one in all {
+        if !detectors.contains(&one.detector) {
+            detectors.push(one.detector);
         }
     }
     let fact = |detector: &&str| {
-        let of_detector: Vec<&Evaluation> = study
-            .evaluations
-            .iter()
-            .filter(|one| one.detector == *detector)
-            .collect();
+        let of_detector: Vec<&Summed<'_>> =
+            all.iter().filter(|one| one.detector == *detector).collect();
         let deltas = of_detector.iter().filter_map(|one| {
             headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)?
                 .delta
@@ -158,7 +154,7 @@ fn facts_of_many(study: &Study) -> Vec<String> {
         let deltas: Vec<f64> = deltas.collect();
         let rates = |kind| {
             let rate =
-                move |one: &&Evaluation| headline_failure(study, one, kind)?.failure_rate.value;
+                move |one: &&Summed<'_>| headline_failure(study, one, kind)?.failure_rate.value;
             of_detector.iter().filter_map(rate).collect::<Vec<f64>>()
         };
         let n_conditions = of_detector.len();
@@ -217,9 +213,19 @@ fn span(values: &[f64]) -> Option<[f64; 2]> {
 }
 
 pub(super) fn section(study: &Study) -> Section {
+    let all = summed(study);
     let mut blocks = vec![Block::Table {
-        table: overview_table(study),
+        table: overview_table(study, &all),
     }];
+    if all.iter().any(|one| one.n_seeds > 1) {
+        let singles: Vec<Summed<'_>> = study.evaluations.iter().map(Summed::of).collect();
+        blocks.push(Block::Fold {
+            title: "Each seed on its own".to_owned(),
+            blocks: vec![Block::Table {
+                table: overview_table(study, &singles),
+            }],
+        });
+    }
     blocks.extend(severity_chart(study));
     blocks.extend(robustness_table(study).map(|table| Block::Table { table }));
     Section {
@@ -229,7 +235,7 @@ pub(super) fn section(study: &Study) -> Section {
     }
 }
 
-fn overview_table(study: &Study) -> Table {
+fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
     let mut table = Table::new(
         "All detectors and conditions: AP50 of all classes in the region, clean and cracked, and how \
          many objects that were found clean are lost, in the region and outside of it. Percent; 95 % \
@@ -245,11 +251,14 @@ fn overview_table(study: &Study) -> Table {
             ("Lost outside", true),
         ],
     );
-    for one in &study.evaluations {
+    for one in all {
         let paired = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)
             .or_else(|| headline(study, one, ScopeKind::WholeImage, PairedMetric::Ap50));
         let failure = |kind| headline_failure(study, one, kind).map(|row| &row.failure_rate);
-        let mut row = vec![Cell::head(&one.detector), Cell::text(&one.condition.name)];
+        let mut row = vec![
+            Cell::head(one.detector),
+            Cell::text(words::name(&one.condition.name)),
+        ];
         match paired {
             Some(paired) => {
                 row.push(Cell::count(paired.n_objects));
@@ -267,15 +276,27 @@ fn overview_table(study: &Study) -> Table {
         }
         table.push(row);
     }
+    let n_seeds = all.iter().map(|one| one.n_seeds).max().unwrap_or(1);
+    table.remark(match n_seeds {
+        0 | 1 => {
+            "Each row is one draw of cracks: its intervals are over images and know nothing of how \
+             another draw would differ."
+        }
+        _ => {
+            "Rows of several seeds: an object counts once per seed, and intervals draw images and seeds. \
+             Few seeds say little of how draws differ."
+        }
+    });
     table
 }
 
 /// AP50 in the region over the severity, a curve per detector and family.
 fn severity_chart(study: &Study) -> Option<Block> {
+    let all = summed(study);
     let mut names: Vec<(String, String)> = Vec::new();
-    for one in &study.evaluations {
+    for one in &all {
         let key = (
-            one.detector.clone(),
+            one.detector.to_owned(),
             one.condition.family.clone().unwrap_or_default(),
         );
         if one.condition.severity.is_some() && !names.contains(&key) {
@@ -283,7 +304,7 @@ fn severity_chart(study: &Study) -> Option<Block> {
         }
     }
     let mut table = Table::new(
-        "AP50 in the region over the severity, mean over seeds, percent.",
+        "AP50 in the region over the severity, all seeds together, percent.",
         &[
             ("Curve", false),
             ("Severity", true),
@@ -301,36 +322,29 @@ fn severity_chart(study: &Study) -> Option<Block> {
     for (place, ((detector, family), title)) in names.iter().zip(&titles).enumerate() {
         let mut points = Vec::new();
         for severity in 1..=5_u8 {
-            let rows: Vec<&PairedRow> = study
-                .evaluations
-                .iter()
-                .filter(|one| {
-                    one.detector == *detector
-                        && one.condition.family.clone().unwrap_or_default() == *family
-                        && one.condition.severity == Some(severity)
-                })
-                .filter_map(|one| headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50))
-                .collect();
-            let values: Vec<f64> = rows.iter().filter_map(|row| row.cracked.value).collect();
-            let n_seeds = u32::try_from(values.len()).unwrap_or(u32::MAX);
-            if n_seeds == 0 {
+            let at_severity = all.iter().find(|one| {
+                one.detector == detector
+                    && one.condition.family.clone().unwrap_or_default() == *family
+                    && one.condition.severity == Some(severity)
+            });
+            let Some((n_seeds, row)) = at_severity.and_then(|one| {
+                let row = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)?;
+                Some((u64::try_from(one.n_seeds).ok()?, row))
+            }) else {
                 continue;
-            }
-            let y = values.iter().sum::<f64>() / f64::from(n_seeds) * 100.0;
-            let interval = match rows.as_slice() {
-                [row] => row
-                    .cracked
-                    .interval()
-                    .map(|ends| ends.map(|end| end * 100.0)),
-                _ => None,
             };
+            let Some(y) = row.cracked.value.map(|value| value * 100.0) else {
+                continue;
+            };
+            let ends = row.cracked.interval();
+            let interval = ends.map(|ends| ends.map(|end| end * 100.0));
             let small = interval.map(|[low, high]| {
                 format!("[{}, {}]", words::decimal(low, 1), words::decimal(high, 1))
             });
             table.push(vec![
                 Cell::head(title),
                 Cell::count(severity.into()),
-                Cell::count(n_seeds.into()),
+                Cell::count(n_seeds),
                 Cell::number(Some(y / 100.0), words::percent).with_small(small),
             ]);
             points.push(CurvePoint {
@@ -385,7 +399,7 @@ fn robustness_table(study: &Study) -> Option<Table> {
     }
     let mut table = Table::new(
         "Robustness over all conditions: mean performance under corruption (mPC) and its share of the \
-         clean performance (rPC). Percent.",
+         clean performance (rPC). Percent; 95 % intervals in brackets, of AP50 and AP75.",
         &[
             ("Detector", false),
             ("Where", false),
@@ -406,5 +420,16 @@ fn robustness_table(study: &Study) -> Option<Table> {
         ];
         table.push(cells);
     }
+    let seeds: Vec<Option<u64>> = study.robustness.iter().map(|row| row.n_seeds).collect();
+    let remark = match seeds.iter().copied().min().flatten() {
+        None => {
+            "There are no intervals: not every family and severity has the same seeds.".to_owned()
+        }
+        Some(0 | 1) => "There is one seed: the intervals are over images and know nothing of the \
+                        variation between patterns."
+            .to_owned(),
+        Some(n) => format!("Intervals draw images and the {n} seeds."),
+    };
+    table.remark(&remark);
     Some(table)
 }

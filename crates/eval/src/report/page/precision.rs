@@ -7,7 +7,7 @@ use super::super::words;
 use super::overview::is_own_tau;
 use super::{Block, Cell, Table};
 use crate::evaluation::{
-    Evaluation, Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind, Study,
+    Evaluation, Group, GroupKind, PairedMetric, PairedRow, ProtocolResults, Scope, ScopeKind, Study,
 };
 
 /// Most rows of a chart.
@@ -30,9 +30,32 @@ const COCO_STATS: [&str; 12] = [
 ];
 
 pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Block> {
+    let mut blocks = paired_blocks(study, &evaluation.paired, &region_text(evaluation), id);
+    blocks.extend(subset_table(evaluation).map(|table| Block::Fold {
+        title: "By coverage, and by size in the region".to_owned(),
+        blocks: vec![Block::Table { table }],
+    }));
+    let clean = study.clean_of(&evaluation.detector).map(|one| &one.results);
+    if let Some(clean) = clean {
+        blocks.extend(coco_table(clean, evaluation).map(|table| Block::Fold {
+            title: "The twelve numbers of MS-COCO, whole images".to_owned(),
+            blocks: vec![Block::Table { table }],
+        }));
+        blocks.extend(kitti_table(clean, evaluation).map(|table| Block::Table { table }));
+    }
+    blocks
+}
+
+/// Chart and tables of paired rows, the region first.
+pub(super) fn paired_blocks(
+    study: &Study,
+    paired: &[PairedRow],
+    words_first: &str,
+    id: &str,
+) -> Vec<Block> {
     let mut blocks = Vec::new();
     let mut scopes: Vec<&Scope> = Vec::new();
-    for row in &evaluation.paired {
+    for row in paired {
         if !scopes.contains(&&row.scope) {
             scopes.push(&row.scope);
         }
@@ -43,7 +66,7 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
             text: "Average precision, paired".to_owned(),
         });
         blocks.push(Block::Text {
-            text: region_text(evaluation),
+            text: words_first.to_owned(),
         });
     }
     let main = scopes
@@ -52,9 +75,9 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
         .or_else(|| scopes.first())
         .copied();
     if let Some(main) = main {
-        blocks.extend(chart(evaluation, main, id));
+        blocks.extend(chart(paired, main, id));
         blocks.push(Block::Table {
-            table: paired_table(evaluation, main),
+            table: paired_table(paired, main),
         });
     }
     // The control first, then everything, then other thresholds.
@@ -71,19 +94,10 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
         blocks.push(Block::Fold {
             title: format!("Average precision, {}", words::scope(scope)),
             blocks: vec![Block::Table {
-                table: paired_table(evaluation, scope),
+                table: paired_table(paired, scope),
             }],
         });
     }
-    blocks.extend(subset_table(evaluation).map(|table| Block::Fold {
-        title: "By coverage, and by size in the region".to_owned(),
-        blocks: vec![Block::Table { table }],
-    }));
-    blocks.extend(coco_table(evaluation).map(|table| Block::Fold {
-        title: "The twelve numbers of MS-COCO, whole images".to_owned(),
-        blocks: vec![Block::Table { table }],
-    }));
-    blocks.extend(kitti_table(evaluation).map(|table| Block::Table { table }));
     blocks
 }
 
@@ -102,6 +116,12 @@ fn region_text(evaluation: &Evaluation) -> String {
             words::count(n_objects),
             words::count(counts.n_objects),
         ));
+        if let Some(n_intact @ 1..) = counts.n_images_intact {
+            text.push_str(&format!(
+                "; {} images are intact: their pattern changes no pixel of them",
+                words::count(n_intact)
+            ));
+        }
         if let Some(share) = counts.mean_region_share {
             text.push_str(&format!(
                 "; it covers {} % of an image on average",
@@ -114,23 +134,21 @@ fn region_text(evaluation: &Evaluation) -> String {
 }
 
 fn find<'a>(
-    evaluation: &'a Evaluation,
+    paired: &'a [PairedRow],
     scope: &Scope,
     group: &Group,
     metric: PairedMetric,
 ) -> Option<&'a PairedRow> {
-    evaluation
-        .paired
+    paired
         .iter()
         .find(|row| row.scope == *scope && row.group == *group && row.metric == metric)
 }
 
 /// The two metrics of a table: those of the paper, or KITTI's.
-fn metrics(evaluation: &Evaluation, scope: &Scope) -> Vec<PairedMetric> {
+fn metrics(paired: &[PairedRow], scope: &Scope) -> Vec<PairedMetric> {
     use PairedMetric::{Ap, Ap50, Ap75, KittiAp11, KittiAp40};
     let has = |metric| {
-        evaluation
-            .paired
+        paired
             .iter()
             .any(|row| row.scope == *scope && row.metric == metric)
     };
@@ -142,9 +160,9 @@ fn metrics(evaluation: &Evaluation, scope: &Scope) -> Vec<PairedMetric> {
 }
 
 /// The groups of a scope: all, supercategories, classes; those with many objects first.
-fn groups(evaluation: &Evaluation, scope: &Scope) -> Vec<(Group, u64)> {
+fn groups(paired: &[PairedRow], scope: &Scope) -> Vec<(Group, u64)> {
     let mut groups: Vec<(Group, u64)> = Vec::new();
-    for row in evaluation.paired.iter().filter(|row| row.scope == *scope) {
+    for row in paired.iter().filter(|row| row.scope == *scope) {
         if groups.iter().all(|(known, _)| *known != row.group) {
             groups.push((row.group.clone(), row.n_objects));
         }
@@ -153,11 +171,11 @@ fn groups(evaluation: &Evaluation, scope: &Scope) -> Vec<(Group, u64)> {
     groups
 }
 
-fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
-    let metric = *metrics(evaluation, scope).first()?;
-    let rows: Vec<&PairedRow> = groups(evaluation, scope)
+fn chart(paired: &[PairedRow], scope: &Scope, id: &str) -> Option<Block> {
+    let metric = *metrics(paired, scope).first()?;
+    let rows: Vec<&PairedRow> = groups(paired, scope)
         .iter()
-        .filter_map(|(group, _)| find(evaluation, scope, group, metric))
+        .filter_map(|(group, _)| find(paired, scope, group, metric))
         .filter(|row| row.clean.value.is_some() && row.cracked.value.is_some())
         .take(MAX_CHART_ROWS)
         .collect();
@@ -166,8 +184,8 @@ fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
     }
     let names: Vec<String> = rows.iter().map(|row| group_name(&row.group)).collect();
     let series = |name, ink, marker, of: fn(&PairedRow) -> &crate::evaluation::Estimate| {
-        let points = rows.iter().enumerate().filter_map(|(row, paired)| {
-            let estimate = of(paired);
+        let points = rows.iter().enumerate().filter_map(|(row, pair)| {
+            let estimate = of(pair);
             Some(RowPoint {
                 row,
                 value: estimate.value? * 100.0,
@@ -216,14 +234,15 @@ fn chart(evaluation: &Evaluation, scope: &Scope, id: &str) -> Option<Block> {
 pub(super) fn group_name(group: &Group) -> String {
     match group.kind {
         GroupKind::All => "all classes".to_owned(),
+        GroupKind::MeanOfSupercategories => "mean of the groups".to_owned(),
         GroupKind::Supercategory => format!("{} (all)", words::name(&group.name)),
         GroupKind::Class => words::name(&group.name),
     }
 }
 
-fn paired_table(evaluation: &Evaluation, scope: &Scope) -> Table {
+fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
     const COLUMNS: [&str; 2] = ["Objects", "Images"];
-    let metrics = metrics(evaluation, scope);
+    let metrics = metrics(paired, scope);
     let mut columns = vec![("Class", false)];
     columns.extend(COLUMNS.map(|name| (name, true)));
     for metric in &metrics {
@@ -239,10 +258,10 @@ fn paired_table(evaluation: &Evaluation, scope: &Scope) -> Table {
     let place = words::scope(scope);
     let mut table = Table::new("", &columns);
     let mut left_out: Vec<String> = Vec::new();
-    for (group, n_objects) in groups(evaluation, scope) {
+    for (group, n_objects) in groups(paired, scope) {
         let rows: Vec<Option<&PairedRow>> = metrics
             .iter()
-            .map(|metric| find(evaluation, scope, &group, *metric))
+            .map(|metric| find(paired, scope, &group, *metric))
             .collect();
         let is_empty = |row: &Option<&PairedRow>| row.is_none_or(|row| row.clean.value.is_none());
         if group.kind == GroupKind::Class && rows.iter().all(is_empty) {
@@ -269,9 +288,13 @@ fn paired_table(evaluation: &Evaluation, scope: &Scope) -> Table {
         }
         table.push(cells);
     }
+    let has_p = paired.iter().any(|row| row.p.is_some());
+    let tests = match has_p {
+        true => "; p of the permutation test, corrected by Holm's method",
+        false => "",
+    };
     table.caption = format!(
-        "Average precision {place}, percent, with 95 % intervals of the paired bootstrap; p of the \
-         permutation test, corrected by Holm's method."
+        "Average precision {place}, percent, with 95 % intervals of the paired bootstrap{tests}."
     );
     if !left_out.is_empty() {
         table.remark(&format!(
@@ -313,8 +336,8 @@ fn subset_table(evaluation: &Evaluation) -> Option<Table> {
     (!table.rows.is_empty()).then_some(table)
 }
 
-fn coco_table(evaluation: &Evaluation) -> Option<Table> {
-    let (clean, cracked) = (evaluation.clean.coco_stats?, evaluation.cracked.coco_stats?);
+fn coco_table(clean: &ProtocolResults, evaluation: &Evaluation) -> Option<Table> {
+    let (clean, cracked) = (clean.coco_stats?, evaluation.cracked.coco_stats?);
     let mut table = Table::new(
         "Whole images by the rules of MS-COCO, percent; equal to pycocotools on the same files.",
         &[
@@ -336,8 +359,8 @@ fn coco_table(evaluation: &Evaluation) -> Option<Table> {
     Some(table)
 }
 
-fn kitti_table(evaluation: &Evaluation) -> Option<Table> {
-    if evaluation.clean.kitti.is_empty() {
+fn kitti_table(of_clean: &ProtocolResults, evaluation: &Evaluation) -> Option<Table> {
+    if of_clean.kitti.is_empty() {
         return None;
     }
     let mut table = Table::new(
@@ -356,7 +379,7 @@ fn kitti_table(evaluation: &Evaluation) -> Option<Table> {
             ("Ceiling", true),
         ],
     );
-    for clean in &evaluation.clean.kitti {
+    for clean in &of_clean.kitti {
         let cracked = evaluation
             .cracked
             .kitti

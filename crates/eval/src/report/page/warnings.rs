@@ -11,7 +11,7 @@ struct Said<'a> {
     by: Vec<String>,
 }
 
-/// What a reader must know first: of the study, then of the evaluations, those without any number before
+/// What a reader must know first: of the study, of the detectors, then of the evaluations, those without any number before
 /// the others. What several say alike is one line, with who they are and from which to which number.
 pub(super) fn warnings(study: &Study) -> Vec<PageWarning> {
     let page_warning = |kind: WarningKind, text: &str| PageWarning {
@@ -21,6 +21,12 @@ pub(super) fn warnings(study: &Study) -> Vec<PageWarning> {
     let mut all: Vec<PageWarning> = Vec::new();
     for warning in &study.warnings {
         all.push(page_warning(warning.kind, &warning.text));
+    }
+    for one in &study.clean {
+        for warning in &one.warnings {
+            let text = format!("{}: {}", one.detector, warning.text);
+            all.push(page_warning(warning.kind, &text));
+        }
     }
     let mut said: Vec<Said<'_>> = Vec::new();
     for (one, label) in study.evaluations.iter().zip(labels(study)) {

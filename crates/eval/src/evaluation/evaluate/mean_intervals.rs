@@ -1,0 +1,173 @@
+//! Intervals of mPC and rPC: all conditions of a detector with the same draws.
+
+use super::intervals::{Place, coverage_of, max_detections};
+use super::plan_of;
+use super::pooling::{CrackedSet, SeedsInput, patterns_of};
+use crate::EvalError;
+use crate::evaluation::{Estimate, PairedMetric, RobustnessRow, ScopeKind};
+use crate::resampling::{RankedCategory, bootstrap, rank_by_category};
+use crate::statistic::{Measured, Method};
+
+/// Families with severities, and the seeds that all of them have.
+struct Grid {
+    /// In the order of the conditions: place of the cell of family and severity, and of the seed.
+    place: Vec<(usize, usize)>,
+    n_cells: usize,
+    n_seeds: usize,
+}
+
+impl Grid {
+    /// Nothing unless each family and severity has the same seeds, each once.
+    fn of(sets: &[CrackedSet<'_>]) -> Option<Self> {
+        let mut cells = Vec::new();
+        let mut seeds = Vec::new();
+        let mut place: Vec<(usize, usize)> = Vec::new();
+        for set in sets {
+            let condition = set.condition;
+            let cell = (condition.family.as_deref()?, condition.severity?);
+            let at = place_of(&mut cells, cell);
+            place.push((at, place_of(&mut seeds, condition.seed?)));
+        }
+        let mut unique = place.clone();
+        unique.sort_unstable();
+        unique.dedup();
+        let is_full = unique.len() == place.len() && place.len() == cells.len() * seeds.len();
+        is_full.then_some(Self {
+            place,
+            n_cells: cells.len(),
+            n_seeds: seeds.len(),
+        })
+    }
+}
+
+fn place_of<T: PartialEq>(known: &mut Vec<T>, one: T) -> usize {
+    let place = known.iter().position(|other| *other == one);
+    place.unwrap_or_else(|| {
+        known.push(one);
+        known.len() - 1
+    })
+}
+
+/// Puts intervals to the rows of one detector for AP50 and AP75, and the number of seeds to all of its rows.
+///
+/// Each replicate draws images (or clusters) once for all conditions, and seeds once for all families and
+/// severities where there are several; what both draws leave is averaged as mPC is: over seeds by how often
+/// they are drawn, over families and severities. rPC is of the same replicate. Where not every family and
+/// severity has the same seeds, there is no interval.
+///
+/// # Errors
+/// As [`crate::evaluation::evaluate`].
+pub fn put_robustness_intervals(
+    rows: &mut [RobustnessRow],
+    input: &SeedsInput<'_>,
+) -> Result<(), EvalError> {
+    let Some(grid) = Grid::of(input.cracked) else {
+        return Ok(());
+    };
+    let all: Vec<&CrackedSet<'_>> = input.cracked.iter().collect();
+    let Some(patterns) = patterns_of(input, &all) else {
+        return Ok(());
+    };
+    let n_seeds = u32::try_from(grid.n_seeds).unwrap_or(u32::MAX);
+    let plan = plan_of(&patterns.labels, input.settings).with_patterns(n_seeds);
+    let n_categories = patterns.labels.categories.len();
+    for row in rows.iter_mut().filter(|row| row.detector == input.detector) {
+        row.n_seeds = Some(n_seeds.into());
+        let iou_threshold = match row.metric {
+            PairedMetric::Ap50 => 0.5,
+            PairedMetric::Ap75 => 0.75,
+            _ => continue,
+        };
+        if row.mpc.value.is_none() {
+            continue;
+        }
+        let place = Place {
+            scope: &row.scope,
+            iou_threshold,
+            max_detections: max_detections(input.settings),
+        };
+        let is_whole = row.scope.kind == ScopeKind::WholeImage;
+        let mut clean: Vec<Vec<RankedCategory>> = Vec::new();
+        let mut cracked: Vec<Vec<RankedCategory>> = Vec::new();
+        for (_, found, coverages) in &patterns.cracked {
+            // On whole images the clean ones are the same for all conditions.
+            if !is_whole || clean.is_empty() {
+                let coverage = coverage_of(coverages, 0);
+                let matches = place.matches(&patterns.labels, &patterns.clean, coverage)?;
+                clean.push(rank_by_category(&matches, n_categories));
+            }
+            let coverage = coverage_of(coverages, 1);
+            let matches = place.matches(&patterns.labels, found, coverage)?;
+            cracked.push(rank_by_category(&matches, n_categories));
+        }
+        let replicates = bootstrap(&plan, |weights| {
+            let ap = |sets: &[Vec<RankedCategory>]| -> Vec<Option<f64>> {
+                let of_set = |set: &Vec<RankedCategory>| mean_precision(set, &weights.images);
+                sets.iter().map(of_set).collect()
+            };
+            let of_clean = match ap(&clean).as_slice() {
+                [alone] if is_whole => *alone,
+                all => mean_of_cells(&grid, all, &weights.patterns),
+            };
+            let of_cracked = mean_of_cells(&grid, &ap(&cracked), &weights.patterns);
+            let ratio = of_cracked
+                .zip(of_clean.filter(|clean| *clean > 0.0))
+                .map(|(cracked, clean)| cracked / clean);
+            vec![of_clean, of_cracked, ratio]
+        })?;
+        let within = [0.0, 1.0];
+        put(
+            &mut row.clean,
+            &replicates.basic(0, Method::AveragePrecision, within),
+        );
+        put(
+            &mut row.mpc,
+            &replicates.basic(1, Method::AveragePrecision, within),
+        );
+        put(&mut row.rpc, &replicates.percentile(2, Method::Ratio));
+    }
+    Ok(())
+}
+
+/// Mean over the categories with objects.
+fn mean_precision(set: &[RankedCategory], weights: &[u32]) -> Option<f64> {
+    let (mut sum, mut n) = (0.0, 0_u32);
+    for ap in set.iter().filter_map(|one| one.average_precision(weights)) {
+        sum += ap;
+        n += 1;
+    }
+    (n > 0).then(|| sum / f64::from(n))
+}
+
+/// Mean over cells of the mean over seeds; nothing where a value that counts is missing.
+fn mean_of_cells(grid: &Grid, values: &[Option<f64>], seeds: &[u32]) -> Option<f64> {
+    let mut cells = vec![(0.0_f64, 0_u32); grid.n_cells];
+    for ((cell, seed), value) in grid.place.iter().zip(values) {
+        let weight = seeds.get(*seed).copied().unwrap_or(0);
+        if weight == 0 {
+            continue;
+        }
+        let cell = cells.get_mut(*cell)?;
+        cell.0 += f64::from(weight) * (*value)?;
+        cell.1 += weight;
+    }
+    let n = f64::from(u32::try_from(grid.n_cells).ok()?);
+    Some(
+        cells
+            .iter()
+            .map(|(sum, n)| sum / f64::from(*n))
+            .sum::<f64>()
+            / n,
+    )
+}
+
+/// The interval of the number that is there: both are the same but for the order of sums.
+fn put(estimate: &mut Estimate, found: &Measured) {
+    let is_same = estimate
+        .value
+        .zip(found.value)
+        .is_some_and(|(one, other)| (one - other).abs() < 1e-9);
+    if let Some(interval) = found.interval.as_ref().filter(|_| is_same) {
+        (estimate.low, estimate.high) = (Some(interval.low), Some(interval.high));
+    }
+}

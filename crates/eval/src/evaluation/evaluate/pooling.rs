@@ -1,0 +1,410 @@
+//! Conditions that differ in nothing but their seed, taken together.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::intervals::{Place, coverage_of, max_detections};
+use super::side_results::estimate;
+use super::{EvaluateSettings, as_plain, nothing_covered, plan_of};
+use crate::evaluation::{
+    Condition, Estimate, FailureRow, Group, GroupKind, PairedMetric, PairedRow, PooledSeeds, Scope,
+    ScopeKind,
+};
+use crate::failure::{ObjectPair, Where, failure_table, pair_objects};
+use crate::resampling::{PairedPrecision, Plan, crossed_average_precision};
+use crate::statistic::Measured;
+use crate::{
+    Coverages, Detections, EvalError, GroundTruth, ImageMatches, LabelSet, MatchRule, Pooling,
+    SaidDetections, match_images,
+};
+
+/// One detector under all its conditions.
+#[derive(Debug, Clone, Copy)]
+pub struct SeedsInput<'a> {
+    /// Name of the detector.
+    pub detector: &'a str,
+    /// The labels.
+    pub truth: &'a GroundTruth,
+    /// What the detector finds in the clean images.
+    pub clean: &'a SaidDetections,
+    /// What it finds in the cracked ones.
+    pub cracked: &'a [CrackedSet<'a>],
+    /// How.
+    pub settings: &'a EvaluateSettings,
+}
+
+/// What a detector finds under one condition.
+#[derive(Debug, Clone, Copy)]
+pub struct CrackedSet<'a> {
+    /// What was done to the glass.
+    pub condition: &'a Condition,
+    /// The detections.
+    pub said: &'a SaidDetections,
+    /// What [`evaluate_with_coverages`](super::evaluate_with_coverages) gave for them.
+    pub coverages: Option<&'a Coverages>,
+}
+
+/// The same by the rules of MS-COCO, pattern by pattern.
+pub(super) struct Patterns<'a> {
+    pub(super) labels: LabelSet,
+    pub(super) clean: Detections,
+    /// In the order of the patterns: detections and coverages.
+    pub(super) cracked: Vec<(&'a Condition, Detections, Coverages)>,
+    pub(super) has_regions: bool,
+}
+
+/// Nothing where there is no such set, or where only a part of the frames is evaluated.
+pub(super) fn patterns_of<'a>(
+    input: &SeedsInput<'a>,
+    sets: &[&CrackedSet<'a>],
+) -> Option<Patterns<'a>> {
+    let mut found: Option<Patterns<'a>> = None;
+    let has_regions = sets.iter().all(|set| set.coverages.is_some());
+    for set in sets {
+        let (plain, clean, cracked) = as_plain(input.truth, input.clean, Some(set.said))?;
+        let cracked = cracked?;
+        let coverages = match set.coverages {
+            Some(coverages) => coverages.clone(),
+            None => nothing_covered(&plain.labels, &[&clean, &cracked]),
+        };
+        let one = (set.condition, cracked.detections, coverages);
+        match &mut found {
+            Some(patterns) => patterns.cracked.push(one),
+            None => {
+                found = Some(Patterns {
+                    labels: plain.labels,
+                    clean: clean.detections,
+                    cracked: vec![one],
+                    has_regions,
+                });
+            }
+        }
+    }
+    found
+}
+
+/// For each family and severity with two seeds or more what all its seeds say together: AP50 and AP75 in the
+/// region at the first τ, out of it and everywhere, and what is lost there, with intervals that draw images
+/// and seeds.
+///
+/// # Errors
+/// As [`crate::evaluation::evaluate`].
+pub fn pool_seeds(input: &SeedsInput<'_>) -> Result<Vec<PooledSeeds>, EvalError> {
+    let mut cells: Vec<Vec<&CrackedSet<'_>>> = Vec::new();
+    for set in input.cracked {
+        let key = |set: &CrackedSet<'_>| (set.condition.family.clone(), set.condition.severity);
+        let is_same = |cell: &&mut Vec<&CrackedSet<'_>>| {
+            cell.first().is_some_and(|first| key(first) == key(set))
+        };
+        let is_known = set.condition.family.is_some() && set.condition.seed.is_some();
+        match cells.iter_mut().find(is_same).filter(|_| is_known) {
+            Some(cell) => cell.push(set),
+            None => cells.push(vec![set]),
+        }
+    }
+    let mut pooled = Vec::new();
+    for cell in cells.iter().filter(|cell| cell.len() > 1) {
+        if let Some(patterns) = patterns_of(input, cell) {
+            pooled.push(pool(input, &patterns)?);
+        }
+    }
+    Ok(pooled)
+}
+
+fn pool(input: &SeedsInput<'_>, patterns: &Patterns<'_>) -> Result<PooledSeeds, EvalError> {
+    let settings = input.settings;
+    let n_patterns = u32::try_from(patterns.cracked.len()).unwrap_or(u32::MAX);
+    let plan = plan_of(&patterns.labels, settings).with_patterns(n_patterns);
+    let seeds: Vec<u64> = patterns
+        .cracked
+        .iter()
+        .filter_map(|(condition, ..)| condition.seed)
+        .collect();
+    let first = patterns.cracked.first().map(|(condition, ..)| *condition);
+    let pooling = patterns.labels.by_supercategory();
+    let mut places = vec![Where::Image];
+    if patterns.has_regions {
+        let tau = settings.tau();
+        places = vec![Where::Region { tau }, Where::Outside { tau }, Where::Image];
+    }
+    let mut paired = Vec::new();
+    for place in &places {
+        let scope = scope_of(*place);
+        for (metric, iou) in [(PairedMetric::Ap50, 0.5), (PairedMetric::Ap75, 0.75)] {
+            paired.extend(rows(
+                patterns,
+                (&scope, metric, iou),
+                pooling.as_ref(),
+                &plan,
+                settings,
+            )?);
+        }
+    }
+    Ok(PooledSeeds {
+        detector: input.detector.to_owned(),
+        condition: pooled_condition(first, &seeds),
+        seeds,
+        paired,
+        rates: rates(patterns, &places, pooling.as_ref(), &plan, settings)?,
+    })
+}
+
+fn pooled_condition(first: Option<&Condition>, seeds: &[u64]) -> Condition {
+    let family = first.and_then(|condition| condition.family.clone());
+    let severity = first.and_then(|condition| condition.severity);
+    let name = family.clone().unwrap_or_default();
+    let of_severity = severity.map_or(String::new(), |severity| format!(", severity {severity}"));
+    Condition {
+        name: format!("{name}{of_severity}, {} seeds", seeds.len()),
+        family,
+        severity,
+        seed: None,
+    }
+}
+
+fn scope_of(place: Where) -> Scope {
+    match place {
+        Where::Region { tau } => Scope {
+            kind: ScopeKind::InRegion,
+            tau: Some(tau),
+        },
+        Where::Outside { tau } => Scope {
+            kind: ScopeKind::OutOfRegion,
+            tau: Some(tau),
+        },
+        Where::Image | Where::Coverage { .. } => Scope::whole_image(),
+    }
+}
+
+/// Objects, those of them that are different ones, and images with one of them.
+#[derive(Default)]
+struct Tally {
+    n_objects: u64,
+    distinct: BTreeSet<u32>,
+    images: BTreeSet<u32>,
+}
+
+impl Tally {
+    fn add(&mut self, matches: &ImageMatches) {
+        for object in matches.objects.iter().filter(|object| !object.is_ignored) {
+            self.n_objects += 1;
+            self.distinct.insert(object.object);
+            self.images.insert(matches.image);
+        }
+    }
+}
+
+/// The rows of all groups of one place and metric.
+fn rows(
+    patterns: &Patterns<'_>,
+    (scope, metric, iou_threshold): (&Scope, PairedMetric, f64),
+    pooling: Option<&Pooling>,
+    plan: &Plan,
+    settings: &EvaluateSettings,
+) -> Result<Vec<PairedRow>, EvalError> {
+    let place = Place {
+        scope,
+        iou_threshold,
+        max_detections: max_detections(settings),
+    };
+    let of_kind = |kind: GroupKind| -> Result<Vec<PairedRow>, EvalError> {
+        let labels = match (pooling, kind) {
+            (Some(pooling), GroupKind::Supercategory) => LabelSet {
+                images: patterns.labels.images.clone(),
+                categories: pooling.categories.clone(),
+                objects: pooling.objects_of(&patterns.labels),
+            },
+            _ => patterns.labels.clone(),
+        };
+        let grouped = |found: &Detections| match (pooling, kind) {
+            (Some(pooling), GroupKind::Supercategory) => pooling.detections_of(found),
+            _ => found.clone(),
+        };
+        let clean_detections = grouped(&patterns.clean);
+        let (mut clean, mut cracked) = (Vec::new(), Vec::new());
+        for (_, found, coverages) in &patterns.cracked {
+            clean.push(place.matches(&labels, &clean_detections, coverage_of(coverages, 0))?);
+            cracked.push(place.matches(&labels, &grouped(found), coverage_of(coverages, 1))?);
+        }
+        let mut tallies: BTreeMap<Option<u32>, Tally> = BTreeMap::new();
+        for matches in clean.iter().flatten() {
+            tallies.entry(None).or_default().add(matches);
+            let of_category = tallies.entry(Some(matches.category)).or_default();
+            of_category.add(matches);
+        }
+        let clean: Vec<&[ImageMatches]> = clean.iter().map(Vec::as_slice).collect();
+        let cracked: Vec<&[ImageMatches]> = cracked.iter().map(Vec::as_slice).collect();
+        let n_categories = labels.categories.len();
+        let found = crossed_average_precision(&clean, &cracked, n_categories, plan)?;
+        let nothing = Tally::default();
+        let all = match kind {
+            GroupKind::Supercategory => Group::mean_of_supercategories(),
+            _ => Group::all(),
+        };
+        let named = |one: &PairedPrecision| -> Option<Group> {
+            let category = labels.categories.get(one.category? as usize)?;
+            Some(Group {
+                kind,
+                name: category.name.clone(),
+            })
+        };
+        let groups = found
+            .categories
+            .iter()
+            .filter_map(|one| Some((named(one)?, one)));
+        let rows = std::iter::once((all, &found.mean)).chain(groups);
+        Ok(rows
+            .map(|(group, one)| {
+                let tally = tallies.get(&one.category).unwrap_or(&nothing);
+                row(scope, metric, group, one, tally, settings)
+            })
+            .filter(|row| row.n_objects > 0 || row.group.kind != GroupKind::Class)
+            .collect())
+    };
+    let mut rows = of_kind(GroupKind::Class)?;
+    if pooling.is_some() {
+        rows.splice(1..1, of_kind(GroupKind::Supercategory)?);
+    }
+    Ok(rows)
+}
+
+fn row(
+    scope: &Scope,
+    metric: PairedMetric,
+    group: Group,
+    found: &PairedPrecision,
+    tally: &Tally,
+    settings: &EvaluateSettings,
+) -> PairedRow {
+    let n_distinct = u64::try_from(tally.distinct.len()).unwrap_or(u64::MAX);
+    let of = |measured: &Measured| given(measured, tally.n_objects, n_distinct, settings);
+    PairedRow {
+        scope: scope.clone(),
+        group,
+        metric,
+        n_objects: tally.n_objects,
+        n_images: u64::try_from(tally.images.len()).unwrap_or(u64::MAX),
+        clean: of(&found.clean),
+        cracked: of(&found.cracked),
+        delta: of(&found.difference),
+        p: None,
+        p_holm: None,
+        ceiling: None,
+    }
+}
+
+/// A number of too few different objects is refused: the same one behind several patterns is one.
+fn given(measured: &Measured, n: u64, n_distinct: u64, settings: &EvaluateSettings) -> Estimate {
+    let least = settings.compare.min_objects;
+    if n_distinct < least {
+        return Estimate::refused(n, format!("fewer than {least} different objects"));
+    }
+    Estimate {
+        n,
+        ..estimate(measured)
+    }
+}
+
+/// What is lost, of each group in each place.
+fn rates(
+    patterns: &Patterns<'_>,
+    places: &[Where],
+    pooling: Option<&Pooling>,
+    plan: &Plan,
+    settings: &EvaluateSettings,
+) -> Result<Vec<FailureRow>, EvalError> {
+    let rule = MatchRule {
+        iou_threshold: settings.iou_threshold,
+        max_detections: max_detections(settings),
+        region: None,
+    };
+    let clean = match_images(&patterns.labels, &patterns.clean, &rule)?;
+    let mut pairs: Vec<ObjectPair> = Vec::new();
+    for ((_, found, coverages), pattern) in patterns.cracked.iter().zip(0_u32..) {
+        pairs.extend(pair_objects(
+            &clean,
+            &match_images(&patterns.labels, found, &rule)?,
+            &patterns.labels,
+            &coverages.objects,
+            pattern,
+            settings.score_threshold,
+        )?);
+    }
+    let mut rows = rates_of(&pairs, places, plan, settings, |category| {
+        let category = patterns.labels.categories.get(category as usize)?;
+        Some((GroupKind::Class, category.name.clone()))
+    })?;
+    if let Some(pooling) = pooling {
+        for pair in &mut pairs {
+            pair.category = pooling.group(pair.category);
+        }
+        let groups = rates_of(&pairs, places, plan, settings, |group| {
+            let category = pooling.categories.get(group as usize)?;
+            Some((GroupKind::Supercategory, category.name.clone()))
+        })?;
+        rows.extend(
+            groups
+                .into_iter()
+                .filter(|row| row.group.kind != GroupKind::All),
+        );
+    }
+    Ok(rows)
+}
+
+fn rates_of(
+    pairs: &[ObjectPair],
+    places: &[Where],
+    plan: &Plan,
+    settings: &EvaluateSettings,
+    name: impl Fn(u32) -> Option<(GroupKind, String)>,
+) -> Result<Vec<FailureRow>, EvalError> {
+    let table = failure_table(pairs, places, settings.level, Some(plan))?;
+    let row = |found: &crate::failure::FailureRates| {
+        let group = match found.group.category {
+            None => Group::all(),
+            Some(category) => {
+                let (kind, name) = name(category)?;
+                Group { kind, name }
+            }
+        };
+        let different = |is_found_clean: bool| -> u64 {
+            let is_member = |pair: &&ObjectPair| {
+                found.group.category.is_none_or(|it| it == pair.category)
+                    && found.group.place.holds(pair.coverage)
+                    && pair.clean.is_some() == is_found_clean
+            };
+            let objects: BTreeSet<u32> = pairs
+                .iter()
+                .filter(is_member)
+                .map(|pair| pair.object)
+                .collect();
+            u64::try_from(objects.len()).unwrap_or(u64::MAX)
+        };
+        let n_found_clean = found.n_kept + found.n_lost;
+        let n_missed_clean = found.n_objects - n_found_clean;
+        let over_images = found.failure_rate_over_images.as_ref();
+        let recovery = Measured {
+            interval: None,
+            ..found.recovery_rate.clone()
+        };
+        Some(FailureRow {
+            scope: scope_of(found.group.place),
+            group,
+            n_objects: found.n_objects,
+            n_found_clean,
+            n_found_cracked: found.n_kept + found.n_recovered,
+            n_lost: found.n_lost,
+            n_recovered: found.n_recovered,
+            failure_rate: given(
+                over_images.unwrap_or(&found.failure_rate),
+                n_found_clean,
+                different(true),
+                settings,
+            ),
+            failure_rate_over_images: None,
+            recovery_rate: given(&recovery, n_missed_clean, different(false), settings),
+            p: None,
+            p_holm: None,
+        })
+    };
+    Ok(table.iter().filter_map(row).collect())
+}
