@@ -83,6 +83,16 @@ pub enum Error {
         /// Their qualities.
         qualities: [u8; 2],
     },
+    /// The folder of a study holds another one.
+    #[error(
+        "{folder:?} holds another study: {what}; choose another folder, or name all that it has and what is to be added"
+    )]
+    AnotherStudy {
+        /// The folder.
+        folder: PathBuf,
+        /// What differs.
+        what: String,
+    },
     /// A detector or a condition of a study without results.
     #[error("the study has no results of detector {detector}, condition {condition}; run it again")]
     StudyCell {

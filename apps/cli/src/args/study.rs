@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::evaluate::ProtocolWord;
 use super::generate::OnError;
@@ -14,7 +14,8 @@ pub(crate) struct StudyArgs {
     /// The dataset with its labels: kitti:DIR, coco:DIR, bdd:DIR or yolo:DIR
     #[arg(value_name = "FORMAT:PATH")]
     pub(crate) source: OsString,
-    /// Output folder: empty, new, or that of an earlier run of the same study, which goes on
+    /// Output folder: empty, new, or that of an earlier run of the same study, which goes on; models,
+    /// presets, severities and seeds may be added to it
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
     /// A detector as an ONNX file; repeatable
@@ -61,10 +62,22 @@ pub(crate) struct StudyArgs {
     /// that all conditions together show 24, unless given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100))]
     pub(crate) worst: Option<u32>,
+    /// Whether the sets of images are compared, too: KL, JS and W1 of five features of their pixels
+    #[arg(long, value_enum, default_value_t = DivergenceWord::On)]
+    pub(crate) divergence: DivergenceWord,
     /// What to do about records of the dataset that break its format: stop before anything is
     /// written, or leave them out
     #[arg(long, value_enum, default_value_t = OnError::Stop)]
     pub(crate) on_error: OnError,
+}
+
+/// Whether sets of images are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum DivergenceWord {
+    /// They are
+    On,
+    /// They are not
+    Off,
 }
 
 fn parse_share(text: &str) -> Result<f64, String> {

@@ -19,7 +19,7 @@ use super::detect::{contract_of, say_contract, say_unmapped};
 use super::generate::mind_bad_records;
 use super::study_report::StudyReport;
 use crate::args::Global;
-use crate::args::study::StudyArgs;
+use crate::args::study::{DivergenceWord, StudyArgs};
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Progress, Screen};
@@ -51,24 +51,35 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
     };
     let steps = Steps {
         screen,
-        n_steps: conditions.len() * (1 + detectors.len()) + detectors.len(),
+        n_steps: conditions.len() * (1 + detectors.len())
+            + detectors.len()
+            + usize::from(args.divergence == DivergenceWord::On),
         now: Mutex::new((0, None)),
     };
     let runs = with_threads(usize::from(global.threads), || {
-        plan.run(interrupt.flag(), &|event| steps.tell(event))
+        plan.run(&truth, interrupt.flag(), &|event| steps.tell(event))
     })??;
-    steps.finish();
-    let Some(runs) = runs else {
-        return Err(Failure::interrupted(
-            "interrupted; the same command goes on where it was",
-        ));
+    let interrupted = || Failure::interrupted("interrupted; the same command goes on where it was");
+    let runs = runs.ok_or_else(interrupted)?;
+    let divergence = match args.divergence {
+        DivergenceWord::Off => None,
+        DivergenceWord::On => {
+            let found = with_threads(usize::from(global.threads), || {
+                plan.divergence(&runs, global.seed, interrupt.flag(), &|event| {
+                    steps.tell(event);
+                })
+            })??;
+            Some(found.ok_or_else(interrupted)?)
+        }
     };
+    steps.finish();
     say_unseen(&runs, screen);
     let report = StudyReport {
         args,
         plan: &plan,
         runs: &runs,
         truth: &truth,
+        divergence,
         seed: global.seed,
     };
     screen.say("evaluating: intervals and tests");
@@ -255,6 +266,7 @@ impl Steps<'_> {
                 }
                 now.0 += 1;
                 let what = match step {
+                    Step::Comparing => "comparing the sets of images".to_owned(),
                     Step::Breaking(condition) => format!("breaking: {}", condition.name),
                     Step::Detecting(detector, None) => format!("{detector}: clean images"),
                     Step::Detecting(detector, Some(condition)) => {

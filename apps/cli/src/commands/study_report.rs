@@ -7,8 +7,8 @@ use starbreak::dataset::{IndexFiles, OutputBatch, SourceSpec};
 use starbreak::study::{StudyPlan, StudyRuns};
 use starbreak_eval::GroundTruth;
 use starbreak_eval::evaluation::{
-    Estimate, EvaluateSettings, GroupKind, InputFile, PairedMetric, Provenance, ScopeKind, Study,
-    Versions,
+    DivergenceResults, Estimate, EvaluateSettings, GroupKind, InputFile, PairedMetric, Provenance,
+    ScopeKind, Study, Versions,
 };
 use starbreak_eval::report::report_files;
 
@@ -23,6 +23,7 @@ pub(super) struct StudyReport<'a> {
     pub(super) plan: &'a StudyPlan<'a>,
     pub(super) runs: &'a StudyRuns,
     pub(super) truth: &'a GroundTruth,
+    pub(super) divergence: Option<DivergenceResults>,
     pub(super) seed: u64,
 }
 
@@ -90,9 +91,11 @@ impl StudyReport<'_> {
                 _ => None,
             },
         };
-        Ok(self.plan.numbers(
+        let mut study = self.plan.numbers(
             self.truth, self.runs, &settings, &title, &dataset, provenance,
-        )?)
+        )?;
+        study.divergence.clone_from(&self.divergence);
+        Ok(study)
     }
 
     /// A page with many conditions shows few pictures of each.

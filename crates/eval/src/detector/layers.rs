@@ -14,6 +14,19 @@ const AT_ONCE: usize = 16;
 /// Sides of an array, and its numbers, last side fastest.
 type ShapeAndValues = (Vec<usize>, Vec<f32>);
 
+/// Most names that an error lists.
+const MAX_LISTED: usize = 400;
+
+/// Names with commas between; of very many the first ones.
+fn listed(names: &[String]) -> String {
+    let first: Vec<&str> = names.iter().take(MAX_LISTED).map(String::as_str).collect();
+    let more = match names.len() > first.len() {
+        true => ", …",
+        false => "",
+    };
+    format!("{}{more}", first.join(", "))
+}
+
 impl Detector {
     /// The mean of each channel of a layer over the whole input: the feature vector of an image, one
     /// value per channel. Padding around the image is in the mean, alike for images of one shape.
@@ -31,9 +44,9 @@ impl Detector {
         let wrong = |reason: String| self.wrong(name, reason);
         if !self.facts.values.iter().any(|known| known == layer) {
             return Err(wrong(format!(
-                "the model has no value {layer:?}; leave --layer out, or name one of its {} values, such as {:?}",
+                "the model has no value {layer:?}; leave --layer out, or name one of its {} values: {}",
                 self.facts.values.len(),
-                self.facts.values.last().map_or("", String::as_str)
+                listed(&self.facts.values)
             )));
         }
         let mut found = self.values(name, image, &[layer.to_owned()])?;

@@ -29,5 +29,7 @@ pub use report::{
     CompareSettings, DEFINITION, DivergenceReport, Estimate, FeatureComparison, FeatureOrdering,
     Measure, OrderingTest, PairComparison, REPORT_SCHEMA, SetFloor, VectorComparison,
 };
-pub use sets::{FailedImage, ImageSet, NamedPattern, ReadSettings, SetSummary, VectorOf};
+pub use sets::{
+    FailedImage, ImageFile, ImageSet, NamedPattern, PixelsOf, ReadSettings, SetSummary, VectorOf,
+};
 pub use table::divergence_csv;

@@ -1,8 +1,9 @@
 //! Sets of images: read once, kept as histograms.
 
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use image::RgbImage;
+use image::{DynamicImage, RgbImage};
 use rayon::prelude::*;
 use serde::Serialize;
 use starbreak_dataset::{ImageLimits, Source, SourceImage, read_image};
@@ -33,6 +34,18 @@ impl Default for ReadSettings {
 
 /// A feature vector of an opaque 8-bit image, or why there is none.
 pub type VectorOf<'a> = dyn Fn(&RgbImage) -> Result<Vec<f32>, String> + Sync + 'a;
+
+/// Where an image of a set is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImageFile {
+    /// Its name in the set.
+    pub name: String,
+    /// Its file.
+    pub path: PathBuf,
+}
+
+/// The pixels of an image and SHA-256 of its file, or why there are none.
+pub type PixelsOf<'a> = dyn Fn(&Path) -> Result<(DynamicImage, String), String> + Sync + 'a;
 
 /// An image or a pattern of a set.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,6 +147,28 @@ impl ImageSet {
                 item
             })
             .collect();
+        Self::of_items(name, read, Feature::OF_IMAGES.to_vec())
+    }
+
+    /// The same of files, each read by `pixels_of`.
+    ///
+    /// # Errors
+    /// [`EvalError::EmptySet`] where no image is left.
+    pub fn of_files(
+        name: &str,
+        files: &[ImageFile],
+        settings: &ReadSettings,
+        pixels_of: &PixelsOf<'_>,
+    ) -> Result<Self, EvalError> {
+        let read = |file: &ImageFile| {
+            let failed = |reason: String| FailedImage {
+                name: file.name.clone(),
+                reason,
+            };
+            let (pixels, sha256) = pixels_of(&file.path).map_err(failed)?;
+            item_of_pixels(&file.name, &pixels, sha256, settings, None).map_err(failed)
+        };
+        let read = files.par_iter().map(read).collect();
         Self::of_items(name, read, Feature::OF_IMAGES.to_vec())
     }
 
@@ -262,14 +297,24 @@ fn item_of(
     vector_of: Option<&VectorOf<'_>>,
 ) -> Result<Item, String> {
     let file = read_image(&image.path, &ImageLimits::default()).map_err(|e| e.to_string())?;
-    let frame = Frame::of(&file.pixels, settings.background, settings.analysis);
+    item_of_pixels(&image.name, &file.pixels, file.sha256, settings, vector_of)
+}
+
+fn item_of_pixels(
+    name: &str,
+    pixels: &DynamicImage,
+    sha256: String,
+    settings: &ReadSettings,
+    vector_of: Option<&VectorOf<'_>>,
+) -> Result<Item, String> {
+    let frame = Frame::of(pixels, settings.background, settings.analysis);
     let vector = match vector_of {
         Some(vector_of) => Some(vector_of(&frame.rgb)?),
         None => None,
     };
     Ok(Item {
-        name: image.name.clone(),
-        sha256: file.sha256,
+        name: name.to_owned(),
+        sha256,
         counts: image_counts(&frame),
         size_px: Some([frame.rgb.width(), frame.rgb.height()]),
         is_enlarged: frame.is_enlarged,

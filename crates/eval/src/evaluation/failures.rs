@@ -65,6 +65,9 @@ pub struct DoseResponse {
     pub group: Group,
     /// By rising dose.
     pub bins: Vec<DoseBin>,
+    /// Why there are no bins, in plain words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
     /// A logistic curve through the single objects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fit: Option<LogisticFit>,

@@ -5,6 +5,7 @@
 
 mod clean;
 mod damage_facts;
+mod divergence_tables;
 mod estimate;
 mod evaluate;
 mod failures;

@@ -149,6 +149,28 @@ impl Adder<'_> {
 fn of_evaluation(evaluation: &Evaluation, condition: &str, list: &mut Vec<Number>) {
     let about = blank(&evaluation.detector, condition);
     of_protocol(&about, "cracked", &evaluation.cracked, list);
+    let counts = &evaluation.counts;
+    let mut adder = Adder {
+        list,
+        about: about.clone(),
+    };
+    for (name, count) in [
+        ("images", Some(counts.n_images)),
+        ("images_with_region", counts.n_images_with_region),
+        ("images_intact", counts.n_images_intact),
+    ] {
+        if let Some(count) = count {
+            adder.add_count(name, count);
+        }
+    }
+    if let Some(share) = counts.mean_region_share {
+        adder.add_value(
+            "mean_region_share",
+            share,
+            counts.n_images,
+            "mean over images",
+        );
+    }
     for row in &evaluation.paired {
         of_pair(&about, row, BOOTSTRAP, list);
     }
@@ -442,7 +464,7 @@ fn of_sets(study: &Study, list: &mut Vec<Number>) {
             for (estimate, to) in row
                 .iter()
                 .zip(&divergence.sets)
-                .filter(|(_, to)| *to != from)
+                .filter(|(estimate, to)| *to != from && (estimate.n, estimate.value) != (0, None))
             {
                 let mut number = blank("", &format!("{from} | {to}"));
                 number.metric = format!("{} of {}", table.measure, table.feature);

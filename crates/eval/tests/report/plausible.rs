@@ -185,6 +185,7 @@ fn failures(severity: f64) -> FailureResults {
             unit: unit.to_owned(),
             group: Group::all(),
             bins: bins.collect(),
+            note: None,
             fit: Some(LogisticFit {
                 intercept: -2.2,
                 slope: Estimate::with_interval(4.0 / end, [3.1 / end, 4.9 / end], 382),

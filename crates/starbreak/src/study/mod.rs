@@ -12,6 +12,8 @@
 
 mod arm;
 mod condition;
+mod distances;
+mod identity;
 mod numbers;
 mod run;
 mod set;

@@ -159,7 +159,7 @@ struct OfDetector {
     robustness: Vec<RobustnessRow>,
 }
 
-fn reported(condition: &Condition) -> ReportedCondition {
+pub(super) fn reported(condition: &Condition) -> ReportedCondition {
     let severity = condition
         .severity
         .map(|severity| format!(", severity {severity}"))

@@ -9,10 +9,11 @@ use starbreak_dataset::{
     encode_image_as, read_image, sha256_file,
 };
 use starbreak_eval::detector::{Detector, ImageToSee, LabelMap};
-use starbreak_eval::{Detection, Detections};
+use starbreak_eval::{Detection, Detections, GroundTruth};
 
 use super::Condition;
 use super::arm::{Arm, ArmRun, UnseenImage};
+use super::identity::Identity;
 use super::set::make_set;
 use crate::Error;
 use crate::generate::{Event, GenerateReport, Selection, Survey};
@@ -58,6 +59,8 @@ pub enum Step<'a> {
     Breaking(&'a Condition),
     /// A detector looks at the images, clean or under a condition.
     Detecting(&'a str, Option<&'a Condition>),
+    /// The sets of images are compared.
+    Comparing,
 }
 
 /// Something that a study tells as it happens.
@@ -104,16 +107,24 @@ impl StudyPlan<'_> {
     /// A clean image that is a JPEG is written and read again as its cracked twins are, so that the
     /// glass is all that differs.
     ///
+    /// `truth` are the labels of the images. The folder may be that of an earlier run of this study, or of one
+    /// with fewer detectors or conditions.
+    ///
     /// # Errors
+    /// [`Error::AnotherStudy`] for the folder of another study, before anything is written.
     /// [`Error`] for folders that cannot be used and for what would fail every image. An image that
     /// fails alone is in [`StudyRuns::unseen`].
     pub fn run(
         &self,
+        truth: &GroundTruth,
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
     ) -> Result<Option<StudyRuns>, Error> {
+        let identity = Identity::of(self, truth);
+        identity.check(self.out)?;
         let quality = self.quality()?;
         self.try_detectors(quality)?;
+        identity.write(self.out)?;
         let mut unseen: Vec<UnseenImage> = Vec::new();
         let mut sets = Vec::new();
         for condition in self.conditions {
@@ -266,7 +277,7 @@ impl StudyPlan<'_> {
     }
 
     /// The quality of JPEG that all conditions share.
-    fn quality(&self) -> Result<JpegQuality, Error> {
+    pub(super) fn quality(&self) -> Result<JpegQuality, Error> {
         let mut qualities = Vec::new();
         for condition in self.conditions {
             qualities.push((condition, condition.recipe.settings()?.output.quality));
@@ -288,7 +299,7 @@ impl StudyPlan<'_> {
 }
 
 /// The pixels of a source's image after the codec that its cracked twins pass.
-fn clean_image(path: &Path, quality: JpegQuality) -> Result<image::RgbImage, Error> {
+pub(super) fn clean_image(path: &Path, quality: JpegQuality) -> Result<image::RgbImage, Error> {
     let file = read_image(path, &ImageLimits::default())?;
     if file.format == ImageFormat::Png {
         return Ok(file.pixels.to_rgb8());
@@ -298,6 +309,6 @@ fn clean_image(path: &Path, quality: JpegQuality) -> Result<image::RgbImage, Err
     Ok(again.pixels.to_rgb8())
 }
 
-fn cracked_image(path: &Path) -> Result<image::RgbImage, Error> {
+pub(super) fn cracked_image(path: &Path) -> Result<image::RgbImage, Error> {
     Ok(read_image(path, &ImageLimits::default())?.pixels.to_rgb8())
 }

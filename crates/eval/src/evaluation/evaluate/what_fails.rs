@@ -267,11 +267,35 @@ fn doses(
         let found = with.iter().filter(|(pair, _)| pair.clean.is_some());
         let known: Vec<f64> = found.map(|(_, value)| *value).collect();
         let edges = quantile_edges(&known, N_FACT_BINS);
-        if edges.len() > 2 {
-            doses.push(dose(all, (name, unit), with, &edges)?);
-        }
+        doses.push(match edges.len() > 2 {
+            true => dose(all, (name, unit), with, &edges)?,
+            false => DoseResponse {
+                fact: name.to_owned(),
+                unit: unit.to_owned(),
+                group: Group::all(),
+                bins: Vec::new(),
+                note: Some(no_bins(&known)),
+                fit: None,
+            },
+        });
     }
     Ok(doses)
+}
+
+/// Why there is nothing to tell objects apart by.
+fn no_bins(known: &[f64]) -> String {
+    let known: Vec<f64> = known.iter().copied().filter(|it| it.is_finite()).collect();
+    let n_zero = known.iter().filter(|value| value.abs() <= 0.0).count();
+    match (known.len(), n_zero) {
+        (0, _) => "it is recorded of no object found clean".to_owned(),
+        (n, n_zero) if n == n_zero => {
+            format!("it is 0 for all {n} objects found clean: these cracks do nothing of the kind")
+        }
+        (n, 0) => format!("it is the same for nearly all of the {n} objects found clean"),
+        (n, n_zero) => format!(
+            "it is 0 for {n_zero} of {n} objects found clean, too many for bins of equal counts"
+        ),
+    }
 }
 
 fn dose<'a>(
@@ -299,6 +323,7 @@ fn dose<'a>(
         unit: unit.to_owned(),
         group: Group::all(),
         bins: found.bins.iter().map(bin).collect(),
+        note: None,
         fit: intercept.filter(|_| has_fit).map(|intercept| LogisticFit {
             intercept,
             slope: estimate(&fit.slope.estimate),

@@ -145,6 +145,14 @@ fn three_digits(value: f64) -> String {
 
 fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
     let fact = words::name(&dose.fact);
+    if let Some(note) = &dose.note {
+        return Some(Block::Text {
+            text: format!(
+                "Failure rate over {fact}: no chart, since {}.",
+                words::name(note)
+            ),
+        });
+    }
     let unit = match dose.unit.as_str() {
         "" => String::new(),
         unit => format!(", {}", words::name(unit)),
@@ -185,7 +193,13 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         }
     }
     if points.is_empty() || !end.is_finite() || end <= 0.0 {
-        return None;
+        let why = match end > 0.0 {
+            true => "no bin has enough objects",
+            false => "it is 0 for all objects found clean",
+        };
+        return Some(Block::Text {
+            text: format!("Failure rate over {fact}: no chart, since {why}."),
+        });
     }
     let name = "lost of those found clean, with 95 % intervals";
     let mut curves = Vec::new();

@@ -6,15 +6,36 @@ use crate::evaluation::{DivergenceResults, DivergenceTable};
 
 pub(super) fn section(results: &DivergenceResults) -> Section {
     let mut blocks = vec![Block::Text {
-        text: "Each table compares every set of images (row) with every other (column); deeper shade is \
-               further apart. The noise floor is what two halves of the same set give: a distance near it \
-               says nothing."
+        text: "Tables compare sets of images (row) with others (column); deeper shade is further apart. The \
+               noise floor is what two halves of the same set give: of two sets of different images, a \
+               distance near it says nothing. A clean set and its cracked twin show the same scenes, so that \
+               their distance may lie below the floor and yet be of the cracks."
             .to_owned(),
     }];
+    let n_before = blocks.len();
+    let mut features: Vec<&str> = Vec::new();
     for table in &results.tables {
-        blocks.push(Block::Table {
-            table: matrix(&results.sets, table),
-        });
+        if !features.contains(&table.feature.as_str()) {
+            features.push(&table.feature);
+            blocks.extend(of_clean(results, &table.feature).map(|table| Block::Table { table }));
+        }
+    }
+    let has_summary = blocks.len() > n_before;
+    let mut matrices = Vec::new();
+    // Beyond so many sets only the first is compared with each, which stands above.
+    if results.sets.len() <= NUMBERS.len() || !has_summary {
+        for table in &results.tables {
+            matrices.push(Block::Table {
+                table: matrix(&results.sets, table),
+            });
+        }
+    }
+    match has_summary && !matrices.is_empty() {
+        true => blocks.push(Block::Fold {
+            title: "Every set against every other".to_owned(),
+            blocks: matrices,
+        }),
+        false => blocks.extend(matrices),
     }
     Section {
         id: "divergence".to_owned(),
@@ -23,8 +44,59 @@ pub(super) fn section(results: &DivergenceResults) -> Section {
     }
 }
 
+/// The first set, if it is the clean one, against each other by one feature.
+fn of_clean(results: &DivergenceResults, feature: &str) -> Option<Table> {
+    if results.sets.first().is_none_or(|name| name != "clean") {
+        return None;
+    }
+    let of_measure = |begin: &str| {
+        let mut tables = results.tables.iter();
+        tables.find(|table| table.feature == feature && table.measure.starts_with(begin))
+    };
+    let (kl, js, w1) = (of_measure("KL")?, of_measure("JS")?, of_measure("W1"));
+    let mut columns = vec![
+        ("Clean against", false),
+        ("KL(clean ‖ set), nats", true),
+        ("KL(set ‖ clean), nats", true),
+        ("JS, nats", true),
+    ];
+    if w1.is_some() {
+        columns.push(("W1", true));
+    }
+    columns.push(("Noise floor of JS", true));
+    let unit = w1.and_then(|w1| w1.measure.strip_prefix("W1, "));
+    let unit = unit.map_or(String::new(), |unit| format!("; W1 in {unit}"));
+    let caption = format!(
+        "{feature}: the clean images against those of each condition, with 95 % intervals of the bootstrap \
+         over images{unit}."
+    );
+    let mut table = Table::new(&caption, &columns);
+    let at = |of: &DivergenceTable, row: usize, column: usize| {
+        let row = of.values.get(row).map_or(&[][..], Vec::as_slice);
+        row.get(column).cloned().unwrap_or_default()
+    };
+    for (place, name) in results.sets.iter().enumerate().skip(1) {
+        let mut cells = vec![Cell::head(name)];
+        let all = [(kl, 0, place), (kl, place, 0), (js, 0, place)];
+        let w1 = w1.map(|w1| (w1, 0, place));
+        for (of, row, column) in all.into_iter().chain(w1) {
+            cells.push(table.estimate(&at(of, row, column), digits));
+        }
+        let floor = |set: usize| js.noise_floor.get(set).copied().flatten();
+        let floor = floor(0).into_iter().chain(floor(place)).reduce(f64::max);
+        cells.push(Cell::number(floor, digits));
+        table.push(cells);
+    }
+    Some(table)
+}
+
 fn digits(value: f64) -> String {
-    words::decimal(value, if value.abs() < 10.0 { 3 } else { 1 })
+    let n_digits = match value.abs() {
+        v if v < 0.1 => 4,
+        v if v < 10.0 => 3,
+        _ => 1,
+    };
+    words::decimal(value, n_digits)
 }
 
 /// A column per set would need headings of its own; so columns are numbered as the rows are.

@@ -1,0 +1,171 @@
+//! What a study is: by this a folder tells its own study from another one.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use starbreak_dataset::{DatasetError, OutputBatch, file_len, read_text, sha256_hex};
+use starbreak_eval::GroundTruth;
+
+use super::StudyPlan;
+use crate::Error;
+
+/// The file in the folder of a study that says which one it is.
+const FILE: &str = "study.json";
+
+/// Longest such file that is read, bytes.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// All that numbers of the same name depend on; how they are evaluated from there on may change.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Identity {
+    schema: String,
+    /// SHA-256 of the names of the images, hexadecimal.
+    images: String,
+    n_images: u64,
+    /// SHA-256 of the labels, hexadecimal.
+    labels: String,
+    /// By whose rules.
+    protocol: String,
+    /// By name.
+    detectors: BTreeMap<String, DetectorIdentity>,
+    /// By name.
+    conditions: BTreeMap<String, ConditionIdentity>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct DetectorIdentity {
+    model_sha256: String,
+    contract: String,
+    label_map: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+struct ConditionIdentity {
+    recipe: String,
+    seed: u64,
+}
+
+impl Identity {
+    const SCHEMA: &str = "starbreak.study/1";
+
+    pub(super) fn of(plan: &StudyPlan<'_>, truth: &GroundTruth) -> Self {
+        let detectors = plan.detectors.iter().map(|detector| {
+            let one = DetectorIdentity {
+                model_sha256: detector.sha256.clone(),
+                contract: format!("{:?}", detector.detector.contract()),
+                label_map: format!("{:?}", detector.map),
+            };
+            (detector.name.clone(), one)
+        });
+        let conditions = plan.conditions.iter().map(|condition| {
+            let one = ConditionIdentity {
+                recipe: condition.recipe.to_toml(),
+                seed: condition.seed.0,
+            };
+            (condition.name.clone(), one)
+        });
+        let labels = format!("{:?} {:?}", truth.labels, truth.kitti);
+        Self {
+            schema: Self::SCHEMA.to_owned(),
+            images: plan.survey.names_sha256.clone(),
+            n_images: plan.survey.n_selected,
+            labels: sha256_hex(labels.as_bytes()),
+            protocol: truth.protocol.name().to_owned(),
+            detectors: detectors.collect(),
+            conditions: conditions.collect(),
+        }
+    }
+
+    /// Refuses a folder with another study, or with a report of no study.
+    pub(super) fn check(&self, folder: &Path) -> Result<(), Error> {
+        let refuse = |what: String| Error::AnotherStudy {
+            folder: folder.to_owned(),
+            what,
+        };
+        let text = match read_text(&folder.join(FILE), MAX_BYTES) {
+            Ok(file) => file.text,
+            Err(DatasetError::Read { source, .. })
+                if source.kind() == std::io::ErrorKind::NotFound =>
+            {
+                let reports = ["report.html", "evaluation.json"];
+                let is_there = |name: &&&str| file_len(&folder.join(name)).is_ok();
+                return match reports.iter().find(is_there) {
+                    Some(name) => Err(refuse(format!("its {name} is of no study"))),
+                    None => Ok(()),
+                };
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let earlier: Self = serde_json::from_str(&text).map_err(|cause| {
+            let cause = cause.to_string().replace('\n', " ");
+            refuse(format!("its {FILE} is not that of a study: {cause}"))
+        })?;
+        match self.difference(&earlier) {
+            Some(what) => Err(refuse(what)),
+            None => Ok(()),
+        }
+    }
+
+    /// What an earlier study has otherwise, or what it has and this one leaves out. More is no difference.
+    fn difference(&self, earlier: &Self) -> Option<String> {
+        if self.schema != earlier.schema {
+            return Some(format!("its form is {:?}", earlier.schema));
+        }
+        if self.images != earlier.images {
+            return Some(format!(
+                "its {} images are not these {}",
+                earlier.n_images, self.n_images
+            ));
+        }
+        if self.labels != earlier.labels {
+            return Some("the labels of its images are others".to_owned());
+        }
+        if self.protocol != earlier.protocol {
+            return Some(format!(
+                "its protocol is {}, not {}",
+                earlier.protocol, self.protocol
+            ));
+        }
+        for (name, theirs) in &earlier.detectors {
+            let Some(own) = self.detectors.get(name) else {
+                return Some(format!("it has the detector {name}, which is left out now"));
+            };
+            for (is_same, what) in [
+                (own.model_sha256 == theirs.model_sha256, "model file"),
+                (own.contract == theirs.contract, "contract"),
+                (own.label_map == theirs.label_map, "label map"),
+            ] {
+                if !is_same {
+                    return Some(format!("its detector {name} has another {what}"));
+                }
+            }
+        }
+        for (name, theirs) in &earlier.conditions {
+            match self.conditions.get(name) {
+                None => {
+                    return Some(format!(
+                        "it has the condition {name}, which is left out now"
+                    ));
+                }
+                Some(own) if own != theirs => {
+                    return Some(format!("its condition {name} has another recipe"));
+                }
+                Some(_) => {}
+            }
+        }
+        None
+    }
+
+    /// Makes the folder that of this study.
+    pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
+        let text = serde_json::to_string_pretty(self).map_err(|cause| Error::StudyLine {
+            image: FILE.to_owned(),
+            reason: cause.to_string(),
+        })?;
+        let mut batch = OutputBatch::new();
+        batch.stage(&folder.join(FILE), (text + "\n").as_bytes())?;
+        batch.commit()?;
+        Ok(())
+    }
+}
