@@ -3,6 +3,7 @@
 //! Fractions stay fractions (an AP of 0.413, not 41.3); only what a person reads shows percent. A
 //! number that would mislead is not there: its [`Estimate`] says why.
 
+mod clip;
 mod damage_facts;
 mod estimate;
 mod evaluate;
@@ -14,6 +15,7 @@ mod robustness;
 mod study;
 mod worst;
 
+pub use clip::{ClipInput, ClipSettings, TimelineResults, TrackSource};
 pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
 pub use evaluate::{EvaluateInput, EvaluateSettings, ImageFolders, evaluate};
@@ -29,6 +31,6 @@ pub use results::{
 pub use robustness::robustness;
 pub use study::{
     Condition, Counts, DivergenceResults, DivergenceTable, Evaluation, RobustnessRow, Study,
-    TimelineFrame, TimelineResults, TrackResult, Warning, WarningKind,
+    Warning, WarningKind,
 };
 pub use worst::{BoxRole, Change, ChangedObject, PicturePair, RoledBox, WorstFailure};

@@ -279,7 +279,7 @@ impl GroundTruth {
 }
 
 /// Whether a file has frames with names, not boxes with numbers of images.
-fn is_scalabel(path: &Path) -> Result<bool, EvalError> {
+pub(super) fn is_scalabel(path: &Path) -> Result<bool, EvalError> {
     /// Why the reading ends.
     enum End {
         Seen(bool),
