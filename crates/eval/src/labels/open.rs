@@ -294,7 +294,7 @@ pub(super) fn is_scalabel(path: &Path) -> Result<bool, EvalError> {
         let value: Option<serde_json::Value> = serde_json::from_slice(record.bytes).ok();
         let has = |key: &str| value.as_ref().is_some_and(|value| value.get(key).is_some());
         Err(End::Seen(
-            record.key == "frames" || (has("name") && !has("image_id")),
+            record.key == "frames" || (record.key.is_empty() && has("name") && !has("image_id")),
         ))
     });
     match read {
