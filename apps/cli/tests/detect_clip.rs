@@ -1,6 +1,7 @@
 //! `detect clip:…` and `timeline` on a clip that `video` broke, with a real detector.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+#[expect(dead_code, reason = "each test file uses its own part")]
 mod clip;
 mod common;
 

@@ -524,7 +524,7 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
             (plain(&["--score-threshold", "NaN"]), "score"),
             (plain(&["--iou", "1.5"]), "1.5"),
             (plain(&["--first-frame", "1"]), "count from 1"),
-            (plain(&["--by-frame"]), "images that the labels lack"),
+            (plain(&["--by-frame"]), "frames that the clip lacks"),
             (ARGS[..6].to_vec(), "no track"),
         ],
     );

@@ -13,7 +13,8 @@ use starbreak_eval::evaluation::{
 use starbreak_eval::report::report_files;
 use starbreak_eval::timeline::{FollowSettings, Frame, TimelineSettings};
 use starbreak_eval::{
-    Detections, LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
+    Detections, EvalError, GroundTruth, LabeledClip, Protocol, SaidDetections, TrackedLabels,
+    frames_of, said_categories,
 };
 
 use super::evaluate_join::{command, files_of, stem_of};
@@ -153,7 +154,7 @@ fn of_labels(
                         labels.truth.protocol,
                     );
                     let path = of_one_clip(path, clip.name.as_deref());
-                    of_clip.of_frames(&truth.read_detections(&path)?.detections)
+                    of_clip.of_frames(&by_frame_of(&truth, &path)?)
                 }
             });
         }
@@ -173,6 +174,26 @@ fn of_labels(
         results.push(settings.of_labels(&input, &of_clip)?);
     }
     Ok(results)
+}
+
+/// Detections that name the frames of a clip.
+fn by_frame_of(frames: &GroundTruth, path: &Path) -> Result<Detections, Failure> {
+    match frames.read_detections(path) {
+        Ok(said) => Ok(said.detections),
+        Err(EvalError::UnknownImages {
+            n_detections,
+            n_all,
+            first,
+            ..
+        }) => {
+            let n_frames = frames.labels.images.len();
+            Err(Failure::wrong_input(format!(
+                "{path:?}: {n_detections} of {n_all} detections are in frames that the clip lacks, the first in image \
+                 {first}; the clip has {n_frames} frames, numbered from 1; give the detections of the same clip"
+            )))
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
 /// The detections of one clip: a file or folder of its name in a folder of several.
@@ -203,8 +224,8 @@ fn without_labels(
     let track = tracks.only(args.clip.first().map(String::as_str))?;
     let categories = said_categories(&[&args.clean, &args.cracked])?;
     let truth = frames_of(&track.track, Some(&track.name), &categories, Protocol::Coco);
-    let clean = truth.read_detections(&args.clean)?.detections;
-    let cracked = truth.read_detections(&args.cracked)?.detections;
+    let clean = by_frame_of(&truth, &args.clean)?;
+    let cracked = by_frame_of(&truth, &args.cracked)?;
     let frames = all_frames(&track);
     let input = ClipInput {
         name: &track.name,

@@ -229,7 +229,7 @@ fn clip() -> TimelineResults {
         let lost_from = 22 + 5 * number;
         let is_found = |frame: u64| match is_cracked {
             true => frame < lost_from || number > 6,
-            false => (frame + number) % 17 != 0,
+            false => !(frame + number).is_multiple_of(17),
         };
         let score = |frame: u64| if frame < 20 || !is_cracked { 0.8 } else { 0.6 };
         Track {

@@ -172,14 +172,14 @@ fn track_table(clip: &TimelineResults) -> Table {
         &[
             ("Object", false),
             ("Class", false),
+            ("Cracked", false),
+            ("Clean", false),
             ("Frames", true),
             ("Found clean, %", true),
             ("Found cracked, %", true),
             ("Changes clean", true),
             ("Changes cracked", true),
             ("Longest gap cracked, frames", true),
-            ("Cracked", false),
-            ("Clean", false),
         ],
     );
     let share = |row: &TrackRow| {
@@ -191,6 +191,8 @@ fn track_table(clip: &TimelineResults) -> Table {
         table.push(vec![
             Cell::head(named.map_or("", |it| it.name.as_str())),
             Cell::text(named.map_or("", |it| it.class.as_str())),
+            Cell::text(fate(row).2),
+            Cell::text(clean.map_or_else(String::new, |clean| fate(clean).2)),
             Cell::count(row.n_frames),
             Cell::number(clean.and_then(share), words::percent),
             Cell::number(share(row), words::percent),
@@ -200,8 +202,6 @@ fn track_table(clip: &TimelineResults) -> Table {
             ),
             Cell::count(row.n_changes),
             Cell::count(gap.into()),
-            Cell::text(fate(row).2),
-            Cell::text(clean.map_or_else(String::new, |clean| fate(clean).2)),
         ]);
     }
     table
@@ -210,19 +210,23 @@ fn track_table(clip: &TimelineResults) -> Table {
 /// The median time to failure with the ends of its interval, s.
 pub(super) fn median_words(timeline: &Timeline) -> Option<String> {
     let survival = timeline.survival.as_ref()?;
-    let seconds =
-        |value: Option<f64>| value.map_or(words::NOTHING.to_owned(), |v| words::decimal(v, 2));
-    let [low, high] = survival.median_ends_s;
+    let seconds = |value: f64| words::decimal(value, 2);
     let level = words::decimal(timeline.settings.level * 100.0, 0);
     Some(match survival.median_s.value {
         Some(value) => {
-            let interval = match (low, high) {
-                (None, None) => String::new(),
-                _ => format!(
-                    " ({level} % interval {} to {} s)",
-                    seconds(low),
-                    seconds(high)
+            let interval = match survival.median_ends_s {
+                [Some(low), Some(high)] => {
+                    format!(
+                        " ({level} % interval {} to {} s)",
+                        seconds(low),
+                        seconds(high)
+                    )
+                }
+                [Some(low), None] => format!(
+                    " ({level} % interval from {} s to beyond what the clip can tell)",
+                    seconds(low)
                 ),
+                [None, _] => String::new(),
             };
             format!("{} s{interval}", words::decimal(value, 2))
         }
