@@ -6,6 +6,7 @@ pub(crate) mod evaluate;
 pub(crate) mod generate;
 pub(crate) mod overlay;
 pub(crate) mod study;
+pub(crate) mod timeline;
 
 use std::path::PathBuf;
 
@@ -194,6 +195,8 @@ pub(crate) enum Verb {
     Video(VideoArgs),
     /// Say how well detections match labels: clean, cracked, and where the glass is broken
     Evaluate(evaluate::EvaluateArgs),
+    /// Follow objects through a clip, clean and cracked: what is found when, and lost after which time
+    Timeline(timeline::TimelineArgs),
     /// Break a dataset's glass, let detectors look at it clean and cracked, and report what fails
     Study(study::StudyArgs),
     /// Print a complete, commented recipe

@@ -40,8 +40,9 @@ pub use compare::{
 pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
 pub use error::EvalError;
 pub use labels::{
-    Category, GroundTruth, KittiFacts, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind,
-    Pooling, Protocol, SaidDetections,
+    Category, ClipLabels, GroundTruth, KittiFacts, KittiLabels, LabelSet, LabeledClip,
+    LabeledImage, Object, ObjectKind, Pooling, Protocol, SaidDetections, TrackName, TrackedLabels,
+    frames_of, said_categories,
 };
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
 pub use mean_performance::{CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance};

@@ -47,6 +47,10 @@ fn hostile() -> Study {
         one.paired.iter_mut().for_each(|row| spoil(&mut row.group));
         for clip in &mut one.timelines {
             clip.clip = HOSTILE.to_owned();
+            for object in &mut clip.objects {
+                object.name.insert_str(0, HOSTILE);
+                object.class.insert_str(0, HOSTILE);
+            }
         }
         for worst in &mut one.worst {
             worst.image = HOSTILE.to_owned();

@@ -254,6 +254,8 @@ fn survival_is_that_of_lifelines() {
             }
         }
         assert_eq!(curve.median_s.value, case["median"].as_f64(), "median");
+        let ends = ["median_low", "median_high"].map(|end| case[end].as_f64());
+        assert_eq!(curve.median_ends_s, ends, "ends of its interval");
     }
     assert!(kaplan_meier(&[1.0], &[], 0.95).is_err(), "a time too many");
     assert!(kaplan_meier(&[f64::NAN], &[true], 0.95).is_err(), "no time");

@@ -8,7 +8,8 @@ use clap::{Args, ValueEnum};
 /// `starbreak detect`.
 #[derive(Debug, Args)]
 pub(crate) struct DetectArgs {
-    /// The dataset: kitti:DIR, coco:DIR, bdd:DIR, yolo:DIR, folder:DIR or list:FILE
+    /// The dataset: kitti:DIR, coco:DIR, bdd:DIR, yolo:DIR, folder:DIR or list:FILE; or clip:FILE, or
+    /// clip:DIR with its frames as PNG or JPEG files, taken in the order of their names
     #[arg(value_name = "FORMAT:PATH", required_unless_present = "list_contracts")]
     pub(crate) source: Option<OsString>,
     /// The detector, an ONNX file
@@ -53,6 +54,14 @@ pub(crate) struct DetectArgs {
     /// Run it on an NVIDIA GPU
     #[arg(long, requires = "onnxruntime")]
     pub(crate) cuda: bool,
+    /// The program ffmpeg, which reads clips; without it the one on PATH
+    #[arg(
+        long,
+        value_name = "PATH",
+        default_value = "ffmpeg",
+        hide_default_value = true
+    )]
+    pub(crate) ffmpeg: PathBuf,
 }
 
 /// Form of detections.

@@ -1,5 +1,6 @@
-//! `starbreak detect`: a detector over a dataset.
+//! `starbreak detect`: a detector over a dataset or a clip.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -7,11 +8,12 @@ use std::time::Instant;
 use serde_json::{Value, json};
 use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text, same_file};
 use starbreak_eval::detector::{
-    Backend, Contract, Detector, DetectorOptions, Device, ImageToSee, LabelMap, LabelRules, Seen,
-    preset_names,
+    Backend, Contract, Detector, DetectorOptions, Device, ImageDetections, ImageToSee, LabelMap,
+    LabelRules, preset_names,
 };
-use starbreak_eval::{Detection, Detections};
+use starbreak_eval::{Detection, Detections, EvalError, LabelSet};
 
+use super::detect_clip;
 use super::detect_labels::Referred;
 use crate::args::Global;
 use crate::args::detect::{DetectArgs, ResultFormat};
@@ -35,25 +37,101 @@ pub(crate) fn run(
         return list_contracts(screen);
     };
     refuse_output(args, model, output)?;
-    let spec = SourceSpec::parse(source)?;
-    let source = Source::open(&spec)?;
-    let detector = Detector::open(model, &options_of(args)?)?;
-    let images = images_of(&source, args.limit, screen)?;
-    let referred = Referred::of(&spec, &images, detector.classes())?;
-    let rules = match &args.label_map {
-        Some(path) => label_rules(path)?,
-        None => LabelRules::of_dataset(source.format().name())?,
+    let run = Run {
+        global,
+        args,
+        model,
+        screen,
     };
-    let map = LabelMap::new(detector.classes(), &referred.labels.categories, &rules)?;
-    say_contract(&detector, screen);
-    say_unmapped(&map, screen);
+    let looked = match detect_clip::clip_of(source) {
+        Some(clip) => detect_clip::look(&run, &clip)?,
+        None => look(&run, source)?,
+    };
+    let results = Results::of(&looked);
+    if results.failures.len() == looked.names.len() {
+        return Err(Failure {
+            message: format!(
+                "nothing was written: not one of {} images could be looked at, the first because: {}",
+                looked.names.len(),
+                results
+                    .failures
+                    .first()
+                    .map_or("", |(_, error)| error.as_str())
+            ),
+            code: SOME_FAILED,
+        });
+    }
+    write(args.format, output, &results.detections, &looked.referred)?;
+    finish(&looked, output, &results, screen)
+}
 
+/// What was asked for.
+pub(super) struct Run<'a> {
+    pub(super) global: &'a Global,
+    pub(super) args: &'a DetectArgs,
+    pub(super) model: &'a Path,
+    pub(super) screen: &'a Screen,
+}
+
+impl Run<'_> {
+    pub(super) fn detector(&self) -> Result<Detector, Failure> {
+        Ok(Detector::open(self.model, &options_of(self.args)?)?)
+    }
+
+    /// Which class is which category, where the images come from this format; said out loud.
+    pub(super) fn map(
+        &self,
+        detector: &Detector,
+        labels: &LabelSet,
+        format: &str,
+    ) -> Result<LabelMap, Failure> {
+        let rules = match &self.args.label_map {
+            Some(path) => label_rules(path)?,
+            None => LabelRules::of_dataset(format)?,
+        };
+        let map = LabelMap::new(detector.classes(), &labels.categories, &rules)?;
+        say_contract(detector, self.screen);
+        say_unmapped(&map, self.screen);
+        Ok(map)
+    }
+}
+
+/// What a detector has looked at.
+pub(super) struct Looked {
+    pub(super) detector: Detector,
+    pub(super) map: LabelMap,
+    pub(super) names: Vec<String>,
+    pub(super) seen: Vec<Result<ImageDetections, EvalError>>,
+    pub(super) referred: Referred,
+    pub(super) seconds: f64,
+}
+
+/// Looks through the images of a dataset.
+fn look(run: &Run<'_>, source: &OsStr) -> Result<Looked, Failure> {
+    let spec = SourceSpec::parse(source)
+        .map_err(|error| Failure::wrong_input(format!("{error}; a clip is clip:FILE")))?;
+    let source = Source::open(&spec)?;
+    let detector = run.detector()?;
+    let images = images_of(&source, run.args.limit, run.screen)?;
+    let referred = Referred::of(&spec, &images, detector.classes())?;
+    let map = run.map(&detector, &referred.labels, source.format().name())?;
+    look_at(run, detector, map, &images, referred)
+}
+
+/// Looks through images.
+pub(super) fn look_at(
+    run: &Run<'_>,
+    detector: Detector,
+    map: LabelMap,
+    images: &[ImageToSee],
+    referred: Referred,
+) -> Result<Looked, Failure> {
     let interrupt = Interrupt::listen();
-    let progress = screen.progress(images.len() as u64, "images");
+    let progress = run.screen.progress(images.len() as u64, "images");
     let started = Instant::now();
     let seen = detector.detect_all(
-        &images,
-        usize::from(global.threads),
+        images,
+        usize::from(run.global.threads),
         interrupt.flag(),
         &|image, found| {
             progress.step();
@@ -63,34 +141,19 @@ pub(crate) fn run(
         },
     );
     progress.finish();
-    if seen.iter().any(Option::is_none) {
-        return Err(Failure::interrupted(
-            "interrupted: nothing was written; run the command again",
-        ));
-    }
-    let seconds = started.elapsed().as_secs_f64();
-    let results = Results::of(&images, &seen, &referred, &map);
-    if results.failures.len() == images.len() {
-        return Err(Failure {
-            message: format!(
-                "nothing was written: not one of {} images could be looked at, the first because: {}",
-                images.len(),
-                results
-                    .failures
-                    .first()
-                    .map_or("", |(_, error)| error.as_str())
-            ),
-            code: SOME_FAILED,
-        });
-    }
-    write(args.format, output, &results.detections, &referred)?;
-    let run = Run {
-        detector: &detector,
-        images: &images,
-        output,
-        seconds,
-    };
-    finish(&run, &results, &map, screen)
+    let seen: Option<Vec<_>> = seen.into_iter().collect();
+    Ok(Looked {
+        detector,
+        map,
+        names: images.iter().map(|image| image.name.clone()).collect(),
+        seen: seen.ok_or_else(interrupted)?,
+        referred,
+        seconds: started.elapsed().as_secs_f64(),
+    })
+}
+
+pub(super) fn interrupted() -> Failure {
+    Failure::interrupted("interrupted: nothing was written; run the command again")
 }
 
 /// All files together, or none.
@@ -139,14 +202,6 @@ fn refuse_output(args: &DetectArgs, model: &Path, output: &Path) -> Result<(), F
     let mut trial = OutputBatch::new_unsynced();
     trial.stage(&trial_path, b"")?;
     Ok(())
-}
-
-/// What is said of a run.
-struct Run<'a> {
-    detector: &'a Detector,
-    images: &'a [ImageToSee],
-    output: &'a Path,
-    seconds: f64,
 }
 
 fn list_contracts(screen: &Screen) -> Result<ExitCode, Failure> {
@@ -283,7 +338,7 @@ struct Results {
 }
 
 impl Results {
-    fn of(images: &[ImageToSee], seen: &[Seen], referred: &Referred, map: &LabelMap) -> Self {
+    fn of(looked: &Looked) -> Self {
         let mut results = Self {
             detections: Detections::default(),
             n_unmapped: 0,
@@ -291,13 +346,14 @@ impl Results {
             n_without_class: 0,
             failures: Vec::new(),
         };
-        for ((image, seen), &place) in images.iter().zip(seen).zip(&referred.places) {
+        let images = looked.names.iter().zip(&looked.seen);
+        for ((name, seen), &place) in images.zip(&looked.referred.places) {
             match seen {
-                Some(Ok(found)) => {
+                Ok(found) => {
                     results.n_inverted += u64::from(found.n_inverted);
                     results.n_without_class += u64::from(found.n_without_class);
                     for raw in &found.detections {
-                        let Some(category) = map.category(raw.class) else {
+                        let Some(category) = looked.map.category(raw.class) else {
                             results.n_unmapped += 1;
                             continue;
                         };
@@ -309,11 +365,7 @@ impl Results {
                         });
                     }
                 }
-                Some(Err(error)) => {
-                    let failure = (image.name.clone(), error.to_string());
-                    results.failures.push(failure);
-                }
-                None => {}
+                Err(error) => results.failures.push((name.clone(), error.to_string())),
             }
         }
         results
@@ -321,19 +373,20 @@ impl Results {
 }
 
 fn finish(
-    run: &Run<'_>,
+    looked: &Looked,
+    output: &Path,
     results: &Results,
-    map: &LabelMap,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
+    let n_images = looked.names.len();
     #[expect(clippy::cast_precision_loss, reason = "a rate")]
-    let rate = run.images.len() as f64 / run.seconds.max(1e-9);
+    let rate = n_images as f64 / looked.seconds.max(1e-9);
     let n_failed = results.failures.len();
     let mut said = format!(
         "{}: {} detections in {} images, {rate:.1} images per second",
-        run.output.display(),
+        output.display(),
         results.detections.items.len(),
-        run.images.len() - n_failed,
+        n_images - n_failed,
     );
     for (n, what) in [
         (
@@ -348,38 +401,38 @@ fn finish(
         }
     }
     screen.say(&said);
-    screen.result(|| result_json(run, results, map))?;
+    screen.result(|| result_json(looked, output, results))?;
     if n_failed == 0 {
         return Ok(ExitCode::SUCCESS);
     }
     let first = results.failures.first();
     Err(Failure {
         message: format!(
-            "{n_failed} of {} images failed and have no detections, the first: {}; mend or remove them and run the \
-             command again",
-            run.images.len(),
+            "{n_failed} of {n_images} images failed and have no detections, the first: {}; mend or remove them and run \
+             the command again",
             first.map_or_else(String::new, |(name, error)| format!("{name:?}: {error}")),
         ),
         code: SOME_FAILED,
     })
 }
 
-fn result_json(run: &Run<'_>, results: &Results, map: &LabelMap) -> Value {
-    let contract = run.detector.contract();
+fn result_json(looked: &Looked, output: &Path, results: &Results) -> Value {
+    let Looked { detector, map, .. } = looked;
+    let contract = detector.contract();
     json!({
-        "output": path_text(run.output),
+        "output": path_text(output),
         "contract": contract.name,
-        "reason": run.detector.reason(),
+        "reason": detector.reason(),
         "score_threshold": contract.score_threshold,
         "n_classes": contract.classes.names.iter().flatten().count(),
         "unmapped_classes": map.unmapped_classes(),
         "unmapped_categories": map.unmapped_categories(),
-        "n_images": run.images.len(),
+        "n_images": looked.names.len(),
         "n_detections": results.detections.items.len(),
         "n_unmapped": results.n_unmapped,
         "n_inverted": results.n_inverted,
         "n_without_class": results.n_without_class,
-        "seconds": run.seconds,
+        "seconds": looked.seconds,
         "failed": results
             .failures
             .iter()

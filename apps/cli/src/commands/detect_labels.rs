@@ -47,6 +47,30 @@ impl Referred {
         }
         Ok(Self { labels, places })
     }
+
+    /// The frames of a clip, numbered from 1, and the model's own classes.
+    pub(super) fn of_clip(
+        names: impl Iterator<Item = String>,
+        video: &str,
+        classes: &ClassNames,
+    ) -> Self {
+        let image = |(id, name): (i64, String)| LabeledImage {
+            id,
+            name,
+            width_px: None,
+            height_px: None,
+            cluster: Some(video.to_owned()),
+        };
+        let images: Vec<LabeledImage> = (1..).zip(names).map(image).collect();
+        Self {
+            places: (0..).zip(&images).map(|(place, _)| place).collect(),
+            labels: LabelSet {
+                images,
+                categories: of_model(classes),
+                objects: Vec::new(),
+            },
+        }
+    }
 }
 
 fn image_of((id, image): (i64, &ImageToSee)) -> LabeledImage {
@@ -60,7 +84,7 @@ fn image_of((id, image): (i64, &ImageToSee)) -> LabeledImage {
 }
 
 /// The model's classes as categories, with the numbers of MS-COCO where it has them all.
-fn of_model(classes: &ClassNames) -> Vec<Category> {
+pub(super) fn of_model(classes: &ClassNames) -> Vec<Category> {
     let names: Vec<&String> = classes.names.iter().flatten().collect();
     let numbers: Option<Vec<i64>> = names
         .iter()

@@ -100,7 +100,7 @@ impl Join<'_> {
     }
 }
 
-fn stem_of(path: &Path) -> String {
+pub(super) fn stem_of(path: &Path) -> String {
     let stem = path.file_stem().or_else(|| path.file_name());
     stem.map_or_else(
         || "detector".to_owned(),
@@ -160,7 +160,7 @@ fn inputs(args: &EvaluateArgs) -> Result<Vec<InputFile>, Failure> {
 }
 
 /// A file, or the text files of a folder of results.
-fn files_of(path: &Path) -> Vec<PathBuf> {
+pub(super) fn files_of(path: &Path) -> Vec<PathBuf> {
     let texts = |folder: &Path| files_in(folder, "txt").unwrap_or_default();
     let mut files = texts(path);
     for folder in ["data", "label_2"] {

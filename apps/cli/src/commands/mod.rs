@@ -7,6 +7,7 @@ mod contact_sheet;
 mod crack;
 mod demo;
 mod detect;
+mod detect_clip;
 mod detect_labels;
 mod divergence;
 mod evaluate;
@@ -23,6 +24,8 @@ mod simulate;
 mod study;
 mod study_report;
 mod sweep;
+mod timeline;
+mod timeline_tracks;
 mod verify;
 mod video;
 
@@ -133,6 +136,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
         },
         Verb::Video(args) => video::run(global, args, screen),
         Verb::Evaluate(args) => evaluate::run(global, &args, screen),
+        Verb::Timeline(args) => timeline::run(global, &args, screen),
         Verb::Study(args) => study::run(global, &args, screen),
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
         Verb::Bench {

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
+use image::RgbImage;
 use starbreak_dataset::{ImageLimits, read_image};
 
 use super::{Detector, ImageDetections};
@@ -73,6 +75,79 @@ impl Detector {
             }
         });
         all
+    }
+
+    /// What is found in each of the frames that `next` gives, in their order.
+    ///
+    /// Each thread takes a frame, looks through it and takes the next, so that not more frames are
+    /// held than there are threads; 0 threads stand for one per processor. The result does not
+    /// depend on their number. Once `stop` is set no frame is begun, and the frames end there.
+    /// `on_seen` is called after each frame, by any thread, in any order.
+    ///
+    /// # Errors
+    /// The first of `next`; what was found until then is lost.
+    pub fn detect_frames(
+        &self,
+        next: impl FnMut() -> Result<Option<(String, RgbImage)>, EvalError> + Send,
+        n_threads: usize,
+        stop: &AtomicBool,
+        on_seen: &(dyn Fn(&str, &Result<ImageDetections, EvalError>) + Sync),
+    ) -> Result<Vec<Result<ImageDetections, EvalError>>, EvalError> {
+        let n_threads = match n_threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            n => n,
+        };
+        // The reader, and how many frames it has given; no more once it has failed or ended.
+        let reader = Mutex::new((next, 0_usize, false));
+        let work = || {
+            let mut seen = Vec::new();
+            while !stop.load(Ordering::Relaxed) {
+                let (place, name, frame) = {
+                    let mut guard = reader.lock().unwrap_or_else(PoisonError::into_inner);
+                    let (next, n_given, has_ended) = &mut *guard;
+                    if *has_ended {
+                        break;
+                    }
+                    match next() {
+                        Ok(Some((name, frame))) => {
+                            let place = *n_given;
+                            *n_given += 1;
+                            (place, name, frame)
+                        }
+                        Ok(None) => {
+                            *has_ended = true;
+                            break;
+                        }
+                        Err(error) => {
+                            *has_ended = true;
+                            return Err(error);
+                        }
+                    }
+                };
+                let found = self.detect(&name, &frame);
+                drop(frame);
+                on_seen(&name, &found);
+                seen.push((place, found));
+            }
+            Ok(seen)
+        };
+        let mut all = Vec::new();
+        std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..n_threads).map(|_| scope.spawn(work)).collect();
+            let mut failure = None;
+            for thread in threads {
+                let seen = thread
+                    .join()
+                    .unwrap_or_else(|cause| std::panic::resume_unwind(cause));
+                match seen {
+                    Ok(seen) => all.extend(seen),
+                    Err(error) => failure = failure.take().or(Some(error)),
+                }
+            }
+            failure.map_or(Ok(()), Err)
+        })?;
+        all.sort_by_key(|(place, _)| *place);
+        Ok(all.into_iter().map(|(_, found)| found).collect())
     }
 
     /// What is found in the image of a file.

@@ -1,5 +1,7 @@
 use serde::{Deserialize, Serialize};
 
+use crate::statistic::Measured;
+
 /// A number with its interval and with what it rests on, or why there is none.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Estimate {
@@ -56,6 +58,22 @@ impl Estimate {
     #[must_use]
     pub fn interval(&self) -> Option<[f64; 2]> {
         Some([self.low?, self.high?])
+    }
+}
+
+impl From<&Measured> for Estimate {
+    /// The number as a reader gets it; without one the reason is there.
+    fn from(measured: &Measured) -> Self {
+        match (measured.value, measured.interval) {
+            (Some(value), Some(ends)) => {
+                Self::with_interval(value, [ends.low, ends.high], measured.n)
+            }
+            (Some(value), None) => Self::of(value, measured.n),
+            (None, _) => {
+                let why = measured.reason.as_deref().unwrap_or("not defined");
+                Self::refused(measured.n, why)
+            }
+        }
     }
 }
 

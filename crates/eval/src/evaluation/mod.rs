@@ -4,6 +4,7 @@
 //! number that would mislead is not there: its [`Estimate`] says why.
 
 mod clean;
+mod clip;
 mod damage_facts;
 mod divergence_tables;
 mod estimate;
@@ -18,6 +19,7 @@ mod study;
 mod worst;
 
 pub use clean::CleanResults;
+pub use clip::{ClipInput, ClipSettings, TimelineResults, TrackSource};
 pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
 pub use evaluate::{
@@ -37,6 +39,6 @@ pub use results::{
 pub use robustness::robustness;
 pub use study::{
     Condition, Counts, DivergenceResults, DivergenceTable, Evaluation, RobustnessRow, Study,
-    TimelineFrame, TimelineResults, TrackResult, Warning, WarningKind,
+    Warning, WarningKind,
 };
 pub use worst::{BoxRole, Change, ChangedObject, PicturePair, RoledBox, WorstFailure};

@@ -2,7 +2,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     ChangedObject, CleanResults, Estimate, FailureResults, PairedMetric, PairedRow, PooledSeeds,
-    ProtocolResults, Provenance, Scope, TideErrors, WorstFailure,
+    ProtocolResults, Provenance, Scope, TideErrors, TimelineResults, WorstFailure,
 };
 use crate::SubsetRow;
 
@@ -207,52 +207,4 @@ pub struct DivergenceTable {
     /// What two halves of the same set give, per set.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub noise_floor: Vec<Option<f64>>,
-}
-
-/// What is found in each frame of a clip.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct TimelineResults {
-    /// Name of the clip.
-    pub clip: String,
-    /// Frames per second, where known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub frames_per_s: Option<f64>,
-    /// Frame after frame.
-    pub frames: Vec<TimelineFrame>,
-    /// Object after object.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub tracks: Vec<TrackResult>,
-}
-
-/// One frame of a clip.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct TimelineFrame {
-    /// When, s.
-    pub time_s: f64,
-    /// Objects to be found.
-    pub n_objects: u64,
-    /// Found clean.
-    pub n_found_clean: u64,
-    /// Found cracked.
-    pub n_found_cracked: u64,
-}
-
-/// One object through a clip.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct TrackResult {
-    /// Its name in the labels.
-    pub track: String,
-    /// Its class.
-    pub class: String,
-    /// Frames in which it is labeled.
-    pub n_frames: u64,
-    /// Share of them in which it is found clean.
-    pub found_clean: f64,
-    /// Share of them in which it is found cracked.
-    pub found_cracked: f64,
-    /// Changes between found and not found, cracked.
-    pub n_flickers: u64,
-    /// From its first frame to the moment from which it is no longer found, s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub time_to_failure_s: Option<f64>,
 }

@@ -7,12 +7,14 @@ pub(crate) mod kitti;
 mod open;
 mod pooled;
 pub(crate) mod scalabel;
+mod tracked;
 
 use std::path::Path;
 
 pub use kitti::{KittiFacts, KittiLabels};
 pub use open::{GroundTruth, Protocol, SaidDetections};
 pub use pooled::Pooling;
+pub use tracked::{ClipLabels, LabeledClip, TrackName, TrackedLabels, frames_of, said_categories};
 
 use crate::{BoxPx, EvalError};
 

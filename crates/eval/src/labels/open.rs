@@ -291,7 +291,7 @@ impl GroundTruth {
 }
 
 /// Whether a file has frames with names, not boxes with numbers of images.
-fn is_scalabel(path: &Path) -> Result<bool, EvalError> {
+pub(super) fn is_scalabel(path: &Path) -> Result<bool, EvalError> {
     /// Why the reading ends.
     enum End {
         Seen(bool),
@@ -306,7 +306,7 @@ fn is_scalabel(path: &Path) -> Result<bool, EvalError> {
         let value: Option<serde_json::Value> = serde_json::from_slice(record.bytes).ok();
         let has = |key: &str| value.as_ref().is_some_and(|value| value.get(key).is_some());
         Err(End::Seen(
-            record.key == "frames" || (has("name") && !has("image_id")),
+            record.key == "frames" || (record.key.is_empty() && has("name") && !has("image_id")),
         ))
     });
     match read {

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use starbreak_dataset::{JsonRecord, bdd_class, is_set_in_python, read_json_records};
 
 use super::{Category, LabelSet, LabeledImage, Object, ObjectKind};
-use crate::json_record::{parse, place, refuse, refuse_file};
+use crate::json_record::{Id, parse, place, refuse, refuse_file};
 use crate::{BoxPx, EvalError};
 
 /// The classes of BDD100K in the order of its numbers, with their groups [BDD100K, `det.toml`].
@@ -29,6 +29,8 @@ pub(crate) struct Frame {
     pub(crate) name: String,
     #[serde(rename = "videoName", default)]
     pub(crate) video: Option<String>,
+    #[serde(rename = "frameIndex", default)]
+    frame_idx: Option<Id>,
     #[serde(default)]
     size: Option<FrameSize>,
     #[serde(default)]
@@ -44,6 +46,9 @@ struct FrameSize {
 /// What is in a frame.
 #[derive(Deserialize)]
 pub(crate) struct Label {
+    /// A number or a text; in clips that of the object through all frames.
+    #[serde(default)]
+    id: serde_json::Value,
     #[serde(default)]
     pub(crate) category: Option<String>,
     #[serde(default)]
@@ -106,17 +111,42 @@ pub(crate) fn for_each_frame(
     Ok(())
 }
 
-/// An object with the name of its category.
-type NamedObject = (String, BoxPx, ObjectKind);
+/// An object with the name of its category and, in clips, of its track.
+type NamedObject = (String, BoxPx, ObjectKind, Option<String>);
+
+/// A frame as it was read.
+struct ReadFrame {
+    image: LabeledImage,
+    frame_idx: Option<i64>,
+    objects: Vec<NamedObject>,
+}
+
+/// Labels, and what they say of clips.
+pub(super) struct Tracked {
+    pub(super) labels: LabelSet,
+    /// Of each object the name of its track.
+    pub(super) tracks: Vec<Option<String>>,
+    /// Of each image its number in its clip.
+    pub(super) frame_idx: Vec<Option<i64>>,
+}
 
 /// Takes the frames of one file or several.
 #[derive(Default)]
 pub(super) struct Reader {
-    /// Image, and its objects by name of category.
-    frames: Vec<(LabeledImage, Vec<NamedObject>)>,
+    frames: Vec<ReadFrame>,
+    /// Frames go by their clip and name; the names of tracks are kept.
+    of_clips: bool,
 }
 
 impl Reader {
+    /// A reader of labels that follow objects through clips.
+    pub(super) fn of_clips() -> Self {
+        Self {
+            of_clips: true,
+            ..Self::default()
+        }
+    }
+
     /// Reads a file; `names` makes the names of images in the dataset of what the file calls them.
     pub(super) fn read(
         &mut self,
@@ -124,6 +154,7 @@ impl Reader {
         names: impl Fn(&[&str]) -> Vec<String>,
     ) -> Result<(), EvalError> {
         let n_before = self.frames.len();
+        let of_clips = self.of_clips;
         for_each_frame(path, |frame, at| {
             let mut objects = Vec::new();
             for (idx, label) in frame.labels.iter().flatten().enumerate() {
@@ -144,36 +175,50 @@ impl Reader {
                     }
                     false => ObjectKind::Regular,
                 };
-                objects.push((class.to_owned(), box_px, kind));
+                let track = of_clips.then(|| track_name(&label.id)).flatten();
+                objects.push((class.to_owned(), box_px, kind, track));
             }
+            let name = match &frame.video {
+                Some(video) if of_clips => format!("{video}/{}", frame.name),
+                _ => frame.name,
+            };
             let image = LabeledImage {
                 id: 0,
-                name: frame.name,
+                name,
                 width_px: frame.size.as_ref().map(|size| size.width),
                 height_px: frame.size.as_ref().map(|size| size.height),
                 cluster: frame.video,
             };
-            self.frames.push((image, objects));
+            self.frames.push(ReadFrame {
+                image,
+                frame_idx: frame.frame_idx.map(|idx| idx.0),
+                objects,
+            });
             Ok(())
         })?;
         let frames = self.frames.get_mut(n_before..).unwrap_or(&mut []);
         let said: Vec<&str> = frames
             .iter()
-            .map(|(image, _)| image.name.as_str())
+            .map(|frame| frame.image.name.as_str())
             .collect();
         let named = names(&said);
-        for ((image, _), name) in frames.iter_mut().zip(named) {
-            image.name = name;
+        for (frame, name) in frames.iter_mut().zip(named) {
+            frame.image.name = name;
         }
         Ok(())
     }
 
     /// All that was read: frames in the order of their names, numbered from 1, the classes of
     /// BDD100K where all or some are of them, else those that occur.
-    pub(super) fn finish(mut self, path: &Path) -> Result<LabelSet, EvalError> {
-        self.frames.sort_by(|a, b| a.0.name.cmp(&b.0.name));
+    pub(super) fn finish(self, path: &Path) -> Result<LabelSet, EvalError> {
+        Ok(self.finish_tracked(path)?.labels)
+    }
+
+    /// The same with what is said of clips.
+    pub(super) fn finish_tracked(mut self, path: &Path) -> Result<Tracked, EvalError> {
+        self.frames.sort_by(|a, b| a.image.name.cmp(&b.image.name));
         let twice = self.frames.windows(2).find_map(|pair| match pair {
-            [(a, _), (b, _)] if a.name == b.name => Some(a.name.clone()),
+            [a, b] if a.image.name == b.image.name => Some(a.image.name.clone()),
             _ => None,
         });
         if let Some(name) = twice {
@@ -185,8 +230,8 @@ impl Reader {
         }
         let is_known = |name: &str| CLASSES.iter().any(|(known, _)| *known == name);
         let mut names: Vec<&str> = Vec::new();
-        for (_, objects) in &self.frames {
-            names.extend(objects.iter().map(|(name, ..)| name.as_str()));
+        for frame in &self.frames {
+            names.extend(frame.objects.iter().map(|(name, ..)| name.as_str()));
         }
         names.sort_unstable();
         names.dedup();
@@ -208,10 +253,12 @@ impl Reader {
                 supercategory,
             });
         }
-        for (id, (image, objects)) in (1..).zip(self.frames) {
+        let (mut tracks, mut frame_idx) = (Vec::new(), Vec::new());
+        for (id, frame) in (1..).zip(self.frames) {
             let place = u32::try_from(labels.images.len()).unwrap_or(u32::MAX);
-            labels.images.push(LabeledImage { id, ..image });
-            for (name, box_px, kind) in objects {
+            frame_idx.push(frame.frame_idx);
+            labels.images.push(LabeledImage { id, ..frame.image });
+            for (name, box_px, kind, track) in frame.objects {
                 // Lanes and drivable areas of other tasks are no classes of this one.
                 let Some(category) = labels.category_of_name(&name) else {
                     continue;
@@ -225,8 +272,22 @@ impl Reader {
                     area_px2: box_px.area_px2(),
                     kind,
                 });
+                tracks.push(track);
             }
         }
-        Ok(labels)
+        Ok(Tracked {
+            labels,
+            tracks,
+            frame_idx,
+        })
+    }
+}
+
+/// The name of a track; nothing for what is no name.
+fn track_name(id: &serde_json::Value) -> Option<String> {
+    match id {
+        serde_json::Value::String(name) if !name.is_empty() => Some(name.clone()),
+        serde_json::Value::Number(number) => Some(number.to_string()),
+        _ => None,
     }
 }

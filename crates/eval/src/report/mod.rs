@@ -1,6 +1,7 @@
 //! A study for readers: one HTML file, and the same numbers as JSON, CSV and LaTeX.
 
 mod charts;
+mod clip_numbers;
 mod conditions;
 mod csv;
 mod failed;

@@ -1,11 +1,12 @@
 //! All numbers of a study in one long list, one row each: what CSV holds.
 
+use super::clip_numbers::of_clip;
 use super::conditions::labels;
 use super::words;
 use crate::SubsetRow;
 use crate::evaluation::{
     DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, Group, GroupAp, GroupKind,
-    PairedRow, ProtocolResults, Scope, ScopeKind, Study, TideErrors, TimelineResults,
+    PairedRow, ProtocolResults, Scope, ScopeKind, Study, TideErrors,
 };
 
 /// One number with what it is about.
@@ -117,13 +118,18 @@ fn put_group(number: &mut Number, group: &Group) {
 }
 
 /// Adds numbers that share what they are about.
-struct Adder<'a> {
-    list: &'a mut Vec<Number>,
-    about: Number,
+pub(super) struct Adder<'a> {
+    pub(super) list: &'a mut Vec<Number>,
+    pub(super) about: Number,
 }
 
 impl Adder<'_> {
-    fn add(&mut self, metric: impl Into<String>, estimate: &Estimate, method: &'static str) {
+    pub(super) fn add(
+        &mut self,
+        metric: impl Into<String>,
+        estimate: &Estimate,
+        method: &'static str,
+    ) {
         let mut number = self.about.clone();
         number.metric = metric.into();
         number.estimate = estimate.clone();
@@ -137,11 +143,17 @@ impl Adder<'_> {
         self.list.push(number);
     }
 
-    fn add_value(&mut self, metric: impl Into<String>, value: f64, n: u64, method: &'static str) {
+    pub(super) fn add_value(
+        &mut self,
+        metric: impl Into<String>,
+        value: f64,
+        n: u64,
+        method: &'static str,
+    ) {
         self.add(metric, &Estimate::of(value, n), method);
     }
 
-    fn add_count(&mut self, metric: impl Into<String>, count: u64) {
+    pub(super) fn add_count(&mut self, metric: impl Into<String>, count: u64) {
         self.add_value(metric, words::as_number(count), count, "count");
     }
 }
@@ -424,34 +436,6 @@ fn of_tide(
         ("false_negative", errors.false_negative),
     ] {
         adder.add_value(format!("tide_{name}_{side}"), value, n_objects, "TIDE");
-    }
-}
-
-fn of_clip(about: &Number, clip: &TimelineResults, list: &mut Vec<Number>) {
-    let mut adder = Adder {
-        list,
-        about: about.clone(),
-    };
-    for track in &clip.tracks {
-        adder.about.class = track.class.clone();
-        let name = |what: &str| format!("{what}[{}/{}]", clip.clip, track.track);
-        let n = track.n_frames;
-        adder.add_value(
-            name("found_share_clean"),
-            track.found_clean,
-            n,
-            "share of frames",
-        );
-        adder.add_value(
-            name("found_share_cracked"),
-            track.found_cracked,
-            n,
-            "share of frames",
-        );
-        adder.add_count(name("flickers"), track.n_flickers);
-        if let Some(time_s) = track.time_to_failure_s {
-            adder.add_value(name("time_to_failure_s"), time_s, n, "frames");
-        }
     }
 }
 

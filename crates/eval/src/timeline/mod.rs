@@ -6,17 +6,20 @@
 //! ([`track_detections`]). What the glass does comes in as plain values: the times of the frames and
 //! the frame of the damage's onset, as the track file of the verb `video` has them.
 
+mod clip_track;
 mod follow;
 mod sightings;
+mod steadiness;
 mod survival;
 
 use serde::{Deserialize, Serialize};
 
 use crate::EvalError;
-use crate::resampling::{Plan, bootstrap};
-use crate::statistic::{Measured, Method};
+pub use clip_track::{ClipTrack, TrackedFrame};
 pub use follow::{FollowSettings, Followed, track_detections};
 pub use sightings::{Sighting, Track, TrackFate, TrackRow, tracks_of};
+use steadiness::steadiness;
+pub use steadiness::{Change, Steadiness, change_after};
 pub use survival::{Survival, SurvivalStep, kaplan_meier};
 
 /// A frame of the video.
@@ -100,19 +103,6 @@ pub struct FrameRow {
     pub n_found: u64,
     /// Mean score of those found.
     pub mean_score: Option<f64>,
-}
-
-/// How steadily objects are found.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Steadiness {
-    /// Objects in frames.
-    pub n_sightings: u64,
-    /// Share of them found; interval by drawing tracks, which its n counts.
-    pub found: Measured,
-    /// From one frame of a track to its next.
-    pub n_steps: u64,
-    /// Share of them at which found turns to missed or back; interval likewise.
-    pub flicker: Measured,
 }
 
 /// What becomes of tracked objects over the frames.
@@ -259,70 +249,4 @@ fn frame_rows(frames: &[Frame], tracks: &[Track]) -> Vec<FrameRow> {
             ..row
         })
         .collect()
-}
-
-/// Counts of a track.
-#[derive(Debug, Clone, Copy, Default)]
-struct Steps {
-    n_sightings: u64,
-    n_found: u64,
-    n_steps: u64,
-    n_changes: u64,
-}
-
-fn steadiness(
-    tracks: &[Track],
-    counts: impl Fn(u32) -> bool,
-    settings: TimelineSettings,
-) -> Result<Steadiness, EvalError> {
-    let of_track = |track: &Track| {
-        let mut steps = Steps::default();
-        for sighting in track.sightings.iter().filter(|it| counts(it.frame)) {
-            steps.n_sightings += 1;
-            steps.n_found += u64::from(sighting.is_found());
-        }
-        // A step is of the time to which it leads.
-        for pair in track
-            .sightings
-            .windows(2)
-            .filter(|pair| counts(pair[1].frame))
-        {
-            steps.n_steps += 1;
-            steps.n_changes += u64::from(pair[0].is_found() != pair[1].is_found());
-        }
-        steps
-    };
-    let steps: Vec<Steps> = tracks
-        .iter()
-        .map(of_track)
-        .filter(|it| it.n_sightings > 0)
-        .collect();
-    let total = |weights: &[u32]| {
-        let mut sum = Steps::default();
-        for (steps, weight) in steps.iter().zip(weights) {
-            let weight = u64::from(*weight);
-            sum.n_sightings += weight * steps.n_sightings;
-            sum.n_found += weight * steps.n_found;
-            sum.n_steps += weight * steps.n_steps;
-            sum.n_changes += weight * steps.n_changes;
-        }
-        sum
-    };
-    let share = |part: u64, whole: u64| (whole > 0).then(|| part as f64 / whole as f64);
-    let n_tracks = u32::try_from(steps.len()).unwrap_or(u32::MAX);
-    let plan = Plan::of_images(n_tracks).with(settings.n_replicates, settings.seed, settings.level);
-    let replicates = bootstrap(&plan, |weights| {
-        let sum = total(&weights.images);
-        vec![
-            share(sum.n_found, sum.n_sightings),
-            share(sum.n_changes, sum.n_steps),
-        ]
-    })?;
-    let all = total(&vec![1; steps.len()]);
-    Ok(Steadiness {
-        n_sightings: all.n_sightings,
-        found: replicates.percentile(0, Method::Share),
-        n_steps: all.n_steps,
-        flicker: replicates.percentile(1, Method::Share),
-    })
 }

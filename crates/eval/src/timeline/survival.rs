@@ -14,8 +14,11 @@ pub struct Survival {
     pub n_lost: u64,
     /// At each time at which objects are lost; before the first, the share is 1.
     pub steps: Vec<SurvivalStep>,
-    /// First time at which half or more are lost, s.
+    /// First time at which half or more are lost, s; with an interval where it has two ends.
     pub median_s: Measured,
+    /// Ends of the median's interval, s; `None` for the upper end where the video is too short to
+    /// tell, for both where not even the lower one is reached.
+    pub median_ends_s: [Option<f64>; 2],
 }
 
 /// The share from one time on.
@@ -37,6 +40,9 @@ pub struct SurvivalStep {
 ///
 /// The interval is exp(−exp(ln(−ln S) ± z √V / ln S)) with Greenwood's V = Σ dᵢ/(nᵢ(nᵢ − dᵢ))
 /// \[Greenwood1926\], which stays within 0 and 1.
+///
+/// The interval of the median begins and ends where the lower and the upper ends of those intervals
+/// first come down to one half \[Brookmeyer1982\].
 ///
 /// # Errors
 /// If there is not one time per object, a time is negative or not finite, or the level is not
@@ -102,17 +108,34 @@ pub fn kaplan_meier(times_s: &[f64], is_lost: &[bool], level: f64) -> Result<Sur
         }
         n_at_risk -= group.len() as u64;
     }
-    let half = steps
-        .iter()
-        .find(|it| it.share.value.is_some_and(|share| share <= 0.5));
-    let median_s = half.map_or_else(
+    let first = |end: fn(&SurvivalStep) -> Option<f64>| {
+        let step = steps
+            .iter()
+            .find(|it| end(it).is_some_and(|share| share <= 0.5));
+        step.map(|it| it.time_s)
+    };
+    let ends = [
+        first(|it| it.share.interval.map(|it| it.low)),
+        first(|it| it.share.interval.map(|it| it.high)),
+    ];
+    let interval = match ends {
+        [Some(low), Some(high)] => Some(Interval {
+            low,
+            high,
+            level,
+            method: Method::BrookmeyerCrowley,
+        }),
+        _ => None,
+    };
+    let median_s = first(|it| it.share.value).map_or_else(
         || Measured::none(n, Method::KaplanMeier, "half of the objects are never lost"),
-        |step| Measured::of(step.time_s, n, Method::KaplanMeier),
+        |time_s| Measured::of(time_s, n, Method::KaplanMeier).within(interval),
     );
     Ok(Survival {
         n,
         n_lost: steps.iter().map(|it| it.n_lost).sum(),
         steps,
         median_s,
+        median_ends_s: ends,
     })
 }

@@ -3,15 +3,18 @@
 
 use image::{DynamicImage, Rgb, RgbImage};
 use starbreak_dataset::{Encoding, JpegQuality, encode_image};
-use starbreak_eval::BoxPx;
 use starbreak_eval::evaluation::{
     BoxRole, ClassFlip, CleanResults, Condition, Counts, DivergenceResults, DivergenceTable,
     DoseBin, DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, FlipRow, Group,
     GroupKind, InputFile, KittiAp, LabelAudit, LabelVerdict, LogisticFit, NewFalsePositives,
     PairedMetric, PairedRow, PicturePair, ProtocolResults, Provenance, RobustnessRow, RoledBox,
-    Scope, ScopeKind, Settings, ShiftRow, ShiftedLabel, Study, TideErrors, TimelineFrame,
-    TimelineResults, TrackResult, Versions, Warning, WarningKind, WorstFailure,
+    Scope, ScopeKind, Settings, ShiftRow, ShiftedLabel, Study, TideErrors, TimelineResults,
+    TrackSource, Versions, Warning, WarningKind, WorstFailure,
 };
+use starbreak_eval::timeline::{
+    Frame, GlassState, Sighting, TimelineSettings, Track, change_after, timeline,
+};
+use starbreak_eval::{BoxPx, TrackName};
 
 /// Classes with how many objects each has, its AP50 and its supercategory.
 const CLASSES: [(&str, u64, f64, &str); 9] = [
@@ -210,37 +213,58 @@ fn tide(scale: f64) -> TideErrors {
     }
 }
 
-fn timeline() -> TimelineResults {
-    let frame = |place: u32| TimelineFrame {
-        time_s: f64::from(place) / 10.0,
-        n_objects: 9 + u64::from(place / 20),
-        n_found_clean: 8 + u64::from(place / 25),
-        n_found_cracked: 8_u64.saturating_sub(u64::from(place / 9)),
+/// Objects in six seconds, hit after two: clean nearly all found, cracked lost one after the other.
+fn clip() -> TimelineResults {
+    let frames: Vec<Frame> = (0..60_u32)
+        .map(|place| Frame {
+            frame_idx: u64::from(place),
+            time_s: f64::from(place) / 10.0,
+            state: Some(match place {
+                0..20 => GlassState::Intact,
+                20..26 => GlassState::Growing,
+                _ => GlassState::Still,
+            }),
+        })
+        .collect();
+    let track = |number: u64, is_cracked: bool| {
+        let lost_from = 22 + 5 * number;
+        let is_found = |frame: u64| match is_cracked {
+            true => frame < lost_from || number > 6,
+            false => !(frame + number).is_multiple_of(17),
+        };
+        let score = |frame: u64| if frame < 20 || !is_cracked { 0.8 } else { 0.6 };
+        Track {
+            track: number,
+            category: 0,
+            sightings: (number as u32..60)
+                .map(|frame| Sighting {
+                    frame,
+                    score: is_found(frame.into()).then(|| score(frame.into())),
+                })
+                .collect(),
+        }
+    };
+    let tracks = |is_cracked| (1..=9).map(|k| track(k, is_cracked)).collect::<Vec<_>>();
+    let (clean, cracked) = (tracks(false), tracks(true));
+    let settings = TimelineSettings::default();
+    let of =
+        |tracks: &[Track]| timeline(&frames, Some(20), tracks, Some(&clean), settings).unwrap();
+    let name = |track: u64| TrackName {
+        track,
+        name: format!("{}", track + 16),
+        class: if track == 2 { "person" } else { "car" }.to_owned(),
     };
     TimelineResults {
         clip: "drive 0005".to_owned(),
         frames_per_s: Some(10.0),
-        frames: (0..60).map(frame).collect(),
-        tracks: vec![
-            TrackResult {
-                track: "17".to_owned(),
-                class: "car".to_owned(),
-                n_frames: 60,
-                found_clean: 0.98,
-                found_cracked: 0.41,
-                n_flickers: 7,
-                time_to_failure_s: Some(2.4),
-            },
-            TrackResult {
-                track: "18".to_owned(),
-                class: "person".to_owned(),
-                n_frames: 44,
-                found_clean: 0.9,
-                found_cracked: 0.86,
-                n_flickers: 2,
-                time_to_failure_s: None,
-            },
-        ],
+        n_frames: 60,
+        truth: TrackSource::Labels,
+        score_threshold: 0.3,
+        iou_threshold: 0.5,
+        objects: (1..=9).map(name).collect(),
+        clean: of(&clean),
+        cracked: of(&cracked),
+        change: change_after(Some(20), &clean, &cracked, settings).unwrap(),
     }
 }
 
@@ -353,7 +377,7 @@ pub(crate) fn evaluation(detector: &str, severity: u8) -> Evaluation {
         subsets: Vec::new(),
         failures: Some(failures(strength)),
         tide_cracked: Some(tide(1.0 + 0.1 * strength)),
-        timelines: vec![timeline()],
+        timelines: vec![clip()],
         worst: vec![
             worst(1, "val2017/000000000139.jpg"),
             worst(2, "val2017/000000000285.jpg"),

@@ -15,6 +15,7 @@ import numpy as np
 import scipy.stats as st
 import statsmodels.api as sm
 from lifelines import KaplanMeierFitter
+from lifelines.utils import median_survival_times
 from statsmodels.stats.contingency_tables import mcnemar
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.proportion import proportion_confint
@@ -120,17 +121,20 @@ def bcas():
 
 def survivals():
     out = []
-    for n in (8, 30):
-        t = np.round(rng.exponential(2.0, n), 1) + 0.1
-        failed = rng.uniform(size=n) < 0.7
+    # The last is looked at for so short a time that the median's interval has no upper end.
+    for n, share, draw in ((8, 0.7, rng), (30, 0.7, rng), (20, 0.45, np.random.default_rng(22))):
+        t = np.round(draw.exponential(2.0, n), 1) + 0.1
+        failed = draw.uniform(size=n) < share
         km = KaplanMeierFitter().fit(t, failed)
         times = km.event_table.index[km.event_table.observed > 0]
         ci = km.confidence_interval_
         rows = [dict(time=num(x), at_risk=int(km.event_table.at_risk[x]),
                      survival=num(km.survival_function_.loc[x].iloc[0]),
                      low=num(ci.loc[x].iloc[0]), high=num(ci.loc[x].iloc[1])) for x in times]
+        ends = median_survival_times(ci).iloc[0]
         out.append(dict(times=t.tolist(), failed=failed.tolist(), rows=rows,
-                        median=num(km.median_survival_time_)))
+                        median=num(km.median_survival_time_), median_low=num(ends.iloc[0]),
+                        median_high=num(ends.iloc[1])))
     return out
 
 

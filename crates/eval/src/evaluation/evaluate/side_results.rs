@@ -97,14 +97,5 @@ pub(super) fn image_areas_px(truth: &GroundTruth) -> Option<Vec<f64>> {
 
 /// A measured number as a reader gets it; without a number the reason is there.
 pub(super) fn estimate(measured: &Measured) -> Estimate {
-    match (measured.value, measured.interval) {
-        (Some(value), Some(ends)) => {
-            Estimate::with_interval(value, [ends.low, ends.high], measured.n)
-        }
-        (Some(value), None) => Estimate::of(value, measured.n),
-        (None, _) => {
-            let why = measured.reason.as_deref().unwrap_or("not defined");
-            Estimate::refused(measured.n, why)
-        }
-    }
+    Estimate::from(measured)
 }

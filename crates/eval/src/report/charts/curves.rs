@@ -1,6 +1,9 @@
 //! Points and lines over a number: failure over coverage, AP over severity, found over time.
 
-use kuva::prelude::{LinePlot, MarkerShape, Plot, ScatterPlot, TextAnnotation, TickFormat};
+use kuva::prelude::{
+    LinePlot, MarkerShape, Plot, ReferenceLine, ScatterPlot, ShadedRegion, TextAnnotation,
+    TickFormat,
+};
 
 use super::{Chart, ChartText, Ink, KeyEntry, finish, layout, letter_of};
 
@@ -25,10 +28,22 @@ pub(in crate::report) enum CurveStyle {
     Dashed,
     /// A line that jumps.
     Steps,
+    /// The same, thin: an end of an interval.
+    ThinSteps,
+}
+
+/// A moment or a time on the axis of a chart.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::report) enum Mark<'a> {
+    /// A dashed line with words at its top.
+    Moment { x: f64, words: &'a str },
+    /// A shade behind the curves.
+    Shade { from: f64, to: f64, opacity: f64 },
 }
 
 /// One curve.
 pub(in crate::report) struct Curve<'a> {
+    /// Its name in the key, where it is not there if it has none.
     pub(in crate::report) name: &'a str,
     pub(in crate::report) ink: Ink,
     pub(in crate::report) marker: MarkerShape,
@@ -42,6 +57,17 @@ pub(in crate::report) type Axis<'a> = ((f64, f64), f64, &'a str);
 /// A chart of curves.
 pub(in crate::report) fn curve_chart(
     curves: &[Curve<'_>],
+    x: Axis<'_>,
+    y: Axis<'_>,
+    text: &ChartText<'_>,
+) -> Chart {
+    marked_curve_chart(curves, &[], x, y, text)
+}
+
+/// A chart of curves with marks on its axis.
+pub(in crate::report) fn marked_curve_chart(
+    curves: &[Curve<'_>],
+    marks: &[Mark<'_>],
     (x, x_step, x_label): Axis<'_>,
     (y, y_step, y_label): Axis<'_>,
     text: &ChartText<'_>,
@@ -62,6 +88,7 @@ pub(in crate::report) fn curve_chart(
             line = match curve.style {
                 CurveStyle::Dashed => line.with_dashed(),
                 CurveStyle::Steps => line.with_step(),
+                CurveStyle::ThinSteps => line.with_step().with_dotted().with_stroke_width(1.2),
                 _ => line,
             };
             plots.push(Plot::Line(line));
@@ -83,8 +110,31 @@ pub(in crate::report) fn curve_chart(
         .with_y_tick_format(TickFormat::Auto)
         .with_x_label(x_label)
         .with_y_label(y_label);
-    // Words stand in a row at the top; where two would touch, the table alone has the second.
     let width = x.1 - x.0;
+    for mark in marks {
+        layout = match *mark {
+            Mark::Shade { from, to, opacity } => layout.with_shaded_region(
+                ShadedRegion::vertical(from, to)
+                    .with_color("var(--cracked)")
+                    .with_opacity(opacity),
+            ),
+            Mark::Moment { x: at, words } => {
+                let line = ReferenceLine::vertical(at).with_color("var(--ink)");
+                // To the right of the line, or, near the end, to its left.
+                if at < x.0 + width * 0.7 {
+                    layout.with_reference_line(line.with_label(words))
+                } else {
+                    let half = width * 0.0056 * super::count(words.chars().count());
+                    let height = y.0 + (y.1 - y.0) * 0.95;
+                    let note = TextAnnotation::new(words, at - width * 0.012 - half, height)
+                        .with_font_size(12)
+                        .with_color("var(--ink)");
+                    layout.with_reference_line(line).with_annotation(note)
+                }
+            }
+        };
+    }
+    // Words stand in a row at the top; where two would touch, the table alone has the second.
     let mut is_free_from = x.0;
     let points = curves.iter().flat_map(|curve| &curve.points);
     for (point, words) in points.filter_map(|p| Some((p, p.words.as_ref()?))) {
@@ -98,11 +148,13 @@ pub(in crate::report) fn curve_chart(
             .with_color("var(--soft)");
         layout = layout.with_annotation(note);
     }
-    let key = curves.iter().map(|curve| {
+    let named = curves.iter().filter(|curve| !curve.name.is_empty());
+    let key = named.map(|curve| {
         let mark = match curve.style {
             CurveStyle::Points | CurveStyle::JoinedPoints => letter_of(curve.marker),
             CurveStyle::Steps => "━",
             CurveStyle::Dashed => "╍",
+            CurveStyle::ThinSteps => "┈",
         };
         KeyEntry::new(curve.name, curve.ink, mark)
     });

@@ -14,7 +14,9 @@ use kuva::render::theme::Theme;
 use serde::Serialize;
 
 pub(super) use bars::bar_chart;
-pub(super) use curves::{Curve, CurvePoint, CurveStyle, curve_chart};
+pub(super) use curves::{
+    Axis, Curve, CurvePoint, CurveStyle, Mark, curve_chart, marked_curve_chart,
+};
 pub(super) use rows::{RowPoint, RowSeries, row_chart};
 
 /// Width of a chart, px of its own; it shrinks with the page.

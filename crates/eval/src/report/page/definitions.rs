@@ -78,6 +78,19 @@ const TERMS: &[Term] = &[
                   severities and seeds. rPC is its share of the clean AP.",
     },
     Term {
+        word: "Lost, at risk, time to failure",
+        meaning: "Of clips. An object is at risk if it is there when the damage comes and the clean clip shows it to \
+                  the detector just then. It is lost at the first frame from which it is not found in so many of \
+                  its frames in a row; the time from the damage to that frame is its time to failure. One that is never \
+                  lost is counted for as long as it is there. The curve is the estimate of Kaplan and Meier with \
+                  Greenwood's interval on the log-log scale; its median's interval ends where those of the curve \
+                  pass one half. The clean clip, under the same rules, is the control: what is lost without damage.",
+    },
+    Term {
+        word: "Flicker",
+        meaning: "Of clips: from one frame of an object to its next, how often found turns to missed or back.",
+    },
+    Term {
         word: "Refused numbers",
         meaning: "A dash with a letter stands where too few objects would make a number that looks like a \
                   finding and is none; the note below the table says why.",

@@ -1,6 +1,7 @@
 //! The page as blocks: what is said in which order, without a tag. The template gives each kind of
 //! block its markup and escapes all text.
 
+mod clip_charts;
 mod definitions;
 mod errors;
 mod failures;
@@ -85,7 +86,11 @@ pub(super) struct Term {
 /// Everything that the page says about a study.
 pub(super) fn page(study: &Study) -> Page {
     let n_evaluations = study.evaluations.len();
-    let mut sections = vec![overview::section(study)];
+    let of_clips = timeline::is_of_clips_alone(study);
+    let mut sections = vec![match of_clips {
+        true => timeline::section(study),
+        false => overview::section(study),
+    }];
     sections.extend(errors::classes_section(study));
     for (place, pooled) in study.pooled.iter().enumerate() {
         sections.push(pooled::section(study, pooled, &format!("p{place}")));
@@ -99,9 +104,12 @@ pub(super) fn page(study: &Study) -> Page {
     sections.push(provenance::section(study));
     Page {
         title: words::name(&study.title),
-        subtitle: overview::subtitle(study),
+        subtitle: match of_clips {
+            true => timeline::subtitle(study),
+            false => overview::subtitle(study),
+        },
         warnings: warnings::warnings(study),
-        facts: overview::facts(study),
+        facts: [overview::facts(study), timeline::facts(study)].concat(),
         sections,
     }
 }

@@ -78,20 +78,24 @@ fn settings(provenance: &Provenance) -> Table {
         "IoU of a detection that counts as found",
         settings.iou_threshold.to_string(),
     );
-    row(
-        "fewest objects for a number",
-        settings.min_objects.to_string(),
-    );
+    if settings.min_objects > 0 {
+        row(
+            "fewest objects for a number",
+            settings.min_objects.to_string(),
+        );
+    }
     if let Some(n) = settings.max_detections {
         row("most detections per image and class", n.to_string());
     }
     row("draws of the bootstrap", settings.n_bootstrap.to_string());
-    row(
-        "draws of the permutation test",
-        settings.n_permutations.to_string(),
-    );
+    if settings.n_permutations > 0 {
+        row(
+            "draws of the permutation test",
+            settings.n_permutations.to_string(),
+        );
+    }
     row("drawn as one", settings.resampling_unit.clone());
-    row("seed of both", settings.seed.to_string());
+    row("seed of the draws", settings.seed.to_string());
     for version in &provenance.versions {
         row(&version.name, version.version.clone());
     }

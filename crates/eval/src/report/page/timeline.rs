@@ -1,27 +1,31 @@
 //! What is found when, in a clip.
 
-use kuva::prelude::MarkerShape;
-
-use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
 use super::super::words;
-use super::failures::nice_step;
-use super::{Block, Cell, Table};
-use crate::evaluation::{Evaluation, TimelineFrame, TimelineResults};
+use super::clip_charts::{survival_chart, time_chart};
+use super::{Block, Cell, Section, Table};
+use crate::evaluation::{Estimate, Evaluation, Study, TimelineResults, TrackSource};
+use crate::timeline::{Steadiness, Timeline, TrackFate, TrackRow};
 
 /// Most objects in a table.
 const MAX_TRACKS: usize = 60;
 
 pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
     let mut blocks = Vec::new();
-    if !evaluation.timelines.is_empty() {
+    for (place, clip) in evaluation.timelines.iter().enumerate() {
+        let id = format!("{id}-clip{place}");
         blocks.push(Block::Heading {
             id: format!("{id}-time"),
-            text: "Over time".to_owned(),
+            text: words::name(&format!("Over time: {}", clip.clip)),
         });
-    }
-    for (place, clip) in evaluation.timelines.iter().enumerate() {
-        blocks.extend(chart(clip, &format!("{id}-clip{place}")));
-        if !clip.tracks.is_empty() {
+        blocks.push(Block::Text {
+            text: words::name(&about(clip)),
+        });
+        blocks.extend(time_chart(clip, &id));
+        blocks.push(Block::Table {
+            table: steadiness_table(clip),
+        });
+        blocks.extend(survival_chart(clip, &id));
+        if !clip.objects.is_empty() {
             blocks.push(Block::Table {
                 table: track_table(clip),
             });
@@ -30,96 +34,137 @@ pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
     blocks
 }
 
-fn chart(clip: &TimelineResults, id: &str) -> Option<Block> {
-    let end = clip.frames.last()?.time_s;
-    let most = clip.frames.iter().map(|f| f.n_objects).max().unwrap_or(0);
-    if end <= 0.0 || most == 0 {
-        return None;
-    }
-    let points = |of: fn(&TimelineFrame) -> u64| {
-        let point = |frame: &TimelineFrame| CurvePoint {
-            x: frame.time_s,
-            y: words::as_number(of(frame)),
-            interval: None,
-            words: None,
-        };
-        clip.frames.iter().map(point).collect()
+/// By which rules.
+fn about(clip: &TimelineResults) -> String {
+    let objects = match clip.truth {
+        TrackSource::Labels => "The objects are those of the labels".to_owned(),
+        TrackSource::CleanDetections { follow } => format!(
+            "There are no labels: the objects are the detections of the clean clip with a score of at least {}, \
+             followed over frames by an IoU of at least {}, over gaps of at most {} frames, and kept if they are in at \
+             least {} frames",
+            follow.score_threshold, follow.iou, follow.max_gap_frames, follow.min_frames
+        ),
     };
-    let curve = |name, ink, style, points| Curve {
-        name,
-        ink,
-        marker: MarkerShape::Circle,
-        style,
-        points,
+    let n_labeled = clip.cracked.frames.len() as u64;
+    let frames = match n_labeled == clip.n_frames {
+        true => format!("all {} frames", words::count(n_labeled)),
+        false => format!(
+            "{} labeled of {} frames",
+            words::count(n_labeled),
+            words::count(clip.n_frames)
+        ),
     };
-    let curves = [
-        curve(
-            "labeled",
-            Ink::Fourth,
-            CurveStyle::Dashed,
-            points(|f| f.n_objects),
-        ),
-        curve(
-            "found clean",
-            Ink::Clean,
-            CurveStyle::Steps,
-            points(|f| f.n_found_clean),
-        ),
-        curve(
-            "found cracked",
-            Ink::Cracked,
-            CurveStyle::Steps,
-            points(|f| f.n_found_cracked),
-        ),
-    ];
-    let name = words::name(&clip.clip);
-    let top = words::as_number(most) * 1.1;
-    let chart = curve_chart(
-        &curves,
-        ((0.0, end), nice_step(end), "time, s"),
-        ((0.0, top), nice_step(top).max(1.0), "objects"),
-        &ChartText {
-            id,
-            title: &format!("Objects found over time in {name}"),
-            description: "Steps of labeled objects, of those found clean and of those found cracked.",
-        },
-    );
+    let rate = clip.frames_per_s.map_or(String::new(), |rate| {
+        format!(" at {} per second", words::decimal(rate, 2))
+    });
+    format!(
+        "{objects}, over {frames}{rate}. An object is found by a detection of its class with a score of at least {} at \
+         an IoU of at least {}; it is lost at the first frame from the damage on from which it is not found in {} of \
+         its frames in a row.",
+        clip.score_threshold, clip.iou_threshold, clip.cracked.settings.lost_for_frames
+    )
+}
+
+/// Clean and cracked, before and after the damage.
+fn steadiness_table(clip: &TimelineResults) -> Table {
     let mut table = Table::new(
-        &format!("Frame by frame, {name}."),
+        &format!(
+            "How steadily objects are found in {}, before the damage and from it on. Flicker: from one frame of an \
+             object to its next, how often found turns to missed or back. Percent; {} % intervals by drawing objects \
+             anew.",
+            clip.clip,
+            words::decimal(clip.cracked.settings.level * 100.0, 0)
+        ),
         &[
-            ("Time, s", true),
-            ("Labeled", true),
-            ("Found clean", true),
-            ("Found cracked", true),
+            ("Clip", false),
+            ("When", false),
+            ("Objects", true),
+            ("Objects in frames", true),
+            ("Found", true),
+            ("Steps", true),
+            ("Flicker", true),
         ],
     );
-    for frame in &clip.frames {
-        table.push(vec![
-            Cell::number(Some(frame.time_s), |v| words::decimal(v, 3)),
-            Cell::count(frame.n_objects),
-            Cell::count(frame.n_found_clean),
-            Cell::count(frame.n_found_cracked),
-        ]);
+    let has_onset = clip.cracked.damage_onset.is_some();
+    for (name, side) in [("clean", &clip.clean), ("cracked", &clip.cracked)] {
+        let parts: &[(&str, &Steadiness)] = match has_onset {
+            true => &[
+                ("before the damage", &side.before),
+                ("from the damage on", &side.after),
+            ],
+            false => &[("all frames", &side.before)],
+        };
+        for (when, part) in parts {
+            let row = vec![
+                Cell::head(name),
+                Cell::text(when),
+                Cell::count(part.found.n),
+                Cell::count(part.n_sightings),
+                table.estimate(&Estimate::from(&part.found), words::percent),
+                Cell::count(part.n_steps),
+                table.estimate(&Estimate::from(&part.flicker), words::percent),
+            ];
+            table.push(row);
+        }
     }
-    Some(Block::Chart {
-        id: format!("fig-{id}"),
-        svg: chart.svg,
-        key: chart.key,
-        caption: format!("Objects found in each frame of {name}."),
-        table: Some(table),
-    })
+    if let Some(change) = &clip.change {
+        let row = vec![
+            Cell::head("cracked − clean"),
+            Cell::text("from the damage on"),
+            Cell::count(change.found.n),
+            Cell::text(words::NOTHING),
+            table.estimate(&Estimate::from(&change.found), words::signed_percent),
+            Cell::text(words::NOTHING),
+            table.estimate(&Estimate::from(&change.flicker), words::signed_percent),
+        ];
+        table.push(row);
+    }
+    table
+}
+
+/// A fate in words, and what it sorts by.
+fn fate(row: &TrackRow) -> (u8, f64, String) {
+    match &row.fate {
+        TrackFate::Lost { frame_idx, after_s } => (
+            0,
+            *after_s,
+            format!(
+                "lost in frame {frame_idx}, after {} s",
+                words::decimal(*after_s, 2)
+            ),
+        ),
+        TrackFate::Kept { for_s } => (
+            1,
+            *for_s,
+            format!("kept for {} s", words::decimal(*for_s, 2)),
+        ),
+        TrackFate::NotAtRisk { reason } => (2, 0.0, format!("not at risk: {reason}")),
+    }
 }
 
 fn track_table(clip: &TimelineResults) -> Table {
+    let mut rows: Vec<(&TrackRow, Option<&TrackRow>)> = clip
+        .cracked
+        .tracks
+        .iter()
+        .map(|row| {
+            let mut clean = clip.clean.tracks.iter();
+            (row, clean.find(|other| other.track == row.track))
+        })
+        .collect();
+    rows.sort_by(|(a, _), (b, _)| {
+        let (a, b) = (fate(a), fate(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
     let mut caption = format!(
-        "Objects of {}: in which share of their frames they are found, how often that changes in the \
-         cracked clip, and after which time they are no longer found.",
-        words::name(&clip.clip)
+        "Objects of {}, those lost first: in which share of their frames they are found, how often that changes, the \
+         longest gap, and what becomes of them in the cracked and in the clean clip.",
+        clip.clip
     );
-    if clip.tracks.len() > MAX_TRACKS {
+    if rows.len() > MAX_TRACKS {
         caption.push_str(&format!(
             " The first {MAX_TRACKS} of {}; the JSON has all.",
-            clip.tracks.len()
+            rows.len()
         ));
     }
     let mut table = Table::new(
@@ -127,23 +172,215 @@ fn track_table(clip: &TimelineResults) -> Table {
         &[
             ("Object", false),
             ("Class", false),
+            ("Cracked", false),
+            ("Clean", false),
             ("Frames", true),
             ("Found clean, %", true),
             ("Found cracked, %", true),
-            ("Changes", true),
-            ("Time to failure, s", true),
+            ("Changes clean", true),
+            ("Changes cracked", true),
+            ("Longest gap cracked, frames", true),
         ],
     );
-    for track in clip.tracks.iter().take(MAX_TRACKS) {
+    let share = |row: &TrackRow| {
+        (row.n_frames > 0).then(|| words::as_number(row.n_found) / words::as_number(row.n_frames))
+    };
+    for (row, clean) in rows.into_iter().take(MAX_TRACKS) {
+        let named = clip.objects.iter().find(|it| it.track == row.track);
+        let gap = row.gaps_frames.iter().max().copied().unwrap_or(0);
         table.push(vec![
-            Cell::head(&track.track),
-            Cell::text(&track.class),
-            Cell::count(track.n_frames),
-            Cell::number(Some(track.found_clean), words::percent),
-            Cell::number(Some(track.found_cracked), words::percent),
-            Cell::count(track.n_flickers),
-            Cell::number(track.time_to_failure_s, |v| words::decimal(v, 2)),
+            Cell::head(named.map_or("", |it| it.name.as_str())),
+            Cell::text(named.map_or("", |it| it.class.as_str())),
+            Cell::text(fate(row).2),
+            Cell::text(clean.map_or_else(String::new, |clean| fate(clean).2)),
+            Cell::count(row.n_frames),
+            Cell::number(clean.and_then(share), words::percent),
+            Cell::number(share(row), words::percent),
+            clean.map_or_else(
+                || Cell::text(words::NOTHING),
+                |clean| Cell::count(clean.n_changes),
+            ),
+            Cell::count(row.n_changes),
+            Cell::count(gap.into()),
         ]);
     }
     table
+}
+
+/// The median time to failure with the ends of its interval, s.
+pub(super) fn median_words(timeline: &Timeline) -> Option<String> {
+    let survival = timeline.survival.as_ref()?;
+    let seconds = |value: f64| words::decimal(value, 2);
+    let level = words::decimal(timeline.settings.level * 100.0, 0);
+    Some(match survival.median_s.value {
+        Some(value) => {
+            let interval = match survival.median_ends_s {
+                [Some(low), Some(high)] => {
+                    format!(
+                        " ({level} % interval {} to {} s)",
+                        seconds(low),
+                        seconds(high)
+                    )
+                }
+                [Some(low), None] => format!(
+                    " ({level} % interval from {} s to beyond what the clip can tell)",
+                    seconds(low)
+                ),
+                [None, _] => String::new(),
+            };
+            format!("{} s{interval}", words::decimal(value, 2))
+        }
+        None => "not reached: fewer than half are lost".to_owned(),
+    })
+}
+
+/// Whether there is nothing in a study but clips.
+pub(super) fn is_of_clips_alone(study: &Study) -> bool {
+    !study.evaluations.is_empty()
+        && study
+            .evaluations
+            .iter()
+            .all(|one| !one.timelines.is_empty() && one.paired.is_empty() && one.failures.is_none())
+}
+
+/// What a study of clips alone is of.
+pub(super) fn subtitle(study: &Study) -> String {
+    let clips: Vec<&TimelineResults> = study
+        .evaluations
+        .iter()
+        .flat_map(|e| &e.timelines)
+        .collect();
+    let n_frames: u64 = clips.iter().map(|clip| clip.n_frames).sum();
+    let n_objects: u64 = clips.iter().map(|clip| clip.objects.len() as u64).sum();
+    let s = |n: u64| if n == 1 { "" } else { "s" };
+    let n_clips = clips.len() as u64;
+    words::name(&format!(
+        "{} clip{} of {} frames with {} object{} of {}, clean and cracked: what the detector finds in each frame, and \
+         after which time it loses an object.",
+        words::count(n_clips),
+        s(n_clips),
+        words::count(n_frames),
+        words::count(n_objects),
+        s(n_objects),
+        study.dataset,
+    ))
+}
+
+/// The findings of clips, one sentence each.
+pub(super) fn facts(study: &Study) -> Vec<String> {
+    let mut facts = Vec::new();
+    for one in &study.evaluations {
+        for clip in &one.timelines {
+            facts.extend(fact(one, clip));
+        }
+    }
+    facts
+}
+
+fn fact(one: &Evaluation, clip: &TimelineResults) -> Option<String> {
+    let onset = clip.cracked.damage_onset?;
+    let percent = |value: Option<f64>| value.map(words::percent);
+    let found = percent(clip.cracked.after.found.value)?;
+    let found_clean = percent(clip.clean.after.found.value)?;
+    let mut text = format!(
+        "{}, {}: from the damage at {} s on, objects are found in {found} % of their frames, {found_clean} % in the \
+         clean clip",
+        one.detector,
+        clip.clip,
+        words::decimal(onset.time_s, 2)
+    );
+    let change = clip
+        .change
+        .as_ref()
+        .map(|change| Estimate::from(&change.found));
+    if let Some([low, high]) = change.and_then(|change| change.interval()) {
+        text.push_str(&format!(
+            " (95 % interval of the difference {} to {} points)",
+            words::signed_percent(low),
+            words::signed_percent(high)
+        ));
+    }
+    if let (Some(cracked), Some(clean)) = (&clip.cracked.survival, &clip.clean.survival) {
+        text.push_str(&format!(
+            "; of {} objects at risk {} are lost, {} in the clean clip",
+            words::count(cracked.n),
+            words::count(cracked.n_lost),
+            words::count(clean.n_lost)
+        ));
+        if let (Some(median), true) = (median_words(&clip.cracked), cracked.n_lost > 0) {
+            text.push_str(&format!("; median time to failure {median}"));
+        }
+    }
+    text.push('.');
+    Some(words::name(&text))
+}
+
+/// All clips in one table.
+pub(super) fn section(study: &Study) -> Section {
+    let mut table = Table::new(
+        "All clips: how many objects are at risk when the damage comes, how many of them are lost, and half of them \
+         after which time; in which share of their frames objects are found from then on. Percent; 95 % intervals in \
+         brackets.",
+        &[
+            ("Clip", false),
+            ("Damage, s", true),
+            ("At risk", true),
+            ("Lost cracked", true),
+            ("Lost clean", true),
+            ("Median time to failure, s", true),
+            ("Found clean, %", true),
+            ("Found cracked, %", true),
+            ("Difference", true),
+        ],
+    );
+    for one in &study.evaluations {
+        for clip in &one.timelines {
+            let survival = clip.cracked.survival.as_ref();
+            let lost = |side: &Timeline| match &side.survival {
+                Some(survival) => Cell::count(survival.n_lost),
+                None => Cell::text(words::NOTHING),
+            };
+            let onset = clip.cracked.damage_onset.map(|frame| frame.time_s);
+            let ends = survival.map(|it| it.median_ends_s);
+            let small = ends
+                .filter(|ends| ends.iter().any(Option::is_some))
+                .map(|ends| {
+                    let [low, high] = ends
+                        .map(|end| end.map_or(words::NOTHING.to_owned(), |v| words::decimal(v, 2)));
+                    format!("[{low}, {high}]")
+                });
+            let median = match survival {
+                Some(survival) => {
+                    let mut estimate = Estimate::from(&survival.median_s);
+                    (estimate.low, estimate.high) = (None, None);
+                    table
+                        .estimate(&estimate, |v| words::decimal(v, 2))
+                        .with_small(small)
+                }
+                None => Cell::text(words::NOTHING),
+            };
+            let row = vec![
+                Cell::head(&clip.clip),
+                Cell::number(onset, |v| words::decimal(v, 2)),
+                survival.map_or_else(|| Cell::text(words::NOTHING), |it| Cell::count(it.n)),
+                lost(&clip.cracked),
+                lost(&clip.clean),
+                median,
+                table.estimate(&Estimate::from(&clip.clean.after.found), words::percent),
+                table.estimate(&Estimate::from(&clip.cracked.after.found), words::percent),
+                match &clip.change {
+                    Some(change) => {
+                        table.estimate(&Estimate::from(&change.found), words::signed_percent)
+                    }
+                    None => Cell::text(words::NOTHING),
+                },
+            ];
+            table.push(row);
+        }
+    }
+    Section {
+        id: "overview".to_owned(),
+        title: "Overview".to_owned(),
+        blocks: vec![Block::Table { table }],
+    }
 }

@@ -1,0 +1,378 @@
+//! `starbreak timeline`: what a detector finds over the frames of clips, clean and cracked.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde_json::json;
+use starbreak::dataset::{OutputBatch, same_file};
+use starbreak::pipeline::with_threads;
+use starbreak_eval::evaluation::{
+    ClipInput, ClipSettings, Condition, Counts, Evaluation, InputFile, ProtocolResults, Provenance,
+    Settings, Study, TimelineResults, Versions,
+};
+use starbreak_eval::report::report_files;
+use starbreak_eval::timeline::{FollowSettings, Frame, TimelineSettings};
+use starbreak_eval::{
+    Detections, EvalError, GroundTruth, LabeledClip, Protocol, SaidDetections, TrackedLabels,
+    frames_of, said_categories,
+};
+
+use super::evaluate_join::{command, files_of, stem_of};
+use super::timeline_tracks::{NamedTrack, Tracks};
+use crate::args::Global;
+use crate::args::timeline::TimelineArgs;
+use crate::failure::Failure;
+use crate::screen::{Screen, path_text};
+
+/// The files that a report of clips has; the others are of images.
+const FILES: [&str; 3] = ["numbers.csv", "evaluation.json", "report.html"];
+
+pub(crate) fn run(
+    global: &Global,
+    args: &TimelineArgs,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
+    with_threads(usize::from(global.threads), || {
+        evaluated(global, args, screen)
+    })??;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
+    let tracks = Tracks::read(args)?;
+    let settings = ClipSettings {
+        score_threshold: args.score_threshold,
+        iou_threshold: args.iou,
+        timeline: TimelineSettings {
+            lost_for_frames: args.lost_for,
+            n_replicates: args.replicates,
+            seed: global.seed,
+            ..TimelineSettings::default()
+        },
+    };
+    let (clips, protocol) = match &args.labels {
+        Some(path) => {
+            let labels = TrackedLabels::read(path, args.first_frame)?;
+            (
+                of_labels(args, &labels, &tracks, &settings)?,
+                labels.truth.protocol,
+            )
+        }
+        None => (
+            vec![without_labels(args, &tracks, &settings)?],
+            Protocol::Coco,
+        ),
+    };
+    let study = study(global, args, clips, &tracks, protocol)?;
+    let Some(evaluation) = study.evaluations.first() else {
+        return Ok(());
+    };
+    if let Some(folder) = &args.output {
+        let mut batch = OutputBatch::new();
+        for (name, text) in report_files(&study)? {
+            if FILES.contains(&name) {
+                let path = folder.join(name);
+                refuse_input(args, &tracks, &path)?;
+                batch.stage(&path, text.as_bytes())?;
+            }
+        }
+        batch.commit()?;
+    }
+    for warning in &evaluation.warnings {
+        screen.note(&format!("warning: {}", warning.text));
+    }
+    for clip in &evaluation.timelines {
+        screen.say(&said(clip));
+    }
+    if let Some(folder) = &args.output {
+        screen.say(&format!("wrote {}", path_text(folder.join("report.html"))));
+    }
+    screen.result(|| {
+        json!({
+            "schema": Study::SCHEMA,
+            "warnings": evaluation.warnings,
+            "timelines": evaluation.timelines,
+        })
+    })
+}
+
+/// No file of the report takes the place of one that was read.
+fn refuse_input(args: &TimelineArgs, tracks: &Tracks, output: &Path) -> Result<(), Failure> {
+    let own = [Some(&args.clean), Some(&args.cracked), args.labels.as_ref()];
+    let mut inputs = own.into_iter().flatten().chain(tracks.files());
+    match inputs.find(|input| same_file(input, output)) {
+        Some(input) => Err(Failure::wrong_input(format!(
+            "the output {output:?} would replace the input {input:?}; choose another folder"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// The clips of the labels that were asked for, or all.
+fn of_labels(
+    args: &TimelineArgs,
+    labels: &TrackedLabels,
+    tracks: &Tracks,
+    settings: &ClipSettings,
+) -> Result<Vec<TimelineResults>, Failure> {
+    let chosen: Vec<&LabeledClip> = match args.clip.is_empty() {
+        true => tracks.clips_with_track(labels)?,
+        false => {
+            let named = args.clip.iter().map(|name| labels.clip(Some(name)));
+            named.collect::<Result<_, _>>()?
+        }
+    };
+    let by_frame = args.by_frame || !labels.has_image_ids;
+    let sides = [&args.clean, &args.cracked];
+    // Of all images once; by frames clip by clip.
+    let of_all: Option<[SaidDetections; 2]> = match by_frame {
+        true => None,
+        false => Some([
+            labels.truth.read_detections(&args.clean)?,
+            labels.truth.read_detections(&args.cracked)?,
+        ]),
+    };
+    let is_one = labels.clips.len() == 1;
+    let mut results = Vec::new();
+    for clip in chosen {
+        let n_labeled = clip.frames.iter().filter_map(|(_, idx)| *idx).max();
+        let n_labeled = n_labeled.map_or(clip.frames.len() as u64, |last| last + 1);
+        let track = tracks.of(clip.name.as_deref(), is_one, n_labeled)?;
+        let of_clip = labels.of_clip(clip, &track.track)?;
+        let mut read: Vec<Detections> = Vec::new();
+        for (side, path) in sides.into_iter().enumerate() {
+            read.push(match &of_all {
+                Some(all) => {
+                    let said = all.get(side).map(|said| &said.detections);
+                    said.map(|said| of_clip.of_images(said)).unwrap_or_default()
+                }
+                None => {
+                    let truth = frames_of(
+                        &track.track,
+                        clip.name.as_deref(),
+                        &labels.truth.labels.categories,
+                        labels.truth.protocol,
+                    );
+                    let path = of_one_clip(path, clip.name.as_deref());
+                    of_clip.of_frames(&by_frame_of(&truth, &path)?)
+                }
+            });
+        }
+        let [clean, cracked] = read.as_slice() else {
+            continue;
+        };
+        let name = clip.name.clone().unwrap_or_else(|| track.name.clone());
+        let frames = all_frames(&track);
+        let input = ClipInput {
+            name: &name,
+            frames_per_s: track.track.frames_per_s,
+            frames: &frames,
+            onset_idx: track.track.onset_idx,
+            clean,
+            cracked,
+        };
+        results.push(settings.of_labels(&input, &of_clip)?);
+    }
+    Ok(results)
+}
+
+/// Detections that name the frames of a clip.
+fn by_frame_of(frames: &GroundTruth, path: &Path) -> Result<Detections, Failure> {
+    match frames.read_detections(path) {
+        Ok(said) => Ok(said.detections),
+        Err(EvalError::UnknownImages {
+            n_detections,
+            n_all,
+            first,
+            ..
+        }) => {
+            let n_frames = frames.labels.images.len();
+            Err(Failure::wrong_input(format!(
+                "{path:?}: {n_detections} of {n_all} detections are in frames that the clip lacks, the first in image \
+                 {first}; the clip has {n_frames} frames, numbered from 1; give the detections of the same clip"
+            )))
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// The detections of one clip: a file or folder of its name in a folder of several.
+fn of_one_clip(path: &Path, clip: Option<&str>) -> PathBuf {
+    let Some(clip) = clip else {
+        return path.to_owned();
+    };
+    let inside = [path.join(format!("{clip}.json")), path.join(clip)];
+    let found = inside.into_iter().find(|path| path.exists());
+    found.unwrap_or_else(|| path.to_owned())
+}
+
+fn all_frames(track: &NamedTrack) -> Vec<Frame> {
+    track.track.frames.iter().map(|it| it.frame).collect()
+}
+
+/// One clip whose objects are what the clean detections show.
+fn without_labels(
+    args: &TimelineArgs,
+    tracks: &Tracks,
+    settings: &ClipSettings,
+) -> Result<TimelineResults, Failure> {
+    if args.first_frame != 0 {
+        return Err(Failure::wrong_input(
+            "--first-frame is about the labels; give labels, too, or leave it out",
+        ));
+    }
+    let track = tracks.only(args.clip.first().map(String::as_str))?;
+    let categories = said_categories(&[&args.clean, &args.cracked])?;
+    let truth = frames_of(&track.track, Some(&track.name), &categories, Protocol::Coco);
+    let clean = by_frame_of(&truth, &args.clean)?;
+    let cracked = by_frame_of(&truth, &args.cracked)?;
+    let frames = all_frames(&track);
+    let input = ClipInput {
+        name: &track.name,
+        frames_per_s: track.track.frames_per_s,
+        frames: &frames,
+        onset_idx: track.track.onset_idx,
+        clean: &clean,
+        cracked: &cracked,
+    };
+    let follow = FollowSettings {
+        score_threshold: args.follow_score,
+        iou: args.iou,
+        max_gap_frames: args.follow_gap,
+        min_frames: args.follow_frames,
+    };
+    if !(args.follow_score >= args.score_threshold && args.follow_score <= 1.0) {
+        return Err(Failure::wrong_input(format!(
+            "--follow-score {}: expected a score from --score-threshold {} to 1, since what is followed must count \
+             as found",
+            args.follow_score, args.score_threshold
+        )));
+    }
+    Ok(settings.of_clean_detections(&input, &categories, follow)?)
+}
+
+fn study(
+    global: &Global,
+    args: &TimelineArgs,
+    timelines: Vec<TimelineResults>,
+    tracks: &Tracks,
+    protocol: Protocol,
+) -> Result<Study, Failure> {
+    let sum = |of: fn(&TimelineResults) -> u64| timelines.iter().map(of).sum();
+    let detector = args.detector.clone();
+    let evaluation = Evaluation {
+        detector: detector.unwrap_or_else(|| stem_of(&args.clean)),
+        condition: Condition {
+            name: args
+                .condition
+                .clone()
+                .unwrap_or_else(|| "cracked".to_owned()),
+            ..Condition::default()
+        },
+        counts: Counts {
+            n_images: sum(|clip| clip.n_frames),
+            n_objects: sum(|clip| clip.cracked.frames.iter().map(|row| row.n_objects).sum()),
+            ..Counts::default()
+        },
+        warnings: timelines
+            .iter()
+            .flat_map(TimelineResults::warnings)
+            .collect(),
+        clean: ProtocolResults::default(),
+        cracked: ProtocolResults::default(),
+        paired: Vec::new(),
+        subsets: Vec::new(),
+        failures: None,
+        tide_clean: None,
+        tide_cracked: None,
+        label_audit: None,
+        timelines,
+        worst: Vec::new(),
+        changed_objects: Vec::new(),
+    };
+    let dataset = match (&args.labels, evaluation.timelines.as_slice()) {
+        (_, [only]) => only.clip.clone(),
+        (Some(labels), _) => stem_of(labels),
+        (None, _) => "clips".to_owned(),
+    };
+    let provenance = Provenance {
+        inputs: inputs(args, tracks)?,
+        versions: vec![Versions {
+            name: "starbreak".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+        }],
+        settings: Settings {
+            protocol: format!("objects over frames, matched as by {}", protocol.name()),
+            score_threshold: args.score_threshold,
+            iou_threshold: args.iou,
+            n_bootstrap: args.replicates,
+            seed: global.seed,
+            resampling_unit: "object".to_owned(),
+            max_detections: Some(100),
+            ..Settings::default()
+        },
+        command: Some(command()),
+        recipe: None,
+    };
+    Ok(Study::of_one(evaluation, &dataset, provenance))
+}
+
+/// The files that the numbers rest on, with their hashes.
+fn inputs(args: &TimelineArgs, tracks: &Tracks) -> Result<Vec<InputFile>, Failure> {
+    let mut inputs = Vec::new();
+    let mut add = |role: &str, path: &Path| -> Result<(), Failure> {
+        inputs.push(InputFile::of(role, &path_text(path), &files_of(path))?);
+        Ok(())
+    };
+    if let Some(path) = &args.labels {
+        add("labels", path)?;
+    }
+    add("clean detections", &args.clean)?;
+    add("cracked detections", &args.cracked)?;
+    for path in tracks.files() {
+        add("track of the cracked clip", path)?;
+    }
+    for (name, sha256) in tracks.clips() {
+        inputs.push(InputFile {
+            role: "clip that was cracked, by its track".to_owned(),
+            path: name.clone(),
+            sha256: sha256.clone(),
+            n_bytes: None,
+        });
+    }
+    Ok(inputs)
+}
+
+/// One clip, for people.
+fn said(clip: &TimelineResults) -> String {
+    let percent =
+        |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{:.1}", v * 100.0));
+    let name = &clip.clip;
+    let Some(onset) = clip.cracked.damage_onset else {
+        return format!(
+            "{name}: found in {} % of frames clean, {} % cracked; no damage",
+            percent(clip.clean.before.found.value),
+            percent(clip.cracked.before.found.value)
+        );
+    };
+    let mut text = format!(
+        "{name}: damage from frame {} ({:.3} s) on; before it found in {} % of frames clean, {} % cracked; from it on \
+         {} % clean, {} % cracked",
+        onset.frame_idx,
+        onset.time_s,
+        percent(clip.clean.before.found.value),
+        percent(clip.cracked.before.found.value),
+        percent(clip.clean.after.found.value),
+        percent(clip.cracked.after.found.value),
+    );
+    if let (Some(cracked), Some(clean)) = (&clip.cracked.survival, &clip.clean.survival) {
+        text.push_str(&format!(
+            "; of {} objects at risk {} lost, {} clean",
+            cracked.n, cracked.n_lost, clean.n_lost
+        ));
+        if let Some(median_s) = cracked.median_s.value {
+            text.push_str(&format!(", half of them within {median_s:.2} s"));
+        }
+    }
+    text
+}

@@ -1,0 +1,207 @@
+//! KITTI's tracking benchmark: `label_02/0000.txt`, one file per clip.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use starbreak_dataset::{files_in, read_text};
+
+use super::{LabeledClip, TrackedLabels};
+use crate::json_record::{refuse, refuse_file};
+use crate::labels::kitti::MAX_FILE_BYTES;
+use crate::{
+    BoxPx, Category, EvalError, GroundTruth, LabelSet, LabeledImage, Object, ObjectKind, Protocol,
+};
+
+/// The types of the benchmark, which has `Person` where object detection has `Person_sitting`; a
+/// type that is none of them is a category behind these.
+const TYPES: [&str; 8] = [
+    "Car",
+    "Van",
+    "Truck",
+    "Pedestrian",
+    "Person",
+    "Cyclist",
+    "Tram",
+    "Misc",
+];
+
+/// A line of a file.
+struct Line {
+    frame: u64,
+    /// `None` of `DontCare`.
+    track: Option<String>,
+    name: String,
+    box_px: BoxPx,
+}
+
+pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalError> {
+    let files: Vec<(String, PathBuf)> = match files_in(path, "txt") {
+        Ok(files) => files,
+        Err(_) => {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            vec![(stem.into_owned(), path.to_owned())]
+        }
+    };
+    if files.is_empty() {
+        return Err(refuse_file(
+            path,
+            "it has no files 0000.txt; give the folder label_02 of KITTI's tracking benchmark, or one file of it",
+        ));
+    }
+    let mut labels = LabelSet::default();
+    for name in TYPES {
+        category_of(&mut labels, name);
+    }
+    let mut read = Vec::new();
+    for (name, file) in files {
+        let lines = lines(&file, first_idx)?;
+        for line in &lines {
+            if line.track.is_some() {
+                category_of(&mut labels, &line.name);
+            }
+        }
+        read.push((name, lines));
+    }
+    // Areas of no matter are crowds of every category: a detection in them counts for nothing.
+    let all: Vec<u32> = (0..)
+        .zip(&labels.categories)
+        .map(|(place, _)| place)
+        .collect();
+    let (mut tracks, mut clips) = (Vec::new(), Vec::new());
+    for (name, lines) in read {
+        let mut by_frame = BTreeMap::<u64, Vec<Line>>::new();
+        for line in lines {
+            by_frame.entry(line.frame).or_default().push(line);
+        }
+        let n_frames = by_frame.keys().next_back().map_or(0, |last| last + 1);
+        let mut frames = Vec::new();
+        for idx in 0..n_frames {
+            let image = u32::try_from(labels.images.len()).unwrap_or(u32::MAX);
+            labels.images.push(LabeledImage {
+                id: i64::from(image) + 1,
+                name: format!("{name}/{idx:06}.png"),
+                width_px: None,
+                height_px: None,
+                cluster: Some(name.clone()),
+            });
+            frames.push((image, Some(idx)));
+            for line in by_frame.remove(&idx).into_iter().flatten() {
+                let (categories, kind) = match line.track {
+                    Some(_) => (
+                        vec![category_of(&mut labels, &line.name)],
+                        ObjectKind::Regular,
+                    ),
+                    None => (all.clone(), ObjectKind::Crowd),
+                };
+                for category in categories {
+                    let id = i64::try_from(labels.objects.len() + 1).unwrap_or(i64::MAX);
+                    labels.objects.push(Object {
+                        id,
+                        image,
+                        category,
+                        box_px: line.box_px,
+                        area_px2: line.box_px.area_px2(),
+                        kind,
+                    });
+                    tracks.push(line.track.clone());
+                }
+            }
+        }
+        clips.push(LabeledClip {
+            name: Some(name),
+            frames,
+            has_all_frames: true,
+        });
+    }
+    Ok(TrackedLabels {
+        truth: GroundTruth {
+            protocol: Protocol::Coco,
+            labels,
+            kitti: None,
+            root: None,
+        },
+        tracks,
+        clips,
+        has_image_ids: false,
+    })
+}
+
+fn category_of(labels: &mut LabelSet, name: &str) -> u32 {
+    let known = labels
+        .categories
+        .iter()
+        .position(|category| category.name.eq_ignore_ascii_case(name));
+    let place = known.unwrap_or_else(|| {
+        let place = labels.categories.len();
+        labels.categories.push(Category {
+            id: i64::try_from(place + 1).unwrap_or(i64::MAX),
+            name: name.to_owned(),
+            supercategory: None,
+        });
+        place
+    });
+    u32::try_from(place).unwrap_or(u32::MAX)
+}
+
+fn lines(path: &Path, first_idx: u64) -> Result<Vec<Line>, EvalError> {
+    let text = match read_text(path, MAX_FILE_BYTES) {
+        Ok(file) => file.text,
+        // A clip without objects.
+        Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
+        Err(error) => return Err(error.into()),
+    };
+    let mut lines = Vec::new();
+    for (number, row) in (1..).zip(text.lines()) {
+        if !row.trim().is_empty() {
+            let read = line(row, first_idx);
+            lines.push(read.map_err(|reason| refuse(path, format!("line {number}"), reason))?);
+        }
+    }
+    Ok(lines)
+}
+
+/// Longest clip that is taken, frames: a wrong number must not fill the memory.
+const MOST_FRAMES: u64 = 1_000_000;
+
+/// `frame track type truncated occluded alpha x0 y0 x1 y1 …`, 17 fields.
+fn line(row: &str, first_idx: u64) -> Result<Line, String> {
+    let fields: Vec<&str> = row.split_ascii_whitespace().collect();
+    let &[frame, track, name, _, _, _, x0, y0, x1, y1, ..] = fields.as_slice() else {
+        return Err(format!("{} fields; expected 17", fields.len()));
+    };
+    if fields.len() != 17 {
+        return Err(format!(
+            "{} fields; labels of KITTI's tracking benchmark have 17 (frame, track, type, …)",
+            fields.len()
+        ));
+    }
+    let frame = frame
+        .parse()
+        .ok()
+        .and_then(|idx: u64| idx.checked_sub(first_idx))
+        .filter(|idx| *idx < MOST_FRAMES)
+        .ok_or_else(|| {
+            format!("the frame {frame:?} is no number from {first_idx} to {MOST_FRAMES}")
+        })?;
+    let mut corners_px = [f64::NAN; 4];
+    for (corner, text) in corners_px.iter_mut().zip([x0, y0, x1, y1]) {
+        let parsed = text.parse().ok().filter(|value: &f64| value.is_finite());
+        *corner = parsed.ok_or_else(|| format!("the corner {text:?} is not a finite number"))?;
+    }
+    let box_px = BoxPx::from_corners(corners_px);
+    if !box_px.is_sound() {
+        return Err(format!("the box {corners_px:?} px ends before it begins"));
+    }
+    let is_area = name.eq_ignore_ascii_case("DontCare");
+    let track = match (track.parse::<i64>(), is_area) {
+        (Ok(_), true) => None,
+        (Ok(number), false) if number >= 0 => Some(number.to_string()),
+        _ => return Err(format!("the track {track:?} is no number from 0")),
+    };
+    Ok(Line {
+        frame,
+        track,
+        name: name.to_owned(),
+        box_px,
+    })
+}

@@ -1,0 +1,319 @@
+//! Charts of a clip: what is found when, and how long objects stay found.
+
+use kuva::prelude::MarkerShape;
+
+use super::super::charts::{
+    Axis, ChartText, Curve, CurvePoint, CurveStyle, Ink, Mark, marked_curve_chart,
+};
+use super::super::words;
+use super::failures::nice_step;
+use super::timeline::median_words;
+use super::{Block, Cell, Table};
+use crate::evaluation::{Estimate, TimelineResults};
+use crate::timeline::{FrameRow, GlassState, Survival, Timeline, TrackFate};
+
+/// Most frames in a table.
+const MAX_FRAMES: usize = 400;
+
+fn point(x: f64, y: f64) -> CurvePoint {
+    CurvePoint {
+        x,
+        y,
+        interval: None,
+        words: None,
+    }
+}
+
+fn curve(name: &str, ink: Ink, style: CurveStyle, points: Vec<CurvePoint>) -> Curve<'_> {
+    Curve {
+        name,
+        ink,
+        marker: MarkerShape::Circle,
+        style,
+        points,
+    }
+}
+
+/// Objects found in each frame.
+pub(super) fn time_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
+    let frames = &clip.cracked.frames;
+    let (first, last) = (frames.first()?.time_s, frames.last()?.time_s);
+    // A frame lasts as long as the one before it.
+    let step_s = match frames.len() {
+        0 | 1 => 1.0,
+        n => (last - first) / words::as_number(n as u64 - 1),
+    };
+    let end = last + step_s;
+    let most = frames.iter().map(|f| f.n_objects).max().unwrap_or(0);
+    if most == 0 {
+        return None;
+    }
+    let points = |rows: &[FrameRow], of: fn(&FrameRow) -> u64| {
+        let own = rows
+            .iter()
+            .map(|row| point(row.time_s, words::as_number(of(row))));
+        let held = rows.last().map(|row| point(end, words::as_number(of(row))));
+        own.chain(held).collect::<Vec<_>>()
+    };
+    let curves = [
+        curve(
+            "objects to be found",
+            Ink::Fourth,
+            CurveStyle::ThinSteps,
+            points(frames, |row| row.n_objects),
+        ),
+        curve(
+            "found clean",
+            Ink::Clean,
+            CurveStyle::Steps,
+            points(&clip.clean.frames, |row| row.n_found),
+        ),
+        curve(
+            "found cracked",
+            Ink::Cracked,
+            CurveStyle::Steps,
+            points(frames, |row| row.n_found),
+        ),
+    ];
+    let onset = clip.cracked.damage_onset.map(|frame| frame.time_s);
+    let growing: Vec<&FrameRow> = frames
+        .iter()
+        .filter(|row| row.state == Some(GlassState::Growing))
+        .collect();
+    let mut marks = Vec::new();
+    if let (Some(from), Some(to)) = (growing.first(), growing.last()) {
+        marks.push(Mark::Shade {
+            from: from.time_s,
+            to: to.time_s + step_s,
+            opacity: 0.14,
+        });
+    }
+    if let Some(x) = onset {
+        marks.push(Mark::Moment { x, words: "damage" });
+    }
+    let name = words::name(&clip.clip);
+    let top = words::as_number(most) * 1.15;
+    let glass = glass_words(onset, &growing, step_s);
+    let chart = marked_curve_chart(
+        &curves,
+        &marks,
+        ((first, end), nice_step(end - first), "time, s"),
+        ((0.0, top), nice_step(top).max(1.0), "objects"),
+        &ChartText {
+            id,
+            title: &format!("Objects found over time in {name}"),
+            description: &format!(
+                "Steps of the objects to be found, of those found clean and of those found cracked. {glass} The table \
+                 below has the numbers."
+            ),
+        },
+    );
+    Some(Block::Chart {
+        id: format!("fig-{id}"),
+        svg: chart.svg,
+        key: chart.key,
+        caption: format!("Objects found in each frame of {name}. {glass}"),
+        table: Some(frame_table(clip)),
+    })
+}
+
+/// When the glass breaks, in words.
+fn glass_words(onset: Option<f64>, growing: &[&FrameRow], step_s: f64) -> String {
+    let Some(onset) = onset else {
+        return "No damage begins in it.".to_owned();
+    };
+    let grown = growing.last().map_or(String::new(), |last| {
+        format!(
+            ", and cracks grow until {} s (shaded)",
+            words::decimal(last.time_s + step_s, 2)
+        )
+    });
+    format!(
+        "The damage begins at {} s{grown}.",
+        words::decimal(onset, 2)
+    )
+}
+
+fn frame_table(clip: &TimelineResults) -> Table {
+    let n_frames = clip.cracked.frames.len();
+    let every = n_frames.div_ceil(MAX_FRAMES).max(1);
+    let which = match every {
+        1 => "Frame by frame".to_owned(),
+        _ => format!("Every {every} frames (the JSON has all)"),
+    };
+    let mut table = Table::new(
+        &format!("{which}, {}.", clip.clip),
+        &[
+            ("Frame", true),
+            ("Time, s", true),
+            ("Glass", false),
+            ("Objects", true),
+            ("Found clean", true),
+            ("Found cracked", true),
+            ("Mean score clean", true),
+            ("Mean score cracked", true),
+        ],
+    );
+    let pairs = clip.clean.frames.iter().zip(&clip.cracked.frames);
+    for (clean, cracked) in pairs.step_by(every) {
+        let glass = match cracked.state {
+            Some(GlassState::Intact) => "intact",
+            Some(GlassState::Growing) => "growing",
+            Some(GlassState::Still) => "still",
+            None => words::NOTHING,
+        };
+        table.push(vec![
+            Cell::count(cracked.frame_idx),
+            Cell::number(Some(cracked.time_s), |v| words::decimal(v, 3)),
+            Cell::text(glass),
+            Cell::count(cracked.n_objects),
+            Cell::count(clean.n_found),
+            Cell::count(cracked.n_found),
+            Cell::number(clean.mean_score, |v| words::decimal(v, 2)),
+            Cell::number(cracked.mean_score, |v| words::decimal(v, 2)),
+        ]);
+    }
+    table
+}
+
+/// Until when any object at risk is followed, s after the damage.
+fn last_s(timeline: &Timeline) -> f64 {
+    let end = timeline.tracks.iter().map(|row| match row.fate {
+        TrackFate::Lost { after_s, .. } => after_s,
+        TrackFate::Kept { for_s } => for_s,
+        TrackFate::NotAtRisk { .. } => 0.0,
+    });
+    end.fold(0.0, f64::max)
+}
+
+/// The share not lost, by `of`, as the corners of its steps.
+fn steps(
+    survival: &Survival,
+    end_s: f64,
+    of: impl Fn(&crate::timeline::SurvivalStep) -> Option<f64>,
+) -> Vec<CurvePoint> {
+    let mut points = vec![point(0.0, 100.0)];
+    for step in &survival.steps {
+        let Some(share) = of(step) else { break };
+        points.push(point(step.time_s, share * 100.0));
+    }
+    if let Some(last) = points.last().map(|last| last.y) {
+        points.push(point(end_s, last));
+    }
+    points
+}
+
+/// How long objects stay found.
+pub(super) fn survival_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
+    let (cracked, clean) = (
+        clip.cracked.survival.as_ref()?,
+        clip.clean.survival.as_ref()?,
+    );
+    let end_s = last_s(&clip.cracked).max(last_s(&clip.clean));
+    if cracked.n == 0 || end_s <= 0.0 {
+        return None;
+    }
+    let value = |step: &crate::timeline::SurvivalStep| step.share.value;
+    let own = last_s(&clip.cracked);
+    let mut curves = vec![
+        curve(
+            "clean (control)",
+            Ink::Clean,
+            CurveStyle::Steps,
+            steps(clean, last_s(&clip.clean), value),
+        ),
+        curve(
+            "cracked",
+            Ink::Cracked,
+            CurveStyle::Steps,
+            steps(cracked, own, value),
+        ),
+    ];
+    let level = words::decimal(clip.cracked.settings.level * 100.0, 0);
+    let interval_name = format!("{level} % interval, cracked");
+    if cracked.n_lost > 0 {
+        for (name, end) in [(interval_name.as_str(), 0), ("", 1)] {
+            let of = |step: &crate::timeline::SurvivalStep| {
+                let interval = step.share.interval?;
+                Some(if end == 0 {
+                    interval.low
+                } else {
+                    interval.high
+                })
+            };
+            curves.push(curve(
+                name,
+                Ink::Cracked,
+                CurveStyle::ThinSteps,
+                steps(cracked, own, of),
+            ));
+        }
+    }
+    let name = words::name(&clip.clip);
+    let x: Axis<'_> = ((0.0, end_s), nice_step(end_s), "time after the damage, s");
+    let median = median_words(&clip.cracked).unwrap_or_default();
+    let chart = marked_curve_chart(
+        &curves,
+        &[],
+        x,
+        ((0.0, 105.0), 20.0, "objects not lost, %"),
+        &ChartText {
+            id: &format!("{id}-survival"),
+            title: &format!("Objects not yet lost over the time after the damage in {name}"),
+            description: &format!(
+                "Falling steps of the share of objects not lost, cracked and clean. Of {} objects {} are lost cracked \
+                 and {} clean. The table below has the numbers.",
+                cracked.n, cracked.n_lost, clean.n_lost
+            ),
+        },
+    );
+    Some(Block::Chart {
+        id: format!("fig-{id}-survival"),
+        svg: chart.svg,
+        key: chart.key,
+        caption: format!(
+            "Share of the objects of {name} that are not yet lost (Kaplan and Meier). At risk are the {} objects that \
+             the clean clip shows just after the damage; {} are lost in the cracked clip, {} in the clean one. Median \
+             time to failure, cracked: {median}.",
+            words::count(cracked.n),
+            words::count(cracked.n_lost),
+            words::count(clean.n_lost),
+        ),
+        table: Some(survival_table(clip, clean, cracked)),
+    })
+}
+
+fn survival_table(clip: &TimelineResults, clean: &Survival, cracked: &Survival) -> Table {
+    let mut table = Table::new(
+        &format!(
+            "Objects of {} lost over the time after the damage.",
+            clip.clip
+        ),
+        &[
+            ("Clip", false),
+            ("Time, s", true),
+            ("At risk", true),
+            ("Lost", true),
+            ("Not lost, %", true),
+        ],
+    );
+    for (name, survival) in [("cracked", cracked), ("clean", clean)] {
+        if survival.steps.is_empty() {
+            table.remark(&format!(
+                "In the {name} clip none of {} is lost.",
+                survival.n
+            ));
+        }
+        for step in &survival.steps {
+            let share = table.estimate(&Estimate::from(&step.share), words::percent);
+            table.push(vec![
+                Cell::head(name),
+                Cell::number(Some(step.time_s), |v| words::decimal(v, 2)),
+                Cell::count(step.n_at_risk),
+                Cell::count(step.n_lost),
+                share,
+            ]);
+        }
+    }
+    table
+}

@@ -1,0 +1,223 @@
+//! The track file of the verb `video`: what the glass is like in each frame of a clip.
+
+use std::path::Path;
+
+use serde::Deserialize;
+use starbreak_dataset::read_text;
+
+use super::{Frame, GlassState};
+use crate::EvalError;
+use crate::json_record::{refuse, refuse_file};
+
+/// Longest track file that is read, bytes: some hours of frames.
+const MAX_BYTES: u64 = 1 << 30;
+
+const SCHEMA: &str = "starbreak.track/1";
+
+/// A clip with its frames, times and the onset of its damage.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ClipTrack {
+    /// Names that the clip goes by: of the file that was broken and of the one that came out,
+    /// without folders and extensions.
+    pub names: Vec<String>,
+    /// Name of the file that was broken, and its SHA-256, where they are known.
+    pub input: Option<(String, String)>,
+    /// Frames per second.
+    pub frames_per_s: Option<f64>,
+    /// Width and height of a frame, px.
+    pub size_px: Option<(u32, u32)>,
+    /// All frames of the clip.
+    pub frames: Vec<TrackedFrame>,
+    /// Number of the first frame with damage.
+    pub onset_idx: Option<u64>,
+}
+
+/// A frame, and the file that it is in a folder of frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackedFrame {
+    /// Number, time and state of the glass.
+    pub frame: Frame,
+    /// Name of its file.
+    pub file: Option<String>,
+}
+
+#[derive(Deserialize)]
+struct File {
+    schema: String,
+    input: Input,
+    output: Output,
+    n_frames: u64,
+    fps: f64,
+    width_px: u32,
+    height_px: u32,
+    damage_onset: Option<Onset>,
+    frames: Vec<Line>,
+}
+
+#[derive(Deserialize)]
+struct Input {
+    name: String,
+    sha256: String,
+}
+
+#[derive(Deserialize)]
+struct Output {
+    name: String,
+}
+
+#[derive(Deserialize)]
+struct Onset {
+    frame_idx: u64,
+}
+
+#[derive(Deserialize)]
+struct Line {
+    frame_idx: u64,
+    time_s: f64,
+    state: GlassState,
+    #[serde(default)]
+    file: Option<String>,
+}
+
+impl ClipTrack {
+    /// The track in a file of schema `starbreak.track/1`.
+    ///
+    /// # Errors
+    /// [`EvalError::File`] where it is no such file, or says two things about its frames or its
+    /// onset; [`EvalError::Record`] for a frame out of order; [`EvalError::Dataset`].
+    pub fn read(path: &Path) -> Result<Self, EvalError> {
+        let text = read_text(path, MAX_BYTES)?.text;
+        let file: File = serde_json::from_str(&text).map_err(|error| {
+            let reason = format!(
+                "it is no track of `video`: {}; give the file OUT.track.json beside the cracked clip",
+                error.to_string().replace('\n', " ")
+            );
+            refuse_file(path, reason)
+        })?;
+        if file.schema != SCHEMA {
+            let reason = format!("its schema is {:?}; expected {SCHEMA:?}", file.schema);
+            return Err(refuse_file(path, reason));
+        }
+        let n_frames = file.frames.len() as u64;
+        if file.n_frames != n_frames || n_frames == 0 {
+            let reason = format!(
+                "it says n_frames = {} and lists {n_frames}; write the clip again with `video`",
+                file.n_frames
+            );
+            return Err(refuse_file(path, reason));
+        }
+        let mut before_s = f64::NEG_INFINITY;
+        for (idx, line) in (0..).zip(&file.frames) {
+            if line.frame_idx != idx || line.time_s <= before_s || !line.time_s.is_finite() {
+                let reason = format!(
+                    "frame {} at {} s is out of order; numbers count from 0 and times rise",
+                    line.frame_idx, line.time_s
+                );
+                return Err(refuse(path, format!("frames[{idx}]"), reason));
+            }
+            before_s = line.time_s;
+        }
+        let broken = |line: &&Line| line.state != GlassState::Intact;
+        let of_states = file.frames.iter().find(broken).map(|line| line.frame_idx);
+        let onset_idx = file.damage_onset.map(|onset| onset.frame_idx);
+        if of_states != onset_idx {
+            let said =
+                |idx: Option<u64>| idx.map_or("none".to_owned(), |idx| format!("frame {idx}"));
+            let reason = format!(
+                "its damage_onset is {}, but the first frame that is not intact is {}; write the clip again with `video`",
+                said(onset_idx),
+                said(of_states)
+            );
+            return Err(refuse_file(path, reason));
+        }
+        let names = [&file.input.name, &file.output.name];
+        Ok(Self {
+            names: names.map(|name| stem(name).to_owned()).into(),
+            input: Some((file.input.name, file.input.sha256)),
+            frames_per_s: (file.fps.is_finite() && file.fps > 0.0).then_some(file.fps),
+            size_px: Some((file.width_px, file.height_px)),
+            frames: file
+                .frames
+                .into_iter()
+                .map(|line| TrackedFrame {
+                    frame: Frame {
+                        frame_idx: line.frame_idx,
+                        time_s: line.time_s,
+                        state: Some(line.state),
+                    },
+                    file: line.file,
+                })
+                .collect(),
+            onset_idx,
+        })
+    }
+
+    /// A clip of which only the number of frames, their rate, 1/s, and the onset are known.
+    ///
+    /// # Errors
+    /// [`EvalError::StatisticSetting`] for a rate that is none.
+    pub fn plain(
+        n_frames: u64,
+        frames_per_s: f64,
+        onset_idx: Option<u64>,
+    ) -> Result<Self, EvalError> {
+        if !(frames_per_s.is_finite() && frames_per_s > 0.0) {
+            return Err(EvalError::StatisticSetting {
+                what: "number of frames per second",
+                value: frames_per_s,
+                range: "above 0",
+            });
+        }
+        let frame = |frame_idx: u64| {
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "numbers of frames are far below 2^53"
+            )]
+            let time_s = frame_idx as f64 / frames_per_s;
+            TrackedFrame {
+                frame: Frame {
+                    frame_idx,
+                    time_s,
+                    state: None,
+                },
+                file: None,
+            }
+        };
+        Ok(Self {
+            frames_per_s: Some(frames_per_s),
+            frames: (0..n_frames).map(frame).collect(),
+            onset_idx,
+            ..Self::default()
+        })
+    }
+
+    /// The same with another onset; what the track said of the glass is then left out.
+    ///
+    /// # Errors
+    /// [`EvalError::Rule`] for a frame that is not there.
+    pub fn with_onset(mut self, onset_idx: u64) -> Result<Self, EvalError> {
+        let n_frames = self.frames.len() as u64;
+        if onset_idx >= n_frames {
+            return Err(EvalError::Rule(format!(
+                "the damage begins in frame {onset_idx}, but the clip has {n_frames} frames, counted from 0; give one of them"
+            )));
+        }
+        if self.onset_idx != Some(onset_idx) {
+            for tracked in &mut self.frames {
+                tracked.frame.state = None;
+            }
+        }
+        self.onset_idx = Some(onset_idx);
+        Ok(self)
+    }
+}
+
+/// A file's name without folders and extension.
+fn stem(name: &str) -> &str {
+    let file = name.trim_end_matches('/');
+    let file = file.rsplit('/').next().unwrap_or(file);
+    match file.rsplit_once('.') {
+        Some((stem, _)) if !stem.is_empty() => stem,
+        _ => file,
+    }
+}
