@@ -278,14 +278,11 @@ fn study(
             .iter()
             .flat_map(TimelineResults::warnings)
             .collect(),
-        clean: ProtocolResults::default(),
         cracked: ProtocolResults::default(),
         paired: Vec::new(),
         subsets: Vec::new(),
         failures: None,
-        tide_clean: None,
         tide_cracked: None,
-        label_audit: None,
         timelines,
         worst: Vec::new(),
         changed_objects: Vec::new(),
