@@ -10,7 +10,6 @@ mod detect;
 mod detect_labels;
 mod divergence;
 mod evaluate;
-mod evaluate_join;
 mod generate;
 mod network_file;
 mod overlay_bank;
