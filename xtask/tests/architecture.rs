@@ -34,6 +34,7 @@ const OURS: &[(&str, &[&str])] = &[
         "starbreak-cli",
         &["starbreak", "starbreak-dataset", "starbreak-eval"],
     ),
+    ("starbreak-python", &["starbreak"]),
     ("xtask", &[]),
 ];
 
@@ -45,6 +46,8 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     ("ctrlc", SHELL, "libraries do not own the process"),
     ("mimalloc", SHELL, "the allocator is the process's"),
     ("indicatif", SHELL, "libraries do not print"),
+    ("pyo3", PYTHON, "libraries know no Python"),
+    ("numpy", PYTHON, "libraries know no Python"),
     (
         "kuva",
         &["starbreak-eval", "starbreak-cli"],
@@ -104,6 +107,7 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
             "starbreak-eval",
             "starbreak",
             "starbreak-cli",
+            "starbreak-python",
             "xtask",
         ],
         "solvers do not serialize; serialization is a boundary",
@@ -127,6 +131,9 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
 
 /// The command.
 const SHELL: &[&str] = &["starbreak-cli"];
+
+/// The Python package.
+const PYTHON: &[&str] = &["starbreak-python"];
 
 /// The crate that touches files and codecs.
 const CODECS: &[&str] = &["starbreak-dataset"];

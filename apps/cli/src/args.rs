@@ -337,21 +337,7 @@ impl Global {
 
     /// Lays the camera over a recipe, then sets single parameters.
     pub(crate) fn adjust(&self, recipe: &mut Recipe) -> Result<(), RecipeError> {
-        if let Some(camera) = &self.camera {
-            // The models first: a camera sets only what they have.
-            for assignment in self
-                .set
-                .iter()
-                .filter(|assignment| chooses_model(assignment))
-            {
-                recipe.set(assignment)?;
-            }
-            recipe.set_camera(camera)?;
-        }
-        for assignment in &self.set {
-            recipe.set(assignment)?;
-        }
-        Ok(())
+        recipe.adjust(self.camera.as_deref(), &self.set)
     }
 
     /// None of the outputs is the recipe file, which would be lost.
@@ -381,12 +367,6 @@ impl Global {
     pub(crate) fn seed(&self) -> Seed {
         Seed(self.seed)
     }
-}
-
-/// Whether an override chooses a model of fracture or optics.
-fn chooses_model(assignment: &str) -> bool {
-    let key = assignment.split('=').next().unwrap_or_default().trim();
-    ["fracture.model", "optics.model"].contains(&key)
 }
 
 /// Longest side of a simulated frame, px; that of the largest image that can be read.

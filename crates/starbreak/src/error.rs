@@ -63,6 +63,18 @@ pub enum Error {
     /// Labels, detections, a model or a question of the evaluation.
     #[error(transparent)]
     Eval(#[from] EvalError),
+    /// A comparison of sets that makes no sense.
+    #[error("{why}")]
+    Divergence {
+        /// Why not.
+        why: String,
+    },
+    /// A request for an evaluation that makes no sense.
+    #[error("{why}")]
+    Evaluation {
+        /// Why not.
+        why: String,
+    },
     /// What was found in an image cannot be written down.
     #[error("what was found in {image:?} cannot be written down: {reason}")]
     StudyLine {

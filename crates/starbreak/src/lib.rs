@@ -21,7 +21,9 @@
 
 pub mod bank;
 pub mod clip;
+pub mod divergence;
 mod error;
+pub mod evaluation;
 pub mod generate;
 pub mod import;
 pub mod overlay;

@@ -9,10 +9,11 @@ use std::process::ExitCode;
 
 use serde_json::Value;
 use starbreak::dataset::OutputBatch;
+use starbreak::divergence::compare_read_sets;
 use starbreak::pipeline::with_threads;
 use starbreak_eval::divergence::{
-    AnalysisSize, Background, CompareSettings, DivergenceReport, ReadSettings, compare_sets,
-    divergence_csv, divergence_svg,
+    AnalysisSize, Background, CompareSettings, DivergenceReport, ReadSettings, divergence_csv,
+    divergence_svg,
 };
 
 use crate::args::Global;
@@ -55,12 +56,10 @@ pub(crate) fn run(
         })?;
     }
     with_threads(n_threads, || {
-        let eye = sets::Eye::open(args)?;
+        let eye = sets::eye(args)?;
         let sets = sets::read_all(&args.sets, args, &reading, eye.as_ref(), &interrupt, screen)?;
-        let mut report = compare_sets(&sets, &reading, &settings, &[])?;
-        if let Some(eye) = &eye {
-            eye.compare(&sets, args, &settings, &mut report)?;
-        }
+        let eye = eye.as_ref().map(|eye| (eye, args.sigma));
+        let report = compare_read_sets(&sets, &reading, &settings, eye)?;
         interrupt.check()?;
         show::report(&report, screen);
         let value = serde_json::to_value(&report).map_err(Failure::wrong_input)?;

@@ -11,7 +11,6 @@ mod detect_clip;
 mod detect_labels;
 mod divergence;
 mod evaluate;
-mod evaluate_join;
 mod generate;
 mod network_file;
 mod overlay_bank;

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::json;
 use starbreak::dataset::{IndexFiles, OutputBatch, SourceSpec};
+use starbreak::evaluation::label_files;
 use starbreak::study::{StudyPlan, StudyRuns};
 use starbreak_eval::GroundTruth;
 use starbreak_eval::evaluation::{
@@ -12,7 +13,7 @@ use starbreak_eval::evaluation::{
 };
 use starbreak_eval::report::report_files;
 
-use super::evaluate_join::{command, label_files};
+use super::evaluate::command;
 use crate::args::study::StudyArgs;
 use crate::failure::Failure;
 use crate::screen::{Screen, path_text};

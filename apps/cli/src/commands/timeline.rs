@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use serde_json::json;
 use starbreak::dataset::{OutputBatch, same_file};
+use starbreak::evaluation::{files_of, stem_of};
 use starbreak::pipeline::with_threads;
 use starbreak_eval::evaluation::{
     ClipInput, ClipSettings, Condition, Counts, Evaluation, InputFile, ProtocolResults, Provenance,
@@ -17,7 +18,7 @@ use starbreak_eval::{
     frames_of, said_categories,
 };
 
-use super::evaluate_join::{command, files_of, stem_of};
+use super::evaluate::command;
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
 use crate::args::timeline::TimelineArgs;

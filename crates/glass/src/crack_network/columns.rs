@@ -65,6 +65,18 @@ pub enum Zone {
     Hackle,
 }
 
+impl Zone {
+    /// The word that stands in the file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mirror => "mirror",
+            Self::Mist => "mist",
+            Self::Hackle => "hackle",
+        }
+    }
+}
+
 /// Columns of the nodes, all of one length.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Nodes {

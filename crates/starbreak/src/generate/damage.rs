@@ -3,10 +3,9 @@
 use image::DynamicImage;
 use serde_json::{Value, json};
 use starbreak_dataset::{LabeledObject, ObjectKind};
-use starbreak_optics::DamageReader;
 
-use crate::pipeline::Shown;
-use crate::{OpticsSettings, Settings};
+use crate::Settings;
+use crate::pipeline::{Shown, damage_reader, damage_to_json};
 
 /// One entry per object, in the order of the labels.
 pub(super) fn damage_of(
@@ -15,12 +14,8 @@ pub(super) fn damage_of(
     shown: &Shown,
     settings: &Settings,
 ) -> Vec<Value> {
-    let region = &shown.region;
-    let reader = match (&shown.overlay, &settings.optics) {
-        (Some(overlay), _) => DamageReader::of_overlay(images, region, overlay),
-        (None, OpticsSettings::Paper(optics)) => DamageReader::of_paper(images, region, optics),
-        // The physical optics leave an overlay.
-        (None, OpticsSettings::Physical(_)) => return Vec::new(),
+    let Some(reader) = damage_reader(images, shown, settings) else {
+        return Vec::new();
     };
     objects
         .iter()
@@ -36,20 +31,10 @@ pub(super) fn damage_of(
                 "box_px": object.box_px,
             });
             // A box without a pixel of the frame has none.
-            entry["damage"] = reader.in_box(object.box_px).map_or(Value::Null, |damage| {
-                json!({
-                    "region_share": rounded(damage.region_share),
-                    "displacement_px": rounded(damage.displacement_px),
-                    "blur_radius_px": rounded(damage.blur_radius_px),
-                    "contrast_lost": damage.contrast_lost.map(rounded),
-                })
-            });
+            entry["damage"] = reader
+                .in_box(object.box_px)
+                .map_or(Value::Null, |damage| damage_to_json(&damage));
             entry
         })
         .collect()
-}
-
-/// To six decimals, which is more than is known.
-fn rounded(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
 }

@@ -12,9 +12,8 @@ use starbreak_optics::Contrast;
 
 use super::Plan;
 use super::damage::damage_of;
-use super::patterns::ItemPattern;
 use crate::Error;
-use crate::pipeline::{OpticsReport, PROVENANCE_SCHEMA, Shown, Stopwatch, Timings};
+use crate::pipeline::{OpticsReport, PROVENANCE_SCHEMA, ReadyCrack, Shown, Stopwatch, Timings};
 
 /// The bytes that one sample of an image becomes.
 pub(super) struct MadeItem {
@@ -174,7 +173,7 @@ struct Record<'a> {
     input_sha256: &'a str,
     /// Key, name and bytes.
     outputs: [(&'a str, &'a String, Option<&'a Vec<u8>>); 3],
-    pattern: &'a ItemPattern,
+    pattern: &'a ReadyCrack,
     optics: &'a OpticsReport,
     region_fraction: f64,
     objects: Vec<Value>,

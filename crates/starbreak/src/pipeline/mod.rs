@@ -6,6 +6,7 @@ mod files;
 mod growth;
 mod imported;
 mod provenance;
+mod ready;
 mod show;
 mod timings;
 
@@ -29,6 +30,8 @@ pub(crate) use files::{encoding, extension, region_fraction};
 pub use growth::{growth_drawing, growth_over, growth_times};
 pub use imported::{crack_image_with, use_network, view_of_network};
 pub use provenance::{PROVENANCE_SCHEMA, RunContext};
+pub(crate) use ready::damage_reader;
+pub use ready::{FrameReport, ReadyCrack, damage_to_json};
 pub use show::{Baked, OpticsReport, SceneReport, Shown, bake_network, show_cracks};
 pub(crate) use show::{network_view, own_view};
 pub use timings::{Stopwatch, Timings};

@@ -66,6 +66,14 @@ pub enum RecipeError {
         /// What the parser says.
         what: String,
     },
+    /// Tables that TOML could not hold.
+    #[error("{place}: {what}; a recipe is made of tables, numbers, strings and lists")]
+    NotTables {
+        /// Where they came from.
+        place: Place,
+        /// What they hold.
+        what: String,
+    },
     /// The version is missing.
     #[error(
         "{place}: the key `schema` is missing; begin the recipe with `schema = {SCHEMA_VERSION}`"
@@ -115,7 +123,7 @@ pub enum RecipeError {
     #[error("severity {found}; expected 1 (mild) to 5 (severe), 3 is the preset itself")]
     Severity {
         /// What was asked for.
-        found: u8,
+        found: i64,
     },
     /// A preset that does not exist.
     #[error("unknown preset `{name}`; {hint}")]

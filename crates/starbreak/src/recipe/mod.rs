@@ -90,9 +90,27 @@ impl Recipe {
     /// known one, a key of the other model, a value of the wrong type or out of range.
     pub fn parse(name: &str, text: &str) -> Result<Self, RecipeError> {
         let place = Place::file(name);
-        let mut recipe = Self {
-            table: parse_table(&place, text)?,
-        };
+        let table = parse_table(&place, text)?;
+        Self::of_table(place, table)
+    }
+
+    /// A recipe from tables, as [`Recipe::parse`]; `schema` may be left out.
+    ///
+    /// # Errors
+    /// [`RecipeError`] as for [`Recipe::parse`], [`RecipeError::NotTables`] for a value that TOML
+    /// does not have.
+    pub fn from_json(name: &str, tables: &serde_json::Value) -> Result<Self, RecipeError> {
+        let place = Place::file(name);
+        let mut table = Table::try_from(tables).map_err(|cause| RecipeError::NotTables {
+            place: place.clone(),
+            what: printable(&cause.to_string()),
+        })?;
+        table.entry("schema").or_insert(SCHEMA_VERSION.into());
+        Self::of_table(place, table)
+    }
+
+    fn of_table(place: Place, table: Table) -> Result<Self, RecipeError> {
+        let mut recipe = Self { table };
         match recipe.table.get("schema") {
             None => return Err(RecipeError::NoSchema { place }),
             Some(Value::Integer(SCHEMA_VERSION)) => {}
@@ -146,6 +164,32 @@ impl Recipe {
         }
         changed.finish(&place)?;
         *self = changed;
+        Ok(())
+    }
+
+    /// Lays a camera over the recipe, if one is named, then sets single keys in their order, each as
+    /// [`Recipe::set`]; models are set before the camera, which sets only what they have.
+    ///
+    /// # Errors
+    /// As for [`Recipe::set_camera`] and [`Recipe::set`].
+    pub fn adjust(
+        &mut self,
+        camera: Option<&str>,
+        assignments: &[String],
+    ) -> Result<(), RecipeError> {
+        let chooses_model = |assignment: &str| {
+            let key = assignment.split('=').next().unwrap_or_default().trim();
+            ["fracture.model", "optics.model"].contains(&key)
+        };
+        if let Some(camera) = camera {
+            for assignment in assignments.iter().filter(|text| chooses_model(text)) {
+                self.set(assignment)?;
+            }
+            self.set_camera(camera)?;
+        }
+        for assignment in assignments {
+            self.set(assignment)?;
+        }
         Ok(())
     }
 
@@ -264,6 +308,15 @@ impl Recipe {
     #[must_use]
     pub fn to_toml(&self) -> String {
         print::plain(&self.table)
+    }
+
+    /// The complete recipe as JSON, with the names of its TOML.
+    #[must_use]
+    pub fn to_json(&self) -> serde_json::Value {
+        // Tables of finite numbers, strings and lists.
+        let mut tables = serde_json::to_value(&self.table).unwrap_or_default();
+        tables["schema"] = SCHEMA_VERSION.into();
+        tables
     }
 
     /// The first key in which another recipe makes other patterns, with both values; its

@@ -104,7 +104,9 @@ impl Preset {
     /// What this severity sets: keys and values.
     pub(super) fn at(&self, severity: u8) -> Result<Vec<(&str, Value)>, RecipeError> {
         if !SEVERITIES.contains(&severity) {
-            return Err(RecipeError::Severity { found: severity });
+            return Err(RecipeError::Severity {
+                found: severity.into(),
+            });
         }
         let mut values = Vec::new();
         for (key, five) in &self.severity {

@@ -4,13 +4,13 @@ use std::process::ExitCode;
 
 use serde_json::json;
 use starbreak::dataset::SourceFormat;
+use starbreak::divergence::NamedSet;
 use starbreak_eval::divergence::{
     CompareSettings, ImageSet, Measure, PaperComparison, PaperExperiment, PaperRole, ReadSettings,
     paper_experiment,
 };
 
-use super::sets::{Eye, Named};
-use super::{digits, finish, show};
+use super::{digits, finish, sets, show};
 use crate::args::divergence::DivergenceArgs;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -23,8 +23,8 @@ pub(super) fn run(
     interrupt: &Interrupt,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let eye = Eye::open(args)?;
-    let mut sets = Vec::new();
+    let eye = sets::eye(args)?;
+    let mut read = Vec::new();
     for role in PaperRole::ALL {
         let given = &args.experiment;
         let text = match role {
@@ -46,23 +46,21 @@ pub(super) fn run(
             _ => None,
         };
         if let Some(text) = text {
-            let named = Named::parse_or(text, role.paper_name(), layout)?;
-            sets.push((
-                role,
-                named.read(args, reading, eye.as_ref(), interrupt, screen)?,
-            ));
+            let named = NamedSet::parse_or(text, role.paper_name(), layout);
+            let set = sets::read(&named, args, reading, eye.as_ref(), interrupt, screen)?;
+            read.push((role, set));
         }
     }
-    if sets.len() < 2 {
+    if read.len() < 2 {
         return Err(Failure::wrong_input(format!(
             "the paper's experiment needs two sets or more; give some of {}",
             PaperRole::ALL.map(PaperRole::flag).join(", ")
         )));
     }
-    let mut experiment = paper_experiment(&sets, reading, settings)?;
+    let mut experiment = paper_experiment(&read, reading, settings)?;
     if let Some(eye) = &eye {
-        let sets: Vec<ImageSet> = sets.into_iter().map(|(_, set)| set).collect();
-        eye.compare(&sets, args, settings, &mut experiment.report)?;
+        let sets: Vec<ImageSet> = read.into_iter().map(|(_, set)| set).collect();
+        eye.compare(&sets, args.sigma, settings, &mut experiment.report)?;
     }
     interrupt.check()?;
     show::report(&experiment.report, screen);

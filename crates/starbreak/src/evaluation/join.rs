@@ -1,19 +1,17 @@
-//! The full form of `starbreak evaluate`: everything joined into one study with its provenance.
+//! The full form: everything joined into one study with its provenance.
 
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use starbreak::dataset::{IndexFiles, SourceSpec, files_in, set_identity};
+use starbreak_dataset::{IndexFiles, SourceSpec, files_in, set_identity};
 use starbreak_eval::evaluation::{
     Condition, DamageFacts, EvaluateInput, EvaluateSettings, ImageFolders, InputFile, Provenance,
     Study, Versions, clean_results, evaluate,
 };
 use starbreak_eval::{CompareParams, GroundTruth, RegionMasks, SaidDetections};
 
-use crate::args::Global;
-use crate::args::evaluate::EvaluateArgs;
-use crate::failure::Failure;
-use crate::screen::path_text;
+use super::EvaluateRequest;
+use crate::Error;
 
 /// What was read.
 pub(super) struct Join<'a> {
@@ -26,35 +24,33 @@ pub(super) struct Join<'a> {
 
 impl Join<'_> {
     /// One detector under one condition, as a study.
-    pub(super) fn study(&self, global: &Global, args: &EvaluateArgs) -> Result<Study, Failure> {
-        if !(args.score_threshold.is_finite() && (0.0..=1.0).contains(&args.score_threshold)) {
-            return Err(Failure::wrong_input(format!(
-                "--score-threshold {}: expected 0 to 1",
-                args.score_threshold
-            )));
-        }
+    pub(super) fn study(&self, request: &EvaluateRequest) -> Result<Study, Error> {
         let settings = EvaluateSettings {
             compare: self.params.clone(),
-            score_threshold: args.score_threshold,
-            n_replicates: args.replicates,
-            seed: global.seed,
-            n_worst: args.worst,
+            score_threshold: request.score_threshold,
+            n_replicates: request.n_replicates,
+            seed: request.seed,
+            n_worst: request.n_worst,
             ..EvaluateSettings::of(self.truth.protocol)
         };
-        let identity = args.cracked_set.as_deref().map(set_identity).transpose()?;
+        let identity = request
+            .cracked_set
+            .as_deref()
+            .map(set_identity)
+            .transpose()?;
         let condition = Condition {
-            name: args
+            name: request
                 .condition
                 .clone()
                 .unwrap_or_else(|| "cracked".to_owned()),
             seed: identity.as_ref().and_then(|set| set.get("seed")?.as_u64()),
             ..Condition::default()
         };
-        let detector = args
+        let detector = request
             .detector
             .clone()
-            .unwrap_or_else(|| stem_of(&args.clean));
-        let provenance_folder = args
+            .unwrap_or_else(|| stem_of(&request.clean));
+        let provenance_folder = request
             .cracked_set
             .as_ref()
             .map(|set| set.join("starbreak/provenance"));
@@ -62,8 +58,10 @@ impl Join<'_> {
             Some(folder) => Some(DamageFacts::read(&folder, &self.truth.labels)?),
             None => None,
         };
-        let images = match (&self.truth.root, &args.cracked_set) {
-            (Some(clean), Some(cracked)) if args.worst > 0 => Some(ImageFolders { clean, cracked }),
+        let images = match (&self.truth.root, &request.cracked_set) {
+            (Some(clean), Some(cracked)) if request.n_worst > 0 => {
+                Some(ImageFolders { clean, cracked })
+            }
             _ => None,
         };
         let evaluation = evaluate(&EvaluateInput {
@@ -78,19 +76,19 @@ impl Join<'_> {
             settings: &settings,
         })?;
         let provenance = Provenance {
-            inputs: inputs(args)?,
+            inputs: inputs(request)?,
             versions: vec![Versions {
                 name: "starbreak".to_owned(),
                 version: env!("CARGO_PKG_VERSION").to_owned(),
             }],
             settings: settings.described(self.truth, self.masks.is_some()),
-            command: Some(command()),
+            command: request.command.clone(),
             recipe: identity
                 .as_ref()
                 .and_then(|set| set.get("recipe").and_then(Value::as_str))
                 .map(str::to_owned),
         };
-        let dataset = dataset_name(args);
+        let dataset = dataset_name(request);
         let name = Path::new(&dataset).file_name();
         let name = name.map_or(dataset.clone(), |name| name.to_string_lossy().into_owned());
         let mut study = Study::of_one(evaluation, &name, provenance);
@@ -100,7 +98,9 @@ impl Join<'_> {
     }
 }
 
-pub(super) fn stem_of(path: &Path) -> String {
+/// The name of a file without its extension: what a detector is called after its detections.
+#[must_use]
+pub fn stem_of(path: &Path) -> String {
     let stem = path.file_stem().or_else(|| path.file_name());
     stem.map_or_else(
         || "detector".to_owned(),
@@ -108,8 +108,8 @@ pub(super) fn stem_of(path: &Path) -> String {
     )
 }
 
-fn dataset_name(args: &EvaluateArgs) -> String {
-    match (&args.source, &args.ground_truth) {
+fn dataset_name(request: &EvaluateRequest) -> String {
+    match (&request.source, &request.ground_truth) {
         (Some(source), _) => source.to_string_lossy().into_owned(),
         (None, Some(path)) => path_text(path),
         (None, None) => String::new(),
@@ -117,38 +117,38 @@ fn dataset_name(args: &EvaluateArgs) -> String {
 }
 
 /// The files that the numbers rest on, with their hashes.
-fn inputs(args: &EvaluateArgs) -> Result<Vec<InputFile>, Failure> {
+fn inputs(request: &EvaluateRequest) -> Result<Vec<InputFile>, Error> {
     let mut inputs = Vec::new();
-    let mut add = |role: &str, path: &str, files: Vec<PathBuf>| -> Result<(), Failure> {
+    let mut add = |role: &str, path: &str, files: Vec<PathBuf>| -> Result<(), Error> {
         if !files.is_empty() {
             inputs.push(InputFile::of(role, path, &files)?);
         }
         Ok(())
     };
-    match (&args.source, &args.ground_truth) {
+    match (&request.source, &request.ground_truth) {
         (Some(source), _) => {
             let spec = SourceSpec::parse(source)?;
             let files = match IndexFiles::of(&spec) {
                 Ok(index) => index.names.iter().map(|name| index.path(name)).collect(),
                 Err(_) => label_files(&spec.path),
             };
-            add("labels", &dataset_name(args), files)?;
+            add("labels", &dataset_name(request), files)?;
         }
         (None, Some(path)) => add("labels", &path_text(path), files_of(path))?,
         (None, None) => {}
     }
     add(
         "clean detections",
-        &path_text(&args.clean),
-        files_of(&args.clean),
+        &path_text(&request.clean),
+        files_of(&request.clean),
     )?;
-    if let Some(path) = &args.cracked {
+    if let Some(path) = &request.cracked {
         add("cracked detections", &path_text(path), files_of(path))?;
     }
-    if let Some(path) = &args.clusters {
+    if let Some(path) = &request.clusters {
         add("clusters of images", &path_text(path), files_of(path))?;
     }
-    if let Some(set) = &args.cracked_set {
+    if let Some(set) = &request.cracked_set {
         let run = set.join("starbreak").join("run.json");
         add(
             "what the cracked set is made from",
@@ -160,7 +160,8 @@ fn inputs(args: &EvaluateArgs) -> Result<Vec<InputFile>, Failure> {
 }
 
 /// A file, or the text files of a folder of results.
-pub(super) fn files_of(path: &Path) -> Vec<PathBuf> {
+#[must_use]
+pub fn files_of(path: &Path) -> Vec<PathBuf> {
     let texts = |folder: &Path| files_in(folder, "txt").unwrap_or_default();
     let mut files = texts(path);
     for folder in ["data", "label_2"] {
@@ -175,7 +176,8 @@ pub(super) fn files_of(path: &Path) -> Vec<PathBuf> {
 }
 
 /// The label files of KITTI, where they are in their usual places.
-pub(super) fn label_files(root: &Path) -> Vec<PathBuf> {
+#[must_use]
+pub fn label_files(root: &Path) -> Vec<PathBuf> {
     let places = ["training/label_2", "label_2"];
     let found = places
         .iter()
@@ -187,16 +189,6 @@ pub(super) fn label_files(root: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// The command line as a shell takes it.
-pub(super) fn command() -> String {
-    let word = |word: std::ffi::OsString| {
-        let word = word.to_string_lossy().into_owned();
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
-        match !word.is_empty() && word.chars().all(is_plain) {
-            true => word,
-            false => format!("'{}'", word.replace('\'', "'\\''")),
-        }
-    };
-    let words: Vec<String> = std::env::args_os().skip(1).map(word).collect();
-    format!("starbreak {}", words.join(" "))
+fn path_text(path: impl AsRef<Path>) -> String {
+    path.as_ref().to_string_lossy().into_owned()
 }

@@ -1,0 +1,293 @@
+"""The compiled part of the package; the documentation is in the docstrings at run time."""
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any, Literal, SupportsIndex, TypeAlias, final, overload
+
+import numpy as np
+import numpy.typing as npt
+
+_Image: TypeAlias = npt.NDArray[np.uint8]
+_Path: TypeAlias = str | PathLike[str]
+_RecipeLike: TypeAlias = Recipe | str | dict[str, Any]
+_Boxes: TypeAlias = Sequence[Sequence[float]] | npt.NDArray[np.floating[Any]]
+_Set: TypeAlias = Mapping[str, Any] | Sequence[str]
+
+__all__ = [
+    "CrackNetwork",
+    "Cracked",
+    "PatternBank",
+    "ReadyCrack",
+    "Recipe",
+    "SimulationError",
+    "__version__",
+    "cameras",
+    "corrupt",
+    "crack",
+    "divergence",
+    "evaluate",
+    "item_seed",
+    "json_schema",
+    "presets",
+    "simulate",
+]
+
+__version__: str
+
+class SimulationError(RuntimeError): ...
+
+@final
+class Recipe:
+    def __new__(
+        cls,
+        preset: str = "windshield-star",
+        *,
+        severity: int | None = None,
+        camera: str | None = None,
+        set: _Set | None = None,
+    ) -> Recipe: ...
+    @staticmethod
+    def from_toml(text: str, *, name: str = "recipe") -> Recipe: ...
+    @staticmethod
+    def from_file(path: _Path) -> Recipe: ...
+    @staticmethod
+    def from_dict(tables: Mapping[str, Any]) -> Recipe: ...
+    def replace(self, set: _Set | None = None, *, camera: str | None = None) -> Recipe: ...
+    def to_toml(self, *, comments: bool = False) -> str: ...
+    def to_dict(self) -> dict[str, Any]: ...
+    @property
+    def sha256(self) -> str: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __reduce__(self) -> tuple[Any, tuple[str]]: ...
+
+@final
+class CrackNetwork:
+    @staticmethod
+    def from_json(text: str) -> CrackNetwork: ...
+    @staticmethod
+    def from_file(path: _Path) -> CrackNetwork: ...
+    def to_json(self) -> str: ...
+    def to_svg(self) -> str: ...
+    def save(self, path: _Path) -> None: ...
+    @property
+    def nodes(self) -> dict[str, npt.NDArray[Any]]: ...
+    @property
+    def segments(self) -> dict[str, npt.NDArray[Any]]: ...
+    @property
+    def model(self) -> Literal["paper", "physics", "imported"]: ...
+    @property
+    def seed(self) -> int | None: ...
+    @property
+    def unit(self) -> Literal["px", "mm"]: ...
+    @property
+    def damage_class(self) -> str | None: ...
+    @property
+    def pane(self) -> dict[str, Any]: ...
+    @property
+    def impacts(self) -> list[dict[str, Any]]: ...
+    @property
+    def summary(self) -> dict[str, Any]: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __reduce__(self) -> tuple[Any, tuple[str]]: ...
+
+@final
+class Cracked:
+    @property
+    def image(self) -> _Image: ...
+    @property
+    def region(self) -> _Image: ...
+    @property
+    def crack(self) -> _Image: ...
+    @property
+    def network(self) -> CrackNetwork | None: ...
+    @property
+    def facts(self) -> dict[str, Any]: ...
+    @property
+    def damage(self) -> list[dict[str, float | None] | None]: ...
+    @property
+    def intact(self) -> bool: ...
+
+@final
+class ReadyCrack:
+    def __new__(
+        cls,
+        recipe: _RecipeLike | None = None,
+        seed: SupportsIndex = 0,
+        size: tuple[int, int] = (1242, 375),
+        *,
+        network: CrackNetwork | None = None,
+    ) -> ReadyCrack: ...
+    @property
+    def size(self) -> tuple[int, int]: ...
+    @property
+    def intact(self) -> bool: ...
+    @property
+    def network(self) -> CrackNetwork | None: ...
+    @property
+    def facts(self) -> dict[str, Any]: ...
+    def crack_mask(self) -> _Image: ...
+    @overload
+    def over(
+        self, image: _Image, seed: SupportsIndex = 0, *, boxes: _Boxes, full: bool = False
+    ) -> Cracked: ...
+    @overload
+    def over(
+        self, image: _Image, seed: SupportsIndex = 0, *, boxes: _Boxes | None = None, full: Literal[True]
+    ) -> Cracked: ...
+    @overload
+    def over(
+        self, image: _Image, seed: SupportsIndex = 0, *, boxes: None = None, full: Literal[False] = False
+    ) -> _Image: ...
+
+@final
+class PatternBank:
+    def __new__(cls, path: _Path) -> PatternBank: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> CrackNetwork: ...
+    @property
+    def path(self) -> Any: ...
+    @property
+    def sizes(self) -> list[tuple[int, int]]: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def sha256(self) -> str: ...
+    @property
+    def recipe(self) -> Recipe: ...
+    def index_for(
+        self, seed: SupportsIndex, *, name: str | None = None, sample_index: int = 0
+    ) -> int: ...
+    def pattern(self, index: int, size: tuple[int, int]) -> ReadyCrack: ...
+    @overload
+    def crack(
+        self,
+        image: _Image,
+        seed: SupportsIndex = 0,
+        *,
+        name: str | None = None,
+        sample_index: int = 0,
+        index: int | None = None,
+        boxes: _Boxes,
+        full: bool = False,
+    ) -> Cracked: ...
+    @overload
+    def crack(
+        self,
+        image: _Image,
+        seed: SupportsIndex = 0,
+        *,
+        name: str | None = None,
+        sample_index: int = 0,
+        index: int | None = None,
+        boxes: _Boxes | None = None,
+        full: Literal[True],
+    ) -> Cracked: ...
+    @overload
+    def crack(
+        self,
+        image: _Image,
+        seed: SupportsIndex = 0,
+        *,
+        name: str | None = None,
+        sample_index: int = 0,
+        index: int | None = None,
+        boxes: None = None,
+        full: Literal[False] = False,
+    ) -> _Image: ...
+    def __reduce__(self) -> tuple[Any, tuple[Any]]: ...
+
+def simulate(
+    recipe: _RecipeLike | None = None,
+    seed: SupportsIndex = 0,
+    size: tuple[int, int] = (1242, 375),
+) -> CrackNetwork: ...
+@overload
+def crack(
+    image: _Image,
+    recipe: _RecipeLike | None = None,
+    seed: SupportsIndex = 0,
+    *,
+    name: str | None = None,
+    sample_index: int = 0,
+    network: CrackNetwork | None = None,
+    boxes: _Boxes,
+    full: bool = False,
+) -> Cracked: ...
+@overload
+def crack(
+    image: _Image,
+    recipe: _RecipeLike | None = None,
+    seed: SupportsIndex = 0,
+    *,
+    name: str | None = None,
+    sample_index: int = 0,
+    network: CrackNetwork | None = None,
+    boxes: _Boxes | None = None,
+    full: Literal[True],
+) -> Cracked: ...
+@overload
+def crack(
+    image: _Image,
+    recipe: _RecipeLike | None = None,
+    seed: SupportsIndex = 0,
+    *,
+    name: str | None = None,
+    sample_index: int = 0,
+    network: CrackNetwork | None = None,
+    boxes: None = None,
+    full: Literal[False] = False,
+) -> _Image: ...
+def corrupt(
+    image: _Image,
+    corruption_name: str = "windshield-star",
+    severity: int = 1,
+    *,
+    seed: SupportsIndex = 0,
+) -> _Image: ...
+def item_seed(seed: SupportsIndex, name: str, sample_index: int = 0) -> int: ...
+def presets() -> dict[str, str]: ...
+def cameras() -> dict[str, str]: ...
+def json_schema() -> dict[str, Any]: ...
+def evaluate(
+    source: _Path | None = None,
+    *,
+    clean: _Path,
+    cracked: _Path | None = None,
+    ground_truth: _Path | None = None,
+    regions: _Path | None = None,
+    cracked_set: _Path | None = None,
+    protocol: Literal["coco", "kitti", "bdd"] | None = None,
+    tau: Sequence[float] = (),
+    iou_thresholds: Sequence[float] = (),
+    max_dets: Sequence[int] = (),
+    area_ranges: Mapping[str, Sequence[float]] = {},
+    class_agnostic: bool = False,
+    gt_id_zero_quirk: bool = False,
+    output: _Path | None = None,
+    detector: str | None = None,
+    condition: str | None = None,
+    replicates: int = 1000,
+    score_threshold: float = 0.3,
+    worst: int = 6,
+    seed: SupportsIndex = 0,
+    threads: int = 0,
+) -> dict[str, Any]: ...
+def divergence(
+    *sets: _Path,
+    limit: int | None = None,
+    alpha: float = 0.5,
+    bootstrap: int = 1000,
+    permutations: int = 999,
+    splits: int = 100,
+    seed: SupportsIndex = 0,
+    side: int = 256,
+    background: Literal["black", "gray", "white"] = "black",
+    model: _Path | None = None,
+    layer: str | None = None,
+    sigma: float = 10.0,
+    threads: int = 0,
+) -> dict[str, Any]: ...

@@ -1,0 +1,178 @@
+//! `PatternBank`: cracks that were made beforehand.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::prelude::*;
+use starbreak::pipeline::{self, Stopwatch};
+use starbreak::{Error, Settings};
+
+use crate::crack::{BoxPx, ReadyCrack};
+use crate::errors::{of_recipe, raised};
+use crate::images::{checked_size, image_of};
+use crate::network::CrackNetwork;
+use crate::recipe::Recipe;
+use crate::values::{SeedArg, seed_of};
+
+/// A bank of patterns that `starbreak patterns` made, open for reading: cracks that are simulated
+/// and baked beforehand, for any number of images. Its length is its number of patterns; `bank[k]`
+/// is the `CrackNetwork` of one.
+///
+/// path: the folder, or the file `patterns.bank` in it.
+///
+/// Any number of threads and of processes, forked or spawned, may use it at one time. Raises
+/// `OSError` for a file that cannot be read or is damaged.
+#[pyclass(frozen, module = "starbreak")]
+#[derive(Debug)]
+pub(crate) struct PatternBank {
+    bank: starbreak::bank::PatternBank,
+    settings: Arc<Settings>,
+    path: PathBuf,
+}
+
+impl PatternBank {
+    /// The number of a pattern; negative ones count from the end, as in a list.
+    fn number(&self, index: i64) -> PyResult<usize> {
+        let n = self.bank.len();
+        let idx = match usize::try_from(index) {
+            Ok(idx) => Some(idx),
+            Err(_) => usize::try_from(index.unsigned_abs())
+                .ok()
+                .and_then(|back| n.checked_sub(back)),
+        };
+        idx.filter(|idx| *idx < n).ok_or_else(|| {
+            PyIndexError::new_err(format!(
+                "the bank {:?} has no pattern {index}, only {n} (from 0)",
+                self.bank.path()
+            ))
+        })
+    }
+
+    fn ready(&self, idx: usize, size: (u32, u32)) -> Result<ReadyCrack, Error> {
+        let mut watch = Stopwatch::start();
+        let crack = pipeline::ReadyCrack::of_bank(&self.bank, idx, size, &mut watch)?;
+        Ok(ReadyCrack::of(crack, Arc::clone(&self.settings)))
+    }
+}
+
+#[pymethods]
+impl PatternBank {
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let bank = py.detach(|| starbreak::bank::PatternBank::open(&path));
+        let bank = bank.map_err(|error| raised(&error))?;
+        if bank.is_empty() {
+            let message = format!("the bank {path:?} has no patterns");
+            return Err(PyValueError::new_err(message));
+        }
+        Ok(Self {
+            settings: Arc::new(bank.settings().clone()),
+            path: std::path::absolute(&path)?,
+            bank,
+        })
+    }
+
+    /// Number of patterns.
+    fn __len__(&self) -> usize {
+        self.bank.len()
+    }
+
+    /// The network of a pattern.
+    fn __getitem__(&self, py: Python<'_>, index: i64) -> PyResult<CrackNetwork> {
+        let idx = self.number(index)?;
+        let network = py.detach(|| self.bank.network(idx));
+        Ok(CrackNetwork::of(network.map_err(|error| raised(&error))?))
+    }
+
+    /// The folder or file, absolute.
+    #[getter]
+    fn path(&self) -> PathBuf {
+        self.path.clone()
+    }
+
+    /// Width and height of the frames that it was baked for, px; images of other sizes take longer.
+    #[getter]
+    fn sizes(&self) -> Vec<(u32, u32)> {
+        self.bank.header().sizes.clone()
+    }
+
+    /// The seed that it was made with.
+    #[getter]
+    fn seed(&self) -> u64 {
+        self.bank.header().seed.0
+    }
+
+    /// SHA-256 of its header and index, hexadecimal: two banks with the same digest are the same.
+    #[getter]
+    fn sha256(&self) -> &str {
+        self.bank.sha256()
+    }
+
+    /// The recipe that it was made from, whose camera and optics its images have.
+    #[getter]
+    fn recipe(&self) -> PyResult<Recipe> {
+        let recipe = self.bank.header().parse_recipe();
+        Recipe::of(recipe.map_err(|error| of_recipe(&error))?)
+    }
+
+    /// The number of the pattern that `crack` takes for this seed and name: each with the same chance.
+    #[pyo3(signature = (seed, *, name = None, sample_index = 0))]
+    fn index_for(&self, seed: SeedArg, name: Option<&str>, sample_index: u64) -> usize {
+        self.bank.idx_for(seed_of(seed, name, sample_index))
+    }
+
+    /// Pattern `index`, ready for frames of a size (width and height, px). Negative ones count from
+    /// the end; `IndexError` for one that is not there.
+    fn pattern(&self, py: Python<'_>, index: i64, size: (usize, usize)) -> PyResult<ReadyCrack> {
+        let idx = self.number(index)?;
+        let size = checked_size(size.0, size.1)?;
+        let ready = py.detach(|| self.ready(idx, size));
+        ready.map_err(|error| raised(&error))
+    }
+
+    /// An image behind a pattern of the bank: a new array, or a `Cracked` with `boxes` or `full`.
+    ///
+    /// image, seed, name, sample_index, boxes, full: as for `starbreak.crack`. With the path of the
+    /// image in its dataset as `name`, the pixels are those of `starbreak generate --bank`.
+    /// index: the pattern to take; drawn by the seed unless given.
+    #[pyo3(
+    signature = (image, seed = SeedArg::ZERO, *, name = None, sample_index = 0, index = None, boxes = None, full = false),
+    text_signature = "($self, image, seed=0, *, name=None, sample_index=0, index=None, boxes=None, full=False)"
+)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "they have names and defaults in Python"
+    )]
+    fn crack<'py>(
+        &self,
+        py: Python<'py>,
+        image: &Bound<'py, PyAny>,
+        seed: SeedArg,
+        name: Option<&str>,
+        sample_index: u64,
+        index: Option<i64>,
+        boxes: Option<Vec<BoxPx>>,
+        full: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let seed = seed_of(seed, name, sample_index);
+        let idx = match index {
+            Some(index) => self.number(index)?,
+            None => self.bank.idx_for(seed),
+        };
+        let pixels = image_of(image)?;
+        let size = (pixels.width(), pixels.height());
+        let ready = py.detach(|| self.ready(idx, size));
+        ready
+            .map_err(|error| raised(&error))?
+            .shown_in(py, pixels, seed, boxes, full)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<starbreak.PatternBank of {} patterns>", self.bank.len())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (PathBuf,)) {
+        (py.get_type::<Self>().into_any(), (self.path.clone(),))
+    }
+}

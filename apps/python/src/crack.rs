@@ -1,0 +1,342 @@
+//! `simulate`, `crack`, `corrupt`, and a crack that is ready for many frames.
+
+use std::sync::Arc;
+
+use image::DynamicImage;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::{Value, json};
+use starbreak::pipeline::{self, Stopwatch, damage_to_json, use_network};
+use starbreak::{Error, Seed, Settings};
+
+use crate::errors::raised;
+use crate::images::{array_of, checked_size, image_of, mask_of};
+use crate::network::CrackNetwork;
+use crate::recipe::{Recipe, RecipeArg};
+use crate::values::{SeedArg, python_of, seed_of};
+
+/// A box in an image: x0, y0, x1, y1 in px.
+pub(crate) type BoxPx = [f64; 4];
+
+/// Width and height of the frame that the command simulates for.
+const DEFAULT_SIZE: (usize, usize) = (1242, 375);
+
+/// The cracks in the glass before a frame.
+///
+/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-star`
+/// unless given.
+/// seed: 0 to 2**64 - 1, for everything random.
+/// size: width and height of the frame, px.
+///
+/// Raises `ValueError` for wrong parameters, `SimulationError` where the models have no answer.
+///
+/// >>> import starbreak
+/// >>> network = starbreak.simulate("windshield-star", seed=7)
+/// >>> network.unit, network.damage_class
+/// ('mm', 'star')
+/// >>> len(network) == len(network.segments["arrival_us"])
+/// True
+#[pyfunction]
+#[pyo3(
+    signature = (recipe = None, seed = SeedArg::ZERO, size = DEFAULT_SIZE),
+    text_signature = "(recipe=None, seed=0, size=(1242, 375))"
+)]
+pub(crate) fn simulate(
+    py: Python<'_>,
+    recipe: Option<RecipeArg>,
+    seed: SeedArg,
+    size: (usize, usize),
+) -> PyResult<CrackNetwork> {
+    let settings = RecipeArg::or_default(recipe)?.settings();
+    let (width, height) = checked_size(size.0, size.1)?;
+    let simulated = py.detach(|| pipeline::simulate(&settings, width, height, seed.0));
+    Ok(CrackNetwork::of(
+        simulated.map_err(|error| raised(&error))?.network,
+    ))
+}
+
+/// The seed of an item of a set, from the seed of the set, the name of the item and the number of
+/// its sample: what the command uses for each image.
+///
+/// >>> import starbreak
+/// >>> starbreak.item_seed(7, "photo.png") == starbreak.item_seed(7, "other.png")
+/// False
+#[pyfunction]
+#[pyo3(signature = (seed, name, sample_index = 0))]
+pub(crate) fn item_seed(seed: SeedArg, name: &str, sample_index: u64) -> u64 {
+    seed.0.of_item(name, sample_index).0
+}
+
+/// An image behind broken glass: a new array of the shape of `image`, which stays as it is.
+///
+/// image: uint8, H x W x 3 (sRGB) or H x W (gray), any strides; 1 to 32768 px per side.
+/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-star`
+/// unless given.
+/// seed: 0 to 2**64 - 1, for everything random.
+/// name, sample_index: with a name, the seed is `item_seed(seed, name, sample_index)`. The command
+/// `starbreak crack` takes the file's name (`photo.png`), `starbreak generate` its path in the
+/// dataset: with them, the pixels are the command's.
+/// network: cracks to show instead of simulated ones.
+/// boxes: boxes [x0, y0, x1, y1] in px whose damage is measured; the result is then a `Cracked`.
+/// full: returns a `Cracked`, with masks, network and facts, instead of the array.
+///
+/// Runs in the calling thread alone, without the interpreter's lock. Raises `TypeError` for what
+/// is no array, `ValueError` for another dtype or shape and for wrong parameters,
+/// `SimulationError` where the models have no answer.
+///
+/// >>> import numpy as np, starbreak
+/// >>> image = np.full((375, 1242, 3), 128, np.uint8)
+/// >>> cracked = starbreak.crack(image, "windshield-star", seed=7)
+/// >>> cracked.shape, cracked.dtype
+/// ((375, 1242, 3), dtype('uint8'))
+/// >>> full = starbreak.crack(image, seed=7, boxes=[[600, 100, 700, 200]])
+/// >>> bool((full.image == cracked).all()), full.region.shape
+/// (True, (375, 1242))
+/// >>> sorted(full.damage[0])
+/// ['blur_radius_px', 'contrast_lost', 'displacement_px', 'region_share']
+#[pyfunction]
+#[pyo3(
+    signature = (image, recipe = None, seed = SeedArg::ZERO, *, name = None, sample_index = 0, network = None, boxes = None, full = false),
+    text_signature = "(image, recipe=None, seed=0, *, name=None, sample_index=0, network=None, boxes=None, full=False)"
+)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they have names and defaults in Python"
+)]
+pub(crate) fn crack<'py>(
+    py: Python<'py>,
+    image: &Bound<'py, PyAny>,
+    recipe: Option<RecipeArg>,
+    seed: SeedArg,
+    name: Option<&str>,
+    sample_index: u64,
+    network: Option<&CrackNetwork>,
+    boxes: Option<Vec<BoxPx>>,
+    full: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    let recipe = RecipeArg::or_default(recipe)?;
+    let pixels = image_of(image)?;
+    let seed = seed_of(seed, name, sample_index);
+    let size = (pixels.width(), pixels.height());
+    let crack = py
+        .detach(|| ready(&recipe.settings(), size, seed, network))
+        .map_err(|error| raised(&error))?;
+    ReadyCrack::of(crack, recipe.settings()).shown_in(py, pixels, seed, boxes, full)
+}
+
+/// An image behind broken glass, in the call shape of `imagecorruptions.corrupt`.
+///
+/// image: uint8, H x W x 3 or H x W.
+/// corruption_name: the name of a preset, see `presets`.
+/// severity: 1 (mild) to 5 (severe); each preset says which physical parameters that sets.
+/// seed: 0 to 2**64 - 1, for everything random.
+///
+/// Raises as `crack`.
+///
+/// >>> import numpy as np, starbreak
+/// >>> image = np.full((375, 1242, 3), 128, np.uint8)
+/// >>> starbreak.corrupt(image, "windshield-star", severity=3, seed=7).shape
+/// (375, 1242, 3)
+#[pyfunction]
+#[pyo3(
+    signature = (image, corruption_name = starbreak::DEFAULT_PRESET, severity = 1, *, seed = SeedArg::ZERO),
+    text_signature = "(image, corruption_name='windshield-star', severity=1, *, seed=0)"
+)]
+pub(crate) fn corrupt<'py>(
+    py: Python<'py>,
+    image: &Bound<'py, PyAny>,
+    corruption_name: &str,
+    severity: i64,
+    seed: SeedArg,
+) -> PyResult<Bound<'py, PyAny>> {
+    let recipe = RecipeArg(Recipe::preset_at(corruption_name, severity)?);
+    crack(py, image, Some(recipe), seed, None, 0, None, None, false)
+}
+
+fn ready(
+    settings: &Settings,
+    size: (u32, u32),
+    seed: Seed,
+    network: Option<&CrackNetwork>,
+) -> Result<pipeline::ReadyCrack, Error> {
+    let simulated = match network {
+        Some(network) => use_network(&network.imported()),
+        None => pipeline::simulate(settings, size.0, size.1, seed)?,
+    };
+    pipeline::ReadyCrack::of_simulated(settings, simulated, size, seed, &mut Stopwatch::start())
+}
+
+/// A crack that is ready for any number of frames of one size, as of one video: simulated and
+/// baked once, put over each frame under the light of that frame.
+///
+/// recipe, seed, network: as for `crack`.
+/// size: width and height of the frames, px.
+///
+/// >>> import numpy as np, starbreak
+/// >>> crack = starbreak.ReadyCrack("windshield-star", seed=7, size=(1242, 375))
+/// >>> frames = [np.full((375, 1242, 3), code, np.uint8) for code in (60, 128)]
+/// >>> bool((crack.over(frames[1], 7) == starbreak.crack(frames[1], seed=7)).all())
+/// True
+#[pyclass(frozen, module = "starbreak")]
+#[derive(Debug)]
+pub(crate) struct ReadyCrack {
+    crack: pipeline::ReadyCrack,
+    settings: Arc<Settings>,
+}
+
+impl ReadyCrack {
+    pub(crate) fn of(crack: pipeline::ReadyCrack, settings: Arc<Settings>) -> Self {
+        Self { crack, settings }
+    }
+
+    /// The crack in an image: the array, or all that can be said of it.
+    pub(crate) fn shown_in<'py>(
+        &self,
+        py: Python<'py>,
+        mut pixels: DynamicImage,
+        seed: Seed,
+        boxes: Option<Vec<BoxPx>>,
+        full: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if !full && boxes.is_none() {
+            let image = py.detach(|| {
+                self.crack.over(&self.settings, &mut pixels, seed)?;
+                Ok(pixels)
+            });
+            return array_of(py, image.map_err(|error: Error| raised(&error))?);
+        }
+        let boxes = boxes.unwrap_or_default();
+        let made = py.detach(|| {
+            let crack = &self.crack;
+            let report = crack.over_and_report(&self.settings, &mut pixels, seed, &boxes)?;
+            Ok((pixels, report, crack.baked.crack_mask()))
+        });
+        let (pixels, report, crack_mask) = made.map_err(|error: Error| raised(&error))?;
+        let mut facts = self.crack.facts.clone();
+        facts.insert("optics".to_owned(), report.optics.to_json());
+        facts.insert("region_fraction".to_owned(), json!(report.region_fraction));
+        let damage = report.damage.iter();
+        let damage = damage.map(|damage| damage.as_ref().map_or(Value::Null, damage_to_json));
+        let network = self.crack.network.clone().map(CrackNetwork::of);
+        let cracked = Cracked {
+            image: array_of(py, pixels)?.unbind(),
+            region: mask_of(py, report.region)?.into_any().unbind(),
+            crack: mask_of(py, crack_mask)?.into_any().unbind(),
+            network: network.map(|network| Py::new(py, network)).transpose()?,
+            facts: python_of(py, &Value::Object(facts))?.unbind(),
+            damage: python_of(py, &damage.collect())?.unbind(),
+            intact: self.crack.is_intact,
+        };
+        Ok(Bound::new(py, cracked)?.into_any())
+    }
+}
+
+#[pymethods]
+impl ReadyCrack {
+    #[new]
+    #[pyo3(
+    signature = (recipe = None, seed = SeedArg::ZERO, size = DEFAULT_SIZE, *, network = None),
+    text_signature = "(recipe=None, seed=0, size=(1242, 375), *, network=None)"
+)]
+    fn new(
+        py: Python<'_>,
+        recipe: Option<RecipeArg>,
+        seed: SeedArg,
+        size: (usize, usize),
+        network: Option<&CrackNetwork>,
+    ) -> PyResult<Self> {
+        let settings = RecipeArg::or_default(recipe)?.settings();
+        let size = checked_size(size.0, size.1)?;
+        let crack = py.detach(|| ready(&settings, size, seed.0, network));
+        Ok(Self::of(crack.map_err(|error| raised(&error))?, settings))
+    }
+
+    /// Width and height of the frames, px.
+    #[getter]
+    fn size(&self) -> (u32, u32) {
+        self.crack.baked.size()
+    }
+
+    /// Whether nothing is broken.
+    #[getter]
+    fn intact(&self) -> bool {
+        self.crack.is_intact
+    }
+
+    /// Its cracks; None for a pattern of a bank, which keeps them: `bank[index]`.
+    #[getter]
+    fn network(&self) -> Option<CrackNetwork> {
+        self.crack.network.clone().map(CrackNetwork::of)
+    }
+
+    /// What a provenance record says of the cracks: `network`, and `pattern` for one of a bank.
+    #[getter]
+    fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &Value::Object(self.crack.facts.clone()))
+    }
+
+    /// The crack mask: uint8, H x W, coverage by cracks as they would be in focus, 255 = in full.
+    fn crack_mask<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mask = py.detach(|| self.crack.baked.crack_mask());
+        Ok(mask_of(py, mask)?.into_any())
+    }
+
+    /// The crack over an image of its size: a new array, or a `Cracked` with `boxes` or `full`.
+    ///
+    /// The seed is that of the sensor's noise, if the recipe has any; the cracks do not change.
+    /// Raises as `crack`.
+    #[pyo3(
+    signature = (image, seed = SeedArg::ZERO, *, boxes = None, full = false),
+    text_signature = "($self, image, seed=0, *, boxes=None, full=False)"
+)]
+    fn over<'py>(
+        &self,
+        py: Python<'py>,
+        image: &Bound<'py, PyAny>,
+        seed: SeedArg,
+        boxes: Option<Vec<BoxPx>>,
+        full: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.shown_in(py, image_of(image)?, seed.0, boxes, full)
+    }
+
+    fn __repr__(&self) -> String {
+        let (width, height) = self.size();
+        format!("<starbreak.ReadyCrack for {width} x {height} px>")
+    }
+}
+
+/// A cracked image with all that can be said of it.
+#[pyclass(frozen, module = "starbreak", get_all)]
+#[derive(Debug)]
+pub(crate) struct Cracked {
+    /// The image: uint8, of the shape that was given.
+    image: Py<PyAny>,
+    /// The region mask: uint8, H x W, 255 where the crack influences the image, else 0.
+    region: Py<PyAny>,
+    /// The crack mask: uint8, H x W, coverage by cracks as they would be in focus, 255 = in full.
+    crack: Py<PyAny>,
+    /// The cracks; None for a pattern of a bank, which keeps them.
+    network: Option<Py<CrackNetwork>>,
+    /// What a provenance record says: `network`, `optics` (contrast, environment), `region_fraction`.
+    facts: Py<PyAny>,
+    /// The damage in each box that was asked for, None for a box without a pixel of the frame:
+    /// `region_share` (0 to 1), `displacement_px`, `blur_radius_px`, `contrast_lost` (None where the
+    /// picture in the box is flat).
+    damage: Py<PyAny>,
+    /// Whether nothing is broken.
+    intact: bool,
+}
+
+#[pymethods]
+impl Cracked {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let facts = self.facts.bind(py).cast::<PyDict>()?;
+        let share = facts.get_item("region_fraction")?;
+        let share: f64 = share.map_or(Ok(0.0), |share| share.extract())?;
+        Ok(format!(
+            "<starbreak.Cracked: {:.1} % of the frame influenced>",
+            share * 100.0
+        ))
+    }
+}

@@ -1,0 +1,107 @@
+//! NumPy arrays to images and back.
+
+use image::{DynamicImage, GrayImage, RgbImage};
+use numpy::ndarray::{Array2, Array3, ArrayViewMut};
+use numpy::{
+    IntoPyArray as _, PyArray2, PyArrayDyn, PyArrayMethods as _, PyUntypedArray,
+    PyUntypedArrayMethods as _,
+};
+use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use starbreak::dataset::ImageLimits;
+
+/// An image from an array: a copy of it, which becomes the output.
+pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
+    let Ok(array) = image.cast::<PyUntypedArray>() else {
+        let kind = image.get_type().name()?;
+        return Err(PyTypeError::new_err(format!(
+            "image is a {kind}; expected a numpy.ndarray of uint8, H x W x 3 or H x W, such as numpy.asarray(image)"
+        )));
+    };
+    let Ok(bytes) = array.cast::<PyArrayDyn<u8>>() else {
+        return Err(PyValueError::new_err(format!(
+            "image has dtype {}; expected uint8, codes from 0 to 255",
+            array.dtype()
+        )));
+    };
+    let shape = array.shape();
+    let (height, width) = match *shape {
+        [height, width] | [height, width, 3] => (height, width),
+        _ => {
+            return Err(PyValueError::new_err(format!(
+                "image has shape {shape:?}; expected [height, width, 3] or [height, width]"
+            )));
+        }
+    };
+    let (width_px, height_px) = checked_size(width, height)?;
+    let pixels = copied(bytes)?;
+    let image = match shape.len() {
+        2 => GrayImage::from_raw(width_px, height_px, pixels).map(DynamicImage::ImageLuma8),
+        _ => RgbImage::from_raw(width_px, height_px, pixels).map(DynamicImage::ImageRgb8),
+    };
+    image.ok_or_else(|| PyValueError::new_err("image changed its shape while it was read"))
+}
+
+/// A size of a frame that can be worked with, the same as that of an image file.
+pub(crate) fn checked_size(width: usize, height: usize) -> PyResult<(u32, u32)> {
+    let limits = ImageLimits::default();
+    let side = |n: usize| {
+        let n = u32::try_from(n).ok()?;
+        (1..=limits.max_side_px).contains(&n).then_some(n)
+    };
+    match (side(width), side(height)) {
+        (Some(width), Some(height))
+            if u64::from(width) * u64::from(height) <= limits.max_pixels =>
+        {
+            Ok((width, height))
+        }
+        _ => Err(PyValueError::new_err(format!(
+            "the frame is {width} x {height} px; expected 1 to {} px per side and at most {} px in all",
+            limits.max_side_px, limits.max_pixels
+        ))),
+    }
+}
+
+/// The bytes of an array in C order, whatever its own order and strides are.
+fn copied(array: &Bound<'_, PyArrayDyn<u8>>) -> PyResult<Vec<u8>> {
+    let array = array.try_readonly()?;
+    let mut bytes = Vec::new();
+    bytes
+        .try_reserve_exact(array.len())
+        .map_err(|cause| PyMemoryError::new_err(cause.to_string()))?;
+    // In Fortran order the slice has the bytes in another order.
+    if let (true, Ok(contiguous)) = (array.is_c_contiguous(), array.as_slice()) {
+        bytes.extend_from_slice(contiguous);
+    } else {
+        bytes.resize(array.len(), 0);
+        let view = array.as_array();
+        ArrayViewMut::from_shape(view.raw_dim(), &mut bytes)
+            .map_err(|cause| PyValueError::new_err(cause.to_string()))?
+            .assign(&view);
+    }
+    Ok(bytes)
+}
+
+/// An array of the pixels, whose buffer it takes over.
+pub(crate) fn array_of(py: Python<'_>, image: DynamicImage) -> PyResult<Bound<'_, PyAny>> {
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    match image {
+        DynamicImage::ImageLuma8(gray) => Ok(mask_of(py, gray)?.into_any()),
+        DynamicImage::ImageRgb8(rgb) => {
+            let array = Array3::from_shape_vec((height, width, 3), rgb.into_raw());
+            Ok(array.map_err(wrong_shape)?.into_pyarray(py).into_any())
+        }
+        _ => Err(PyValueError::new_err("the image came out in another mode")),
+    }
+}
+
+/// An array of a mask, H x W.
+pub(crate) fn mask_of(py: Python<'_>, mask: GrayImage) -> PyResult<Bound<'_, PyArray2<u8>>> {
+    let (width, height) = (mask.width() as usize, mask.height() as usize);
+    let array = Array2::from_shape_vec((height, width), mask.into_raw());
+    Ok(array.map_err(wrong_shape)?.into_pyarray(py))
+}
+
+fn wrong_shape(cause: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(cause.to_string())
+}

@@ -1,0 +1,40 @@
+//! The Python package `starbreak`: glue between Python and the crates, without logic of its own.
+//!
+//! Each file mirrors what it wraps: [`recipe`], [`network`], [`crack`], [`bank`],
+//! [`measure`]; [`images`] and
+//! [`values`] carry arrays and plain values across, [`errors`] says which Python error is which.
+//! What Python sees is described in `python/starbreak/_starbreak.pyi` and in the docstrings.
+#![forbid(unsafe_code)]
+
+mod bank;
+mod crack;
+mod errors;
+mod images;
+mod measure;
+mod network;
+mod recipe;
+mod values;
+
+/// The compiled part of the package `starbreak`.
+#[pyo3::pymodule]
+mod _starbreak {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::bank::PatternBank;
+    #[pymodule_export]
+    use crate::crack::{Cracked, ReadyCrack, corrupt, crack, item_seed, simulate};
+    #[pymodule_export]
+    use crate::errors::SimulationError;
+    #[pymodule_export]
+    use crate::measure::{divergence, evaluate};
+    #[pymodule_export]
+    use crate::network::CrackNetwork;
+    #[pymodule_export]
+    use crate::recipe::{Recipe, cameras, json_schema, presets};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,259 @@
+//! `evaluate` and `divergence`: what cracks do to detectors, and how far sets of images are apart.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use starbreak::Error;
+use starbreak::dataset::OutputBatch;
+use starbreak::divergence::{Eye, NamedSet, check_settings, compare_read_sets};
+use starbreak::eval::divergence::{AnalysisSize, Background, CompareSettings, ReadSettings};
+use starbreak::eval::{AreaRange, Protocol};
+use starbreak::evaluation::{EvaluateRequest, evaluate_files};
+use starbreak::pipeline::with_threads;
+
+use crate::errors::raised;
+use crate::values::{SeedArg, python_of};
+
+/// How often a signal, such as Ctrl-C, is looked for while others work.
+const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
+
+/// How well detections match labels: clean, cracked, and where the glass is broken. The result is
+/// what `starbreak evaluate --json` prints, as dicts.
+///
+/// source: labeled dataset, as `coco:DIR`, `kitti:DIR`, `bdd:DIR`, `yolo:DIR`; or
+/// ground_truth: labels alone, a file of MS-COCO or BDD100K, or a folder `label_2` of KITTI.
+/// clean, cracked: detections in the clean and in the cracked images: results of MS-COCO (JSON),
+/// frames of Scalabel (JSON), or a folder of results of KITTI.
+/// regions: folder of region masks, as `generate` writes it; or
+/// cracked_set: the whole set that `generate` wrote, with masks, damage and recipe.
+/// protocol: `coco`, `kitti` or `bdd`; that of the dataset unless given.
+/// tau: least shares of a box that the region covers for it to be inside, 0 to 1.
+/// iou_thresholds, max_dets, area_ranges (name to least and most px²), class_agnostic,
+/// gt_id_zero_quirk: other rules than the protocol's, for whole images alone.
+/// output: folder for report.html, evaluation.json, numbers.csv, table.tex and failures.jsonl,
+/// with intervals and tests; detector, condition (their names), replicates (20 to 1000000),
+/// score_threshold (0 to 1), worst (0 to 100) and seed are about these.
+/// threads: 0 for one per processor.
+///
+/// Raises `ValueError` for a request or files that make no sense, `OSError` for files that cannot
+/// be read or written, and stops at Ctrl-C.
+///
+/// >>> import json, pathlib, starbreak, tempfile
+/// >>> folder = pathlib.Path(tempfile.mkdtemp())
+/// >>> labels = {"images": [{"id": 1, "file_name": "1.png", "width": 99, "height": 99}],
+/// ...           "categories": [{"id": 1, "name": "car"}],
+/// ...           "annotations": [{"id": 1, "image_id": 1, "category_id": 1, "iscrowd": 0,
+/// ...                            "bbox": [9, 9, 50, 50], "area": 2500}]}
+/// >>> found = [{"image_id": 1, "category_id": 1, "bbox": [9, 9, 50, 50], "score": 0.9}]
+/// >>> _ = (folder / "labels.json").write_text(json.dumps(labels))
+/// >>> _ = (folder / "found.json").write_text(json.dumps(found))
+/// >>> result = starbreak.evaluate(ground_truth=folder / "labels.json", clean=folder / "found.json")
+/// >>> round(result["clean"]["coco_stats"][0], 3)
+/// 1.0
+#[pyfunction]
+#[pyo3(
+    signature = (source = None, *, clean, cracked = None, ground_truth = None, regions = None, cracked_set = None, protocol = None, tau = Vec::new(), iou_thresholds = Vec::new(), max_dets = Vec::new(), area_ranges = BTreeMap::new(), class_agnostic = false, gt_id_zero_quirk = false, output = None, detector = None, condition = None, replicates = 1000, score_threshold = 0.3, worst = 6, seed = SeedArg::ZERO, threads = 0),
+    text_signature = "(source=None, *, clean, cracked=None, ground_truth=None, regions=None, cracked_set=None, protocol=None, tau=(), iou_thresholds=(), max_dets=(), area_ranges={}, class_agnostic=False, gt_id_zero_quirk=False, output=None, detector=None, condition=None, replicates=1000, score_threshold=0.3, worst=6, seed=0, threads=0)"
+)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they have names and defaults in Python"
+)]
+pub(crate) fn evaluate<'py>(
+    py: Python<'py>,
+    source: Option<OsString>,
+    clean: PathBuf,
+    cracked: Option<PathBuf>,
+    ground_truth: Option<PathBuf>,
+    regions: Option<PathBuf>,
+    cracked_set: Option<PathBuf>,
+    protocol: Option<&str>,
+    tau: Vec<f64>,
+    iou_thresholds: Vec<f64>,
+    max_dets: Vec<u32>,
+    area_ranges: BTreeMap<String, [f64; 2]>,
+    class_agnostic: bool,
+    gt_id_zero_quirk: bool,
+    output: Option<PathBuf>,
+    detector: Option<String>,
+    condition: Option<String>,
+    replicates: u32,
+    score_threshold: f64,
+    worst: u32,
+    seed: SeedArg,
+    threads: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let protocol = protocol.map(|name| {
+        let all = [Protocol::Coco, Protocol::Kitti, Protocol::Bdd];
+        let known = all.into_iter().find(|protocol| protocol.name() == name);
+        known.ok_or_else(|| one_of("protocol", name, &all.map(Protocol::name)))
+    });
+    let ranges = area_ranges.iter();
+    let request = EvaluateRequest {
+        source,
+        ground_truth,
+        cracked,
+        regions,
+        cracked_set,
+        detector,
+        condition,
+        n_replicates: replicates,
+        score_threshold,
+        n_worst: worst,
+        taus: tau,
+        protocol: protocol.transpose()?,
+        iou_thresholds,
+        max_dets,
+        area_ranges: ranges
+            .map(|(name, ends)| AreaRange::new(name, *ends))
+            .collect(),
+        class_agnostic,
+        gt_id_zero_quirk,
+        joins: output.is_some(),
+        seed: seed.0.0,
+        ..EvaluateRequest::of_clean(clean)
+    };
+    let answer = watched(py, threads, |_| -> Result<_, Error> {
+        let answer = evaluate_files(&request)?;
+        if let Some(folder) = &output {
+            let mut batch = OutputBatch::new();
+            for (name, text) in &answer.report {
+                batch.stage(&folder.join(name), text.as_bytes())?;
+            }
+            batch.commit()?;
+        }
+        Ok(answer.json)
+    })?;
+    python_of(py, &answer)
+}
+
+/// How far sets of images are apart: Kullback-Leibler and other divergences, with intervals, noise
+/// floors and tests. The result is what `starbreak divergence --json` prints, as dicts.
+///
+/// sets: two or more of `folder:DIR`, `kitti:DIR`, `coco:DIR`, `bdd:DIR`, `yolo:DIR`, `list:FILE`, or
+/// `networks:DIR` for crack networks; with a name before it if wanted (`clean=folder:DIR`).
+/// limit: only the first images of each set.
+/// alpha: counts added to each bin.
+/// bootstrap, permutations, splits: draws behind intervals, p-values and floors, 0 to 1000000.
+/// seed: of these draws.
+/// side: shorter side of the image that gradients and spectra are taken of, px; 0 for its own.
+/// background: what shows through where an image is transparent, `black`, `gray` or `white`.
+/// model, layer: an ONNX detector whose activations are compared, too, and the name of the value;
+/// sigma: the width of the RBF kernel of MMD.
+/// threads: 0 for one per processor.
+///
+/// An image that cannot be read is in no number, and listed under `failed` of its set. Raises
+/// `ValueError` and `OSError` as `evaluate`, and stops at Ctrl-C.
+#[pyfunction]
+#[pyo3(
+    signature = (*sets, limit = None, alpha = 0.5, bootstrap = 1000, permutations = 999, splits = 100, seed = SeedArg::ZERO, side = 256, background = "black", model = None, layer = None, sigma = 10.0, threads = 0),
+    text_signature = "(*sets, limit=None, alpha=0.5, bootstrap=1000, permutations=999, splits=100, seed=0, side=256, background='black', model=None, layer=None, sigma=10.0, threads=0)"
+)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they have names and defaults in Python"
+)]
+pub(crate) fn divergence<'py>(
+    py: Python<'py>,
+    sets: Vec<OsString>,
+    limit: Option<usize>,
+    alpha: f64,
+    bootstrap: usize,
+    permutations: usize,
+    splits: usize,
+    seed: SeedArg,
+    side: u32,
+    background: &str,
+    model: Option<PathBuf>,
+    layer: Option<&str>,
+    sigma: f64,
+    threads: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let reading = ReadSettings {
+        background: match background {
+            "black" => Background::Black,
+            "gray" => Background::Gray,
+            "white" => Background::White,
+            other => return Err(one_of("background", other, &["black", "gray", "white"])),
+        },
+        analysis: AnalysisSize {
+            shorter_side_px: side,
+            ..AnalysisSize::default()
+        },
+    };
+    let settings = CompareSettings {
+        alpha,
+        n_bootstrap: bootstrap,
+        n_permutations: permutations,
+        n_splits: splits,
+        seed: seed.0.0,
+        ..CompareSettings::default()
+    };
+    let report = watched(py, threads, |stop| -> Result<_, Error> {
+        check_settings(&reading, &settings, limit)?;
+        let named = NamedSet::parse_all(&sets)?;
+        let eye = model.map(|model| Eye::open(&model, layer)).transpose()?;
+        let mut read = Vec::with_capacity(named.len());
+        for set in &named {
+            read.push(
+                set.open(limit)?
+                    .read(&reading, eye.as_ref(), stop, &|| ())?,
+            );
+        }
+        let eye = eye.as_ref().map(|eye| (eye, sigma));
+        let report = compare_read_sets(&read, &reading, &settings, eye)?;
+        Ok(serde_json::to_value(report).unwrap_or_default())
+    })?;
+    python_of(py, &report)
+}
+
+fn one_of(name: &str, found: &str, known: &[&str]) -> PyErr {
+    PyValueError::new_err(format!(
+        "{name} = {found:?}; expected one of {}",
+        known.join(", ")
+    ))
+}
+
+/// Work in a pool of its own, without the interpreter's lock, while this thread looks for signals;
+/// one, such as Ctrl-C, tells the work to stop and is raised after it.
+fn watched<R: Send>(
+    py: Python<'_>,
+    n_threads: usize,
+    work: impl FnOnce(&AtomicBool) -> Result<R, Error> + Send,
+) -> PyResult<R> {
+    let stop = AtomicBool::new(false);
+    let mut signal = Ok(());
+    let result = py.detach(|| {
+        std::thread::scope(|scope| {
+            let (done, is_done) = channel::<()>();
+            let stop = &stop;
+            let worker = scope.spawn(move || {
+                let result = with_threads(n_threads, || work(stop));
+                drop(done);
+                result
+            });
+            while is_done.recv_timeout(SIGNAL_PERIOD) == Err(RecvTimeoutError::Timeout) {
+                if signal.is_ok() {
+                    signal = Python::attach(|py| py.check_signals());
+                }
+                if signal.is_err() {
+                    stop.store(true, Ordering::Relaxed);
+                }
+            }
+            worker.join()
+        })
+    });
+    signal?;
+    match result {
+        Ok(result) => result
+            .and_then(|result| result)
+            .map_err(|error| raised(&error)),
+        Err(panic) => std::panic::resume_unwind(panic),
+    }
+}

@@ -1,0 +1,264 @@
+//! `Recipe`: all parameters of a run.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping, PyString};
+use starbreak::dataset::{read_text, sha256_hex};
+use starbreak::{DEFAULT_PRESET, PRESETS, RecipeError, Settings};
+
+use crate::errors::{of_recipe, raised};
+use crate::values::{json_text_of, python_of, value_of};
+
+/// Longest recipe file, bytes.
+const MAX_RECIPE_FILE_BYTES: u64 = 1 << 20;
+
+/// All parameters of a run, complete and checked; it does not change.
+///
+/// preset: name of a preset, see `presets`.
+/// severity: 1 (mild) to 5 (severe); 3 is the preset itself.
+/// camera: name of a camera to lay over it, see `cameras`.
+/// set: keys to change, as {"table.key": value} or ["table.key=value"]; `impact.key` sets the key
+/// in every impact, `impact.0.key` in one.
+///
+/// Raises `ValueError` in the words of the command for a name, key or value that does not exist.
+///
+/// >>> import starbreak
+/// >>> recipe = starbreak.Recipe("windshield-star", set={"impact.speed_m_s": 25.0})
+/// >>> recipe.to_dict()["impact"][0]["speed_m_s"]
+/// 25.0
+/// >>> starbreak.Recipe(set={"camera.fnumber": 2.0})
+/// Traceback (most recent call last):
+/// ValueError: --set camera.fnumber=2.0: unknown key `camera.fnumber`; did you mean `camera.f_number`?
+#[pyclass(frozen, eq, module = "starbreak")]
+#[derive(Debug, Clone)]
+pub(crate) struct Recipe {
+    recipe: starbreak::Recipe,
+    settings: Arc<Settings>,
+}
+
+impl PartialEq for Recipe {
+    fn eq(&self, other: &Self) -> bool {
+        self.recipe == other.recipe
+    }
+}
+
+impl Recipe {
+    pub(crate) fn of(recipe: starbreak::Recipe) -> PyResult<Self> {
+        let settings = recipe.settings().map_err(|error| of_recipe(&error))?;
+        Ok(Self {
+            recipe,
+            settings: Arc::new(settings),
+        })
+    }
+
+    pub(crate) fn settings(&self) -> Arc<Settings> {
+        Arc::clone(&self.settings)
+    }
+
+    fn named(preset: &str, severity: Option<i64>) -> PyResult<Self> {
+        let recipe = match severity {
+            Some(found) => match u8::try_from(found) {
+                Ok(severity) => starbreak::Recipe::preset_at(preset, severity),
+                Err(_) => Err(RecipeError::Severity { found }),
+            },
+            None => starbreak::Recipe::preset(preset),
+        };
+        Self::of(recipe.map_err(|error| of_recipe(&error))?)
+    }
+
+    /// A preset at a severity.
+    pub(crate) fn preset_at(preset: &str, severity: i64) -> PyResult<Self> {
+        Self::named(preset, Some(severity))
+    }
+
+    fn adjusted(
+        mut recipe: starbreak::Recipe,
+        camera: Option<&str>,
+        set: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let assignments = set.map(assignments).transpose()?.unwrap_or_default();
+        recipe
+            .adjust(camera, &assignments)
+            .map_err(|error| of_recipe(&error))?;
+        Self::of(recipe)
+    }
+}
+
+#[pymethods]
+impl Recipe {
+    #[new]
+    #[pyo3(
+    signature = (preset = DEFAULT_PRESET, *, severity = None, camera = None, set = None),
+    text_signature = "(preset='windshield-star', *, severity=None, camera=None, set=None)"
+)]
+    fn new(
+        preset: &str,
+        severity: Option<i64>,
+        camera: Option<&str>,
+        set: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let base = Self::named(preset, severity)?;
+        Self::adjusted(base.recipe, camera, set)
+    }
+
+    /// A recipe from TOML text, as a recipe file has it; what it leaves out comes from a preset.
+    /// `name` stands for the text in messages.
+    ///
+    /// >>> import starbreak
+    /// >>> recipe = starbreak.Recipe.from_toml("schema = 1\n[camera]\nf_px = 1900.0")
+    /// >>> starbreak.Recipe.from_toml(recipe.to_toml()) == recipe
+    /// True
+    #[staticmethod]
+    #[pyo3(signature = (text, *, name = "recipe"))]
+    fn from_toml(text: &str, name: &str) -> PyResult<Self> {
+        Self::of(starbreak::Recipe::parse(name, text).map_err(|error| of_recipe(&error))?)
+    }
+
+    /// A recipe from a TOML file. Raises `OSError` if it cannot be read.
+    #[staticmethod]
+    fn from_file(path: PathBuf) -> PyResult<Self> {
+        let file =
+            read_text(&path, MAX_RECIPE_FILE_BYTES).map_err(|error| raised(&error.into()))?;
+        Self::from_toml(&file.text, &path.to_string_lossy())
+    }
+
+    /// A recipe from its tables as dicts; what they leave out comes from a preset.
+    ///
+    /// >>> import starbreak
+    /// >>> recipe = starbreak.Recipe.from_dict({"camera": {"f_px": 1900.0}})
+    /// >>> recipe == starbreak.Recipe(set={"camera.f_px": 1900.0})
+    /// True
+    #[staticmethod]
+    fn from_dict(tables: &Bound<'_, PyMapping>) -> PyResult<Self> {
+        let value = value_of(tables.as_any())?;
+        Self::of(starbreak::Recipe::from_json("recipe", &value).map_err(|error| of_recipe(&error))?)
+    }
+
+    /// The recipe with other values of some keys, as `set` and `camera` of the constructor.
+    ///
+    /// >>> import starbreak
+    /// >>> starbreak.Recipe().replace({"fracture.mesh": "fast"}).to_dict()["fracture"]["mesh"]
+    /// 'fast'
+    #[pyo3(signature = (set = None, *, camera = None))]
+    fn replace(&self, set: Option<&Bound<'_, PyAny>>, camera: Option<&str>) -> PyResult<Self> {
+        Self::adjusted(self.recipe.clone(), camera, set)
+    }
+
+    /// The complete recipe as TOML: the same text for the same recipe; on demand with comments.
+    #[pyo3(signature = (*, comments = false))]
+    fn to_toml(&self, comments: bool) -> String {
+        match comments {
+            true => self.recipe.to_commented_toml(),
+            false => self.recipe.to_toml(),
+        }
+    }
+
+    /// The complete recipe as dicts, with the names of its TOML.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        python_of(py, &self.recipe.to_json())
+    }
+
+    /// SHA-256 of `to_toml()`, hexadecimal; records name a recipe by it.
+    #[getter]
+    fn sha256(&self) -> String {
+        sha256_hex(self.recipe.to_toml().as_bytes())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<starbreak.Recipe {}>", &self.sha256()[..12])
+    }
+
+    fn __hash__(&self) -> u64 {
+        u64::from_str_radix(&self.sha256()[..15], 16).unwrap_or(0)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let from_toml = py.get_type::<Self>().getattr("from_toml")?;
+        Ok((from_toml, (self.recipe.to_toml(),)))
+    }
+}
+
+/// Assignments `table.key=value`, from a mapping or from a list of them.
+fn assignments(set: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    let Ok(mapping) = set.cast::<PyMapping>() else {
+        return set.extract();
+    };
+    let entry = |entry: Bound<'_, PyAny>| {
+        let (key, value): (String, Bound<'_, PyAny>) = entry.extract()?;
+        Ok(format!("{key}={}", json_text_of(&value)?))
+    };
+    mapping.items()?.iter().map(entry).collect()
+}
+
+/// A recipe as an argument: itself, the name of a preset, or tables as dicts.
+pub(crate) struct RecipeArg(pub(crate) Recipe);
+
+impl RecipeArg {
+    /// The recipe, or the default preset.
+    pub(crate) fn or_default(recipe: Option<Self>) -> PyResult<Recipe> {
+        match recipe {
+            Some(Self(recipe)) => Ok(recipe),
+            None => Recipe::named(DEFAULT_PRESET, None),
+        }
+    }
+}
+
+impl<'a, 'py> FromPyObject<'a, 'py> for RecipeArg {
+    type Error = PyErr;
+
+    fn extract(recipe: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(recipe) = recipe.cast::<Recipe>() {
+            return Ok(Self(recipe.get().clone()));
+        }
+        if let Ok(name) = recipe.cast::<PyString>() {
+            return Ok(Self(Recipe::named(name.to_str()?, None)?));
+        }
+        if let Ok(tables) = recipe.cast::<PyDict>() {
+            return Ok(Self(Recipe::from_dict(tables.as_mapping())?));
+        }
+        Err(pyo3::exceptions::PyTypeError::new_err(format!(
+            "recipe is a {}; expected a starbreak.Recipe, the name of a preset or a dict",
+            recipe.get_type().name()?
+        )))
+    }
+}
+
+/// The presets: name and what happens.
+///
+/// >>> import starbreak
+/// >>> starbreak.presets()["windshield-star"]
+/// 'a sharp stone on a laminated windscreen: straight legs out of one point'
+#[pyfunction]
+pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let all = PyDict::new(py);
+    for (name, purpose) in PRESETS {
+        all.set_item(name, purpose)?;
+    }
+    Ok(all)
+}
+
+/// The cameras that a recipe may take: name and which one it is.
+///
+/// >>> import starbreak
+/// >>> "kitti" in starbreak.cameras()
+/// True
+#[pyfunction]
+pub(crate) fn cameras(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let all = PyDict::new(py);
+    for (name, purpose) in starbreak::cameras().map_err(|error| of_recipe(&error))? {
+        all.set_item(name, purpose)?;
+    }
+    Ok(all)
+}
+
+/// The JSON Schema of recipes, which describes every key.
+///
+/// >>> import starbreak
+/// >>> "camera" in starbreak.json_schema()["properties"]
+/// True
+#[pyfunction]
+pub(crate) fn json_schema(py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+    python_of(py, &starbreak::json_schema())
+}

@@ -1,0 +1,61 @@
+"""The package itself: how fast it imports, what it needs, whether its stubs are true."""
+
+import pickle
+import subprocess
+import sys
+from importlib import metadata, resources
+
+import pytest
+import starbreak
+
+
+def test_import_is_quick_and_brings_only_itself():
+    code = (
+        "import sys, time, numpy; before = set(sys.modules); start = time.perf_counter(); import starbreak; "
+        "print(time.perf_counter() - start, *sorted(set(sys.modules) - before))"
+    )
+    runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split() for _ in range(5)]
+    assert min(float(seconds) for seconds, *_ in runs) < 0.1
+    others = {name for _, *names in runs for name in names if name.split(".")[0] != "starbreak"}
+    assert others <= set(sys.stdlib_module_names), others
+
+
+def test_numpy_is_the_only_dependency():
+    needed = [need for need in metadata.requires("starbreak") or [] if "extra" not in need]
+    assert [need.split(">")[0] for need in needed] == ["numpy"]
+    assert metadata.version("starbreak") == starbreak.__version__
+
+
+def test_stubs_are_those_of_the_built_module():
+    assert resources.files("starbreak").joinpath("py.typed").is_file()
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy.stubtest", "starbreak"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_types_are_what_the_stubs_say(tmp_path):
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import numpy as np, numpy.typing as npt, starbreak\n"
+        "image = np.zeros((9, 9, 3), np.uint8)\n"
+        "a: npt.NDArray[np.uint8] = starbreak.crack(image)\n"
+        "b: starbreak.Cracked = starbreak.crack(image, full=True)\n"
+        "c: starbreak.Cracked = starbreak.crack(image, boxes=[[0, 0, 1, 1]])\n"
+        "d: npt.NDArray[np.uint8] = starbreak.corrupt(image, 'paper', severity=3)\n"
+    )
+    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", program], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    program.write_text("import starbreak\nx: int = starbreak.simulate()\nstarbreak.crack(3)\nstarbreak.Recipe(sevrity=2)\n")
+    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", program], capture_output=True, text=True, check=False)
+    assert done.stdout.count("error:") >= 3, done.stdout
+
+
+def test_values_survive_a_pickle(small):
+    network = starbreak.simulate(small, 3, (128, 96))
+    for value in (small, network):
+        again = pickle.loads(pickle.dumps(value))
+        assert again == value and type(again) is type(value)
+    assert hash(pickle.loads(pickle.dumps(small))) == hash(small)
+    with pytest.raises(AttributeError):
+        small.anything = 1
