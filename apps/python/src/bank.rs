@@ -32,6 +32,11 @@ pub(crate) struct PatternBank {
 }
 
 impl PatternBank {
+    /// The library's.
+    pub(crate) fn bank(&self) -> &starbreak::bank::PatternBank {
+        &self.bank
+    }
+
     /// The number of a pattern; negative ones count from the end, as in a list.
     fn number(&self, index: i64) -> PyResult<usize> {
         let n = self.bank.len();

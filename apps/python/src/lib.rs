@@ -9,6 +9,7 @@
 mod bank;
 mod crack;
 mod errors;
+mod file;
 mod images;
 mod measure;
 mod network;
@@ -26,6 +27,8 @@ mod _starbreak {
     use crate::crack::{Cracked, ReadyCrack, corrupt, crack, item_seed, simulate};
     #[pymodule_export]
     use crate::errors::SimulationError;
+    #[pymodule_export]
+    use crate::file::crack_file;
     #[pymodule_export]
     use crate::measure::{divergence, evaluate};
     #[pymodule_export]

@@ -53,6 +53,10 @@ impl Recipe {
         })
     }
 
+    pub(crate) fn recipe(&self) -> &starbreak::Recipe {
+        &self.recipe
+    }
+
     pub(crate) fn settings(&self) -> Arc<Settings> {
         Arc::clone(&self.settings)
     }

@@ -248,6 +248,16 @@ def corrupt(
     *,
     seed: SupportsIndex = 0,
 ) -> _Image: ...
+def crack_file(
+    data: bytes,
+    name: str,
+    recipe: _RecipeLike | None = None,
+    seed: SupportsIndex = 0,
+    *,
+    bank: PatternBank | None = None,
+    sample_index: SupportsIndex = 0,
+    n_samples: SupportsIndex = 1,
+) -> list[tuple[str, bytes]]: ...
 def item_seed(seed: SupportsIndex, name: str, sample_index: int = 0) -> int: ...
 def presets() -> dict[str, str]: ...
 def cameras() -> dict[str, str]: ...

@@ -4,8 +4,8 @@ use image::DynamicImage;
 use image::metadata::Orientation;
 use serde_json::{Map, Value, json};
 use starbreak_dataset::{
-    Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, Provenance,
-    SampleFiles, SourceImage, encode_image_as, encode_mask_as, read_image, sha256_hex,
+    Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, LabeledObject, OutputBatch,
+    Provenance, SampleFiles, SourceImage, encode_image_as, encode_mask_as, read_image, sha256_hex,
 };
 use starbreak_glass::Seed;
 use starbreak_optics::Contrast;
@@ -13,7 +13,9 @@ use starbreak_optics::Contrast;
 use super::Plan;
 use super::damage::damage_of;
 use crate::Error;
-use crate::pipeline::{OpticsReport, PROVENANCE_SCHEMA, ReadyCrack, Shown, Stopwatch, Timings};
+use crate::pipeline::{
+    OpticsReport, PROVENANCE_SCHEMA, ReadyCrack, RunContext, Shown, Stopwatch, Timings,
+};
 
 /// The bytes that one sample of an image becomes.
 pub(super) struct MadeItem {
@@ -40,24 +42,42 @@ impl Plan<'_> {
         let mut watch = Stopwatch::start();
         let file = read_image(&image.path, &ImageLimits::default())?;
         watch.lap("read");
-        self.make_of(image, sample_idx, files, file, watch)
+        let item = Item {
+            name: &image.name,
+            objects: &image.objects,
+            sample_idx,
+            files,
+        };
+        let pattern_of = |size, seed, watch: &mut Stopwatch| {
+            self.patterns.for_item(self.context, size, seed, watch)
+        };
+        item.made(self.context, pattern_of, file, watch)
             .map_err(|error| Error::of_image(&image.path, error))
     }
+}
 
-    fn make_of(
+/// One sample of an image.
+pub(super) struct Item<'a> {
+    /// Name of the image in its source, which the seed is keyed by.
+    pub(super) name: &'a str,
+    pub(super) objects: &'a [LabeledObject],
+    pub(super) sample_idx: u32,
+    pub(super) files: &'a SampleFiles,
+}
+
+impl Item<'_> {
+    /// The image behind the crack that `pattern_of` gives for a size and the seed of the item.
+    pub(super) fn made(
         &self,
-        image: &SourceImage,
-        sample_idx: u32,
-        files: &SampleFiles,
+        context: &RunContext,
+        pattern_of: impl FnOnce((u32, u32), Seed, &mut Stopwatch) -> Result<ReadyCrack, Error>,
         mut file: ImageFile,
         mut watch: Stopwatch,
     ) -> Result<MadeItem, Error> {
-        let settings = &self.context.settings;
-        let seed = self.context.seed.of_item(&image.name, sample_idx.into());
+        let settings = &context.settings;
+        let seed = context.seed.of_item(self.name, self.sample_idx.into());
         let size = (file.pixels.width(), file.pixels.height());
-        let pattern = self
-            .patterns
-            .for_item(self.context, size, seed, &mut watch)?;
+        let pattern = pattern_of(size, seed, &mut watch)?;
         let before = file.pixels.clone();
         watch.lap("copy");
         let shown = pattern
@@ -65,7 +85,7 @@ impl Plan<'_> {
             .over(settings, &mut file.pixels, seed, &mut watch)?;
         let contrast = Contrast::of(&before, &file.pixels, &shown.region)?;
         watch.lap("contrast");
-        let objects = damage_of(&image.objects, [&before, &file.pixels], &shown, settings);
+        let objects = damage_of(self.objects, [&before, &file.pixels], &shown, settings);
         watch.lap("damage");
 
         let quality = settings.output.quality;
@@ -88,25 +108,27 @@ impl Plan<'_> {
 
         let region_fraction = region_fraction(&shown);
         let (region, crack) = masks.unzip();
-        let record = self.record(&Record {
-            image,
-            sample_idx,
-            seed,
-            size,
-            input_sha256: &file.sha256,
-            outputs: [
-                ("output", &files.image, Some(&bytes)),
-                ("region", &files.region, region.as_ref()),
-                ("crack", &files.crack, crack.as_ref()),
-            ],
-            pattern: &pattern,
-            optics: &OpticsReport {
-                contrast,
-                scene: shown.scene,
+        let files = self.files;
+        let record = self.record(
+            context,
+            &Record {
+                seed,
+                size,
+                input_sha256: &file.sha256,
+                outputs: [
+                    ("output", &files.image, Some(&bytes)),
+                    ("region", &files.region, region.as_ref()),
+                    ("crack", &files.crack, crack.as_ref()),
+                ],
+                pattern: &pattern,
+                optics: &OpticsReport {
+                    contrast,
+                    scene: shown.scene,
+                },
+                region_fraction,
+                objects,
             },
-            region_fraction,
-            objects,
-        })?;
+        )?;
         watch.lap("record");
         Ok(MadeItem {
             image: bytes,
@@ -121,8 +143,8 @@ impl Plan<'_> {
     }
 
     /// The record of a sample; it repeats to the byte, so it holds no times.
-    fn record(&self, of: &Record<'_>) -> Result<Provenance, Error> {
-        let name = &of.image.name;
+    fn record(&self, context: &RunContext, of: &Record<'_>) -> Result<Provenance, Error> {
+        let name = self.name;
         let mut camera = json!({ "width_px": of.size.0, "height_px": of.size.1 });
         if let Some(scene) = &of.optics.scene {
             camera["f_px"] = scene.f_px.into();
@@ -135,14 +157,11 @@ impl Plan<'_> {
                 "generator".to_owned(),
                 json!({ "name": "starbreak", "version": env!("CARGO_PKG_VERSION") }),
             ),
-            (
-                "recipe_sha256".to_owned(),
-                json!(self.context.recipe_sha256),
-            ),
-            ("seed".to_owned(), json!(self.context.seed.0)),
+            ("recipe_sha256".to_owned(), json!(context.recipe_sha256)),
+            ("seed".to_owned(), json!(context.seed.0)),
             (
                 "item".to_owned(),
-                json!({ "name": name, "sample_index": of.sample_idx, "seed": of.seed.0 }),
+                json!({ "name": name, "sample_index": self.sample_idx, "seed": of.seed.0 }),
             ),
             ("camera".to_owned(), camera),
             (
@@ -166,8 +185,6 @@ impl Plan<'_> {
 
 /// What the record of a sample is made of.
 struct Record<'a> {
-    image: &'a SourceImage,
-    sample_idx: u32,
     seed: Seed,
     size: (u32, u32),
     input_sha256: &'a str,

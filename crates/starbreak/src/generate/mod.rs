@@ -17,6 +17,7 @@ mod patterns;
 mod preview;
 mod regenerate;
 mod run;
+mod single;
 mod survey;
 mod verify;
 
@@ -25,6 +26,7 @@ pub use patterns::Patterns;
 pub use preview::{Preview, PreviewImage, preview};
 pub use regenerate::{RegenerateReport, regenerate};
 pub use run::{Event, GenerateReport, ItemFailure, generate};
+pub use single::{CrackedFiles, crack_file};
 pub use survey::{Shard, Survey, survey};
 pub use verify::{VerifyReport, verify};
 

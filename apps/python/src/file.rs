@@ -1,0 +1,86 @@
+//! `crack_file`: one image file to the files of a set.
+
+use std::path::Path;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use starbreak::generate::{CrackedFiles, crack_file as cracked_files};
+use starbreak::pipeline::RunContext;
+
+use crate::bank::PatternBank;
+use crate::errors::{of_recipe, raised};
+use crate::recipe::RecipeArg;
+use crate::values::SeedArg;
+
+/// The files that an image becomes in a set, by their names from the root of the set.
+type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
+
+/// The files that the command `starbreak generate` makes of one image file without labels, to the
+/// byte: for runners that read and write on their own, such as a cluster's.
+///
+/// data: the bytes of a PNG or JPEG file.
+/// name: its name in the dataset, `train/a.png`; the crack is keyed by it, beside the seed and the
+/// sample.
+/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-star`
+/// unless given.
+/// seed: 0 to 2**64 - 1, the seed of the whole set.
+/// bank: a `PatternBank` in place of a recipe.
+/// sample_index, n_samples: which of how many cracked versions of the image.
+///
+/// Returns pairs of name and bytes: the image, the region and crack masks, and the record, which is
+/// to be written last. Runs in the calling thread alone, without the interpreter's lock. Raises
+/// `ValueError` for wrong parameters, `OSError` for bytes that are no image, `SimulationError` where
+/// the models have no answer.
+///
+/// >>> import starbreak
+/// >>> starbreak.crack_file(b"no image", "a.png")
+/// Traceback (most recent call last):
+///     ...
+/// OSError: ...
+#[pyfunction]
+#[pyo3(
+    signature = (data, name, recipe = None, seed = SeedArg::ZERO, *, bank = None, sample_index = 0, n_samples = 1),
+    text_signature = "(data, name, recipe=None, seed=0, *, bank=None, sample_index=0, n_samples=1)"
+)]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they have names and defaults in Python"
+)]
+pub(crate) fn crack_file<'py>(
+    py: Python<'py>,
+    data: &[u8],
+    name: &str,
+    recipe: Option<RecipeArg>,
+    seed: SeedArg,
+    bank: Option<&PatternBank>,
+    sample_index: u32,
+    n_samples: u32,
+) -> PyResult<NamedFiles<'py>> {
+    if bank.is_some() && recipe.is_some() {
+        let message = "a bank has its recipe; give one of both";
+        return Err(PyValueError::new_err(message));
+    }
+    if sample_index >= n_samples {
+        let message =
+            format!("sample_index {sample_index}; expected less than n_samples {n_samples}");
+        return Err(PyValueError::new_err(message));
+    }
+    let recipe = match bank {
+        Some(bank) => {
+            let recipe = bank.bank().header().parse_recipe();
+            recipe.map_err(|error| of_recipe(&error))?
+        }
+        None => RecipeArg::or_default(recipe)?.recipe().clone(),
+    };
+    let made: Result<CrackedFiles, starbreak::Error> = py.detach(|| {
+        let context = RunContext::new(&recipe, seed.0, Path::new(""))?;
+        let bank = bank.map(PatternBank::bank);
+        cracked_files(&context, bank, name, (sample_index, n_samples), data)
+    });
+    let files = made.map_err(|error| raised(&error))?.files;
+    let named = files.into_iter();
+    Ok(named
+        .map(|(name, bytes)| (name, PyBytes::new(py, &bytes)))
+        .collect())
+}
