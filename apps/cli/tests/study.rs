@@ -206,7 +206,6 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
     assert_eq!(study["pooled"], Value::Null, "one seed");
     let before = snapshot(dir.path());
 
-    let tempered = ["--presets", "tempered-cover"];
     let others: [(Vec<String>, &str); 5] = [
         (
             small(&data, "2", &[]),
@@ -224,11 +223,14 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
             small(&data, "1", &["--model", "yolox"]),
             "detector FastestDet, which is left out",
         ),
-        (small(&data, "1", &tempered), "left out"),
+        (
+            small(&data, "1", &["--severities", "4"]),
+            "paper-severity-5-seed-1, which is left out",
+        ),
     ];
     for (mut arguments, named) in others {
         // What is given twice is meant once.
-        for flag in ["--limit", "--model", "--presets"] {
+        for flag in ["--limit", "--model", "--severities"] {
             let last = arguments.iter().rposition(|one| one == flag).unwrap();
             let first = arguments.iter().position(|one| one == flag).unwrap();
             if first < last {

@@ -14,7 +14,7 @@ const TERMS: &[Term] = &[
         meaning: "Average precision: the mean precision over all recalls (101 of them, by the rules of \
                   MS-COCO) when a detection counts as right from an IoU of 0.5 or 0.75 on; AP alone is the mean \
                   over the IoUs 0.50, 0.55, …, 0.95. Over all classes it is the mean of theirs; of a \
-                  supercategory, its classes count as one.",
+                  supercategory, its classes count as one; the mean of the groups is over these.",
     },
     Term {
         word: "AP40, AP11",
@@ -89,6 +89,13 @@ const TERMS: &[Term] = &[
     Term {
         word: "Flicker",
         meaning: "Of clips: from one frame of an object to its next, how often found turns to missed or back.",
+    },
+    Term {
+        word: "Seeds",
+        meaning: "A seed is one draw of cracks for all images. Seeds of one condition are taken together: an \
+                  image is there once per seed, an object counts once for each seed in which it is in the \
+                  region, and intervals draw images and seeds. With two or three seeds they say little of how \
+                  draws of cracks differ.",
     },
     Term {
         word: "Refused numbers",

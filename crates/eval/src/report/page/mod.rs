@@ -20,6 +20,7 @@ use serde::Serialize;
 use crate::evaluation::{Evaluation, Study};
 
 use super::charts::KeyEntry;
+use super::conditions::pool_of;
 use super::words;
 pub(super) use table::{Cell, Table};
 
@@ -95,9 +96,25 @@ pub(super) fn page(study: &Study) -> Page {
     for (place, pooled) in study.pooled.iter().enumerate() {
         sections.push(pooled::section(study, pooled, &format!("p{place}")));
     }
+    let mut one_by_one = Vec::new();
     for (place, evaluation) in study.evaluations.iter().enumerate() {
         let id = format!("e{place}");
-        sections.push(evaluation_section(study, evaluation, &id, n_evaluations));
+        let section = evaluation_section(study, evaluation, &id, n_evaluations);
+        // What stands above with all its seeds needs no line of its own among the contents.
+        match pool_of(study, evaluation) {
+            Some(_) => one_by_one.push(Block::Fold {
+                title: section.title,
+                blocks: unfolded(section.blocks),
+            }),
+            None => sections.push(section),
+        }
+    }
+    if !one_by_one.is_empty() {
+        sections.push(Section {
+            id: "seeds".to_owned(),
+            title: "Each seed on its own".to_owned(),
+            blocks: one_by_one,
+        });
     }
     sections.extend(study.divergence.as_ref().map(sets::section));
     sections.push(definitions::section());
@@ -111,6 +128,17 @@ pub(super) fn page(study: &Study) -> Page {
         warnings: warnings::warnings(study),
         facts: [overview::facts(study), timeline::facts(study)].concat(),
         sections,
+    }
+}
+
+/// What a section holds, without a fold around all of it.
+fn unfolded(mut blocks: Vec<Block>) -> Vec<Block> {
+    match (blocks.len(), blocks.pop()) {
+        (1, Some(Block::Fold { blocks, .. })) => blocks,
+        (_, last) => {
+            blocks.extend(last);
+            blocks
+        }
     }
 }
 
