@@ -27,6 +27,8 @@ mod _starbreak {
     #[pymodule_export]
     use crate::errors::SimulationError;
     #[pymodule_export]
+    use crate::images::street_scene;
+    #[pymodule_export]
     use crate::measure::{divergence, evaluate};
     #[pymodule_export]
     use crate::network::CrackNetwork;

@@ -17,6 +17,7 @@ from ._starbreak import (
     json_schema,
     presets,
     simulate,
+    street_scene,
 )
 
 __all__ = [
@@ -36,4 +37,5 @@ __all__ = [
     "json_schema",
     "presets",
     "simulate",
+    "street_scene",
 ]
