@@ -44,7 +44,8 @@ pub fn run(mut command: Command) -> Result<(), Failure> {
 /// The command as one would type it.
 #[must_use]
 pub fn line_of(command: &Command) -> String {
-    let mut line = String::from("cargo");
+    let program = Path::new(command.get_program()).file_stem();
+    let mut line = program.unwrap_or_default().to_string_lossy().into_owned();
     for arg in command.get_args() {
         line.push(' ');
         line.push_str(&arg.to_string_lossy());

@@ -8,6 +8,7 @@ use crate::Failure;
 use crate::command::{cargo, line_of, run as run_command};
 use crate::metadata::Metadata;
 
+mod python;
 mod report;
 mod tools;
 
@@ -17,13 +18,15 @@ use tools::Tools;
 /// The manifest of the fuzz targets, a workspace of its own.
 pub const FUZZ_MANIFEST: &str = "fuzz/Cargo.toml";
 
-/// `cargo xtask test`: the tools of the tests, all tests and doctests, then the replay of the fuzz corpus.
+/// `cargo xtask test`: the tools of the tests, all tests and doctests, those of the Python package in
+/// its wheel, then the replay of the fuzz corpus.
 ///
 /// # Errors
-/// If the tools cannot be made, a test fails or the replay has a finding.
+/// If the tools or the wheel cannot be made, a test fails or the replay has a finding.
 pub fn run(root: &Path) -> Result<(), Failure> {
     let tools = Tools::prepare(root)?;
-    let (report, tests) = run_tests(root, &tools)?;
+    let (mut report, tests) = run_tests(root, &tools)?;
+    let of_python = python::test(root, &tools, &mut report);
     let replay = [
         "run",
         "--quiet",
@@ -39,7 +42,7 @@ pub fn run(root: &Path) -> Result<(), Failure> {
         println!("skipped: {skipped}");
     }
     println!("{report}");
-    tests.and(replay)
+    tests.and(of_python).and(replay)
 }
 
 /// Has a command of the fuzz workspace build where the project builds: most dependencies are

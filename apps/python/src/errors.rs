@@ -3,6 +3,7 @@
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::{PyErr, create_exception};
 use starbreak::dataset::DatasetError;
+use starbreak::eval::EvalError;
 use starbreak::fracture::FractureError;
 use starbreak::optics::OpticsError;
 use starbreak::{Error, RecipeError};
@@ -19,7 +20,7 @@ create_exception!(
 pub(crate) fn raised(error: &Error) -> PyErr {
     let message = error.to_string();
     match root(error) {
-        Error::Dataset(cause) => of_file(cause, message),
+        Error::Dataset(cause) | Error::Eval(EvalError::Dataset(cause)) => of_file(cause, message),
         Error::Fracture(FractureError::Parameter { .. } | FractureError::Pane(_))
         | Error::Optics(
             OpticsError::Parameter { .. }

@@ -8,7 +8,10 @@ use numpy::{
 };
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use serde_json::{Value, json};
 use starbreak::dataset::ImageLimits;
+
+use crate::values::python_of;
 
 /// An image from an array: a copy of it, which becomes the output.
 pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
@@ -100,6 +103,25 @@ pub(crate) fn mask_of(py: Python<'_>, mask: GrayImage) -> PyResult<Bound<'_, PyA
     let (width, height) = (mask.width() as usize, mask.height() as usize);
     let array = Array2::from_shape_vec((height, width), mask.into_raw());
     Ok(array.map_err(wrong_shape)?.into_pyarray(py))
+}
+
+/// A street that the library draws, for a first look without a photo: the image (uint8,
+/// 375 x 1242 x 3) and what is in it, as `{"category": name, "box_px": [x0, y0, x1, y1]}`.
+///
+/// >>> import starbreak
+/// >>> image, objects = starbreak.street_scene()
+/// >>> image.shape, "Pedestrian" in {thing["category"] for thing in objects}
+/// ((375, 1242, 3), True)
+#[pyfunction]
+pub(crate) fn street_scene(py: Python<'_>) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>)> {
+    let scene = py.detach(starbreak::dataset::street_scene);
+    let objects: Vec<Value> = scene
+        .objects
+        .iter()
+        .map(|thing| json!({ "category": thing.category, "box_px": thing.bbox_xyxy_px }))
+        .collect();
+    let image = array_of(py, DynamicImage::ImageRgb8(scene.image))?;
+    Ok((image, python_of(py, &Value::Array(objects))?))
 }
 
 fn wrong_shape(cause: impl std::fmt::Display) -> PyErr {

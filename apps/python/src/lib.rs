@@ -30,6 +30,8 @@ mod _starbreak {
     #[pymodule_export]
     use crate::file::crack_file;
     #[pymodule_export]
+    use crate::images::street_scene;
+    #[pymodule_export]
     use crate::measure::{divergence, evaluate};
     #[pymodule_export]
     use crate::network::CrackNetwork;

@@ -42,7 +42,7 @@ const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
 /// threads: 0 for one per processor.
 ///
 /// Raises `ValueError` for a request or files that make no sense, `OSError` for files that cannot
-/// be read or written, and stops at Ctrl-C.
+/// be read or written.
 ///
 /// >>> import json, pathlib, starbreak, tempfile
 /// >>> folder = pathlib.Path(tempfile.mkdtemp())
@@ -149,7 +149,7 @@ pub(crate) fn evaluate<'py>(
 /// threads: 0 for one per processor.
 ///
 /// An image that cannot be read is in no number, and listed under `failed` of its set. Raises
-/// `ValueError` and `OSError` as `evaluate`, and stops at Ctrl-C.
+/// `ValueError` and `OSError` as `evaluate`; Ctrl-C ends the reading of images.
 #[pyfunction]
 #[pyo3(
     signature = (*sets, limit = None, alpha = 0.5, bootstrap = 1000, permutations = 999, splits = 100, seed = SeedArg::ZERO, side = 256, background = "black", model = None, layer = None, sigma = 10.0, threads = 0),
@@ -206,6 +206,9 @@ pub(crate) fn divergence<'py>(
                     .read(&reading, eye.as_ref(), stop, &|| ())?,
             );
         }
+        if stop.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted);
+        }
         let eye = eye.as_ref().map(|eye| (eye, sigma));
         let report = compare_read_sets(&read, &reading, &settings, eye)?;
         Ok(serde_json::to_value(report).unwrap_or_default())
@@ -221,7 +224,7 @@ fn one_of(name: &str, found: &str, known: &[&str]) -> PyErr {
 }
 
 /// Work in a pool of its own, without the interpreter's lock, while this thread looks for signals;
-/// one, such as Ctrl-C, tells the work to stop and is raised after it.
+/// one, such as Ctrl-C, tells the work to stop and is raised once it has.
 fn watched<R: Send>(
     py: Python<'_>,
     n_threads: usize,

@@ -45,6 +45,30 @@ impl Report {
         !self.is_in_output_of_passed
     }
 
+    /// Reads one line of pytest: its sum (`3 passed, 1 skipped in 0.12s`) or a test that was skipped
+    /// (`SKIPPED [1] tests/a.py:3: why`).
+    pub(super) fn read_pytest(&mut self, line: &str) {
+        if let Some((place, why)) = line
+            .strip_prefix("SKIPPED [")
+            .and_then(|rest| rest.split_once("] "))
+            .and_then(|(_, rest)| rest.split_once(": "))
+        {
+            self.skipped.push(format!("{place}: {}", why.trim()));
+        }
+        let counts = line.trim_matches('=').trim();
+        let Some((counts, _)) = counts.split_once(" in ") else {
+            return;
+        };
+        let n = |word: &str| -> usize {
+            let parts = counts.split(", ");
+            let of_word =
+                parts.filter_map(|part| part.strip_suffix(word)?.trim().parse::<usize>().ok());
+            of_word.sum()
+        };
+        self.n_passed += n("passed");
+        self.n_failed += n("failed") + n("error") + n("errors");
+    }
+
     /// What was skipped and why, one line each.
     pub(super) fn skipped(&self) -> &[String] {
         &self.skipped
@@ -77,6 +101,29 @@ fn count(counts: &str, word: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sums_of_pytest_are_added_and_what_it_skips_is_kept() {
+        let mut report = Report::default();
+        for line in [
+            "....s.F   [100%]",
+            "E   AssertionError: 3 passed, or so it seems",
+            "SKIPPED [1] tests/test_a.py:3: no fork here: sorry",
+            "1 failed, 152 passed, 1 skipped, 2 errors in 83.56s (0:01:23)",
+        ] {
+            report.read_pytest(line);
+        }
+        assert_eq!(
+            report.to_string(),
+            "152 passed, 3 failed, 0 ignored, 1 skipped",
+            "sums"
+        );
+        assert_eq!(
+            report.skipped(),
+            ["tests/test_a.py:3: no fork here: sorry"],
+            "reasons"
+        );
+    }
 
     #[test]
     fn counts_are_summed_and_output_of_passed_tests_is_hidden() {

@@ -63,6 +63,11 @@ impl Tools {
         })
     }
 
+    /// The Python that has the packages.
+    pub(super) fn python(&self) -> &Path {
+        &self.python
+    }
+
     /// Names the tools to a command.
     pub(super) fn name_to(&self, command: &mut Command) {
         command.env("STARBREAK_TEST_PYTHON", &self.python);
@@ -71,7 +76,7 @@ impl Tools {
 }
 
 /// What a program prints.
-fn answer(command: &mut Command) -> Result<String, Failure> {
+pub(super) fn answer(command: &mut Command) -> Result<String, Failure> {
     let program = command.get_program().to_string_lossy().into_owned();
     let output = command.output().map_err(|cause| {
         Failure::new(format!(

@@ -18,6 +18,7 @@ from ._starbreak import (
     json_schema,
     presets,
     simulate,
+    street_scene,
 )
 
 __all__ = [
@@ -38,4 +39,5 @@ __all__ = [
     "json_schema",
     "presets",
     "simulate",
+    "street_scene",
 ]

@@ -1,0 +1,181 @@
+"""`evaluate` and `divergence` say what the command says."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import starbreak
+from conftest import picture
+from PIL import Image
+
+CATEGORIES = [{"id": 1, "name": "car"}, {"id": 3, "name": "person"}]
+
+
+@pytest.fixture(scope="module")
+def labeled(tmp_path_factory):
+    """Thirty labeled images in two categories, with boxes found, missed and made up."""
+    folder = tmp_path_factory.mktemp("labeled")
+    draw = np.random.default_rng(1)
+    images, annotations, found = [], [], {"clean": [], "cracked": []}
+    for image_id in range(1, 31):
+        name = f"{image_id:03}.png"
+        images.append({"id": image_id, "file_name": name, "width": 128, "height": 96})
+        for _ in range(3):
+            x, y, width, height = map(float, draw.integers([0, 0, 10, 10], [90, 60, 38, 36]))
+            category = int(draw.choice([1, 3]))
+            annotations.append(
+                {"id": len(annotations) + 1, "image_id": image_id, "category_id": category, "iscrowd": 0}
+                | {"bbox": [x, y, width, height], "area": width * height}
+            )
+            for side, chance in (("clean", 0.9), ("cracked", 0.6)):
+                if draw.random() < chance:
+                    shift = float(draw.normal(0, 1.5))
+                    box = [x + shift, y, width, height]
+                    score = round(float(draw.random()), 3)
+                    found[side].append({"image_id": image_id, "category_id": category, "bbox": box, "score": score})
+    (folder / "images").mkdir()
+    regions = folder / "regions"
+    regions.mkdir()
+    for image in images:
+        Image.fromarray(picture(seed=image["id"])).save(folder / "images" / image["file_name"])
+        mask = np.zeros((96, 128), np.uint8)
+        mask[:, : 20 + 2 * image["id"]] = 255
+        Image.fromarray(mask).save(regions / image["file_name"])
+    truth = {"images": images, "annotations": annotations, "categories": CATEGORIES}
+    (folder / "labels.json").write_text(json.dumps(truth))
+    for side, boxes in found.items():
+        (folder / f"{side}.json").write_text(json.dumps(boxes))
+    return folder
+
+
+def test_evaluate_says_what_the_command_prints(command, labeled):
+    files = [labeled / name for name in ("labels.json", "clean.json", "cracked.json", "regions")]
+    labels, clean, cracked, regions = files
+    said = command("evaluate", "--ground-truth", labels, "--clean", clean, "--cracked", cracked, "--json")
+    ours = starbreak.evaluate(ground_truth=labels, clean=clean, cracked=cracked)
+    assert ours == json.loads(said.stdout)
+    assert 0.1 < ours["cracked"]["coco_stats"][0] < ours["clean"]["coco_stats"][0] < 1
+    said = command(
+        *("evaluate", "--ground-truth", labels, "--clean", clean, "--cracked", cracked, "--json"),
+        *("--regions", regions, "--tau", "0.1,0.5"),
+    )
+    ours = starbreak.evaluate(ground_truth=labels, clean=clean, cracked=cracked, regions=regions, tau=[0.1, 0.5])
+    assert ours == json.loads(said.stdout)
+    said = command(
+        *("evaluate", "--ground-truth", labels, "--clean", clean, "--json", "--class-agnostic"),
+        *("--iou-thresholds", "0.3", "--max-dets", "1,50", "--area-range", "few=0,500"),
+    )
+    ours = starbreak.evaluate(
+        ground_truth=labels,
+        clean=clean,
+        class_agnostic=True,
+        iou_thresholds=[0.3],
+        max_dets=[1, 50],
+        area_ranges={"few": (0, 500)},
+    )
+    assert ours == json.loads(said.stdout)
+
+
+def test_evaluate_writes_the_report_of_the_command(command, labeled, tmp_path):
+    words = ["--ground-truth", labeled / "labels.json", "--clean", labeled / "clean.json"]
+    words += ["--cracked", labeled / "cracked.json", "--regions", labeled / "regions"]
+    said = command("evaluate", *words, "--json", "--replicates", 50, "--seed", 4, "-o", tmp_path / "theirs")
+    ours = starbreak.evaluate(
+        ground_truth=labeled / "labels.json",
+        clean=labeled / "clean.json",
+        cracked=labeled / "cracked.json",
+        regions=labeled / "regions",
+        replicates=50,
+        seed=4,
+        output=tmp_path / "ours",
+        threads=1,
+    )
+    assert ours == json.loads(said.stdout)
+    names = sorted(os.listdir(tmp_path / "theirs"))
+    assert sorted(os.listdir(tmp_path / "ours")) == names and "report.html" in names
+    for name in ("numbers.csv", "table.tex", "failures.jsonl"):
+        assert (tmp_path / "ours" / name).read_text() == (tmp_path / "theirs" / name).read_text(), name
+
+
+def test_divergence_says_what_the_command_prints(command, labeled, tmp_path, small):
+    cracked = tmp_path / "cracked"
+    cracked.mkdir()
+    for name in os.listdir(labeled / "images"):
+        image = np.asarray(Image.open(labeled / "images" / name))
+        Image.fromarray(starbreak.crack(image, small, 1, name=name)).save(cracked / name)
+    sets = [f"clean=folder:{labeled / 'images'}", f"cracked=folder:{cracked}"]
+    said = command(
+        *("divergence", *sets, "--json", "--bootstrap", 20, "--permutations", 19, "--splits", 5),
+        *("--seed", 3, "--side", 64, "--limit", 25),
+    )
+    ours = starbreak.divergence(
+        *sets, bootstrap=20, permutations=19, splits=5, seed=3, side=64, limit=25, threads=1
+    )
+    assert ours == json.loads(said.stdout)
+    assert ours["pairs"][0]["n_a"] == 25
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda f: starbreak.evaluate(clean=f / "clean.json"), "no labels"),
+        (lambda f: starbreak.evaluate("voc:here", clean=f / "clean.json"), "voc"),
+        (lambda f: of(f, protocol="voc"), "coco, kitti, bdd"),
+        (lambda f: of(f, tau=[0.1]), "--regions"),
+        (lambda f: of(f, regions=f / "regions", tau=[2.0]), "shares from 0 to 1"),
+        (lambda f: of(f, regions=f / "regions", class_agnostic=True), "--class-agnostic"),
+        (lambda f: of(f, score_threshold=float("nan")), "expected 0 to 1"),
+        (lambda f: of(f, replicates=3), "expected 20 to 1000000"),
+        (lambda f: of(f, worst=101), "expected 0 to 100"),
+        (lambda f: of(f, clean=f / "labels.json"), "labels.json"),
+        (lambda f: starbreak.divergence(f"folder:{f / 'images'}"), "two sets or more"),
+        (lambda f: starbreak.divergence("folder:a", "folder:a"), "two sets are called"),
+        (lambda f: starbreak.divergence("folder:a", "folder:b", background="blue"), "black, gray, white"),
+        (lambda f: starbreak.divergence("folder:a", "folder:b", bootstrap=10**7), "expected 0 to 1000000"),
+        (lambda f: starbreak.divergence("folder:a", "folder:b", side=10**6), "expected 0 to 8192"),
+        (lambda f: starbreak.divergence("folder:a", "folder:b", limit=0), "limit = 0"),
+    ],
+)
+def test_what_makes_no_sense_is_a_value_error(call, says, labeled):
+    with pytest.raises(ValueError) as raised:
+        call(labeled)
+    assert says in str(raised.value)
+
+
+def of(folder, **options):
+    return starbreak.evaluate(**({"ground_truth": folder / "labels.json", "clean": folder / "clean.json"} | options))
+
+
+def test_files_that_are_not_there_are_os_errors(labeled, tmp_path):
+    with pytest.raises(OSError, match="nowhere"):
+        of(labeled, clean=tmp_path / "nowhere.json")
+    with pytest.raises(OSError, match="nowhere"):
+        starbreak.divergence(f"a=folder:{tmp_path / 'nowhere'}", f"b=folder:{labeled / 'images'}")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C is sent as a signal")
+def test_ctrl_c_ends_the_reading_of_images(tmp_path):
+    folder = tmp_path / "images"
+    folder.mkdir()
+    Image.fromarray(picture(700, 1200)).save(folder / "0.png")
+    for k in range(1, 2000):
+        os.link(folder / "0.png", folder / f"{k}.png")
+    program = (
+        "import starbreak\nprint('begun', flush=True)\n"
+        f"starbreak.divergence('a=folder:{folder}', 'b=folder:{folder}', bootstrap=0, side=0, threads=1)"
+    )
+    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "begun\n"
+    time.sleep(0.5)
+    child.send_signal(signal.SIGINT)
+    try:
+        # All 4000 would take minutes.
+        _, complaint = child.communicate(timeout=30)
+    finally:
+        child.kill()
+    assert "KeyboardInterrupt" in complaint

@@ -1,0 +1,78 @@
+//! The Python package: its wheel, built and installed, and its tests.
+
+use std::fs;
+use std::io::{BufRead as _, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use super::report::Report;
+use super::tools::{Tools, answer};
+use crate::Failure;
+use crate::command::run as run_command;
+use crate::metadata::Metadata;
+
+/// The folder of the package.
+const FOLDER: &str = "apps/python";
+
+/// Where the wheel is put, in the target folder.
+const WHEELS: &str = "test-wheels";
+
+/// The feature with which dependencies are those of the tests of the workspace.
+const FEATURE: &str = "as-in-workspace";
+
+/// Builds the wheel beside what the tests of the workspace have built, installs it where the tools
+/// are, and runs its tests against the command.
+pub(super) fn test(root: &Path, tools: &Tools, report: &mut Report) -> Result<(), Failure> {
+    let target = Metadata::of_workspace(root)?.target_directory;
+    let wheels = target.join(WHEELS);
+    let _ = fs::remove_dir_all(&wheels);
+    let mut build = Command::new(tools.python());
+    build.args(["-m", "maturin", "build", "--locked", "--quiet"]);
+    build.args(["--profile", "dev", "--features", FEATURE]);
+    build.args(["--manifest-path", "apps/python/Cargo.toml", "--out"]);
+    build.arg(&wheels).current_dir(root);
+    run_command(build)?;
+
+    let mut install = Command::new(tools.python());
+    install.args(["-m", "pip", "install", "--quiet", "--no-index", "--no-deps"]);
+    install.args(["--disable-pip-version-check", "--force-reinstall"]);
+    answer(install.arg(wheel_in(&wheels)?))?;
+
+    let mut test = Command::new(tools.python());
+    test.args(["-m", "pytest", "--quiet", "-rs"]);
+    test.current_dir(root.join(FOLDER));
+    test.env("PYTHONDONTWRITEBYTECODE", "1");
+    let name = format!("starbreak{}", std::env::consts::EXE_SUFFIX);
+    test.env("STARBREAK_TEST_COMMAND", target.join("debug").join(name));
+    run_tests(test, report)
+}
+
+/// The one wheel in a folder.
+fn wheel_in(folder: &Path) -> Result<PathBuf, Failure> {
+    let unread = |cause| Failure::of_file(folder, &cause);
+    let entries = fs::read_dir(folder).map_err(unread)?;
+    let wheel = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .find(|path| path.extension().is_some_and(|ending| ending == "whl"));
+    wheel.ok_or_else(|| Failure::new(format!("{}: no wheel was built", folder.display())))
+}
+
+/// Runs pytest, passes on what it says, and counts.
+fn run_tests(mut test: Command, report: &mut Report) -> Result<(), Failure> {
+    println!("\n== python -m pytest {FOLDER}");
+    let broken = |cause: std::io::Error| Failure::new(format!("pytest: {cause}"));
+    let mut child = test.stdout(Stdio::piped()).spawn().map_err(broken)?;
+    if let Some(stdout) = child.stdout.take() {
+        for bytes in BufReader::new(stdout).split(b'\n') {
+            let bytes = bytes.map_err(broken)?;
+            let line = String::from_utf8_lossy(&bytes);
+            report.read_pytest(&line);
+            println!("{line}");
+        }
+    }
+    let status = child.wait().map_err(broken)?;
+    match status.success() {
+        true => Ok(()),
+        false => Err(Failure::new(format!("pytest {FOLDER}: {status}"))),
+    }
+}
