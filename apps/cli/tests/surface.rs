@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use common::{Outcome, folder, names, raw_png, succeed};
 use serde_json::Value;
 
-const VERBS: [&str; 17] = [
+const VERBS: [&str; 18] = [
     "demo",
     "crack",
     "generate",
@@ -19,6 +19,7 @@ const VERBS: [&str; 17] = [
     "study",
     "detect",
     "evaluate",
+    "timeline",
     "divergence",
     "patterns",
     "video",

@@ -166,6 +166,8 @@ def test_ctrl_c_ends_the_reading_of_images(tmp_path):
     for k in range(1, 2000):
         os.link(folder / "0.png", folder / f"{k}.png")
     program = (
+        # What is started in the background of a shell ignores the signal, and its children do.
+        "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "import starbreak\nprint('begun', flush=True)\n"
         f"starbreak.divergence('a=folder:{folder}', 'b=folder:{folder}', bootstrap=0, side=0, threads=1)"
     )
