@@ -229,10 +229,20 @@ impl Comparison<'_> {
             .collect()
     }
 
-    /// Values of all pairs for each replicate, in which all sets are drawn anew.
+    /// Values of all pairs for each replicate, in which all sets are drawn anew; sets of the same images by
+    /// name, such as a clean one and its cracked twin, get the same draws.
     fn bootstrap(&self, pairs: &[[usize; 2]]) -> Vec<Vec<Vec<Values>>> {
+        let first_twin = |(place, set): (usize, &ImageSet)| {
+            let mut earlier = self.sets.iter().take(place);
+            earlier
+                .position(|other| are_paired(other, set))
+                .unwrap_or(place)
+        };
+        let twins: Vec<usize> = self.sets.iter().enumerate().map(first_twin).collect();
         let replicate = |index: usize| -> Vec<Vec<Values>> {
-            let pools: Vec<Pooled> = (0_usize..)
+            let pools: Vec<Pooled> = twins
+                .iter()
+                .copied()
                 .zip(self.sets)
                 .map(|(place, set)| {
                     let purpose = Purpose::Bootstrap;

@@ -69,7 +69,8 @@ impl Measure {
 pub struct Estimate {
     /// The value for the sets as they are.
     pub value: f64,
-    /// Percentile interval by bootstrap over the images of both sets; none where a set has one image.
+    /// Percentile interval by bootstrap over the images of both sets, of [paired](PairComparison::is_paired)
+    /// sets with the same draws for both; none where a set has one image.
     ///
     /// Resampling adds noise, so that near the floor the whole interval lies above the value: then
     /// read the p-value.

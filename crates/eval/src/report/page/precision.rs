@@ -225,7 +225,7 @@ fn chart(paired: &[PairedRow], scope: &Scope, id: &str) -> Option<Block> {
         key: chart.key,
         caption: format!(
             "{metric} {place} of all classes, supercategories and classes with enough objects; lines \
-             are 95 % intervals of the bootstrap over images."
+             are 95 % intervals of the bootstrap."
         ),
         table: None,
     })
@@ -243,6 +243,7 @@ pub(super) fn group_name(group: &Group) -> String {
 fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
     const COLUMNS: [&str; 2] = ["Objects", "Images"];
     let metrics = metrics(paired, scope);
+    let has_p = paired.iter().any(|row| row.p.is_some());
     let mut columns = vec![("Class", false)];
     columns.extend(COLUMNS.map(|name| (name, true)));
     for metric in &metrics {
@@ -253,7 +254,8 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
             PairedMetric::KittiAp11 => ["AP11 clean", "AP11 cracked", "Difference", "p (Holm)"],
             PairedMetric::KittiAp40 => ["AP40 clean", "AP40 cracked", "Difference", "p (Holm)"],
         };
-        columns.extend(heads.map(|name| (name, true)));
+        let n_heads = if has_p { 4 } else { 3 };
+        columns.extend(heads.into_iter().take(n_heads).map(|name| (name, true)));
     }
     let place = words::scope(scope);
     let mut table = Table::new("", &columns);
@@ -278,17 +280,19 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
         ];
         for row in rows {
             let Some(row) = row else {
-                cells.extend([(); 4].map(|()| Cell::text(words::NOTHING)));
+                let n_cells = if has_p { 4 } else { 3 };
+                cells.extend((0..n_cells).map(|_| Cell::text(words::NOTHING)));
                 continue;
             };
             cells.push(table.estimate(&row.clean, words::percent));
             cells.push(table.estimate(&row.cracked, words::percent));
             cells.push(table.estimate(&row.delta, words::signed_percent));
-            cells.push(Cell::probability(row.p_holm.or(row.p)));
+            if has_p {
+                cells.push(Cell::probability(row.p_holm.or(row.p)));
+            }
         }
         table.push(cells);
     }
-    let has_p = paired.iter().any(|row| row.p.is_some());
     let tests = match has_p {
         true => "; p of the permutation test, corrected by Holm's method",
         false => "",

@@ -92,6 +92,10 @@ fn of_clean(results: &DivergenceResults, feature: &str) -> Option<Table> {
 
 fn digits(value: f64) -> String {
     let n_digits = match value.abs() {
+        v if v > 0.0 && v < 0.001 => {
+            let text = format!("{value:.1e}");
+            return text.replace('-', "\u{2212}");
+        }
         v if v < 0.1 => 4,
         v if v < 10.0 => 3,
         _ => 1,
