@@ -4,9 +4,12 @@ import pickle
 import subprocess
 import sys
 from importlib import metadata, resources
+from pathlib import Path
 
 import pytest
 import starbreak
+
+PROJECT = Path(__file__).parent.parent / "pyproject.toml"
 
 
 def test_import_is_quick_and_brings_only_itself():
@@ -28,9 +31,8 @@ def test_numpy_is_the_only_dependency():
 
 def test_stubs_are_those_of_the_built_module():
     assert resources.files("starbreak").joinpath("py.typed").is_file()
-    done = subprocess.run(
-        [sys.executable, "-m", "mypy.stubtest", "starbreak"], capture_output=True, text=True, check=False
-    )
+    check = [sys.executable, "-m", "mypy.stubtest", "--mypy-config-file", str(PROJECT), "starbreak"]
+    done = subprocess.run(check, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
