@@ -8,7 +8,7 @@ use super::draws::{Purpose, coins, multiplicities, stream, subset};
 use super::estimate::{ROUNDING, mean, quantile, share, sorted};
 use super::features::{BinAxis, Feature};
 use super::measures::{HistogramDivergence, circular_w1_bins, histogram_divergence};
-use super::notes::{are_paired, n_shared, notes};
+use super::notes::{are_paired, first_twins, n_shared, notes};
 use super::report::{
     CompareSettings, DEFINITION, DivergenceReport, Estimate, FeatureComparison, FeatureOrdering,
     Measure, OrderingTest, PairComparison, REPORT_SCHEMA, SetFloor,
@@ -232,13 +232,7 @@ impl Comparison<'_> {
     /// Values of all pairs for each replicate, in which all sets are drawn anew; sets of the same images by
     /// name, such as a clean one and its cracked twin, get the same draws.
     fn bootstrap(&self, pairs: &[[usize; 2]]) -> Vec<Vec<Vec<Values>>> {
-        let first_twin = |(place, set): (usize, &ImageSet)| {
-            let mut earlier = self.sets.iter().take(place);
-            earlier
-                .position(|other| are_paired(other, set))
-                .unwrap_or(place)
-        };
-        let twins: Vec<usize> = self.sets.iter().enumerate().map(first_twin).collect();
+        let twins = first_twins(self.sets);
         let replicate = |index: usize| -> Vec<Vec<Values>> {
             let pools: Vec<Pooled> = twins
                 .iter()

@@ -19,6 +19,16 @@ pub(super) fn are_paired(a: &ImageSet, b: &ImageSet) -> bool {
     a.items.len() > 1 && names(a) == names(b)
 }
 
+/// For each set the place of the first one that has the same images by name; its own where there is none.
+pub(super) fn first_twins(sets: &[ImageSet]) -> Vec<usize> {
+    let of_set = |(place, set): (usize, &ImageSet)| {
+        let mut earlier = sets.iter().take(place);
+        let twin = earlier.position(|other| are_paired(other, set));
+        twin.unwrap_or(place)
+    };
+    sets.iter().enumerate().map(of_set).collect()
+}
+
 /// One line for each thing.
 pub(super) fn notes(sets: &[ImageSet], pairs: &[PairComparison]) -> Vec<String> {
     let mut notes = Vec::new();
