@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::Duration;
 
-use common::{command, folder, json, skipped, snapshot, starbreak};
+use common::{command, folder, json, names, raw_png, skipped, snapshot, starbreak};
 use serde_json::Value;
 
 /// The shared data, where it is at hand.
@@ -19,6 +19,34 @@ fn data() -> Option<PathBuf> {
         skipped(&format!("{} is not at hand", shared.display()));
     }
     is_there.then(|| shared.canonicalize().unwrap())
+}
+
+/// Mean share of the images in the region, and how many of them it leaves alone, by the masks of the set
+/// of a severity.
+fn region_of(sets: &Path, severity: u8) -> (f64, u64) {
+    let is_it = |name: &&String| name.contains(&format!("severity-{severity}"));
+    let names = names(sets);
+    let set = names
+        .iter()
+        .find(is_it)
+        .unwrap_or_else(|| panic!("{names:?}"));
+    let (mut sum, mut n, mut n_intact) = (0.0, 0.0, 0);
+    let mut folders = vec![sets.join(set).join("starbreak/regions")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let mask = raw_png(&path);
+            let n_inside = mask.data.iter().filter(|code| **code > 0).count();
+            sum += n_inside as f64 / mask.data.len() as f64;
+            n += 1.0;
+            n_intact += u64::from(n_inside == 0);
+        }
+    }
+    (sum / n, n_intact)
 }
 
 /// A study of eight images, two severities of coarse paper cracks, to the folder `out`.
@@ -77,6 +105,15 @@ fn a_study_gives_one_report_and_a_killed_one_comes_to_the_same() {
         1,
         "one clean arm for all"
     );
+    for (one, severity) in evaluations.iter().zip([1, 5]) {
+        let (share, n_intact) = region_of(&dir.path().join("whole/sets"), severity);
+        let said = one["counts"]["mean_region_share"].as_f64().unwrap();
+        assert!(
+            (said - share).abs() < 1e-9,
+            "{said}, by the records {share}"
+        );
+        assert_eq!(one["counts"]["n_images_intact"], n_intact, "by the records");
+    }
 
     // Killed at several moments, then left alone.
     for wait_ms in [300, 900, 1500, 2500] {
