@@ -2,107 +2,167 @@
 
 A crack is drawn for each image from a seed. The seed of an image comes from the transform's own
 seed, the epoch and a key of the image, never from how many images a worker has seen: so the set of
-images that a loader gives does not depend on its workers. Without a seed of its own a transform
-draws from the random numbers of its framework.
+images that a loader gives does not depend on its workers.
 """
 
 from __future__ import annotations
 
+import os
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from . import PatternBank, ReadyCrack, Recipe, crack, item_seed
+from . import PatternBank, ReadyCrack, Recipe, item_seed
+
+Image = npt.NDArray[np.uint8]
+RecipeLike = Recipe | str | dict[str, Any]
+Severity = int | Sequence[int]
+Path = str | os.PathLike[str]
+
+#: Where a call leaves the region mask of its first image, if it is asked for.
+_REGIONS: ContextVar[list[Image] | None] = ContextVar("regions", default=None)
 
 
 class CrackDrawing:
-    """Cracks by a recipe, scaled to severities, or out of a bank.
+    """Cracks by a recipe, scaled to severities, or out of a bank; what all transforms share.
 
-    Parameters are those of :class:`starbreak.albumentations.CrackedGlass`.
+    Parameters are those of :class:`starbreak.transforms.CrackedGlass`.
 
-    >>> drawing = CrackDrawing("paper", severity=(1, 3))
+    >>> drawing = CrackDrawing("paper", severity=(1, 3), p=0.25, seed=7)
     >>> drawing.severities
     (1, 2, 3)
+    >>> 900 < sum(drawing.is_drawn(seed) for seed in range(4000)) < 1100
+    True
     """
 
     def __init__(
         self,
-        recipe: Recipe | str | dict[str, Any] | None = None,
-        severity: int | Sequence[int] | None = None,
-        bank: str | None = None,
+        recipe: RecipeLike | None = None,
+        severity: Severity | None = None,
+        bank: Path | None = None,
+        p: float = 1.0,
+        seed: int | None = None,
     ) -> None:
+        if not 0.0 <= p <= 1.0:
+            raise ValueError(f"p {p}: expected 0 to 1")
         if bank is not None and (recipe is not None or severity is not None):
             raise ValueError("a bank has its recipe and severity; give a bank alone, or a recipe with severities")
+        if seed is not None:
+            item_seed(seed, "")  # raises for what is no seed
+        self.p = p
+        self.seed = seed
+        self.epoch = 0
         self.bank = None if bank is None else PatternBank(bank)
         self.severities = _severities(severity)
-        self.recipes: tuple[Recipe, ...] = ()
-        if self.bank is None:
-            self.recipes = tuple(_recipe(recipe, severity) for severity in self.severities or (None,))
+        self.recipes = () if self.bank else tuple(_recipe(recipe, one) for one in self.severities or (None,))
 
-    def choose(self, seed: int) -> int:
-        """Place of the recipe that the seed draws.
+    def seed_of(self, image: Image, key: object = None) -> int:
+        """The seed of an image's crack, from its key or, without one, from its pixels.
 
-        >>> CrackDrawing("paper", severity=(1, 3)).choose(5) in (0, 1, 2)
+        Every 16th row stands for the pixels. Images that are equal there get equal cracks.
+
+        >>> drawing = CrackDrawing("paper", seed=7)
+        >>> image = np.zeros((32, 32, 3), np.uint8)
+        >>> drawing.seed_of(image) == drawing.seed_of(image.copy())
+        True
+        >>> drawing.seed_of(image, "a.png") == drawing.seed_of(image, "b.png")
+        False
+        """
+        if key is None:
+            key = f"pixels {image.shape} {zlib.crc32(np.ascontiguousarray(image[::16]).data):08x}"
+        return item_seed(self.seed or 0, str(key), self.epoch)
+
+    def is_drawn(self, seed: int) -> bool:
+        """Whether the seed of an image falls into the share ``p``."""
+        return item_seed(seed, "whether") / 2**53 < self.p
+
+    def recipe_of(self, seed: int) -> Recipe:
+        """The recipe that the seed of an image draws, out of those of the severities.
+
+        >>> drawing = CrackDrawing("paper", severity=(1, 2))
+        >>> drawing.recipe_of(4) in drawing.recipes
         True
         """
-        return item_seed(seed, "severity") % max(len(self.recipes), 1)
+        return self.recipes[item_seed(seed, "severity") % len(self.recipes)]
 
-    def crack(self, image: np.ndarray, seed: int, *, full: bool = False) -> Any:
-        """The image behind glass that the seed breaks: as :func:`starbreak.crack`."""
-        if self.bank is not None:
-            return self.bank.crack(image, seed, full=full)
-        return crack(image, self.recipes[self.choose(seed)], seed, full=full)
+    def crack_or_spare(self, frames: Sequence[Image], seed: int) -> Sequence[Image]:
+        """Cracked frames, or the frames themselves where the seed falls outside of ``p``."""
+        if self.is_drawn(seed):
+            return self.crack(frames, seed)
+        regions = _REGIONS.get()
+        if regions is not None and not regions:
+            regions.append(np.zeros(frames[0].shape[:2], np.uint8))
+        return frames
 
-    def ready(self, size: tuple[int, int], seed: int) -> ReadyCrack:
-        """The same crack ready for several images of one size, width and height in pixels."""
-        if self.bank is not None:
-            return self.bank.pattern(self.bank.index_for(seed), size)
-        return ReadyCrack(self.recipes[self.choose(seed)], seed, size)
+    def crack(self, frames: Sequence[Image], seed: int) -> list[Image]:
+        """New images behind the glass that the seed breaks, all of one size behind one crack.
 
-    @staticmethod
-    def is_drawn(seed: int, p: float) -> bool:
-        """Whether the seed falls into the share ``p``.
-
-        >>> sum(CrackDrawing.is_drawn(seed, 0.25) for seed in range(4000)) // 100
-        10
+        A frame is H×W, H×W×1 or H×W×3.
         """
-        return item_seed(seed, "whether") / 2**53 < p
+        first = frames[0]
+        if first.ndim not in (2, 3):
+            raise ValueError(f"image of shape {first.shape}: expected H x W or H x W x 3")
+        size = (first.shape[1], first.shape[0])
+        if self.bank is not None:
+            ready = self.bank.pattern(self.bank.index_for(seed), size)
+        else:
+            ready = ReadyCrack(self.recipe_of(seed), seed, size)
+        regions = _REGIONS.get()
+        cracked = []
+        for frame in frames:
+            image = frame[..., 0] if frame.shape[2:] == (1,) else frame
+            if regions is not None and not regions:
+                full = ready.over(image, seed, full=True)
+                regions.append(full.region)
+                image = full.image
+            else:
+                image = ready.over(image, seed)
+            cracked.append(image.reshape(frame.shape))
+        return cracked
 
 
-def seed_of_image(seed: int, epoch: int, key: str | None, image: np.ndarray) -> int:
-    """The seed of an image's crack, from its key or, without one, from its pixels.
-
-    Every 16th row stands for the pixels. Images that are equal there get equal cracks.
-
-    >>> image = np.zeros((32, 32, 3), np.uint8)
-    >>> seed_of_image(1, 0, None, image) == seed_of_image(1, 0, None, image.copy())
-    True
-    >>> seed_of_image(1, 0, "a.png", image) == seed_of_image(1, 1, "a.png", image)
-    False
-    """
-    if key is None:
-        rows = np.ascontiguousarray(image[::16])
-        key = f"pixels {image.shape} {zlib.crc32(rows):08x}"
-    return item_seed(seed, key, epoch)
+@contextmanager
+def collected_region(is_wanted: bool) -> Iterator[list[Image]]:
+    """Collects the region mask of the first image inside."""
+    regions: list[Image] = []
+    token = _REGIONS.set(regions if is_wanted else None)
+    try:
+        yield regions
+    finally:
+        _REGIONS.reset(token)
 
 
-def _severities(severity: int | Sequence[int] | None) -> tuple[int, ...]:
+def _severities(severity: Severity | None) -> tuple[int, ...]:
     if severity is None:
         return ()
-    ends = (severity, severity) if isinstance(severity, (int, np.integer)) else tuple(severity)
-    if len(ends) != 2 or not 1 <= ends[0] <= ends[1] <= 5:
+    ends = (severity, severity) if isinstance(severity, int | np.integer) else tuple(severity)
+    whole = all(isinstance(end, int | np.integer) for end in ends)
+    if len(ends) != 2 or not whole or not 1 <= ends[0] <= ends[1] <= 5:
         raise ValueError(f"severity {severity!r}: expected 1 to 5, or a pair (least, most) of these")
     return tuple(range(int(ends[0]), int(ends[1]) + 1))
 
 
-def _recipe(recipe: Recipe | str | dict[str, Any] | None, severity: int | None) -> Recipe:
-    if isinstance(recipe, Recipe) and severity is None:
-        return recipe
-    if isinstance(recipe, dict) and severity is None:
-        return Recipe.from_dict(recipe)
+def _recipe(recipe: RecipeLike | None, severity: int | None) -> Recipe:
+    if severity is None:
+        return recipe_of(recipe)
     if recipe is None or isinstance(recipe, str):
-        preset = recipe or "windshield-star"
-        return Recipe(preset) if severity is None else Recipe(preset, severity=severity)
+        return Recipe(recipe or "windshield-star", severity=severity)
     raise ValueError("severities scale presets only; give the name of a preset, or leave severity out")
+
+
+def recipe_of(recipe: RecipeLike | None) -> Recipe:
+    """The recipe that is meant; ``windshield-star`` by nothing.
+
+    >>> recipe_of("paper") == recipe_of(Recipe("paper").to_dict())
+    True
+    """
+    if isinstance(recipe, Recipe):
+        return recipe
+    if isinstance(recipe, dict):
+        return Recipe.from_dict(recipe)
+    return Recipe("windshield-star" if recipe is None else recipe)

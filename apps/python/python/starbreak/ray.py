@@ -9,18 +9,21 @@ from __future__ import annotations
 
 import functools
 import json
+import os
 import posixpath
 import uuid
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 try:
-    import ray
     import ray.data
     from pyarrow import fs as arrow_fs
 except ImportError as error:
     raise ImportError('starbreak.ray needs Ray Data: pip install "ray[data]"') from error
 
-from . import PatternBank, Recipe, crack_file
+from . import PatternBank, Recipe, crack_file, item_seed
+from ._drawing import RecipeLike, recipe_of
 
 __all__ = ["crack_dataset"]
 
@@ -28,11 +31,11 @@ _EXTENSIONS = (".png", ".jpg", ".jpeg")
 
 
 def crack_dataset(
-    source: str,
-    output: str,
+    source: str | os.PathLike[str],
+    output: str | os.PathLike[str],
     *,
-    recipe: Recipe | str | dict[str, Any] | None = None,
-    bank: str | None = None,
+    recipe: RecipeLike | None = None,
+    bank: str | os.PathLike[str] | None = None,
     seed: int = 0,
     n_samples: int = 1,
     filesystem: arrow_fs.FileSystem | None = None,
@@ -47,166 +50,193 @@ def crack_dataset(
         output: folder or URI that all is written into, with the names of the source:
             ``NAME`` (``sample_K/NAME`` for several samples), and below ``starbreak`` ``regions``,
             ``cracks`` and ``provenance``.
-        recipe: recipe, name of a preset or tables of a recipe; ``windshield-star`` without it.
+        recipe: a ``Recipe``, the name of a preset, or tables as a dict; ``windshield-star`` without it.
         bank: a file that ``starbreak patterns`` wrote, in place of a recipe; each worker opens it, so it
             lies where all see it.
-        seed: any number; the same one gives the same images.
+        seed: 0 to 2**64 - 1; the same one gives the same images.
         n_samples: cracked versions of each image.
         filesystem: an Arrow file system for both, in place of what the URIs say.
         batch_size: images that a worker takes at a time.
         concurrency: most workers at a time; all that the cluster has without it.
 
     Returns:
-        ``{"n_made", "n_kept", "n_failed", "failed": [{"name", "error"}, …]}``: images made now, those that
-        were there from an earlier run of the same recipe and seed, and those that could not be read.
+        ``{"n_made", "n_kept", "n_failed", "failed": [{"name", "sample", "error"}, …]}``: images made now,
+        those whose record was there (from an earlier run of the same recipe and seed, or from a worker
+        that died afterwards), and those that could not be read or broken.
 
     Raises:
-        ValueError: for a recipe that makes no sense, a source without images, an output that another
-            recipe or seed has made.
-        OSError: where source or output cannot be read or written.
+        ValueError: for a recipe that makes no sense, a source without images or with two whose masks
+            would have one name, an output that another recipe or seed has made.
+        OSError: where the source cannot be listed or the output cannot be written.
     """
     if n_samples < 1:
         raise ValueError(f"n_samples {n_samples}: expected 1 or more")
+    if batch_size < 1:
+        raise ValueError(f"batch_size {batch_size}: expected 1 or more")
     if bank is not None and recipe is not None:
         raise ValueError("a bank has its recipe; give one of both")
-    toml = None if bank is not None else _recipe_of(recipe).to_toml()
-    source_fs, source_root = _open(source, filesystem)
-    output_fs, output_root = _open(output, filesystem)
-    names = _names(source_fs, source_root)
-    if not names:
-        raise ValueError(f"{source}: there is no PNG or JPEG file in it")
-    engine = _engine(toml, bank)
-    _claim(output_fs, output_root, {"recipe_sha256": engine.recipe_sha256, "bank": engine.bank_sha256, "seed": seed, "samples": n_samples})
-    items = [{"name": name, "sample_idx": idx} for name in names for idx in range(n_samples)]
-    task = functools.partial(
-        _crack_batch,
-        toml=toml,
-        bank=bank,
+    item_seed(seed, "")  # raises for what is no seed
+    job = _Job(
+        toml=None if bank is not None else recipe_of(recipe).to_toml(),
+        bank=None if bank is None else os.path.abspath(bank),
         seed=seed,
         n_samples=n_samples,
-        source=(source_fs, source_root),
-        output=(output_fs, output_root),
+        source=_open(source, filesystem),
+        output=_open(output, filesystem),
     )
-    blocks = max(1, min(len(items) // batch_size, 4096))
-    made = ray.data.from_items(items, override_num_blocks=blocks).map_batches(
-        task, batch_size=batch_size, concurrency=concurrency
+    _refuse_nesting(job.source.root, job.output.root)
+    names = _names(job.source)
+    _claim(job)
+    items = [{"name": name, "sample": sample} for name in names for sample in range(n_samples)]
+    made = ray.data.from_items(items, override_num_blocks=max(1, min(len(items) // batch_size, 4096))).map_batches(
+        job.crack_batch,
+        batch_size=batch_size,
+        compute=None if concurrency is None else ray.data.TaskPoolStrategy(size=concurrency),
     )
     counts = {"made": 0, "kept": 0, "failed": 0}
     failed = []
     for row in made.iter_rows():
         counts[row["state"]] += 1
         if row["state"] == "failed":
-            failed.append({"name": row["name"], "error": row["error"]})
-    failed.sort(key=lambda entry: entry["name"])
+            failed.append({key: row[key] for key in ("name", "sample", "error")})
+    failed.sort(key=lambda entry: (entry["name"], entry["sample"]))
     return {**{f"n_{state}": n for state, n in counts.items()}, "failed": failed}
 
 
-class _Engine:
-    """What breaks images: a recipe, or a bank with its own."""
+@dataclass(frozen=True)
+class _Folder:
+    """A folder of a file system; names in it have slashes."""
 
-    def __init__(self, toml: str | None, bank: str | None) -> None:
-        self.bank = None if bank is None else PatternBank(bank)
-        self.recipe = None if toml is None else Recipe.from_toml(toml)
-        self.recipe_sha256 = (self.bank.recipe if self.recipe is None else self.recipe).sha256
-        self.bank_sha256 = None if self.bank is None else self.bank.sha256
+    filesystem: arrow_fs.FileSystem
+    root: str
 
-    def crack(self, data: bytes, name: str, seed: int, sample_idx: int, n_samples: int) -> list[tuple[str, bytes]]:
-        return crack_file(
-            data, name, self.recipe, seed, bank=self.bank, sample_index=sample_idx, n_samples=n_samples
-        )
+    def place(self, *names: str) -> str:
+        return posixpath.join(self.root, *names)
+
+    def has(self, name: str) -> bool:
+        found = self.filesystem.get_file_info(self.place(name))
+        return bool(found.type == arrow_fs.FileType.File)
+
+    def read(self, name: str) -> bytes:
+        with self.filesystem.open_input_stream(self.place(name)) as stream:
+            return bytes(stream.read())
+
+    def write(self, name: str, content: bytes) -> None:
+        """All of it or nothing: an object store does that itself, a file gets its name at the end."""
+        place = self.place(name)
+        if not isinstance(self.filesystem, arrow_fs.LocalFileSystem):
+            self._put(place, content)
+            return
+        folder, last = posixpath.split(place)
+        self.filesystem.create_dir(folder, recursive=True)
+        temporary = posixpath.join(folder, f".starbreak-{uuid.uuid4().hex}-{last}")
+        self._put(temporary, content)
+        self.filesystem.move(temporary, place)
+
+    def _put(self, place: str, content: bytes) -> None:
+        with self.filesystem.open_output_stream(place) as stream:
+            stream.write(content)
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What each worker is told."""
+
+    toml: str | None
+    bank: str | None
+    seed: int
+    n_samples: int
+    source: _Folder
+    output: _Folder
+
+    def crack_batch(self, batch: dict[str, Any]) -> dict[str, list[Any]]:
+        """Cracks images of the source into the output; a row for each."""
+        items = [(str(name), int(sample)) for name, sample in zip(batch["name"], batch["sample"], strict=True)]
+        states = [self._crack(name, sample) for name, sample in items]
+        return {
+            "name": [name for name, _ in items],
+            "sample": [sample for _, sample in items],
+            "state": [state for state, _ in states],
+            "error": [error for _, error in states],
+        }
+
+    def _crack(self, name: str, sample: int) -> tuple[str, str]:
+        tree = name if self.n_samples == 1 else f"sample_{sample}/{name}"
+        if self.output.has(f"starbreak/provenance/{posixpath.splitext(tree)[0]}.json"):
+            return "kept", ""
+        recipe, bank = _engine(self.toml, self.bank)
+        try:
+            data = self.source.read(name)
+            files = crack_file(
+                data, name, recipe, self.seed, bank=bank, sample_index=sample, n_samples=self.n_samples
+            )
+        except (ValueError, OSError, RuntimeError) as reason:
+            return "failed", str(reason)
+        for file_name, content in files:
+            self.output.write(file_name, content)
+        return "made", ""
 
 
 @functools.lru_cache(maxsize=2)
-def _engine(toml: str | None, bank: str | None) -> _Engine:
-    """Once per worker."""
-    return _Engine(toml, bank)
+def _engine(toml: str | None, bank: str | None) -> tuple[Recipe | None, PatternBank | None]:
+    """What breaks images, a recipe or a bank with its own; once per worker."""
+    return None if toml is None else Recipe.from_toml(toml), None if bank is None else PatternBank(bank)
 
 
-def _crack_batch(batch: dict[str, Any], *, toml, bank, seed, n_samples, source, output) -> dict[str, list[str]]:
-    engine = _engine(toml, bank)
-    rows: dict[str, list[str]] = {"name": [], "state": [], "error": []}
-    for name, sample_idx in zip(batch["name"], batch["sample_idx"]):
-        name = str(name)
-        state, error = "made", ""
-        try:
-            if not _make(engine, name, int(sample_idx), seed, n_samples, source, output):
-                state = "kept"
-        except (ValueError, OSError, RuntimeError) as reason:
-            state, error = "failed", str(reason)
-        rows["name"].append(name)
-        rows["state"].append(state)
-        rows["error"].append(error)
-    return rows
-
-
-def _make(engine, name, sample_idx, seed, n_samples, source, output) -> bool:
-    """Whether there was something to do: an image whose record is there is whole."""
-    source_fs, source_root = source
-    output_fs, output_root = output
-    image_name = name if n_samples == 1 else f"sample_{sample_idx}/{name}"
-    record = posixpath.join(output_root, "starbreak", "provenance", posixpath.splitext(image_name)[0] + ".json")
-    if output_fs.get_file_info(record).type == arrow_fs.FileType.File:
-        return False
-    with source_fs.open_input_stream(posixpath.join(source_root, name)) as stream:
-        data = stream.read()
-    for file_name, content in engine.crack(data, name, seed, sample_idx, n_samples):
-        _write(output_fs, posixpath.join(output_root, file_name), content)
-    return True
-
-
-def _write(filesystem: arrow_fs.FileSystem, path: str, content: bytes) -> None:
-    """All of it or nothing: an object store does that itself, a file gets its name at the end."""
-    if not isinstance(filesystem, arrow_fs.LocalFileSystem):
-        with filesystem.open_output_stream(path) as stream:
-            stream.write(content)
-        return
-    folder, name = posixpath.split(path)
-    filesystem.create_dir(folder, recursive=True)
-    temporary = posixpath.join(folder, f".starbreak-{uuid.uuid4().hex}-{name}")
-    with filesystem.open_output_stream(temporary) as stream:
-        stream.write(content)
-    filesystem.move(temporary, path)
-
-
-def _open(place: str, filesystem: arrow_fs.FileSystem | None) -> tuple[arrow_fs.FileSystem, str]:
+def _open(place: str | os.PathLike[str], filesystem: arrow_fs.FileSystem | None) -> _Folder:
+    place = os.fspath(place)
     if filesystem is not None:
-        return filesystem, place.rstrip("/")
+        return _Folder(filesystem, place.rstrip("/"))
     if "://" in place:
         found, path = arrow_fs.FileSystem.from_uri(place)
-        return found, path.rstrip("/")
-    return arrow_fs.LocalFileSystem(), posixpath.abspath(place)
+        return _Folder(found, path.rstrip("/"))
+    return _Folder(arrow_fs.LocalFileSystem(), Path(place).resolve().as_posix())
 
 
-def _names(filesystem: arrow_fs.FileSystem, root: str) -> list[str]:
-    found = filesystem.get_file_info(arrow_fs.FileSelector(root, recursive=True))
-    names = [info.path[len(root) :].lstrip("/") for info in found if info.type == arrow_fs.FileType.File]
-    return sorted(
+def _refuse_nesting(source: str, output: str) -> None:
+    for inner, outer in ((source, output), (output, source)):
+        if f"{inner}/".startswith(f"{outer}/"):
+            raise ValueError(f"{output}: an output does not lie in its source {source}, nor around it; give another")
+
+
+def _names(source: _Folder) -> list[str]:
+    found = source.filesystem.get_file_info(arrow_fs.FileSelector(source.root, recursive=True))
+    files = (info.path[len(source.root) :].lstrip("/") for info in found if info.type == arrow_fs.FileType.File)
+    names = sorted(
         name
-        for name in names
+        for name in files
         if name.lower().endswith(_EXTENSIONS) and not any(part.startswith(".") for part in name.split("/"))
     )
+    if not names:
+        raise ValueError(f"{source.root}: there is no PNG or JPEG file in it")
+    by_mask: dict[str, str] = {}
+    for name in names:
+        other = by_mask.setdefault(posixpath.splitext(name)[0].lower(), name)
+        if other != name:
+            raise ValueError(
+                f"{name}: differs from {other} only in its extension or in case, so that their masks would have "
+                "one name; rename one of both"
+            )
+    return names
 
 
-def _claim(filesystem: arrow_fs.FileSystem, root: str, identity: dict[str, Any]) -> None:
+def _claim(job: _Job) -> None:
     """Refuses an output that something else has made; two recipes never mix in one folder."""
-    path = posixpath.join(root, "starbreak", "ray.json")
-    text = json.dumps(identity, indent=2, sort_keys=True) + "\n"
-    if filesystem.get_file_info(path).type != arrow_fs.FileType.File:
-        _write(filesystem, path, text.encode())
+    name = "starbreak/ray.json"
+    recipe, bank = _engine(job.toml, job.bank)
+    identity = {
+        "bank_sha256": None if bank is None else bank.sha256,
+        "recipe_sha256": None if recipe is None else recipe.sha256,
+        "samples": job.n_samples,
+        "seed": job.seed,
+    }
+    if not job.output.has(name):
+        job.output.write(name, (json.dumps(identity, indent=2) + "\n").encode())
         return
-    with filesystem.open_input_stream(path) as stream:
-        found = json.loads(stream.read())
+    found = json.loads(job.output.read(name))
     for key, wanted in identity.items():
         if found.get(key) != wanted:
             raise ValueError(
-                f"{root}: made with {key} {found.get(key)!r}, not {wanted!r}; give another output, or the same "
-                "recipe and seed"
+                f"{job.output.root}: made with {key} {found.get(key)!r}, not {wanted!r}; give another output, or the "
+                "same recipe and seed"
             )
-
-
-def _recipe_of(recipe: Recipe | str | dict[str, Any] | None) -> Recipe:
-    if isinstance(recipe, Recipe):
-        return recipe
-    if isinstance(recipe, dict):
-        return Recipe.from_dict(recipe)
-    return Recipe(recipe or "windshield-star")

@@ -1,7 +1,13 @@
 """Cracked glass as a transform of torchvision (v2).
 
-Images are PIL images, ``tv_tensors.Image`` or uint8 tensors of shape (…, 1 or 3, H, W); boxes, masks
-and labels pass through: glass moves no object.
+Images are PIL images, ``tv_tensors.Image``, ``tv_tensors.Video`` or uint8 tensors of shape
+(…, 1 or 3, H, W); boxes, masks and labels pass through: glass moves no object.
+
+>>> import torch
+>>> from starbreak.torchvision import CrackedGlass
+>>> transform = CrackedGlass("paper", crack_seed=7, p=1.0)
+>>> transform(torch.full((3, 120, 200), 128, dtype=torch.uint8)).shape
+torch.Size([3, 120, 200])
 """
 
 from __future__ import annotations
@@ -16,73 +22,91 @@ try:
     import torch
     from torchvision import tv_tensors
     from torchvision.transforms import v2
-    from torchvision.transforms.v2._utils import is_pure_tensor
 except ImportError as error:
     raise ImportError("starbreak.torchvision needs torch and torchvision: pip install torchvision") from error
 
-from ._drawing import CrackDrawing, seed_of_image
+from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region
 
 __all__ = ["CrackedGlass"]
 
-_IMAGES = (PIL.Image.Image, tv_tensors.Image, tv_tensors.Video)
+
+def _is_plain_tensor(value: Any) -> bool:
+    return isinstance(value, torch.Tensor) and not isinstance(value, tv_tensors.TVTensor)
 
 
-class CrackedGlass(v2.Transform):
+class CrackedGlass(v2.Transform):  # type: ignore[misc]
     """The glass in front of the camera is broken.
 
     Args:
-        recipe, severity, bank, p: as of :class:`starbreak.albumentations.CrackedGlass`.
-        crack_seed: with it, the crack depends on this seed, the epoch and the pixels alone, and is the
-            same for any number of workers. Without it cracks are drawn from torch's random numbers,
-            which a ``DataLoader`` seeds in each worker.
+        recipe, severity, bank: as of :class:`starbreak.transforms.CrackedGlass`.
+        crack_seed: with it, an image's crack, and whether there is one, depend on this seed, the epoch
+            (:meth:`set_epoch`) and the pixels alone, and are the same for any number of workers. Without
+            it cracks are drawn from torch's random numbers, which a ``DataLoader`` seeds in each worker.
+        region_key: for samples that are dicts: name under which the result has the region mask, a
+            ``tv_tensors.Mask`` of H×W, 255 where the crack counts.
+        p: probability.
 
     All images of one call stand behind one crack.
+
+    Raises:
+        ValueError: at construction for parameters that make no sense; later for images that are not
+            uint8.
+        OSError: for a bank that cannot be read.
     """
 
-    _transformed_types = (is_pure_tensor, *_IMAGES)
+    _transformed_types = (_is_plain_tensor, PIL.Image.Image, tv_tensors.Image, tv_tensors.Video)
 
     def __init__(
         self,
-        recipe: str | dict[str, Any] | None = None,
-        severity: int | Sequence[int] | None = None,
-        bank: str | None = None,
+        recipe: RecipeLike | None = None,
+        severity: Severity | None = None,
+        bank: Path | None = None,
         crack_seed: int | None = None,
+        region_key: str | None = None,
         p: float = 0.5,
     ) -> None:
-        if not 0.0 <= p <= 1.0:
-            raise ValueError(f"p {p}: expected 0 to 1")
-        self.drawing = CrackDrawing(recipe, severity, bank)
         super().__init__()
-        self.crack_seed = crack_seed
-        self.p = p
-        self.epoch = 0
+        self._drawing = CrackDrawing(recipe, severity, bank, p, crack_seed)
+        self.region_key = region_key
 
     def set_epoch(self, epoch: int) -> None:
         """Draws other cracks from now on, the same for the same number; before workers start."""
-        self.epoch = int(epoch)
+        self._drawing.epoch = int(epoch)
 
     def make_params(self, flat_inputs: list[Any]) -> dict[str, Any]:
-        if self.crack_seed is None:
-            seed = int(torch.randint(2**63 - 1, ()).item())
+        if self._drawing.seed is None or not flat_inputs:
+            seed = int(torch.randint(2**53, ()).item())
         else:
-            first = next(item for item in flat_inputs if isinstance(item, _IMAGES) or is_pure_tensor(item))
-            seed = seed_of_image(self.crack_seed, self.epoch, None, _frames(first)[0])
-        return {"seed": seed, "is_broken": self.drawing.is_drawn(seed, self.p)}
+            seed = self._drawing.seed_of(_frames(flat_inputs[0])[0])
+        return {"seed": seed}
 
     def transform(self, inpt: Any, params: dict[str, Any]) -> Any:
-        if not params["is_broken"]:
-            return inpt
         frames = _frames(inpt)
-        cracked = np.stack([self.drawing.crack(frame, params["seed"]) for frame in frames])
+        cracked = self._drawing.crack_or_spare(frames, params["seed"])
+        if cracked is frames:
+            return inpt
         if isinstance(inpt, PIL.Image.Image):
             return PIL.Image.fromarray(cracked[0])
-        tensor = torch.from_numpy(cracked.reshape(len(frames), *frames.shape[1:3], -1))
-        return tv_tensors.wrap(tensor.permute(0, 3, 1, 2).reshape(inpt.shape), like=inpt)
+        channels_last = cracked[0][np.newaxis] if len(cracked) == 1 else np.stack(cracked)
+        tensor = torch.from_numpy(channels_last).permute(0, 3, 1, 2).reshape(inpt.shape)
+        return tv_tensors.wrap(tensor, like=inpt) if isinstance(inpt, tv_tensors.TVTensor) else tensor
+
+    def forward(self, *inputs: Any) -> Any:
+        with collected_region(self.region_key is not None) as regions:
+            result = super().forward(*inputs)
+        if self.region_key is None:
+            return result
+        if not isinstance(result, dict):
+            raise ValueError("region_key is for samples that are dicts; pass a dict, or leave it out")
+        return {**result, self.region_key: tv_tensors.Mask(regions[0])} if regions else result
 
 
-def _frames(image: Any) -> np.ndarray:
-    """The frames of an image or video, N×H×W or N×H×W×3."""
+def _frames(image: Any) -> Sequence[Image]:
+    """The frames of an image or video, each H×W or H×W×C."""
     if isinstance(image, PIL.Image.Image):
-        return np.asarray(image)[np.newaxis]
-    frames = image.reshape(-1, *image.shape[-3:]).permute(0, 2, 3, 1).numpy()
-    return frames[..., 0] if frames.shape[-1] == 1 else frames
+        if image.mode not in ("RGB", "L"):
+            raise ValueError(f"PIL image of mode {image.mode!r}: convert it to 'RGB' or 'L'")
+        return [np.asarray(image)]
+    if image.ndim < 3:
+        raise ValueError(f"tensor of shape {tuple(image.shape)}: expected (…, 1 or 3, H, W)")
+    return list(image.reshape(-1, *image.shape[-3:]).permute(0, 2, 3, 1).numpy())

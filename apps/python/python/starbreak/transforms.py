@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
-
-from ._drawing import CrackDrawing, seed_of_image
+from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region
 
 __all__ = ["CrackedGlass"]
 
@@ -16,10 +11,15 @@ class CrackedGlass:
     """``image -> image`` behind broken glass.
 
     Args:
-        recipe, severity, bank: as of :class:`starbreak.albumentations.CrackedGlass`.
+        recipe: a ``Recipe``, the name of a preset, or tables as a dict; ``windshield-star`` without it.
+        severity: 1 to 5, or ``(least, most)``, of which one is drawn for each image; scales presets.
+            Without it the preset as it is.
+        bank: file or folder that ``starbreak patterns`` wrote, in place of a recipe.
         seed: an image's crack depends on it, the epoch and the image alone.
         p: probability that the glass is broken.
+        region: whether to give the region mask, too.
 
+    >>> import numpy as np
     >>> image = np.full((120, 200, 3), 128, np.uint8)
     >>> transform = CrackedGlass("paper", severity=3, seed=7)
     >>> np.array_equal(transform(image), CrackedGlass("paper", severity=3, seed=7)(image))
@@ -36,29 +36,32 @@ class CrackedGlass:
 
     def __init__(
         self,
-        recipe: str | dict[str, Any] | None = None,
-        severity: int | Sequence[int] | None = None,
-        bank: str | None = None,
+        recipe: RecipeLike | None = None,
+        severity: Severity | None = None,
+        bank: Path | None = None,
         seed: int = 0,
         p: float = 1.0,
+        region: bool = False,
     ) -> None:
-        if not 0.0 <= p <= 1.0:
-            raise ValueError(f"p {p}: expected 0 to 1")
-        self.drawing = CrackDrawing(recipe, severity, bank)
-        self.seed = seed
-        self.p = p
-        self.epoch = 0
+        self._drawing = CrackDrawing(recipe, severity, bank, p, seed)
+        self._region = region
 
     def set_epoch(self, epoch: int) -> None:
         """Draws other cracks from now on, the same for the same number; before workers start."""
-        self.epoch = int(epoch)
+        self._drawing.epoch = int(epoch)
 
-    def __call__(self, image: np.ndarray, key: str | None = None) -> np.ndarray:
+    def __call__(self, image: Image, key: object = None) -> Image | tuple[Image, Image]:
         """The image behind broken glass; an image that is spared comes back itself.
 
         Args:
             image: uint8, H×W or H×W×3.
-            key: what tells images apart, such as a path; without it the pixels do.
+            key: what tells images apart, a path or a number; without it the pixels do.
+
+        Returns:
+            The image or, with ``region``, a pair of it and the region mask: uint8, H×W, 255 where the
+            crack counts.
         """
-        seed = seed_of_image(self.seed, self.epoch, key, image)
-        return self.drawing.crack(image, seed) if self.drawing.is_drawn(seed, self.p) else image
+        seed = self._drawing.seed_of(image, key)
+        with collected_region(self._region) as regions:
+            cracked = self._drawing.crack_or_spare([image], seed)[0]
+        return (cracked, regions[0]) if self._region else cracked
