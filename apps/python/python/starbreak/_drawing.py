@@ -99,7 +99,7 @@ class CrackDrawing:
             regions.append(np.zeros(frames[0].shape[:2], np.uint8))
         return frames
 
-    def crack(self, frames: Sequence[Image], seed: int) -> list[Image]:
+    def crack(self, frames: Sequence[Image] | Image, seed: int) -> list[Image]:
         """New images behind the glass that the seed breaks, all of one size behind one crack.
 
         A frame is H×W, H×W×1 or H×W×3.

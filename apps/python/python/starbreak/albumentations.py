@@ -29,12 +29,13 @@ _IS_X = hasattr(DualTransform, "sample_parameters")
 if _IS_X:
     from albumentations.core.transform_params import SampledParams
 
-from ._drawing import CrackDrawing, Image, Path, Recipe, RecipeLike, Severity, collected_region
+from . import Recipe
+from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region
 
 __all__ = ["CrackedGlass"]
 
 
-class CrackedGlass(DualTransform):
+class CrackedGlass(DualTransform):  # type: ignore[misc]
     """The glass in front of the camera is broken.
 
     Args:
@@ -154,4 +155,5 @@ class CrackedGlass(DualTransform):
 
 
 def _first_image(data: dict[str, Any]) -> Image:
-    return data["image"] if data.get("image") is not None else data["images"][0]
+    image: Image = data["image"] if data.get("image") is not None else data["images"][0]
+    return image
