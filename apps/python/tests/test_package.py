@@ -31,7 +31,7 @@ def test_numpy_is_the_only_dependency():
 
 def test_stubs_are_those_of_the_built_module():
     assert resources.files("starbreak").joinpath("py.typed").is_file()
-    check = [sys.executable, "-m", "mypy.stubtest", "--mypy-config-file", str(PROJECT), "starbreak"]
+    check = [sys.executable, "-m", "mypy.stubtest", "--mypy-config-file", str(PROJECT), "starbreak._starbreak"]
     done = subprocess.run(check, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 

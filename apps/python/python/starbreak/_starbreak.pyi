@@ -24,6 +24,7 @@ __all__ = [
     "cameras",
     "corrupt",
     "crack",
+    "crack_file",
     "divergence",
     "evaluate",
     "item_seed",

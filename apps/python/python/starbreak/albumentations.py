@@ -95,7 +95,7 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
         return self._drawing.crack([img], seed_of_image)[0]
 
     def apply_to_images(self, images: Image, seed_of_image: int, **params: Any) -> Image:
-        return np.stack(self._drawing.crack(images, seed_of_image))
+        return np.stack(self._drawing.crack(list(images), seed_of_image))
 
     def apply_to_mask(self, mask: Any, **params: Any) -> Any:
         return mask
