@@ -10,6 +10,7 @@ import pathlib
 import pickle
 import runpy
 import sys
+import warnings
 
 import albumentations as A
 import numpy as np
@@ -211,6 +212,7 @@ def check_examples():
 def main():
     print(f"torch {torch.__version__}, torchvision {torchvision.__version__}, AlbumentationsX {A.__version__}")
     torch.set_num_threads(1)
+    warnings.filterwarnings("ignore", message="This DataLoader will create")
     failed = 0
     for name, check in [(name, value) for name, value in globals().items() if name.startswith("check_")]:
         try:

@@ -63,7 +63,10 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
         OSError: for a bank that cannot be read.
     """
 
-    _targets = (Targets.IMAGE, Targets.MASK, Targets.BBOXES, Targets.KEYPOINTS)
+    # AlbumentationsX names the plurals, too.
+    _targets = tuple(
+        target for target in Targets if target.name in {"IMAGE", "IMAGES", "MASK", "MASKS", "BBOXES", "KEYPOINTS"}
+    )
 
     def __init__(
         self,

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Images per second of CrackedGlass beside corruptions of the field, the cost of the call and its memory.
+
+usage: python_speed.py COMMAND
+COMMAND is `starbreak`, which makes the banks. Single thread; the least of several rounds, all in one run; needs
+requirements-speed.txt and the package starbreak as a release wheel.
+"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+import tracemalloc
+
+import albumentations as A
+import cv2
+import imagecorruptions
+import numpy as np
+import skimage.filters
+import starbreak
+from starbreak.albumentations import CrackedGlass
+
+SIZES = [(1242, 375), (1280, 720)]
+ONE_PIXEL = "ReadyCrack.over of one pixel: the call itself"
+COPY = "image.copy(): what the call does once"
+
+
+def glass_blur(image, severity=1):
+    """Of imagecorruptions 1.1.2, whose call of skimage has an argument that skimage has renamed since."""
+
+    def gaussian(x, sigma, multichannel):
+        return skimage.filters.gaussian(x, sigma=sigma, channel_axis=-1 if multichannel else None)
+
+    imagecorruptions.corruptions.gaussian = gaussian
+    return imagecorruptions.corrupt(image, corruption_name="glass_blur", severity=severity)
+
+
+def seconds(call, budget_s=3.0):
+    """The least time of a call; at least two of them."""
+    call()
+    times, start = [], time.perf_counter()
+    while len(times) < 2 or (time.perf_counter() - start < budget_s and len(times) < 200):
+        before = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - before)
+    return min(times)
+
+
+def median_of_call(call, n):
+    times = []
+    for _ in range(n):
+        before = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - before)
+    return float(np.median(times))
+
+
+def peers():
+    return {
+        "GlassBlur": A.GlassBlur(p=1.0),
+        "Defocus": A.Defocus(p=1.0),
+        "Spatter": A.Spatter(p=1.0),
+        "RandomRain": A.RandomRain(p=1.0),
+        "RandomSunFlare": A.RandomSunFlare(p=1.0),
+    }
+
+
+def rates(image, bank):
+    """Mean over draws within each transform: a round of 20 seeds, the least of three rounds."""
+    cracked = {"CrackedGlass, bank": CrackedGlass(bank=bank, p=1.0), "CrackedGlass, fresh": CrackedGlass(p=1.0)}
+    made = {}
+    for name, transform in {**cracked, **peers()}.items():
+        n = 5 if name in ("GlassBlur", "CrackedGlass, fresh") else 20
+        rounds = []
+        for _ in range(3):
+            pipeline = A.Compose([transform], seed=1)
+            before = time.perf_counter()
+            for _ in range(n):
+                pipeline(image=image)
+            rounds.append((time.perf_counter() - before) / n)
+        made[name] = 1 / min(rounds)
+    made["imagecorruptions glass_blur"] = 1 / seconds(lambda: glass_blur(image), budget_s=1.0)
+    return made
+
+
+def overhead(image, bank_path):
+    """Times of calls, s; the glue is a call that has nothing to do, and one copy of the image."""
+    bank = starbreak.PatternBank(bank_path)
+    height, width = image.shape[:2]
+    ready = bank.pattern(0, (width, height))
+    whole = median_of_call(lambda: ready.over(image, 1), 60)
+    transform = CrackedGlass(bank=bank_path, p=1.0)
+    pipeline = A.Compose([transform], seed=1)
+    spared = A.Compose([CrackedGlass(bank=bank_path, p=0.0)], seed=1)
+    tiny = np.zeros((1, 1, 3), np.uint8)
+    ready_tiny = starbreak.ReadyCrack("paper", 1, (1, 1))
+    return {
+        "PatternBank.crack": median_of_call(lambda: bank.crack(image, 1, index=0), 60),
+        "ReadyCrack.over": whole,
+        ONE_PIXEL: median_of_call(lambda: ready_tiny.over(tiny, 1), 2000),
+        COPY: median_of_call(image.copy, 200),
+        "A.Compose that spares": median_of_call(lambda: spared(image=image), 200),
+        "A.Compose([CrackedGlass])": median_of_call(lambda: pipeline(image=image), 60),
+    }
+
+
+def memory(image, bank_path):
+    """Peaks in a call, bytes: of what Python allocates, and of the process, whose result is one image."""
+    ready = starbreak.PatternBank(bank_path).pattern(0, image.shape[1::-1])
+    ready.over(image, 1)
+    tracemalloc.start()
+    ready.over(image, 1)
+    traced = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    pathlib.Path("/proc/self/clear_refs").write_text("5")
+    before = status("VmRSS")
+    result = ready.over(image, 1)
+    return traced, status("VmHWM") - before, result.nbytes
+
+
+def status(key):
+    lines = pathlib.Path("/proc/self/status").read_text().splitlines()
+    return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(key))
+
+
+def main():
+    command = sys.argv[1]
+    cv2.setNumThreads(1)
+    print(f"starbreak {starbreak.__version__}, Albumentations {A.__version__}, NumPy {np.__version__}; images/s, one thread")
+    failed = 0
+    for width, height in SIZES:
+        image = np.random.default_rng(0).integers(0, 255, (height, width, 3), np.uint8)
+        image = cv2.GaussianBlur(image, (0, 0), 3)
+        with tempfile.TemporaryDirectory() as folder:
+            words = [command, "patterns", "-n", "8", "-o", folder, "--size", f"{width}x{height}"]
+            subprocess.run(words, check=True, capture_output=True)
+            made = rates(image, folder)
+            best = made["CrackedGlass, bank"]
+            print(f"\n{width} x {height}")
+            for name, rate in made.items():
+                is_slower = name.startswith("CrackedGlass") or rate < best
+                print(f"  {name:<30} {rate:9.2f}  bank is {best / rate:8.2f} times as fast {'' if is_slower else ' FASTER THAN THE BANK'}")
+            times = overhead(image, folder)
+            for name, time_s in times.items():
+                print(f"  {name:<50} {time_s * 1e3:9.4f} ms")
+            glue = times[ONE_PIXEL] + times[COPY]
+            share = glue / (times["ReadyCrack.over"] - glue)
+            print(f"  the glue, at most: {100 * share:.1f} % of the rest")
+            failed += share > 0.05
+            traced, of_process, n_bytes = memory(image, folder)
+            print(f"  peak in a call: {traced} bytes of Python's, {of_process / n_bytes:.2f} images in the process")
+            failed += traced > n_bytes / 10
+    return failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
