@@ -295,12 +295,36 @@ fn patterns_as_a_second_factor_widen_the_interval() {
         let interval = replicates.map(|it| it.percentile(0, Method::Mean).interval);
         interval.ok().flatten().map(|it| it.high - it.low)
     };
-    assert_eq!(width(1), Some(0.0), "one pattern does not vary");
+    assert_eq!(
+        width(1),
+        None,
+        "one pattern does not vary, which says nothing"
+    );
     assert!(
         width(4).is_some_and(|it| it > 0.3 && it < 0.8),
         "four do: {:?}",
         width(4)
     );
+}
+
+/// An interval of no width would claim that nothing else can be.
+#[test]
+fn what_no_draw_changes_and_what_few_units_give_has_no_interval() {
+    let reason = |plan: &Plan, statistic: &(dyn Fn(u32) -> f64 + Sync)| {
+        let replicates = bootstrap(plan, |weights| vec![Some(statistic(weights.images[0]))]);
+        let measured = replicates.unwrap().percentile(0, Method::Mean);
+        assert!(measured.value.is_some(), "the value itself stays");
+        (measured.interval, measured.reason.unwrap_or_default())
+    };
+    let constant = |_| 0.0;
+    let varying = |weight: u32| f64::from(weight);
+    let many = Plan::of_images(30).with(200, 1, 0.95);
+    let (interval, why) = reason(&many, &constant);
+    assert!(interval.is_none() && why.contains("the same"), "{why}");
+    assert!(reason(&many, &varying).0.is_some(), "what varies has one");
+    let few = Plan::of_clusters(&[Some("a"), Some("a"), Some("b"), Some("c")]).with(200, 1, 0.95);
+    let (interval, why) = reason(&few, &varying);
+    assert!(interval.is_none() && why.contains("3 units"), "{why}");
 }
 
 #[test]

@@ -49,6 +49,9 @@ pub(crate) struct StudyArgs {
     /// Which class of a model is which category of the dataset, as for detect
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) label_map: Option<PathBuf>,
+    /// Which images are of one clip, drive or scene, as for evaluate
+    #[arg(long, value_name = "FILE|DIR")]
+    pub(crate) clusters: Option<PathBuf>,
     /// By which rules; those of the dataset unless given
     #[arg(long, value_enum)]
     pub(crate) protocol: Option<ProtocolWord>,

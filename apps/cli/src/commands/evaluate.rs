@@ -1,8 +1,9 @@
 //! `starbreak evaluate`: labels and detections to numbers.
 
+use std::path::Path;
 use std::process::ExitCode;
 
-use starbreak::dataset::OutputBatch;
+use starbreak::dataset::{OutputBatch, file_len};
 use starbreak::evaluation::{EvaluateRequest, evaluate_files};
 use starbreak::pipeline::with_threads;
 use starbreak_eval::evaluation::{Estimate, PairedMetric, PairedRow, ScopeKind};
@@ -18,6 +19,9 @@ pub(crate) fn run(
     args: &EvaluateArgs,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
+    if let Some(folder) = &args.output {
+        refuse_study(folder)?;
+    }
     for folder in args.output.iter().chain(&args.curves) {
         // A folder that cannot be written to is known before the work.
         OutputBatch::new().reserve(&folder.join("report.html"))?;
@@ -50,6 +54,17 @@ pub(crate) fn run(
     }
     screen.result(|| answer.json)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The report of a study is not to be replaced by that of something else.
+pub(super) fn refuse_study(folder: &Path) -> Result<(), Failure> {
+    match file_len(&folder.join("study.json")) {
+        Err(_) => Ok(()),
+        Ok(_) => Err(Failure::wrong_input(format!(
+            "{}: is the folder of a study, whose report would be replaced; give another",
+            folder.display()
+        ))),
+    }
 }
 
 /// What the flags ask for.

@@ -35,7 +35,10 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
     };
     let survey = survey(&source, selection, global.seed());
     mind_bad_records(&survey, args.on_error, screen)?;
-    let (truth, images) = labeled_images(&source, &survey, &truth, screen)?;
+    let (mut truth, images) = labeled_images(&source, &survey, &truth, screen)?;
+    if let Some(path) = &args.clusters {
+        truth.read_clusters(path)?;
+    }
     let detectors = detectors_of(args, &source, &truth, screen)?;
 
     let interrupt = Interrupt::listen();

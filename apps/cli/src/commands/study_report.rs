@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::json;
 use starbreak::dataset::{IndexFiles, OutputBatch, SourceSpec};
-use starbreak::evaluation::label_files;
+use starbreak::evaluation::{files_of, label_files};
 use starbreak::study::{StudyPlan, StudyRuns};
 use starbreak_eval::GroundTruth;
 use starbreak_eval::evaluation::{
@@ -45,14 +45,13 @@ impl StudyReport<'_> {
                 batch.stage(&folder.join(name), cracked.to_coco(labels).as_bytes())?;
             }
         }
-        if !self.runs.unseen.is_empty() {
-            let lines = self.runs.unseen.iter().map(|unseen| {
-                let line = json!({ "name": unseen.name, "reason": unseen.reason });
-                format!("{line}\n")
-            });
-            let text: String = lines.collect();
-            batch.stage(&out.join("unseen.jsonl"), text.as_bytes())?;
-        }
+        // Empty where all is well: one of an earlier run may be there.
+        let lines = self.runs.unseen.iter().map(|unseen| {
+            let line = json!({ "name": unseen.name, "reason": unseen.reason });
+            format!("{line}\n")
+        });
+        let text: String = lines.collect();
+        batch.stage(&out.join("unseen.jsonl"), text.as_bytes())?;
         for (name, text) in report_files(&study)? {
             batch.stage(&out.join(name), text.as_bytes())?;
         }
@@ -116,6 +115,14 @@ impl StudyReport<'_> {
         if !labels.is_empty() {
             let source = self.args.source.to_string_lossy();
             inputs.push(InputFile::of("labels", &source, &labels)?);
+        }
+        if let Some(path) = &self.args.clusters {
+            let files = files_of(path);
+            inputs.push(InputFile::of(
+                "clusters of images",
+                &path_text(path),
+                &files,
+            )?);
         }
         for (path, detector) in self.args.model.iter().zip(self.plan.detectors) {
             let contract = detector.detector.contract();

@@ -20,7 +20,8 @@ impl LabelSet {
     /// Says of each image which clip, drive or scene it is of, so that statistics draw these and not
     /// single images: by a folder `mapping` of KITTI's development kit
     /// (`train_mapping.txt` and `train_rand.txt`), or by a CSV file of lines `image,cluster` with the name of
-    /// an image as in the labels, or its last part alone where that is unique.
+    /// an image as in the labels, or its last part, with or without extension, where that is unique.
+    /// Fields may stand in quotes; lines of other images say nothing.
     ///
     /// # Errors
     /// [`EvalError::Dataset`] where it cannot be read, [`EvalError::Record`] for a line that is not of
@@ -31,12 +32,13 @@ impl LabelSet {
         }
         let text = read_text(path, MAX_BYTES)?.text;
         let mut by_name: BTreeMap<&str, &str> = BTreeMap::new();
+        let text = text.trim_start_matches('\u{feff}');
         for (idx, line) in text.lines().enumerate() {
-            if line.trim().is_empty() || (idx == 0 && line.trim() == "image,cluster") {
+            let fields = line.rsplit_once(',');
+            let fields = fields.map(|(name, cluster)| (bare(name), bare(cluster)));
+            if line.trim().is_empty() || (idx == 0 && fields == Some(("image", "cluster"))) {
                 continue;
             }
-            let fields: Option<(&str, &str)> = line.rsplit_once(',');
-            let fields = fields.map(|(name, cluster)| (name.trim(), cluster.trim()));
             let Some((name, cluster)) = fields.filter(|(a, b)| !a.is_empty() && !b.is_empty())
             else {
                 let reason = format!("{line:?} is not image,cluster");
@@ -48,15 +50,17 @@ impl LabelSet {
         }
         let mut n_of_last: BTreeMap<String, u32> = BTreeMap::new();
         for image in &self.images {
-            *n_of_last
-                .entry(last_part(&image.name).to_owned())
-                .or_default() += 1;
+            let last = last_part(&image.name);
+            let stem = last.rsplit_once('.').map_or(last, |(stem, _)| stem);
+            *n_of_last.entry(stem.to_owned()).or_default() += 1;
         }
         for image in &mut self.images {
             let last = last_part(&image.name);
+            let stem = last.rsplit_once('.').map_or(last, |(stem, _)| stem);
             let alone = || {
-                let is_unique = n_of_last.get(last) == Some(&1);
-                by_name.get(last).filter(|_| is_unique)
+                let is_unique = n_of_last.get(stem) == Some(&1);
+                let found = by_name.get(last).or_else(|| by_name.get(stem));
+                found.filter(|_| is_unique)
             };
             let found = by_name.get(image.name.as_str()).or_else(alone);
             let Some(cluster) = found else {
@@ -111,6 +115,15 @@ impl LabelSet {
     }
 }
 
+/// A field without its quotes.
+fn bare(field: &str) -> &str {
+    let field = field.trim();
+    let inside = field
+        .strip_prefix('"')
+        .and_then(|rest| rest.strip_suffix('"'));
+    inside.unwrap_or(field)
+}
+
 fn last_part(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
 }
@@ -158,6 +171,13 @@ mod tests {
             read(text, &names).unwrap(),
             ["one", "two", "two"],
             "by name"
+        );
+        let text =
+            "\u{feff}\"image\",\"cluster\"\r\n\"b/1.png\",\"two\"\r\na/1.png,one\r\n2,two\r\n";
+        assert_eq!(
+            read(text, &names).unwrap(),
+            ["one", "two", "two"],
+            "as spreadsheets write"
         );
         for (text, named) in [
             ("1.png,x\n2.png,y\n", "a/1.png"),

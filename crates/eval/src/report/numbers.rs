@@ -35,6 +35,9 @@ pub struct Number {
 const TWO_WAY: &str = "two-way bootstrap over images and seeds, 95 %";
 const BOOTSTRAP: &str = "paired bootstrap over images, 95 %";
 const OVER_IMAGES: &str = "bootstrap over images, 95 %";
+const MEAN_TWO_WAY: &str =
+    "mean over families, severities and seeds; two-way bootstrap over images and seeds, 95 %";
+const MEAN_OVER_IMAGES: &str = "mean over families and severities; bootstrap over images, 95 %";
 const WILSON: &str = "Wilson, 95 %";
 
 /// All numbers of a study, in the order of the page.
@@ -70,10 +73,8 @@ pub fn numbers(study: &Study) -> Vec<Number> {
         let metric = words::metric_key(row.metric);
         let method = match (row.mpc.interval().is_some(), row.n_seeds) {
             (false, _) => "mean over families, severities and seeds",
-            (true, Some(2..)) => {
-                "mean over families, severities and seeds; two-way bootstrap over images and seeds, 95 %"
-            }
-            (true, _) => "mean over families and severities; bootstrap over images, 95 %",
+            (true, Some(2..)) => MEAN_TWO_WAY,
+            (true, _) => MEAN_OVER_IMAGES,
         };
         for (name, estimate) in [("clean", &row.clean), ("mpc", &row.mpc), ("rpc", &row.rpc)] {
             let mut number = blank(&row.detector, "all");
@@ -85,8 +86,29 @@ pub fn numbers(study: &Study) -> Vec<Number> {
             list.push(number);
         }
     }
+    if study.draws_clusters() {
+        for number in &mut list {
+            number.method = over_clusters(number.method);
+        }
+    }
     of_sets(study, &mut list);
     list
+}
+
+/// The same method where clusters of images are drawn.
+fn over_clusters(method: &'static str) -> &'static str {
+    match method {
+        TWO_WAY => "two-way bootstrap over clusters of images and seeds, 95 %",
+        BOOTSTRAP => "paired bootstrap over clusters of images, 95 %",
+        OVER_IMAGES => "bootstrap over clusters of images, 95 %",
+        MEAN_TWO_WAY => {
+            "mean over families, severities and seeds; two-way bootstrap over clusters of images and seeds, 95 %"
+        }
+        MEAN_OVER_IMAGES => {
+            "mean over families and severities; bootstrap over clusters of images, 95 %"
+        }
+        other => other,
+    }
 }
 
 fn blank(detector: &str, condition: &str) -> Number {

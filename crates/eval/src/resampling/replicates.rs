@@ -7,6 +7,9 @@ use super::{Plan, Weights};
 use crate::EvalError;
 use crate::statistic::{Interval, Measured, Method};
 
+/// Fewer units than these, and their draws are no picture of other units.
+const MIN_UNITS: u32 = 5;
+
 /// Groups of units that the jackknife of [`Replicates::bca`] leaves out one after the other.
 const MAX_GROUPS: u32 = 200;
 
@@ -138,7 +141,18 @@ impl Replicates {
             ));
             return without;
         }
-        match interval(whole, &values) {
+        let first = values.first().copied().unwrap_or(whole);
+        let spread = values.iter().map(|value| (value - first).abs());
+        let is_alike = spread.fold(0.0_f64, f64::max) <= 1e-12 * whole.abs();
+        let found = match () {
+            () if self.n_units < MIN_UNITS => Err(format!(
+                "{} units are too few to draw from, fewer than {MIN_UNITS}",
+                self.n_units
+            )),
+            () if is_alike => Err("all draws give the same".to_owned()),
+            () => interval(whole, &values),
+        };
+        match found {
             Ok(interval) => measured.within(Some(interval)),
             Err(why) => {
                 let mut without = measured;

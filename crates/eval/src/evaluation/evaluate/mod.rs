@@ -123,6 +123,9 @@ impl EvaluateSettings {
     }
 }
 
+/// Fewer clusters than these draw too narrow an interval.
+const FEW_CLUSTERS: u32 = 20;
+
 fn has_clusters(labels: &LabelSet) -> bool {
     labels.images.iter().any(|image| image.cluster.is_some())
 }
@@ -268,6 +271,15 @@ fn with_plain(
     let Some(cracked) = &cracked else {
         return Ok(None);
     };
+    if has_clusters(&plain.labels) && plan.n_units() < FEW_CLUSTERS {
+        evaluation.warnings.push(Warning {
+            kind: WarningKind::SmallSample,
+            text: format!(
+                "intervals draw {} clips or drives; of fewer than {FEW_CLUSTERS} they come out too narrow",
+                plan.n_units()
+            ),
+        });
+    }
     evaluation.tide_cracked =
         side_results::tide_errors(&plain.labels, &cracked.detections, TideSettings::default())?;
     let mut compare = settings.compare.clone();

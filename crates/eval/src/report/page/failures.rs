@@ -56,8 +56,8 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
         table: rate_table(
             true,
             "All classes, in the region and outside of it: lost and recovered objects, with Wilson's 95 % \
-             intervals, which take objects as independent, and beside them intervals over images, which do \
-             not; p of McNemar's exact two-sided test of lost against recovered.",
+             intervals, which take objects as independent, and beside them intervals over images (or over the \
+             clips and drives that are named), which do not; p of McNemar's exact two-sided test of lost against recovered.",
             "Where",
             all.map(|row| (words::scope(&row.scope), row)),
         ),

@@ -277,15 +277,16 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
         table.push(row);
     }
     let n_seeds = all.iter().map(|one| one.n_seeds).max().unwrap_or(1);
-    table.remark(match n_seeds {
-        0 | 1 => {
-            "Each row is one draw of cracks: its intervals are over images and know nothing of how \
+    let units = units(study);
+    table.remark(&match n_seeds {
+        0 | 1 => format!(
+            "Each row is one draw of cracks: its intervals are over {units} and know nothing of how \
              another draw would differ."
-        }
-        _ => {
-            "Rows of several seeds: an object counts once per seed, and intervals draw images and seeds. \
+        ),
+        _ => format!(
+            "Rows of several seeds: an object counts once per seed, and intervals draw {units} and seeds. \
              Few seeds say little of how draws differ."
-        }
+        ),
     });
     table
 }
@@ -425,11 +426,21 @@ fn robustness_table(study: &Study) -> Option<Table> {
         None => {
             "There are no intervals: not every family and severity has the same seeds.".to_owned()
         }
-        Some(0 | 1) => "There is one seed: the intervals are over images and know nothing of the \
-                        variation between patterns."
-            .to_owned(),
-        Some(n) => format!("Intervals draw images and the {n} seeds."),
+        Some(0 | 1) => format!(
+            "There is one seed: the intervals are over {} and know nothing of the variation between \
+             patterns.",
+            units(study)
+        ),
+        Some(n) => format!("Intervals draw {} and the {n} seeds.", units(study)),
     };
     table.remark(&remark);
     Some(table)
+}
+
+/// What is drawn for intervals.
+fn units(study: &Study) -> &'static str {
+    match study.draws_clusters() {
+        true => "clusters of images (clips, drives)",
+        false => "images",
+    }
 }
