@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Images per second of CrackedGlass beside corruptions of the field, the cost of the call and its memory.
 
-usage: python_speed.py COMMAND
-COMMAND is `starbreak`, which makes the banks. Single thread; the least of several rounds, all in one run; needs
+usage: python_speed.py COMMAND EXAMPLE
+COMMAND is `starbreak`, which makes the banks; EXAMPLE is `crack_speed`, an example of the crate
+`starbreak` that does the same call in Rust. Single thread; the least of several rounds, all in one run; needs
 requirements-speed.txt and the package starbreak as a release wheel.
 """
 import pathlib
@@ -104,6 +105,21 @@ def overhead(image, bank_path):
     }
 
 
+def beside_rust(image, bank_path, example):
+    """The least of five medians, in turns: of the call in Python and of the same in Rust, s."""
+    height, width = image.shape[:2]
+    ready = starbreak.PatternBank(bank_path).pattern(0, (width, height))
+    python, rust = [], []
+    with tempfile.NamedTemporaryFile() as pixels:
+        image.tofile(pixels.name)
+        words = [example, bank_path, str(width), str(height), pixels.name, "200"]
+        for _ in range(5):
+            python.append(median_of_call(lambda: ready.over(image, 1), 200))
+            done = subprocess.run(words, check=True, capture_output=True, text=True)
+            rust.append(float(done.stdout) / 1e3)
+    return min(python), min(rust)
+
+
 def memory():
     """Peaks in a call over the size of a large image that nothing changes: Python's, and the process's.
 
@@ -129,7 +145,7 @@ def status(key):
 
 
 def main():
-    command = sys.argv[1]
+    command, example = sys.argv[1:3]
     cv2.setNumThreads(1)
     print(f"starbreak {starbreak.__version__}, Albumentations {A.__version__}, NumPy {np.__version__}; images/s, one thread")
     failed = 0
@@ -148,9 +164,10 @@ def main():
             times = overhead(image, folder)
             for name, time_s in times.items():
                 print(f"  {name:<50} {time_s * 1e3:9.4f} ms")
-            share = times[ONE_PIXEL] / times["ReadyCrack.over"]
-            print(f"  the call itself: {100 * share:.2f} % of ReadyCrack.over")
-            failed += share > 0.05
+            of_python, of_rust = beside_rust(image, folder, example)
+            over = of_python / of_rust - 1
+            print(f"  ReadyCrack.over {of_python * 1e3:.4f} ms, in Rust {of_rust * 1e3:.4f} ms: {100 * over:+.1f} %")
+            failed += over > 0.05
     of_python, of_process = memory()
     print(f"\npeak memory in a call, in images: {of_python:.3f} by Python, {of_process:.3f} in the process")
     failed += of_process > 1.1
