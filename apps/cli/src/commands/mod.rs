@@ -24,6 +24,7 @@ mod study;
 mod study_report;
 mod sweep;
 mod timeline;
+mod timeline_sides;
 mod timeline_tracks;
 mod verify;
 mod video;

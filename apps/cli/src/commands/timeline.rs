@@ -9,16 +9,16 @@ use starbreak::evaluation::{files_of, stem_of};
 use starbreak::pipeline::with_threads;
 use starbreak_eval::evaluation::{
     ClipInput, ClipSettings, Condition, Counts, Evaluation, InputFile, ProtocolResults, Provenance,
-    Settings, Study, TimelineResults, Versions,
+    Settings, Study, TimelineResults, Versions, Warning, check_sides,
 };
 use starbreak_eval::report::report_files;
 use starbreak_eval::timeline::{FollowSettings, Frame, TimelineSettings};
 use starbreak_eval::{
-    Detections, EvalError, GroundTruth, LabeledClip, Protocol, SaidDetections, TrackedLabels,
-    frames_of, said_categories,
+    LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
 };
 
 use super::evaluate::command;
+use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
 use crate::args::timeline::TimelineArgs;
@@ -51,7 +51,7 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
             ..TimelineSettings::default()
         },
     };
-    let (clips, protocol) = match &args.labels {
+    let (evaluated, protocol) = match &args.labels {
         Some(path) => {
             let labels = TrackedLabels::read(path, args.first_frame)?;
             (
@@ -59,21 +59,20 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
                 labels.truth.protocol,
             )
         }
-        None => (
-            vec![without_labels(args, &tracks, &settings)?],
-            Protocol::Coco,
-        ),
+        None => (without_labels(args, &tracks, &settings)?, Protocol::Coco),
     };
-    let study = study(global, args, clips, &tracks, protocol)?;
+    let study = study(global, args, evaluated, &tracks, protocol)?;
     let Some(evaluation) = study.evaluations.first() else {
         return Ok(());
     };
     if let Some(folder) = &args.output {
+        let clips = evaluation.timelines.iter();
+        let names: Vec<&str> = clips.map(|clip| clip.clip.as_str()).collect();
         let mut batch = OutputBatch::new();
         for (name, text) in report_files(&study)? {
             if FILES.contains(&name) {
                 let path = folder.join(name);
-                refuse_input(args, &tracks, &path)?;
+                refuse_input(args, &tracks, &names, &path)?;
                 batch.stage(&path, text.as_bytes())?;
             }
         }
@@ -98,14 +97,39 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
 }
 
 /// No file of the report takes the place of one that was read.
-fn refuse_input(args: &TimelineArgs, tracks: &Tracks, output: &Path) -> Result<(), Failure> {
-    let own = [Some(&args.clean), Some(&args.cracked), args.labels.as_ref()];
-    let mut inputs = own.into_iter().flatten().chain(tracks.files());
+fn refuse_input(
+    args: &TimelineArgs,
+    tracks: &Tracks,
+    clips: &[&str],
+    output: &Path,
+) -> Result<(), Failure> {
+    let sides = [&args.clean, &args.cracked];
+    let sides = sides.map(|path| side_files(path, clips));
+    let of_sides = sides.iter().flatten().flat_map(|(_, files)| files);
+    let mut inputs = of_sides.chain(&args.labels).chain(tracks.files());
     match inputs.find(|input| same_file(input, output)) {
         Some(input) => Err(Failure::wrong_input(format!(
             "the output {output:?} would replace the input {input:?}; choose another folder"
         ))),
         None => Ok(()),
+    }
+}
+
+/// What was found, and what is to be said of what was read.
+#[derive(Default)]
+struct Evaluated {
+    clips: Vec<TimelineResults>,
+    warnings: Vec<Warning>,
+}
+
+impl Evaluated {
+    /// Says a thing once.
+    fn warn(&mut self, warnings: impl IntoIterator<Item = Warning>) {
+        for warning in warnings {
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
     }
 }
 
@@ -115,7 +139,7 @@ fn of_labels(
     labels: &TrackedLabels,
     tracks: &Tracks,
     settings: &ClipSettings,
-) -> Result<Vec<TimelineResults>, Failure> {
+) -> Result<Evaluated, Failure> {
     let chosen: Vec<&LabeledClip> = match args.clip.is_empty() {
         true => tracks.clips_with_track(labels)?,
         false => {
@@ -124,7 +148,6 @@ fn of_labels(
         }
     };
     let by_frame = args.by_frame || !labels.has_image_ids;
-    let sides = [&args.clean, &args.cracked];
     // Of all images once; by frames clip by clip.
     let of_all: Option<[SaidDetections; 2]> = match by_frame {
         true => None,
@@ -134,77 +157,64 @@ fn of_labels(
         ]),
     };
     let is_one = labels.clips.len() == 1;
-    let mut results = Vec::new();
+    let mut evaluated = Evaluated::default();
     for clip in chosen {
         let n_labeled = clip.frames.iter().filter_map(|(_, idx)| *idx).max();
         let n_labeled = n_labeled.map_or(clip.frames.len() as u64, |last| last + 1);
         let track = tracks.of(clip.name.as_deref(), is_one, n_labeled)?;
         let of_clip = labels.of_clip(clip, &track.track)?;
-        let mut read: Vec<Detections> = Vec::new();
-        for (side, path) in sides.into_iter().enumerate() {
-            read.push(match &of_all {
-                Some(all) => {
-                    let said = all.get(side).map(|said| &said.detections);
-                    said.map(|said| of_clip.of_images(said)).unwrap_or_default()
-                }
-                None => {
-                    let truth = frames_of(
-                        &track.track,
-                        clip.name.as_deref(),
-                        &labels.truth.labels.categories,
-                        labels.truth.protocol,
-                    );
-                    let path = of_one_clip(path, clip.name.as_deref());
-                    of_clip.of_frames(&by_frame_of(&truth, &path)?)
-                }
-            });
-        }
-        let [clean, cracked] = read.as_slice() else {
-            continue;
-        };
         let name = clip.name.clone().unwrap_or_else(|| track.name.clone());
+        let [clean, cracked] = match &of_all {
+            Some(all) => {
+                let [clean, cracked] = [&all[0], &all[1]].map(|said| Side {
+                    path: PathBuf::new(),
+                    detections: of_clip.of_images(&said.detections),
+                    n_read: said.detections.items.len(),
+                    unused: said.unused.clone(),
+                });
+                [
+                    clean.at(args.clean.clone()),
+                    cracked.at(args.cracked.clone()),
+                ]
+            }
+            None => {
+                let truth = frames_of(
+                    &track.track,
+                    clip.name.as_deref(),
+                    &labels.truth.labels.categories,
+                    labels.truth.protocol,
+                );
+                let mut read = |path: &Path| -> Result<Side, Failure> {
+                    let path = of_one_clip(path, clip.name.as_deref());
+                    let (said, warning) = by_frame_of(&truth, &path)?;
+                    evaluated.warn(warning);
+                    Ok(Side {
+                        path,
+                        detections: of_clip.of_frames(&said.detections),
+                        n_read: said.detections.items.len(),
+                        unused: said.unused,
+                    })
+                };
+                [read(&args.clean)?, read(&args.cracked)?]
+            }
+        };
+        let pair = [
+            clean.named("clean", !by_frame),
+            cracked.named("cracked", !by_frame),
+        ];
+        evaluated.warn(check_sides(&name, &of_clip.frames, &pair, args.lost_for)?);
         let frames = all_frames(&track);
         let input = ClipInput {
             name: &name,
             frames_per_s: track.track.frames_per_s,
             frames: &frames,
             onset_idx: track.track.onset_idx,
-            clean,
-            cracked,
+            clean: &clean.detections,
+            cracked: &cracked.detections,
         };
-        results.push(settings.of_labels(&input, &of_clip)?);
+        evaluated.clips.push(settings.of_labels(&input, &of_clip)?);
     }
-    Ok(results)
-}
-
-/// Detections that name the frames of a clip.
-fn by_frame_of(frames: &GroundTruth, path: &Path) -> Result<Detections, Failure> {
-    match frames.read_detections(path) {
-        Ok(said) => Ok(said.detections),
-        Err(EvalError::UnknownImages {
-            n_detections,
-            n_all,
-            first,
-            ..
-        }) => {
-            let n_frames = frames.labels.images.len();
-            Err(Failure::wrong_input(format!(
-                "{path:?}: {n_detections} of {n_all} detections are in frames that the clip lacks, the first in image \
-                 {first}; the clip has {n_frames} frames, numbered from 1; give the detections of the same clip"
-            )))
-        }
-        Err(error) => Err(error.into()),
-    }
-}
-
-/// The detections of one clip: a file or folder of its name in a folder of several.
-fn of_one_clip(path: &Path, clip: Option<&str>) -> PathBuf {
-    let Some(clip) = clip else {
-        return path.to_owned();
-    };
-    let inside = [path.join(format!("{clip}.json")), path.join(clip)];
-    let found = inside.into_iter().find(|path| path.exists());
-    found.unwrap_or_else(|| path.to_owned())
+    Ok(evaluated)
 }
 
 fn all_frames(track: &NamedTrack) -> Vec<Frame> {
@@ -216,7 +226,7 @@ fn without_labels(
     args: &TimelineArgs,
     tracks: &Tracks,
     settings: &ClipSettings,
-) -> Result<TimelineResults, Failure> {
+) -> Result<Evaluated, Failure> {
     if args.first_frame != 0 {
         return Err(Failure::wrong_input(
             "--first-frame is about the labels; give labels, too, or leave it out",
@@ -225,16 +235,28 @@ fn without_labels(
     let track = tracks.only(args.clip.first().map(String::as_str))?;
     let categories = said_categories(&[&args.clean, &args.cracked])?;
     let truth = frames_of(&track.track, Some(&track.name), &categories, Protocol::Coco);
-    let clean = by_frame_of(&truth, &args.clean)?;
-    let cracked = by_frame_of(&truth, &args.cracked)?;
+    let mut evaluated = Evaluated::default();
+    let mut read = |path: &Path| -> Result<Side, Failure> {
+        let (said, warning) = by_frame_of(&truth, path)?;
+        evaluated.warn(warning);
+        Ok(Side {
+            path: path.to_owned(),
+            n_read: said.detections.items.len(),
+            detections: said.detections,
+            unused: said.unused,
+        })
+    };
+    let (clean, cracked) = (read(&args.clean)?, read(&args.cracked)?);
     let frames = all_frames(&track);
+    let pair = [clean.named("clean", false), cracked.named("cracked", false)];
+    evaluated.warn(check_sides(&track.name, &frames, &pair, args.lost_for)?);
     let input = ClipInput {
         name: &track.name,
         frames_per_s: track.track.frames_per_s,
         frames: &frames,
         onset_idx: track.track.onset_idx,
-        clean: &clean,
-        cracked: &cracked,
+        clean: &clean.detections,
+        cracked: &cracked.detections,
     };
     let follow = FollowSettings {
         score_threshold: args.follow_score,
@@ -249,16 +271,23 @@ fn without_labels(
             args.follow_score, args.score_threshold
         )));
     }
-    Ok(settings.of_clean_detections(&input, &categories, follow)?)
+    let results = settings.of_clean_detections(&input, &categories, follow)?;
+    evaluated.clips.push(results);
+    Ok(evaluated)
 }
 
 fn study(
     global: &Global,
     args: &TimelineArgs,
-    timelines: Vec<TimelineResults>,
+    evaluated: Evaluated,
     tracks: &Tracks,
     protocol: Protocol,
 ) -> Result<Study, Failure> {
+    let Evaluated {
+        clips: timelines,
+        mut warnings,
+    } = evaluated;
+    warnings.extend(timelines.iter().flat_map(TimelineResults::warnings));
     let sum = |of: fn(&TimelineResults) -> u64| timelines.iter().map(of).sum();
     let detector = args.detector.clone();
     let evaluation = Evaluation {
@@ -275,10 +304,7 @@ fn study(
             n_objects: sum(|clip| clip.cracked.frames.iter().map(|row| row.n_objects).sum()),
             ..Counts::default()
         },
-        warnings: timelines
-            .iter()
-            .flat_map(TimelineResults::warnings)
-            .collect(),
+        warnings,
         cracked: ProtocolResults::default(),
         paired: Vec::new(),
         subsets: Vec::new(),
@@ -294,7 +320,7 @@ fn study(
         (None, _) => "clips".to_owned(),
     };
     let provenance = Provenance {
-        inputs: inputs(args, tracks)?,
+        inputs: inputs(args, tracks, &evaluation.timelines)?,
         versions: vec![Versions {
             name: "starbreak".to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -316,19 +342,28 @@ fn study(
 }
 
 /// The files that the numbers rest on, with their hashes.
-fn inputs(args: &TimelineArgs, tracks: &Tracks) -> Result<Vec<InputFile>, Failure> {
+fn inputs(
+    args: &TimelineArgs,
+    tracks: &Tracks,
+    clips: &[TimelineResults],
+) -> Result<Vec<InputFile>, Failure> {
     let mut inputs = Vec::new();
-    let mut add = |role: &str, path: &Path| -> Result<(), Failure> {
-        inputs.push(InputFile::of(role, &path_text(path), &files_of(path))?);
+    let mut add_files = |role: &str, path: &Path, files: &[PathBuf]| -> Result<(), Failure> {
+        inputs.push(InputFile::of(role, &path_text(path), files)?);
         Ok(())
     };
+    let mut add = |role: &str, path: &Path| add_files(role, path, &files_of(path));
     if let Some(path) = &args.labels {
         add("labels", path)?;
     }
-    add("clean detections", &args.clean)?;
-    add("cracked detections", &args.cracked)?;
     for path in tracks.files() {
         add("track of the cracked clip", path)?;
+    }
+    let names: Vec<&str> = clips.iter().map(|clip| clip.clip.as_str()).collect();
+    for (side, path) in [("clean", &args.clean), ("cracked", &args.cracked)] {
+        for (path, files) in side_files(path, &names) {
+            add_files(&format!("{side} detections"), &path, &files)?;
+        }
     }
     for (name, sha256) in tracks.clips() {
         inputs.push(InputFile {

@@ -18,6 +18,8 @@ pub struct KittiDetections {
     pub images: Vec<u32>,
     /// Detections of types that the labels lack.
     pub unused: Option<Unused>,
+    /// Places in `set` of those, rising.
+    pub(crate) of_unused: Vec<usize>,
 }
 
 impl KittiDetections {
@@ -76,6 +78,7 @@ impl KittiDetections {
                             n_detections: 0,
                         });
                         unused.n_detections += 1;
+                        read.of_unused.push(read.set.items.len());
                         place_of_type(&labels.set, "Misc").unwrap_or(0)
                     }
                 };
@@ -116,6 +119,7 @@ impl KittiDetections {
                 .map(|(place, _)| place)
                 .collect(),
             unused: None,
+            of_unused: Vec::new(),
         }
     }
 }

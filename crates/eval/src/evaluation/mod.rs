@@ -5,6 +5,7 @@
 
 mod clean;
 mod clip;
+mod clip_sides;
 mod damage_facts;
 mod divergence_tables;
 mod estimate;
@@ -20,6 +21,7 @@ mod worst;
 
 pub use clean::CleanResults;
 pub use clip::{ClipInput, ClipSettings, TimelineResults, TrackSource};
+pub use clip_sides::{ClipSide, check_sides};
 pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
 pub use evaluate::{

@@ -265,7 +265,11 @@ impl GroundTruth {
         }
         // By name, as there is no category for areas of no matter.
         let mut detections = Detections::default();
-        for detection in &said.set.items {
+        for (place, detection) in said.set.items.iter().enumerate() {
+            // KITTI's own program takes them for `Misc`; here they count for nothing.
+            if said.of_unused.binary_search(&place).is_ok() {
+                continue;
+            }
             let idx = usize::try_from(detection.category).unwrap_or(usize::MAX);
             let name = labels
                 .set

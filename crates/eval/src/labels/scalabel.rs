@@ -1,5 +1,6 @@
 //! Frames in the form of Scalabel, as of BDD100K `det_20`: labels and detections.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -209,12 +210,39 @@ impl Reader {
     }
 
     /// All that was read: frames in the order of their names, numbered from 1, the classes of
-    /// BDD100K where all or some are of them, else those that occur.
+    /// BDD100K where all are of them, those that occur where none is.
+    ///
+    /// Boxes of both kinds are refused: which classes the benchmark leaves out must not be guessed.
     pub(super) fn finish(self, path: &Path) -> Result<LabelSet, EvalError> {
+        let names = || self.frames.iter().flat_map(|frame| &frame.objects);
+        let n_all = names().count();
+        let others: Vec<&str> = names()
+            .map(|(name, ..)| name.as_str())
+            .filter(|name| !is_of_bdd(name))
+            .collect();
+        if !others.is_empty() && others.len() < n_all {
+            let distinct: BTreeSet<&str> = others.iter().copied().collect();
+            let shown: Vec<String> = distinct
+                .iter()
+                .take(8)
+                .map(|it| format!("{it:?}"))
+                .collect();
+            let more = match distinct.len().saturating_sub(8) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            let reason = format!(
+                "{} of {n_all} boxes are of categories that BDD100K lacks: {}{more}; take them out, or write the \
+                 labels in the form of MS-COCO, which has categories of its own",
+                others.len(),
+                shown.join(", ")
+            );
+            return Err(refuse_file(path, reason));
+        }
         Ok(self.finish_tracked(path)?.labels)
     }
 
-    /// The same with what is said of clips.
+    /// The same with what is said of clips; categories that BDD100K lacks stand behind its own.
     pub(super) fn finish_tracked(mut self, path: &Path) -> Result<Tracked, EvalError> {
         self.frames.sort_by(|a, b| a.image.name.cmp(&b.image.name));
         let twice = self.frames.windows(2).find_map(|pair| match pair {
@@ -228,23 +256,19 @@ impl Reader {
                 "the name occurs twice",
             ));
         }
-        let is_known = |name: &str| CLASSES.iter().any(|(known, _)| *known == name);
         let mut names: Vec<&str> = Vec::new();
         for frame in &self.frames {
             names.extend(frame.objects.iter().map(|(name, ..)| name.as_str()));
         }
         names.sort_unstable();
         names.dedup();
-        let classes: Vec<(String, Option<String>)> =
-            match names.is_empty() || names.iter().any(|name| is_known(name)) {
-                true => CLASSES
-                    .map(|(name, group)| (name.to_owned(), group.map(str::to_owned)))
-                    .into(),
-                false => names
-                    .iter()
-                    .map(|name| ((*name).to_owned(), None))
-                    .collect(),
-            };
+        let mut classes: Vec<(String, Option<String>)> = Vec::new();
+        if names.is_empty() || names.iter().any(|name| is_of_bdd(name)) {
+            let own = CLASSES.map(|(name, group)| (name.to_owned(), group.map(str::to_owned)));
+            classes.extend(own);
+        }
+        let others = names.iter().filter(|name| !is_of_bdd(name));
+        classes.extend(others.map(|name| ((*name).to_owned(), None)));
         let mut labels = LabelSet::default();
         for (id, (name, supercategory)) in (1..).zip(classes) {
             labels.categories.push(Category {
@@ -259,7 +283,6 @@ impl Reader {
             frame_idx.push(frame.frame_idx);
             labels.images.push(LabeledImage { id, ..frame.image });
             for (name, box_px, kind, track) in frame.objects {
-                // Lanes and drivable areas of other tasks are no classes of this one.
                 let Some(category) = labels.category_of_name(&name) else {
                     continue;
                 };
@@ -281,6 +304,11 @@ impl Reader {
             frame_idx,
         })
     }
+}
+
+/// Whether a class is one of BDD100K's.
+fn is_of_bdd(name: &str) -> bool {
+    CLASSES.iter().any(|(known, _)| *known == name)
 }
 
 /// The name of a track; nothing for what is no name.

@@ -3,6 +3,7 @@
 mod clip;
 mod coco;
 mod kitti;
+mod numbered;
 mod said;
 
 use std::collections::BTreeMap;

@@ -1,0 +1,123 @@
+//! Whether the detections of a clip can be what they are said to be.
+
+use std::path::Path;
+
+use super::{Warning, WarningKind};
+use crate::json_record::refuse_file;
+use crate::timeline::Frame;
+use crate::{Detections, EvalError, Unused};
+
+/// The detections of one side of a clip, and what was read with them.
+#[derive(Debug, Clone, Copy)]
+pub struct ClipSide<'a> {
+    /// `clean` or `cracked`.
+    pub name: &'a str,
+    /// The file or folder that they are from.
+    pub path: &'a Path,
+    /// Those in the clip, by its labeled frames.
+    pub detections: &'a Detections,
+    /// All that were read, of categories that there are.
+    pub n_read: usize,
+    /// Those of other categories.
+    pub unused: Option<&'a Unused>,
+    /// Whether they name the images of all labels, not the frames of this clip.
+    pub is_of_all_images: bool,
+}
+
+/// Refuses detections that are not of a clip, and tells of those that may be of a part of it.
+///
+/// `frames` are the labeled frames. A side that begins or ends more than `stretch_frames` frames of
+/// the video inside of the other one may be of a detector that was stopped; objects would count as
+/// lost that it never looked for. Detections of any score count here.
+///
+/// # Errors
+/// [`EvalError::File`] where all detections are of unknown categories, or none is in the clip while
+/// others are in other images.
+pub fn check_sides(
+    clip: &str,
+    frames: &[Frame],
+    sides: &[ClipSide<'_>; 2],
+    stretch_frames: u32,
+) -> Result<Vec<Warning>, EvalError> {
+    let mut warnings = Vec::new();
+    for side in sides {
+        warnings.extend(categories(side)?);
+        if side.detections.items.is_empty() && side.is_of_all_images && side.n_read > 0 {
+            let reason = format!(
+                "none of its {} detections is in clip {clip:?}, all are in other images of the labels; if they number \
+                 the frames of this clip from 1, say so with --by-frame, else give the detections of this clip",
+                side.n_read
+            );
+            return Err(refuse_file(side.path, reason));
+        }
+    }
+    let missing = |text| Warning {
+        kind: WarningKind::Missing,
+        text,
+    };
+    let spans = [&sides[0], &sides[1]].map(|side| span(side.detections, frames));
+    for (side, span) in sides.iter().zip(spans) {
+        if span.is_none() {
+            warnings.push(missing(format!(
+                "clip {clip}: there is no {} detection in any of its {} frames; if the detector has not looked at \
+                 them, all that follows is false",
+                side.name,
+                frames.len()
+            )));
+        }
+    }
+    let [Some(a), Some(b)] = spans else {
+        return Ok(warnings);
+    };
+    let stretch = u64::from(stretch_frames);
+    let last = frames.last().map_or(0, |frame| frame.frame_idx);
+    for (side, [own, other]) in sides.iter().zip([[a, b], [b, a]]) {
+        let other_name = sides.iter().find(|it| it.name != side.name);
+        let other_name = other_name.map_or("other", |it| it.name);
+        if other[1] > own[1].saturating_add(stretch) {
+            warnings.push(missing(format!(
+                "clip {clip}: the {} detections end at frame {}, the {other_name} ones at {} of {last}; if the \
+                 detector was stopped there, objects count as lost that it never looked for",
+                side.name, own[1], other[1]
+            )));
+        }
+        if own[0] > other[0].saturating_add(stretch) {
+            warnings.push(missing(format!(
+                "clip {clip}: the {} detections begin at frame {}, the {other_name} ones at {}; if the detector began \
+                 there, objects count as missed that it never looked for",
+                side.name, own[0], other[0]
+            )));
+        }
+    }
+    Ok(warnings)
+}
+
+fn categories(side: &ClipSide<'_>) -> Result<Option<Warning>, EvalError> {
+    let Some(unused) = side.unused else {
+        return Ok(None);
+    };
+    if side.n_read == 0 {
+        let reason = format!(
+            "all {} {} detections are of categories that the labels lack, the first of {:?}; give the names or \
+             numbers of the labels' categories",
+            unused.n_detections, side.name, unused.first
+        );
+        return Err(refuse_file(side.path, reason));
+    }
+    let n_all = unused.n_detections + side.n_read;
+    Ok(Some(Warning {
+        kind: WarningKind::LabelMap,
+        text: format!(
+            "{} of {n_all} {} detections are of categories that the labels lack, the first of {:?}; they count for \
+             nothing",
+            unused.n_detections, side.name, unused.first
+        ),
+    }))
+}
+
+/// Numbers of the first and the last frame with a detection.
+fn span(detections: &Detections, frames: &[Frame]) -> Option<[u64; 2]> {
+    let places = || detections.items.iter().map(|it| it.image);
+    let number = |place: u32| frames.get(place as usize).map(|frame| frame.frame_idx);
+    Some([number(places().min()?)?, number(places().max()?)?])
+}
