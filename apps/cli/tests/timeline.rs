@@ -394,6 +394,11 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     let mut miscounted = track_file(N, "drive.mp4");
     miscounted["n_frames"] = json!(99);
     write(at, "miscounted.track.json", &miscounted);
+    for (name, fps) in [("negative", -5.0), ("zero", 0.0), ("fast", 1e308)] {
+        let mut rated = track_file(N, "drive.mp4");
+        rated["fps"] = json!(fps);
+        write(at, &format!("{name}.track.json"), &rated);
+    }
     let mut two_onsets = track_file(N, "drive.mp4");
     two_onsets["damage_onset"]["frame_idx"] = json!(3);
     write(at, "two_onsets.track.json", &two_onsets);
@@ -480,6 +485,18 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
             (
                 with("labels.json", "clean.json", "miscounted.track.json"),
                 "n_frames = 99",
+            ),
+            (
+                with("labels.json", "clean.json", "negative.track.json"),
+                "fps = -5e0; expected frames per second above 0",
+            ),
+            (
+                with("labels.json", "clean.json", "zero.track.json"),
+                "fps = 0e0; expected",
+            ),
+            (
+                with("labels.json", "clean.json", "fast.track.json"),
+                "fps = 1e308; expected",
             ),
             (
                 with("labels.json", "clean.json", "two_onsets.track.json"),

@@ -363,15 +363,33 @@ fn several_clips_by_frame_are_evaluated_and_their_files_are_named() {
         "kout",
     ];
     succeed(at, &args);
-    // No file that was read is replaced.
-    fs::create_dir(at.join("in")).unwrap();
+    // No file that was read is replaced, in a folder of several either.
     for side in ["clean", "cracked"] {
-        fs::copy(
-            at.join(side).join("b.json"),
-            at.join(side).join("evaluation.json"),
-        )
-        .unwrap();
+        let of_side = at.join(side);
+        fs::copy(of_side.join("a.json"), of_side.join("evaluation.json")).unwrap();
     }
+    let labels = fs::read_to_string(at.join("labels.json")).unwrap();
+    let renamed = labels.replace("\"name\":\"a\"", "\"name\":\"evaluation\"");
+    assert_ne!(renamed, labels, "the clip has another name");
+    fs::write(at.join("renamed.json"), renamed).unwrap();
+    let args = [
+        "timeline",
+        "renamed.json",
+        "--by-frame",
+        "--clean",
+        "clean",
+        "--cracked",
+        "cracked",
+        "--track",
+        "evaluation=tracks/a.track.json",
+        "-o",
+        "clean",
+    ];
+    refused(
+        at,
+        &args,
+        &["would replace the input", "clean/evaluation.json"],
+    );
 }
 
 #[test]

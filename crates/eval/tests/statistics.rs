@@ -257,6 +257,20 @@ fn survival_is_that_of_lifelines() {
         let ends = ["median_low", "median_high"].map(|end| case[end].as_f64());
         assert_eq!(curve.median_ends_s, ends, "ends of its interval");
     }
+    let why = |times: &[f64], is_lost: &[bool]| {
+        let curve = kaplan_meier(times, is_lost, 0.95).unwrap();
+        curve
+            .median_s
+            .reason
+            .as_deref()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    assert_eq!(why(&[], &[]), "no object is at risk", "of nothing");
+    let followed = why(&[1.0, 0.5, 0.5], &[true, false, false]);
+    assert_eq!(followed, "", "censored early: the median is reached");
+    let kept = why(&[0.5, 1.0, 1.0], &[true, false, false]);
+    assert!(kept.contains("as long as objects are followed"), "{kept}");
     assert!(kaplan_meier(&[1.0], &[], 0.95).is_err(), "a time too many");
     assert!(kaplan_meier(&[f64::NAN], &[true], 0.95).is_err(), "no time");
 }

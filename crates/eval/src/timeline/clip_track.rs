@@ -14,6 +14,9 @@ const MAX_BYTES: u64 = 1 << 30;
 
 const SCHEMA: &str = "starbreak.track/1";
 
+/// Highest rate of frames that is believed, 1/s; the fastest cameras are a little below.
+const MOST_PER_S: f64 = 1e6;
+
 /// A clip with its frames, times and the onset of its damage.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ClipTrack {
@@ -83,8 +86,8 @@ impl ClipTrack {
     /// The track in a file of schema `starbreak.track/1`.
     ///
     /// # Errors
-    /// [`EvalError::File`] where it is no such file, or says two things about its frames or its
-    /// onset; [`EvalError::Record`] for a frame out of order; [`EvalError::Dataset`].
+    /// [`EvalError::File`] where it is no such file, has no rate of frames that can be, or says two
+    /// things about its frames or its onset; [`EvalError::Record`] for a frame out of order; [`EvalError::Dataset`].
     pub fn read(path: &Path) -> Result<Self, EvalError> {
         let text = read_text(path, MAX_BYTES)?.text;
         let file: File = serde_json::from_str(&text).map_err(|error| {
@@ -96,6 +99,13 @@ impl ClipTrack {
         })?;
         if file.schema != SCHEMA {
             let reason = format!("its schema is {:?}; expected {SCHEMA:?}", file.schema);
+            return Err(refuse_file(path, reason));
+        }
+        if !(file.fps > 0.0 && file.fps <= MOST_PER_S) {
+            let reason = format!(
+                "fps = {:e}; expected frames per second above 0, at most {MOST_PER_S}",
+                file.fps
+            );
             return Err(refuse_file(path, reason));
         }
         let n_frames = file.frames.len() as u64;
@@ -134,7 +144,7 @@ impl ClipTrack {
         Ok(Self {
             names: names.map(|name| stem(name).to_owned()).into(),
             input: Some((file.input.name, file.input.sha256)),
-            frames_per_s: (file.fps.is_finite() && file.fps > 0.0).then_some(file.fps),
+            frames_per_s: Some(file.fps),
             size_px: Some((file.width_px, file.height_px)),
             frames: file
                 .frames
@@ -161,11 +171,11 @@ impl ClipTrack {
         frames_per_s: f64,
         onset_idx: Option<u64>,
     ) -> Result<Self, EvalError> {
-        if !(frames_per_s.is_finite() && frames_per_s > 0.0) {
+        if !(frames_per_s > 0.0 && frames_per_s <= MOST_PER_S) {
             return Err(EvalError::StatisticSetting {
                 what: "number of frames per second",
                 value: frames_per_s,
-                range: "above 0",
+                range: "above 0, at most 1000000",
             });
         }
         let frame = |frame_idx: u64| {

@@ -128,7 +128,13 @@ pub fn kaplan_meier(times_s: &[f64], is_lost: &[bool], level: f64) -> Result<Sur
         _ => None,
     };
     let median_s = first(|it| it.share.value).map_or_else(
-        || Measured::none(n, Method::KaplanMeier, "half of the objects are never lost"),
+        || {
+            let why = match n {
+                0 => "no object is at risk",
+                _ => "the share not lost stays above one half as long as objects are followed",
+            };
+            Measured::none(n, Method::KaplanMeier, why)
+        },
         |time_s| Measured::of(time_s, n, Method::KaplanMeier).within(interval),
     );
     Ok(Survival {
