@@ -218,6 +218,10 @@ def test_any_number_of_workers_makes_the_same_set(method, key):
         (ValueError, {"recipe": "no such preset"}),
         (ValueError, {"recipe": RECIPE, "severity": 2}),
         (ValueError, {"key": "path", "crack_seed": None}),
+        (ValueError, {"region_key": "image"}),
+        (ValueError, {"region_key": "mask"}),
+        (ValueError, {"key": "path", "region_key": "path"}),
+        (ValueError, {"region_key": 5}),
         (FileNotFoundError, {"recipe": None, "bank": "no/such/bank"}),
     ],
 )

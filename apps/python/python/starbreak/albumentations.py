@@ -34,6 +34,8 @@ from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected
 
 __all__ = ["CrackedGlass"]
 
+_TARGETS = ("image", "images", "mask", "masks", "bboxes", "keypoints")
+
 
 class CrackedGlass(DualTransform):  # type: ignore[misc]
     """The glass in front of the camera is broken.
@@ -80,6 +82,8 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
     ) -> None:
         if key is not None and crack_seed is None:
             raise ValueError("a key tells which crack of a seed an image gets; give crack_seed, too")
+        if region_key is not None and (not isinstance(region_key, str) or region_key in (*_TARGETS, key)):
+            raise ValueError(f"region_key {region_key!r}: expected a name that is no target of its own, such as 'region'")
         self._drawing = CrackDrawing(recipe, severity, bank, p, crack_seed)
         super().__init__(p=p)
         # What `to_dict` writes.

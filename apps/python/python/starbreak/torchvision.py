@@ -98,6 +98,8 @@ class CrackedGlass(v2.Transform):  # type: ignore[misc]
             return result
         if not isinstance(result, dict):
             raise ValueError("region_key is for samples that are dicts; pass a dict, or leave it out")
+        if self.region_key in result:
+            raise ValueError(f"region_key {self.region_key!r}: the sample has this already; choose another name")
         return {**result, self.region_key: tv_tensors.Mask(regions[0])} if regions else result
 
 
