@@ -133,7 +133,11 @@ fn other_model(
 }
 
 fn no_table(place: &Place, name: &str, found: &Value) -> RecipeError {
-    let what = format!("expected a table, found {}", found.type_str());
+    let what = match found {
+        // Where a table does not do, a list of them is meant.
+        Value::Table(_) => format!("expected a list of tables, [[{name}]], found one table"),
+        _ => format!("expected a table, found {}", found.type_str()),
+    };
     RecipeError::Type {
         place: place.clone(),
         key: name.to_owned(),
