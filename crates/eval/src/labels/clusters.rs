@@ -48,17 +48,15 @@ impl LabelSet {
                 return Err(refuse_file(path, format!("it has {name:?} twice")));
             }
         }
-        let mut n_of_last: BTreeMap<String, u32> = BTreeMap::new();
+        let mut n_of_stem: BTreeMap<String, u32> = BTreeMap::new();
         for image in &self.images {
-            let last = last_part(&image.name);
-            let stem = last.rsplit_once('.').map_or(last, |(stem, _)| stem);
-            *n_of_last.entry(stem.to_owned()).or_default() += 1;
+            *n_of_stem.entry(stem(&image.name).to_owned()).or_default() += 1;
         }
         for image in &mut self.images {
             let last = last_part(&image.name);
-            let stem = last.rsplit_once('.').map_or(last, |(stem, _)| stem);
+            let stem = stem(&image.name);
             let alone = || {
-                let is_unique = n_of_last.get(stem) == Some(&1);
+                let is_unique = n_of_stem.get(stem) == Some(&1);
                 let found = by_name.get(last).or_else(|| by_name.get(stem));
                 found.filter(|_| is_unique)
             };
@@ -96,9 +94,7 @@ impl LabelSet {
         }
         let lines: Vec<&str> = lines.lines().collect();
         for image in &mut self.images {
-            let file = image.name.rsplit('/').next().unwrap_or(&image.name);
-            let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-            let frame: Option<usize> = stem.parse().ok();
+            let frame: Option<usize> = stem(&image.name).parse().ok();
             let line = frame.and_then(|frame| order_of_frames.get(frame));
             let Some(line) = line else {
                 let reason = format!("it lacks the frame {:?}; leave the mapping out", image.name);
@@ -122,6 +118,12 @@ fn bare(field: &str) -> &str {
         .strip_prefix('"')
         .and_then(|rest| rest.strip_suffix('"'));
     inside.unwrap_or(field)
+}
+
+/// The last part of a name without its extension.
+fn stem(name: &str) -> &str {
+    let last = last_part(name);
+    last.rsplit_once('.').map_or(last, |(stem, _)| stem)
 }
 
 fn last_part(name: &str) -> &str {

@@ -45,7 +45,7 @@ pub struct PairedPrecisions {
 }
 
 /// Values per category in the bootstrap: clean, cracked, difference, ratio.
-pub(super) const N_VALUES: usize = 4;
+const N_VALUES: usize = 4;
 
 /// Average precision per category, clean and cracked, with bootstrap intervals of both, of their
 /// difference and of their ratio, a permutation test per category, and Holm's correction.
@@ -87,20 +87,7 @@ pub(super) fn paired_of_ranked<R: Ranked>(
     plan: &Plan,
 ) -> Result<PairedPrecisions, EvalError> {
     let n_categories = clean_ranked.len();
-    let replicates = bootstrap(plan, |weights| {
-        let cells = cell_weights(&weights.images, &weights.patterns);
-        let mut values = Vec::with_capacity((n_categories + 1) * N_VALUES);
-        let mut sums = MeanOfPairs::default();
-        for (clean, cracked) in clean_ranked.iter().zip(cracked_ranked) {
-            let pair = clean
-                .average_precision(&weights.images)
-                .zip(cracked.average_precision(&cells));
-            sums.add(pair);
-            values.extend(four_values(pair));
-        }
-        values.extend(four_values(sums.mean()));
-        values
-    })?;
+    let mut found = precisions_of_ranked(clean_ranked, cracked_ranked, false, plan)?;
     let tests = permutation_test(plan, |roles| {
         let (as_clean, as_cracked) = role_weights(roles, n_versions);
         let mut values = Vec::with_capacity(n_categories + 1);
@@ -115,7 +102,52 @@ pub(super) fn paired_of_ranked<R: Ranked>(
         values.push(sums.mean().map(|(clean, cracked)| cracked - clean));
         values
     })?;
-    let ones = vec![1; plan.n_images()];
+    for (row, test) in found.categories.iter_mut().zip(&tests) {
+        row.test = test.clone();
+    }
+    let p: Vec<Option<f64>> = found.categories.iter().map(|it| it.test.p).collect();
+    for (category, corrected) in found.categories.iter_mut().zip(holm(&p)) {
+        category.p_holm = corrected;
+    }
+    if let Some(test) = tests.last() {
+        found.mean.test = test.clone();
+    }
+    found.mean.p_holm = found.mean.test.p;
+    Ok(found)
+}
+
+/// The values with their intervals, without any test. The cells of the clean side are those of the
+/// cracked one, image times patterns plus pattern, or the images alone.
+pub(super) fn precisions_of_ranked<R: Ranked>(
+    clean_ranked: &[R],
+    cracked_ranked: &[R],
+    is_clean_per_pattern: bool,
+    plan: &Plan,
+) -> Result<PairedPrecisions, EvalError> {
+    let n_categories = clean_ranked.len();
+    let replicates = bootstrap(plan, |weights| {
+        let cells = cell_weights(&weights.images, &weights.patterns);
+        let of_clean = match is_clean_per_pattern {
+            true => &cells,
+            false => &weights.images,
+        };
+        let mut values = Vec::with_capacity((n_categories + 1) * N_VALUES);
+        let mut sums = MeanOfPairs::default();
+        for (clean, cracked) in clean_ranked.iter().zip(cracked_ranked) {
+            let pair = clean
+                .average_precision(of_clean)
+                .zip(cracked.average_precision(&cells));
+            sums.add(pair);
+            values.extend(four_values(pair));
+        }
+        values.extend(four_values(sums.mean()));
+        values
+    })?;
+    let n_cells = match is_clean_per_pattern {
+        true => plan.n_images() * plan.n_patterns() as usize,
+        false => plan.n_images(),
+    };
+    let ones = vec![1; n_cells];
     let row = |place: usize, category: Option<u32>, n_objects: u64| PairedPrecision {
         category,
         n_objects,
@@ -123,23 +155,20 @@ pub(super) fn paired_of_ranked<R: Ranked>(
         cracked: replicates.basic(place * N_VALUES + 1, Method::AveragePrecision, [0.0, 1.0]),
         difference: replicates.basic(place * N_VALUES + 2, Method::Difference, [-1.0, 1.0]),
         ratio: replicates.percentile(place * N_VALUES + 3, Method::Ratio),
-        test: tests.get(place).cloned().unwrap_or_else(|| {
-            TestOutcome::none(0, Method::PermutationSampled, "there is no such category")
-        }),
+        test: TestOutcome::none(
+            u64::from(plan.n_units()),
+            Method::PermutationSampled,
+            "there is no test over several patterns",
+        ),
         p_holm: None,
     };
-    let mut categories: Vec<PairedPrecision> = clean_ranked
+    let categories: Vec<PairedPrecision> = clean_ranked
         .iter()
         .enumerate()
         .map(|(place, ranked)| row(place, Some(ranked.category()), ranked.n_objects(&ones)))
         .collect();
-    let p: Vec<Option<f64>> = categories.iter().map(|it| it.test.p).collect();
-    for (category, corrected) in categories.iter_mut().zip(holm(&p)) {
-        category.p_holm = corrected;
-    }
     let n_objects = categories.iter().map(|it| it.n_objects).sum();
-    let mut mean = row(n_categories, None, n_objects);
-    mean.p_holm = mean.test.p;
+    let mean = row(n_categories, None, n_objects);
     Ok(PairedPrecisions {
         categories,
         mean,
@@ -159,6 +188,15 @@ fn check_fit(versions: &[&[ImageMatches]], plan: &Plan) -> Result<u32, EvalError
             of: "patterns of the plan",
         });
     }
+    check_cells(versions, n_patterns + 1, plan)
+}
+
+/// The number of versions, if the images are the plan's and their cells can be counted.
+pub(super) fn check_cells(
+    versions: &[&[ImageMatches]],
+    n_versions: usize,
+    plan: &Plan,
+) -> Result<u32, EvalError> {
     let images = versions.iter().copied().flatten().map(|it| it.image);
     let n_needed = images.max().map_or(0, |image| image as usize + 1);
     if n_needed > plan.n_images() {
@@ -170,7 +208,6 @@ fn check_fit(versions: &[&[ImageMatches]], plan: &Plan) -> Result<u32, EvalError
         });
     }
     // A cell and one bit more must fit 32 bits.
-    let n_versions = n_patterns + 1;
     match u32::try_from(n_versions) {
         Ok(n) if plan.n_images().saturating_mul(n_versions) < 1 << 31 => Ok(n),
         _ => Err(EvalError::StatisticSetting {
@@ -203,7 +240,7 @@ pub(super) fn rank(
 }
 
 /// Weights of cells: image times pattern.
-pub(super) fn cell_weights(images: &[u32], patterns: &[u32]) -> Vec<u32> {
+fn cell_weights(images: &[u32], patterns: &[u32]) -> Vec<u32> {
     images
         .iter()
         .flat_map(|image| patterns.iter().map(move |pattern| image * pattern))
@@ -223,7 +260,7 @@ fn role_weights(roles: &[u32], n_versions: u32) -> (Vec<u32>, Vec<u32>) {
         .unzip()
 }
 
-pub(super) fn four_values(pair: Option<(f64, f64)>) -> [Option<f64>; N_VALUES] {
+fn four_values(pair: Option<(f64, f64)>) -> [Option<f64>; N_VALUES] {
     let Some((clean, cracked)) = pair else {
         return [None; N_VALUES];
     };
@@ -233,14 +270,14 @@ pub(super) fn four_values(pair: Option<(f64, f64)>) -> [Option<f64>; N_VALUES] {
 
 /// The mean over categories of both values, of those that have them.
 #[derive(Debug, Default)]
-pub(super) struct MeanOfPairs {
+struct MeanOfPairs {
     clean: f64,
     cracked: f64,
     n: u32,
 }
 
 impl MeanOfPairs {
-    pub(super) fn add(&mut self, pair: Option<(f64, f64)>) {
+    fn add(&mut self, pair: Option<(f64, f64)>) {
         if let Some((clean, cracked)) = pair {
             self.clean += clean;
             self.cracked += cracked;
@@ -248,7 +285,7 @@ impl MeanOfPairs {
         }
     }
 
-    pub(super) fn mean(&self) -> Option<(f64, f64)> {
+    fn mean(&self) -> Option<(f64, f64)> {
         let n = f64::from(self.n);
         (self.n > 0).then(|| (self.clean / n, self.cracked / n))
     }

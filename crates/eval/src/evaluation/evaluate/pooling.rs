@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::intervals::{Place, coverage_of, max_detections};
 use super::side_results::estimate;
+use super::what_fails::scope_of;
 use super::{EvaluateSettings, as_plain, nothing_covered, plan_of};
 use crate::evaluation::{
     Condition, Estimate, FailureRow, Group, GroupKind, PairedMetric, PairedRow, PooledSeeds, Scope,
-    ScopeKind,
 };
 use crate::failure::{ObjectPair, Where, failure_table, pair_objects};
 use crate::resampling::{PairedPrecision, Plan, crossed_average_precision};
@@ -158,20 +158,6 @@ fn pooled_condition(first: Option<&Condition>, seeds: &[u64]) -> Condition {
         family,
         severity,
         seed: None,
-    }
-}
-
-fn scope_of(place: Where) -> Scope {
-    match place {
-        Where::Region { tau } => Scope {
-            kind: ScopeKind::InRegion,
-            tau: Some(tau),
-        },
-        Where::Outside { tau } => Scope {
-            kind: ScopeKind::OutOfRegion,
-            tau: Some(tau),
-        },
-        Where::Image | Where::Coverage { .. } => Scope::whole_image(),
     }
 }
 

@@ -79,7 +79,7 @@ fn here(pairs: &[ObjectPair], place: Where) -> Vec<ObjectPair> {
     pairs.iter().filter(is_here).copied().collect()
 }
 
-fn scope_of(place: Where) -> Scope {
+pub(super) fn scope_of(place: Where) -> Scope {
     let (kind, tau) = match place {
         Where::Region { tau } => (ScopeKind::InRegion, Some(tau)),
         Where::Outside { tau } => (ScopeKind::OutOfRegion, Some(tau)),
