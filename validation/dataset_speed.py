@@ -5,7 +5,7 @@
 
 Sets: a synthetic KITTI-like one of N PNG frames (1242x375, made here from a street that a formula
 draws, with noise), and coco96 and the KITTI frames of ../shared/data where they are. Each is run in
-turns: recode (the floor), from a bank, fresh physics. CPU seconds are user and system time of the
+turns: recode (the floor), from a bank with all frame sizes of the set, fresh physics. CPU seconds are user and system time of the
 process; on a shared machine their ratio is the robust figure.
 """
 import os
@@ -84,15 +84,19 @@ def run(work, n, threads):
             sets.append((name, source, 96 if name == "coco96" else 3))
         else:
             print(f"SKIPPED {name}: no ../shared/data")
-    bank = work / "bank"
-    subprocess.run([STARBREAK, "patterns", "-n", "500", "-o", bank, "--size", "1242x375", "--quiet"], check=True)
+    banks = []
+    for name, source, _ in sets:
+        bank = work / f"bank-{len(banks)}"
+        subprocess.run([STARBREAK, "patterns", "-n", "200", "-o", bank, "--sizes-of", source, "--most-sizes", "64",
+                        "--quiet"], check=True)
+        banks.append(bank)
     # Memory does not depend on the number of images: the same run over fewer.
     for few in (500, n):
-        _, _, rss = timed([STARBREAK, "generate", sets[0][1], "--bank", bank, "--limit", few, "--threads", threads,
+        _, _, rss = timed([STARBREAK, "generate", sets[0][1], "--bank", banks[0], "--limit", few, "--threads", threads,
                            "--quiet", "-o", work / f"few-{few}"])
         print(f"peak RSS of generate from a bank over {min(few, n)} images: {rss:.0f} MiB")
     print("set; run; images/s; CPU s; cores used; peak RSS MiB; images/s and CPU s over those of recode")
-    for name, source, n_images in sets:
+    for (name, source, n_images), bank in zip(sets, banks):
         floor = None
         runs = [
             ("recode", [RECODE, threads, source]),

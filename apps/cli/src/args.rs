@@ -8,6 +8,7 @@ pub(crate) mod overlay;
 pub(crate) mod study;
 pub(crate) mod timeline;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
@@ -174,6 +175,12 @@ pub(crate) enum Verb {
         /// of other sizes take longer, as their patterns are baked anew
         #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
         size: Vec<(u32, u32)>,
+        /// Bake for the most frequent frame sizes of a dataset (as in `generate`) instead
+        #[arg(long, value_name = "FORMAT:PATH", conflicts_with_all = ["size", "overlays", "info", "check"])]
+        sizes_of: Option<OsString>,
+        /// Of them at most so many; each adds to the length of the bank
+        #[arg(long, value_name = "N", default_value = "8", requires = "sizes_of", value_parser = clap::value_parser!(u16).range(1..=256))]
+        most_sizes: u16,
         /// Fill the bank with photos of broken glass instead: the PNG and JPEG files below a folder
         /// once each, and a random part of a random one for each pattern, in overlays.bank and
         /// overlays.csv; for `generate --overlays`, with any recipe

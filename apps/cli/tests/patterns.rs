@@ -99,6 +99,58 @@ fn a_bank_comes_with_a_table_and_a_figure() {
 }
 
 #[test]
+fn a_bank_for_a_dataset_has_its_most_frequent_sizes() {
+    let dir = folder();
+    fs::create_dir(dir.path().join("set")).unwrap();
+    for (k, (width, height)) in [(40, 30), (64, 48), (40, 30), (30, 40), (30, 40), (30, 40)]
+        .into_iter()
+        .enumerate()
+    {
+        let path = dir.path().join(format!("set/{k}.png"));
+        image::RgbImage::new(width, height).save(path).unwrap();
+    }
+    let make = |most: &str, out: &str| {
+        let args = [
+            "patterns",
+            "-n",
+            "2",
+            "-o",
+            out,
+            "--sizes-of",
+            "folder:set",
+            "--most-sizes",
+            most,
+            "--json",
+        ];
+        succeed_small(dir.path(), &args)
+    };
+    let made = make("2", "bank");
+    let result: Value = serde_json::from_str(&made.stdout).unwrap();
+    let expected = serde_json::json!([[30, 40], [40, 30]]);
+    assert_eq!(result["sizes_px"], expected, "by frequency");
+    assert!(
+        made.stderr.contains("1 images have one of 1 further sizes"),
+        "{made:?}"
+    );
+    let all = make("9", "all");
+    let result: Value = serde_json::from_str(&all.stdout).unwrap();
+    let expected = serde_json::json!([[30, 40], [40, 30], [64, 48]]);
+    assert_eq!(result["sizes_px"], expected, "all of them");
+    assert!(!all.stderr.contains("further"), "{all:?}");
+    fs::create_dir(dir.path().join("none")).unwrap();
+    let args = |of: &'static str| vec!["patterns", "-n", "2", "-o", "x", "--sizes-of", of];
+    let both = [args("folder:set"), vec!["--size", "9x9"]].concat();
+    all_refused(
+        dir.path(),
+        &[
+            (args("folder:none"), "no image"),
+            (args("folder:absent"), "absent"),
+            (both, "--size"),
+        ],
+    );
+}
+
+#[test]
 fn the_bytes_of_a_bank_do_not_depend_on_threads() {
     let dir = folder();
     for (threads, out) in [("1", "one"), ("2", "two")] {

@@ -99,6 +99,8 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             n,
             output,
             size,
+            sizes_of,
+            most_sizes,
             overlays,
             overlay,
             replace,
@@ -122,10 +124,14 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
                     };
                     return overlay_bank::run(global, &request, screen);
                 }
+                let sizes = match sizes_of {
+                    Some(source) => patterns::sizes_of(&source, most_sizes, screen)?,
+                    None => size,
+                };
                 let request = patterns::Request {
                     n,
                     output,
-                    sizes: size,
+                    sizes,
                     replace,
                 };
                 patterns::run(global, &request, screen)

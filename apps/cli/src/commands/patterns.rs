@@ -1,12 +1,14 @@
 //! `starbreak patterns`: a bank of cracks, simulated and baked once for any number of images.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::bank::{BANK_FILE, BankHeader, BankReport, PatternBank, write_bank};
+use starbreak::bank::{BANK_FILE, BankHeader, BankReport, FrameSizes, PatternBank, write_bank};
+use starbreak::dataset::{Source, SourceSpec};
 use starbreak::pipeline::{RunContext, with_threads};
 
 use super::pattern_statistics::{Statistics, csv, figure};
@@ -21,6 +23,37 @@ pub(crate) struct Request {
     pub(crate) output: PathBuf,
     pub(crate) sizes: Vec<(u32, u32)>,
     pub(crate) replace: bool,
+}
+
+/// The most frequent frame sizes of a dataset.
+pub(crate) fn sizes_of(
+    source: &OsStr,
+    most: u16,
+    screen: &Screen,
+) -> Result<Vec<(u32, u32)>, Failure> {
+    let source = Source::open(&SourceSpec::parse(source)?)?;
+    let found = FrameSizes::of(&source);
+    let (sizes, n_others) = found.most_frequent(usize::from(most));
+    if sizes.is_empty() {
+        return Err(Failure::wrong_input(format!(
+            "{:?} holds no image whose size can be read; check the path",
+            source.root()
+        )));
+    }
+    if n_others > 0 {
+        let n_sizes = found.by_frequency.len();
+        screen.note(&format!(
+            "{n_others} images have one of {} further sizes, for which patterns are baked anew; --most-sizes {n_sizes} takes all",
+            n_sizes - sizes.len()
+        ));
+    }
+    if found.n_unreadable > 0 {
+        screen.note(&format!(
+            "the size of {} images cannot be read",
+            found.n_unreadable
+        ));
+    }
+    Ok(sizes)
 }
 
 /// Makes a bank.

@@ -7,6 +7,7 @@
 
 mod baked;
 mod facts;
+mod frame_sizes;
 mod header;
 mod network_record;
 mod overlays;
@@ -14,6 +15,7 @@ mod read;
 mod write;
 
 pub use facts::{PatternFacts, PatternRow};
+pub use frame_sizes::FrameSizes;
 pub use header::{BANK_SCHEMA, BankHeader, BankKind};
 pub use overlays::{
     OVERLAY_BANK_FILE, OVERLAY_BANK_SCHEMA, OverlayBank, OverlayBankDraft, OverlayBankHeader,
