@@ -80,7 +80,7 @@ impl Coverage {
         }
         let n_runs = n_runs(&mut bytes, (width, height))?;
         let mut runs = Vec::with_capacity(n_runs);
-        read_runs::<2>(&mut bytes, (width, height), n_runs, |(x, y), blocks| {
+        read_runs::<2>(&mut bytes, (width, height), n_runs, |(x, y), blocks, _| {
             let pixels: [(f32, f32); CHUNK] = std::array::from_fn(|k| {
                 let covered = blocks[COVERED][k].clamp(0, FULL);
                 let weight = from_steps(blocks[WEIGHT][k], WEIGHT_STEPS);

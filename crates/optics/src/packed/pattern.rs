@@ -117,11 +117,15 @@ impl Pattern {
                 tint: read_chunks::<TINT, 4>(&mut bytes, (width, height), tint_pixels)?,
             });
         }
-        let mask = read_chunks::<1, 1>(&mut bytes, (width, height), |(x, _), [codes], [run]| {
-            for ((lane, code), _) in run.iter_mut().zip(codes).zip(x..width) {
-                *lane = from_steps((*code).clamp(0, 255), 1.0);
-            }
-        })?;
+        let mask = read_chunks::<1, 1>(
+            &mut bytes,
+            (width, height),
+            |(x, _), ([codes], _), [run]| {
+                for ((lane, code), _) in run.iter_mut().zip(codes).zip(x..width) {
+                    *lane = from_steps((*code).clamp(0, 255), 1.0);
+                }
+            },
+        )?;
         bytes.end()?;
         Ok(Self::from_parts(
             (side(width), side(height)),
@@ -188,11 +192,22 @@ fn light_blocks((x, y): (usize, usize), run: &LaneRun<LANES>) -> [Block; LANES] 
     blocks
 }
 
-fn light_pixels((x, y): (usize, usize), blocks: &[Block; LANES], run: &mut LaneRun<LANES>) {
-    for lane in 0..N_SHARES {
+/// Of the runs of zeros those lanes that have a bit in `present`.
+fn light_pixels(
+    (x, y): (usize, usize),
+    (blocks, present): (&[Block; LANES], u8),
+    run: &mut LaneRun<LANES>,
+) {
+    let is_present = |lane: usize| present >> lane & 1 == 1;
+    for lane in (0..N_SHARES).filter(|lane| is_present(*lane)) {
         run[lane] = blocks[lane].map(|steps| from_steps(steps, SHARE_STEPS));
     }
-    run[SUN] = blocks[SUN].map(sun_from_steps);
+    if is_present(SUN) {
+        run[SUN] = blocks[SUN].map(sun_from_steps);
+    }
+    if !is_present(FRAME) {
+        return;
+    }
     let shares = run[FRAME];
     for (k, share) in shares.into_iter().enumerate() {
         if share > LEAST_ELSEWHERE {
@@ -208,7 +223,7 @@ fn tint_blocks(_: (usize, usize), run: &LaneRun<4>) -> [Block; TINT] {
     std::array::from_fn(|c| run[c + 1].map(|color| steps(color, SHARE_STEPS)))
 }
 
-fn tint_pixels(_: (usize, usize), blocks: &[Block; TINT], run: &mut LaneRun<4>) {
+fn tint_pixels(_: (usize, usize), (blocks, _): (&[Block; TINT], u8), run: &mut LaneRun<4>) {
     for (lane, block) in run[1..].iter_mut().zip(blocks) {
         *lane = block.map(|steps| from_steps(steps, SHARE_STEPS));
     }
@@ -249,12 +264,12 @@ fn write_mask(out: &mut Vec<u8>, mask: &image::GrayImage) {
 fn read_chunks<const B: usize, const L: usize>(
     bytes: &mut Bytes<'_>,
     size: (usize, usize),
-    pixels: impl Fn((usize, usize), &[Block; B], &mut LaneRun<L>),
+    pixels: impl Fn((usize, usize), (&[Block; B], u8), &mut LaneRun<L>),
 ) -> Result<LaneRuns<L>, OpticsError> {
     let n_runs = n_runs(bytes, size)?;
     let mut chunks = LaneRuns::with_room(size.0, size.1, n_runs);
-    read_runs(bytes, size, n_runs, |at, blocks| {
-        pixels(at, blocks, chunks.push(at));
+    read_runs(bytes, size, n_runs, |at, blocks, present| {
+        pixels(at, (blocks, present), chunks.push(at));
     })?;
     Ok(chunks)
 }

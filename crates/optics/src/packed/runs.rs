@@ -74,12 +74,13 @@ pub(super) fn n_runs(
     Ok(n_runs)
 }
 
-/// Reads the runs that [`write_runs`] wrote behind their number, each given to `each`.
+/// Reads the runs that [`write_runs`] wrote behind their number, each given to `each` with a bit for
+/// each lane that is not all zeros.
 pub(super) fn read_runs<const B: usize>(
     bytes: &mut Bytes<'_>,
     size: (usize, usize),
     n_runs: usize,
-    mut each: impl FnMut((usize, usize), &[Block; B]),
+    mut each: impl FnMut((usize, usize), &[Block; B], u8),
 ) -> Result<(), OpticsError> {
     let n_across = size.0.div_ceil(CHUNK);
     let n_places = n_across * size.1;
@@ -115,7 +116,7 @@ pub(super) fn read_runs<const B: usize>(
                 return Err(bytes.wrong("a number is too large"));
             }
         }
-        each((across * CHUNK, y), blocks);
+        each((across * CHUNK, y), blocks, mask);
     }
     Ok(())
 }

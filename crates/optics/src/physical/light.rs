@@ -105,6 +105,13 @@ fn scaled_to_one(lanes: &LaneRun<LANES>, shares: &mut [f32; CHUNK]) -> LaneRun<L
     lanes.map(|lane| std::array::from_fn(|k| lane[k] / over[k]))
 }
 
+/// Whether there is nothing in a lane.
+fn is_dark(lane: &[f32; CHUNK]) -> bool {
+    let any = lane.iter().fold(0, |any, share| any | share.to_bits());
+    // But for signs of zeros.
+    any << 1 == 0
+}
+
 /// The light that the environment adds.
 struct Added {
     rgb: [[f32; CHUNK]; 3],
@@ -122,6 +129,10 @@ fn added_by(lanes: &LaneRun<LANES>, shares: &[f32; CHUNK], colors: &Colors) -> A
     let mut bound = [0.0_f32; CHUNK];
     let mut rgb = [[0.0_f32; CHUNK]; 3];
     for (lane, (color, greatest)) in LIT.into_iter().zip(colors.rgb.iter().zip(colors.greatest)) {
+        // Few runs have light of every kind.
+        if is_dark(&lanes[lane]) {
+            continue;
+        }
         for (bound, share) in bound.iter_mut().zip(&lanes[lane]) {
             *bound += share.abs() * greatest;
         }
@@ -210,11 +221,16 @@ fn elsewhere_of(layer: &PatternLayer, run: &Run, lanes: &LaneRun<LANES>) -> Opti
     }
     let own = Places::of(lanes);
     // The neighbors as they were baked.
-    let at = |x, y| layer.light.run_at(x, y).map(Places::of);
-    let next = at(run.x + CHUNK, run.y);
-    let mut right = at(run.x, run.y).unwrap_or(Places::NONE);
-    right.shift_left(next.as_ref(), layer.light.size().0 - run.x);
-    let below = at(run.x, run.y + 1).unwrap_or(Places::NONE);
+    let at = |x, y| layer.light.run_at(x, y);
+    let mut right = match at(run.x, run.y) {
+        Some(baked) if std::ptr::eq(baked, lanes) => own.clone(),
+        Some(baked) => Places::of(baked),
+        None => Places::NONE,
+    };
+    let next = at(run.x + CHUNK, run.y).map(Places::first_of);
+    right.shift_left(next, layer.light.size().0 - run.x);
+    let below = at(run.x, run.y + 1).filter(|below| !is_dark(&below[FRAME]));
+    let below = below.map_or(Places::NONE, Places::of);
     let mut width = [0.0; CHUNK];
     for beside in [right, below] {
         own.widen(&beside, layer.blur_px, &mut width);
@@ -231,7 +247,19 @@ fn elsewhere_of(layer: &PatternLayer, run: &Run, lanes: &LaneRun<LANES>) -> Opti
     })
 }
 
+/// The place that a pixel shows, px, in the direction of a lane; not a number where it shows none.
+fn place(lanes: &LaneRun<LANES>, lane: usize, k: usize) -> f32 {
+    let share = lanes[FRAME][k];
+    let place = lanes[lane][k] / share;
+    if share > LEAST_ELSEWHERE {
+        place
+    } else {
+        f32::NAN
+    }
+}
+
 /// The places that the pixels of a run show, px.
+#[derive(Clone)]
 struct Places {
     /// Not a number where a pixel shows none.
     u: [f32; CHUNK],
@@ -245,34 +273,26 @@ impl Places {
     };
 
     fn of(lanes: &LaneRun<LANES>) -> Self {
-        let shares = &lanes[FRAME];
-        let over = |lane: usize| {
-            let value = |k: usize| {
-                let place = lanes[lane][k] / shares[k];
-                if shares[k] > LEAST_ELSEWHERE {
-                    place
-                } else {
-                    f32::NAN
-                }
-            };
-            std::array::from_fn(value)
-        };
+        let over = |lane: usize| std::array::from_fn(|k| place(lanes, lane, k));
         Self {
             u: over(FRAME_U),
             v: over(FRAME_V),
         }
     }
 
+    /// The place of the first pixel of a run.
+    fn first_of(lanes: &LaneRun<LANES>) -> [f32; 2] {
+        [place(lanes, FRAME_U, 0), place(lanes, FRAME_V, 0)]
+    }
+
     /// The places of the pixels one to the right, up to the first `n`, beyond which there is no
-    /// frame; `next` has that of the last one.
-    fn shift_left(&mut self, next: Option<&Self>, n: usize) {
-        for (places, next) in [
-            (&mut self.u, next.map(|next| next.u[0])),
-            (&mut self.v, next.map(|next| next.v[0])),
-        ] {
+    /// frame; `next` is that of the last one.
+    fn shift_left(&mut self, next: Option<[f32; 2]>, n: usize) {
+        let [u, v] = next.unwrap_or([f32::NAN; 2]);
+        for (places, next) in [(&mut self.u, u), (&mut self.v, v)] {
             places[n.min(CHUNK)..].fill(f32::NAN);
             places.rotate_left(1);
-            places[CHUNK - 1] = next.unwrap_or(f32::NAN);
+            places[CHUNK - 1] = next;
         }
     }
 
