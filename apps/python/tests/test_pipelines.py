@@ -142,17 +142,34 @@ def test_fiftyone_is_told_where_images_and_labels_are(command, source, tmp_path,
 
 
 def test_the_ultralytics_example_hands_over_a_list_that_its_compose_takes(command, tmp_path):
-    """Its `Albumentations` makes `A.Compose(augmentations)`, seeds it, and calls it with a BGR image."""
+    """Its `Albumentations` makes `A.Compose(augmentations)`, seeds it, and calls it with a BGR image.
+
+    validation/python_trainer.py trains a model of its own.
+    """
     command("patterns", "-n", 2, "-o", tmp_path, "--size", "128x96", "--set", "fracture.mesh=fast")
     example = runpy.run_path(str(PROJECT / "apps/python/examples/train_ultralytics.py"))
 
     class Model:
+        def add_callback(self, event, callback):
+            self.callback = (event, callback)
+
         def train(self, **words):
             self.words = words
+
+    class Albumentations:
+        transform = None
 
     model = Model()
     example["train"](model, data="coco8.yaml", bank=str(tmp_path), epochs=1)
     assert model.words["data"] == "coco8.yaml" and model.words["epochs"] == 1
+    event, callback = model.callback
+    assert event == "on_train_start"
+    steps = types.SimpleNamespace(transforms=[Model(), Albumentations()])
+    trainer = types.SimpleNamespace(train_loader=types.SimpleNamespace(dataset=types.SimpleNamespace(transforms=steps)))
+    with pytest.raises(RuntimeError, match="albumentations==2.0.8"):
+        callback(trainer)
+    steps.transforms[1].transform = A.Compose([])
+    callback(trainer)
     (glass,) = model.words["augmentations"]
     bank = starbreak.PatternBank(tmp_path)
     bgr = np.ascontiguousarray(picture()[..., ::-1])
