@@ -121,7 +121,7 @@ def test_the_slurm_array_of_the_page_makes_the_set_of_one_run(program, command, 
 
 
 def test_fiftyone_is_told_where_images_and_labels_are(command, source, tmp_path, monkeypatch):
-    """A stand-in looks where the importer looks; validation/fiftyone_import.py has the importer itself."""
+    """A stand-in looks where the importer looks; the importer itself does not load without its database."""
     command("generate", f"coco:{source}", "-o", tmp_path / "out", "--set", "fracture.mesh=fast")
     found = {}
 
