@@ -111,6 +111,12 @@ def check_torchvision_images():
             raise AssertionError(f"{wrong} was taken")
 
 
+def check_torchvision_words():
+    """A transform of torchvision says what it draws."""
+    said = repr(starbreak.torchvision.CrackedGlass("paper", severity=(1, 3), crack_seed=7))
+    assert said == "CrackedGlass(recipe='paper', severity=(1, 3), crack_seed=7, p=0.5)", said
+
+
 def check_torchvision_targets():
     """Boxes, masks and labels stay; a video stands behind one crack; the region on request."""
     image = picture(1)

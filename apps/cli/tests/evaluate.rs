@@ -148,6 +148,15 @@ fn what_does_not_fit_is_refused() {
         assert!(complaint.is_none(), "{args:?}: {complaint:?}");
     };
     refused(&["--clean", "a.json"], "SOURCE");
+    let plain = ["--ground-truth", "gt.json", "--clean", "a.json"];
+    refused(
+        &[&plain[..], &["--tau", "0.5"]].concat(),
+        "tau is about the region; give regions or a cracked set",
+    );
+    refused(
+        &[&plain[..], &["--regions", "masks", "--class-agnostic"]].concat(),
+        "class-agnostic matching: only for the numbers of whole images",
+    );
     refused(
         &["coco:.", "--ground-truth", "gt.json", "--clean", "a.json"],
         "cannot be used with",

@@ -2,6 +2,9 @@
 
 Ultralytics composes the list itself, seeds it in each worker, and hands over images in BGR; of its own
 augmentations mosaic comes first, so that without `mosaic=0.0` the glass is in front of four scenes.
+
+Needs Albumentations 2.0.8. Where Ultralytics cannot compose a list, as with AlbumentationsX, it says so
+in its log and trains without it; that is refused here.
 """
 
 import sys
@@ -17,9 +20,17 @@ class CrackedGlassBgr(CrackedGlass):
         return np.ascontiguousarray(super().apply(img[..., ::-1], **params)[..., ::-1])
 
 
+def refuse_dropped(trainer):
+    """Ends a training whose images would all be spared."""
+    for step in trainer.train_loader.dataset.transforms.transforms:
+        if type(step).__name__ == "Albumentations" and step.transform is None:
+            raise RuntimeError("Ultralytics dropped the cracked glass, its log says why; install albumentations==2.0.8")
+
+
 def train(model, data, bank, **words):
     """As `model.train(data=data, …)`, half of all images behind cracks out of a bank."""
     glass = CrackedGlassBgr(bank=bank, p=0.5)
+    model.add_callback("on_train_start", refuse_dropped)
     return model.train(data=data, augmentations=[glass], mosaic=0.0, **words)
 
 

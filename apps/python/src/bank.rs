@@ -5,15 +5,15 @@ use std::sync::Arc;
 
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
+use starbreak::Settings;
 use starbreak::pipeline::{self, Stopwatch};
-use starbreak::{Error, Settings};
 
-use crate::crack::{BoxPx, ReadyCrack};
+use crate::arguments::{BoxesArg, NameArg, SeedArg, SizeArg, Whole, seed_of};
+use crate::crack::{Origin, ReadyCrack};
 use crate::errors::{of_recipe, raised};
-use crate::images::{checked_size, image_of};
+use crate::images::image_of;
 use crate::network::CrackNetwork;
 use crate::recipe::Recipe;
-use crate::values::{SeedArg, seed_of};
 
 /// A bank of patterns that `starbreak patterns` made, open for reading: cracks that are simulated
 /// and baked beforehand, for any number of images. Its length is its number of patterns; `bank[k]`
@@ -38,8 +38,9 @@ impl PatternBank {
     }
 
     /// The number of a pattern; negative ones count from the end, as in a list.
-    fn number(&self, index: i64) -> PyResult<usize> {
+    fn number(&self, index: &Whole) -> PyResult<usize> {
         let n = self.bank.len();
+        let index = index.clamped("index")?;
         let idx = match usize::try_from(index) {
             Ok(idx) => Some(idx),
             Err(_) => usize::try_from(index.unsigned_abs())
@@ -54,10 +55,17 @@ impl PatternBank {
         })
     }
 
-    fn ready(&self, idx: usize, size: (u32, u32)) -> Result<ReadyCrack, Error> {
-        let mut watch = Stopwatch::start();
-        let crack = pipeline::ReadyCrack::of_bank(&self.bank, idx, size, &mut watch)?;
-        Ok(ReadyCrack::of(crack, Arc::clone(&self.settings)))
+    fn ready(slf: &Bound<'_, Self>, idx: usize, size: (u32, u32)) -> PyResult<ReadyCrack> {
+        let bank = slf.get();
+        let crack = slf.py().detach(|| {
+            pipeline::ReadyCrack::of_bank(&bank.bank, idx, size, &mut Stopwatch::start())
+        });
+        let crack = crack.map_err(|error| raised(&error))?;
+        let origin = Origin::Bank {
+            bank: slf.clone().unbind(),
+            idx,
+        };
+        Ok(ReadyCrack::of(crack, Arc::clone(&bank.settings), origin))
     }
 }
 
@@ -84,8 +92,9 @@ impl PatternBank {
     }
 
     /// The network of a pattern.
-    fn __getitem__(&self, py: Python<'_>, index: i64) -> PyResult<CrackNetwork> {
-        let idx = self.number(index)?;
+    #[expect(clippy::needless_pass_by_value, reason = "arguments come as values")]
+    fn __getitem__(&self, py: Python<'_>, index: Whole) -> PyResult<CrackNetwork> {
+        let idx = self.number(&index)?;
         let network = py.detach(|| self.bank.network(idx));
         Ok(CrackNetwork::of(network.map_err(|error| raised(&error))?))
     }
@@ -122,18 +131,27 @@ impl PatternBank {
     }
 
     /// The number of the pattern that `crack` takes for this seed and name: each with the same chance.
-    #[pyo3(signature = (seed, *, name = None, sample_index = 0))]
-    fn index_for(&self, seed: SeedArg, name: Option<&str>, sample_index: u64) -> usize {
-        self.bank.idx_for(seed_of(seed, name, sample_index))
+    #[pyo3(
+    signature = (seed, *, name = None, sample_index = Whole::of(0)),
+    text_signature = "($self, seed, *, name=None, sample_index=0)"
+)]
+    #[expect(clippy::needless_pass_by_value, reason = "arguments come as values")]
+    fn index_for(
+        &self,
+        seed: SeedArg,
+        name: Option<NameArg>,
+        sample_index: Whole,
+    ) -> PyResult<usize> {
+        let seed = seed_of(seed, name.as_ref(), &sample_index)?;
+        Ok(self.bank.idx_for(seed))
     }
 
     /// Pattern `index`, ready for frames of a size (width and height, px). Negative ones count from
     /// the end; `IndexError` for one that is not there.
-    fn pattern(&self, py: Python<'_>, index: i64, size: (usize, usize)) -> PyResult<ReadyCrack> {
-        let idx = self.number(index)?;
-        let size = checked_size(size.0, size.1)?;
-        let ready = py.detach(|| self.ready(idx, size));
-        ready.map_err(|error| raised(&error))
+    #[expect(clippy::needless_pass_by_value, reason = "arguments come as values")]
+    fn pattern(slf: &Bound<'_, Self>, index: Whole, size: SizeArg) -> PyResult<ReadyCrack> {
+        let idx = slf.get().number(&index)?;
+        Self::ready(slf, idx, size.0)
     }
 
     /// An image behind a pattern of the bank: a new array, or a `Cracked` with `boxes` or `full`.
@@ -142,7 +160,7 @@ impl PatternBank {
     /// image in its dataset as `name`, the pixels are those of `starbreak generate --bank`.
     /// index: the pattern to take; drawn by the seed unless given.
     #[pyo3(
-    signature = (image, seed = SeedArg::ZERO, *, name = None, sample_index = 0, index = None, boxes = None, full = false),
+    signature = (image, seed = SeedArg::ZERO, *, name = None, sample_index = Whole::of(0), index = None, boxes = None, full = false),
     text_signature = "($self, image, seed=0, *, name=None, sample_index=0, index=None, boxes=None, full=False)"
 )]
     #[expect(
@@ -150,27 +168,24 @@ impl PatternBank {
         reason = "they have names and defaults in Python"
     )]
     fn crack<'py>(
-        &self,
-        py: Python<'py>,
+        slf: &Bound<'py, Self>,
         image: &Bound<'py, PyAny>,
         seed: SeedArg,
-        name: Option<&str>,
-        sample_index: u64,
-        index: Option<i64>,
-        boxes: Option<Vec<BoxPx>>,
+        name: Option<NameArg>,
+        sample_index: Whole,
+        index: Option<Whole>,
+        boxes: Option<BoxesArg>,
         full: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let seed = seed_of(seed, name, sample_index);
+        let seed = seed_of(seed, name.as_ref(), &sample_index)?;
+        let bank = slf.get();
         let idx = match index {
-            Some(index) => self.number(index)?,
-            None => self.bank.idx_for(seed),
+            Some(index) => bank.number(&index)?,
+            None => bank.bank.idx_for(seed),
         };
         let pixels = image_of(image)?;
         let size = (pixels.width(), pixels.height());
-        let ready = py.detach(|| self.ready(idx, size));
-        ready
-            .map_err(|error| raised(&error))?
-            .shown_in(py, pixels, seed, boxes, full)
+        Self::ready(slf, idx, size)?.shown_in(slf.py(), pixels, seed, boxes, full)
     }
 
     fn __repr__(&self) -> String {

@@ -4,22 +4,18 @@ use std::sync::Arc;
 
 use image::DynamicImage;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use serde_json::{Value, json};
 use starbreak::pipeline::{self, Stopwatch, damage_to_json, use_network};
 use starbreak::{Error, Seed, Settings};
 
+use crate::arguments::{BoxesArg, NameArg, SeedArg, SizeArg, Whole, seed_of};
+use crate::bank::PatternBank;
 use crate::errors::raised;
-use crate::images::{array_of, checked_size, image_of, mask_of};
+use crate::images::{array_of, image_of, mask_of};
 use crate::network::CrackNetwork;
 use crate::recipe::{Recipe, RecipeArg};
-use crate::values::{SeedArg, python_of, seed_of};
-
-/// A box in an image: x0, y0, x1, y1 in px.
-pub(crate) type BoxPx = [f64; 4];
-
-/// Width and height of the frame that the command simulates for.
-const DEFAULT_SIZE: (usize, usize) = (1242, 375);
+use crate::values::python_of;
 
 /// The cracks in the glass before a frame.
 ///
@@ -38,17 +34,17 @@ const DEFAULT_SIZE: (usize, usize) = (1242, 375);
 /// True
 #[pyfunction]
 #[pyo3(
-    signature = (recipe = None, seed = SeedArg::ZERO, size = DEFAULT_SIZE),
+    signature = (recipe = None, seed = SeedArg::ZERO, size = SizeArg::DEFAULT),
     text_signature = "(recipe=None, seed=0, size=(1242, 375))"
 )]
 pub(crate) fn simulate(
     py: Python<'_>,
     recipe: Option<RecipeArg>,
     seed: SeedArg,
-    size: (usize, usize),
+    size: SizeArg,
 ) -> PyResult<CrackNetwork> {
     let settings = RecipeArg::or_default(recipe)?.settings();
-    let (width, height) = checked_size(size.0, size.1)?;
+    let (width, height) = size.0;
     let simulated = py.detach(|| pipeline::simulate(&settings, width, height, seed.0));
     Ok(CrackNetwork::of(
         simulated.map_err(|error| raised(&error))?.network,
@@ -62,9 +58,13 @@ pub(crate) fn simulate(
 /// >>> starbreak.item_seed(7, "photo.png") == starbreak.item_seed(7, "other.png")
 /// False
 #[pyfunction]
-#[pyo3(signature = (seed, name, sample_index = 0))]
-pub(crate) fn item_seed(seed: SeedArg, name: &str, sample_index: u64) -> u64 {
-    seed.0.of_item(name, sample_index).0
+#[pyo3(
+    signature = (seed, name, sample_index = Whole::of(0)),
+    text_signature = "(seed, name, sample_index=0)"
+)]
+#[expect(clippy::needless_pass_by_value, reason = "arguments come as values")]
+pub(crate) fn item_seed(seed: SeedArg, name: NameArg, sample_index: Whole) -> PyResult<u64> {
+    Ok(seed_of(seed, Some(&name), &sample_index)?.0)
 }
 
 /// An image behind broken glass: a new array of the shape of `image`, which stays as it is.
@@ -96,7 +96,7 @@ pub(crate) fn item_seed(seed: SeedArg, name: &str, sample_index: u64) -> u64 {
 /// ['blur_radius_px', 'contrast_lost', 'displacement_px', 'region_share']
 #[pyfunction]
 #[pyo3(
-    signature = (image, recipe = None, seed = SeedArg::ZERO, *, name = None, sample_index = 0, network = None, boxes = None, full = false),
+    signature = (image, recipe = None, seed = SeedArg::ZERO, *, name = None, sample_index = Whole::of(0), network = None, boxes = None, full = false),
     text_signature = "(image, recipe=None, seed=0, *, name=None, sample_index=0, network=None, boxes=None, full=False)"
 )]
 #[expect(
@@ -108,20 +108,18 @@ pub(crate) fn crack<'py>(
     image: &Bound<'py, PyAny>,
     recipe: Option<RecipeArg>,
     seed: SeedArg,
-    name: Option<&str>,
-    sample_index: u64,
+    name: Option<NameArg>,
+    sample_index: Whole,
     network: Option<&CrackNetwork>,
-    boxes: Option<Vec<BoxPx>>,
+    boxes: Option<BoxesArg>,
     full: bool,
 ) -> PyResult<Bound<'py, PyAny>> {
     let recipe = RecipeArg::or_default(recipe)?;
     let pixels = image_of(image)?;
-    let seed = seed_of(seed, name, sample_index);
+    let seed = seed_of(seed, name.as_ref(), &sample_index)?;
     let size = (pixels.width(), pixels.height());
-    let crack = py
-        .detach(|| ready(&recipe.settings(), size, seed, network))
-        .map_err(|error| raised(&error))?;
-    ReadyCrack::of(crack, recipe.settings()).shown_in(py, pixels, seed, boxes, full)
+    ReadyCrack::fresh(py, recipe, seed, size, network.cloned())?
+        .shown_in(py, pixels, seed, boxes, full)
 }
 
 /// An image behind broken glass, in the call shape of `imagecorruptions.corrupt`.
@@ -139,18 +137,29 @@ pub(crate) fn crack<'py>(
 /// (375, 1242, 3)
 #[pyfunction]
 #[pyo3(
-    signature = (image, corruption_name = starbreak::DEFAULT_PRESET, severity = 1, *, seed = SeedArg::ZERO),
+    signature = (image, corruption_name = starbreak::DEFAULT_PRESET, severity = Whole::of(1), *, seed = SeedArg::ZERO),
     text_signature = "(image, corruption_name='windshield-star', severity=1, *, seed=0)"
 )]
 pub(crate) fn corrupt<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
     corruption_name: &str,
-    severity: i64,
+    severity: Whole,
     seed: SeedArg,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let recipe = RecipeArg(Recipe::preset_at(corruption_name, severity)?);
-    crack(py, image, Some(recipe), seed, None, 0, None, None, false)
+    let recipe = RecipeArg(Recipe::named(corruption_name, Some(&severity))?);
+    let sample_index = Whole::of(0);
+    crack(
+        py,
+        image,
+        Some(recipe),
+        seed,
+        None,
+        sample_index,
+        None,
+        None,
+        false,
+    )
 }
 
 fn ready(
@@ -177,16 +186,58 @@ fn ready(
 /// >>> frames = [np.full((375, 1242, 3), code, np.uint8) for code in (60, 128)]
 /// >>> bool((crack.over(frames[1], 7) == starbreak.crack(frames[1], seed=7)).all())
 /// True
+///
+/// A pickle holds what it was made from, not what was made: it is made again where it arrives.
 #[pyclass(frozen, module = "starbreak")]
 #[derive(Debug)]
 pub(crate) struct ReadyCrack {
     crack: pipeline::ReadyCrack,
     settings: Arc<Settings>,
+    origin: Origin,
+}
+
+/// What a crack was made from.
+#[derive(Debug)]
+pub(crate) enum Origin {
+    Recipe {
+        recipe: Recipe,
+        seed: Seed,
+        network: Option<CrackNetwork>,
+    },
+    Bank {
+        bank: Py<PatternBank>,
+        idx: usize,
+    },
 }
 
 impl ReadyCrack {
-    pub(crate) fn of(crack: pipeline::ReadyCrack, settings: Arc<Settings>) -> Self {
-        Self { crack, settings }
+    pub(crate) fn of(crack: pipeline::ReadyCrack, settings: Arc<Settings>, origin: Origin) -> Self {
+        Self {
+            crack,
+            settings,
+            origin,
+        }
+    }
+
+    fn fresh(
+        py: Python<'_>,
+        recipe: Recipe,
+        seed: Seed,
+        size: (u32, u32),
+        network: Option<CrackNetwork>,
+    ) -> PyResult<Self> {
+        let settings = recipe.settings();
+        let crack = py.detach(|| ready(&settings, size, seed, network.as_ref()));
+        let origin = Origin::Recipe {
+            recipe,
+            seed,
+            network,
+        };
+        Ok(Self::of(
+            crack.map_err(|error| raised(&error))?,
+            settings,
+            origin,
+        ))
     }
 
     /// The crack in an image: the array, or all that can be said of it.
@@ -195,7 +246,7 @@ impl ReadyCrack {
         py: Python<'py>,
         mut pixels: DynamicImage,
         seed: Seed,
-        boxes: Option<Vec<BoxPx>>,
+        boxes: Option<BoxesArg>,
         full: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         if !full && boxes.is_none() {
@@ -205,7 +256,7 @@ impl ReadyCrack {
             });
             return array_of(py, image.map_err(|error: Error| raised(&error))?);
         }
-        let boxes = boxes.unwrap_or_default();
+        let boxes = boxes.map(|boxes| boxes.0).unwrap_or_default();
         let made = py.detach(|| {
             let crack = &self.crack;
             let report = crack.over_and_report(&self.settings, &mut pixels, seed, &boxes)?;
@@ -235,20 +286,18 @@ impl ReadyCrack {
 impl ReadyCrack {
     #[new]
     #[pyo3(
-    signature = (recipe = None, seed = SeedArg::ZERO, size = DEFAULT_SIZE, *, network = None),
+    signature = (recipe = None, seed = SeedArg::ZERO, size = SizeArg::DEFAULT, *, network = None),
     text_signature = "(recipe=None, seed=0, size=(1242, 375), *, network=None)"
 )]
     fn new(
         py: Python<'_>,
         recipe: Option<RecipeArg>,
         seed: SeedArg,
-        size: (usize, usize),
+        size: SizeArg,
         network: Option<&CrackNetwork>,
     ) -> PyResult<Self> {
-        let settings = RecipeArg::or_default(recipe)?.settings();
-        let size = checked_size(size.0, size.1)?;
-        let crack = py.detach(|| ready(&settings, size, seed.0, network));
-        Ok(Self::of(crack.map_err(|error| raised(&error))?, settings))
+        let recipe = RecipeArg::or_default(recipe)?;
+        Self::fresh(py, recipe, seed.0, size.0, network.cloned())
     }
 
     /// Width and height of the frames, px.
@@ -294,7 +343,7 @@ impl ReadyCrack {
         py: Python<'py>,
         image: &Bound<'py, PyAny>,
         seed: SeedArg,
-        boxes: Option<Vec<BoxPx>>,
+        boxes: Option<BoxesArg>,
         full: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         self.shown_in(py, image_of(image)?, seed.0, boxes, full)
@@ -304,9 +353,34 @@ impl ReadyCrack {
         let (width, height) = self.size();
         format!("<starbreak.ReadyCrack for {width} x {height} px>")
     }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        match &self.origin {
+            Origin::Recipe {
+                recipe,
+                seed,
+                network,
+            } => {
+                let words = PyDict::new(py);
+                words.set_item("network", network.clone())?;
+                let partial = py.import("functools")?.getattr("partial")?;
+                let make = partial.call((py.get_type::<Self>(),), Some(&words))?;
+                let from = (recipe.clone(), seed.0, self.size()).into_pyobject(py)?;
+                Ok((make, from))
+            }
+            Origin::Bank { bank, idx } => {
+                let make = bank.bind(py).getattr("pattern")?;
+                Ok((make, (*idx, self.size()).into_pyobject(py)?))
+            }
+        }
+    }
 }
 
-/// A cracked image with all that can be said of it.
+/// A cracked image with all that can be said of it. `crack` and the like make it; the constructor is
+/// for pickles.
 #[pyclass(frozen, module = "starbreak", get_all)]
 #[derive(Debug)]
 pub(crate) struct Cracked {
@@ -330,6 +404,44 @@ pub(crate) struct Cracked {
 
 #[pymethods]
 impl Cracked {
+    #[new]
+    fn new(
+        image: Py<PyAny>,
+        region: Py<PyAny>,
+        crack: Py<PyAny>,
+        network: Option<Py<CrackNetwork>>,
+        facts: Py<PyAny>,
+        damage: Py<PyAny>,
+        intact: bool,
+    ) -> Self {
+        Self {
+            image,
+            region,
+            crack,
+            network,
+            facts,
+            damage,
+            intact,
+        }
+    }
+
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let of = |value: &Py<PyAny>| value.clone_ref(py);
+        let from = (
+            of(&self.image),
+            of(&self.region),
+            of(&self.crack),
+            self.network.as_ref().map(|network| network.clone_ref(py)),
+            of(&self.facts),
+            of(&self.damage),
+            self.intact,
+        );
+        Ok((py.get_type::<Self>().into_any(), from.into_pyobject(py)?))
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let facts = self.facts.bind(py).cast::<PyDict>()?;
         let share = facts.get_item("region_fraction")?;

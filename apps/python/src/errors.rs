@@ -1,5 +1,8 @@
 //! Which Python error stands for which of ours; the message is the library's.
 
+use std::io;
+use std::path::Path;
+
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::{PyErr, create_exception};
 use starbreak::dataset::DatasetError;
@@ -31,6 +34,7 @@ pub(crate) fn raised(error: &Error) -> PyErr {
         Error::Fracture(_) | Error::Optics(_) | Error::OffGlass { .. } | Error::Threads { .. } => {
             SimulationError::new_err(message)
         }
+        Error::Bank { .. } => PyOSError::new_err(message),
         _ => PyValueError::new_err(message),
     }
 }
@@ -48,17 +52,22 @@ fn root(error: &Error) -> &Error {
     }
 }
 
-/// Files that cannot be read, written or used are `OSError`, of the class of their `errno` where
-/// the system gave one; what is wrong in a request is `ValueError`.
+/// Files that cannot be read, written or used are `OSError`; what is wrong in a request is
+/// `ValueError`.
 fn of_file(error: &DatasetError, message: String) -> PyErr {
     match error {
-        DatasetError::Read { source, .. }
-        | DatasetError::Write { source, .. }
-        | DatasetError::Commit { source, .. }
-        | DatasetError::SubsetWrite { source, .. } => match source.raw_os_error() {
-            Some(code) => PyOSError::new_err((code, message)),
-            None => PyOSError::new_err(message),
-        },
+        DatasetError::Read { path, source } | DatasetError::Write { path, source } => {
+            of_system(source, path, "", message)
+        }
+        DatasetError::Commit {
+            path,
+            replaced,
+            source,
+        } => {
+            let n = replaced.len();
+            let done = format!("; {n} existing files were already replaced, new ones removed");
+            of_system(source, path, &done, message)
+        }
         DatasetError::ArrayShape { .. }
         | DatasetError::JpegQuality { .. }
         | DatasetError::UnsupportedMode { .. }
@@ -69,4 +78,15 @@ fn of_file(error: &DatasetError, message: String) -> PyErr {
         | DatasetError::JsonText { .. } => PyValueError::new_err(message),
         _ => PyOSError::new_err(message),
     }
+}
+
+/// An `OSError` as the interpreter makes it, with `errno`, `strerror` and `filename`, and of the class
+/// of its `errno`; the message alone where the system gave no number.
+fn of_system(source: &io::Error, path: &Path, done: &str, message: String) -> PyErr {
+    let Some(code) = source.raw_os_error() else {
+        return PyOSError::new_err(message);
+    };
+    let said = source.to_string();
+    let said = said.split(" (os error").next().unwrap_or(&said);
+    PyOSError::new_err((code, format!("{said}{done}"), path.as_os_str().to_owned()))
 }

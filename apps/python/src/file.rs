@@ -8,10 +8,10 @@ use pyo3::types::PyBytes;
 use starbreak::generate::{CrackedFiles, crack_file as cracked_files};
 use starbreak::pipeline::RunContext;
 
+use crate::arguments::{NameArg, SeedArg, Whole};
 use crate::bank::PatternBank;
 use crate::errors::{of_recipe, raised};
 use crate::recipe::RecipeArg;
-use crate::values::SeedArg;
 
 /// The files that an image becomes in a set, by their names from the root of the set.
 type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
@@ -40,7 +40,7 @@ type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 /// OSError: ...
 #[pyfunction]
 #[pyo3(
-    signature = (data, name, recipe = None, seed = SeedArg::ZERO, *, bank = None, sample_index = 0, n_samples = 1),
+    signature = (data, name, recipe = None, seed = SeedArg::ZERO, *, bank = None, sample_index = Whole::of(0), n_samples = Whole::of(1)),
     text_signature = "(data, name, recipe=None, seed=0, *, bank=None, sample_index=0, n_samples=1)"
 )]
 #[expect(
@@ -50,17 +50,19 @@ type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 pub(crate) fn crack_file<'py>(
     py: Python<'py>,
     data: &[u8],
-    name: &str,
+    name: NameArg,
     recipe: Option<RecipeArg>,
     seed: SeedArg,
     bank: Option<&PatternBank>,
-    sample_index: u32,
-    n_samples: u32,
+    sample_index: Whole,
+    n_samples: Whole,
 ) -> PyResult<NamedFiles<'py>> {
     if bank.is_some() && recipe.is_some() {
         let message = "a bank has its recipe; give one of both";
         return Err(PyValueError::new_err(message));
     }
+    let n_samples = n_samples.within("n_samples", 1..=u32::MAX)?;
+    let sample_index = sample_index.within("sample_index", 0..=u32::MAX)?;
     if sample_index >= n_samples {
         let message =
             format!("sample_index {sample_index}; expected less than n_samples {n_samples}");
@@ -76,7 +78,7 @@ pub(crate) fn crack_file<'py>(
     let made: Result<CrackedFiles, starbreak::Error> = py.detach(|| {
         let context = RunContext::new(&recipe, seed.0, Path::new(""))?;
         let bank = bank.map(PatternBank::bank);
-        cracked_files(&context, bank, name, (sample_index, n_samples), data)
+        cracked_files(&context, bank, &name.0, (sample_index, n_samples), data)
     });
     let files = made.map_err(|error| raised(&error))?.files;
     let named = files.into_iter();

@@ -9,8 +9,8 @@ use numpy::{
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use serde_json::{Value, json};
-use starbreak::dataset::ImageLimits;
 
+use crate::arguments::checked_size;
 use crate::values::python_of;
 
 /// An image from an array: a copy of it, which becomes the output.
@@ -18,9 +18,10 @@ pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
     let Ok(array) = image.cast::<PyUntypedArray>() else {
         let kind = image.get_type().name()?;
         return Err(PyTypeError::new_err(format!(
-            "image is a {kind}; expected a numpy.ndarray of uint8, H x W x 3 or H x W, such as numpy.asarray(image)"
+            "image is of type {kind}; expected a numpy.ndarray of uint8, H x W x 3 or H x W, such as numpy.asarray(image)"
         )));
     };
+    refuse_masked(array)?;
     let Ok(bytes) = array.cast::<PyArrayDyn<u8>>() else {
         return Err(PyValueError::new_err(format!(
             "image has dtype {}; expected uint8, codes from 0 to 255",
@@ -32,7 +33,8 @@ pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
         [height, width] | [height, width, 3] => (height, width),
         _ => {
             return Err(PyValueError::new_err(format!(
-                "image has shape {shape:?}; expected [height, width, 3] or [height, width]"
+                "image has shape {}; expected (height, width, 3) or (height, width)",
+                array.getattr("shape")?.str()?
             )));
         }
     };
@@ -45,23 +47,18 @@ pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
     image.ok_or_else(|| PyValueError::new_err("image changed its shape while it was read"))
 }
 
-/// A size of a frame that can be worked with, the same as that of an image file.
-pub(crate) fn checked_size(width: usize, height: usize) -> PyResult<(u32, u32)> {
-    let limits = ImageLimits::default();
-    let side = |n: usize| {
-        let n = u32::try_from(n).ok()?;
-        (1..=limits.max_side_px).contains(&n).then_some(n)
-    };
-    match (side(width), side(height)) {
-        (Some(width), Some(height))
-            if u64::from(width) * u64::from(height) <= limits.max_pixels =>
-        {
-            Ok((width, height))
-        }
-        _ => Err(PyValueError::new_err(format!(
-            "the frame is {width} x {height} px; expected 1 to {} px per side and at most {} px in all",
-            limits.max_side_px, limits.max_pixels
-        ))),
+/// Refuses an array of `numpy.ma` with masked entries, whose codes mean nothing.
+fn refuse_masked(array: &Bound<'_, PyUntypedArray>) -> PyResult<()> {
+    let py = array.py();
+    if array.get_type().is(py.get_type::<PyUntypedArray>()) {
+        return Ok(());
+    }
+    let is_masked = py.import("numpy.ma")?.call_method1("is_masked", (array,))?;
+    match is_masked.is_truthy()? {
+        true => Err(PyValueError::new_err(
+            "image has masked entries, which have no code; fill them first, as with image.filled(0)",
+        )),
+        false => Ok(()),
     }
 }
 

@@ -1,11 +1,12 @@
 //! The Python package `starbreak`: glue between Python and the crates, without logic of its own.
 //!
-//! Each file mirrors what it wraps: `recipe`, `network`, `crack`, `bank`,
-//! `measure`; `images` and
-//! `values` carry arrays and plain values across, `errors` says which Python error is which.
+//! Each file mirrors what it wraps: `recipe`, `network`, `crack`, `bank`, `file`, `measure`;
+//! `arguments`, `images` and `values` carry arguments, arrays and plain values across, `errors` says
+//! which Python error is which.
 //! What Python sees is described in `python/starbreak/_starbreak.pyi` and in the docstrings.
 #![forbid(unsafe_code)]
 
+mod arguments;
 mod bank;
 mod crack;
 mod errors;

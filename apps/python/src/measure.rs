@@ -11,14 +11,20 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use starbreak::Error;
 use starbreak::dataset::OutputBatch;
-use starbreak::divergence::{Eye, NamedSet, check_settings, compare_read_sets};
+use starbreak::divergence::{
+    Eye, MAX_DRAWS, MAX_SIDE_PX, NamedSet, check_settings, compare_read_sets,
+};
 use starbreak::eval::divergence::{AnalysisSize, Background, CompareSettings, ReadSettings};
 use starbreak::eval::{AreaRange, Protocol};
-use starbreak::evaluation::{EvaluateRequest, evaluate_files};
+use starbreak::evaluation::{EvaluateRequest, MAX_WORST, REPLICATES, evaluate_files};
 use starbreak::pipeline::with_threads;
 
+use crate::arguments::{Real, SeedArg, Whole};
 use crate::errors::raised;
-use crate::values::{SeedArg, python_of};
+use crate::values::python_of;
+
+/// Most threads that can be asked for.
+const MAX_THREADS: usize = 65_535;
 
 /// How often a signal, such as Ctrl-C, is looked for while others work.
 const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
@@ -58,7 +64,7 @@ const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
 /// 1.0
 #[pyfunction]
 #[pyo3(
-    signature = (source = None, *, clean, cracked = None, ground_truth = None, regions = None, cracked_set = None, protocol = None, tau = Vec::new(), iou_thresholds = Vec::new(), max_dets = Vec::new(), area_ranges = BTreeMap::new(), class_agnostic = false, gt_id_zero_quirk = false, output = None, detector = None, condition = None, replicates = 1000, score_threshold = 0.3, worst = 6, seed = SeedArg::ZERO, threads = 0),
+    signature = (source = None, *, clean, cracked = None, ground_truth = None, regions = None, cracked_set = None, protocol = None, tau = Vec::new(), iou_thresholds = Vec::new(), max_dets = Vec::new(), area_ranges = BTreeMap::new(), class_agnostic = false, gt_id_zero_quirk = false, output = None, detector = None, condition = None, replicates = Whole::of(1000), score_threshold = Real(0.3), worst = Whole::of(6), seed = SeedArg::ZERO, threads = Whole::of(0)),
     text_signature = "(source=None, *, clean, cracked=None, ground_truth=None, regions=None, cracked_set=None, protocol=None, tau=(), iou_thresholds=(), max_dets=(), area_ranges={}, class_agnostic=False, gt_id_zero_quirk=False, output=None, detector=None, condition=None, replicates=1000, score_threshold=0.3, worst=6, seed=0, threads=0)"
 )]
 #[expect(
@@ -74,20 +80,20 @@ pub(crate) fn evaluate<'py>(
     regions: Option<PathBuf>,
     cracked_set: Option<PathBuf>,
     protocol: Option<&str>,
-    tau: Vec<f64>,
-    iou_thresholds: Vec<f64>,
-    max_dets: Vec<u32>,
-    area_ranges: BTreeMap<String, [f64; 2]>,
+    tau: Vec<Real>,
+    iou_thresholds: Vec<Real>,
+    max_dets: Vec<Whole>,
+    area_ranges: BTreeMap<String, [Real; 2]>,
     class_agnostic: bool,
     gt_id_zero_quirk: bool,
     output: Option<PathBuf>,
     detector: Option<String>,
     condition: Option<String>,
-    replicates: u32,
-    score_threshold: f64,
-    worst: u32,
+    replicates: Whole,
+    score_threshold: Real,
+    worst: Whole,
     seed: SeedArg,
-    threads: usize,
+    threads: Whole,
 ) -> PyResult<Bound<'py, PyAny>> {
     let protocol = protocol.map(|name| {
         let all = [Protocol::Coco, Protocol::Kitti, Protocol::Bdd];
@@ -95,6 +101,10 @@ pub(crate) fn evaluate<'py>(
         known.ok_or_else(|| one_of("protocol", name, &all.map(Protocol::name)))
     });
     let ranges = area_ranges.iter();
+    let max_dets = max_dets
+        .iter()
+        .map(|n| n.within("max_dets", 1..=u32::MAX))
+        .collect::<PyResult<_>>()?;
     let request = EvaluateRequest {
         source,
         ground_truth,
@@ -103,15 +113,15 @@ pub(crate) fn evaluate<'py>(
         cracked_set,
         detector,
         condition,
-        n_replicates: replicates,
-        score_threshold,
-        n_worst: worst,
-        taus: tau,
+        n_replicates: replicates.within("replicates", REPLICATES)?,
+        score_threshold: score_threshold.0,
+        n_worst: worst.within("worst", 0..=MAX_WORST)?,
+        taus: tau.iter().map(|share| share.0).collect(),
         protocol: protocol.transpose()?,
-        iou_thresholds,
+        iou_thresholds: iou_thresholds.iter().map(|iou| iou.0).collect(),
         max_dets,
         area_ranges: ranges
-            .map(|(name, ends)| AreaRange::new(name, *ends))
+            .map(|(name, ends)| AreaRange::new(name, ends.map(|end| end.0)))
             .collect(),
         class_agnostic,
         gt_id_zero_quirk,
@@ -119,7 +129,7 @@ pub(crate) fn evaluate<'py>(
         seed: seed.0.0,
         ..EvaluateRequest::of_clean(clean)
     };
-    let answer = watched(py, threads, |_| -> Result<_, Error> {
+    let answer = watched(py, &threads, |_| -> Result<_, Error> {
         let answer = evaluate_files(&request)?;
         if let Some(folder) = &output {
             let mut batch = OutputBatch::new();
@@ -152,7 +162,7 @@ pub(crate) fn evaluate<'py>(
 /// `ValueError` and `OSError` as `evaluate`; Ctrl-C ends the reading of images.
 #[pyfunction]
 #[pyo3(
-    signature = (*sets, limit = None, alpha = 0.5, bootstrap = 1000, permutations = 999, splits = 100, seed = SeedArg::ZERO, side = 256, background = "black", model = None, layer = None, sigma = 10.0, threads = 0),
+    signature = (*sets, limit = None, alpha = Real(0.5), bootstrap = Whole::of(1000), permutations = Whole::of(999), splits = Whole::of(100), seed = SeedArg::ZERO, side = Whole::of(256), background = "black", model = None, layer = None, sigma = Real(10.0), threads = Whole::of(0)),
     text_signature = "(*sets, limit=None, alpha=0.5, bootstrap=1000, permutations=999, splits=100, seed=0, side=256, background='black', model=None, layer=None, sigma=10.0, threads=0)"
 )]
 #[expect(
@@ -162,18 +172,18 @@ pub(crate) fn evaluate<'py>(
 pub(crate) fn divergence<'py>(
     py: Python<'py>,
     sets: Vec<OsString>,
-    limit: Option<usize>,
-    alpha: f64,
-    bootstrap: usize,
-    permutations: usize,
-    splits: usize,
+    limit: Option<Whole>,
+    alpha: Real,
+    bootstrap: Whole,
+    permutations: Whole,
+    splits: Whole,
     seed: SeedArg,
-    side: u32,
+    side: Whole,
     background: &str,
     model: Option<PathBuf>,
     layer: Option<&str>,
-    sigma: f64,
-    threads: usize,
+    sigma: Real,
+    threads: Whole,
 ) -> PyResult<Bound<'py, PyAny>> {
     let reading = ReadSettings {
         background: match background {
@@ -183,19 +193,22 @@ pub(crate) fn divergence<'py>(
             other => return Err(one_of("background", other, &["black", "gray", "white"])),
         },
         analysis: AnalysisSize {
-            shorter_side_px: side,
+            shorter_side_px: side.within("side", 0..=MAX_SIDE_PX)?,
             ..AnalysisSize::default()
         },
     };
     let settings = CompareSettings {
-        alpha,
-        n_bootstrap: bootstrap,
-        n_permutations: permutations,
-        n_splits: splits,
+        alpha: alpha.0,
+        n_bootstrap: bootstrap.within("bootstrap", 0..=MAX_DRAWS)?,
+        n_permutations: permutations.within("permutations", 0..=MAX_DRAWS)?,
+        n_splits: splits.within("splits", 0..=MAX_DRAWS)?,
         seed: seed.0.0,
         ..CompareSettings::default()
     };
-    let report = watched(py, threads, |stop| -> Result<_, Error> {
+    let limit = limit
+        .map(|n| n.within("limit", 1..=usize::MAX))
+        .transpose()?;
+    let report = watched(py, &threads, |stop| -> Result<_, Error> {
         check_settings(&reading, &settings, limit)?;
         let named = NamedSet::parse_all(&sets)?;
         let eye = model.map(|model| Eye::open(&model, layer)).transpose()?;
@@ -209,7 +222,7 @@ pub(crate) fn divergence<'py>(
         if stop.load(Ordering::Relaxed) {
             return Err(Error::Interrupted);
         }
-        let eye = eye.as_ref().map(|eye| (eye, sigma));
+        let eye = eye.as_ref().map(|eye| (eye, sigma.0));
         let report = compare_read_sets(&read, &reading, &settings, eye)?;
         Ok(serde_json::to_value(report).unwrap_or_default())
     })?;
@@ -227,9 +240,10 @@ fn one_of(name: &str, found: &str, known: &[&str]) -> PyErr {
 /// one, such as Ctrl-C, tells the work to stop and is raised once it has.
 fn watched<R: Send>(
     py: Python<'_>,
-    n_threads: usize,
+    threads: &Whole,
     work: impl FnOnce(&AtomicBool) -> Result<R, Error> + Send,
 ) -> PyResult<R> {
+    let n_threads = threads.within("threads", 0..=MAX_THREADS)?;
     let stop = AtomicBool::new(false);
     let mut signal = Ok(());
     let result = py.detach(|| {

@@ -1,6 +1,7 @@
 //! `CrackNetwork`: the cracks as columns.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use numpy::{IntoPyArray as _, PyFixedUnicode};
@@ -83,9 +84,17 @@ impl CrackNetwork {
         py.detach(|| self.network.to_svg())
     }
 
-    /// Writes its file, whole or not at all. Raises `OSError` if it cannot be written.
+    /// Writes its file, whole or not at all, into a folder that is there. Raises `OSError` if it
+    /// cannot be written.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let written = py.detach(|| -> Result<(), DatasetError> {
+            // The batch would make the folder, as the command does; what Python saves does not.
+            let folder = path.parent().filter(|folder| *folder != Path::new(""));
+            let is_there = folder.map_or(Ok(()), |folder| fs::metadata(folder).map(drop));
+            is_there.map_err(|source| DatasetError::Write {
+                path: path.clone(),
+                source,
+            })?;
             let mut batch = OutputBatch::new();
             batch.stage(&path, self.network.to_json().as_bytes())?;
             batch.commit()

@@ -3,13 +3,15 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString};
 use starbreak::dataset::{read_text, sha256_hex};
-use starbreak::{DEFAULT_PRESET, PRESETS, RecipeError, Settings};
+use starbreak::{DEFAULT_PRESET, PRESETS, Settings};
 
+use crate::arguments::{NameArg, Whole, shown};
 use crate::errors::{of_recipe, raised};
-use crate::values::{json_text_of, python_of, value_of};
+use crate::values::{python_of, value_of};
 
 /// Longest recipe file, bytes.
 const MAX_RECIPE_FILE_BYTES: u64 = 1 << 20;
@@ -61,20 +63,15 @@ impl Recipe {
         Arc::clone(&self.settings)
     }
 
-    fn named(preset: &str, severity: Option<i64>) -> PyResult<Self> {
+    /// A preset, at a severity if one is given.
+    pub(crate) fn named(preset: &str, severity: Option<&Whole>) -> PyResult<Self> {
         let recipe = match severity {
-            Some(found) => match u8::try_from(found) {
-                Ok(severity) => starbreak::Recipe::preset_at(preset, severity),
-                Err(_) => Err(RecipeError::Severity { found }),
-            },
+            Some(severity) => {
+                starbreak::Recipe::preset_at(preset, severity.within("severity", 1..=5)?)
+            }
             None => starbreak::Recipe::preset(preset),
         };
         Self::of(recipe.map_err(|error| of_recipe(&error))?)
-    }
-
-    /// A preset at a severity.
-    pub(crate) fn preset_at(preset: &str, severity: i64) -> PyResult<Self> {
-        Self::named(preset, Some(severity))
     }
 
     fn adjusted(
@@ -99,11 +96,11 @@ impl Recipe {
 )]
     fn new(
         preset: &str,
-        severity: Option<i64>,
+        severity: Option<Whole>,
         camera: Option<&str>,
         set: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let base = Self::named(preset, severity)?;
+        let base = Self::named(preset, severity.as_ref())?;
         Self::adjusted(base.recipe, camera, set)
     }
 
@@ -115,8 +112,12 @@ impl Recipe {
     /// >>> starbreak.Recipe.from_toml(recipe.to_toml()) == recipe
     /// True
     #[staticmethod]
-    #[pyo3(signature = (text, *, name = "recipe"))]
-    fn from_toml(text: &str, name: &str) -> PyResult<Self> {
+    #[pyo3(
+    signature = (text, *, name = None),
+    text_signature = "(text, *, name='recipe')"
+)]
+    fn from_toml(text: &str, name: Option<NameArg>) -> PyResult<Self> {
+        let name = name.as_ref().map_or("recipe", |name| &name.0);
         Self::of(starbreak::Recipe::parse(name, text).map_err(|error| of_recipe(&error))?)
     }
 
@@ -125,7 +126,8 @@ impl Recipe {
     fn from_file(path: PathBuf) -> PyResult<Self> {
         let file =
             read_text(&path, MAX_RECIPE_FILE_BYTES).map_err(|error| raised(&error.into()))?;
-        Self::from_toml(&file.text, &path.to_string_lossy())
+        let name = NameArg(path.to_string_lossy().into_owned());
+        Self::from_toml(&file.text, Some(name))
     }
 
     /// A recipe from its tables as dicts; what they leave out comes from a preset.
@@ -136,7 +138,7 @@ impl Recipe {
     /// True
     #[staticmethod]
     fn from_dict(tables: &Bound<'_, PyMapping>) -> PyResult<Self> {
-        let value = value_of(tables.as_any())?;
+        let value = value_of("", tables.as_any())?;
         Self::of(starbreak::Recipe::from_json("recipe", &value).map_err(|error| of_recipe(&error))?)
     }
 
@@ -187,11 +189,22 @@ impl Recipe {
 /// Assignments `table.key=value`, from a mapping or from a list of them.
 fn assignments(set: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let Ok(mapping) = set.cast::<PyMapping>() else {
-        return set.extract();
+        return set.extract().map_err(|_| {
+            PyTypeError::new_err(format!(
+                "set = {}; expected a dict {{\"table.key\": value}} or a list [\"table.key=value\"]",
+                shown(set)
+            ))
+        });
     };
     let entry = |entry: Bound<'_, PyAny>| {
-        let (key, value): (String, Bound<'_, PyAny>) = entry.extract()?;
-        Ok(format!("{key}={}", json_text_of(&value)?))
+        let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = entry.extract()?;
+        let Ok(key) = key.extract::<String>() else {
+            return Err(PyValueError::new_err(format!(
+                "set has the key {}; expected text, such as \"impact.speed_m_s\"",
+                shown(&key)
+            )));
+        };
+        Ok(format!("{key}={}", value_of(&key, &value)?))
     };
     mapping.items()?.iter().map(entry).collect()
 }
@@ -222,9 +235,9 @@ impl<'a, 'py> FromPyObject<'a, 'py> for RecipeArg {
         if let Ok(tables) = recipe.cast::<PyDict>() {
             return Ok(Self(Recipe::from_dict(tables.as_mapping())?));
         }
-        Err(pyo3::exceptions::PyTypeError::new_err(format!(
-            "recipe is a {}; expected a starbreak.Recipe, the name of a preset or a dict",
-            recipe.get_type().name()?
+        Err(PyTypeError::new_err(format!(
+            "recipe = {}; expected a starbreak.Recipe, the name of a preset or a dict",
+            shown(&recipe)
         )))
     }
 }

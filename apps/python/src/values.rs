@@ -1,43 +1,14 @@
-//! Plain values: seeds, boxes, and JSON as Python has it.
+//! Plain values: JSON as Python has it, and what a recipe is made of.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
-use serde_json::Value;
-use starbreak::Seed;
+use pyo3::types::{PyBool, PyFloat, PyInt, PyList, PyMapping, PyString, PyTuple};
+use serde_json::{Map, Value};
 
-/// A seed, from anything that is a whole number to Python.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SeedArg(pub(crate) Seed);
+use crate::arguments::shown;
 
-impl SeedArg {
-    /// What is taken where none is given.
-    pub(crate) const ZERO: Self = Self(Seed(0));
-}
-
-impl<'a, 'py> FromPyObject<'a, 'py> for SeedArg {
-    type Error = PyErr;
-
-    fn extract(seed: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        match seed.extract::<u64>() {
-            Ok(number) => Ok(Self(Seed(number))),
-            Err(_) => Err(PyValueError::new_err(format!(
-                "seed = {}; expected a whole number from 0 to {}",
-                seed.repr()?,
-                u64::MAX
-            ))),
-        }
-    }
-}
-
-/// The seed of an item: of its name and number where it has a name, as the command has it, else
-/// the seed itself.
-pub(crate) fn seed_of(seed: SeedArg, name: Option<&str>, sample_index: u64) -> Seed {
-    match name {
-        Some(name) => seed.0.of_item(name, sample_index),
-        None => seed.0,
-    }
-}
+/// How deep lists and dicts of a recipe lie in each other at most; a recipe needs three.
+const MAX_DEPTH: usize = 16;
 
 /// What `json.loads` makes of a value.
 pub(crate) fn python_of<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
@@ -45,26 +16,73 @@ pub(crate) fn python_of<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'
         .call_method1("loads", (value.to_string(),))
 }
 
-/// What `json.dumps` makes of a Python value; scalars and arrays of NumPy are what `tolist` says.
-pub(crate) fn json_text_of(value: &Bound<'_, PyAny>) -> PyResult<String> {
-    let py = value.py();
-    let options = PyDict::new(py);
-    options.set_item(
-        "default",
-        py.import("operator")?
-            .call_method1("methodcaller", ("tolist",))?,
-    )?;
-    let text = py
-        .import("json")?
-        .call_method("dumps", (value,), Some(&options));
-    let wrong =
-        |cause: PyErr| PyValueError::new_err(format!("not a plain value: {}", cause.value(py)));
-    text.map_err(wrong)?.extract()
+/// A value of a recipe, whose dotted key is for messages: a number, a bool, text, a list or a dict
+/// of these; scalars and arrays of NumPy are what `tolist` says.
+pub(crate) fn value_of(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    value_at(key, value, MAX_DEPTH)
 }
 
-/// As [`json_text_of`], read.
-pub(crate) fn value_of(value: &Bound<'_, PyAny>) -> PyResult<Value> {
-    let text = json_text_of(value)?;
-    serde_json::from_str(&text)
-        .map_err(|cause| PyValueError::new_err(format!("not a plain value: {cause}")))
+fn value_at(key: &str, value: &Bound<'_, PyAny>, depth: usize) -> PyResult<Value> {
+    let wrong = |expected: &str| {
+        let said = format!("{key} = {}; expected {expected}", shown(value));
+        PyValueError::new_err(said)
+    };
+    let Some(depth) = depth.checked_sub(1) else {
+        let said = format!("{key}: lists and dicts lie in each other more than {MAX_DEPTH} deep");
+        return Err(PyValueError::new_err(said));
+    };
+    if let Ok(flag) = value.cast::<PyBool>() {
+        return Ok(flag.is_true().into());
+    }
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(text.to_str()?.into());
+    }
+    if value.is_instance_of::<PyInt>() {
+        let number = value.extract::<i64>();
+        return number
+            .map(Value::from)
+            .map_err(|_| wrong("a number of at most 64 bits"));
+    }
+    if let Ok(number) = value.cast::<PyFloat>() {
+        let number = serde_json::Number::from_f64(number.value());
+        return number
+            .map(Value::Number)
+            .ok_or_else(|| wrong("a finite number"));
+    }
+    if let Ok(table) = value.cast::<PyMapping>() {
+        return table_at(key, table, depth);
+    }
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        let entries = value.try_iter()?.enumerate();
+        let entries =
+            entries.map(|(idx, entry)| value_at(&format!("{key}[{idx}]"), &entry?, depth));
+        return Ok(Value::Array(entries.collect::<PyResult<_>>()?));
+    }
+    match value.getattr_opt("tolist")? {
+        Some(tolist) => value_at(key, &tolist.call0()?, depth),
+        None if value.is_none() => Err(wrong("a value; leave the key out for that of the preset")),
+        None => Err(wrong(
+            "a number, true or false, text, or a list or dict of these",
+        )),
+    }
+}
+
+fn table_at(key: &str, table: &Bound<'_, PyMapping>, depth: usize) -> PyResult<Value> {
+    let mut values = Map::new();
+    for entry in table.items()?.iter() {
+        let (name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = entry.extract()?;
+        let Ok(name) = name.extract::<String>() else {
+            let place = if key.is_empty() { "the recipe" } else { key };
+            return Err(PyValueError::new_err(format!(
+                "{place} has the key {}; expected text",
+                shown(&name)
+            )));
+        };
+        let key = match key.is_empty() {
+            true => name.clone(),
+            false => format!("{key}.{name}"),
+        };
+        values.insert(name, value_at(&key, &value, depth)?);
+    }
+    Ok(Value::Object(values))
 }

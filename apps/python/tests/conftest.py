@@ -36,11 +36,17 @@ def small():
 
 
 @pytest.fixture(scope="session")
-def command():
-    """Runs the command `starbreak`, which the project's test command builds and names."""
+def program():
+    """The command `starbreak`, which the project's test command builds and names."""
     program = os.environ.get("STARBREAK_TEST_COMMAND") or shutil.which("starbreak")
     if program is None:
         pytest.skip("STARBREAK_TEST_COMMAND names no command to compare with; run `cargo xtask test`")
+    return program
+
+
+@pytest.fixture(scope="session")
+def command(program):
+    """Runs the command."""
 
     def run(*words, ok=True):
         done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, check=False)

@@ -6,6 +6,7 @@ import sys
 from importlib import metadata, resources
 from pathlib import Path
 
+import numpy as np
 import pytest
 import starbreak
 
@@ -61,3 +62,35 @@ def test_values_survive_a_pickle(small):
     assert hash(pickle.loads(pickle.dumps(small))) == hash(small)
     with pytest.raises(AttributeError):
         small.anything = 1
+
+
+def copy_of(value):
+    return pickle.loads(pickle.dumps(value))
+
+
+def test_a_ready_crack_is_made_again_from_its_pickle(small, image):
+    network = starbreak.simulate(small, 3, (128, 96))
+    for words in ({}, {"network": network}):
+        ready = starbreak.ReadyCrack(small, 5, (128, 96), **words)
+        again = copy_of(ready)
+        assert (again.size, again.facts, again.network) == (ready.size, ready.facts, ready.network)
+        np.testing.assert_array_equal(again.over(image), ready.over(image))
+        assert len(pickle.dumps(ready)) < 20_000 + len(pickle.dumps(network))
+
+
+def test_a_ready_crack_of_a_bank_is_read_again(command, tmp_path, image):
+    command("patterns", "-n", 3, "-o", tmp_path, "--size", "128x96", "--set", "fracture.mesh=fast")
+    ready = starbreak.PatternBank(tmp_path).pattern(-1, (128, 96))
+    again = copy_of(ready)
+    assert again.facts == ready.facts
+    np.testing.assert_array_equal(again.over(image), ready.over(image))
+
+
+def test_a_cracked_image_is_all_in_its_pickle(small, image):
+    full = starbreak.crack(image, small, 5, boxes=[[0, 0, 60, 60]])
+    again = copy_of(full)
+    for name in ("image", "region", "crack"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(full, name))
+    for name in ("network", "facts", "damage", "intact"):
+        assert getattr(again, name) == getattr(full, name)
+    assert repr(again) == repr(full)

@@ -115,6 +115,23 @@ def test_a_bank_gives_the_files_of_the_command(command, source, of_the_command, 
         run(source, tmp_path / "out", recipe=starbreak.PatternBank(bank).recipe)
 
 
+class DeadlyDisk(fs.LocalFileSystem):
+    """Kills the process that first puts the crack mask of image 5 in its place."""
+
+    def __init__(self, marker):
+        super().__init__()
+        self.marker = marker
+
+    def __reduce__(self):
+        return DeadlyDisk, (self.marker,)
+
+    def move(self, src, dest):
+        if dest.endswith("starbreak/cracks/5.png") and not os.path.exists(self.marker):
+            pathlib.Path(self.marker).touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        super().move(src, dest)
+
+
 class DeadlyFiles(LocalFileSystem):
     """Kills the process that first opens the crack mask of image 5 for writing."""
 
@@ -129,13 +146,20 @@ class DeadlyFiles(LocalFileSystem):
         return super()._open(path, mode=mode, **words)
 
 
-def test_the_death_of_a_worker_loses_nothing(source, of_the_command, tmp_path):
+@pytest.mark.parametrize("place", ["disk", "store"])
+def test_the_death_of_a_worker_loses_nothing(source, of_the_command, tmp_path, place):
     marker = tmp_path / "killed"
-    files = fs.PyFileSystem(fs.FSSpecHandler(DeadlyFiles(str(marker))))
+    files = DeadlyDisk(str(marker))
+    if place == "store":
+        files = fs.PyFileSystem(fs.FSSpecHandler(DeadlyFiles(str(marker))))
     # Batches by name: 1, 10, 11, 2, 4 are whole when the worker dies, 5 has no record yet.
     counts = run(str(source), str(tmp_path / "out"), filesystem=files, batch_size=N_IMAGES // 2)
     assert marker.exists(), "no worker was killed"
     assert counts == {"n_made": N_IMAGES - 5, "n_kept": 5, "n_failed": 0, "failed": []}
+    left = list((tmp_path / "out").rglob(".starbreak-*"))
+    assert [path.name.split("-")[-1] for path in left] == (["5.png"] if place == "disk" else [])
+    for path in left:
+        path.unlink()
     assert files_in(tmp_path / "out") == of_the_command()
 
 

@@ -92,7 +92,11 @@ def test_a_bank_gives_what_the_bank_gives(command, tmp_path, image):
         (ValueError, {"severity": 0}),
         (ValueError, {"severity": (1, 2, 3)}),
         (ValueError, {"severity": (3, 1)}),
-        (ValueError, {"severity": (1.5, 2)}),
+        (TypeError, {"severity": (1.5, 2)}),
+        (TypeError, {"severity": 2.5}),
+        (TypeError, {"severity": True}),
+        (TypeError, {"p": "a"}),
+        (TypeError, {"p": None}),
         (ValueError, {"recipe": "no such preset"}),
         (ValueError, {"recipe": {"camera": {"fpx": 3}}}),
         (ValueError, {"recipe": {"camera": {"f_number": 4.0}}, "severity": 2}),
@@ -100,13 +104,37 @@ def test_a_bank_gives_what_the_bank_gives(command, tmp_path, image):
         (ValueError, {"severity": 1, "bank": "somewhere"}),
         (FileNotFoundError, {"bank": "no/such/bank"}),
         (TypeError, {"recipe": 5}),
-        (ValueError, {"seed": "7"}),
+        (TypeError, {"seed": "7"}),
         (ValueError, {"seed": -1}),
     ],
 )
 def test_wrong_parameters_are_refused_at_construction(error, words):
-    with pytest.raises(error):
+    with pytest.raises(error) as raised:
         CrackedGlass(**words)
+    if error is TypeError:
+        (name, value), = words.items()
+        assert str(raised.value).startswith(f"{name} = {value!r}") and "; expected" in str(raised.value)
+
+
+def test_an_epoch_is_a_whole_number(small):
+    transform = CrackedGlass(small)
+    for error, wrong in ((ValueError, -1), (ValueError, 2**64), (TypeError, 1.5), (TypeError, "1")):
+        with pytest.raises(error, match=f"epoch = {wrong!r}; expected a whole number"):
+            transform.set_epoch(wrong)
+
+
+def test_it_says_what_it_draws(small):
+    assert repr(CrackedGlass("paper", severity=(1, 3), p=0.5)) == (
+        "CrackedGlass(recipe='paper', severity=(1, 3), seed=0, region=False, p=0.5)"
+    )
+    assert repr(CrackedGlass(small, seed=7)) == f"CrackedGlass(recipe={small!r}, seed=7, region=False, p=1.0)"
+
+
+def test_what_is_no_array_is_refused_in_a_call(small):
+    for wrong in (None, [[1, 2]], "photo.png"):
+        for key in (None, "a"):
+            with pytest.raises(TypeError, match=f"image is of type {type(wrong).__name__}; expected a numpy.ndarray"):
+                CrackedGlass(small)(wrong, key)
 
 
 def test_other_dtypes_and_shapes_are_refused_in_a_call(image, small):

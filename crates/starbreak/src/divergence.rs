@@ -246,10 +246,10 @@ impl OpenSet<'_> {
 }
 
 /// Most draws of each kind.
-const MAX_DRAWS: usize = 1_000_000;
+pub const MAX_DRAWS: usize = 1_000_000;
 
 /// Longest side that images are analyzed at, px.
-const MAX_SIDE_PX: u32 = 8192;
+pub const MAX_SIDE_PX: u32 = 8192;
 
 /// Says whether settings are in their ranges, before anything is read.
 ///

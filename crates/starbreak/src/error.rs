@@ -115,7 +115,8 @@ pub enum Error {
     },
     /// A network in mm where nothing says how far away its pane is.
     #[error(
-        "the network is in mm, but the recipe has no [glass] that says where the pane stands; use a preset of the          physics, such as windshield-star"
+        "the network is in mm, but the recipe has no [glass] that says where the pane stands; use a preset of the \
+         physics, such as windshield-star"
     )]
     NoMount,
     /// An image that was there when the source was surveyed.

@@ -7,12 +7,14 @@ images that a loader gives does not depend on its workers.
 
 from __future__ import annotations
 
+import numbers
+import operator
 import os
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
@@ -48,18 +50,30 @@ class CrackDrawing:
         p: float = 1.0,
         seed: int | None = None,
     ) -> None:
+        if not isinstance(p, numbers.Real):
+            raise TypeError(f"p = {p!r}; expected a probability from 0 to 1")
         if not 0.0 <= p <= 1.0:
-            raise ValueError(f"p {p}: expected 0 to 1")
+            raise ValueError(f"p = {p}; expected a probability from 0 to 1")
         if bank is not None and (recipe is not None or severity is not None):
             raise ValueError("a bank has its recipe and severity; give a bank alone, or a recipe with severities")
         if seed is not None:
             item_seed(seed, "")  # raises for what is no seed
-        self.p = p
+        self.p = float(p)
         self.seed = seed
-        self.epoch = 0
+        self._epoch = 0
+        self._source = {"recipe": recipe, "severity": severity, "bank": bank}
         self.bank = None if bank is None else PatternBank(bank)
         self.severities = _severities(severity)
         self.recipes = () if self.bank else tuple(_recipe(recipe, one) for one in self.severities or (None,))
+
+    @property
+    def epoch(self) -> int:
+        """Number of the epoch, of which other numbers draw other cracks."""
+        return self._epoch
+
+    @epoch.setter
+    def epoch(self, epoch: int) -> None:
+        self._epoch = whole("epoch", epoch, 0, 2**64 - 1)
 
     def seed_of(self, image: Image, key: object = None) -> int:
         """The seed of an image's crack, from its key or, without one, from its pixels.
@@ -74,8 +88,18 @@ class CrackDrawing:
         False
         """
         if key is None:
+            _refuse_no_array(image)
             key = f"pixels {image.shape} {zlib.crc32(np.ascontiguousarray(image[::16]).data):08x}"
         return item_seed(self.seed or 0, str(key), self.epoch)
+
+    def words(self, **others: object) -> str:
+        """What it draws and how, with other arguments of a transform, for its ``repr``.
+
+        >>> CrackDrawing("paper", severity=(1, 3), p=0.25).words(seed=7)
+        "recipe='paper', severity=(1, 3), seed=7, p=0.25"
+        """
+        words = {**self._source, **others, "p": self.p}
+        return ", ".join(f"{name}={value!r}" for name, value in words.items() if value is not None)
 
     def is_drawn(self, seed: int) -> bool:
         """Whether the seed of an image falls into the share ``p``."""
@@ -105,8 +129,9 @@ class CrackDrawing:
         A frame is H×W, H×W×1 or H×W×3.
         """
         first = frames[0]
+        _refuse_no_array(first)
         if first.ndim not in (2, 3):
-            raise ValueError(f"image of shape {first.shape}: expected H x W or H x W x 3")
+            raise ValueError(f"image has shape {first.shape}; expected (height, width, 3) or (height, width)")
         size = (first.shape[1], first.shape[0])
         if self.bank is not None:
             ready = self.bank.pattern(self.bank.index_for(seed), size)
@@ -137,13 +162,39 @@ def collected_region(is_wanted: bool) -> Iterator[list[Image]]:
         _REGIONS.reset(token)
 
 
+def whole(name: str, given: object, least: int, most: int) -> int:
+    """A whole number in a range.
+
+    >>> whole("epoch", np.int64(3), 0, 9)
+    3
+    >>> whole("epoch", -1, 0, 9)
+    Traceback (most recent call last):
+    ValueError: epoch = -1; expected a whole number from 0 to 9
+    """
+    said = f"{name} = {given!r}; expected a whole number from {least} to {most}"
+    if isinstance(given, bool | np.bool_) or not isinstance(given, SupportsIndex):
+        raise TypeError(said)
+    number = operator.index(given)
+    if not least <= number <= most:
+        raise ValueError(said)
+    return number
+
+
+def _refuse_no_array(image: object) -> None:
+    if not isinstance(image, np.ndarray):
+        kind = type(image).__name__
+        raise TypeError(f"image is of type {kind}; expected a numpy.ndarray of uint8, H x W x 3 or H x W")
+
+
 def _severities(severity: Severity | None) -> tuple[int, ...]:
     if severity is None:
         return ()
-    ends = (severity, severity) if isinstance(severity, int | np.integer) else tuple(severity)
-    whole = all(isinstance(end, int | np.integer) for end in ends)
-    if len(ends) != 2 or not whole or not 1 <= ends[0] <= ends[1] <= 5:
-        raise ValueError(f"severity {severity!r}: expected 1 to 5, or a pair (least, most) of these")
+    expected = "expected a whole number from 1 to 5, or a pair (least, most) of these"
+    ends = tuple(severity) if isinstance(severity, Iterable) else (severity, severity)
+    if any(isinstance(end, bool) or not isinstance(end, int | np.integer) for end in ends):
+        raise TypeError(f"severity = {severity!r}; {expected}")
+    if len(ends) != 2 or not 1 <= ends[0] <= ends[1] <= 5:
+        raise ValueError(f"severity = {severity!r}; {expected}")
     return tuple(range(int(ends[0]), int(ends[1]) + 1))
 
 
@@ -165,4 +216,6 @@ def recipe_of(recipe: RecipeLike | None) -> Recipe:
         return recipe
     if isinstance(recipe, dict):
         return Recipe.from_dict(recipe)
-    return Recipe("windshield-star" if recipe is None else recipe)
+    if recipe is None or isinstance(recipe, str):
+        return Recipe("windshield-star" if recipe is None else recipe)
+    raise TypeError(f"recipe = {recipe!r}; expected a starbreak.Recipe, the name of a preset or a dict")

@@ -11,6 +11,7 @@ _Image: TypeAlias = npt.NDArray[np.uint8]
 _Path: TypeAlias = str | PathLike[str]
 _RecipeLike: TypeAlias = Recipe | str | dict[str, Any]
 _Boxes: TypeAlias = Sequence[Sequence[float]] | npt.NDArray[np.floating[Any]]
+_Size: TypeAlias = Sequence[SupportsIndex] | npt.NDArray[np.integer[Any]]
 _Set: TypeAlias = Mapping[str, Any] | Sequence[str]
 
 __all__ = [
@@ -44,12 +45,12 @@ class Recipe:
         cls,
         preset: str = "windshield-star",
         *,
-        severity: int | None = None,
+        severity: SupportsIndex | None = None,
         camera: str | None = None,
         set: _Set | None = None,
     ) -> Recipe: ...
     @staticmethod
-    def from_toml(text: str, *, name: str = "recipe") -> Recipe: ...
+    def from_toml(text: str, *, name: _Path = "recipe") -> Recipe: ...
     @staticmethod
     def from_file(path: _Path) -> Recipe: ...
     @staticmethod
@@ -98,6 +99,16 @@ class CrackNetwork:
 
 @final
 class Cracked:
+    def __new__(
+        cls,
+        image: _Image,
+        region: _Image,
+        crack: _Image,
+        network: CrackNetwork | None,
+        facts: dict[str, Any],
+        damage: list[dict[str, float | None] | None],
+        intact: bool,
+    ) -> Cracked: ...
     @property
     def image(self) -> _Image: ...
     @property
@@ -112,6 +123,7 @@ class Cracked:
     def damage(self) -> list[dict[str, float | None] | None]: ...
     @property
     def intact(self) -> bool: ...
+    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]: ...
 
 @final
 class ReadyCrack:
@@ -119,7 +131,7 @@ class ReadyCrack:
         cls,
         recipe: _RecipeLike | None = None,
         seed: SupportsIndex = 0,
-        size: tuple[int, int] = (1242, 375),
+        size: _Size = (1242, 375),
         *,
         network: CrackNetwork | None = None,
     ) -> ReadyCrack: ...
@@ -144,12 +156,13 @@ class ReadyCrack:
     def over(
         self, image: _Image, seed: SupportsIndex = 0, *, boxes: None = None, full: Literal[False] = False
     ) -> _Image: ...
+    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]: ...
 
 @final
 class PatternBank:
     def __new__(cls, path: _Path) -> PatternBank: ...
     def __len__(self) -> int: ...
-    def __getitem__(self, index: int, /) -> CrackNetwork: ...
+    def __getitem__(self, index: SupportsIndex, /) -> CrackNetwork: ...
     @property
     def path(self) -> Any: ...
     @property
@@ -161,18 +174,18 @@ class PatternBank:
     @property
     def recipe(self) -> Recipe: ...
     def index_for(
-        self, seed: SupportsIndex, *, name: str | None = None, sample_index: int = 0
+        self, seed: SupportsIndex, *, name: _Path | None = None, sample_index: SupportsIndex = 0
     ) -> int: ...
-    def pattern(self, index: int, size: tuple[int, int]) -> ReadyCrack: ...
+    def pattern(self, index: SupportsIndex, size: _Size) -> ReadyCrack: ...
     @overload
     def crack(
         self,
         image: _Image,
         seed: SupportsIndex = 0,
         *,
-        name: str | None = None,
-        sample_index: int = 0,
-        index: int | None = None,
+        name: _Path | None = None,
+        sample_index: SupportsIndex = 0,
+        index: SupportsIndex | None = None,
         boxes: _Boxes,
         full: bool = False,
     ) -> Cracked: ...
@@ -182,9 +195,9 @@ class PatternBank:
         image: _Image,
         seed: SupportsIndex = 0,
         *,
-        name: str | None = None,
-        sample_index: int = 0,
-        index: int | None = None,
+        name: _Path | None = None,
+        sample_index: SupportsIndex = 0,
+        index: SupportsIndex | None = None,
         boxes: _Boxes | None = None,
         full: Literal[True],
     ) -> Cracked: ...
@@ -194,9 +207,9 @@ class PatternBank:
         image: _Image,
         seed: SupportsIndex = 0,
         *,
-        name: str | None = None,
-        sample_index: int = 0,
-        index: int | None = None,
+        name: _Path | None = None,
+        sample_index: SupportsIndex = 0,
+        index: SupportsIndex | None = None,
         boxes: None = None,
         full: Literal[False] = False,
     ) -> _Image: ...
@@ -205,7 +218,7 @@ class PatternBank:
 def simulate(
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
-    size: tuple[int, int] = (1242, 375),
+    size: _Size = (1242, 375),
 ) -> CrackNetwork: ...
 @overload
 def crack(
@@ -213,8 +226,8 @@ def crack(
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
     *,
-    name: str | None = None,
-    sample_index: int = 0,
+    name: _Path | None = None,
+    sample_index: SupportsIndex = 0,
     network: CrackNetwork | None = None,
     boxes: _Boxes,
     full: bool = False,
@@ -225,8 +238,8 @@ def crack(
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
     *,
-    name: str | None = None,
-    sample_index: int = 0,
+    name: _Path | None = None,
+    sample_index: SupportsIndex = 0,
     network: CrackNetwork | None = None,
     boxes: _Boxes | None = None,
     full: Literal[True],
@@ -237,8 +250,8 @@ def crack(
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
     *,
-    name: str | None = None,
-    sample_index: int = 0,
+    name: _Path | None = None,
+    sample_index: SupportsIndex = 0,
     network: CrackNetwork | None = None,
     boxes: None = None,
     full: Literal[False] = False,
@@ -246,13 +259,13 @@ def crack(
 def corrupt(
     image: _Image,
     corruption_name: str = "windshield-star",
-    severity: int = 1,
+    severity: SupportsIndex = 1,
     *,
     seed: SupportsIndex = 0,
 ) -> _Image: ...
 def crack_file(
     data: bytes,
-    name: str,
+    name: _Path,
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
     *,
@@ -261,7 +274,7 @@ def crack_file(
     n_samples: SupportsIndex = 1,
 ) -> list[tuple[str, bytes]]: ...
 def street_scene() -> tuple[_Image, list[dict[str, Any]]]: ...
-def item_seed(seed: SupportsIndex, name: str, sample_index: int = 0) -> int: ...
+def item_seed(seed: SupportsIndex, name: _Path, sample_index: SupportsIndex = 0) -> int: ...
 def presets() -> dict[str, str]: ...
 def cameras() -> dict[str, str]: ...
 def json_schema() -> dict[str, Any]: ...
@@ -276,31 +289,31 @@ def evaluate(
     protocol: Literal["coco", "kitti", "bdd"] | None = None,
     tau: Sequence[float] = (),
     iou_thresholds: Sequence[float] = (),
-    max_dets: Sequence[int] = (),
+    max_dets: Sequence[SupportsIndex] = (),
     area_ranges: Mapping[str, Sequence[float]] = {},
     class_agnostic: bool = False,
     gt_id_zero_quirk: bool = False,
     output: _Path | None = None,
     detector: str | None = None,
     condition: str | None = None,
-    replicates: int = 1000,
+    replicates: SupportsIndex = 1000,
     score_threshold: float = 0.3,
-    worst: int = 6,
+    worst: SupportsIndex = 6,
     seed: SupportsIndex = 0,
-    threads: int = 0,
+    threads: SupportsIndex = 0,
 ) -> dict[str, Any]: ...
 def divergence(
     *sets: _Path,
-    limit: int | None = None,
+    limit: SupportsIndex | None = None,
     alpha: float = 0.5,
-    bootstrap: int = 1000,
-    permutations: int = 999,
-    splits: int = 100,
+    bootstrap: SupportsIndex = 1000,
+    permutations: SupportsIndex = 999,
+    splits: SupportsIndex = 100,
     seed: SupportsIndex = 0,
-    side: int = 256,
+    side: SupportsIndex = 256,
     background: Literal["black", "gray", "white"] = "black",
     model: _Path | None = None,
     layer: str | None = None,
     sigma: float = 10.0,
-    threads: int = 0,
+    threads: SupportsIndex = 0,
 ) -> dict[str, Any]: ...

@@ -11,7 +11,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -88,7 +88,7 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
         super().__init__(p=p)
         # What `to_dict` writes.
         self.recipe = recipe.to_dict() if isinstance(recipe, Recipe) else recipe
-        self.severity = severity if severity is None or isinstance(severity, int) else tuple(severity)
+        self.severity = tuple(map(int, severity)) if isinstance(severity, Iterable) else severity and int(severity)
         self.bank = None if bank is None else os.fspath(bank)
         self.crack_seed = crack_seed
         self.key = key
@@ -96,7 +96,7 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
 
     def set_epoch(self, epoch: int) -> None:
         """Draws other cracks from now on, the same for the same number; before workers start."""
-        self._drawing.epoch = int(epoch)
+        self._drawing.epoch = epoch
 
     def apply(self, img: Image, seed_of_image: int, **params: Any) -> Image:
         return self._drawing.crack([img], seed_of_image)[0]

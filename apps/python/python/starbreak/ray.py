@@ -23,7 +23,7 @@ except ImportError as error:
     raise ImportError('starbreak.ray needs Ray Data: pip install "ray[data]"') from error
 
 from . import PatternBank, Recipe, crack_file, item_seed
-from ._drawing import RecipeLike, recipe_of
+from ._drawing import RecipeLike, recipe_of, whole
 
 __all__ = ["crack_dataset"]
 
@@ -69,10 +69,10 @@ def crack_dataset(
             would have one name, an output that another recipe or seed has made.
         OSError: where the source cannot be listed or the output cannot be written.
     """
-    if n_samples < 1:
-        raise ValueError(f"n_samples {n_samples}: expected 1 or more")
-    if batch_size < 1:
-        raise ValueError(f"batch_size {batch_size}: expected 1 or more")
+    n_samples = whole("n_samples", n_samples, 1, 2**32 - 1)
+    batch_size = whole("batch_size", batch_size, 1, 2**32 - 1)
+    if concurrency is not None:
+        concurrency = whole("concurrency", concurrency, 1, 2**32 - 1)
     if bank is not None and recipe is not None:
         raise ValueError("a bank has its recipe; give one of both")
     item_seed(seed, "")  # raises for what is no seed

@@ -71,7 +71,10 @@ class CrackedGlass(v2.Transform):  # type: ignore[misc]
 
     def set_epoch(self, epoch: int) -> None:
         """Draws other cracks from now on, the same for the same number; before workers start."""
-        self._drawing.epoch = int(epoch)
+        self._drawing.epoch = epoch
+
+    def extra_repr(self) -> str:
+        return self._drawing.words(crack_seed=self._drawing.seed, region_key=self.region_key)
 
     def make_params(self, flat_inputs: list[Any]) -> dict[str, Any]:
         if self._drawing.seed is None or not flat_inputs:

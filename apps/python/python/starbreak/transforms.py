@@ -48,7 +48,10 @@ class CrackedGlass:
 
     def set_epoch(self, epoch: int) -> None:
         """Draws other cracks from now on, the same for the same number; before workers start."""
-        self._drawing.epoch = int(epoch)
+        self._drawing.epoch = epoch
+
+    def __repr__(self) -> str:
+        return f"CrackedGlass({self._drawing.words(seed=self._drawing.seed, region=self._region)})"
 
     def __call__(self, image: Image, key: object = None) -> Image | tuple[Image, Image]:
         """The image behind broken glass; an image that is spared comes back itself.

@@ -44,7 +44,7 @@ impl Detector {
         let wrong = |reason: String| self.wrong(name, reason);
         if !self.facts.values.iter().any(|known| known == layer) {
             return Err(wrong(format!(
-                "the model has no value {layer:?}; leave --layer out, or name one of its {} values: {}",
+                "the model has no value {layer:?}; leave the layer out, or name one of its {} values: {}",
                 self.facts.values.len(),
                 listed(&self.facts.values)
             )));

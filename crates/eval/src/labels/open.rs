@@ -251,7 +251,7 @@ impl GroundTruth {
             return Err(refuse_file(
                 path,
                 format!(
-                    "it has results of {n_frames} of {} frames, and this protocol evaluates all; write an empty file for a frame without detections, or take --protocol kitti",
+                    "it has results of {n_frames} of {} frames, and this protocol evaluates all; write an empty file for a frame without detections, or take the protocol kitti",
                     self.labels.images.len()
                 ),
             ));

@@ -8,7 +8,7 @@ use crate::PaneError;
 #[non_exhaustive]
 pub enum NetworkError {
     /// Not JSON, or not of this shape.
-    #[error("not a crack network: {0}")]
+    #[error(transparent)]
     Parse(#[from] serde_json::Error),
     /// Another format or version.
     #[error("schema = {found:?}; this version reads {NETWORK_SCHEMA:?}")]

@@ -4,6 +4,7 @@ mod join;
 mod plain;
 
 use std::ffi::OsString;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
@@ -23,6 +24,12 @@ use plain::{curve_files, side};
 
 /// Name and version of the result, the value of its `schema`.
 pub const EVALUATION_SCHEMA: &str = "starbreak.evaluation-plain/1";
+
+/// Draws of the bootstrap and of the permutation test that a request may ask for.
+pub const REPLICATES: RangeInclusive<u32> = 20..=1_000_000;
+
+/// Most failures that a report shows.
+pub const MAX_WORST: u32 = 100;
 
 /// What is to be evaluated, and how. Empty lists stand for what the protocol has.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,7 +148,7 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         (None, Some(path)) => GroundTruth::of_path(path, protocol.unwrap_or(Protocol::Coco))?,
         (None, None) => {
             return Err(refused(
-                "no labels; give a SOURCE such as coco:DIR, or --ground-truth".to_owned(),
+                "no labels; give a SOURCE such as coco:DIR, or the ground truth alone".to_owned(),
             ));
         }
     };
@@ -158,7 +165,7 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
     let folder = regions_folder(request);
     if folder.is_none() && !request.taus.is_empty() {
         return Err(refused(
-            "--tau is about the region; give --regions or --cracked-set, too".to_owned(),
+            "tau is about the region; give regions or a cracked set, too".to_owned(),
         ));
     }
     let masks = folder.as_deref().map(|folder| RegionMasks {
@@ -258,23 +265,23 @@ fn not_json(cause: serde_json::Error) -> Error {
     refused(format!("the result cannot be written down: {cause}"))
 }
 
-/// Flags of the plain protocol change what is compared nowhere else; τ is a share.
+/// Rules of the plain protocol change what is compared nowhere else; τ is a share.
 fn refuse_mixed(request: &EvaluateRequest) -> Result<(), Error> {
     let compares = request.regions.is_some() || request.cracked_set.is_some() || request.joins;
     let plain = [
-        ("--iou-thresholds", !request.iou_thresholds.is_empty()),
-        ("--class-agnostic", request.class_agnostic),
-        ("--area-range", !request.area_ranges.is_empty()),
+        ("thresholds of IoU", !request.iou_thresholds.is_empty()),
+        ("class-agnostic matching", request.class_agnostic),
+        ("ranges of areas", !request.area_ranges.is_empty()),
     ];
-    if compares && let Some((flag, _)) = plain.iter().find(|(_, is_there)| *is_there) {
+    if compares && let Some((what, _)) = plain.iter().find(|(_, is_there)| *is_there) {
         return Err(refused(format!(
-            "{flag} holds for the numbers of whole images alone; leave it out with --regions, --cracked-set and -o, \
+            "{what}: only for the numbers of whole images; leave this out with regions, a cracked set or a report, \
              whose comparisons have rules of their own"
         )));
     }
     if request.clusters.is_some() && !request.joins {
         return Err(refused(
-            "--clusters is about intervals and tests, which come with a report; give -o, too"
+            "clusters are about intervals and tests, which come with a report; give a folder for it, too"
                 .to_owned(),
         ));
     }
@@ -286,25 +293,27 @@ fn refuse_mixed(request: &EvaluateRequest) -> Result<(), Error> {
         .any(|pair| matches!(pair, [a, b] if (a - b).abs() < 1e-12));
     if !taus.iter().all(is_share) || is_twice {
         return Err(refused(format!(
-            "--tau {:?}: expected shares from 0 to 1, each once",
+            "tau {:?}: expected shares from 0 to 1, each once",
             request.taus
         )));
     }
-    if !(20..=1_000_000).contains(&request.n_replicates) {
+    if !REPLICATES.contains(&request.n_replicates) {
         return Err(refused(format!(
-            "--replicates {}: expected 20 to 1000000",
-            request.n_replicates
+            "replicates {}: expected {} to {}",
+            request.n_replicates,
+            REPLICATES.start(),
+            REPLICATES.end()
         )));
     }
-    if request.n_worst > 100 {
+    if request.n_worst > MAX_WORST {
         return Err(refused(format!(
-            "--worst {}: expected 0 to 100",
+            "worst failures {}: expected 0 to {MAX_WORST}",
             request.n_worst
         )));
     }
     if !(0.0..=1.0).contains(&request.score_threshold) {
         return Err(refused(format!(
-            "--score-threshold {}: expected 0 to 1",
+            "score threshold {}: expected 0 to 1",
             request.score_threshold
         )));
     }

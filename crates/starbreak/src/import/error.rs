@@ -64,6 +64,6 @@ pub enum ImportError {
     #[error("is not a network: {0}")]
     Lines(#[from] FractureError),
     /// The JSON does not make a network.
-    #[error(transparent)]
+    #[error("is not a crack network: {0}")]
     Json(#[from] NetworkError),
 }
