@@ -17,7 +17,7 @@ use starbreak_eval::{
     LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
 };
 
-use super::evaluate::command;
+use super::evaluate::{command, refuse_study};
 use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
@@ -40,6 +40,9 @@ pub(crate) fn run(
 }
 
 fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
+    if let Some(folder) = &args.output {
+        refuse_study(folder)?;
+    }
     let tracks = Tracks::read(args)?;
     let settings = ClipSettings {
         score_threshold: args.score_threshold,
@@ -140,6 +143,12 @@ fn of_labels(
     tracks: &Tracks,
     settings: &ClipSettings,
 ) -> Result<Evaluated, Failure> {
+    let mut names = args.clip.iter();
+    if let Some(name) = names.find(|name| args.clip.iter().filter(|it| it == name).count() > 1) {
+        return Err(Failure::wrong_input(format!(
+            "--clip {name:?} is given twice; give each clip once"
+        )));
+    }
     let chosen: Vec<&LabeledClip> = match args.clip.is_empty() {
         true => tracks.clips_with_track(labels)?,
         false => {
