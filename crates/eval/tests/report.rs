@@ -274,6 +274,38 @@ fn csv_has_a_row_per_number_and_the_same_fields_in_each() {
     }
 }
 
+#[test]
+fn no_two_numbers_have_the_same_name() {
+    let mut study = plausible::study(&[2, 3]);
+    for one in &mut study.evaluations {
+        // Bins of a dose that is nearly the same for all objects.
+        let doses = &mut one.failures.as_mut().unwrap().dose_responses;
+        for (place, bin) in (0_u32..).zip(&mut doses.last_mut().unwrap().bins) {
+            bin.low = 0.3 + 1e-6 * f64::from(place);
+            bin.high = 0.3 + 1e-6 * f64::from(place + 1);
+        }
+    }
+    let all = numbers(&study);
+    let mut known = BTreeSet::new();
+    let name = |one: &starbreak_eval::report::Number| {
+        let tau = one.tau.map(|tau| tau.to_string());
+        let what = (
+            one.detector.clone(),
+            one.condition.clone(),
+            one.metric.clone(),
+        );
+        (what, one.scope, tau, one.group_kind, one.class.clone())
+    };
+    let repeated: Vec<_> = all
+        .iter()
+        .map(name)
+        .filter(|name| !known.insert(name.clone()))
+        .collect();
+    assert!(repeated.is_empty(), "{repeated:?}");
+    let classes = all.iter().filter(|one| one.metric == "coco_ap50_clean");
+    assert!(classes.count() > 10, "AP of all and of classes is there");
+}
+
 /// The fields of each row by RFC 4180.
 fn rows_of(text: &str) -> Vec<Vec<String>> {
     let (mut rows, mut row, mut field) = (Vec::new(), Vec::new(), String::new());

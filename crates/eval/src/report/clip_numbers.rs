@@ -60,7 +60,7 @@ fn of_side(adder: &mut Adder<'_>, clip: &TimelineResults, side: &str, timeline: 
             }
         }
         for step in &survival.steps {
-            let metric = format!("not_lost_{side}_after_{:.3}_s[{}]", step.time_s, clip.clip);
+            let metric = format!("not_lost_{side}_after_{:.6}_s[{}]", step.time_s, clip.clip);
             let share = Estimate::from(&step.share);
             adder.add(metric, &share, "Kaplan-Meier; Greenwood, log-log, 95 %");
         }
