@@ -26,7 +26,7 @@ pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
 pub use evaluate::{
     CrackedSet, EvaluateInput, EvaluateSettings, ImageFolders, SeedsInput, clean_results, evaluate,
-    evaluate_with_coverages, pool_seeds, put_robustness_intervals,
+    evaluate_with_coverages, pool_seeds, robustness,
 };
 pub use failures::{
     ClassFlip, DoseBin, DoseResponse, FailureResults, FailureRow, FlipRow, LogisticFit,
@@ -38,7 +38,6 @@ pub use provenance::{InputFile, Provenance, Settings, Versions};
 pub use results::{
     GroupAp, KittiAp, LabelAudit, LabelVerdict, ProtocolResults, ShiftedLabel, TideErrors,
 };
-pub use robustness::robustness;
 pub use study::{
     Condition, Counts, DivergenceResults, DivergenceTable, Evaluation, RobustnessRow, Study,
     Warning, WarningKind,
