@@ -55,24 +55,25 @@ pub(super) fn time_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
         let held = rows.last().map(|row| point(end, words::as_number(of(row))));
         own.chain(held).collect::<Vec<_>>()
     };
+    // The later lie over the earlier, narrower and with gaps: where all three are equal, all are seen.
     let curves = [
-        curve(
-            "objects to be found",
-            Ink::Fourth,
-            CurveStyle::ThinSteps,
-            points(frames, |row| row.n_objects),
-        ),
-        curve(
-            "found clean",
-            Ink::Clean,
-            CurveStyle::Steps,
-            points(&clip.clean.frames, |row| row.n_found),
-        ),
         curve(
             "found cracked",
             Ink::Cracked,
             CurveStyle::Steps,
             points(frames, |row| row.n_found),
+        ),
+        curve(
+            "found clean",
+            Ink::Clean,
+            CurveStyle::DashedSteps,
+            points(&clip.clean.frames, |row| row.n_found),
+        ),
+        curve(
+            "objects to be found",
+            Ink::Fourth,
+            CurveStyle::ThinSteps,
+            points(frames, |row| row.n_objects),
         ),
     ];
     let onset = clip.cracked.damage_onset.map(|frame| frame.time_s);
@@ -217,16 +218,16 @@ pub(super) fn survival_chart(clip: &TimelineResults, id: &str) -> Option<Block> 
     let own = last_s(&clip.cracked);
     let mut curves = vec![
         curve(
-            "clean (control)",
-            Ink::Clean,
-            CurveStyle::Steps,
-            steps(clean, last_s(&clip.clean), value),
-        ),
-        curve(
             "cracked",
             Ink::Cracked,
             CurveStyle::Steps,
             steps(cracked, own, value),
+        ),
+        curve(
+            "clean (control)",
+            Ink::Clean,
+            CurveStyle::DashedSteps,
+            steps(clean, last_s(&clip.clean), value),
         ),
     ];
     let level = words::decimal(clip.cracked.settings.level * 100.0, 0);
