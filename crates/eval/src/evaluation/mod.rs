@@ -13,6 +13,7 @@ mod evaluate;
 mod failures;
 mod paired;
 mod pooled;
+mod pooled_clips;
 mod provenance;
 mod results;
 mod robustness;
@@ -34,6 +35,7 @@ pub use failures::{
 };
 pub use paired::{Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
 pub use pooled::PooledSeeds;
+pub use pooled_clips::{PooledClips, PooledUnit, pool_clips};
 pub use provenance::{InputFile, Provenance, Settings, Versions};
 pub use results::{
     GroupAp, KittiAp, LabelAudit, LabelVerdict, ProtocolResults, ShiftedLabel, TideErrors,

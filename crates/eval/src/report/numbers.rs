@@ -1,6 +1,6 @@
 //! All numbers of a study in one long list, one row each: what CSV holds.
 
-use super::clip_numbers::of_clip;
+use super::clip_numbers::{of_clip, of_pooled_clips};
 use super::conditions::labels;
 use super::words;
 use crate::SubsetRow;
@@ -219,6 +219,9 @@ fn of_evaluation(evaluation: &Evaluation, condition: &str, list: &mut Vec<Number
     }
     for clip in &evaluation.timelines {
         of_clip(&about, clip, list);
+    }
+    if let Some(pooled) = &evaluation.pooled_clips {
+        of_pooled_clips(&about, pooled, list);
     }
 }
 

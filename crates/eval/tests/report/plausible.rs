@@ -385,6 +385,7 @@ pub(crate) fn evaluation(detector: &str, severity: u8) -> Evaluation {
         failures: Some(failures(strength)),
         tide_cracked: Some(tide(1.0 + 0.1 * strength)),
         timelines: vec![clip()],
+        pooled_clips: None,
         worst: vec![
             worst(1, "val2017/000000000139.jpg"),
             worst(2, "val2017/000000000285.jpg"),

@@ -208,6 +208,7 @@ fn with_coverages(
         failures: None,
         tide_cracked: None,
         timelines: Vec::new(),
+        pooled_clips: None,
         worst: Vec::new(),
         changed_objects: Vec::new(),
     };
