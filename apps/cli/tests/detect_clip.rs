@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clip::Studio;
-use common::{all_refused, json, skipped, starbreak, succeed};
+use common::{all_refused, json, photo, png_bytes, skipped, starbreak, succeed};
 use serde_json::Value;
 
 /// A file or folder of the shared data, or `None` with a note on the error output.
@@ -99,6 +99,13 @@ fn a_clip_is_detected_as_its_frames_are() {
         "frame 1"
     );
     assert_eq!(first.as_array().unwrap().len(), 2, "only so many");
+    fs::create_dir(at.join("mixed")).unwrap();
+    for (k, size) in [(9, (64, 48)), (10, (48, 64)), (11, (32, 32))] {
+        let bytes = png_bytes(&photo(size));
+        fs::write(at.join(format!("mixed/f{k}.png")), bytes).unwrap();
+    }
+    // Its header is no size: it is named by whoever reads it.
+    fs::write(at.join("mixed/f8.png"), "no picture").unwrap();
     let cut = fs::read(at.join("clean.mkv")).unwrap();
     fs::write(at.join("cut.mkv"), &cut[..cut.len() / 2]).unwrap();
     fs::write(at.join("text.mp4"), "no clip").unwrap();
@@ -110,6 +117,10 @@ fn a_clip_is_detected_as_its_frames_are() {
         .into()
     };
     let cases = [
+        (
+            case("clip:mixed"),
+            "\"mixed/f10.png\" is 48 x 64 px, but \"mixed/f9.png\", a frame before it, is 64 x 48 px",
+        ),
         (case("clip:cut.mkv"), "cut.mkv"),
         (case("clip:text.mp4"), "text.mp4"),
         (case("clip:absent.mp4"), "absent.mp4"),

@@ -1,10 +1,13 @@
 //! `starbreak divergence` as a user runs it.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+mod common;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use common::skipped;
 use serde_json::Value;
 
 fn run(folder: &Path, args: &[&str]) -> Output {
@@ -216,4 +219,32 @@ fn the_papers_experiment_names_what_is_missing() {
     );
     let output = run(dir.path(), &["--experiment", "paper"]);
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+}
+
+#[test]
+fn a_layer_that_the_model_lacks_is_refused_before_any_image_is_read() {
+    let model = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../shared/data/onnx/FastestDet.onnx"
+    );
+    if !Path::new(model).is_file() {
+        skipped(&format!("{model} is not at hand"));
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    three_sets(dir.path());
+    let layers = ["--model", model, "--layer", "no such layer"];
+    let output = run(
+        dir.path(),
+        &[&["folder:a", "folder:b"], &layers[..]].concat(),
+    );
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    for words in [
+        "FastestDet.onnx\" has no layer \"no such layer\"",
+        "leave the layer out, or name one of its",
+    ] {
+        assert!(said.contains(words), "{words}: {said}");
+    }
 }

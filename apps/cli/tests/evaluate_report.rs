@@ -2,10 +2,13 @@
 //! follow by hand from a made-up set.
 #![expect(clippy::unwrap_used, reason = "a test")]
 
+mod common;
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use common::repeated_keys;
 use serde_json::{Value, json};
 
 fn starbreak(folder: &Path, args: &[&str]) -> Output {
@@ -154,9 +157,53 @@ fn the_numbers_are_those_of_the_made_up_set() {
         page.contains("&lt;b&gt;car") && !page.contains("<b>car"),
         "a name is a name"
     );
-    for name in ["numbers.csv", "table.tex"] {
-        assert!(folder.path().join("out").join(name).is_file(), "{name}");
+    let csv = fs::read_to_string(folder.path().join("out/numbers.csv")).unwrap();
+    let none: [String; 0] = [];
+    assert_eq!(repeated_keys(&csv), none, "each number once");
+    assert!(csv.contains("coco_ap50_cracked"), "the protocol's, too");
+    assert!(folder.path().join("out/table.tex").is_file(), "the table");
+}
+
+/// Two categories that are both called car, each with objects in the region.
+#[test]
+fn categories_of_one_name_stay_two() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    write_set(at);
+    let mut labels: Value =
+        serde_json::from_slice(&fs::read(at.join("labels.json")).unwrap()).unwrap();
+    labels["categories"] = json!([{"id": 1, "name": "car"}, {"id": 7, "name": "car"}]);
+    for object in labels["annotations"].as_array_mut().unwrap() {
+        if object["id"].as_u64().unwrap() % 2 == 0 {
+            object["category_id"] = json!(7);
+        }
     }
+    fs::write(at.join("labels.json"), labels.to_string()).unwrap();
+    assert!(
+        run(at, &["-o", "out"]).status.success(),
+        "both are evaluated"
+    );
+    let csv = fs::read_to_string(at.join("out/numbers.csv")).unwrap();
+    let none: [String; 0] = [];
+    assert_eq!(repeated_keys(&csv), none, "each number once");
+    assert!(
+        csv.contains(",class,car,") && csv.contains(",class,car (id 7),"),
+        "{csv}"
+    );
+}
+
+#[test]
+fn the_report_of_a_study_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    write_set(folder.path());
+    fs::create_dir(folder.path().join("out")).unwrap();
+    fs::write(folder.path().join("out/study.json"), "{}").unwrap();
+    let output = run(folder.path(), &["-o", "out"]);
+    assert_eq!(output.status.code(), Some(2), "refused");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("out: is the folder of a study"), "{said}");
+    let left: Vec<_> = fs::read_dir(folder.path().join("out")).unwrap().collect();
+    assert_eq!(left.len(), 1, "nothing was written beside it");
 }
 
 #[test]

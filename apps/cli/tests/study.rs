@@ -8,8 +8,11 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::Duration;
 
-use common::{command, folder, json, names, raw_png, skipped, snapshot, starbreak};
+use common::{
+    command, folder, jpeg_bytes, json, names, raw_png, repeated_keys, skipped, snapshot, starbreak,
+};
 use serde_json::Value;
+use starbreak_dataset::{ImageLimits, read_image};
 
 /// The shared data, where it is at hand.
 fn data() -> Option<PathBuf> {
@@ -86,6 +89,9 @@ fn a_study_gives_one_report_and_a_killed_one_comes_to_the_same() {
     for name in ["report.html", "evaluation.json", "numbers.csv", "table.tex"] {
         assert!(dir.path().join("whole").join(name).is_file(), "{name}");
     }
+    let csv = fs::read_to_string(dir.path().join("whole/numbers.csv")).unwrap();
+    let none: [String; 0] = [];
+    assert_eq!(repeated_keys(&csv), none, "each number once");
     let study = json(&dir.path().join("whole/evaluation.json"));
     let evaluations = study["evaluations"].as_array().unwrap();
     let of = |key: &str| -> Vec<&Value> {
@@ -302,6 +308,13 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
     let more = starbreak(dir.path(), &small(&data, "1,2", &[]));
     assert_eq!(more.code, Some(0), "{}", more.stderr);
     let study = json(&dir.path().join("out/evaluation.json"));
+    let csv = fs::read_to_string(dir.path().join("out/numbers.csv")).unwrap();
+    let none: [String; 0] = [];
+    assert_eq!(
+        repeated_keys(&csv),
+        none,
+        "each number once, also of seeds taken together"
+    );
     let pooled = study["pooled"].as_array().unwrap();
     assert_eq!(pooled.len(), 1, "both seeds");
     assert_eq!(pooled[0]["seeds"], serde_json::json!([1, 2]), "named");
@@ -347,4 +360,54 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
         "{}",
         refused.stderr
     );
+}
+
+#[test]
+fn an_image_whose_pixels_have_changed_is_refused_until_it_is_put_back() {
+    let Some(data) = data() else { return };
+    let dir = folder();
+    let coco = dir.path().join("coco");
+    for part in ["annotations", "val2017"] {
+        fs::create_dir_all(coco.join(part)).unwrap();
+        for entry in fs::read_dir(data.join("coco96").join(part)).unwrap() {
+            let from = entry.unwrap();
+            fs::copy(from.path(), coco.join(part).join(from.file_name())).unwrap();
+        }
+    }
+    let mut arguments = small(&data, "1", &["--divergence", "off"]);
+    arguments[1] = format!("coco:{}", coco.display());
+    let first = starbreak(dir.path(), &arguments);
+    assert_eq!(first.code, Some(0), "{}", first.stderr);
+    let before = snapshot(&dir.path().join("out"));
+
+    // The third image by name, with other pixels in a file of the same name, size and time.
+    let images = names(&coco.join("val2017"));
+    let path = coco.join("val2017").join(&images[2]);
+    let bytes = fs::read(&path).unwrap();
+    let time = fs::metadata(&path).unwrap().modified().unwrap();
+    let mut pixels = read_image(&path, &ImageLimits::default()).unwrap().pixels;
+    pixels.invert();
+    let mut other = jpeg_bytes(&pixels);
+    other.resize(bytes.len().max(other.len()), 0);
+    fs::write(&path, other).unwrap();
+    let file = fs::File::options().append(true).open(&path).unwrap();
+    file.set_modified(time).unwrap();
+    let refused = starbreak(dir.path(), &arguments);
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    for said in [
+        "out",
+        "1 of its 4 images have changed",
+        &images[2],
+        "choose another folder",
+    ] {
+        assert!(refused.stderr.contains(said), "{said}: {}", refused.stderr);
+    }
+    assert!(
+        snapshot(&dir.path().join("out")) == before,
+        "nothing written"
+    );
+
+    fs::write(&path, bytes).unwrap();
+    let again = starbreak(dir.path(), &arguments);
+    assert_eq!(again.code, Some(0), "{}", again.stderr);
 }

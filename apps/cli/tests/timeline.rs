@@ -6,7 +6,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{all_refused, folder, json, snapshot, starbreak, succeed};
+use common::{all_refused, folder, json, repeated_keys, snapshot, starbreak, succeed};
 use serde_json::{Value, json};
 
 /// Frames of the clip.
@@ -194,6 +194,8 @@ fn what_is_lost_when_is_what_was_made_so() {
         csv.contains("median_time_to_failure_s_cracked[drive]"),
         "{csv}"
     );
+    let none: [String; 0] = [];
+    assert_eq!(repeated_keys(&csv), none, "each number once");
     let page = fs::read_to_string(dir.path().join("out/report.html")).unwrap();
     for said in [
         "damage at 0.80 s",

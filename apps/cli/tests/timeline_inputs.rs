@@ -6,7 +6,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{Outcome, folder, starbreak, succeed};
+use common::{Outcome, folder, snapshot, starbreak, succeed};
 use serde_json::{Value, json};
 
 /// Frames of each clip; the damage begins at frame 10 of `a` and 12 of `b`.
@@ -451,4 +451,25 @@ fn names_of_kitti_results_are_numbers_of_frames_and_that_is_said() {
             "\"frame_000000.png\"",
         ],
     );
+}
+
+#[test]
+fn a_clip_given_twice_and_the_folder_of_a_study_are_refused() {
+    let dir = scene();
+    let at = dir.path();
+    let of_a = of_a("clean/a.json", "cracked/a.json");
+    let twice = [&of_a[..], &["--clip", "a", "-o", "out"]].concat();
+    refused(at, &twice, &["--clip \"a\" is given twice"]);
+    assert!(!at.join("out").exists(), "nothing written");
+    fs::create_dir(at.join("study")).unwrap();
+    fs::write(at.join("study/study.json"), "{}").unwrap();
+    fs::write(at.join("study/report.html"), "the study's").unwrap();
+    let before = snapshot(at);
+    let args = [&of_a[..], &["-o", "study"]].concat();
+    refused(
+        at,
+        &args,
+        &["study: is the folder of a study", "give another"],
+    );
+    assert!(snapshot(at) == before, "nothing written");
 }

@@ -170,7 +170,10 @@ fn what_makes_no_sense_is_refused() {
             "--growth-time",
         ),
         (&["empty", "-o", "out"], "no frames"),
-        (&["mixed", "-o", "out"], "100 x 160"),
+        (
+            &["mixed", "-o", "out"],
+            "\"mixed/b.png\" is 100 x 160 px, but \"mixed/a.png\", a frame before it, is 160 x 100 px",
+        ),
         (&["nowhere", "-o", "out"], "ffmpeg"),
         (
             &["in", "-o", "out.mp4", "--fps", "9", "--ffmpeg", "no/ffmpeg"],

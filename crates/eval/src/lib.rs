@@ -34,8 +34,8 @@ pub mod divergence;
 
 pub use boxes::BoxPx;
 pub use compare::{
-    COVERAGE_BINS, CompareParams, Evaluated, RegionResults, SubsetRow, check_pair,
-    compare_in_regions, cover, evaluate,
+    COVERAGE_BINS, CompareParams, Compared, Evaluated, RegionResults, SubsetRow, compare_pair,
+    evaluate,
 };
 pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
 pub use error::EvalError;

@@ -274,6 +274,85 @@ fn csv_has_a_row_per_number_and_the_same_fields_in_each() {
     }
 }
 
+#[test]
+fn a_clean_curve_lies_with_gaps_over_a_wider_cracked_one() {
+    let page = html(&plausible::study(&[3])).unwrap();
+    let document = parsed(&page);
+    let mut n_charts = 0;
+    for chart in document
+        .descendants()
+        .filter(|e| e.tag_name().name() == "svg")
+    {
+        let lines: Vec<_> = chart
+            .descendants()
+            .filter(|e| e.tag_name().name() == "path")
+            .collect();
+        let place = |ink: &str, is_solid: bool| {
+            lines.iter().position(|line| {
+                line.attribute("stroke") == Some(ink)
+                    && line.attribute("stroke-dasharray").is_none() == is_solid
+            })
+        };
+        let title = chart.first_element_child().and_then(|title| title.text());
+        if !title.is_some_and(|title| title.ends_with("drive 0005")) {
+            continue;
+        }
+        n_charts += 1;
+        let cracked = place("var(--cracked)", true).unwrap();
+        let clean = place("var(--clean)", false).unwrap();
+        assert!(cracked < clean, "{title:?}: clean is drawn last");
+        let width = |place: usize| -> f64 {
+            let width = lines.get(place).unwrap().attribute("stroke-width");
+            width.unwrap().parse().unwrap()
+        };
+        assert!(
+            width(cracked) >= 1.5 * width(clean),
+            "{title:?}: cracked is wider"
+        );
+        assert_eq!(
+            place("var(--clean)", true),
+            None,
+            "{title:?}: clean has gaps"
+        );
+    }
+    assert_eq!(
+        n_charts, 4,
+        "over time and of what is lost, of two detectors"
+    );
+}
+
+#[test]
+fn no_two_numbers_have_the_same_name() {
+    let mut study = plausible::study(&[2, 3]);
+    for one in &mut study.evaluations {
+        // Bins of a dose that is nearly the same for all objects.
+        let doses = &mut one.failures.as_mut().unwrap().dose_responses;
+        for (place, bin) in (0_u32..).zip(&mut doses.last_mut().unwrap().bins) {
+            bin.low = 0.3 + 1e-6 * f64::from(place);
+            bin.high = 0.3 + 1e-6 * f64::from(place + 1);
+        }
+    }
+    let all = numbers(&study);
+    let mut known = BTreeSet::new();
+    let name = |one: &starbreak_eval::report::Number| {
+        let tau = one.tau.map(|tau| tau.to_string());
+        let what = (
+            one.detector.clone(),
+            one.condition.clone(),
+            one.metric.clone(),
+        );
+        (what, one.scope, tau, one.group_kind, one.class.clone())
+    };
+    let repeated: Vec<_> = all
+        .iter()
+        .map(name)
+        .filter(|name| !known.insert(name.clone()))
+        .collect();
+    assert!(repeated.is_empty(), "{repeated:?}");
+    let classes = all.iter().filter(|one| one.metric == "coco_ap50_clean");
+    assert!(classes.count() > 10, "AP of all and of classes is there");
+}
+
 /// The fields of each row by RFC 4180.
 fn rows_of(text: &str) -> Vec<Vec<String>> {
     let (mut rows, mut row, mut field) = (Vec::new(), Vec::new(), String::new());

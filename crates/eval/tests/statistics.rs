@@ -7,10 +7,11 @@
 
 use serde_json::Value;
 use starbreak_eval::failure::fit_logistic;
+use starbreak_eval::resampling::{Plan, bootstrap};
 use starbreak_eval::resampling::{bca_interval, percentile_interval};
 use starbreak_eval::statistic::{holm, mcnemar, signed_rank_test, wilson_interval};
 use starbreak_eval::tide::{TideSettings, tide};
-use starbreak_eval::timeline::kaplan_meier;
+use starbreak_eval::timeline::{Survival, kaplan_meier, kaplan_meier_of_clusters};
 use starbreak_eval::{
     BoxPx, Category, Detection, Detections, LabelSet, LabeledImage, Object, ObjectKind,
 };
@@ -273,4 +274,148 @@ fn survival_is_that_of_lifelines() {
     assert!(kept.contains("as long as objects are followed"), "{kept}");
     assert!(kaplan_meier(&[1.0], &[], 0.95).is_err(), "a time too many");
     assert!(kaplan_meier(&[f64::NAN], &[true], 0.95).is_err(), "no time");
+}
+
+/// ±z √V of each step's interval, back from its ends on the log-log scale.
+fn spreads(curve: &Survival) -> Vec<f64> {
+    let spread = |step: &starbreak_eval::timeline::SurvivalStep| {
+        let interval = step.share.interval?;
+        let scaled = |end: f64| (-end.ln()).ln();
+        let half = (scaled(interval.low) - scaled(interval.high)) / 2.0;
+        Some(half * -step.share.value?.ln())
+    };
+    curve.steps.iter().filter_map(spread).collect()
+}
+
+/// Times of objects in clips, of which each has a pace of its own; a third is followed for a while only.
+fn clips(n_clips: u32, n_objects: u32) -> (Vec<f64>, Vec<bool>, Vec<u32>) {
+    let mut state = 9_u64;
+    let mut uniform = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / (1_u64 << 31) as f64
+    };
+    let (mut times, mut is_lost, mut clusters) = (Vec::new(), Vec::new(), Vec::new());
+    for clip in 0..n_clips {
+        let pace = 0.3 + 2.0 * uniform();
+        for _ in 0..n_objects {
+            let after = -pace * (1.0 - uniform()).ln();
+            let until = 3.0 * uniform();
+            // To tenths: objects are lost together.
+            times.push((after.min(until) * 10.0).ceil() / 10.0);
+            is_lost.push(after <= until);
+            clusters.push(clip);
+        }
+    }
+    (times, is_lost, clusters)
+}
+
+#[test]
+fn with_each_object_a_cluster_the_variance_is_greenwoods() {
+    let (times, is_lost, _) = clips(8, 5);
+    let n = u32::try_from(times.len()).unwrap();
+    let each: Vec<u32> = (0..n).collect();
+    let own = kaplan_meier_of_clusters(&times, &is_lost, &each, 0.95).unwrap();
+    let greenwood = kaplan_meier(&times, &is_lost, 0.95).unwrap();
+    let factor = (f64::from(n) / f64::from(n - 1)).sqrt();
+    let (own_spreads, expected) = (spreads(&own), spreads(&greenwood));
+    assert!(expected.len() > 10, "many steps");
+    assert_eq!(
+        own_spreads.len(),
+        expected.len(),
+        "intervals at the same steps"
+    );
+    for (found, expected) in own_spreads.iter().zip(expected) {
+        assert_close(*found, expected * factor, 1e-9, "but for n/(n - 1)");
+    }
+    for (a, b) in own.steps.iter().zip(&greenwood.steps) {
+        assert_eq!(a.share.value, b.share.value, "the same curve");
+        assert_eq!(
+            [a.n_at_risk, a.n_lost],
+            [b.n_at_risk, b.n_lost],
+            "of the same objects"
+        );
+    }
+}
+
+#[test]
+fn the_variance_between_clusters_is_that_of_drawing_them_anew() {
+    let (n_clips, n_objects) = (60, 12);
+    let (times, is_lost, clusters) = clips(n_clips, n_objects);
+    let curve = kaplan_meier_of_clusters(&times, &is_lost, &clusters, 0.95).unwrap();
+    let at = |curve: &Survival, time_s: f64| {
+        let before = curve
+            .steps
+            .iter()
+            .take_while(|step| step.time_s <= time_s + 1e-9);
+        before.last().map_or(1.0, |step| step.share.value.unwrap())
+    };
+    let probes = [0.2, 0.5, 1.0, 1.5];
+    let plan = Plan::of_images(n_clips).with(2000, 4, 0.95);
+    let replicates = bootstrap(&plan, |weights| {
+        let (mut drawn, mut lost) = (Vec::new(), Vec::new());
+        for ((time, is_lost), clip) in times.iter().zip(&is_lost).zip(&clusters) {
+            for _ in 0..weights.images[*clip as usize] {
+                drawn.push(*time);
+                lost.push(*is_lost);
+            }
+        }
+        let curve = kaplan_meier(&drawn, &lost, 0.95).unwrap();
+        probes
+            .iter()
+            .map(|time_s| Some(at(&curve, *time_s).ln()))
+            .collect()
+    })
+    .unwrap();
+    let greenwood = kaplan_meier(&times, &is_lost, 0.95).unwrap();
+    let mut wider = 0;
+    for (probe, values) in probes.iter().zip(&replicates.values) {
+        let values: Vec<f64> = values.iter().copied().flatten().collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let expected = 1.959_964 * (squares / (values.len() - 1) as f64).sqrt();
+        let place = curve
+            .steps
+            .iter()
+            .rposition(|step| step.time_s <= probe + 1e-9)
+            .unwrap();
+        let found = spreads(&curve)[place];
+        assert!(
+            (found / expected - 1.0).abs() < 0.1,
+            "{probe} s: {found}, drawn {expected}"
+        );
+        wider += u32::from(found > 1.1 * spreads(&greenwood)[place]);
+    }
+    assert!(
+        wider >= 3,
+        "clips of a pace of their own tell less than so many objects: {wider}"
+    );
+}
+
+#[test]
+fn clusters_that_make_no_sense_are_refused_and_clusters_alike_have_no_interval() {
+    let refused = |clusters: &[u32]| {
+        kaplan_meier_of_clusters(&[1.0, 2.0], &[true, true], clusters, 0.95)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(
+        refused(&[0]).contains("clusters"),
+        "one too few: {}",
+        refused(&[0])
+    );
+    assert!(
+        refused(&[3, 3]).contains("2 or more"),
+        "one alone: {}",
+        refused(&[3, 3])
+    );
+    let times = [0.5, 1.0, 0.5, 1.0];
+    let alike = kaplan_meier_of_clusters(&times, &[true, false, true, false], &[0, 0, 1, 1], 0.95);
+    let first = alike.unwrap().steps[0].share.clone();
+    assert_eq!(
+        (first.value, first.interval),
+        (Some(0.5), None),
+        "no width is not known"
+    );
 }

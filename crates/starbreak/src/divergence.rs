@@ -31,11 +31,14 @@ impl Eye {
     /// widest of its coarsest maps unless given.
     ///
     /// # Errors
-    /// [`Error::Eval`] for a model that cannot be read.
+    /// [`Error::Eval`] for a model that cannot be read, or has no such layer.
     pub fn open(model: &Path, layer: Option<&str>) -> Result<Self, Error> {
         let detector = Detector::open(model, &DetectorOptions::default())?;
         let layer = match layer {
-            Some(layer) => layer.to_owned(),
+            Some(layer) => {
+                detector.check_layer(layer)?;
+                layer.to_owned()
+            }
             None => detector.coarsest_layer()?,
         };
         let origin = format!("{}, layer {layer}, channel means", model.display());

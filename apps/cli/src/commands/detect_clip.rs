@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use starbreak::dataset::DatasetError;
-use starbreak::dataset::video::{Ffmpeg, frame_files, is_folder};
+use starbreak::dataset::video::{Ffmpeg, check_frame_sizes, frame_files, is_folder};
 use starbreak_eval::LabelSet;
 use starbreak_eval::detector::ImageToSee;
 
@@ -46,8 +46,10 @@ pub(super) fn look(run: &Run<'_>, clip: &Path) -> Result<Looked, Failure> {
     }
     let video = clip_name(clip);
     if is_folder(clip) {
-        let files = frame_files(clip)?.into_iter();
+        let files = frame_files(clip)?;
+        check_frame_sizes(&files)?;
         let images: Vec<ImageToSee> = files
+            .into_iter()
             .map(|path| ImageToSee {
                 name: path_text(path.file_name().unwrap_or_default()),
                 path,

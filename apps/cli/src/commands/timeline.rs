@@ -9,15 +9,15 @@ use starbreak::evaluation::{files_of, stem_of};
 use starbreak::pipeline::with_threads;
 use starbreak_eval::evaluation::{
     ClipInput, ClipSettings, Condition, Counts, Evaluation, InputFile, ProtocolResults, Provenance,
-    Settings, Study, TimelineResults, Versions, Warning, check_sides,
+    Settings, Study, TimelineResults, Versions, Warning, check_sides, pool_clips,
 };
 use starbreak_eval::report::report_files;
-use starbreak_eval::timeline::{FollowSettings, Frame, TimelineSettings};
+use starbreak_eval::timeline::{FollowSettings, Frame, Survival, TimelineSettings};
 use starbreak_eval::{
     LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
 };
 
-use super::evaluate::command;
+use super::evaluate::{command, refuse_study};
 use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
@@ -40,6 +40,9 @@ pub(crate) fn run(
 }
 
 fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
+    if let Some(folder) = &args.output {
+        refuse_study(folder)?;
+    }
     let tracks = Tracks::read(args)?;
     let settings = ClipSettings {
         score_threshold: args.score_threshold,
@@ -84,6 +87,13 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
     for clip in &evaluation.timelines {
         screen.say(&said(clip));
     }
+    if let Some(pooled) = &evaluation.pooled_clips {
+        screen.say(&format!(
+            "{} clips together: {}",
+            pooled.n_clips,
+            said_of_lost(&pooled.cracked, &pooled.clean)
+        ));
+    }
     if let Some(folder) = &args.output {
         screen.say(&format!("wrote {}", path_text(folder.join("report.html"))));
     }
@@ -92,6 +102,7 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
             "schema": Study::SCHEMA,
             "warnings": evaluation.warnings,
             "timelines": evaluation.timelines,
+            "pooled_clips": evaluation.pooled_clips,
         })
     })
 }
@@ -140,6 +151,12 @@ fn of_labels(
     tracks: &Tracks,
     settings: &ClipSettings,
 ) -> Result<Evaluated, Failure> {
+    let mut names = args.clip.iter();
+    if let Some(name) = names.find(|name| args.clip.iter().filter(|it| it == name).count() > 1) {
+        return Err(Failure::wrong_input(format!(
+            "--clip {name:?} is given twice; give each clip once"
+        )));
+    }
     let chosen: Vec<&LabeledClip> = match args.clip.is_empty() {
         true => tracks.clips_with_track(labels)?,
         false => {
@@ -287,7 +304,10 @@ fn study(
         clips: timelines,
         mut warnings,
     } = evaluated;
-    warnings.extend(timelines.iter().flat_map(TimelineResults::warnings));
+    let pooled_clips = pool_clips(&timelines)?;
+    let pooled = pooled_clips.as_ref();
+    warnings.extend(timelines.iter().flat_map(|clip| clip.warnings(pooled)));
+    warnings.extend(pooled.iter().flat_map(|pooled| pooled.warnings()));
     let sum = |of: fn(&TimelineResults) -> u64| timelines.iter().map(of).sum();
     let detector = args.detector.clone();
     let evaluation = Evaluation {
@@ -311,6 +331,7 @@ fn study(
         failures: None,
         tide_cracked: None,
         timelines,
+        pooled_clips,
         worst: Vec::new(),
         changed_objects: Vec::new(),
     };
@@ -399,13 +420,17 @@ fn said(clip: &TimelineResults) -> String {
         percent(clip.cracked.after.found.value),
     );
     if let (Some(cracked), Some(clean)) = (&clip.cracked.survival, &clip.clean.survival) {
-        text.push_str(&format!(
-            "; of {} objects at risk {} lost, {} clean",
-            cracked.n, cracked.n_lost, clean.n_lost
-        ));
-        if let Some(median_s) = cracked.median_s.value {
-            text.push_str(&format!(", half of them within {median_s:.2} s"));
-        }
+        text.push_str(&format!("; {}", said_of_lost(cracked, clean)));
     }
     text
+}
+
+fn said_of_lost(cracked: &Survival, clean: &Survival) -> String {
+    let half = cracked.median_s.value.map_or(String::new(), |median_s| {
+        format!(", half of them within {median_s:.2} s")
+    });
+    format!(
+        "of {} objects at risk {} lost, {} clean{half}",
+        cracked.n, cracked.n_lost, clean.n_lost
+    )
 }

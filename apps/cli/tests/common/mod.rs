@@ -1,7 +1,7 @@
 //! The real binary in a folder of its own, and pictures to feed it with.
 #![expect(dead_code, reason = "each test file uses its own part")]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -154,6 +154,22 @@ pub(crate) fn names(dir: &Path) -> Vec<String> {
 /// A JSON file.
 pub(crate) fn json(path: &Path) -> Value {
     serde_json::from_slice(&fs::read(path).unwrap()).unwrap()
+}
+
+/// Of the rows of a `numbers.csv` what stands before the value, where an earlier row has it, too.
+pub(crate) fn repeated_keys(csv: &str) -> Vec<String> {
+    let key = |row: &str| {
+        let (mut is_quoted, mut n_fields) = (false, 0);
+        let end = row.find(|c| {
+            is_quoted ^= c == '"';
+            n_fields += u32::from(c == ',' && !is_quoted);
+            n_fields == 7
+        });
+        row[..end.unwrap()].to_owned()
+    };
+    let mut known = BTreeSet::new();
+    let keys = csv.lines().map(key);
+    keys.filter(|key| !known.insert(key.clone())).collect()
 }
 
 /// A picture with something in every bit.

@@ -36,7 +36,7 @@ impl GeneratedSet {
     /// # Errors
     /// [`DatasetError::Read`] where the disk cannot be asked.
     pub fn done(&self, name: &str, sample_idx: u32) -> Result<Option<ItemRecord>, DatasetError> {
-        done(&self.layout, name, sample_idx)
+        self.layout.done(name, sample_idx)
     }
 }
 
@@ -61,43 +61,45 @@ struct NamedFile {
     sha256: String,
 }
 
-pub(super) fn done(
-    layout: &SetLayout,
-    name: &str,
-    sample_idx: u32,
-) -> Result<Option<ItemRecord>, DatasetError> {
-    let files = layout.files_of(name, sample_idx);
-    let path = layout.path(&files.provenance);
-    if !super::is_there(&path)? {
-        return Ok(None);
+impl SetLayout {
+    /// As [`GeneratedSet::done`], of a set that no run need be at work on.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`] where the disk cannot be asked.
+    pub fn done(&self, name: &str, sample_idx: u32) -> Result<Option<ItemRecord>, DatasetError> {
+        let files = self.files_of(name, sample_idx);
+        let path = self.path(&files.provenance);
+        if !super::is_there(&path)? {
+            return Ok(None);
+        }
+        // What is not whole is made again.
+        let Ok(file) = read_text(&path, MAX_RECORD_BYTES) else {
+            return Ok(None);
+        };
+        let Ok(record) = serde_json::from_str::<Sample>(&file.text) else {
+            return Ok(None);
+        };
+        let is_this = record.input.name == name && record.item.sample_index == sample_idx;
+        let (input_sha256, image_sha256) = (record.input.sha256, record.output.sha256);
+        let of = |file: Option<NamedFile>| file.map(|file| file.sha256);
+        let (region_sha256, crack_sha256) = (of(record.region), of(record.crack));
+        let wanted = [
+            Some(&files.image),
+            region_sha256.as_ref().map(|_| &files.region),
+            crack_sha256.as_ref().map(|_| &files.crack),
+        ];
+        let are_there = wanted
+            .into_iter()
+            .flatten()
+            .all(|name| fs::metadata(self.path(name)).is_ok_and(|file| file.is_file()));
+        Ok((is_this && are_there).then(|| ItemRecord {
+            name: name.to_owned(),
+            sample: sample_idx,
+            input_sha256,
+            image_sha256,
+            region_sha256,
+            crack_sha256,
+            provenance_sha256: file.sha256,
+        }))
     }
-    // What is not whole is made again.
-    let Ok(file) = read_text(&path, MAX_RECORD_BYTES) else {
-        return Ok(None);
-    };
-    let Ok(record) = serde_json::from_str::<Sample>(&file.text) else {
-        return Ok(None);
-    };
-    let is_this = record.input.name == name && record.item.sample_index == sample_idx;
-    let (input_sha256, image_sha256) = (record.input.sha256, record.output.sha256);
-    let of = |file: Option<NamedFile>| file.map(|file| file.sha256);
-    let (region_sha256, crack_sha256) = (of(record.region), of(record.crack));
-    let wanted = [
-        Some(&files.image),
-        region_sha256.as_ref().map(|_| &files.region),
-        crack_sha256.as_ref().map(|_| &files.crack),
-    ];
-    let are_there = wanted
-        .into_iter()
-        .flatten()
-        .all(|name| fs::metadata(layout.path(name)).is_ok_and(|file| file.is_file()));
-    Ok((is_this && are_there).then(|| ItemRecord {
-        name: name.to_owned(),
-        sample: sample_idx,
-        input_sha256,
-        image_sha256,
-        region_sha256,
-        crack_sha256,
-        provenance_sha256: file.sha256,
-    }))
 }

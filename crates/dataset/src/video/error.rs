@@ -85,6 +85,25 @@ pub enum VideoError {
         /// Height of frame 0, px.
         expected_height_px: u32,
     },
+    /// A folder whose frames are not all of one size.
+    #[error(
+        "{path:?} is {width_px} x {height_px} px, but {first:?}, a frame before it, is {first_width_px} x \
+         {first_height_px} px; bring all frames to one size"
+    )]
+    FileSize {
+        /// The first file of another size.
+        path: PathBuf,
+        /// Its width, px.
+        width_px: u32,
+        /// Its height, px.
+        height_px: u32,
+        /// The first file.
+        first: PathBuf,
+        /// Width of that, px.
+        first_width_px: u32,
+        /// Height of that, px.
+        first_height_px: u32,
+    },
     /// ffmpeg did not take the frames.
     #[error("{path:?} cannot be written: {said}; {way_out}")]
     Write {

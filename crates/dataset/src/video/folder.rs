@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::VideoError;
-use crate::DatasetError;
+use crate::{DatasetError, image_size};
 
 /// The PNG and JPEG files of a folder by their names, in the order of their names, in which a
 /// run of digits counts as a number: `f2.png` comes before `f10.png`.
@@ -45,6 +45,31 @@ pub fn frame_files(folder: &Path) -> Result<Vec<PathBuf>, DatasetError> {
         by_number(&a_name, &b_name).then_with(|| a.cmp(b))
     });
     Ok(files)
+}
+
+/// Refuses frames of several sizes, by their headers alone. One whose header cannot be read is left to
+/// whoever reads its pixels.
+///
+/// # Errors
+/// [`VideoError::FileSize`] with the first frame of another size than those before it.
+pub fn check_frame_sizes(files: &[PathBuf]) -> Result<(), DatasetError> {
+    let mut sized = files
+        .iter()
+        .filter_map(|path| Some((path, image_size(path).ok()?)));
+    let Some((first, first_size)) = sized.next() else {
+        return Ok(());
+    };
+    match sized.find(|(_, size)| *size != first_size) {
+        None => Ok(()),
+        Some((path, (width_px, height_px))) => Err(DatasetError::Video(VideoError::FileSize {
+            path: path.clone(),
+            width_px,
+            height_px,
+            first: first.clone(),
+            first_width_px: first_size.0,
+            first_height_px: first_size.1,
+        })),
+    }
 }
 
 /// Whether there is a folder.

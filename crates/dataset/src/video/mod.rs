@@ -21,7 +21,7 @@ mod write;
 
 pub use clip::{ClipInfo, ClipReader, TimedFrame};
 pub use error::VideoError;
-pub use folder::{frame_files, holds_anything, is_folder, is_inside};
+pub use folder::{check_frame_sizes, frame_files, holds_anything, is_folder, is_inside};
 pub use program::Ffmpeg;
 pub use rate::Fraction;
 pub use write::{ClipFormat, ClipStream, ClipWriter};

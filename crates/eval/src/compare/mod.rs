@@ -1,8 +1,9 @@
 //! One set of detections, or clean against cracked, by a protocol: all that has no statistics.
 
+mod compared;
 mod pairs;
 
-pub use pairs::check_pair;
+pub use compared::{Compared, compare_pair};
 
 use serde::{Deserialize, Serialize};
 
@@ -12,8 +13,8 @@ use crate::evaluation::{
 };
 use crate::{
     AreaRange, CocoEvaluation, CocoParams, CoverageOf, Coverages, EvalError, GroundTruth,
-    KittiCurve, LabelSet, ObjectKind, Protocol, RegionMasks, SaidDetections, Size, Subset,
-    SubsetAp, SubsetParams, evaluate_coco, evaluate_kitti, subset_precision,
+    KittiCurve, LabelSet, Protocol, RegionMasks, SaidDetections, Size, Subset, SubsetAp,
+    SubsetParams, evaluate_coco, evaluate_kitti, subset_precision,
 };
 
 /// How to compare.
@@ -41,6 +42,12 @@ impl CompareParams {
                 Protocol::Coco | Protocol::Bdd => crate::MIN_OBJECTS,
             },
         }
+    }
+
+    /// τ that counts first.
+    #[must_use]
+    pub fn tau(&self) -> f64 {
+        self.taus.first().copied().unwrap_or(0.05)
     }
 }
 
@@ -220,22 +227,16 @@ fn group_of(kind: GroupKind, name: &str) -> Group {
     }
 }
 
-/// Regular objects of each category.
+/// Objects to be found of each category.
 fn objects_per_category(labels: &LabelSet, categories: impl Iterator<Item = u32>) -> Vec<u64> {
     let mut counts = vec![0; labels.categories.len()];
     for (object, category) in labels.objects.iter().zip(categories) {
         let idx = usize::try_from(category).unwrap_or(usize::MAX);
-        if let (true, Some(n)) = (is_counted(object), counts.get_mut(idx)) {
+        if let (true, Some(n)) = (object.is_to_be_found(), counts.get_mut(idx)) {
             *n += 1;
         }
     }
     counts
-}
-
-/// Whether an object is to be found on whole images: one with an area below 0 is in no range of sizes, and
-/// ignored by the rules of MS-COCO.
-fn is_counted(object: &crate::Object) -> bool {
-    object.kind == ObjectKind::Regular && object.area_px2 >= 0.0
 }
 
 fn count(n: usize) -> u64 {
@@ -266,14 +267,14 @@ fn kitti_ap(curve: &KittiCurve) -> KittiAp {
 ///
 /// # Errors
 /// As [`RegionMasks::coverages`].
-pub fn cover(
+pub(crate) fn cover(
     truth: &GroundTruth,
     sets: &[&SaidDetections],
     masks: Option<RegionMasks<'_>>,
     tau: f64,
 ) -> Result<(Counts, Option<Coverages>), EvalError> {
     let labels = &truth.labels;
-    let regular = |o: &&crate::Object| is_counted(o);
+    let regular = |o: &&crate::Object| o.is_to_be_found();
     let mut counts = Counts {
         n_images: count(labels.images.len()),
         n_objects: count(labels.objects.iter().filter(regular).count()),
@@ -300,7 +301,7 @@ pub fn cover(
 /// # Errors
 /// [`EvalError::Rule`] where clean and cracked are not of the same frames, or for parameters that
 /// make no sense.
-pub fn compare_in_regions(
+pub(crate) fn compare_in_regions(
     truth: &GroundTruth,
     clean: &SaidDetections,
     cracked: Option<&SaidDetections>,
@@ -374,7 +375,7 @@ pub fn compare_in_regions(
             parts.push((name, Subset::CoverageBin { least, below }));
         }
     }
-    let tau = params.taus.first().copied().unwrap_or(0.05);
+    let tau = params.tau();
     for size in Size::ALL {
         let name = format!("{} in region", size.name());
         parts.push((name, Subset::SizeInRegion { size, tau }));

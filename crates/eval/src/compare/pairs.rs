@@ -8,7 +8,7 @@ use crate::{EvalError, GroundTruth, KittiDetections, SaidDetections};
 ///
 /// # Errors
 /// [`EvalError::Rule`] where they are not.
-pub fn check_pair(
+pub(super) fn check_pair(
     truth: &GroundTruth,
     clean: &SaidDetections,
     cracked: Option<&SaidDetections>,

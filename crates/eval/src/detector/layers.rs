@@ -34,7 +34,8 @@ impl Detector {
     /// `layer` is the name of a value in the model that has the sides 1, channels, height, width.
     ///
     /// # Errors
-    /// [`EvalError::Inference`] where the model fails, has no such value, or it is no such map.
+    /// [`EvalError::Inference`] where the model fails, has no such value ([`Self::check_layer`] says so before the
+    /// work), or it is no such map.
     pub fn pooled_activations(
         &self,
         name: &str,
@@ -42,13 +43,6 @@ impl Detector {
         layer: &str,
     ) -> Result<Vec<f32>, EvalError> {
         let wrong = |reason: String| self.wrong(name, reason);
-        if !self.facts.values.iter().any(|known| known == layer) {
-            return Err(wrong(format!(
-                "the model has no value {layer:?}; leave the layer out, or name one of its {} values: {}",
-                self.facts.values.len(),
-                listed(&self.facts.values)
-            )));
-        }
         let mut found = self.values(name, image, &[layer.to_owned()])?;
         let (shape, values) = found.pop().unwrap_or_default();
         let &[1, channels, height, width] = shape.as_slice() else {
@@ -65,6 +59,24 @@ impl Detector {
         #[expect(clippy::cast_possible_truncation, reason = "a mean of f32")]
         let mean = |map: &[f32]| (map.iter().map(|v| f64::from(*v)).sum::<f64>() / count) as f32;
         Ok(values.chunks_exact(area).map(mean).collect())
+    }
+
+    /// Whether the model computes a value of this name.
+    ///
+    /// # Errors
+    /// [`EvalError::Model`] with the names of those that it computes.
+    pub fn check_layer(&self, layer: &str) -> Result<(), EvalError> {
+        if self.facts.values.iter().any(|known| known == layer) {
+            return Ok(());
+        }
+        Err(EvalError::Model {
+            model: self.name.clone(),
+            reason: format!(
+                "has no layer {layer:?}; leave the layer out, or name one of its {} values: {}",
+                self.facts.values.len(),
+                listed(&self.facts.values)
+            ),
+        })
     }
 
     /// The name of the layer that sees most: of all maps (1 x channels x height x width) of the

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Warning, WarningKind};
+use super::{PooledClips, Warning, WarningKind};
 use crate::timeline::{
     Change, FollowSettings, Frame, Timeline, TimelineSettings, change_after, timeline,
     track_detections, tracks_of,
@@ -233,12 +233,14 @@ impl ClipSettings {
 }
 
 /// Fewer objects at risk than this make a curve of steps.
-const FEW_AT_RISK: u64 = 20;
+pub(super) const FEW_AT_RISK: u64 = 20;
 
 impl TimelineResults {
-    /// What a reader must know before the numbers.
+    /// What a reader must know before the numbers; that there are few objects at risk is no matter of one
+    /// clip where `pooled`, all of them together, have enough.
     #[must_use]
-    pub fn warnings(&self) -> Vec<Warning> {
+    pub fn warnings(&self, pooled: Option<&PooledClips>) -> Vec<Warning> {
+        let is_enough = pooled.is_some_and(PooledClips::is_enough);
         let mut warnings = Vec::new();
         let mut add = |kind, text| warnings.push(Warning { kind, text });
         let clip = &self.clip;
@@ -257,7 +259,7 @@ impl TimelineResults {
                 WarningKind::Refused,
                 format!("clip {clip}: no damage begins in it, so there is no time to failure"),
             ),
-            Some(survival) if survival.n < FEW_AT_RISK => add(
+            Some(survival) if survival.n < FEW_AT_RISK && !is_enough => add(
                 WarningKind::SmallSample,
                 format!(
                     "clip {clip}: {} objects are at risk of being lost; take longer clips or several",

@@ -13,6 +13,7 @@ mod evaluate;
 mod failures;
 mod paired;
 mod pooled;
+mod pooled_clips;
 mod provenance;
 mod results;
 mod robustness;
@@ -26,7 +27,7 @@ pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
 pub use evaluate::{
     CrackedSet, EvaluateInput, EvaluateSettings, ImageFolders, SeedsInput, clean_results, evaluate,
-    evaluate_with_coverages, pool_seeds, put_robustness_intervals,
+    evaluate_with_coverages, pool_seeds, robustness,
 };
 pub use failures::{
     ClassFlip, DoseBin, DoseResponse, FailureResults, FailureRow, FlipRow, LogisticFit,
@@ -34,11 +35,11 @@ pub use failures::{
 };
 pub use paired::{Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
 pub use pooled::PooledSeeds;
+pub use pooled_clips::{PooledClips, PooledUnit, pool_clips};
 pub use provenance::{InputFile, Provenance, Settings, Versions};
 pub use results::{
     GroupAp, KittiAp, LabelAudit, LabelVerdict, ProtocolResults, ShiftedLabel, TideErrors,
 };
-pub use robustness::robustness;
 pub use study::{
     Condition, Counts, DivergenceResults, DivergenceTable, Evaluation, RobustnessRow, Study,
     Warning, WarningKind,

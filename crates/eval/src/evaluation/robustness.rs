@@ -5,52 +5,42 @@ use super::{
 };
 use crate::{CrackedPrecision, mean_performance};
 
-/// mPC and rPC of each detector, of AP, AP50 and AP75 on whole images and in the region at `tau`, over the
-/// families, severities and seeds of the evaluations' conditions; nothing unless a detector has two
-/// conditions or more, each with family and severity.
+/// mPC and rPC of one detector without intervals, of AP, AP50 and AP75 on whole images and in the region at
+/// `tau`, over the families, severities and seeds of its evaluations' conditions; nothing unless there are two
+/// conditions or more, each with family and severity. `n_objects` says how many different objects some
+/// condition asks for in a place.
 ///
 /// In the region every condition has a clean AP of its own, since its region is its own; rPC is by their
 /// mean.
-#[must_use]
-pub fn robustness(evaluations: &[Evaluation], tau: Option<f64>) -> Vec<RobustnessRow> {
-    let mut detectors: Vec<&str> = Vec::new();
-    for one in evaluations {
-        if !detectors.contains(&one.detector.as_str()) {
-            detectors.push(&one.detector);
-        }
+pub(super) fn mean_rows(
+    evaluations: &[Evaluation],
+    tau: f64,
+    n_objects: &dyn Fn(&Scope) -> u64,
+) -> Vec<RobustnessRow> {
+    let is_known =
+        |one: &Evaluation| one.condition.family.is_some() && one.condition.severity.is_some();
+    if evaluations.len() < 2 || !evaluations.iter().all(is_known) {
+        return Vec::new();
     }
-    let mut scopes = vec![Scope::whole_image()];
-    if tau.is_some() {
-        scopes.push(Scope {
-            kind: ScopeKind::InRegion,
-            tau,
-        });
-    }
+    let in_region = Scope {
+        kind: ScopeKind::InRegion,
+        tau: Some(tau),
+    };
     let mut rows = Vec::new();
-    for detector in detectors {
-        let of_detector: Vec<&Evaluation> = evaluations
-            .iter()
-            .filter(|one| one.detector == detector)
-            .collect();
-        let is_known =
-            |one: &&Evaluation| one.condition.family.is_some() && one.condition.severity.is_some();
-        if of_detector.len() < 2 || !of_detector.iter().all(is_known) {
-            continue;
-        }
-        for scope in &scopes {
-            for metric in [PairedMetric::Ap, PairedMetric::Ap50, PairedMetric::Ap75] {
-                rows.extend(row(detector, &of_detector, scope, metric));
-            }
+    for scope in [Scope::whole_image(), in_region] {
+        let n = n_objects(&scope);
+        for metric in [PairedMetric::Ap, PairedMetric::Ap50, PairedMetric::Ap75] {
+            rows.extend(row(evaluations, &scope, metric, n));
         }
     }
     rows
 }
 
 fn row(
-    detector: &str,
-    evaluations: &[&Evaluation],
+    evaluations: &[Evaluation],
     scope: &Scope,
     metric: PairedMetric,
+    n: u64,
 ) -> Option<RobustnessRow> {
     let find = |one: &Evaluation| -> Option<PairedRow> {
         let is_it = |row: &&PairedRow| {
@@ -58,15 +48,14 @@ fn row(
         };
         one.paired.iter().find(is_it).cloned()
     };
-    let found: Vec<(&&Evaluation, PairedRow)> = evaluations
+    let found: Vec<(&Evaluation, PairedRow)> = evaluations
         .iter()
         .filter_map(|one| Some((one, find(one)?)))
         .collect();
-    let n = found.iter().map(|(_, row)| row.n_objects).sum();
     let clean: Option<Vec<f64>> = found.iter().map(|(_, row)| row.clean.value).collect();
     let clean = clean.filter(|values| !values.is_empty()).map(|values| {
-        let n = f64::from(u32::try_from(values.len()).unwrap_or(u32::MAX));
-        values.iter().sum::<f64>() / n
+        let n_sets = f64::from(u32::try_from(values.len()).unwrap_or(u32::MAX));
+        values.iter().sum::<f64>() / n_sets
     });
     let sets: Vec<CrackedPrecision> = found
         .iter()
@@ -77,9 +66,7 @@ fn row(
             ap: row.cracked.value,
         })
         .collect();
-    if sets.is_empty() {
-        return None;
-    }
+    let (first, _) = found.first()?;
     let mean = mean_performance(clean, &sets);
     let why = mean
         .reason
@@ -90,7 +77,7 @@ fn row(
         None => Estimate::refused(n, why.clone()),
     };
     Some(RobustnessRow {
-        detector: detector.to_owned(),
+        detector: first.detector.clone(),
         scope: scope.clone(),
         metric,
         clean: estimate(mean.clean),

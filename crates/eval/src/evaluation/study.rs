@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ChangedObject, CleanResults, Estimate, FailureResults, PairedMetric, PairedRow, PooledSeeds,
-    ProtocolResults, Provenance, Scope, TideErrors, TimelineResults, WorstFailure,
+    ChangedObject, CleanResults, Estimate, FailureResults, PairedMetric, PairedRow, PooledClips,
+    PooledSeeds, ProtocolResults, Provenance, Scope, TideErrors, TimelineResults, WorstFailure,
 };
 use crate::SubsetRow;
 
@@ -101,6 +101,9 @@ pub struct Evaluation {
     /// Of clips: what is found when.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub timelines: Vec<TimelineResults>,
+    /// The clips together, where several have damage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pooled_clips: Option<PooledClips>,
     /// The images in which most was lost.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub worst: Vec<WorstFailure>,

@@ -1,5 +1,6 @@
 //! MS-COCO: `instances_*.json`.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -137,6 +138,7 @@ impl Reader {
         twice("image", second(self.images.iter().map(|image| image.id)))?;
         let categories = self.categories.iter().map(|category| category.id);
         twice("category", second(categories))?;
+        tell_apart(&mut self.categories);
         let mut ids: Vec<i64> = self.rows.iter().map(|row| row.id).collect();
         ids.sort_unstable();
         twice("annotation", second(ids.into_iter()))?;
@@ -198,6 +200,17 @@ fn row_of(
         },
         idx,
     })
+}
+
+/// Of several categories of one name all but the first get their number behind it: a name stands for one
+/// category in all that is reported.
+fn tell_apart(categories: &mut [Category]) {
+    let mut known = BTreeSet::new();
+    for category in categories {
+        if !known.insert(category.name.clone()) {
+            category.name = format!("{} (id {})", category.name, category.id);
+        }
+    }
 }
 
 /// The first of these sorted numbers that occurs twice.

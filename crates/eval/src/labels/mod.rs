@@ -73,6 +73,14 @@ pub struct Object {
     pub kind: ObjectKind,
 }
 
+impl Object {
+    /// Whether it is to be found: one with an area below 0 is in no range of areas, and ignored by the rules
+    /// of MS-COCO.
+    pub(crate) fn is_to_be_found(&self) -> bool {
+        self.kind == ObjectKind::Regular && self.area_px2 >= 0.0
+    }
+}
+
 /// How evaluation treats an object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ObjectKind {

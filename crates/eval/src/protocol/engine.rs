@@ -175,6 +175,8 @@ pub(super) fn engine(
             area: Some(match object.kind {
                 // In no range: found once without error, and not to be found.
                 ObjectKind::Ignored => f64::NEG_INFINITY,
+                // One with an area below 0 is in no range of areas, so in none of other values either.
+                _ if object.area_px2 < 0.0 => value.map_or(object.area_px2, |_| f64::NEG_INFINITY),
                 _ => value.unwrap_or(object.area_px2),
             }),
             iscrowd: object.kind == ObjectKind::Crowd,

@@ -1,6 +1,6 @@
 //! Parts of a dataset by region and size, as values that the protocols restrict by.
 
-use crate::{Detections, EvalError, LabelSet, ObjectKind, Restriction};
+use crate::{Detections, EvalError, LabelSet, Restriction};
 
 /// A coverage above all that there are: 1 is the greatest.
 const ABOVE_ALL: f64 = 2.0;
@@ -99,7 +99,7 @@ impl SubsetValues {
         let objects = labels.objects.iter().zip(&self.objects);
         objects.map(|(object, value)| {
             let is_inside = (self.range[0]..=self.range[1]).contains(value);
-            is_inside && object.kind == ObjectKind::Regular
+            is_inside && object.is_to_be_found()
         })
     }
 }

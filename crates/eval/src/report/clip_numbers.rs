@@ -1,11 +1,13 @@
 //! The numbers of clips in the long list.
 
 use super::numbers::{Adder, Number};
-use crate::evaluation::{Estimate, TimelineResults};
-use crate::timeline::{Timeline, TrackFate};
+use crate::evaluation::{Estimate, PooledClips, PooledUnit, TimelineResults};
+use crate::timeline::{Survival, Timeline, TrackFate};
 
 const OVER_TRACKS: &str = "bootstrap over tracks, 95 %";
 const PAIRED_OVER_TRACKS: &str = "paired bootstrap over tracks, 95 %";
+const CURVE: &str = "Kaplan-Meier; Greenwood, log-log, 95 %";
+const CURVE_BETWEEN_CLIPS: &str = "Kaplan-Meier; between clips (Williams), log-log, 95 %";
 
 pub(super) fn of_clip(about: &Number, clip: &TimelineResults, list: &mut Vec<Number>) {
     let mut adder = Adder {
@@ -31,6 +33,51 @@ pub(super) fn of_clip(about: &Number, clip: &TimelineResults, list: &mut Vec<Num
     }
 }
 
+/// The clips together.
+pub(super) fn of_pooled_clips(about: &Number, pooled: &PooledClips, list: &mut Vec<Number>) {
+    let mut adder = Adder {
+        list,
+        about: about.clone(),
+    };
+    adder.add_count("clips_with_damage", pooled.n_clips);
+    let method = match pooled.unit {
+        PooledUnit::Object => CURVE,
+        PooledUnit::Clip => CURVE_BETWEEN_CLIPS,
+    };
+    of_survival(&mut adder, "clean", "", &pooled.clean, method);
+    of_survival(&mut adder, "cracked", "", &pooled.cracked, method);
+}
+
+/// A curve and its median; `of` stands behind each name.
+fn of_survival(
+    adder: &mut Adder<'_>,
+    side: &str,
+    of: &str,
+    survival: &Survival,
+    method: &'static str,
+) {
+    let name = |what: &str| format!("{what}_{side}{of}");
+    adder.add_count(name("at_risk"), survival.n);
+    adder.add_count(name("lost"), survival.n_lost);
+    let median = Estimate::from(&survival.median_s);
+    adder.add(
+        name("median_time_to_failure_s"),
+        &median,
+        "Kaplan-Meier; Brookmeyer-Crowley, 95 %",
+    );
+    let ends = ["low", "high"].into_iter().zip(survival.median_ends_s);
+    for (end, value) in ends {
+        if let (Some(value), None) = (value, median.interval()) {
+            let metric = name(&format!("median_time_to_failure_{end}_s"));
+            adder.add_value(metric, value, survival.n, "Brookmeyer-Crowley");
+        }
+    }
+    for step in &survival.steps {
+        let metric = format!("not_lost_{side}_after_{:.6}_s{of}", step.time_s);
+        adder.add(metric, &Estimate::from(&step.share), method);
+    }
+}
+
 fn of_side(adder: &mut Adder<'_>, clip: &TimelineResults, side: &str, timeline: &Timeline) {
     let name = |what: &str| format!("{what}_{side}[{}]", clip.clip);
     let when: &[_] = match timeline.damage_onset {
@@ -44,26 +91,7 @@ fn of_side(adder: &mut Adder<'_>, clip: &TimelineResults, side: &str, timeline: 
         adder.add(name(&format!("flicker_rate_{when}")), &flicker, OVER_TRACKS);
     }
     if let Some(survival) = &timeline.survival {
-        adder.add_count(name("at_risk"), survival.n);
-        adder.add_count(name("lost"), survival.n_lost);
-        let median = Estimate::from(&survival.median_s);
-        adder.add(
-            name("median_time_to_failure_s"),
-            &median,
-            "Kaplan-Meier; Brookmeyer-Crowley, 95 %",
-        );
-        let ends = ["low", "high"].into_iter().zip(survival.median_ends_s);
-        for (end, value) in ends {
-            if let (Some(value), None) = (value, median.interval()) {
-                let metric = name(&format!("median_time_to_failure_{end}_s"));
-                adder.add_value(metric, value, survival.n, "Brookmeyer-Crowley");
-            }
-        }
-        for step in &survival.steps {
-            let metric = format!("not_lost_{side}_after_{:.3}_s[{}]", step.time_s, clip.clip);
-            let share = Estimate::from(&step.share);
-            adder.add(metric, &share, "Kaplan-Meier; Greenwood, log-log, 95 %");
-        }
+        of_survival(adder, side, &format!("[{}]", clip.clip), survival, CURVE);
     }
     for row in &timeline.tracks {
         let named = clip.objects.iter().find(|it| it.track == row.track);

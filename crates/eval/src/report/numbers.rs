@@ -1,6 +1,6 @@
 //! All numbers of a study in one long list, one row each: what CSV holds.
 
-use super::clip_numbers::of_clip;
+use super::clip_numbers::{of_clip, of_pooled_clips};
 use super::conditions::labels;
 use super::words;
 use crate::SubsetRow;
@@ -220,6 +220,9 @@ fn of_evaluation(evaluation: &Evaluation, condition: &str, list: &mut Vec<Number
     for clip in &evaluation.timelines {
         of_clip(&about, clip, list);
     }
+    if let Some(pooled) = &evaluation.pooled_clips {
+        of_pooled_clips(&about, pooled, list);
+    }
 }
 
 fn of_protocol(about: &Number, side: &str, results: &ProtocolResults, list: &mut Vec<Number>) {
@@ -259,7 +262,9 @@ fn of_protocol(about: &Number, side: &str, results: &ProtocolResults, list: &mut
         };
         adder.add(format!("coco_{name}_{side}"), &estimate, "COCO protocol");
     }
-    for row in &results.groups {
+    // The AP, AP50 and AP75 of all stand among the twelve already, where they are there.
+    let is_new = |row: &&GroupAp| results.coco_stats.is_none() || row.group.kind != GroupKind::All;
+    for row in results.groups.iter().filter(is_new) {
         put_group(&mut adder.about, &row.group);
         for (name, estimate) in [("ap", &row.ap), ("ap50", &row.ap50), ("ap75", &row.ap75)] {
             adder.add(format!("coco_{name}_{side}"), estimate, "COCO protocol");
@@ -413,7 +418,8 @@ fn of_dose(adder: &mut Adder<'_>, dose: &DoseResponse) {
     put_group(&mut adder.about, &dose.group);
     let fact = dose.fact.replace(' ', "_");
     for bin in &dose.bins {
-        let name = format!("failure_rate_at_{fact}_{:.3}_to_{:.3}", bin.low, bin.high);
+        // All digits: bins of a dose whose values lie close together are told apart by the last ones.
+        let name = format!("failure_rate_at_{fact}_{}_to_{}", bin.low, bin.high);
         adder.add(name, &bin.rate, WILSON);
     }
     if let Some(fit) = &dose.fit {

@@ -141,6 +141,8 @@ pub enum Method {
     AgrestiMin,
     /// Greenwood's variance on the log-log scale.
     GreenwoodLogLog,
+    /// Williams's variance between clusters on the log-log scale.
+    WilliamsLogLog,
     /// Brookmeyer and Crowley's of a median: where the ends of the curve's interval pass one half.
     BrookmeyerCrowley,
     /// Percentiles of bootstrap replicates.

@@ -20,7 +20,7 @@ pub use follow::{FollowSettings, Followed, track_detections};
 pub use sightings::{Sighting, Track, TrackFate, TrackRow, tracks_of};
 use steadiness::steadiness;
 pub use steadiness::{Change, Steadiness, change_after};
-pub use survival::{Survival, SurvivalStep, kaplan_meier};
+pub use survival::{Survival, SurvivalStep, kaplan_meier, kaplan_meier_of_clusters};
 
 /// A frame of the video.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

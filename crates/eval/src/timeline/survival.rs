@@ -1,5 +1,7 @@
 //! The share of objects that stay found.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use serde::{Deserialize, Serialize};
 
 use crate::EvalError;
@@ -48,6 +50,116 @@ pub struct SurvivalStep {
 /// If there is not one time per object, a time is negative or not finite, or the level is not
 /// between 0 and 1.
 pub fn kaplan_meier(times_s: &[f64], is_lost: &[bool], level: f64) -> Result<Survival, EvalError> {
+    product_limit(times_s, is_lost, None, level)
+}
+
+/// The same of objects that depend on each other within clusters, which `clusters` numbers from 0 per
+/// object: the curve is the same, its variance that between clusters \[Williams1995\],
+/// V = C/(C − 1) Σ_c (Σᵢ (d_ci − n_ci dᵢ/nᵢ)/(nᵢ − dᵢ))² over C clusters and the times up to t, at which
+/// d_ci of the n_ci objects of cluster c are lost. With each object a cluster of its own it is
+/// Greenwood's but for C/(C − 1).
+///
+/// # Errors
+/// As [`kaplan_meier`], and where there is not one cluster per object or there are fewer than two.
+pub fn kaplan_meier_of_clusters(
+    times_s: &[f64],
+    is_lost: &[bool],
+    clusters: &[u32],
+    level: f64,
+) -> Result<Survival, EvalError> {
+    if clusters.len() != times_s.len() {
+        return Err(EvalError::StatisticLength {
+            what: "clusters",
+            found: clusters.len(),
+            expected: times_s.len(),
+            of: "objects",
+        });
+    }
+    let n_clusters = clusters.iter().collect::<BTreeSet<_>>().len();
+    if n_clusters < 2 {
+        return Err(EvalError::StatisticSetting {
+            what: "number of clusters",
+            value: n_clusters as f64,
+            range: "2 or more",
+        });
+    }
+    product_limit(times_s, is_lost, Some(clusters), level)
+}
+
+/// How the variance of ln S grows from time to time.
+enum Spread {
+    /// Greenwood's sum.
+    OfObjects(f64),
+    /// Of each cluster how many objects are looked at, and its sum.
+    OfClusters(BTreeMap<u32, (f64, f64)>),
+}
+
+impl Spread {
+    fn new(clusters: Option<&[u32]>) -> Self {
+        let Some(clusters) = clusters else {
+            return Self::OfObjects(0.0);
+        };
+        let mut sums = BTreeMap::new();
+        for cluster in clusters {
+            sums.entry(*cluster).or_insert((0.0, 0.0)).0 += 1.0;
+        }
+        Self::OfClusters(sums)
+    }
+
+    /// Some of `n_at_risk` objects are lost: of each cluster in `lost` one.
+    fn lose(&mut self, lost: &[u32], n_at_risk: f64) {
+        let d = lost.len() as f64;
+        match self {
+            Self::OfObjects(sum) => *sum += d / (n_at_risk * (n_at_risk - d)),
+            Self::OfClusters(sums) => {
+                for (own_at_risk, sum) in sums.values_mut() {
+                    *sum -= *own_at_risk * d / n_at_risk / (n_at_risk - d);
+                }
+                for cluster in lost {
+                    if let Some((_, sum)) = sums.get_mut(cluster) {
+                        *sum += 1.0 / (n_at_risk - d);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Objects that are no longer looked at, by their clusters.
+    fn leave(&mut self, gone: impl Iterator<Item = u32>) {
+        if let Self::OfClusters(sums) = self {
+            for cluster in gone {
+                if let Some((own_at_risk, _)) = sums.get_mut(&cluster) {
+                    *own_at_risk -= 1.0;
+                }
+            }
+        }
+    }
+
+    fn variance(&self) -> f64 {
+        match self {
+            Self::OfObjects(sum) => *sum,
+            Self::OfClusters(sums) => {
+                let n = sums.len() as f64;
+                let squares: f64 = sums.values().map(|(_, sum)| sum * sum).sum();
+                n / (n - 1.0) * squares
+            }
+        }
+    }
+
+    fn method(&self) -> Method {
+        match self {
+            Self::OfObjects(_) => Method::GreenwoodLogLog,
+            Self::OfClusters(_) => Method::WilliamsLogLog,
+        }
+    }
+}
+
+fn product_limit(
+    times_s: &[f64],
+    is_lost: &[bool],
+    clusters: Option<&[u32]>,
+    level: f64,
+) -> Result<Survival, EvalError> {
     if times_s.len() != is_lost.len() {
         return Err(EvalError::StatisticLength {
             what: "times",
@@ -71,31 +183,37 @@ pub fn kaplan_meier(times_s: &[f64], is_lost: &[bool], level: f64) -> Result<Sur
         });
     }
     let z = normal_quantile(0.5 + level / 2.0);
-    let mut sorted: Vec<(f64, bool)> = times_s
+    let cluster_of = |idx: usize| clusters.and_then(|all| all.get(idx)).copied();
+    let mut sorted: Vec<(f64, bool, u32)> = times_s
         .iter()
-        .copied()
-        .zip(is_lost.iter().copied())
+        .zip(is_lost)
+        .enumerate()
+        .map(|(idx, (time_s, is_lost))| (*time_s, *is_lost, cluster_of(idx).unwrap_or(0)))
         .collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
     let n = sorted.len() as u64;
-    let (mut n_at_risk, mut share, mut variance) = (n, 1.0_f64, 0.0_f64);
+    let (mut n_at_risk, mut share) = (n, 1.0_f64);
+    let mut spread = Spread::new(clusters);
     let mut steps = Vec::new();
     for group in sorted.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()) {
-        let n_lost = group.iter().filter(|it| it.1).count() as u64;
+        let lost: Vec<u32> = group.iter().filter(|it| it.1).map(|it| it.2).collect();
+        let n_lost = lost.len() as u64;
         if n_lost > 0 {
             let (d, at_risk) = (n_lost as f64, n_at_risk as f64);
             share *= 1.0 - d / at_risk;
-            variance += d / (at_risk * (at_risk - d));
-            let interval = (n_lost < n_at_risk).then(|| {
+            spread.lose(&lost, at_risk);
+            // Clusters that are all alike would give an interval of no width, which claims what is not known.
+            let has_spread = n_lost < n_at_risk && spread.variance() > 1e-12;
+            let interval = has_spread.then(|| {
                 let log = libm::log(share);
-                let spread = z * variance.sqrt() / log;
+                let half = z * spread.variance().sqrt() / log;
                 let middle = libm::log(-log);
                 let end = |it: f64| libm::exp(-libm::exp(it));
                 Interval {
-                    low: end(middle - spread).min(end(middle + spread)),
-                    high: end(middle - spread).max(end(middle + spread)),
+                    low: end(middle - half).min(end(middle + half)),
+                    high: end(middle - half).max(end(middle + half)),
                     level,
-                    method: Method::GreenwoodLogLog,
+                    method: spread.method(),
                 }
             });
             let measured = Measured::of(share, n_at_risk, Method::KaplanMeier).within(interval);
@@ -107,6 +225,7 @@ pub fn kaplan_meier(times_s: &[f64], is_lost: &[bool], level: f64) -> Result<Sur
             });
         }
         n_at_risk -= group.len() as u64;
+        spread.leave(group.iter().map(|it| it.2));
     }
     let first = |end: fn(&SurvivalStep) -> Option<f64>| {
         let step = steps

@@ -6,10 +6,10 @@ use starbreak_dataset::{Encoding, JpegQuality, encode_image};
 use starbreak_eval::evaluation::{
     BoxRole, ClassFlip, CleanResults, Condition, Counts, DivergenceResults, DivergenceTable,
     DoseBin, DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, FlipRow, Group,
-    GroupKind, InputFile, KittiAp, LabelAudit, LabelVerdict, LogisticFit, NewFalsePositives,
-    PairedMetric, PairedRow, PicturePair, ProtocolResults, Provenance, RobustnessRow, RoledBox,
-    Scope, ScopeKind, Settings, ShiftRow, ShiftedLabel, Study, TideErrors, TimelineResults,
-    TrackSource, Versions, Warning, WarningKind, WorstFailure,
+    GroupAp, GroupKind, InputFile, KittiAp, LabelAudit, LabelVerdict, LogisticFit,
+    NewFalsePositives, PairedMetric, PairedRow, PicturePair, ProtocolResults, Provenance,
+    RobustnessRow, RoledBox, Scope, ScopeKind, Settings, ShiftRow, ShiftedLabel, Study, TideErrors,
+    TimelineResults, TrackSource, Versions, Warning, WarningKind, WorstFailure,
 };
 use starbreak_eval::timeline::{
     Frame, GlassState, Sighting, TimelineSettings, Track, change_after, timeline,
@@ -339,9 +339,16 @@ fn protocol(scale: f64) -> ProtocolResults {
             ceiling_ap11: if n < 41 { 0.2727 } else { 1.0 },
             ceiling_ap40: if n < 41 { 0.275 } else { 1.0 },
         });
+    let group = |(group, n_objects, ap): (Group, u64, f64)| GroupAp {
+        group,
+        n_objects,
+        ap: Estimate::of(0.58 * ap * scale, n_objects),
+        ap50: Estimate::of(ap * scale, n_objects),
+        ap75: Estimate::of(0.62 * ap * scale, n_objects),
+    };
     ProtocolResults {
         coco_stats: Some(stats.map(|value| Some(value * scale))),
-        groups: Vec::new(),
+        groups: groups().into_iter().map(group).collect(),
         kitti: kitti.to_vec(),
         n_detections: 8342,
     }
@@ -378,6 +385,7 @@ pub(crate) fn evaluation(detector: &str, severity: u8) -> Evaluation {
         failures: Some(failures(strength)),
         tide_cracked: Some(tide(1.0 + 0.1 * strength)),
         timelines: vec![clip()],
+        pooled_clips: None,
         worst: vec![
             worst(1, "val2017/000000000139.jpg"),
             worst(2, "val2017/000000000285.jpg"),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use image::DynamicImage;
 use starbreak_dataset::video::{
-    ClipInfo, ClipReader, Ffmpeg, Fraction, VideoError, frame_files, is_folder,
+    ClipInfo, ClipReader, Ffmpeg, Fraction, VideoError, check_frame_sizes, frame_files, is_folder,
 };
 use starbreak_dataset::{
     DatasetError, ImageFile, ImageLimits, decode_image, read_bytes, read_image, sha256_file,
@@ -60,6 +60,7 @@ impl Source {
         let path = request.input.clone();
         if is_folder(&path) {
             let files = frame_files(&path)?;
+            check_frame_sizes(&files)?;
             let needs_rate = ffmpeg.is_some() || request.depends_on_time();
             let rate = match (request.fps, Fraction::new(FOLDER_RATE, 1)) {
                 (Some(rate), _) => rate,

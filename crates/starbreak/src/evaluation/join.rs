@@ -8,7 +8,9 @@ use starbreak_eval::evaluation::{
     Condition, DamageFacts, EvaluateInput, EvaluateSettings, ImageFolders, InputFile, Provenance,
     Study, Versions, clean_results, evaluate,
 };
-use starbreak_eval::{CompareParams, GroundTruth, RegionMasks, SaidDetections};
+use starbreak_eval::{
+    CompareParams, Compared, Evaluated, GroundTruth, RegionMasks, SaidDetections,
+};
 
 use super::EvaluateRequest;
 use crate::Error;
@@ -20,6 +22,10 @@ pub(super) struct Join<'a> {
     pub(super) cracked: Option<&'a SaidDetections>,
     pub(super) masks: Option<RegionMasks<'a>>,
     pub(super) params: &'a CompareParams,
+    /// What the protocol says of the clean detections.
+    pub(super) of_clean: &'a Evaluated,
+    /// And of the cracked ones beside them.
+    pub(super) compared: &'a Compared,
 }
 
 impl Join<'_> {
@@ -64,7 +70,7 @@ impl Join<'_> {
             }
             _ => None,
         };
-        let evaluation = evaluate(&EvaluateInput {
+        let input = EvaluateInput {
             detector: &detector,
             condition: &condition,
             truth: self.truth,
@@ -74,7 +80,8 @@ impl Join<'_> {
             facts: facts.as_ref(),
             images,
             settings: &settings,
-        })?;
+        };
+        let evaluation = evaluate(&input, self.compared.clone())?;
         let provenance = Provenance {
             inputs: inputs(request)?,
             versions: vec![Versions {
@@ -92,7 +99,8 @@ impl Join<'_> {
         let name = Path::new(&dataset).file_name();
         let name = name.map_or(dataset.clone(), |name| name.to_string_lossy().into_owned());
         let mut study = Study::of_one(evaluation, &name, provenance);
-        let clean = clean_results(&detector, self.truth, self.clean, &settings)?;
+        let results = self.of_clean.results.clone();
+        let clean = clean_results(&detector, self.truth, self.clean, results)?;
         study.clean.push(clean);
         Ok(study)
     }

@@ -12,8 +12,7 @@ use starbreak_dataset::SourceSpec;
 use starbreak_eval::evaluation::{CleanResults, Evaluation, PairedRow};
 use starbreak_eval::report::report_files;
 use starbreak_eval::{
-    AreaRange, CompareParams, Evaluated, GroundTruth, Protocol, RegionMasks, SaidDetections,
-    check_pair, compare_in_regions, cover, evaluate,
+    AreaRange, CompareParams, Evaluated, GroundTruth, Protocol, RegionMasks, compare_pair, evaluate,
 };
 
 use crate::Error;
@@ -161,7 +160,6 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         Some(path) => Some(truth.read_detections(path)?),
         None => None,
     };
-    let warnings = check_pair(&truth, &clean, cracked.as_ref())?;
     let folder = regions_folder(request);
     if folder.is_none() && !request.taus.is_empty() {
         return Err(refused(
@@ -172,38 +170,19 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         folder,
         root: truth.root.as_deref(),
     });
-    let tau = params.taus.first().copied().unwrap_or(0.0);
-    let sets: Vec<&SaidDetections> = [Some(&clean), cracked.as_ref()]
-        .into_iter()
-        .flatten()
-        .collect();
-    let (counts, coverages) = cover(&truth, &sets, masks, tau)?;
+    let compared = compare_pair(&truth, &clean, cracked.as_ref(), masks, &params)?;
     let of_clean = evaluate(&truth, &clean, &params)?;
-    let of_cracked = match &cracked {
-        Some(cracked) => Some(evaluate(&truth, cracked, &params)?),
-        None => None,
-    };
-    let regions = match &coverages {
-        Some(coverages) => Some(compare_in_regions(
-            &truth,
-            &clean,
-            cracked.as_ref(),
-            coverages,
-            &params,
-        )?),
-        None => None,
-    };
     let mut result = Map::from_iter([
         ("schema".to_owned(), json!(EVALUATION_SCHEMA)),
         ("protocol".to_owned(), json!(truth.protocol.name())),
-        ("counts".to_owned(), json!(counts)),
-        ("warnings".to_owned(), json!(warnings)),
+        ("counts".to_owned(), json!(compared.counts)),
+        ("warnings".to_owned(), json!(compared.warnings)),
         ("clean".to_owned(), side(&of_clean, &clean)?),
     ]);
-    if let (Some(evaluated), Some(said)) = (&of_cracked, &cracked) {
+    if let (Some(evaluated), Some(said)) = (&compared.cracked, &cracked) {
         result.insert("cracked".to_owned(), side(evaluated, said)?);
     }
-    if let Some(regions) = &regions {
+    if let Some(regions) = &compared.regions {
         let region = json!({
             "definition": "region-ap/1",
             "taus": params.taus,
@@ -217,11 +196,11 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
     if request.curves {
         let both = [
             ("clean", Some(&of_clean), Some(&clean)),
-            ("cracked", of_cracked.as_ref(), cracked.as_ref()),
+            ("cracked", compared.cracked.as_ref(), cracked.as_ref()),
         ];
         for (idx, (name, evaluated, said)) in both.into_iter().enumerate() {
             if let (Some(evaluated), Some(said)) = (evaluated, said) {
-                let coverages = coverages.as_ref().map(|coverages| (coverages, idx));
+                let coverages = compared.coverages.as_ref().map(|it| (it, idx));
                 let name = Path::new(name);
                 curves.extend(curve_files(
                     name, &truth, said, evaluated, coverages, &params,
@@ -237,6 +216,8 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
             cracked: cracked.as_ref(),
             masks,
             params: &params,
+            of_clean: &of_clean,
+            compared: &compared,
         };
         let study = join.study(request)?;
         if let Some(evaluation) = study.evaluations.first() {
@@ -248,9 +229,13 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
     Ok(EvaluateAnswer {
         json: Value::Object(result),
         clean: of_clean,
-        cracked: of_cracked,
-        paired: regions.map(|regions| regions.paired),
-        warnings: warnings.into_iter().map(|warning| warning.text).collect(),
+        cracked: compared.cracked,
+        paired: compared.regions.map(|regions| regions.paired),
+        warnings: compared
+            .warnings
+            .into_iter()
+            .map(|warning| warning.text)
+            .collect(),
         report,
         curves,
     })

@@ -6,10 +6,9 @@ use rayon::prelude::*;
 use starbreak_eval::evaluation::{
     CleanResults, Condition as ReportedCondition, CrackedSet, DamageFacts, EvaluateInput,
     EvaluateSettings, Evaluation, ImageFolders, PooledSeeds, Provenance, RobustnessRow, SeedsInput,
-    Study, Warning, WarningKind, clean_results, evaluate_with_coverages, pool_seeds,
-    put_robustness_intervals, robustness,
+    Study, Warning, WarningKind, clean_results, evaluate_with_coverages, pool_seeds, robustness,
 };
-use starbreak_eval::{Coverages, GroundTruth, RegionMasks, SaidDetections};
+use starbreak_eval::{Coverages, GroundTruth, RegionMasks, SaidDetections, evaluate};
 
 use super::{Condition, StudyPlan, StudyRuns};
 use crate::Error;
@@ -140,12 +139,11 @@ impl StudyPlan<'_> {
             cracked: &sets,
             settings,
         };
-        let mut of_means = robustness(&evaluations, Some(settings.tau()));
-        put_robustness_intervals(&mut of_means, &all)?;
+        let of_clean = evaluate(truth, &clean, &settings.compare)?;
         Ok(OfDetector {
-            clean: clean_results(name, truth, &clean, settings)?,
+            clean: clean_results(name, truth, &clean, of_clean.results)?,
             pooled: pool_seeds(&all)?,
-            robustness: of_means,
+            robustness: robustness(&evaluations, &all)?,
             evaluations,
         })
     }

@@ -122,6 +122,7 @@ impl StudyPlan<'_> {
     ) -> Result<Option<StudyRuns>, Error> {
         let identity = Identity::of(self, truth);
         identity.check(self.out)?;
+        self.check_images()?;
         let quality = self.quality()?;
         self.try_detectors(quality)?;
         identity.write(self.out)?;

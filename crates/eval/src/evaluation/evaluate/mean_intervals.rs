@@ -1,12 +1,16 @@
-//! Intervals of mPC and rPC: all conditions of a detector with the same draws.
+//! mPC and rPC with their intervals: all conditions of a detector with the same draws.
 
 use super::intervals::{Place, coverage_of, max_detections};
 use super::plan_of;
-use super::pooling::{CrackedSet, SeedsInput, patterns_of};
-use crate::EvalError;
-use crate::evaluation::{Estimate, PairedMetric, RobustnessRow, ScopeKind};
+use super::pooling::{CrackedSet, Patterns, SeedsInput, patterns_of};
+use crate::evaluation::robustness::mean_rows;
+use crate::evaluation::{
+    Condition, Estimate, Evaluation, PairedMetric, RobustnessRow, Scope, ScopeKind,
+};
+use crate::failure::Where;
 use crate::resampling::{RankedCategory, bootstrap, rank_by_category};
 use crate::statistic::{Measured, Method};
+use crate::{Coverages, Detections, EvalError, Object};
 
 /// Families with severities, and the seeds that all of them have.
 struct Grid {
@@ -48,30 +52,62 @@ fn place_of<T: PartialEq>(known: &mut Vec<T>, one: T) -> usize {
     })
 }
 
-/// Puts intervals to the rows of one detector for AP50 and AP75, and the number of seeds to all of its rows.
+/// mPC and rPC of a detector: of AP, AP50 and AP75, on whole images and in the region at the first τ, over the
+/// families, severities and seeds of the conditions; nothing unless there are two conditions or more, each
+/// with family and severity. `evaluations` are what [`evaluate`](super::evaluate) gives for them. The n is
+/// that of the different objects: one that lies in the region of several conditions is one.
 ///
-/// Each replicate draws images (or clusters) once for all conditions, and seeds once for all families and
+/// AP50 and AP75 have intervals. Each replicate draws images (or clusters) once for all conditions, and seeds once for all families and
 /// severities where there are several; what both draws leave is averaged as mPC is: over seeds by how often
 /// they are drawn, over families and severities. rPC is of the same replicate. Where not every family and
 /// severity has the same seeds, there is no interval.
 ///
 /// # Errors
 /// As [`crate::evaluation::evaluate`].
-pub fn put_robustness_intervals(
-    rows: &mut [RobustnessRow],
+pub fn robustness(
+    evaluations: &[Evaluation],
     input: &SeedsInput<'_>,
-) -> Result<(), EvalError> {
-    let Some(grid) = Grid::of(input.cracked) else {
-        return Ok(());
-    };
+) -> Result<Vec<RobustnessRow>, EvalError> {
     let all: Vec<&CrackedSet<'_>> = input.cracked.iter().collect();
     let Some(patterns) = patterns_of(input, &all) else {
-        return Ok(());
+        return Ok(Vec::new());
     };
+    let n_objects = |scope: &Scope| n_different_objects(&patterns, scope);
+    let mut rows = mean_rows(evaluations, input.settings.tau(), &n_objects);
+    if let Some(grid) = Grid::of(input.cracked) {
+        put_intervals(&mut rows, &grid, &patterns, input)?;
+    }
+    Ok(rows)
+}
+
+/// Objects that are to be found in a place under some condition.
+fn n_different_objects(patterns: &Patterns<'_>, scope: &Scope) -> u64 {
+    let place = match (scope.kind, scope.tau) {
+        (ScopeKind::InRegion, Some(tau)) => Where::Region { tau },
+        _ => Where::Image,
+    };
+    let is_asked_for = |(idx, object): &(usize, &Object)| {
+        let mut conditions = patterns.cracked.iter();
+        let is_inside = |(_, _, coverages): &(&Condition, Detections, Coverages)| {
+            let coverage = coverages.objects.get(*idx).copied();
+            coverage.is_some_and(|coverage| place.holds(coverage))
+        };
+        object.is_to_be_found() && conditions.any(is_inside)
+    };
+    let objects = patterns.labels.objects.iter().enumerate();
+    u64::try_from(objects.filter(is_asked_for).count()).unwrap_or(u64::MAX)
+}
+
+fn put_intervals(
+    rows: &mut [RobustnessRow],
+    grid: &Grid,
+    patterns: &Patterns<'_>,
+    input: &SeedsInput<'_>,
+) -> Result<(), EvalError> {
     let n_seeds = u32::try_from(grid.n_seeds).unwrap_or(u32::MAX);
     let plan = plan_of(&patterns.labels, input.settings).with_patterns(n_seeds);
     let n_categories = patterns.labels.categories.len();
-    for row in rows.iter_mut().filter(|row| row.detector == input.detector) {
+    for row in rows {
         row.n_seeds = Some(n_seeds.into());
         let iou_threshold = match row.metric {
             PairedMetric::Ap50 => 0.5,
@@ -107,9 +143,9 @@ pub fn put_robustness_intervals(
             };
             let of_clean = match ap(&clean).as_slice() {
                 [alone] if is_whole => *alone,
-                all => mean_of_cells(&grid, all, &weights.patterns),
+                all => mean_of_cells(grid, all, &weights.patterns),
             };
-            let of_cracked = mean_of_cells(&grid, &ap(&cracked), &weights.patterns);
+            let of_cracked = mean_of_cells(grid, &ap(&cracked), &weights.patterns);
             let ratio = of_cracked
                 .zip(of_clean.filter(|clean| *clean > 0.0))
                 .map(|(cracked, clean)| cracked / clean);

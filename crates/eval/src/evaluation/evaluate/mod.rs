@@ -7,7 +7,7 @@ mod side_results;
 mod what_fails;
 mod worst_images;
 
-pub use mean_intervals::put_robustness_intervals;
+pub use mean_intervals::robustness;
 pub use pooling::{CrackedSet, SeedsInput, pool_seeds};
 
 use std::path::Path;
@@ -16,11 +16,12 @@ use super::{
     CleanResults, Condition, DamageFacts, Estimate, Evaluation, ProtocolResults, Settings, Warning,
     WarningKind,
 };
+use crate::compare::{compare_in_regions, cover};
 use crate::resampling::Plan;
 use crate::tide::TideSettings;
 use crate::{
-    CompareParams, Coverages, Detections, EvalError, GroundTruth, LabelSet, Protocol, RegionMasks,
-    SaidDetections, check_pair, compare_in_regions, cover,
+    CompareParams, Compared, Coverages, Detections, EvalError, GroundTruth, LabelSet, Protocol,
+    RegionMasks, RegionResults, SaidDetections, compare_pair,
 };
 
 /// What is evaluated.
@@ -98,7 +99,7 @@ impl EvaluateSettings {
     /// τ that counts first.
     #[must_use]
     pub fn tau(&self) -> f64 {
-        self.compare.taus.first().copied().unwrap_or(0.05)
+        self.compare.tau()
     }
 
     /// The same for provenance.
@@ -149,20 +150,37 @@ struct Plain<'a> {
 ///
 /// Under KITTI's protocol AP50 and AP75 by the rules of MS-COCO stand beside its AP11 and AP40.
 ///
+/// `compared` is what [`compare_pair`] gives for the same labels, detections and regions by
+/// [`EvaluateSettings::compare`].
+///
 /// # Errors
-/// As [`crate::evaluate`], [`check_pair`], [`cover`] and [`compare_in_regions`]; [`EvalError::Dataset`] for
-/// an image of a worst failure that cannot be read.
-pub fn evaluate(input: &EvaluateInput<'_>) -> Result<Evaluation, EvalError> {
-    Ok(evaluate_with_coverages(input)?.0)
+/// As [`compare_pair`]; [`EvalError::Dataset`] for an image of a worst failure that cannot be read.
+pub fn evaluate(input: &EvaluateInput<'_>, compared: Compared) -> Result<Evaluation, EvalError> {
+    Ok(with_coverages(input, compared)?.0)
 }
 
-/// As [`evaluate`], with how much of each box the regions cover, of clean (0) and cracked (1) detections:
-/// what [`pool_seeds`] goes on with. Without regions there is none.
+/// As [`evaluate`] of what [`compare_pair`] gives, with how much of each box the regions cover, of clean (0)
+/// and cracked (1) detections: what [`pool_seeds`] goes on with. Without regions there is none.
 ///
 /// # Errors
 /// As [`evaluate`].
 pub fn evaluate_with_coverages(
     input: &EvaluateInput<'_>,
+) -> Result<(Evaluation, Option<Coverages>), EvalError> {
+    let params = &input.settings.compare;
+    let compared = compare_pair(
+        input.truth,
+        input.clean,
+        input.cracked,
+        input.regions,
+        params,
+    )?;
+    with_coverages(input, compared)
+}
+
+fn with_coverages(
+    input: &EvaluateInput<'_>,
+    compared: Compared,
 ) -> Result<(Evaluation, Option<Coverages>), EvalError> {
     let EvaluateInput {
         truth,
@@ -171,13 +189,14 @@ pub fn evaluate_with_coverages(
         settings,
         ..
     } = *input;
-    let mut warnings = check_pair(truth, clean, cracked)?;
-    let cracked_results = match cracked {
-        Some(cracked) => crate::evaluate(truth, cracked, &settings.compare)?.results,
-        None => ProtocolResults::default(),
-    };
-    let sets: Vec<&SaidDetections> = [Some(clean), cracked].into_iter().flatten().collect();
-    let (counts, coverages) = cover(truth, &sets, input.regions, settings.tau())?;
+    let Compared {
+        mut warnings,
+        counts,
+        coverages,
+        cracked: of_cracked,
+        mut regions,
+    } = compared;
+    let cracked_results = of_cracked.map_or_else(ProtocolResults::default, |it| it.results);
     let mut evaluation = Evaluation {
         detector: input.detector.to_owned(),
         condition: input.condition.clone(),
@@ -189,18 +208,18 @@ pub fn evaluate_with_coverages(
         failures: None,
         tide_cracked: None,
         timelines: Vec::new(),
+        pooled_clips: None,
         worst: Vec::new(),
         changed_objects: Vec::new(),
     };
     if let (Some(cracked), Some(coverages)) = (cracked, &coverages)
         && truth.protocol == Protocol::Kitti
     {
-        let rows = compare_in_regions(truth, clean, Some(cracked), coverages, &settings.compare)?;
-        evaluation.paired = rows.paired;
+        evaluation.paired = regions.take().unwrap_or_default().paired;
         let sides = [clean, cracked];
         intervals::put_kitti(&mut evaluation.paired, truth, sides, coverages, settings)?;
     }
-    let coverages = with_plain(input, &mut evaluation, coverages)?;
+    let coverages = with_plain(input, &mut evaluation, coverages, regions)?;
     for row in &mut evaluation.paired {
         for estimate in [&mut row.clean, &mut row.cracked, &mut row.delta] {
             say_alike(estimate);
@@ -215,8 +234,8 @@ pub fn evaluate_with_coverages(
     Ok((evaluation, coverages))
 }
 
-/// What a detector does on the clean images: the protocol's numbers, kinds of errors, and whether its
-/// classes are those of the labels.
+/// What a detector does on the clean images: `results`, which are the protocol's numbers as
+/// [`crate::evaluate`] gives them, kinds of errors, and whether its classes are those of the labels.
 ///
 /// # Errors
 /// As [`crate::evaluate`].
@@ -224,12 +243,12 @@ pub fn clean_results(
     detector: &str,
     truth: &GroundTruth,
     clean: &SaidDetections,
-    settings: &EvaluateSettings,
+    results: ProtocolResults,
 ) -> Result<CleanResults, EvalError> {
     let mut of_clean = CleanResults {
         detector: detector.to_owned(),
         warnings: Vec::new(),
-        results: crate::evaluate(truth, clean, &settings.compare)?.results,
+        results,
         tide: None,
         label_audit: None,
     };
@@ -248,10 +267,12 @@ pub fn clean_results(
 }
 
 /// What is counted by the rules of MS-COCO, whatever the protocol; gives the coverages of these labels back.
+/// `regions` are the numbers of the region by these rules, where they are known.
 fn with_plain(
     input: &EvaluateInput<'_>,
     evaluation: &mut Evaluation,
     coverages: Option<Coverages>,
+    regions: Option<RegionResults>,
 ) -> Result<Option<Coverages>, EvalError> {
     let (truth, settings) = (input.truth, input.settings);
     let Some((plain, clean, cracked)) = as_plain(truth, input.clean, input.cracked) else {
@@ -282,11 +303,16 @@ fn with_plain(
     }
     evaluation.tide_cracked =
         side_results::tide_errors(&plain.labels, &cracked.detections, TideSettings::default())?;
-    let mut compare = settings.compare.clone();
-    if !has_regions {
-        compare.taus.clear();
-    }
-    let rows = compare_in_regions(&plain, &clean, Some(cracked), &coverages, &compare)?;
+    let rows = match regions {
+        Some(rows) => rows,
+        None => {
+            let mut compare = settings.compare.clone();
+            if !has_regions {
+                compare.taus.clear();
+            }
+            compare_in_regions(&plain, &clean, Some(cracked), &coverages, &compare)?
+        }
+    };
     let all = Plain {
         labels: &plain.labels,
         clean: &clean.detections,

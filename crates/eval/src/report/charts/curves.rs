@@ -26,9 +26,11 @@ pub(in crate::report) enum CurveStyle {
     JoinedPoints,
     /// A dashed line alone.
     Dashed,
-    /// A line that jumps.
+    /// A wide line that jumps.
     Steps,
-    /// The same, thin: an end of an interval.
+    /// A narrower one with gaps, through which one of [`Steps`](Self::Steps) below it is seen.
+    DashedSteps,
+    /// A thin, dotted one: an end of an interval.
     ThinSteps,
 }
 
@@ -87,7 +89,8 @@ pub(in crate::report) fn marked_curve_chart(
                 .with_stroke_width(2.0);
             line = match curve.style {
                 CurveStyle::Dashed => line.with_dashed(),
-                CurveStyle::Steps => line.with_step(),
+                CurveStyle::Steps => line.with_step().with_stroke_width(4.0),
+                CurveStyle::DashedSteps => line.with_step().with_dashed(),
                 CurveStyle::ThinSteps => line.with_step().with_dotted().with_stroke_width(1.2),
                 _ => line,
             };
@@ -153,7 +156,7 @@ pub(in crate::report) fn marked_curve_chart(
         let mark = match curve.style {
             CurveStyle::Points | CurveStyle::JoinedPoints => letter_of(curve.marker),
             CurveStyle::Steps => "━",
-            CurveStyle::Dashed => "╍",
+            CurveStyle::Dashed | CurveStyle::DashedSteps => "╍",
             CurveStyle::ThinSteps => "┈",
         };
         KeyEntry::new(curve.name, curve.ink, mark)

@@ -55,24 +55,25 @@ pub(super) fn time_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
         let held = rows.last().map(|row| point(end, words::as_number(of(row))));
         own.chain(held).collect::<Vec<_>>()
     };
+    // The later lie over the earlier, narrower and with gaps: where all three are equal, all are seen.
     let curves = [
-        curve(
-            "objects to be found",
-            Ink::Fourth,
-            CurveStyle::ThinSteps,
-            points(frames, |row| row.n_objects),
-        ),
-        curve(
-            "found clean",
-            Ink::Clean,
-            CurveStyle::Steps,
-            points(&clip.clean.frames, |row| row.n_found),
-        ),
         curve(
             "found cracked",
             Ink::Cracked,
             CurveStyle::Steps,
             points(frames, |row| row.n_found),
+        ),
+        curve(
+            "found clean",
+            Ink::Clean,
+            CurveStyle::DashedSteps,
+            points(&clip.clean.frames, |row| row.n_found),
+        ),
+        curve(
+            "objects to be found",
+            Ink::Fourth,
+            CurveStyle::ThinSteps,
+            points(frames, |row| row.n_objects),
         ),
     ];
     let onset = clip.cracked.damage_onset.map(|frame| frame.time_s);
@@ -186,15 +187,18 @@ fn last_s(timeline: &Timeline) -> f64 {
     end.fold(0.0, f64::max)
 }
 
-/// The share not lost, by `of`, as the corners of its steps.
+/// The share not lost, by `of`, as the corners of its steps; up to the first step that has none.
 fn steps(
     survival: &Survival,
-    end_s: f64,
+    mut end_s: f64,
     of: impl Fn(&crate::timeline::SurvivalStep) -> Option<f64>,
 ) -> Vec<CurvePoint> {
     let mut points = vec![point(0.0, 100.0)];
     for step in &survival.steps {
-        let Some(share) = of(step) else { break };
+        let Some(share) = of(step) else {
+            end_s = step.time_s;
+            break;
+        };
         points.push(point(step.time_s, share * 100.0));
     }
     if let Some(last) = points.last().map(|last| last.y) {
@@ -203,117 +207,139 @@ fn steps(
     points
 }
 
-/// How long objects stay found.
-pub(super) fn survival_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
-    let (cracked, clean) = (
-        clip.cracked.survival.as_ref()?,
-        clip.clean.survival.as_ref()?,
-    );
-    let end_s = last_s(&clip.cracked).max(last_s(&clip.clean));
-    if cracked.n == 0 || end_s <= 0.0 {
-        return None;
-    }
-    let value = |step: &crate::timeline::SurvivalStep| step.share.value;
-    let own = last_s(&clip.cracked);
-    let mut curves = vec![
-        curve(
-            "clean (control)",
-            Ink::Clean,
-            CurveStyle::Steps,
-            steps(clean, last_s(&clip.clean), value),
-        ),
-        curve(
-            "cracked",
-            Ink::Cracked,
-            CurveStyle::Steps,
-            steps(cracked, own, value),
-        ),
-    ];
-    let level = words::decimal(clip.cracked.settings.level * 100.0, 0);
-    let interval_name = format!("{level} % interval, cracked");
-    if cracked.n_lost > 0 {
-        for (name, end) in [(interval_name.as_str(), 0), ("", 1)] {
-            let of = |step: &crate::timeline::SurvivalStep| {
-                let interval = step.share.interval?;
-                Some(if end == 0 {
-                    interval.low
-                } else {
-                    interval.high
-                })
-            };
-            curves.push(curve(
-                name,
-                Ink::Cracked,
-                CurveStyle::ThinSteps,
-                steps(cracked, own, of),
-            ));
-        }
-    }
-    let name = words::name(&clip.clip);
-    let x: Axis<'_> = ((0.0, end_s), nice_step(end_s), "time after the damage, s");
-    let median = median_words(&clip.cracked).unwrap_or_default();
-    let chart = marked_curve_chart(
-        &curves,
-        &[],
-        x,
-        ((0.0, 105.0), 20.0, "objects not lost, %"),
-        &ChartText {
-            id: &format!("{id}-survival"),
-            title: &format!("Objects not yet lost over the time after the damage in {name}"),
-            description: &format!(
-                "Falling steps of the share of objects not lost, cracked and clean. Of {} objects {} are lost cracked \
-                 and {} clean. The table below has the numbers.",
-                cracked.n, cracked.n_lost, clean.n_lost
-            ),
-        },
-    );
-    Some(Block::Chart {
-        id: format!("fig-{id}-survival"),
-        svg: chart.svg,
-        key: chart.key,
-        caption: format!(
-            "Share of the objects of {name} that are not yet lost (Kaplan and Meier). At risk are the {} objects that \
-             the clean clip shows just after the damage; {} are lost in the cracked clip, {} in the clean one. Median \
-             time to failure, cracked: {median}.",
-            words::count(cracked.n),
-            words::count(cracked.n_lost),
-            words::count(clean.n_lost),
-        ),
-        table: Some(survival_table(clip, clean, cracked)),
-    })
+/// How long objects stay found, clean and cracked.
+pub(super) struct Curves<'a> {
+    /// Of what: a clip, or all.
+    pub(super) of: String,
+    pub(super) clean: &'a Survival,
+    pub(super) cracked: &'a Survival,
+    /// Until when objects are followed, s after the damage, clean and cracked.
+    pub(super) followed_s: [f64; 2],
+    /// Level of confidence.
+    pub(super) level: f64,
 }
 
-fn survival_table(clip: &TimelineResults, clean: &Survival, cracked: &Survival) -> Table {
-    let mut table = Table::new(
-        &format!(
-            "Objects of {} lost over the time after the damage.",
-            clip.clip
-        ),
-        &[
-            ("Clip", false),
-            ("Time, s", true),
-            ("At risk", true),
-            ("Lost", true),
-            ("Not lost, %", true),
-        ],
-    );
-    for (name, survival) in [("cracked", cracked), ("clean", clean)] {
-        if survival.steps.is_empty() {
-            table.remark(&format!(
-                "In the {name} clip none of {} is lost.",
-                survival.n
-            ));
-        }
-        for step in &survival.steps {
-            let share = table.estimate(&Estimate::from(&step.share), words::percent);
-            table.push(vec![
-                Cell::head(name),
-                Cell::number(Some(step.time_s), |v| words::decimal(v, 2)),
-                Cell::count(step.n_at_risk),
-                Cell::count(step.n_lost),
-                share,
-            ]);
-        }
+impl<'a> Curves<'a> {
+    /// Those of a clip with damage.
+    pub(super) fn of_clip(clip: &'a TimelineResults) -> Option<Self> {
+        Some(Self {
+            of: words::name(&clip.clip),
+            clean: clip.clean.survival.as_ref()?,
+            cracked: clip.cracked.survival.as_ref()?,
+            followed_s: [last_s(&clip.clean), last_s(&clip.cracked)],
+            level: clip.cracked.settings.level,
+        })
     }
-    table
+
+    /// A chart, where there is something to see in it.
+    pub(super) fn chart(&self, id: &str) -> Option<Block> {
+        let (clean, cracked) = (self.clean, self.cracked);
+        let [clean_end_s, own] = self.followed_s;
+        let end_s = own.max(clean_end_s);
+        if cracked.n == 0 || end_s <= 0.0 {
+            return None;
+        }
+        let value = |step: &crate::timeline::SurvivalStep| step.share.value;
+        let mut curves = vec![
+            curve(
+                "cracked",
+                Ink::Cracked,
+                CurveStyle::Steps,
+                steps(cracked, own, value),
+            ),
+            curve(
+                "clean (control)",
+                Ink::Clean,
+                CurveStyle::DashedSteps,
+                steps(clean, clean_end_s, value),
+            ),
+        ];
+        let level = words::decimal(self.level * 100.0, 0);
+        let interval_name = format!("{level} % interval, cracked");
+        if cracked.n_lost > 0 {
+            for (name, end) in [(interval_name.as_str(), 0), ("", 1)] {
+                let of = |step: &crate::timeline::SurvivalStep| {
+                    let interval = step.share.interval?;
+                    Some(if end == 0 {
+                        interval.low
+                    } else {
+                        interval.high
+                    })
+                };
+                curves.push(curve(
+                    name,
+                    Ink::Cracked,
+                    CurveStyle::ThinSteps,
+                    steps(cracked, own, of),
+                ));
+            }
+        }
+        let of = &self.of;
+        let x: Axis<'_> = ((0.0, end_s), nice_step(end_s), "time after the damage, s");
+        let median = median_words(cracked, self.level);
+        let chart = marked_curve_chart(
+            &curves,
+            &[],
+            x,
+            ((0.0, 105.0), 20.0, "objects not lost, %"),
+            &ChartText {
+                id: &format!("{id}-survival"),
+                title: &format!("Objects not yet lost over the time after the damage in {of}"),
+                description: &format!(
+                    "Falling steps of the share of objects not lost, cracked and clean. Of {} objects {} are lost \
+                     cracked and {} clean. The table below has the numbers.",
+                    cracked.n, cracked.n_lost, clean.n_lost
+                ),
+            },
+        );
+        Some(Block::Chart {
+            id: format!("fig-{id}-survival"),
+            svg: chart.svg,
+            key: chart.key,
+            caption: format!(
+                "Share of the objects of {of} that are not yet lost (Kaplan and Meier). At risk are the {} objects \
+                 that the clean clip shows just after the damage; {} are lost cracked, {} clean. Median time to \
+                 failure, cracked: {median}.",
+                words::count(cracked.n),
+                words::count(cracked.n_lost),
+                words::count(clean.n_lost),
+            ),
+            table: Some(self.table()),
+        })
+    }
+
+    fn table(&self) -> Table {
+        let mut table = Table::new(
+            &format!(
+                "Objects of {} lost over the time after the damage.",
+                self.of
+            ),
+            &[
+                ("Clip", false),
+                ("Time, s", true),
+                ("At risk", true),
+                ("Lost", true),
+                ("Not lost, %", true),
+            ],
+        );
+        for (name, survival) in [("cracked", self.cracked), ("clean", self.clean)] {
+            if survival.steps.is_empty() {
+                table.remark(&format!(
+                    "In the {name} clip none of {} is lost.",
+                    survival.n
+                ));
+            }
+            for step in &survival.steps {
+                let share = table.estimate(&Estimate::from(&step.share), words::percent);
+                table.push(vec![
+                    Cell::head(name),
+                    Cell::number(Some(step.time_s), |v| words::decimal(v, 2)),
+                    Cell::count(step.n_at_risk),
+                    Cell::count(step.n_lost),
+                    share,
+                ]);
+            }
+        }
+        table
+    }
 }

@@ -75,7 +75,8 @@ const TERMS: &[Term] = &[
     Term {
         word: "mPC and rPC",
         meaning: "Mean performance under corruption: AP of the cracked images, averaged over families, \
-                  severities and seeds. rPC is its share of the clean AP.",
+                  severities and seeds. rPC is its share of the clean AP. Their n is that of the different \
+                  objects which some condition asks for.",
     },
     Term {
         word: "Lost, at risk, time to failure",

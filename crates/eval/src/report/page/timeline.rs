@@ -1,10 +1,12 @@
 //! What is found when, in a clip.
 
 use super::super::words;
-use super::clip_charts::{survival_chart, time_chart};
+use super::clip_charts::{Curves, time_chart};
 use super::{Block, Cell, Section, Table};
-use crate::evaluation::{Estimate, Evaluation, Study, TimelineResults, TrackSource};
-use crate::timeline::{Steadiness, Timeline, TrackFate, TrackRow};
+use crate::evaluation::{
+    Estimate, Evaluation, PooledClips, PooledUnit, Study, TimelineResults, TrackSource,
+};
+use crate::timeline::{Steadiness, Survival, Timeline, TrackFate, TrackRow};
 
 /// Most objects in a table.
 const MAX_TRACKS: usize = 60;
@@ -24,7 +26,7 @@ pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
         blocks.push(Block::Table {
             table: steadiness_table(clip),
         });
-        blocks.extend(survival_chart(clip, &id));
+        blocks.extend(Curves::of_clip(clip).and_then(|curves| curves.chart(&id)));
         if !clip.objects.is_empty() {
             blocks.push(Block::Table {
                 table: track_table(clip),
@@ -208,11 +210,10 @@ fn track_table(clip: &TimelineResults) -> Table {
 }
 
 /// The median time to failure with the ends of its interval, s.
-pub(super) fn median_words(timeline: &Timeline) -> Option<String> {
-    let survival = timeline.survival.as_ref()?;
+pub(super) fn median_words(survival: &Survival, level: f64) -> String {
     let seconds = |value: f64| words::decimal(value, 2);
-    let level = words::decimal(timeline.settings.level * 100.0, 0);
-    Some(match survival.median_s.value {
+    let level = words::decimal(level * 100.0, 0);
+    match survival.median_s.value {
         Some(value) => {
             let interval = match survival.median_ends_s {
                 [Some(low), Some(high)] => {
@@ -231,7 +232,7 @@ pub(super) fn median_words(timeline: &Timeline) -> Option<String> {
             format!("{} s{interval}", words::decimal(value, 2))
         }
         None => "not reached: fewer than half are lost".to_owned(),
-    })
+    }
 }
 
 /// Whether there is nothing in a study but clips.
@@ -270,6 +271,8 @@ pub(super) fn subtitle(study: &Study) -> String {
 pub(super) fn facts(study: &Study) -> Vec<String> {
     let mut facts = Vec::new();
     for one in &study.evaluations {
+        let pooled = one.pooled_clips.as_ref();
+        facts.extend(pooled.map(|pooled| pooled_fact(one, pooled)));
         for clip in &one.timelines {
             facts.extend(fact(one, clip));
         }
@@ -307,12 +310,30 @@ fn fact(one: &Evaluation, clip: &TimelineResults) -> Option<String> {
             words::count(cracked.n_lost),
             words::count(clean.n_lost)
         ));
-        if let (Some(median), true) = (median_words(&clip.cracked), cracked.n_lost > 0) {
+        if cracked.n_lost > 0 {
+            let median = median_words(cracked, clip.cracked.settings.level);
             text.push_str(&format!("; median time to failure {median}"));
         }
     }
     text.push('.');
     Some(words::name(&text))
+}
+
+fn pooled_fact(one: &Evaluation, pooled: &PooledClips) -> String {
+    let mut text = format!(
+        "{}, all {} clips together: of {} objects at risk {} are lost, {} in the clean clips",
+        one.detector,
+        words::count(pooled.n_clips),
+        words::count(pooled.cracked.n),
+        words::count(pooled.cracked.n_lost),
+        words::count(pooled.clean.n_lost)
+    );
+    if pooled.cracked.n_lost > 0 {
+        let median = median_words(&pooled.cracked, pooled.level);
+        text.push_str(&format!("; median time to failure {median}"));
+    }
+    text.push('.');
+    words::name(&text)
 }
 
 /// All clips in one table.
@@ -341,22 +362,8 @@ pub(super) fn section(study: &Study) -> Section {
                 None => Cell::text(words::NOTHING),
             };
             let onset = clip.cracked.damage_onset.map(|frame| frame.time_s);
-            let ends = survival.map(|it| it.median_ends_s);
-            let small = ends
-                .filter(|ends| ends.iter().any(Option::is_some))
-                .map(|ends| {
-                    let [low, high] = ends
-                        .map(|end| end.map_or(words::NOTHING.to_owned(), |v| words::decimal(v, 2)));
-                    format!("[{low}, {high}]")
-                });
             let median = match survival {
-                Some(survival) => {
-                    let mut estimate = Estimate::from(&survival.median_s);
-                    (estimate.low, estimate.high) = (None, None);
-                    table
-                        .estimate(&estimate, |v| words::decimal(v, 2))
-                        .with_small(small)
-                }
+                Some(survival) => median_cell(&mut table, survival),
                 None => Cell::text(words::NOTHING),
             };
             let row = vec![
@@ -377,10 +384,75 @@ pub(super) fn section(study: &Study) -> Section {
             ];
             table.push(row);
         }
+        if let Some(pooled) = &one.pooled_clips {
+            let median = median_cell(&mut table, &pooled.cracked);
+            let nothing = || Cell::text(words::NOTHING);
+            table.push(vec![
+                Cell::head("all together"),
+                nothing(),
+                Cell::count(pooled.cracked.n),
+                Cell::count(pooled.cracked.n_lost),
+                Cell::count(pooled.clean.n_lost),
+                median,
+                nothing(),
+                nothing(),
+                nothing(),
+            ]);
+        }
+    }
+    let mut blocks = vec![Block::Table { table }];
+    for (place, one) in study.evaluations.iter().enumerate() {
+        let Some(pooled) = &one.pooled_clips else {
+            continue;
+        };
+        blocks.push(Block::Text {
+            text: words::name(&about_pooled(pooled)),
+        });
+        let curves = Curves {
+            of: format!("all {} clips together", words::count(pooled.n_clips)),
+            clean: &pooled.clean,
+            cracked: &pooled.cracked,
+            followed_s: pooled.followed_s,
+            level: pooled.level,
+        };
+        blocks.extend(curves.chart(&format!("e{place}-clips")));
     }
     Section {
         id: "overview".to_owned(),
         title: "Overview".to_owned(),
-        blocks: vec![Block::Table { table }],
+        blocks,
     }
+}
+
+/// By which rules clips are taken together.
+fn about_pooled(pooled: &PooledClips) -> String {
+    let unit = match pooled.unit {
+        PooledUnit::Clip => {
+            "objects of one clip share its cracks and its scene, so that the interval is between clips (Williams)"
+        }
+        PooledUnit::Object => {
+            "the interval takes objects as independent (Greenwood), since the clips are too few; it is too narrow, as \
+             objects of one clip share its cracks"
+        }
+    };
+    format!(
+        "The objects of all {} clips with damage in one curve, the time of each counted from the damage of its own \
+         clip; {unit}.",
+        words::count(pooled.n_clips)
+    )
+}
+
+/// The median time to failure, s, with those ends of its interval that are known.
+fn median_cell(table: &mut Table, survival: &Survival) -> Cell {
+    let ends = survival.median_ends_s;
+    let small = ends.iter().any(Option::is_some).then(|| {
+        let [low, high] =
+            ends.map(|end| end.map_or(words::NOTHING.to_owned(), |v| words::decimal(v, 2)));
+        format!("[{low}, {high}]")
+    });
+    let mut estimate = Estimate::from(&survival.median_s);
+    (estimate.low, estimate.high) = (None, None);
+    table
+        .estimate(&estimate, |v| words::decimal(v, 2))
+        .with_small(small)
 }

@@ -1,0 +1,159 @@
+//! The clips of an evaluation, taken together.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+use super::clip::FEW_AT_RISK;
+use super::{TimelineResults, Warning, WarningKind};
+use crate::EvalError;
+use crate::timeline::{Survival, Timeline, TrackFate, kaplan_meier, kaplan_meier_of_clusters};
+
+/// From so many clips on intervals take clips as what is drawn, and not objects.
+const MIN_CLIPS: u64 = 5;
+
+/// Fewer clips than these give too narrow an interval.
+const FEW_CLIPS: u64 = 20;
+
+/// How long the objects of several clips stay found, all clips with damage taken together: time counts from
+/// the onset of the damage of each.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PooledClips {
+    /// Clips with damage.
+    pub n_clips: u64,
+    /// What intervals take as independent.
+    pub unit: PooledUnit,
+    /// Level of confidence of all intervals.
+    pub level: f64,
+    /// Until when any object is followed, s after the damage, clean and cracked.
+    pub followed_s: [f64; 2],
+    /// The clean clips under the same rules: the control.
+    pub clean: Survival,
+    /// The cracked clips.
+    pub cracked: Survival,
+}
+
+/// What intervals take as independent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PooledUnit {
+    /// Clips, whose objects share their cracks and their scene.
+    Clip,
+    /// Objects, since the clips are too few.
+    Object,
+}
+
+/// The fates of one side of all clips.
+struct Fates {
+    after_s: Vec<f64>,
+    is_lost: Vec<bool>,
+    clip: Vec<u32>,
+}
+
+impl Fates {
+    fn of<'a>(sides: impl Iterator<Item = &'a Timeline>) -> Self {
+        let mut fates = Self {
+            after_s: Vec::new(),
+            is_lost: Vec::new(),
+            clip: Vec::new(),
+        };
+        for (clip, side) in (0_u32..).zip(sides) {
+            for row in &side.tracks {
+                let (after_s, is_lost) = match row.fate {
+                    TrackFate::Lost { after_s, .. } => (after_s, true),
+                    TrackFate::Kept { for_s } => (for_s, false),
+                    TrackFate::NotAtRisk { .. } => continue,
+                };
+                // Whole microseconds: the same time after two onsets is one time.
+                fates.after_s.push((after_s * 1e6).round() / 1e6);
+                fates.is_lost.push(is_lost);
+                fates.clip.push(clip);
+            }
+        }
+        fates
+    }
+
+    /// Clips with an object at risk.
+    fn n_clips(&self) -> u64 {
+        self.clip.iter().collect::<BTreeSet<_>>().len() as u64
+    }
+
+    fn survival(&self, unit: PooledUnit, level: f64) -> Result<Survival, EvalError> {
+        match unit {
+            PooledUnit::Clip => {
+                kaplan_meier_of_clusters(&self.after_s, &self.is_lost, &self.clip, level)
+            }
+            PooledUnit::Object => kaplan_meier(&self.after_s, &self.is_lost, level),
+        }
+    }
+}
+
+/// The clips with damage taken together; nothing where there are fewer than two. Intervals are between
+/// clips (see [`kaplan_meier_of_clusters`]) where five or more have an object at risk.
+///
+/// # Errors
+/// As [`kaplan_meier`].
+pub fn pool_clips(clips: &[TimelineResults]) -> Result<Option<PooledClips>, EvalError> {
+    let damaged: Vec<&TimelineResults> = clips
+        .iter()
+        .filter(|clip| clip.cracked.survival.is_some())
+        .collect();
+    let [first, _, ..] = damaged.as_slice() else {
+        return Ok(None);
+    };
+    let level = first.cracked.settings.level;
+    let clean = Fates::of(damaged.iter().map(|clip| &clip.clean));
+    let cracked = Fates::of(damaged.iter().map(|clip| &clip.cracked));
+    // The same objects are at risk on both sides.
+    let unit = match cracked.n_clips() >= MIN_CLIPS && clean.n_clips() >= MIN_CLIPS {
+        true => PooledUnit::Clip,
+        false => PooledUnit::Object,
+    };
+    let last_s = |fates: &Fates| fates.after_s.iter().copied().fold(0.0, f64::max);
+    Ok(Some(PooledClips {
+        n_clips: damaged.len() as u64,
+        unit,
+        level,
+        followed_s: [last_s(&clean), last_s(&cracked)],
+        clean: clean.survival(unit, level)?,
+        cracked: cracked.survival(unit, level)?,
+    }))
+}
+
+impl PooledClips {
+    /// Whether the clips together have so many objects at risk that a curve of one clip need not.
+    #[must_use]
+    pub fn is_enough(&self) -> bool {
+        self.cracked.n >= FEW_AT_RISK
+    }
+
+    /// What a reader must know before the numbers.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<Warning> {
+        let mut warnings = Vec::new();
+        let mut add = |text| {
+            warnings.push(Warning {
+                kind: WarningKind::SmallSample,
+                text,
+            });
+        };
+        let n = self.n_clips;
+        if !self.is_enough() {
+            add(format!(
+                "the {n} clips together: {} objects are at risk of being lost; take longer clips or more",
+                self.cracked.n
+            ));
+        }
+        match self.unit {
+            PooledUnit::Object => add(format!(
+                "the {n} clips together: fewer than {MIN_CLIPS} have objects at risk, so that intervals take objects \
+                 as independent; objects of one clip share its cracks, so that they come out too narrow"
+            )),
+            PooledUnit::Clip if n < FEW_CLIPS => add(format!(
+                "the {n} clips together: intervals are between clips; of fewer than {FEW_CLIPS} they come out too narrow"
+            )),
+            PooledUnit::Clip => {}
+        }
+        warnings
+    }
+}
