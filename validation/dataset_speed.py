@@ -4,7 +4,7 @@
     python3 validation/dataset_speed.py [N] [THREADS]
 
 Sets: a synthetic KITTI-like one of N PNG frames (1242x375, made here from a street that a formula
-draws, with noise), and coco96 and the KITTI frames of ../shared/data where they are. Each is run in
+draws, with noise), and coco96, the BDD frames (JPEG, 1280x720, 40 copies each) and the KITTI frames of ../shared/data where they are. Each is run in
 turns: recode (the floor), from a bank with all frame sizes of the set, fresh physics. CPU seconds are user and system time of the
 process; on a shared machine their ratio is the robust figure.
 """
@@ -79,11 +79,16 @@ def main():
 def run(work, n, threads):
     make_kitti(work / "kitti", n)
     sets = [(f"synthetic KITTI, {n}", f"kitti:{work / 'kitti'}", n)]
-    for name, source in (("coco96", f"coco:{SHARED / 'coco96'}"), ("KITTI frames", f"kitti:{SHARED / 'kitti'}")):
-        if SHARED.exists():
-            sets.append((name, source, 96 if name == "coco96" else 3))
-        else:
-            print(f"SKIPPED {name}: no ../shared/data")
+    if SHARED.exists():
+        sets.append(("coco96", f"coco:{SHARED / 'coco96'}", 96))
+        frames = sorted((SHARED / "bdd").glob("*.jpg"))
+        (work / "bdd").mkdir()
+        for k in range(120):
+            shutil.copy(frames[k % len(frames)], work / f"bdd/{k:03}.jpg")
+        sets.append((f"BDD frames, {len(frames)} as 120", f"folder:{work / 'bdd'}", 120))
+        sets.append(("KITTI frames", f"kitti:{SHARED / 'kitti'}", 3))
+    else:
+        print("SKIPPED coco96, BDD frames and KITTI frames: no ../shared/data")
     banks = []
     for name, source, _ in sets:
         bank = work / f"bank-{len(banks)}"
