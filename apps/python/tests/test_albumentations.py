@@ -5,6 +5,8 @@ import importlib
 import json
 import multiprocessing
 import pickle
+import subprocess
+import sys
 
 import albumentations as A
 import numpy as np
@@ -235,3 +237,44 @@ def test_a_missing_key_and_other_dtypes_are_named(image):
         A.Compose([glass(key="path")])(image=image)
     with pytest.raises(ValueError, match="uint8"):
         A.Compose([glass()])(image=image.astype(np.float32))
+
+
+def test_frames_may_lie_in_a_volume(image):
+    frames = np.stack([image, image[::-1]])
+    for words in ({}, {"key": "path"}, {"region_key": "region"}):
+        transform = A.Compose([glass(**words)])
+        beside = {"path": "a.png"} if "key" in words else {}
+        made = transform(volume=frames, **beside)
+        np.testing.assert_array_equal(made["volume"], transform(images=frames, **beside)["images"])
+        assert ("region" in made) == ("region_key" in words)
+
+
+def test_a_seed_of_numpy_and_severities_of_any_kind_are_written_down(image):
+    transform = CrackedGlass("paper", severity=iter((1, 3)), crack_seed=np.int64(3), p=1.0)
+    text = json.dumps(A.to_dict(A.Compose([transform])))
+    again = A.from_dict(json.loads(text)).transforms[0]
+    assert (again.crack_seed, tuple(again.severity)) == (3, (1, 3))
+    assert transform.severity == (1, 3)
+
+
+@pytest.mark.parametrize(
+    ("error", "named", "words"),
+    [
+        (ValueError, "crack_seed = -1", {"crack_seed": -1}),
+        (ValueError, "key 5", {"crack_seed": 1, "key": 5}),
+        (ValueError, "key 'image'", {"crack_seed": 1, "key": "image"}),
+        (ValueError, "key ''", {"crack_seed": 1, "key": ""}),
+        (ValueError, "region_key ''", {"region_key": ""}),
+    ],
+)
+def test_arguments_are_named(error, named, words):
+    with pytest.raises(error, match=named):
+        CrackedGlass("paper", **words)
+
+
+def test_a_library_that_does_not_load_says_why(tmp_path):
+    (tmp_path / "albumentations").mkdir()
+    (tmp_path / "albumentations/__init__.py").write_text("import no_such_part")
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r})\nimport starbreak.albumentations"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "Albumentations is installed and cannot be imported: No module named 'no_such_part'" in done.stderr

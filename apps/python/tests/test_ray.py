@@ -208,3 +208,38 @@ def test_what_makes_no_sense_is_refused_before_a_worker_starts(source, tmp_path)
         run(tmp_path / "nowhere", new)
     assert not new.exists()
     assert np.asarray(Image.open(source / "1.png")).shape == (96, 128, 3)
+
+
+def test_an_output_with_other_files_is_refused(command, source, tmp_path):
+    command("generate", f"folder:{source}", "-o", tmp_path / "set", "--seed", 9, "--limit", 1)
+    before = {path: path.read_bytes() for path in (tmp_path / "set").rglob("*") if path.is_file()}
+    with pytest.raises(ValueError, match="of no earlier run; give a new or empty folder"):
+        run(source, tmp_path / "set")
+    assert {path: path.read_bytes() for path in (tmp_path / "set").rglob("*") if path.is_file()} == before
+
+
+def test_what_is_missing_or_made_from_another_file_is_made_again(source, of_the_command, tmp_path):
+    shutil.copytree(source, tmp_path / "in")
+    swapped, name = tmp_path / "in/1.png", "starbreak/provenance/2.json"
+    good = swapped.read_bytes()
+    swapped.write_bytes((tmp_path / "in/4.png").read_bytes())
+    run(tmp_path / "in", tmp_path / "out")
+    swapped.write_bytes(good)
+    (tmp_path / "out/5.png").unlink()
+    (tmp_path / "out/starbreak/regions/7.png").unlink()
+    (tmp_path / "out" / name).write_text("{")
+    counts = run(tmp_path / "in", tmp_path / "out")
+    assert (counts["n_made"], counts["n_kept"]) == (4, N_IMAGES - 4)
+    assert files_in(tmp_path / "out") == of_the_command()
+
+    (tmp_path / "out/starbreak/ray.json").write_text("[]")
+    (tmp_path / "in/1.png").unlink()
+    with pytest.raises(ValueError, match=r"ray\.json: is damaged"):
+        run(tmp_path / "in", tmp_path / "out")
+
+
+@pytest.mark.parametrize(("key", "value"), [("output.format", "jpeg"), ("output.maps", True)])
+def test_a_recipe_for_other_files_than_a_set_has_is_refused(source, tmp_path, key, value):
+    with pytest.raises(ValueError, match=key):
+        run(source, tmp_path / "out", recipe=starbreak.Recipe("paper", set={**SMALL, key: value}))
+    assert not (tmp_path / "out").exists()

@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import multiprocessing
+import pathlib
 import pickle
 
 import numpy as np
@@ -163,3 +164,25 @@ def test_any_number_of_workers_makes_the_same_set(method, n_workers):
         with multiprocessing.get_context(method).Pool(n_workers) as pool:
             made = pool.starmap(cracked_by, items, chunksize=1)
     assert made == expected
+
+
+@pytest.mark.parametrize("key", [True, object(), np.zeros(3), b"a.png", ["a"]], ids=lambda key: type(key).__name__)
+def test_a_key_is_a_path_or_a_number(image, small, key):
+    with pytest.raises(TypeError, match="key is of type .*; expected what tells images apart"):
+        CrackedGlass(small)(image, key)
+    transform = CrackedGlass(small)
+    np.testing.assert_array_equal(transform(image, pathlib.PurePath("a.png")), transform(image, "a.png"))
+    np.testing.assert_array_equal(transform(image, np.int64(3)), transform(image, 3))
+
+
+def test_a_spared_image_is_looked_at_as_well(image, small):
+    transform = CrackedGlass(small, p=0.0)
+    for unfit, named in ((image.astype(float), "dtype float64"), (image[:0], "no pixel"), (image[..., :2], "shape")):
+        with pytest.raises(ValueError, match=named):
+            transform(unfit, "a.png")
+
+
+def test_no_name_is_no_preset():
+    for severity in (None, 2):
+        with pytest.raises(ValueError, match="preset"):
+            CrackedGlass("", severity=severity)

@@ -50,7 +50,8 @@ class CrackDrawing:
         p: float = 1.0,
         seed: int | None = None,
     ) -> None:
-        if not isinstance(p, numbers.Real):
+        given: Any = p  # to type checkers a float is no Real
+        if not isinstance(given, numbers.Real):
             raise TypeError(f"p = {p!r}; expected a probability from 0 to 1")
         if not 0.0 <= p <= 1.0:
             raise ValueError(f"p = {p}; expected a probability from 0 to 1")
@@ -58,6 +59,8 @@ class CrackDrawing:
             raise ValueError("a bank has its recipe and severity; give a bank alone, or a recipe with severities")
         if seed is not None:
             item_seed(seed, "")  # raises for what is no seed
+        if isinstance(severity, Iterable):
+            severity = tuple(severity)
         self.p = float(p)
         self.seed = seed
         self._epoch = 0
@@ -75,7 +78,7 @@ class CrackDrawing:
     def epoch(self, epoch: int) -> None:
         self._epoch = whole("epoch", epoch, 0, 2**64 - 1)
 
-    def seed_of(self, image: Image, key: object = None) -> int:
+    def seed_of(self, image: Image | None, key: object = None) -> int:
         """The seed of an image's crack, from its key or, without one, from its pixels.
 
         Every 16th row stands for the pixels. Images that are equal there get equal cracks.
@@ -88,9 +91,11 @@ class CrackDrawing:
         False
         """
         if key is None:
-            _refuse_no_array(image)
-            key = f"pixels {image.shape} {zlib.crc32(np.ascontiguousarray(image[::16]).data):08x}"
-        return item_seed(self.seed or 0, str(key), self.epoch)
+            fit = refuse_unfit(image)
+            key = f"pixels {fit.shape} {zlib.crc32(np.ascontiguousarray(fit[::16]).data):08x}"
+        elif isinstance(key, bool) or not isinstance(key, str | os.PathLike | numbers.Real):
+            raise TypeError(f"key is of type {type(key).__name__}; expected what tells images apart, a path or a number")
+        return item_seed(self.seed or 0, os.fspath(key) if isinstance(key, os.PathLike) else str(key), self.epoch)
 
     def words(self, **others: object) -> str:
         """What it draws and how, with other arguments of a transform, for its ``repr``.
@@ -116,6 +121,7 @@ class CrackDrawing:
 
     def crack_or_spare(self, frames: Sequence[Image], seed: int) -> Sequence[Image]:
         """Cracked frames, or the frames themselves where the seed falls outside of ``p``."""
+        refuse_unfit(frames[0])
         if self.is_drawn(seed):
             return self.crack(frames, seed)
         regions = _REGIONS.get()
@@ -129,9 +135,7 @@ class CrackDrawing:
         A frame is H×W, H×W×1 or H×W×3.
         """
         first = frames[0]
-        _refuse_no_array(first)
-        if first.ndim not in (2, 3):
-            raise ValueError(f"image has shape {first.shape}; expected (height, width, 3) or (height, width)")
+        refuse_unfit(first)
         size = (first.shape[1], first.shape[0])
         if self.bank is not None:
             ready = self.bank.pattern(self.bank.index_for(seed), size)
@@ -180,10 +184,23 @@ def whole(name: str, given: object, least: int, most: int) -> int:
     return number
 
 
-def _refuse_no_array(image: object) -> None:
+def refuse_unfit(image: object) -> Image:
+    """The image; refuses what is none to crack, also where it would be spared.
+
+    >>> refuse_unfit(np.zeros((2, 3, 4), np.uint8))
+    Traceback (most recent call last):
+    ValueError: image has shape (2, 3, 4); expected (height, width, 3) or (height, width)
+    """
     if not isinstance(image, np.ndarray):
         kind = type(image).__name__
         raise TypeError(f"image is of type {kind}; expected a numpy.ndarray of uint8, H x W x 3 or H x W")
+    if image.ndim not in (2, 3) or image.shape[2:] not in ((), (1,), (3,)):
+        raise ValueError(f"image has shape {image.shape}; expected (height, width, 3) or (height, width)")
+    if image.dtype != np.uint8:
+        raise ValueError(f"image has dtype {image.dtype}; expected uint8, 0 to 255")
+    if not image.size:
+        raise ValueError(f"image has shape {image.shape}: there is no pixel in it")
+    return image
 
 
 def _severities(severity: Severity | None) -> tuple[int, ...]:
@@ -202,7 +219,7 @@ def _recipe(recipe: RecipeLike | None, severity: int | None) -> Recipe:
     if severity is None:
         return recipe_of(recipe)
     if recipe is None or isinstance(recipe, str):
-        return Recipe(recipe or "windshield-star", severity=severity)
+        return Recipe("windshield-star" if recipe is None else recipe, severity=severity)
     raise ValueError("severities scale presets only; give the name of a preset, or leave severity out")
 
 

@@ -20,6 +20,8 @@ try:
     from albumentations.core.transforms_interface import DualTransform
     from albumentations.core.type_definitions import Targets
 except ImportError as error:
+    if getattr(error, "name", None) != "albumentations":
+        raise ImportError(f"Albumentations is installed and cannot be imported: {error}") from error
     raise ImportError(
         "starbreak.albumentations needs Albumentations: pip install albumentations==2.0.8 (MIT), or "
         "albumentationsx (AGPL)"
@@ -30,7 +32,7 @@ if _IS_X:
     from albumentations.core.transform_params import SampledParams
 
 from . import Recipe
-from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region
+from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region, whole
 
 __all__ = ["CrackedGlass"]
 
@@ -52,12 +54,14 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
         key: name of what tells images apart, a path or a number, beside the image
             (``transform(image=image, path="a.png")`` with ``key="path"``); without it the pixels do.
         region_key: name under which the result has the region mask, uint8 H×W, 255 where the crack
-            counts; zeros where the transform was not applied. Named in
+            counts; zeros where the transform was called and its ``p`` spared the image. Where a ``OneOf``
+            or a ``Compose`` with a ``p`` of its own does not call it, the result has no such name. Named in
             ``A.Compose(additional_targets={region_key: "mask"})`` it moves with the image later on.
         p: probability.
 
-    Targets: ``image`` uint8 H×W or H×W×3, ``images`` N of them behind one crack, as in a video;
-    ``mask``, ``masks``, ``bboxes`` and ``keypoints`` stay as they are: glass moves no object.
+    Targets: ``image`` uint8 H×W or H×W×3, ``images`` (and ``volume``, for those who have their frames
+    there) N of them behind one crack, as in a video; ``mask``, ``masks``, ``bboxes`` and ``keypoints``
+    stay as they are: glass moves no object. What ``to_dict`` writes has no epoch.
 
     Raises:
         ValueError: at construction for parameters that make no sense; later for images that are not
@@ -82,8 +86,14 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
     ) -> None:
         if key is not None and crack_seed is None:
             raise ValueError("a key tells which crack of a seed an image gets; give crack_seed, too")
-        if region_key is not None and (not isinstance(region_key, str) or region_key in (*_TARGETS, key)):
+        if region_key is not None and (not isinstance(region_key, str) or region_key in ("", *_TARGETS, key)):
             raise ValueError(f"region_key {region_key!r}: expected a name that is no target of its own, such as 'region'")
+        if key is not None and (not isinstance(key, str) or key in ("", *_TARGETS)):
+            raise ValueError(f"key {key!r}: expected the name of what tells images apart, such as 'path'")
+        if isinstance(severity, Iterable):
+            severity = tuple(severity)
+        if crack_seed is not None:
+            crack_seed = whole("crack_seed", crack_seed, 0, 2**64 - 1)
         self._drawing = CrackDrawing(recipe, severity, bank, p, crack_seed)
         super().__init__(p=p)
         # What `to_dict` writes.
@@ -119,7 +129,10 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
     def _own_seed(self, data: dict[str, Any]) -> int:
         if self.key is not None and data.get(self.key) is None:
             raise ValueError(f"CrackedGlass tells images apart by {self.key!r}; give it beside the image")
-        return self._drawing.seed_of(_first_image(data), None if self.key is None else data[self.key])
+        first = _first_image(data)
+        if self.key is None and first is None:
+            return 0  # there is nothing to crack
+        return self._drawing.seed_of(first, None if self.key is None else data[self.key])
 
     def _draw(self, data: dict[str, Any], random_generator: np.random.Generator) -> dict[str, int]:
         own = self.crack_seed is not None
@@ -133,8 +146,9 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
             force_apply = True
         with collected_region(self.region_key is not None) as regions:
             result = data if is_spared else base(force_apply=force_apply, **data)
-        if self.region_key is not None:
-            region = regions[0] if regions else np.zeros(_first_image(data).shape[:2], np.uint8)
+        first = _first_image(data)
+        if self.region_key is not None and first is not None:
+            region = regions[0] if regions else np.zeros(first.shape[:2], np.uint8)
             result = {**result, self.region_key: region}
         return result
 
@@ -161,6 +175,14 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
             return self._run(base, force_apply, data)
 
 
-def _first_image(data: dict[str, Any]) -> Image:
-    image: Image = data["image"] if data.get("image") is not None else data["images"][0]
-    return image
+def _first_image(data: dict[str, Any]) -> Image | None:
+    """The first image that there is to crack."""
+    if data.get("image") is not None:
+        image: Image = data["image"]
+        return image
+    for name in ("images", "volume", "volumes"):
+        frames = data.get(name)
+        if frames is not None and len(frames):
+            first: Image = frames[0][0] if name == "volumes" else frames[0]
+            return first
+    return None

@@ -8,6 +8,7 @@ the seed alone, and an image's record, which is written last, says that it is wh
 from __future__ import annotations
 
 import functools
+import hashlib
 import json
 import os
 import posixpath
@@ -61,12 +62,12 @@ def crack_dataset(
 
     Returns:
         ``{"n_made", "n_kept", "n_failed", "failed": [{"name", "sample", "error"}, …]}``: images made now,
-        those whose record was there (from an earlier run of the same recipe and seed, or from a worker
-        that died afterwards), and those that could not be read or broken.
+        those that are there already, made from the same file (by an earlier run of the same recipe and
+        seed, or by a worker that died afterwards), and those that could not be read or broken.
 
     Raises:
         ValueError: for a recipe that makes no sense, a source without images or with two whose masks
-            would have one name, an output that another recipe or seed has made.
+            would have one name, an output that another recipe or seed has made or that holds other files.
         OSError: where the source cannot be listed or the output cannot be written.
     """
     n_samples = whole("n_samples", n_samples, 1, 2**32 - 1)
@@ -77,7 +78,7 @@ def crack_dataset(
         raise ValueError("a bank has its recipe; give one of both")
     item_seed(seed, "")  # raises for what is no seed
     job = _Job(
-        toml=None if bank is not None else recipe_of(recipe).to_toml(),
+        toml=None if bank is not None else _of_sets(recipe_of(recipe)).to_toml(),
         bank=None if bank is None else os.path.abspath(bank),
         seed=seed,
         n_samples=n_samples,
@@ -161,12 +162,11 @@ class _Job:
         }
 
     def _crack(self, name: str, sample: int) -> tuple[str, str]:
-        tree = name if self.n_samples == 1 else f"sample_{sample}/{name}"
-        if self.output.has(f"starbreak/provenance/{posixpath.splitext(tree)[0]}.json"):
-            return "kept", ""
         recipe, bank = _engine(self.toml, self.bank)
         try:
             data = self.source.read(name)
+            if self._has(name, sample, data):
+                return "kept", ""
             files = crack_file(
                 data, name, recipe, self.seed, bank=bank, sample_index=sample, n_samples=self.n_samples
             )
@@ -175,6 +175,31 @@ class _Job:
         for file_name, content in files:
             self.output.write(file_name, content)
         return "made", ""
+
+
+    def _has(self, name: str, sample: int, data: bytes) -> bool:
+        """Whether the output has all files of an image, made from these bytes."""
+        tree = name if self.n_samples == 1 else f"sample_{sample}/{name}"
+        place = f"starbreak/provenance/{posixpath.splitext(tree)[0]}.json"
+        if not self.output.has(place):
+            return False
+        try:
+            record = json.loads(self.output.read(place))
+            files = [record[kind]["name"] for kind in ("output", "region", "crack") if kind in record]
+            is_of_data = record["input"]["sha256"] == hashlib.sha256(data).hexdigest()
+        except (ValueError, KeyError, TypeError):
+            return False  # what is not whole is made again
+        return is_of_data and all(map(self.output.has, files))
+
+
+def _of_sets(recipe: Recipe) -> Recipe:
+    """The recipe, unless it asks for files that a set does not have."""
+    output = recipe.to_dict().get("output", {})
+    if output.get("format", "same") != "same":
+        raise ValueError(f"output.format = {output['format']!r}; a set keeps the formats of its source: leave it 'same'")
+    if output.get("maps"):
+        raise ValueError("output.maps = True; a set has no maps: leave it out, or use crack for single images")
+    return recipe
 
 
 @functools.lru_cache(maxsize=2)
@@ -231,12 +256,27 @@ def _claim(job: _Job) -> None:
         "seed": job.seed,
     }
     if not job.output.has(name):
+        other = _any_file(job.output)
+        if other is not None:
+            raise ValueError(f"{job.output.root}: holds {other} of no earlier run; give a new or empty folder")
         job.output.write(name, (json.dumps(identity, indent=2) + "\n").encode())
         return
-    found = json.loads(job.output.read(name))
+    try:
+        found = json.loads(job.output.read(name))
+    except ValueError:
+        found = None
+    if not isinstance(found, dict):
+        raise ValueError(f"{job.output.place(name)}: is damaged; give another output")
     for key, wanted in identity.items():
         if found.get(key) != wanted:
             raise ValueError(
                 f"{job.output.root}: made with {key} {found.get(key)!r}, not {wanted!r}; give another output, or the "
                 "same recipe and seed"
             )
+
+
+def _any_file(folder: _Folder) -> str | None:
+    """The path of some file in a folder or below."""
+    below = arrow_fs.FileSelector(folder.root, allow_not_found=True, recursive=True)
+    files = (info.path for info in folder.filesystem.get_file_info(below) if info.type == arrow_fs.FileType.File)
+    return next(files, None)

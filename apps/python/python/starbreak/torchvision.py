@@ -25,7 +25,7 @@ try:
 except ImportError as error:
     raise ImportError("starbreak.torchvision needs torch and torchvision: pip install torchvision") from error
 
-from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region
+from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region, whole
 
 __all__ = ["CrackedGlass"]
 
@@ -66,6 +66,8 @@ class CrackedGlass(v2.Transform):  # type: ignore[misc]
         p: float = 0.5,
     ) -> None:
         super().__init__()
+        if crack_seed is not None:
+            crack_seed = whole("crack_seed", crack_seed, 0, 2**64 - 1)
         self._drawing = CrackDrawing(recipe, severity, bank, p, crack_seed)
         self.region_key = region_key
 
