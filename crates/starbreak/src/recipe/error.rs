@@ -30,6 +30,10 @@ impl Place {
         Self(format!("--set {}", text.escape_debug()))
     }
 
+    pub(super) fn key(key: &str) -> Self {
+        Self(format!("set[{key:?}]"))
+    }
+
     pub(super) fn recipe() -> Self {
         Self("recipe".to_owned())
     }
@@ -163,8 +167,10 @@ pub enum RecipeError {
         /// What is possible.
         expected: String,
     },
-    /// Not of the form `table.key=value`.
-    #[error("{place}: not an override; write table.key=value, e.g. impact.speed_m_s=30")]
+    /// Not of the form `table.key=value`, or no key in a table.
+    #[error(
+        "{place}: not an override; name a table, its key and a value, e.g. impact.speed_m_s=30"
+    )]
     NotAnAssignment {
         /// The text.
         place: Place,
@@ -192,6 +198,23 @@ pub(super) fn printable(text: &str) -> String {
                 .chain((!c.is_control()).then_some(c))
         })
         .collect()
+}
+
+/// What a reader of values says, on one line, with the kinds of its types in words.
+pub(super) fn in_plain_words(message: &str) -> String {
+    let said = printable(message);
+    let Some((before, kind)) = said.rsplit_once("expected ") else {
+        return said;
+    };
+    let words = match kind {
+        "f32" | "f64" => "a number",
+        "u8" | "u16" | "u32" | "u64" | "usize" | "i32" | "i64" => "a whole number",
+        "string only" | "a string" | "a borrowed string" => "text",
+        "a boolean" => "true or false",
+        _ => return said,
+    };
+    let before = before.replace("invalid type: unit variant, ", "");
+    format!("{before}expected {words}")
 }
 
 /// A value that went to SI and back, or through single precision, without the last digits that

@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
-use super::error::{Place, RecipeError, printable};
+use super::error::{Place, RecipeError, in_plain_words};
 pub(super) use super::paper_tables::{
     FarFocusBlurWord, FocusEntry, FocusWord, LightEntry, NeighborhoodWord, NormalizationWord,
     PaperFractureTables, PaperImpactTable, PaperOpticsTables, RuleWord,
@@ -190,7 +190,7 @@ pub(super) fn from_table<T: DeserializeOwned>(
         RecipeError::Type {
             place: place.clone(),
             key: error.path().to_string().replace('[', ".").replace(']', ""),
-            what: printable(error.inner().message()),
+            what: in_plain_words(error.inner().message()),
         }
     })
 }
