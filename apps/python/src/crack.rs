@@ -416,18 +416,17 @@ pub(crate) struct Cracked {
 impl Cracked {
     #[new]
     fn new(
-        py: Python<'_>,
-        image: Py<PyAny>,
-        region: Py<PyAny>,
-        crack: Py<PyAny>,
+        image: Bound<'_, PyAny>,
+        region: Bound<'_, PyAny>,
+        crack: Bound<'_, PyAny>,
         network: Option<Given<Py<CrackNetwork>>>,
         facts: Py<PyAny>,
         damage: Py<PyAny>,
         intact: Given<bool>,
     ) -> PyResult<Self> {
-        let size = size_of("image", image.bind(py), true)?;
+        let size = size_of("image", &image, true)?;
         for (name, mask) in [("region", &region), ("crack", &crack)] {
-            let of_mask = size_of(name, mask.bind(py), false)?;
+            let of_mask = size_of(name, mask, false)?;
             if of_mask != size {
                 return Err(PyValueError::new_err(format!(
                     "{name} is {} x {} px, the image {} x {} px; expected masks of the size of the image",
@@ -436,9 +435,9 @@ impl Cracked {
             }
         }
         Ok(Self {
-            image,
-            region,
-            crack,
+            image: image.unbind(),
+            region: region.unbind(),
+            crack: crack.unbind(),
             network: Given::if_given(network, "network")?,
             facts,
             damage,

@@ -1,6 +1,7 @@
 """What is no argument is named: which one, what was given, what is meant."""
 
 import itertools
+import json
 import pathlib
 
 import numpy as np
@@ -153,6 +154,7 @@ def test_a_range_of_areas_has_two_ends():
         ("camera.f_number", "x", 'invalid type: string "x", expected a number'),
         ("camera.blades", 2.5, "invalid type: floating point `2.5`, expected a whole number"),
         ("fracture.mesh", 5, "expected text"),
+        ("fracture.model", "a", "unknown word `a`, expected `physics` or `paper`"),
     ],
 )
 def test_the_kind_of_a_key_is_said_in_words(key, value, says):
@@ -285,10 +287,22 @@ def test_masked_entries_are_no_codes(image, small):
 
 def test_a_text_that_is_no_network_is_said_in_a_sentence(tmp_path):
     (tmp_path / "a.json").write_text("{}")
-    with pytest.raises(ValueError, match="^the text is not a crack network: missing field"):
+    with pytest.raises(ValueError, match="^the text is not a crack network: missing key"):
         starbreak.CrackNetwork.from_json("{}")
-    with pytest.raises(ValueError, match='a.json" is not a crack network: missing field'):
+    with pytest.raises(ValueError, match='a.json" is not a crack network: missing key'):
         starbreak.CrackNetwork.from_file(tmp_path / "a.json")
+
+
+def test_what_is_wrong_in_a_network_is_said_in_words():
+    network = json.loads(starbreak.simulate(PAPER, 1, (12, 9)).to_json())
+    for key, value, says in [
+        ("seed", 2.5, "invalid type: floating point `2.5`, expected a whole number at line 1"),
+        ("nodes", 5, "invalid type: integer `5`, expected a table at line 1"),
+        ("model", "a", "unknown word `a`, expected one of"),
+    ]:
+        with pytest.raises(ValueError) as raised:
+            starbreak.CrackNetwork.from_json(json.dumps(network | {key: value}))
+        assert says in str(raised.value)
 
 
 def test_a_network_in_mm_asks_for_a_pane():

@@ -28,6 +28,7 @@ pub mod generate;
 pub mod import;
 pub mod overlay;
 pub mod pipeline;
+mod plain_words;
 mod recipe;
 pub mod study;
 

@@ -200,23 +200,6 @@ pub(super) fn printable(text: &str) -> String {
         .collect()
 }
 
-/// What a reader of values says, on one line, with the kinds of its types in words.
-pub(super) fn in_plain_words(message: &str) -> String {
-    let said = printable(message);
-    let Some((before, kind)) = said.rsplit_once("expected ") else {
-        return said;
-    };
-    let words = match kind {
-        "f32" | "f64" => "a number",
-        "u8" | "u16" | "u32" | "u64" | "usize" | "i32" | "i64" => "a whole number",
-        "string only" | "a string" | "a borrowed string" => "text",
-        "a boolean" => "true or false",
-        _ => return said,
-    };
-    let before = before.replace("invalid type: unit variant, ", "");
-    format!("{before}expected {words}")
-}
-
 /// A value that went to SI and back, or through single precision, without the last digits that
 /// this costs.
 fn as_given(value: f64) -> f64 {

@@ -27,7 +27,8 @@ pub use settings::{
     OutputSettings, PaperSettings, PhysicsSettings, Settings, StoneSettings,
 };
 
-use error::{Place, in_plain_words, printable};
+use crate::plain_words::in_plain_words;
+use error::{Place, printable};
 use presets::{KEYS_OF_KINDS, Preset};
 use tables::{Choice, KindWord, ModelWord, OpticsWord};
 
@@ -418,6 +419,6 @@ fn word<T: serde::de::DeserializeOwned>(
     T::deserialize(value.clone()).map_err(|error| RecipeError::Type {
         place: place.clone(),
         key: key.to_owned(),
-        what: in_plain_words(error.message()),
+        what: printable(&in_plain_words(error.message())),
     })
 }
