@@ -16,7 +16,7 @@ use detect::DetectArgs;
 use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
 use starbreak::dataset::same_file;
-use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
+use starbreak::{Assignment, DEFAULT_PRESET, Recipe, RecipeError, Seed};
 
 use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
@@ -344,7 +344,8 @@ impl Global {
 
     /// Lays the camera over a recipe, then sets single parameters.
     pub(crate) fn adjust(&self, recipe: &mut Recipe) -> Result<(), RecipeError> {
-        recipe.adjust(self.camera.as_deref(), &self.set)
+        let set = self.set.iter().map(|text| Assignment::parse(text));
+        recipe.adjust(self.camera.as_deref(), &set.collect::<Result<Vec<_>, _>>()?)
     }
 
     /// None of the outputs is the recipe file, which would be lost.

@@ -1,11 +1,15 @@
 //! Arguments that Python has no type of its own for: whole numbers, seeds, sizes, boxes, names.
 
+use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 
+use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use pyo3::types::{PyBytes, PyIterator, PyMapping, PyString};
 use starbreak::Seed;
 use starbreak::dataset::ImageLimits;
 
@@ -26,6 +30,126 @@ pub(crate) fn shown(value: &Bound<'_, PyAny>) -> String {
     }
 }
 
+/// A kind of argument, as a message names it.
+pub(crate) trait Kind {
+    const EXPECTED: &'static str;
+}
+
+impl Kind for bool {
+    const EXPECTED: &'static str = "True or False";
+}
+
+impl Kind for String {
+    const EXPECTED: &'static str = "text";
+}
+
+impl Kind for PathBuf {
+    const EXPECTED: &'static str = "text or a path";
+}
+
+impl Kind for OsString {
+    const EXPECTED: &'static str = "text or a path";
+}
+
+impl Kind for Real {
+    const EXPECTED: &'static str = "a number";
+}
+
+impl Kind for Vec<Real> {
+    const EXPECTED: &'static str = "a list of numbers";
+}
+
+impl Kind for Vec<Whole> {
+    const EXPECTED: &'static str = "a list of whole numbers";
+}
+
+impl Kind for BTreeMap<String, [Real; 2]> {
+    const EXPECTED: &'static str =
+        "a dict of names to least and most, such as {\"small\": (0, 1024)}";
+}
+
+impl Kind for Py<PyMapping> {
+    const EXPECTED: &'static str = "a dict of tables";
+}
+
+/// An argument of a kind, or what was given instead: that is said once the argument has a name.
+#[derive(Debug)]
+pub(crate) struct Given<T>(Result<T, Refused>);
+
+/// What was given instead, and whether it was of another type.
+#[derive(Debug)]
+struct Refused {
+    given: String,
+    is_type: bool,
+}
+
+impl<T> Given<T> {
+    /// What is taken where none is given.
+    pub(crate) const fn of(value: T) -> Self {
+        Self(Ok(value))
+    }
+}
+
+impl<T: Kind> Given<T> {
+    /// The value; `TypeError` or `ValueError` with the name of the argument.
+    pub(crate) fn named(self, name: &str) -> PyResult<T> {
+        self.0.map_err(|refused| {
+            let said = format!("{name} = {}; expected {}", refused.given, T::EXPECTED);
+            match refused.is_type {
+                true => PyTypeError::new_err(said),
+                false => PyValueError::new_err(said),
+            }
+        })
+    }
+
+    /// The value of an argument that may be left out.
+    pub(crate) fn if_given(given: Option<Self>, name: &str) -> PyResult<Option<T>> {
+        given.map(|given| given.named(name)).transpose()
+    }
+}
+
+impl<'a, 'py, T: FromPyObjectOwned<'py>> FromPyObject<'a, 'py> for Given<T> {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let py = given.py();
+        Ok(Self(given.extract::<T>().map_err(|error| Refused {
+            given: shown(&given),
+            is_type: error.into().is_instance_of::<PyTypeError>(py),
+        })))
+    }
+}
+
+/// The entries of a sequence, such as a list, a tuple or an array: of what has a length and places;
+/// a set has no places, an iterator no length.
+pub(crate) fn entries<'py>(given: &Bound<'py, PyAny>) -> Option<Bound<'py, PyIterator>> {
+    let is_sequence = given.len().is_ok()
+        && given.hasattr("__getitem__").unwrap_or(false)
+        && given.cast::<PyMapping>().is_err();
+    given.try_iter().ok().filter(|_| is_sequence)
+}
+
+/// The bytes of a file: `bytes`, or anything with a buffer, of which it is a copy.
+#[derive(Debug)]
+pub(crate) struct BytesArg(pub(crate) Py<PyBytes>);
+
+impl<'a, 'py> FromPyObject<'a, 'py> for BytesArg {
+    type Error = PyErr;
+
+    fn extract(data: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if let Ok(bytes) = data.cast::<PyBytes>() {
+            return Ok(Self(bytes.to_owned().unbind()));
+        }
+        let view = data.py().import("builtins")?.getattr("memoryview")?;
+        let Ok(view) = view.call1((data,)) else {
+            let said = format!("data = {}; expected the bytes of a file", shown(&data));
+            return Err(PyTypeError::new_err(said));
+        };
+        let copy = view.call_method0("tobytes")?;
+        Ok(Self(copy.cast_into::<PyBytes>()?.unbind()))
+    }
+}
+
 /// A whole number as an argument: an `int`, one of NumPy, anything with `__index__`; no `bool`.
 /// Whether it is one, and in its range, is said with the name of the argument.
 #[derive(Debug)]
@@ -42,6 +166,11 @@ impl Whole {
             value: Some(value.into()),
             given: value.to_string(),
         }
+    }
+
+    /// As a message shows it.
+    pub(crate) fn given(&self) -> &str {
+        &self.given
     }
 
     /// The number, of any size: the ends of the type stand for all beyond.
@@ -99,7 +228,8 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Whole {
     }
 }
 
-/// A number as an argument; one that is too large for a float is infinite.
+/// A number as an argument, no `bool` and no complex number; one that is too large for a float is
+/// infinite.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Real(pub(crate) f64);
 
@@ -107,6 +237,9 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Real {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        if given.extract::<bool>().is_ok() || is_complex(&given)? {
+            return Err(PyTypeError::new_err("no number"));
+        }
         match given.extract() {
             Ok(value) => Ok(Self(value)),
             Err(error) if error.is_instance_of::<PyOverflowError>(given.py()) => {
@@ -118,6 +251,13 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Real {
             Err(error) => Err(error),
         }
     }
+}
+
+/// Whether it is a complex number, of NumPy's, too, which would be taken for its real part.
+fn is_complex(given: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let numbers = given.py().import("numbers")?;
+    Ok(given.is_instance(&numbers.getattr("Complex")?)?
+        && !given.is_instance(&numbers.getattr("Real")?)?)
 }
 
 /// A seed, from anything that is a whole number to Python.
@@ -188,7 +328,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for SizeArg {
 
     fn extract(size: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         let said = || format!("size = {}; expected width and height in px", shown(&size));
-        let Ok(sides) = size.try_iter() else {
+        let Some(sides) = entries(&size) else {
             return Err(PyTypeError::new_err(said()));
         };
         let sides: Vec<Whole> = sides
@@ -236,7 +376,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for BoxesArg {
     type Error = PyErr;
 
     fn extract(boxes: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
-        let Ok(all) = boxes.try_iter() else {
+        let Some(all) = entries(&boxes) else {
             return Err(PyTypeError::new_err(format!(
                 "boxes = {}; expected a list of boxes, each x0, y0, x1, y1 in px",
                 shown(&boxes)
@@ -249,10 +389,9 @@ impl<'a, 'py> FromPyObject<'a, 'py> for BoxesArg {
 
 fn box_of(idx: usize, given: &Bound<'_, PyAny>) -> PyResult<[f64; 4]> {
     let expected = "expected x0, y0, x1, y1 in px";
-    let numbers: PyResult<Vec<Real>> = given
-        .try_iter()
-        .and_then(|all| all.take(5).map(|one| one?.extract()).collect());
-    let Ok(numbers) = numbers else {
+    let numbers: Option<PyResult<Vec<Real>>> =
+        entries(given).map(|all| all.take(5).map(|one| one?.extract()).collect());
+    let Some(Ok(numbers)) = numbers else {
         let said = format!("boxes[{idx}] = {}; {expected}", shown(given));
         return Err(PyTypeError::new_err(said));
     };

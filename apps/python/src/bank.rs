@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use starbreak::Settings;
 use starbreak::pipeline::{self, Stopwatch};
 
-use crate::arguments::{BoxesArg, NameArg, SeedArg, SizeArg, Whole, seed_of};
+use crate::arguments::{BoxesArg, Given, Kind, NameArg, SeedArg, SizeArg, Whole, seed_of};
 use crate::crack::{Origin, ReadyCrack};
 use crate::errors::{of_recipe, raised};
 use crate::images::image_of;
@@ -21,7 +21,8 @@ use crate::recipe::Recipe;
 ///
 /// path: the folder, or the file `patterns.bank` in it.
 ///
-/// Any number of threads and of processes, forked or spawned, may use it at one time. Raises
+/// Any number of threads and of processes, forked or spawned, may use it at one time. A pickle holds
+/// the path and the digest: where another bank lies at the path by then, it is a `ValueError`. Raises
 /// `OSError` for a file that cannot be read or is damaged.
 #[pyclass(frozen, module = "starbreak")]
 #[derive(Debug)]
@@ -40,17 +41,18 @@ impl PatternBank {
     /// The number of a pattern; negative ones count from the end, as in a list.
     fn number(&self, index: &Whole) -> PyResult<usize> {
         let n = self.bank.len();
-        let index = index.clamped("index")?;
-        let idx = match usize::try_from(index) {
+        let number = index.clamped("index")?;
+        let idx = match usize::try_from(number) {
             Ok(idx) => Some(idx),
-            Err(_) => usize::try_from(index.unsigned_abs())
+            Err(_) => usize::try_from(number.unsigned_abs())
                 .ok()
                 .and_then(|back| n.checked_sub(back)),
         };
         idx.filter(|idx| *idx < n).ok_or_else(|| {
             PyIndexError::new_err(format!(
-                "the bank {:?} has no pattern {index}, only {n} (from 0)",
-                self.bank.path()
+                "the bank {:?} has no pattern {}, only {n} (from 0)",
+                self.bank.path(),
+                index.given()
             ))
         })
     }
@@ -72,7 +74,8 @@ impl PatternBank {
 #[pymethods]
 impl PatternBank {
     #[new]
-    fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+    fn new(py: Python<'_>, path: Given<PathBuf>) -> PyResult<Self> {
+        let path = path.named("path")?;
         let bank = py.detach(|| starbreak::bank::PatternBank::open(&path));
         let bank = bank.map_err(|error| raised(&error))?;
         if bank.is_empty() {
@@ -86,6 +89,21 @@ impl PatternBank {
         })
     }
 
+    /// The bank of a pickle: the one at its path, if that is still the same.
+    #[staticmethod]
+    fn _reopen(py: Python<'_>, path: PathBuf, sha256: &str) -> PyResult<Self> {
+        let bank = Self::new(py, Given::of(path))?;
+        if bank.bank.sha256() != sha256 {
+            return Err(PyValueError::new_err(format!(
+                "{:?} holds another bank than the one that was pickled: its digest is {}, not {sha256}; put that \
+                 one back, or open this one with PatternBank",
+                bank.path,
+                bank.bank.sha256()
+            )));
+        }
+        Ok(bank)
+    }
+
     /// Number of patterns.
     fn __len__(&self) -> usize {
         self.bank.len()
@@ -97,6 +115,13 @@ impl PatternBank {
         let idx = self.number(&index)?;
         let network = py.detach(|| self.bank.network(idx));
         Ok(CrackNetwork::of(network.map_err(|error| raised(&error))?))
+    }
+
+    /// The networks of all patterns, one after the other.
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let builtins = slf.py().import("builtins")?;
+        let numbers = builtins.call_method1("range", (slf.get().bank.len(),))?;
+        builtins.call_method1("map", (slf.getattr("__getitem__")?, numbers))
     }
 
     /// The folder or file, absolute.
@@ -160,7 +185,7 @@ impl PatternBank {
     /// image in its dataset as `name`, the pixels are those of `starbreak generate --bank`.
     /// index: the pattern to take; drawn by the seed unless given.
     #[pyo3(
-    signature = (image, seed = SeedArg::ZERO, *, name = None, sample_index = Whole::of(0), index = None, boxes = None, full = false),
+    signature = (image, seed = SeedArg::ZERO, *, name = None, sample_index = Whole::of(0), index = None, boxes = None, full = Given::of(false)),
     text_signature = "($self, image, seed=0, *, name=None, sample_index=0, index=None, boxes=None, full=False)"
 )]
     #[expect(
@@ -175,8 +200,9 @@ impl PatternBank {
         sample_index: Whole,
         index: Option<Whole>,
         boxes: Option<BoxesArg>,
-        full: bool,
+        full: Given<bool>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let full = full.named("full")?;
         let seed = seed_of(seed, name.as_ref(), &sample_index)?;
         let bank = slf.get();
         let idx = match index {
@@ -192,7 +218,12 @@ impl PatternBank {
         format!("<starbreak.PatternBank of {} patterns>", self.bank.len())
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (PathBuf,)) {
-        (py.get_type::<Self>().into_any(), (self.path.clone(),))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (PathBuf, String))> {
+        let reopen = py.get_type::<Self>().getattr("_reopen")?;
+        Ok((reopen, (self.path.clone(), self.bank.sha256().to_owned())))
     }
+}
+
+impl Kind for Py<PatternBank> {
+    const EXPECTED: &'static str = "a starbreak.PatternBank";
 }

@@ -3,16 +3,17 @@
 use std::sync::Arc;
 
 use image::DynamicImage;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use serde_json::{Value, json};
 use starbreak::pipeline::{self, Stopwatch, damage_to_json, use_network};
 use starbreak::{Error, Seed, Settings};
 
-use crate::arguments::{BoxesArg, NameArg, SeedArg, SizeArg, Whole, seed_of};
+use crate::arguments::{BoxesArg, Given, NameArg, SeedArg, SizeArg, Whole, seed_of};
 use crate::bank::PatternBank;
 use crate::errors::raised;
-use crate::images::{array_of, image_of, mask_of};
+use crate::images::{array_of, image_of, mask_of, size_of};
 use crate::network::CrackNetwork;
 use crate::recipe::{Recipe, RecipeArg};
 use crate::values::python_of;
@@ -96,7 +97,7 @@ pub(crate) fn item_seed(seed: SeedArg, name: NameArg, sample_index: Whole) -> Py
 /// ['blur_radius_px', 'contrast_lost', 'displacement_px', 'region_share']
 #[pyfunction]
 #[pyo3(
-    signature = (image, recipe = None, seed = SeedArg::ZERO, *, name = None, sample_index = Whole::of(0), network = None, boxes = None, full = false),
+    signature = (image, recipe = None, seed = SeedArg::ZERO, *, name = None, sample_index = Whole::of(0), network = None, boxes = None, full = Given::of(false)),
     text_signature = "(image, recipe=None, seed=0, *, name=None, sample_index=0, network=None, boxes=None, full=False)"
 )]
 #[expect(
@@ -110,15 +111,16 @@ pub(crate) fn crack<'py>(
     seed: SeedArg,
     name: Option<NameArg>,
     sample_index: Whole,
-    network: Option<&CrackNetwork>,
+    network: Option<Given<Py<CrackNetwork>>>,
     boxes: Option<BoxesArg>,
-    full: bool,
+    full: Given<bool>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    let (network, full) = (Given::if_given(network, "network")?, full.named("full")?);
     let recipe = RecipeArg::or_default(recipe)?;
     let pixels = image_of(image)?;
     let seed = seed_of(seed, name.as_ref(), &sample_index)?;
     let size = (pixels.width(), pixels.height());
-    ReadyCrack::fresh(py, recipe, seed, size, network.cloned())?
+    ReadyCrack::fresh(py, recipe, seed, size, network_of(network))?
         .shown_in(py, pixels, seed, boxes, full)
 }
 
@@ -137,17 +139,18 @@ pub(crate) fn crack<'py>(
 /// (375, 1242, 3)
 #[pyfunction]
 #[pyo3(
-    signature = (image, corruption_name = starbreak::DEFAULT_PRESET, severity = Whole::of(1), *, seed = SeedArg::ZERO),
+    signature = (image, corruption_name = Given::of(starbreak::DEFAULT_PRESET.to_owned()), severity = Whole::of(1), *, seed = SeedArg::ZERO),
     text_signature = "(image, corruption_name='windshield-star', severity=1, *, seed=0)"
 )]
 pub(crate) fn corrupt<'py>(
     py: Python<'py>,
     image: &Bound<'py, PyAny>,
-    corruption_name: &str,
+    corruption_name: Given<String>,
     severity: Whole,
     seed: SeedArg,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let recipe = RecipeArg(Recipe::named(corruption_name, Some(&severity))?);
+    let corruption_name = corruption_name.named("corruption_name")?;
+    let recipe = RecipeArg(Recipe::named(&corruption_name, Some(&severity))?);
     let sample_index = Whole::of(0);
     crack(
         py,
@@ -158,8 +161,13 @@ pub(crate) fn corrupt<'py>(
         sample_index,
         None,
         None,
-        false,
+        Given::of(false),
     )
+}
+
+/// The network that is to be shown, if one was given.
+fn network_of(network: Option<Py<CrackNetwork>>) -> Option<CrackNetwork> {
+    network.map(|network| network.get().clone())
 }
 
 fn ready(
@@ -294,10 +302,11 @@ impl ReadyCrack {
         recipe: Option<RecipeArg>,
         seed: SeedArg,
         size: SizeArg,
-        network: Option<&CrackNetwork>,
+        network: Option<Given<Py<CrackNetwork>>>,
     ) -> PyResult<Self> {
+        let network = Given::if_given(network, "network")?;
         let recipe = RecipeArg::or_default(recipe)?;
-        Self::fresh(py, recipe, seed.0, size.0, network.cloned())
+        Self::fresh(py, recipe, seed.0, size.0, network_of(network))
     }
 
     /// Width and height of the frames, px.
@@ -335,7 +344,7 @@ impl ReadyCrack {
     /// The seed is that of the sensor's noise, if the recipe has any; the cracks do not change.
     /// Raises as `crack`.
     #[pyo3(
-    signature = (image, seed = SeedArg::ZERO, *, boxes = None, full = false),
+    signature = (image, seed = SeedArg::ZERO, *, boxes = None, full = Given::of(false)),
     text_signature = "($self, image, seed=0, *, boxes=None, full=False)"
 )]
     fn over<'py>(
@@ -344,8 +353,9 @@ impl ReadyCrack {
         image: &Bound<'py, PyAny>,
         seed: SeedArg,
         boxes: Option<BoxesArg>,
-        full: bool,
+        full: Given<bool>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        let full = full.named("full")?;
         self.shown_in(py, image_of(image)?, seed.0, boxes, full)
     }
 
@@ -380,7 +390,7 @@ impl ReadyCrack {
 }
 
 /// A cracked image with all that can be said of it. `crack` and the like make it; the constructor is
-/// for pickles.
+/// for pickles, and takes what they hold.
 #[pyclass(frozen, module = "starbreak", get_all)]
 #[derive(Debug)]
 pub(crate) struct Cracked {
@@ -406,23 +416,33 @@ pub(crate) struct Cracked {
 impl Cracked {
     #[new]
     fn new(
-        image: Py<PyAny>,
-        region: Py<PyAny>,
-        crack: Py<PyAny>,
-        network: Option<Py<CrackNetwork>>,
+        image: Bound<'_, PyAny>,
+        region: Bound<'_, PyAny>,
+        crack: Bound<'_, PyAny>,
+        network: Option<Given<Py<CrackNetwork>>>,
         facts: Py<PyAny>,
         damage: Py<PyAny>,
-        intact: bool,
-    ) -> Self {
-        Self {
-            image,
-            region,
-            crack,
-            network,
+        intact: Given<bool>,
+    ) -> PyResult<Self> {
+        let size = size_of("image", &image, true)?;
+        for (name, mask) in [("region", &region), ("crack", &crack)] {
+            let of_mask = size_of(name, mask, false)?;
+            if of_mask != size {
+                return Err(PyValueError::new_err(format!(
+                    "{name} is {} x {} px, the image {} x {} px; expected masks of the size of the image",
+                    of_mask.0, of_mask.1, size.0, size.1
+                )));
+            }
+        }
+        Ok(Self {
+            image: image.unbind(),
+            region: region.unbind(),
+            crack: crack.unbind(),
+            network: Given::if_given(network, "network")?,
             facts,
             damage,
-            intact,
-        }
+            intact: intact.named("intact")?,
+        })
     }
 
     fn __reduce__<'py>(

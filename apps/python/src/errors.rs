@@ -4,7 +4,8 @@ use std::io;
 use std::path::Path;
 
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
-use pyo3::{PyErr, create_exception};
+use pyo3::types::PyAnyMethods as _;
+use pyo3::{PyErr, PyResult, Python, create_exception};
 use starbreak::dataset::DatasetError;
 use starbreak::eval::EvalError;
 use starbreak::fracture::FractureError;
@@ -64,9 +65,17 @@ fn of_file(error: &DatasetError, message: String) -> PyErr {
             replaced,
             source,
         } => {
-            let n = replaced.len();
-            let done = format!("; {n} existing files were already replaced, new ones removed");
+            let done = match replaced.len() {
+                0 => String::new(),
+                n => format!("; {n} existing files were already replaced, new ones removed"),
+            };
             of_system(source, path, &done, message)
+        }
+        DatasetError::NotAFile { path, what }
+        | DatasetError::DestinationNotAFile { path, what }
+            if what.ends_with("folder") =>
+        {
+            of_system(&io::ErrorKind::IsADirectory.into(), path, "", message)
         }
         DatasetError::ArrayShape { .. }
         | DatasetError::JpegQuality { .. }
@@ -81,12 +90,29 @@ fn of_file(error: &DatasetError, message: String) -> PyErr {
 }
 
 /// An `OSError` as the interpreter makes it, with `errno`, `strerror` and `filename`, and of the class
-/// of its `errno`; the message alone where the system gave no number.
+/// of its `errno`; the message alone where there is no number.
 fn of_system(source: &io::Error, path: &Path, done: &str, message: String) -> PyErr {
-    let Some(code) = source.raw_os_error() else {
+    let Some(code) = source.raw_os_error().or_else(|| code_of(source.kind())) else {
         return PyOSError::new_err(message);
     };
-    let said = source.to_string();
-    let said = said.split(" (os error").next().unwrap_or(&said);
+    let said = Python::attach(|py| -> PyResult<String> {
+        py.import("os")?
+            .call_method1("strerror", (code,))?
+            .extract()
+    });
+    let said = said.unwrap_or(message);
     PyOSError::new_err((code, format!("{said}{done}"), path.as_os_str().to_owned()))
+}
+
+/// The number of what a library says without one, the same on all systems.
+fn code_of(kind: io::ErrorKind) -> Option<i32> {
+    match kind {
+        io::ErrorKind::NotFound => Some(2),
+        io::ErrorKind::PermissionDenied => Some(13),
+        io::ErrorKind::NotADirectory => Some(20),
+        io::ErrorKind::IsADirectory => Some(21),
+        io::ErrorKind::StorageFull => Some(28),
+        io::ErrorKind::ReadOnlyFilesystem => Some(30),
+        _ => None,
+    }
 }

@@ -8,7 +8,7 @@ use pyo3::types::PyBytes;
 use starbreak::generate::{CrackedFiles, crack_file as cracked_files};
 use starbreak::pipeline::RunContext;
 
-use crate::arguments::{NameArg, SeedArg, Whole};
+use crate::arguments::{BytesArg, Given, NameArg, SeedArg, Whole};
 use crate::bank::PatternBank;
 use crate::errors::{of_recipe, raised};
 use crate::recipe::RecipeArg;
@@ -19,7 +19,7 @@ type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 /// The files that the command `starbreak generate` makes of one image file without labels, to the
 /// byte: for runners that read and write on their own, such as a cluster's.
 ///
-/// data: the bytes of a PNG or JPEG file.
+/// data: the bytes of a PNG or JPEG file; `bytes`, or anything with a buffer.
 /// name: its name in the dataset, `train/a.png`; the crack is keyed by it, beside the seed and the
 /// sample.
 /// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-star`
@@ -30,14 +30,15 @@ type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 ///
 /// Returns pairs of name and bytes: the image, the region and crack masks, and the record, which is
 /// to be written last. Runs in the calling thread alone, without the interpreter's lock. Raises
-/// `ValueError` for wrong parameters, `OSError` for bytes that are no image, `SimulationError` where
+/// `ValueError` for wrong parameters, and for a recipe whose `output.format` or `output.maps` a set does
+/// not have, `OSError` for bytes that are no image, `SimulationError` where
 /// the models have no answer.
 ///
 /// >>> import starbreak
 /// >>> starbreak.crack_file(b"no image", "a.png")
 /// Traceback (most recent call last):
 ///     ...
-/// OSError: ...
+/// OSError: "a.png": "a.png" is neither PNG nor JPEG, it looks like text; convert it to PNG
 #[pyfunction]
 #[pyo3(
     signature = (data, name, recipe = None, seed = SeedArg::ZERO, *, bank = None, sample_index = Whole::of(0), n_samples = Whole::of(1)),
@@ -49,14 +50,17 @@ type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 )]
 pub(crate) fn crack_file<'py>(
     py: Python<'py>,
-    data: &[u8],
+    data: BytesArg,
     name: NameArg,
     recipe: Option<RecipeArg>,
     seed: SeedArg,
-    bank: Option<&PatternBank>,
+    bank: Option<Given<Py<PatternBank>>>,
     sample_index: Whole,
     n_samples: Whole,
 ) -> PyResult<NamedFiles<'py>> {
+    let bank = Given::if_given(bank, "bank")?;
+    let bank = bank.as_ref().map(Py::get);
+    let data = data.0.as_bytes(py);
     if bank.is_some() && recipe.is_some() {
         let message = "a bank has its recipe; give one of both";
         return Err(PyValueError::new_err(message));

@@ -15,36 +15,64 @@ use crate::values::python_of;
 
 /// An image from an array: a copy of it, which becomes the output.
 pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
-    let Ok(array) = image.cast::<PyUntypedArray>() else {
-        let kind = image.get_type().name()?;
-        return Err(PyTypeError::new_err(format!(
-            "image is of type {kind}; expected a numpy.ndarray of uint8, H x W x 3 or H x W, such as numpy.asarray(image)"
-        )));
-    };
-    refuse_masked(array)?;
-    let Ok(bytes) = array.cast::<PyArrayDyn<u8>>() else {
-        return Err(PyValueError::new_err(format!(
-            "image has dtype {}; expected uint8, codes from 0 to 255",
-            array.dtype()
-        )));
-    };
-    let shape = array.shape();
-    let (height, width) = match *shape {
-        [height, width] | [height, width, 3] => (height, width),
-        _ => {
-            return Err(PyValueError::new_err(format!(
-                "image has shape {}; expected (height, width, 3) or (height, width)",
-                array.getattr("shape")?.str()?
-            )));
-        }
-    };
+    let bytes = codes_of("image", image)?;
+    refuse_masked(bytes.as_untyped())?;
+    let (width, height) = sides_of("image", bytes, true)?;
     let (width_px, height_px) = checked_size(width, height)?;
     let pixels = copied(bytes)?;
-    let image = match shape.len() {
+    let image = match bytes.ndim() {
         2 => GrayImage::from_raw(width_px, height_px, pixels).map(DynamicImage::ImageLuma8),
         _ => RgbImage::from_raw(width_px, height_px, pixels).map(DynamicImage::ImageRgb8),
     };
     image.ok_or_else(|| PyValueError::new_err("image changed its shape while it was read"))
+}
+
+/// Width and height of an array that is an image or, without channels, a mask, px.
+pub(crate) fn size_of(
+    name: &str,
+    array: &Bound<'_, PyAny>,
+    has_channels: bool,
+) -> PyResult<(usize, usize)> {
+    sides_of(name, codes_of(name, array)?, has_channels)
+}
+
+/// The argument as an array of codes.
+fn codes_of<'a, 'py>(
+    name: &str,
+    array: &'a Bound<'py, PyAny>,
+) -> PyResult<&'a Bound<'py, PyArrayDyn<u8>>> {
+    let Ok(untyped) = array.cast::<PyUntypedArray>() else {
+        let kind = array.get_type().name()?;
+        return Err(PyTypeError::new_err(format!(
+            "{name} is of type {kind}; expected a numpy.ndarray of uint8, H x W x 3 or H x W, such as numpy.asarray({name})"
+        )));
+    };
+    array.cast::<PyArrayDyn<u8>>().map_err(|_| {
+        PyValueError::new_err(format!(
+            "{name} has dtype {}; expected uint8, codes from 0 to 255",
+            untyped.dtype()
+        ))
+    })
+}
+
+fn sides_of(
+    name: &str,
+    array: &Bound<'_, PyArrayDyn<u8>>,
+    has_channels: bool,
+) -> PyResult<(usize, usize)> {
+    match *array.shape() {
+        [height, width] => Ok((width, height)),
+        [height, width, 3] if has_channels => Ok((width, height)),
+        _ => Err(PyValueError::new_err(format!(
+            "{name} has shape {}; expected {}(height, width)",
+            array.getattr("shape")?.str()?,
+            if has_channels {
+                "(height, width, 3) or "
+            } else {
+                ""
+            }
+        ))),
+    }
 }
 
 /// Refuses an array of `numpy.ma` with masked entries, whose codes mean nothing.

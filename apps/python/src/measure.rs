@@ -19,7 +19,7 @@ use starbreak::eval::{AreaRange, Protocol};
 use starbreak::evaluation::{EvaluateRequest, MAX_WORST, REPLICATES, evaluate_files};
 use starbreak::pipeline::with_threads;
 
-use crate::arguments::{Real, SeedArg, Whole};
+use crate::arguments::{Given, Real, SeedArg, Whole};
 use crate::errors::raised;
 use crate::values::python_of;
 
@@ -64,7 +64,7 @@ const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
 /// 1.0
 #[pyfunction]
 #[pyo3(
-    signature = (source = None, *, clean, cracked = None, ground_truth = None, regions = None, cracked_set = None, protocol = None, tau = Vec::new(), iou_thresholds = Vec::new(), max_dets = Vec::new(), area_ranges = BTreeMap::new(), class_agnostic = false, gt_id_zero_quirk = false, output = None, detector = None, condition = None, replicates = Whole::of(1000), score_threshold = Real(0.3), worst = Whole::of(6), seed = SeedArg::ZERO, threads = Whole::of(0)),
+    signature = (source = None, *, clean, cracked = None, ground_truth = None, regions = None, cracked_set = None, protocol = None, tau = Given::of(Vec::new()), iou_thresholds = Given::of(Vec::new()), max_dets = Given::of(Vec::new()), area_ranges = Given::of(BTreeMap::new()), class_agnostic = Given::of(false), gt_id_zero_quirk = Given::of(false), output = None, detector = None, condition = None, replicates = Whole::of(1000), score_threshold = Given::of(Real(0.3)), worst = Whole::of(6), seed = SeedArg::ZERO, threads = Whole::of(0)),
     text_signature = "(source=None, *, clean, cracked=None, ground_truth=None, regions=None, cracked_set=None, protocol=None, tau=(), iou_thresholds=(), max_dets=(), area_ranges={}, class_agnostic=False, gt_id_zero_quirk=False, output=None, detector=None, condition=None, replicates=1000, score_threshold=0.3, worst=6, seed=0, threads=0)"
 )]
 #[expect(
@@ -73,61 +73,66 @@ const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
 )]
 pub(crate) fn evaluate<'py>(
     py: Python<'py>,
-    source: Option<OsString>,
-    clean: PathBuf,
-    cracked: Option<PathBuf>,
-    ground_truth: Option<PathBuf>,
-    regions: Option<PathBuf>,
-    cracked_set: Option<PathBuf>,
-    protocol: Option<&str>,
-    tau: Vec<Real>,
-    iou_thresholds: Vec<Real>,
-    max_dets: Vec<Whole>,
-    area_ranges: BTreeMap<String, [Real; 2]>,
-    class_agnostic: bool,
-    gt_id_zero_quirk: bool,
-    output: Option<PathBuf>,
-    detector: Option<String>,
-    condition: Option<String>,
+    source: Option<Given<OsString>>,
+    clean: Given<PathBuf>,
+    cracked: Option<Given<PathBuf>>,
+    ground_truth: Option<Given<PathBuf>>,
+    regions: Option<Given<PathBuf>>,
+    cracked_set: Option<Given<PathBuf>>,
+    protocol: Option<Given<String>>,
+    tau: Given<Vec<Real>>,
+    iou_thresholds: Given<Vec<Real>>,
+    max_dets: Given<Vec<Whole>>,
+    area_ranges: Given<BTreeMap<String, [Real; 2]>>,
+    class_agnostic: Given<bool>,
+    gt_id_zero_quirk: Given<bool>,
+    output: Option<Given<PathBuf>>,
+    detector: Option<Given<String>>,
+    condition: Option<Given<String>>,
     replicates: Whole,
-    score_threshold: Real,
+    score_threshold: Given<Real>,
     worst: Whole,
     seed: SeedArg,
     threads: Whole,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let protocol = protocol.map(|name| {
+    let protocol = Given::if_given(protocol, "protocol")?.map(|name| {
         let all = [Protocol::Coco, Protocol::Kitti, Protocol::Bdd];
         let known = all.into_iter().find(|protocol| protocol.name() == name);
-        known.ok_or_else(|| one_of("protocol", name, &all.map(Protocol::name)))
+        known.ok_or_else(|| one_of("protocol", &name, &all.map(Protocol::name)))
     });
-    let ranges = area_ranges.iter();
+    let shares = |given: Given<Vec<Real>>, name: &str| -> PyResult<Vec<f64>> {
+        Ok(given.named(name)?.iter().map(|share| share.0).collect())
+    };
+    let output = Given::if_given(output, "output")?;
+    let ranges = area_ranges.named("area_ranges")?.into_iter();
     let max_dets = max_dets
+        .named("max_dets")?
         .iter()
         .map(|n| n.within("max_dets", 1..=u32::MAX))
         .collect::<PyResult<_>>()?;
     let request = EvaluateRequest {
-        source,
-        ground_truth,
-        cracked,
-        regions,
-        cracked_set,
-        detector,
-        condition,
+        source: Given::if_given(source, "source")?,
+        ground_truth: Given::if_given(ground_truth, "ground_truth")?,
+        cracked: Given::if_given(cracked, "cracked")?,
+        regions: Given::if_given(regions, "regions")?,
+        cracked_set: Given::if_given(cracked_set, "cracked_set")?,
+        detector: Given::if_given(detector, "detector")?,
+        condition: Given::if_given(condition, "condition")?,
         n_replicates: replicates.within("replicates", REPLICATES)?,
-        score_threshold: score_threshold.0,
+        score_threshold: score_threshold.named("score_threshold")?.0,
         n_worst: worst.within("worst", 0..=MAX_WORST)?,
-        taus: tau.iter().map(|share| share.0).collect(),
+        taus: shares(tau, "tau")?,
         protocol: protocol.transpose()?,
-        iou_thresholds: iou_thresholds.iter().map(|iou| iou.0).collect(),
+        iou_thresholds: shares(iou_thresholds, "iou_thresholds")?,
         max_dets,
         area_ranges: ranges
-            .map(|(name, ends)| AreaRange::new(name, ends.map(|end| end.0)))
+            .map(|(name, ends)| AreaRange::new(&name, ends.map(|end| end.0)))
             .collect(),
-        class_agnostic,
-        gt_id_zero_quirk,
+        class_agnostic: class_agnostic.named("class_agnostic")?,
+        gt_id_zero_quirk: gt_id_zero_quirk.named("gt_id_zero_quirk")?,
         joins: output.is_some(),
         seed: seed.0.0,
-        ..EvaluateRequest::of_clean(clean)
+        ..EvaluateRequest::of_clean(clean.named("clean")?)
     };
     let answer = watched(py, &threads, |_| -> Result<_, Error> {
         let answer = evaluate_files(&request)?;
@@ -155,14 +160,14 @@ pub(crate) fn evaluate<'py>(
 /// side: shorter side of the image that gradients and spectra are taken of, px; 0 for its own.
 /// background: what shows through where an image is transparent, `black`, `gray` or `white`.
 /// model, layer: an ONNX detector whose activations are compared, too, and the name of the value;
-/// sigma: the width of the RBF kernel of MMD.
+/// sigma: the width of the RBF kernel of MMD, above 0.
 /// threads: 0 for one per processor.
 ///
 /// An image that cannot be read is in no number, and listed under `failed` of its set. Raises
-/// `ValueError` and `OSError` as `evaluate`; Ctrl-C ends the reading of images.
+/// `ValueError` and `OSError` as `evaluate`; Ctrl-C ends the reading of images, but not the draws.
 #[pyfunction]
 #[pyo3(
-    signature = (*sets, limit = None, alpha = Real(0.5), bootstrap = Whole::of(1000), permutations = Whole::of(999), splits = Whole::of(100), seed = SeedArg::ZERO, side = Whole::of(256), background = "black", model = None, layer = None, sigma = Real(10.0), threads = Whole::of(0)),
+    signature = (*sets, limit = None, alpha = Given::of(Real(0.5)), bootstrap = Whole::of(1000), permutations = Whole::of(999), splits = Whole::of(100), seed = SeedArg::ZERO, side = Whole::of(256), background = Given::of("black".to_owned()), model = None, layer = None, sigma = Given::of(Real(10.0)), threads = Whole::of(0)),
     text_signature = "(*sets, limit=None, alpha=0.5, bootstrap=1000, permutations=999, splits=100, seed=0, side=256, background='black', model=None, layer=None, sigma=10.0, threads=0)"
 )]
 #[expect(
@@ -171,22 +176,33 @@ pub(crate) fn evaluate<'py>(
 )]
 pub(crate) fn divergence<'py>(
     py: Python<'py>,
-    sets: Vec<OsString>,
+    sets: Vec<Given<OsString>>,
     limit: Option<Whole>,
-    alpha: Real,
+    alpha: Given<Real>,
     bootstrap: Whole,
     permutations: Whole,
     splits: Whole,
     seed: SeedArg,
     side: Whole,
-    background: &str,
-    model: Option<PathBuf>,
-    layer: Option<&str>,
-    sigma: Real,
+    background: Given<String>,
+    model: Option<Given<PathBuf>>,
+    layer: Option<Given<String>>,
+    sigma: Given<Real>,
     threads: Whole,
 ) -> PyResult<Bound<'py, PyAny>> {
+    let sets = sets.into_iter().enumerate();
+    let sets = sets.map(|(idx, set)| set.named(&format!("sets[{idx}]")));
+    let sets: Vec<OsString> = sets.collect::<PyResult<_>>()?;
+    let model = Given::if_given(model, "model")?;
+    let layer = Given::if_given(layer, "layer")?;
+    if model.is_none() && layer.is_some() {
+        let said = "layer is one of a model; give model, too, or leave layer out";
+        return Err(PyValueError::new_err(said));
+    }
+    let sigma = sigma.named("sigma")?.0;
+    let background = background.named("background")?;
     let reading = ReadSettings {
-        background: match background {
+        background: match background.as_str() {
             "black" => Background::Black,
             "gray" => Background::Gray,
             "white" => Background::White,
@@ -198,7 +214,7 @@ pub(crate) fn divergence<'py>(
         },
     };
     let settings = CompareSettings {
-        alpha: alpha.0,
+        alpha: alpha.named("alpha")?.0,
         n_bootstrap: bootstrap.within("bootstrap", 0..=MAX_DRAWS)?,
         n_permutations: permutations.within("permutations", 0..=MAX_DRAWS)?,
         n_splits: splits.within("splits", 0..=MAX_DRAWS)?,
@@ -209,9 +225,11 @@ pub(crate) fn divergence<'py>(
         .map(|n| n.within("limit", 1..=usize::MAX))
         .transpose()?;
     let report = watched(py, &threads, |stop| -> Result<_, Error> {
-        check_settings(&reading, &settings, limit)?;
+        check_settings(&reading, &settings, limit, sigma)?;
         let named = NamedSet::parse_all(&sets)?;
-        let eye = model.map(|model| Eye::open(&model, layer)).transpose()?;
+        let eye = model
+            .map(|model| Eye::open(&model, layer.as_deref()))
+            .transpose()?;
         let mut read = Vec::with_capacity(named.len());
         for set in &named {
             read.push(
@@ -222,7 +240,7 @@ pub(crate) fn divergence<'py>(
         if stop.load(Ordering::Relaxed) {
             return Err(Error::Interrupted);
         }
-        let eye = eye.as_ref().map(|eye| (eye, sigma.0));
+        let eye = eye.as_ref().map(|eye| (eye, sigma));
         let report = compare_read_sets(&read, &reading, &settings, eye)?;
         Ok(serde_json::to_value(report).unwrap_or_default())
     })?;

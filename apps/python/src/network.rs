@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use numpy::{IntoPyArray as _, PyFixedUnicode};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
@@ -12,6 +13,7 @@ use starbreak::dataset::{DatasetError, OutputBatch, sha256_hex};
 use starbreak::glass::{Nodes, SegmentKind, Segments};
 use starbreak::import::{ImportedNetwork, parse_network, read_network};
 
+use crate::arguments::{Given, Kind};
 use crate::errors::raised;
 use crate::values::python_of;
 
@@ -33,6 +35,10 @@ use crate::values::python_of;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct CrackNetwork {
     network: Arc<starbreak::glass::CrackNetwork>,
+}
+
+impl Kind for Py<CrackNetwork> {
+    const EXPECTED: &'static str = "a starbreak.CrackNetwork";
 }
 
 /// Characters of the longest word in a column.
@@ -60,16 +66,18 @@ impl CrackNetwork {
     /// A network from the text of its file: JSON, or an SVG drawing whose stroked shapes are cracks.
     /// Raises `ValueError` for what is no network.
     #[staticmethod]
-    fn from_json(py: Python<'_>, text: &str) -> PyResult<Self> {
-        let network = py.detach(|| parse_network(text));
-        let wrong = |cause| pyo3::exceptions::PyValueError::new_err(format!("the text {cause}"));
+    fn from_json(py: Python<'_>, text: Given<String>) -> PyResult<Self> {
+        let text = text.named("text")?;
+        let network = py.detach(|| parse_network(&text));
+        let wrong = |cause| PyValueError::new_err(format!("the text {cause}"));
         Ok(Self::of(network.map_err(wrong)?))
     }
 
     /// A network from its file, JSON or SVG. Raises `OSError` if it cannot be read, `ValueError` if
     /// it is no network.
     #[staticmethod]
-    fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+    fn from_file(py: Python<'_>, path: Given<PathBuf>) -> PyResult<Self> {
+        let path = path.named("path")?;
         let read = py.detach(|| read_network(&path));
         Ok(Self::of(read.map_err(|error| raised(&error))?.network))
     }
@@ -84,9 +92,20 @@ impl CrackNetwork {
         py.detach(|| self.network.to_svg())
     }
 
-    /// Writes its file, whole or not at all, into a folder that is there. Raises `OSError` if it
-    /// cannot be written.
-    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+    /// Writes its file, JSON, whole or not at all, into a folder that is there: under another name
+    /// first, then renamed. A file or a link that was there is replaced by a new file with the mode of
+    /// one; what the link led to stays. Raises `OSError` if it cannot be written, `ValueError` for a
+    /// name that ends in .svg.
+    fn save(&self, py: Python<'_>, path: Given<PathBuf>) -> PyResult<()> {
+        let path = path.named("path")?;
+        if path
+            .extension()
+            .is_some_and(|ending| ending.eq_ignore_ascii_case("svg"))
+        {
+            return Err(PyValueError::new_err(format!(
+                "path = {path:?}; save writes JSON, expected a name such as network.json; for a drawing write to_svg()"
+            )));
+        }
         let written = py.detach(|| -> Result<(), DatasetError> {
             // The batch would make the folder, as the command does; what Python saves does not.
             let folder = path.parent().filter(|folder| *folder != Path::new(""));

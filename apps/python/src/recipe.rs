@@ -7,9 +7,9 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString};
 use starbreak::dataset::{read_text, sha256_hex};
-use starbreak::{DEFAULT_PRESET, PRESETS, Settings};
+use starbreak::{Assignment, DEFAULT_PRESET, PRESETS, Settings};
 
-use crate::arguments::{NameArg, Whole, shown};
+use crate::arguments::{Given, NameArg, Whole, shown};
 use crate::errors::{of_recipe, raised};
 use crate::values::{python_of, value_of};
 
@@ -20,11 +20,13 @@ const MAX_RECIPE_FILE_BYTES: u64 = 1 << 20;
 ///
 /// preset: name of a preset, see `presets`.
 /// severity: 1 (mild) to 5 (severe); 3 is the preset itself.
-/// camera: name of a camera to lay over it, see `cameras`.
+/// camera: name of a camera to lay over it, see `cameras`: those of its keys that the models of the
+/// recipe have, which for the preset `paper` is `camera.f_px` alone.
 /// set: keys to change, as {"table.key": value} or ["table.key=value"]; `impact.key` sets the key
 /// in every impact, `impact.0.key` in one.
 ///
-/// Raises `ValueError` in the words of the command for a name, key or value that does not exist.
+/// Raises `ValueError` for a name, key or value that does not exist: of `set`, which key it is, then
+/// the words of the command.
 ///
 /// >>> import starbreak
 /// >>> recipe = starbreak.Recipe("windshield-star", set={"impact.speed_m_s": 25.0})
@@ -32,7 +34,7 @@ const MAX_RECIPE_FILE_BYTES: u64 = 1 << 20;
 /// 25.0
 /// >>> starbreak.Recipe(set={"camera.fnumber": 2.0})
 /// Traceback (most recent call last):
-/// ValueError: --set camera.fnumber=2.0: unknown key `camera.fnumber`; did you mean `camera.f_number`?
+/// ValueError: set["camera.fnumber"]: unknown key `camera.fnumber`; did you mean `camera.f_number`?
 #[pyclass(frozen, eq, module = "starbreak")]
 #[derive(Debug, Clone)]
 pub(crate) struct Recipe {
@@ -76,12 +78,13 @@ impl Recipe {
 
     fn adjusted(
         mut recipe: starbreak::Recipe,
-        camera: Option<&str>,
+        camera: Option<Given<String>>,
         set: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
+        let camera = Given::if_given(camera, "camera")?;
         let assignments = set.map(assignments).transpose()?.unwrap_or_default();
         recipe
-            .adjust(camera, &assignments)
+            .adjust(camera.as_deref(), &assignments)
             .map_err(|error| of_recipe(&error))?;
         Self::of(recipe)
     }
@@ -91,16 +94,16 @@ impl Recipe {
 impl Recipe {
     #[new]
     #[pyo3(
-    signature = (preset = DEFAULT_PRESET, *, severity = None, camera = None, set = None),
+    signature = (preset = Given::of(DEFAULT_PRESET.to_owned()), *, severity = None, camera = None, set = None),
     text_signature = "(preset='windshield-star', *, severity=None, camera=None, set=None)"
 )]
     fn new(
-        preset: &str,
+        preset: Given<String>,
         severity: Option<Whole>,
-        camera: Option<&str>,
+        camera: Option<Given<String>>,
         set: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let base = Self::named(preset, severity.as_ref())?;
+        let base = Self::named(&preset.named("preset")?, severity.as_ref())?;
         Self::adjusted(base.recipe, camera, set)
     }
 
@@ -116,18 +119,20 @@ impl Recipe {
     signature = (text, *, name = None),
     text_signature = "(text, *, name='recipe')"
 )]
-    fn from_toml(text: &str, name: Option<NameArg>) -> PyResult<Self> {
+    fn from_toml(text: Given<String>, name: Option<NameArg>) -> PyResult<Self> {
+        let text = text.named("text")?;
         let name = name.as_ref().map_or("recipe", |name| &name.0);
-        Self::of(starbreak::Recipe::parse(name, text).map_err(|error| of_recipe(&error))?)
+        Self::of(starbreak::Recipe::parse(name, &text).map_err(|error| of_recipe(&error))?)
     }
 
     /// A recipe from a TOML file. Raises `OSError` if it cannot be read.
     #[staticmethod]
-    fn from_file(path: PathBuf) -> PyResult<Self> {
+    fn from_file(path: Given<PathBuf>) -> PyResult<Self> {
+        let path = path.named("path")?;
         let file =
             read_text(&path, MAX_RECIPE_FILE_BYTES).map_err(|error| raised(&error.into()))?;
         let name = NameArg(path.to_string_lossy().into_owned());
-        Self::from_toml(&file.text, Some(name))
+        Self::from_toml(Given::of(file.text), Some(name))
     }
 
     /// A recipe from its tables as dicts; what they leave out comes from a preset.
@@ -137,8 +142,8 @@ impl Recipe {
     /// >>> recipe == starbreak.Recipe(set={"camera.f_px": 1900.0})
     /// True
     #[staticmethod]
-    fn from_dict(tables: &Bound<'_, PyMapping>) -> PyResult<Self> {
-        let value = value_of("", tables.as_any())?;
+    fn from_dict(py: Python<'_>, tables: Given<Py<PyMapping>>) -> PyResult<Self> {
+        let value = value_of("", tables.named("tables")?.bind(py).as_any())?;
         Self::of(starbreak::Recipe::from_json("recipe", &value).map_err(|error| of_recipe(&error))?)
     }
 
@@ -148,17 +153,24 @@ impl Recipe {
     /// >>> starbreak.Recipe().replace({"fracture.mesh": "fast"}).to_dict()["fracture"]["mesh"]
     /// 'fast'
     #[pyo3(signature = (set = None, *, camera = None))]
-    fn replace(&self, set: Option<&Bound<'_, PyAny>>, camera: Option<&str>) -> PyResult<Self> {
+    fn replace(
+        &self,
+        set: Option<&Bound<'_, PyAny>>,
+        camera: Option<Given<String>>,
+    ) -> PyResult<Self> {
         Self::adjusted(self.recipe.clone(), camera, set)
     }
 
     /// The complete recipe as TOML: the same text for the same recipe; on demand with comments.
-    #[pyo3(signature = (*, comments = false))]
-    fn to_toml(&self, comments: bool) -> String {
-        match comments {
+    #[pyo3(
+    signature = (*, comments = Given::of(false)),
+    text_signature = "($self, *, comments=False)"
+)]
+    fn to_toml(&self, comments: Given<bool>) -> PyResult<String> {
+        Ok(match comments.named("comments")? {
             true => self.recipe.to_commented_toml(),
             false => self.recipe.to_toml(),
-        }
+        })
     }
 
     /// The complete recipe as dicts, with the names of its TOML.
@@ -186,15 +198,19 @@ impl Recipe {
     }
 }
 
-/// Assignments `table.key=value`, from a mapping or from a list of them.
-fn assignments(set: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+/// What is to be set, from a mapping of keys to values or from a list of texts `table.key=value`.
+fn assignments(set: &Bound<'_, PyAny>) -> PyResult<Vec<Assignment>> {
     let Ok(mapping) = set.cast::<PyMapping>() else {
-        return set.extract().map_err(|_| {
+        let texts: Vec<String> = set.extract().map_err(|_| {
             PyTypeError::new_err(format!(
                 "set = {}; expected a dict {{\"table.key\": value}} or a list [\"table.key=value\"]",
                 shown(set)
             ))
-        });
+        })?;
+        let each = texts.iter().map(|text| Assignment::parse(text));
+        return each
+            .collect::<Result<_, _>>()
+            .map_err(|error| of_recipe(&error));
     };
     let entry = |entry: Bound<'_, PyAny>| {
         let (key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>) = entry.extract()?;
@@ -204,7 +220,7 @@ fn assignments(set: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
                 shown(&key)
             )));
         };
-        Ok(format!("{key}={}", value_of(&key, &value)?))
+        Assignment::of(&key, &value_of(&key, &value)?).map_err(|error| of_recipe(&error))
     };
     mapping.items()?.iter().map(entry).collect()
 }
@@ -233,7 +249,10 @@ impl<'a, 'py> FromPyObject<'a, 'py> for RecipeArg {
             return Ok(Self(Recipe::named(name.to_str()?, None)?));
         }
         if let Ok(tables) = recipe.cast::<PyDict>() {
-            return Ok(Self(Recipe::from_dict(tables.as_mapping())?));
+            return Ok(Self(Recipe::from_dict(
+                tables.py(),
+                Given::of(tables.as_mapping().to_owned().unbind()),
+            )?));
         }
         Err(PyTypeError::new_err(format!(
             "recipe = {}; expected a starbreak.Recipe, the name of a preset or a dict",

@@ -24,7 +24,7 @@ def test_docstring_and_its_examples(name, value):
     assert text and text.strip(), name
     example = doctest.DocTestParser().get_doctest(text, {}, name, None, None)
     said = []
-    failed = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(example, out=said.append).failed
+    failed = doctest.DocTestRunner().run(example, out=said.append).failed
     assert failed == 0, "".join(said)
 
 

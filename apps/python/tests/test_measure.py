@@ -64,8 +64,9 @@ def test_evaluate_says_what_the_command_prints(command, labeled):
         *("evaluate", "--ground-truth", labels, "--clean", clean, "--cracked", cracked, "--json"),
         *("--regions", regions, "--tau", "0.1,0.5"),
     )
-    ours = starbreak.evaluate(ground_truth=labels, clean=clean, cracked=cracked, regions=regions, tau=[0.1, 0.5])
-    assert ours == json.loads(said.stdout)
+    for tau in ([0.1, 0.5], np.array([0.1, 0.5])):
+        ours = starbreak.evaluate(ground_truth=labels, clean=clean, cracked=cracked, regions=regions, tau=tau)
+        assert ours == json.loads(said.stdout)
     said = command(
         *("evaluate", "--ground-truth", labels, "--clean", clean, "--json", "--class-agnostic"),
         *("--iou-thresholds", "0.3", "--max-dets", "1,50", "--area-range", "few=0,500"),
@@ -124,6 +125,13 @@ def test_divergence_says_what_the_command_prints(command, labeled, tmp_path, sma
     ("call", "says"),
     [
         (lambda f: starbreak.evaluate(clean=f / "clean.json"), "no labels"),
+        (lambda f: of(f, source="coco:here"), "both hold labels; give one of them"),
+        (lambda f: of(f, source="coco:here", ground_truth="nowhere.json"), "both hold labels; give one of them"),
+        (lambda f: compared(f, layer="x"), "layer is one of a model; give model, too"),
+        (lambda f: compared(f, sigma=0.0), "sigma = 0; the width of the kernel is a finite number above 0"),
+        (lambda f: compared(f, sigma=float("nan")), "sigma = NaN; the width"),
+        (lambda f: compared(f, form="networks"), "has no image that can be read (0 failed)"),
+        (lambda f: compared(f, form="networks"), "or with networks (JSON)"),
         (lambda f: starbreak.evaluate("voc:here", clean=f / "clean.json"), "voc"),
         (lambda f: of(f, protocol="voc"), "coco, kitti, bdd"),
         (lambda f: of(f, tau=[0.1]), "tau is about the region; give regions or a cracked set"),
@@ -150,6 +158,20 @@ def test_what_makes_no_sense_is_a_value_error(call, says, labeled):
 
 def of(folder, **options):
     return starbreak.evaluate(**({"ground_truth": folder / "labels.json", "clean": folder / "clean.json"} | options))
+
+
+def compared(folder, form="folder", **options):
+    return starbreak.divergence(f"a={form}:{folder / 'images'}", f"b={form}:{folder / 'images'}", **options)
+
+
+def test_folders_that_are_not_there_are_os_errors(labeled, tmp_path):
+    for name in ("regions", "cracked_set"):
+        with pytest.raises(FileNotFoundError) as raised:
+            of(labeled, cracked=labeled / "cracked.json", **{name: tmp_path / "nowhere"})
+        assert raised.value.filename == str(tmp_path / "nowhere")
+    with pytest.raises(NotADirectoryError) as raised:
+        of(labeled, output=labeled / "labels.json", replicates=20)
+    assert raised.value.errno == 20 and "labels.json" in raised.value.filename
 
 
 def test_files_that_are_not_there_are_os_errors(labeled, tmp_path):

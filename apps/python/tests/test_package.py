@@ -46,6 +46,14 @@ def test_types_are_what_the_stubs_say(tmp_path):
         "b: starbreak.Cracked = starbreak.crack(image, full=True)\n"
         "c: starbreak.Cracked = starbreak.crack(image, boxes=[[0, 0, 1, 1]])\n"
         "d: npt.NDArray[np.uint8] = starbreak.corrupt(image, 'paper', severity=3)\n"
+        "def of(bank: starbreak.PatternBank, ready: starbreak.ReadyCrack, full: bool) -> None:\n"
+        "    starbreak.crack(image, full=full)\n"
+        "    bank.crack(image, full=full)\n"
+        "    ready.over(image, full=full)\n"
+        "    for network in bank:\n"
+        "        network.save('network.json')\n"
+        "starbreak.evaluate(clean='a', tau=np.array([0.1]), max_dets=np.array([1]))\n"
+        "starbreak.crack_file(bytearray(b''), 'a.png')\n"
     )
     done = subprocess.run([sys.executable, "-m", "mypy", "--strict", program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
@@ -84,6 +92,27 @@ def test_a_ready_crack_of_a_bank_is_read_again(command, tmp_path, image):
     again = copy_of(ready)
     assert again.facts == ready.facts
     np.testing.assert_array_equal(again.over(image), ready.over(image))
+
+
+def test_a_cracked_image_has_an_image_and_masks_of_its_size():
+    image = np.zeros((9, 12, 3), np.uint8)
+    mask = image[..., 0]
+
+    def made(image=image, region=mask, crack=mask, network=None, intact=False):
+        return starbreak.Cracked(image, region, crack, network, {}, [], intact)
+
+    assert made().region is mask
+    for wrong, says in [
+        ({"image": 1.0}, "image is of type float"),
+        ({"image": np.zeros((1, 1, 1, 9, 12), np.uint8)}, r"image has shape \(1, 1, 1, 9, 12\)"),
+        ({"region": image}, r"region has shape \(9, 12, 3\); expected \(height, width\)"),
+        ({"crack": mask.astype(float)}, "crack has dtype float64"),
+        ({"crack": mask[1:]}, "crack is 12 x 8 px, the image 12 x 9 px"),
+        ({"network": 5}, "network = 5"),
+        ({"intact": 1}, "intact = 1"),
+    ]:
+        with pytest.raises((TypeError, ValueError), match=says):
+            made(**wrong)
 
 
 def test_a_cracked_image_is_all_in_its_pickle(small, image):

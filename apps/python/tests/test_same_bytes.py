@@ -136,4 +136,9 @@ def test_recipes_are_refused_with_the_messages_of_the_command(command, tmp_path)
         assert said.returncode == 2, (values, text)
         with pytest.raises(ValueError) as raised:
             starbreak.Recipe(set=values) if text is None else starbreak.Recipe.from_file(file)
-        assert f"error: {raised.value}\n" == said.stderr, (values, text)
+        # What was given is named as it was given; what follows is the same.
+        [(key, value)] = values.items() or [("", "")]
+        theirs, ours = ("", "") if text is not None else (f"--set {key}={json.dumps(value)}", f'set["{key}"]')
+        theirs = theirs.replace('"', '\\"')
+        assert str(raised.value).startswith(ours), (values, text)
+        assert f"error: {theirs}{str(raised.value)[len(ours):]}\n" == said.stderr, (values, text)

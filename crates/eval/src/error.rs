@@ -247,7 +247,8 @@ pub enum EvalError {
     },
     /// A set in which no image could be read.
     #[error(
-        "set {name:?} has no image that can be read ({n_failed} failed{first}); give a folder with PNG or JPEG images"
+        "set {name:?} has no image that can be read ({n_failed} failed{first}); give a folder with PNG or JPEG \
+         images, or with networks (JSON) where the set is one of networks"
     )]
     EmptySet {
         /// Its name.

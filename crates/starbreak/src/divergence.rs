@@ -6,6 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use image::RgbImage;
 use starbreak_dataset::{Source, SourceFormat, SourceSpec};
+use starbreak_eval::EvalError;
 use starbreak_eval::detector::{Detector, DetectorOptions};
 use starbreak_eval::divergence::{
     CompareSettings, DivergenceReport, FailedImage, ImageSet, NamedPattern, ReadSettings, VectorOf,
@@ -254,14 +255,16 @@ pub const MAX_DRAWS: usize = 1_000_000;
 /// Longest side that images are analyzed at, px.
 pub const MAX_SIDE_PX: u32 = 8192;
 
-/// Says whether settings are in their ranges, before anything is read.
+/// Says whether settings, and the width `sigma` of the RBF kernel, are in their ranges, before
+/// anything is read.
 ///
 /// # Errors
-/// [`Error::Divergence`] naming the value and what is possible.
+/// [`Error::Eval`] for the kernel, [`Error::Divergence`] for all else, naming the value and what is possible.
 pub fn check_settings(
     reading: &ReadSettings,
     settings: &CompareSettings,
     limit: Option<usize>,
+    sigma: f64,
 ) -> Result<(), Error> {
     let refused = |why: String| Err(Error::Divergence { why });
     for (name, n) in [
@@ -278,6 +281,9 @@ pub fn check_settings(
             "side = {} px; expected 0 to {MAX_SIDE_PX}",
             reading.analysis.shorter_side_px
         ));
+    }
+    if !(sigma.is_finite() && sigma > 0.0) {
+        return Err(EvalError::KernelWidth { sigma }.into());
     }
     if limit == Some(0) {
         return refused("limit = 0; expected 1 or more images of each set".to_owned());

@@ -60,6 +60,12 @@ pub enum Error {
         /// Which file, and why.
         reason: String,
     },
+    /// An output of a recipe that the images of a set do not have.
+    #[error("{why}")]
+    SetOutput {
+        /// Why not, and what to set.
+        why: &'static str,
+    },
     /// Labels, detections, a model or a question of the evaluation.
     #[error(transparent)]
     Eval(#[from] EvalError),

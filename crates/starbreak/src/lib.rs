@@ -28,15 +28,16 @@ pub mod generate;
 pub mod import;
 pub mod overlay;
 pub mod pipeline;
+mod plain_words;
 mod recipe;
 pub mod study;
 
 pub use error::Error;
 pub use import::ImportError;
 pub use recipe::{
-    CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, Mount, OpticsSettings,
-    OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe, RecipeError,
-    SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
+    Assignment, CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, Mount,
+    OpticsSettings, OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe,
+    RecipeError, SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
 };
 pub use starbreak_dataset as dataset;
 pub use starbreak_eval as eval;

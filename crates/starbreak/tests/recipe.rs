@@ -175,12 +175,12 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
         ),
         (
             "schema = 1\n[fracture]\nmodel = \"physic\"",
-            "fracture.model: unknown variant `physic`, expected `physics` or `paper`",
+            "fracture.model: unknown word `physic`, expected `physics` or `paper`",
         ),
         ("schema = 1\nfracture = 5", "fracture: expected a table"),
         (
             "schema = 1\nglass.kind = \"plastic\"",
-            "glass.kind: unknown variant `plastic`",
+            "glass.kind: unknown word `plastic`",
         ),
         (
             "schema = 1\n[glass]\nkind = \"tempered\"\ninterlayer_modulus_mpa = 5",
@@ -288,7 +288,7 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
         ),
         (
             "schema = 1\n[optics]\nmodel = \"pbr\"",
-            "optics.model: unknown variant `pbr`, expected `physical` or `paper`",
+            "optics.model: unknown word `pbr`, expected `physical` or `paper`",
         ),
         ("schema = 1\n[fracture\n", "r.toml:2:"),
         ("schema = 1\nschema = 1", "r.toml:2:"),

@@ -5,16 +5,16 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
+use starbreak::Recipe;
 use starbreak::bank::PatternBank;
 use starbreak::dataset::{
     BadRecord, Carry, Encoding, OutputBatch, Source, SourceSpec, encode_image,
 };
 use starbreak::generate::{
     Event, GenerateOptions, GenerateReport, Patterns, Plan, Preview, Selection, Survey, generate,
-    preview, survey,
+    preview, refuse_outputs, survey,
 };
 use starbreak::pipeline::{RunContext, with_threads};
-use starbreak::{OutputFormat, OutputSettings, Recipe};
 
 use super::contact_sheet::{Cell, contact_sheet};
 use super::network_file;
@@ -159,21 +159,6 @@ fn options_of(args: &GenerateArgs) -> GenerateOptions {
             args.max_failures
         },
     }
-}
-
-/// The set keeps the names of its source, so an image keeps its format.
-pub(super) fn refuse_outputs(output: &OutputSettings) -> Result<(), Failure> {
-    if output.format != OutputFormat::Same {
-        return Err(Failure::wrong_input(
-            "generate keeps the names and formats of the dataset; set output.format = \"same\"",
-        ));
-    }
-    if output.maps {
-        return Err(Failure::wrong_input(
-            "generate writes no maps, which take some 30 bytes per px; set output.maps = false, or use crack --maps",
-        ));
-    }
-    Ok(())
 }
 
 /// Stops, or says what is left out.

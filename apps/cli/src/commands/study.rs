@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 
 use starbreak::dataset::{Source, SourceSpec, sha256_file};
-use starbreak::generate::{Selection, Survey, survey};
+use starbreak::generate::{Selection, Survey, refuse_outputs, survey};
 use starbreak::pipeline::with_threads;
 use starbreak::study::{
     Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns, conditions,
@@ -144,7 +144,7 @@ fn conditions_of(global: &Global, args: &StudyArgs) -> Result<Vec<Condition>, Fa
     let adjust = |recipe: &mut Recipe| -> Result<(), RecipeError> { global.adjust(recipe) };
     let all = conditions(&families, &severities, &seeds, &adjust)?;
     for condition in &all {
-        super::generate::refuse_outputs(&condition.recipe.settings()?.output)?;
+        refuse_outputs(&condition.recipe.settings()?.output)?;
     }
     Ok(all)
 }

@@ -1,6 +1,6 @@
 """The compiled part of the package; the documentation is in the docstrings at run time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, SupportsIndex, TypeAlias, final, overload
 
@@ -12,6 +12,7 @@ _Path: TypeAlias = str | PathLike[str]
 _RecipeLike: TypeAlias = Recipe | str | dict[str, Any]
 _Boxes: TypeAlias = Sequence[Sequence[float]] | npt.NDArray[np.floating[Any]]
 _Size: TypeAlias = Sequence[SupportsIndex] | npt.NDArray[np.integer[Any]]
+_Numbers: TypeAlias = Sequence[float] | npt.NDArray[np.floating[Any]]
 _Set: TypeAlias = Mapping[str, Any] | Sequence[str]
 
 __all__ = [
@@ -156,6 +157,10 @@ class ReadyCrack:
     def over(
         self, image: _Image, seed: SupportsIndex = 0, *, boxes: None = None, full: Literal[False] = False
     ) -> _Image: ...
+    @overload
+    def over(
+        self, image: _Image, seed: SupportsIndex = 0, *, boxes: _Boxes | None = None, full: bool = False
+    ) -> _Image | Cracked: ...
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]: ...
 
 @final
@@ -163,6 +168,7 @@ class PatternBank:
     def __new__(cls, path: _Path) -> PatternBank: ...
     def __len__(self) -> int: ...
     def __getitem__(self, index: SupportsIndex, /) -> CrackNetwork: ...
+    def __iter__(self) -> Iterator[CrackNetwork]: ...
     @property
     def path(self) -> Any: ...
     @property
@@ -213,7 +219,19 @@ class PatternBank:
         boxes: None = None,
         full: Literal[False] = False,
     ) -> _Image: ...
-    def __reduce__(self) -> tuple[Any, tuple[Any]]: ...
+    @overload
+    def crack(
+        self,
+        image: _Image,
+        seed: SupportsIndex = 0,
+        *,
+        name: _Path | None = None,
+        sample_index: SupportsIndex = 0,
+        index: SupportsIndex | None = None,
+        boxes: _Boxes | None = None,
+        full: bool = False,
+    ) -> _Image | Cracked: ...
+    def __reduce__(self) -> tuple[Any, tuple[Any, str]]: ...
 
 def simulate(
     recipe: _RecipeLike | None = None,
@@ -256,6 +274,18 @@ def crack(
     boxes: None = None,
     full: Literal[False] = False,
 ) -> _Image: ...
+@overload
+def crack(
+    image: _Image,
+    recipe: _RecipeLike | None = None,
+    seed: SupportsIndex = 0,
+    *,
+    name: _Path | None = None,
+    sample_index: SupportsIndex = 0,
+    network: CrackNetwork | None = None,
+    boxes: _Boxes | None = None,
+    full: bool = False,
+) -> _Image | Cracked: ...
 def corrupt(
     image: _Image,
     corruption_name: str = "windshield-star",
@@ -264,7 +294,7 @@ def corrupt(
     seed: SupportsIndex = 0,
 ) -> _Image: ...
 def crack_file(
-    data: bytes,
+    data: bytes | bytearray | memoryview,
     name: _Path,
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
@@ -287,9 +317,9 @@ def evaluate(
     regions: _Path | None = None,
     cracked_set: _Path | None = None,
     protocol: Literal["coco", "kitti", "bdd"] | None = None,
-    tau: Sequence[float] = (),
-    iou_thresholds: Sequence[float] = (),
-    max_dets: Sequence[SupportsIndex] = (),
+    tau: _Numbers = (),
+    iou_thresholds: _Numbers = (),
+    max_dets: Sequence[SupportsIndex] | npt.NDArray[np.integer[Any]] = (),
     area_ranges: Mapping[str, Sequence[float]] = {},
     class_agnostic: bool = False,
     gt_id_zero_quirk: bool = False,

@@ -4,11 +4,12 @@ mod join;
 mod plain;
 
 use std::ffi::OsString;
+use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use starbreak_dataset::SourceSpec;
+use starbreak_dataset::{DatasetError, SourceSpec};
 use starbreak_eval::evaluation::{CleanResults, Evaluation, PairedRow};
 use starbreak_eval::report::report_files;
 use starbreak_eval::{
@@ -141,6 +142,15 @@ pub struct EvaluateAnswer {
 /// [`Error::Dataset`] for labels, detections and masks.
 pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error> {
     refuse_mixed(request)?;
+    for folder in [&request.regions, &request.cracked_set]
+        .into_iter()
+        .flatten()
+    {
+        fs::metadata(folder).map_err(|source| DatasetError::Read {
+            path: folder.clone(),
+            source,
+        })?;
+    }
     let protocol = request.protocol;
     let mut truth = match (&request.source, &request.ground_truth) {
         (Some(source), _) => GroundTruth::of_dataset(&SourceSpec::parse(source)?, protocol)?,
@@ -250,8 +260,14 @@ fn not_json(cause: serde_json::Error) -> Error {
     refused(format!("the result cannot be written down: {cause}"))
 }
 
-/// Rules of the plain protocol change what is compared nowhere else; τ is a share.
+/// Labels come from one place; rules of the plain protocol change what is compared nowhere else; τ
+/// is a share.
 fn refuse_mixed(request: &EvaluateRequest) -> Result<(), Error> {
+    if request.source.is_some() && request.ground_truth.is_some() {
+        return Err(refused(
+            "a source and the ground truth alone both hold labels; give one of them".to_owned(),
+        ));
+    }
     let compares = request.regions.is_some() || request.cracked_set.is_some() || request.joins;
     let plain = [
         ("thresholds of IoU", !request.iou_thresholds.is_empty()),

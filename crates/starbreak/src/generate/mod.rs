@@ -33,6 +33,7 @@ pub use verify::{VerifyReport, verify};
 use starbreak_dataset::{Carry, Source};
 
 use crate::pipeline::RunContext;
+use crate::{Error, OutputFormat, OutputSettings};
 
 /// How a set is made from its source.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -89,4 +90,24 @@ pub struct Plan<'a> {
     pub options: &'a GenerateOptions,
     /// Which images there are.
     pub survey: &'a Survey,
+}
+
+/// Refuses what images of a set do not have: a set keeps the names of its source, so an image keeps
+/// its format, and maps would outweigh all else.
+///
+/// # Errors
+/// [`Error::SetOutput`] naming the key and what to set.
+pub fn refuse_outputs(output: &OutputSettings) -> Result<(), Error> {
+    if output.format != OutputFormat::Same {
+        return Err(Error::SetOutput {
+            why: "generate keeps the names and formats of the dataset; set output.format = \"same\"",
+        });
+    }
+    if output.maps {
+        return Err(Error::SetOutput {
+            why: "generate writes no maps, which take some 30 bytes per px; set output.maps = false, and crack single \
+                  images for their maps",
+        });
+    }
+    Ok(())
 }

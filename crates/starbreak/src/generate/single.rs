@@ -5,8 +5,8 @@ use std::path::Path;
 
 use starbreak_dataset::{ImageLimits, SetLayout, decode_image};
 
-use super::Patterns;
 use super::item::Item;
+use super::{Patterns, refuse_outputs};
 use crate::Error;
 use crate::bank::PatternBank;
 use crate::pipeline::{ReadyCrack, RunContext, Stopwatch};
@@ -32,7 +32,8 @@ pub struct CrackedFiles {
 ///
 /// # Errors
 /// [`Error::OfImage`] for bytes that are no image, or an image that cannot be broken;
-/// [`Error::Dataset`] for a name that leaves the set.
+/// [`Error::SetOutput`] for a recipe with another format or with maps; [`Error::Dataset`] for a name
+/// that leaves the set.
 pub fn crack_file(
     context: &RunContext,
     bank: Option<&PatternBank>,
@@ -40,6 +41,7 @@ pub fn crack_file(
     (sample_idx, n_samples): (u32, u32),
     bytes: &[u8],
 ) -> Result<CrackedFiles, Error> {
+    refuse_outputs(&context.settings.output)?;
     let layout = SetLayout::new(Path::new(""), n_samples);
     layout.safe(name)?;
     let names = layout.files_of(name, sample_idx);

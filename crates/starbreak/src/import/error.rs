@@ -3,6 +3,8 @@
 use starbreak_fracture::FractureError;
 use starbreak_glass::NetworkError;
 
+use crate::plain_words::in_plain_words;
+
 /// Why the text of a file is not a network.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -64,6 +66,6 @@ pub enum ImportError {
     #[error("is not a network: {0}")]
     Lines(#[from] FractureError),
     /// The JSON does not make a network.
-    #[error("is not a crack network: {0}")]
+    #[error("is not a crack network: {}", in_plain_words(&.0.to_string()))]
     Json(#[from] NetworkError),
 }

@@ -30,6 +30,10 @@ impl Place {
         Self(format!("--set {}", text.escape_debug()))
     }
 
+    pub(super) fn key(key: &str) -> Self {
+        Self(format!("set[{key:?}]"))
+    }
+
     pub(super) fn recipe() -> Self {
         Self("recipe".to_owned())
     }
@@ -163,8 +167,10 @@ pub enum RecipeError {
         /// What is possible.
         expected: String,
     },
-    /// Not of the form `table.key=value`.
-    #[error("{place}: not an override; write table.key=value, e.g. impact.speed_m_s=30")]
+    /// Not of the form `table.key=value`, or no key in a table.
+    #[error(
+        "{place}: not an override; name a table, its key and a value, e.g. impact.speed_m_s=30"
+    )]
     NotAnAssignment {
         /// The text.
         place: Place,

@@ -1,5 +1,6 @@
 //! Text to valid settings: parse, complete from a preset, override, validate, convert to SI.
 
+mod assignment;
 mod cameras;
 mod error;
 mod known_keys;
@@ -16,6 +17,7 @@ use std::collections::BTreeMap;
 
 use toml::{Table, Value};
 
+pub use assignment::Assignment;
 pub use cameras::cameras;
 pub use error::RecipeError;
 pub use presets::{DEFAULT_PRESET, PRESETS};
@@ -25,6 +27,7 @@ pub use settings::{
     OutputSettings, PaperSettings, PhysicsSettings, Settings, StoneSettings,
 };
 
+use crate::plain_words::in_plain_words;
 use error::{Place, printable};
 use presets::{KEYS_OF_KINDS, Preset};
 use tables::{Choice, KindWord, ModelWord, OpticsWord};
@@ -135,13 +138,14 @@ impl Recipe {
     /// # Errors
     /// [`RecipeError`] as for [`Recipe::parse`]; the recipe is then unchanged.
     pub fn set(&mut self, assignment: &str) -> Result<(), RecipeError> {
-        let place = Place::assignment(assignment);
-        let Some((key, text)) = assignment.split_once('=') else {
-            return Err(RecipeError::NotAnAssignment { place });
-        };
+        self.assign(&Assignment::parse(assignment)?)
+    }
+
+    fn assign(&mut self, assignment: &Assignment) -> Result<(), RecipeError> {
+        let Assignment { place, key, value } = assignment;
         let mut changed = self.clone();
-        changed.edit(&place, key.trim(), parse_value(text.trim()))?;
-        changed.finish(&place)?;
+        changed.edit(place, key, value.clone())?;
+        changed.finish(place)?;
         *self = changed;
         Ok(())
     }
@@ -175,20 +179,18 @@ impl Recipe {
     pub fn adjust(
         &mut self,
         camera: Option<&str>,
-        assignments: &[String],
+        assignments: &[Assignment],
     ) -> Result<(), RecipeError> {
-        let chooses_model = |assignment: &str| {
-            let key = assignment.split('=').next().unwrap_or_default().trim();
-            ["fracture.model", "optics.model"].contains(&key)
-        };
+        let chooses_model =
+            |it: &&Assignment| ["fracture.model", "optics.model"].contains(&it.key.as_str());
         if let Some(camera) = camera {
-            for assignment in assignments.iter().filter(|text| chooses_model(text)) {
-                self.set(assignment)?;
+            for assignment in assignments.iter().filter(chooses_model) {
+                self.assign(assignment)?;
             }
             self.set_camera(camera)?;
         }
         for assignment in assignments {
-            self.set(assignment)?;
+            self.assign(assignment)?;
         }
         Ok(())
     }
@@ -396,19 +398,6 @@ fn line_and_column(text: &str, offset: usize) -> (usize, usize) {
     )
 }
 
-/// TOML if it is TOML, else the text itself: `--set camera.focus_distance_m=short`.
-fn parse_value(text: &str) -> Value {
-    let parsed = format!("value = {text}")
-        .parse::<Table>()
-        .ok()
-        .and_then(|mut table| {
-            let value = table.remove("value");
-            // More than one key means that the text went on to a new line.
-            if table.is_empty() { value } else { None }
-        });
-    parsed.unwrap_or_else(|| Value::String(text.to_owned()))
-}
-
 /// Writes `given` over `table`, table by table.
 fn merge(table: &mut Table, given: Table) {
     for (key, value) in given {
@@ -430,6 +419,6 @@ fn word<T: serde::de::DeserializeOwned>(
     T::deserialize(value.clone()).map_err(|error| RecipeError::Type {
         place: place.clone(),
         key: key.to_owned(),
-        what: printable(error.message()),
+        what: printable(&in_plain_words(error.message())),
     })
 }

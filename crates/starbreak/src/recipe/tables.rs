@@ -19,6 +19,7 @@ pub(super) use super::physics_tables::{
     DicingWord, GlassTable, GrowthWord, KindWord, LongCrackTable, MeshWord, OriginWord,
     PhysicsFractureTable, PhysicsFractureTables, StoneTable, SupportWord,
 };
+use crate::plain_words::in_plain_words;
 
 /// A choice of models: one that breaks the glass, one that shows it. It decides which keys a
 /// recipe has; any of the one goes with any of the other.
@@ -190,7 +191,7 @@ pub(super) fn from_table<T: DeserializeOwned>(
         RecipeError::Type {
             place: place.clone(),
             key: error.path().to_string().replace('[', ".").replace(']', ""),
-            what: printable(error.inner().message()),
+            what: printable(&in_plain_words(error.inner().message())),
         }
     })
 }
