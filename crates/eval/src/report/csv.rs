@@ -1,6 +1,6 @@
 //! The numbers as CSV, one row each.
 
-use super::numbers::{Number, numbers};
+use super::numbers::{COUNT, Number, numbers};
 use crate::evaluation::{Estimate, Study};
 
 /// The columns.
@@ -48,17 +48,17 @@ fn row(number: &Number) -> String {
         float(estimate.value),
         float(estimate.low),
         float(estimate.high),
-        n_things(estimate),
+        n_things(estimate, method),
         field(method),
         field(estimate.refused.as_deref().unwrap_or("")),
     ]
     .join(",")
 }
 
-/// On how many things a number rests; empty where it does not say.
-fn n_things(estimate: &Estimate) -> String {
+/// On how many things a number rests; empty where it does not say. A count says it, also of nothing.
+fn n_things(estimate: &Estimate, method: &str) -> String {
     match (estimate.n, estimate.value) {
-        (0, Some(_)) => String::new(),
+        (0, Some(_)) if method != COUNT => String::new(),
         (n, _) => n.to_string(),
     }
 }
@@ -77,7 +77,14 @@ fn field(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::field;
+    use super::{COUNT, Estimate, field, n_things};
+
+    #[test]
+    fn a_count_of_nothing_rests_on_nothing() {
+        let nothing = Estimate::of(0.0, 0);
+        assert_eq!(n_things(&nothing, COUNT), "0", "a count");
+        assert_eq!(n_things(&nothing, "COCO protocol"), "", "not known");
+    }
 
     #[test]
     fn fields_stay_fields() {
