@@ -12,7 +12,8 @@ const HEAD: &str =
 ///
 /// Fractions are fractions; `n` says on how many things a number rests and is empty where that is not
 /// known; `method` names an interval only where `low` and `high` are there. Where a number is refused, `value` is empty and `refused` says why. A text that
-/// a spreadsheet would take for a formula gets an apostrophe in front.
+/// a spreadsheet would take for a formula gets an apostrophe in front, and so does one that begins with an
+/// apostrophe.
 #[must_use]
 pub fn csv(study: &Study) -> String {
     let mut text = String::from(HEAD);
@@ -66,7 +67,7 @@ fn n_things(estimate: &Estimate, method: &str) -> String {
 /// A text as one field.
 fn field(text: &str) -> String {
     let mut text = text.to_owned();
-    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r', '\'']) {
         text.insert(0, '\'');
     }
     if text.contains([',', '"', '\n', '\r']) {
@@ -91,5 +92,6 @@ mod tests {
         assert_eq!(field("hot dog"), "hot dog", "as it is");
         assert_eq!(field("a,\"b\""), "\"a,\"\"b\"\"\"", "quoted");
         assert_eq!(field("=1+1"), "'=1+1", "no formula");
+        assert_eq!(field("'=1+1"), "''=1+1", "another text stays another one");
     }
 }
