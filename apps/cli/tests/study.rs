@@ -407,7 +407,57 @@ fn an_image_whose_pixels_have_changed_is_refused_until_it_is_put_back() {
         "nothing written"
     );
 
+    // Nor where the sets are gone, and only the detections know the file.
+    fs::remove_dir_all(dir.path().join("out/sets")).unwrap();
+    let without_sets = snapshot(&dir.path().join("out"));
+    let refused = starbreak(dir.path(), &arguments);
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    let said = "1 of its 4 images have changed";
+    assert!(refused.stderr.contains(said), "{}", refused.stderr);
+    assert!(
+        snapshot(&dir.path().join("out")) == without_sets,
+        "nothing written"
+    );
+
     fs::write(&path, bytes).unwrap();
     let again = starbreak(dir.path(), &arguments);
     assert_eq!(again.code, Some(0), "{}", again.stderr);
+
+    // Altered in the set: a cracked image and a mask.
+    let set = dir.path().join("out/sets/paper-severity-5-seed-1");
+    let regions = set.join("starbreak/regions/val2017");
+    let masks = names(&regions);
+    let altered = [
+        set.join("val2017").join(&images[0]),
+        regions.join(&masks[1]),
+    ];
+    let good = altered.each_ref().map(|path| fs::read(path).unwrap());
+    fs::write(&altered[0], &good[0][..2000]).unwrap();
+    fs::copy(regions.join(&masks[0]), &altered[1]).unwrap();
+    let mended = starbreak(dir.path(), &arguments);
+    assert_eq!(mended.code, Some(0), "{}", mended.stderr);
+    let after = altered.each_ref().map(|path| fs::read(path).unwrap());
+    assert!(after == good, "made again");
+    let numbers = fs::read(dir.path().join("out/numbers.csv")).unwrap();
+    let earlier = before.get(Path::new("numbers.csv")).unwrap();
+    assert!(earlier.as_ref() == Some(&numbers), "the same numbers");
+
+    // Labels of another size than the file.
+    let labels = coco
+        .join("annotations")
+        .join(&names(&coco.join("annotations"))[0]);
+    let mut all = json(&labels);
+    let image = &mut all["images"].as_array_mut().unwrap()[0];
+    let width = image["width"].as_u64().unwrap();
+    image["width"] = (width - 4).into();
+    fs::write(&labels, all.to_string()).unwrap();
+    for one in arguments.iter_mut().filter(|one| *one == "out") {
+        *one = "new".to_owned();
+    }
+    let refused = starbreak(dir.path(), &arguments);
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    for said in [format!("{} x", width - 4), format!("{width} x")] {
+        assert!(refused.stderr.contains(&said), "{}", refused.stderr);
+    }
+    assert!(!dir.path().join("new").exists(), "nothing written");
 }

@@ -473,3 +473,63 @@ fn a_clip_given_twice_and_the_folder_of_a_study_are_refused() {
     );
     assert!(snapshot(at) == before, "nothing written");
 }
+
+#[test]
+fn a_report_of_clips_leaves_nothing_of_one_of_images_and_is_put_into_no_set() {
+    let dir = scene();
+    let at = dir.path();
+    let of_a = of_a("clean/a.json", "cracked/a.json");
+    let to_out = [&of_a[..], &["-o", "out"]].concat();
+    // Files of these names that are of no report stay.
+    fs::create_dir(at.join("out")).unwrap();
+    fs::write(at.join("out/table.tex"), "somebody's").unwrap();
+    succeed(at, &to_out);
+    assert!(at.join("out/table.tex").is_file(), "not ours");
+    write(at, "all.json", &results(1, 3, |_, _| true));
+    let args = [
+        "evaluate",
+        "--ground-truth",
+        "labels.json",
+        "--clean",
+        "all.json",
+        "--cracked",
+        "all.json",
+        "-o",
+        "out",
+    ];
+    succeed(at, &args);
+    assert!(at.join("out/failures.jsonl").is_file(), "of images");
+    succeed(at, &to_out);
+    let files = ["evaluation.json", "numbers.csv", "report.html"];
+    assert_eq!(common::names(&at.join("out")), files, "of clips alone");
+
+    fs::create_dir_all(at.join("set/starbreak")).unwrap();
+    fs::write(at.join("set/starbreak/run.json"), "{}").unwrap();
+    let to_set = [&of_a[..], &["-o", "set"]].concat();
+    refused(at, &to_set, &["set: is the folder of a generated set"]);
+    let mut args = args.to_vec();
+    args.pop();
+    args.push("set");
+    refused(at, &args, &["set: is the folder of a generated set"]);
+    let files = ["starbreak", "starbreak/run.json"];
+    assert_eq!(common::names(&at.join("set")), files, "as it was");
+}
+
+#[test]
+fn labels_that_end_before_the_clip_are_warned_about() {
+    let dir = scene();
+    let at = dir.path();
+    let whole = succeed(at, &of_a("clean/a.json", "cracked/a.json"));
+    assert!(!whole.stderr.contains("the labels end"), "{whole:?}");
+    let mut track = track_file("a.mp4", 10, None);
+    let more = json!({"frame_idx": N, "time_s": 3.0, "state": "still"});
+    track["frames"].as_array_mut().unwrap().push(more);
+    track["n_frames"] = json!(N + 1);
+    write(at, "tracks/a.track.json", &track);
+    let args = of_a("clean/a.json", "cracked/a.json");
+    warned(
+        at,
+        &args,
+        "the labels end at frame 29, the clip has 31 frames",
+    );
+}

@@ -42,7 +42,7 @@ impl LineLog {
             .open(path)
             .map_err(write_error)?;
         let n_good =
-            n_good_bytes(&file, identity, is_good).map_err(|source| DatasetError::Read {
+            n_good_bytes(&file, Some(identity), is_good).map_err(|source| DatasetError::Read {
                 path: path.to_owned(),
                 source,
             })?;
@@ -55,6 +55,27 @@ impl LineLog {
             file,
             path: path.to_owned(),
         })
+    }
+
+    /// Hands over the lines of a log, whatever they are made from, and leaves it as it is. A log that is
+    /// not there has none.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`].
+    pub fn read(path: &Path, take: &mut dyn FnMut(&str)) -> Result<(), DatasetError> {
+        let n_bytes = File::open(path).and_then(|file| {
+            n_good_bytes(&file, None, &mut |line| {
+                take(line);
+                true
+            })
+        });
+        match n_bytes {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(DatasetError::Read {
+                path: path.to_owned(),
+                source,
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// Adds a line, given without its end.
@@ -82,10 +103,11 @@ impl LineLog {
     }
 }
 
-/// Bytes from the beginning that are whole lines in order; 0 where the first line is another.
+/// Bytes from the beginning that are whole lines in order; 0 where the first line is another than the
+/// one that is asked for.
 fn n_good_bytes(
     file: &File,
-    identity: &str,
+    identity: Option<&str>,
     is_good: &mut dyn FnMut(&str) -> bool,
 ) -> io::Result<u64> {
     let mut reader = BufReader::new(file);
@@ -102,7 +124,7 @@ fn n_good_bytes(
             return Ok(n_good);
         };
         let is_right = match n_good {
-            0 => text == identity,
+            0 => identity.is_none_or(|identity| text == identity),
             _ => is_good(text),
         };
         if !is_right {
@@ -129,6 +151,11 @@ mod tests {
         let mut half = std::fs::read(&path).unwrap();
         half.extend(b"3 and no en");
         std::fs::write(&path, half).unwrap();
+
+        let mut all = Vec::new();
+        LineLog::read(&path, &mut |line| all.push(line.to_owned())).unwrap();
+        assert_eq!(all, ["1", "2"], "whole lines, without their identity");
+        LineLog::read(&dir.path().join("none"), &mut |_| panic!("a line")).unwrap();
 
         let mut seen = Vec::new();
         let mut log = LineLog::open(&path, "a", &mut |line| {

@@ -131,7 +131,8 @@ fn condition((family, severity, seed, ..): &Cell<'_>) -> Condition {
     Condition {
         name: format!("{family}, severity {severity}, seed {seed}"),
         family: Some((*family).to_owned()),
-        severity: Some(*severity),
+        // A recipe, which no severity scales.
+        severity: Some(*severity).filter(|severity| *severity > 0),
         seed: Some(*seed),
     }
 }
@@ -246,6 +247,26 @@ fn the_mean_over_conditions_that_are_alike_is_each_of_them_with_its_interval() {
             "of AP none"
         );
     }
+}
+
+#[test]
+fn a_condition_without_severity_is_left_out_of_the_mean_and_changes_nothing_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let few = masks(&folder.path().join("a"), 0..40);
+    let all = masks(&folder.path().join("b"), 0..N);
+    let truth = truth();
+    let of = |family, severity, least, masks| {
+        let found = said(|k| hashed(k, 3 + u32::from(severity)) > least);
+        (family, severity, 7, found, masks)
+    };
+    let grid = [("star", 1), ("star", 3)].map(|(family, n)| of(family, n, 0.4, few.as_path()));
+    let recipe = of("mine", 0, 0.9, all.as_path());
+    let rows = means(&truth, &grid);
+    assert_eq!(rows.len(), 6, "of the grid alone");
+    let [first, second] = grid.clone();
+    assert_eq!(means(&truth, &[first, recipe.clone(), second]), rows);
+    let [first, _] = grid;
+    assert_eq!(means(&truth, &[first, recipe]), [], "no mean of one");
 }
 
 #[test]
@@ -395,6 +416,13 @@ fn an_object_with_an_area_below_0_is_not_to_be_found_anywhere() {
         &params,
     );
     let found = found.unwrap();
+    let texts: Vec<&str> = found.warnings.iter().map(|one| one.text.as_str()).collect();
+    assert!(
+        texts
+            .iter()
+            .any(|text| text.contains("2 objects have an area below 0")),
+        "and said: {texts:?}"
+    );
     let of_all = &found.cracked.unwrap().results.groups[0];
     assert_eq!(of_all.n_objects, u64::from(N) - 2, "by the protocol");
     assert_eq!(found.counts.n_objects, u64::from(N) - 2, "counted");

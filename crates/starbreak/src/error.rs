@@ -111,6 +111,24 @@ pub enum Error {
         /// What differs.
         what: String,
     },
+    /// Labels that give an image another size than its file has.
+    #[error(
+        "image {id}, {name:?}, is {} x {} px by the labels, its file {path:?} {} x {} px; mend the labels, or give the \
+         images that they are of",
+        .said.0, .said.1, .found.0, .found.1
+    )]
+    LabeledSize {
+        /// Its number in the labels.
+        id: i64,
+        /// Its name in the labels.
+        name: String,
+        /// Width and height by the labels, px.
+        said: (u32, u32),
+        /// Its file.
+        path: PathBuf,
+        /// Width and height of the file, upright, px.
+        found: (u32, u32),
+    },
     /// A detector or a condition of a study without results.
     #[error("the study has no results of detector {detector}, condition {condition}; run it again")]
     StudyCell {

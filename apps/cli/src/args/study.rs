@@ -68,8 +68,8 @@ pub(crate) struct StudyArgs {
     /// Whether the sets of images are compared, too: KL, JS and W1 of five features of their pixels
     #[arg(long, value_enum, default_value_t = DivergenceWord::On)]
     pub(crate) divergence: DivergenceWord,
-    /// What to do about records of the dataset that break its format: stop before anything is
-    /// written, or leave them out
+    /// What to do about records of images that break the dataset's format: stop before anything is
+    /// written, or leave these images out; labels must be good either way
     #[arg(long, value_enum, default_value_t = OnError::Stop)]
     pub(crate) on_error: OnError,
 }

@@ -20,7 +20,7 @@ pub(crate) fn run(
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     if let Some(folder) = &args.output {
-        refuse_study(folder)?;
+        refuse_taken(folder)?;
     }
     for folder in args.output.iter().chain(&args.curves) {
         // A folder that cannot be written to is known before the work.
@@ -56,12 +56,21 @@ pub(crate) fn run(
     Ok(ExitCode::SUCCESS)
 }
 
-/// The report of a study is not to be replaced by that of something else.
-pub(super) fn refuse_study(folder: &Path) -> Result<(), Failure> {
-    match file_len(&folder.join("study.json")) {
-        Err(_) => Ok(()),
-        Ok(_) => Err(Failure::wrong_input(format!(
-            "{}: is the folder of a study, whose report would be replaced; give another",
+/// The report of a study is not to be replaced by that of something else, and a generated set holds no
+/// files but its own.
+pub(super) fn refuse_taken(folder: &Path) -> Result<(), Failure> {
+    let taken = [
+        ("study.json", "a study, whose report would be replaced"),
+        (
+            "starbreak/run.json",
+            "a generated set, to which no report belongs",
+        ),
+    ];
+    let is_there = |(name, _): &&(&str, &str)| file_len(&folder.join(name)).is_ok();
+    match taken.iter().find(is_there) {
+        None => Ok(()),
+        Some((_, what)) => Err(Failure::wrong_input(format!(
+            "{}: is the folder of {what}; give another",
             folder.display()
         ))),
     }

@@ -158,6 +158,7 @@ fn options_of(args: &GenerateArgs) -> GenerateOptions {
         } else {
             args.max_failures
         },
+        is_rehashed: false,
     }
 }
 

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::json;
-use starbreak::dataset::{OutputBatch, same_file};
+use starbreak::dataset::{OutputBatch, file_len, same_file};
 use starbreak::evaluation::{files_of, stem_of};
 use starbreak::pipeline::with_threads;
 use starbreak_eval::evaluation::{
     ClipInput, ClipSettings, Condition, Counts, Evaluation, InputFile, ProtocolResults, Provenance,
-    Settings, Study, TimelineResults, Versions, Warning, check_sides, pool_clips,
+    Settings, Study, TimelineResults, Versions, Warning, check_end, check_sides, pool_clips,
 };
 use starbreak_eval::report::report_files;
 use starbreak_eval::timeline::{FollowSettings, Frame, Survival, TimelineSettings};
@@ -17,7 +17,7 @@ use starbreak_eval::{
     LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
 };
 
-use super::evaluate::{command, refuse_study};
+use super::evaluate::{command, refuse_taken};
 use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
@@ -41,7 +41,7 @@ pub(crate) fn run(
 
 fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
     if let Some(folder) = &args.output {
-        refuse_study(folder)?;
+        refuse_taken(folder)?;
     }
     let tracks = Tracks::read(args)?;
     let settings = ClipSettings {
@@ -72,14 +72,19 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
         let clips = evaluation.timelines.iter();
         let names: Vec<&str> = clips.map(|clip| clip.clip.as_str()).collect();
         let mut batch = OutputBatch::new();
+        let mut left_over = Vec::new();
+        let replaces_report = file_len(&folder.join("evaluation.json")).is_ok();
         for (name, text) in report_files(&study)? {
+            let path = folder.join(name);
+            refuse_input(args, &tracks, &names, &path)?;
             if FILES.contains(&name) {
-                let path = folder.join(name);
-                refuse_input(args, &tracks, &names, &path)?;
                 batch.stage(&path, text.as_bytes())?;
+            } else if replaces_report {
+                left_over.push(path);
             }
         }
         batch.commit()?;
+        left_over.iter().try_for_each(|path| remove(path))?;
     }
     for warning in &evaluation.warnings {
         screen.note(&format!("warning: {}", warning.text));
@@ -105,6 +110,18 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
             "pooled_clips": evaluation.pooled_clips,
         })
     })
+}
+
+/// Removes a file of the report that this one replaces, if it is there.
+fn remove(path: &Path) -> Result<(), Failure> {
+    match std::fs::remove_file(path) {
+        Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
+            Err(Failure::wrong_input(format!(
+                "{path:?} is of the report that was here before and cannot be removed: {cause}"
+            )))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// No file of the report takes the place of one that was read.
@@ -221,6 +238,8 @@ fn of_labels(
         ];
         evaluated.warn(check_sides(&name, &of_clip.frames, &pair, args.lost_for)?);
         let frames = all_frames(&track);
+        let n_frames = frames.len() as u64;
+        evaluated.warn(check_end(&name, &of_clip.frames, n_frames));
         let input = ClipInput {
             name: &name,
             frames_per_s: track.track.frames_per_s,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{GeneratedSet, MAX_RECORD_BYTES, SetLayout};
 use crate::error::DatasetError;
+use crate::provenance::sha256_file;
 use crate::text_file::read_text;
 
 /// One sample of one image: a line of `items.jsonl`.
@@ -101,5 +102,22 @@ impl SetLayout {
             crack_sha256,
             provenance_sha256: file.sha256,
         }))
+    }
+
+    /// Whether image and masks of a sample have the bytes that its record says. A file that cannot be
+    /// read has not.
+    #[must_use]
+    pub fn is_unaltered(&self, item: &ItemRecord) -> bool {
+        let files = self.files_of(&item.name, item.sample);
+        let hashes = [
+            (&files.image, Some(&item.image_sha256)),
+            (&files.region, item.region_sha256.as_ref()),
+            (&files.crack, item.crack_sha256.as_ref()),
+        ];
+        hashes.iter().all(|(name, sha256)| {
+            sha256.is_none_or(|sha256| {
+                sha256_file(&self.path(name)).is_ok_and(|found| found == *sha256)
+            })
+        })
     }
 }

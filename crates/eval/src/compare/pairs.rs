@@ -2,7 +2,24 @@
 
 use crate::evaluation::{Warning, WarningKind};
 use crate::protocol::exact;
-use crate::{EvalError, GroundTruth, KittiDetections, SaidDetections};
+use crate::{EvalError, GroundTruth, KittiDetections, LabelSet, Object, SaidDetections};
+
+/// Objects that no range of areas holds.
+fn areas_below_0(labels: &LabelSet) -> Option<Warning> {
+    let is_below = |object: &&Object| object.area_px2 < 0.0;
+    let mut objects = labels.objects.iter().filter(is_below);
+    let first = objects.next()?;
+    Some(Warning {
+        kind: WarningKind::Protocol,
+        text: format!(
+            "{} objects have an area below 0 in the labels, the first is object {} with {} px²; as by the rules of \
+             MS-COCO they are in no range of areas and count nowhere; mend `area` if they are to count",
+            count_of(1 + objects.count()),
+            first.id,
+            first.area_px2
+        ),
+    })
+}
 
 /// Clean and cracked are of the same frames, and what a reader must know of both.
 ///
@@ -36,6 +53,7 @@ pub(super) fn check_pair(
             ),
         });
     }
+    warnings.extend(areas_below_0(&truth.labels));
     for (side, said) in [("clean", Some(clean)), ("cracked", cracked)] {
         let Some(unused) = said.and_then(|said| said.unused.as_ref()) else {
             continue;

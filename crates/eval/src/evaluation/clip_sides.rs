@@ -92,6 +92,27 @@ pub fn check_sides(
     Ok(warnings)
 }
 
+/// Tells of labels that end before their clip does: `frames` are the labeled ones, `n_frames` all.
+///
+/// Labels may leave out frames, also the last ones: those of every tenth frame end up to nine before the
+/// end. Where there is room behind the last one for one more, in steps as large as the largest between
+/// them, the track may be that of a longer clip.
+#[must_use]
+pub fn check_end(clip: &str, frames: &[Frame], n_frames: u64) -> Option<Warning> {
+    let last = frames.last()?.frame_idx;
+    let steps = frames
+        .windows(2)
+        .map(|pair| pair[1].frame_idx.saturating_sub(pair[0].frame_idx));
+    let step = steps.max().unwrap_or(1);
+    (last.saturating_add(step) < n_frames).then(|| Warning {
+        kind: WarningKind::Missing,
+        text: format!(
+            "clip {clip}: the labels end at frame {last}, the clip has {n_frames} frames, counted from 0; if the track \
+             is that of a longer clip, all that follows is false, else objects are followed up to there"
+        ),
+    })
+}
+
 fn categories(side: &ClipSide<'_>) -> Result<Option<Warning>, EvalError> {
     let Some(unused) = side.unused else {
         return Ok(None);
@@ -120,4 +141,34 @@ fn span(detections: &Detections, frames: &[Frame]) -> Option<[u64; 2]> {
     let places = || detections.items.iter().map(|it| it.image);
     let number = |place: u32| frames.get(place as usize).map(|frame| frame.frame_idx);
     Some([number(places().min()?)?, number(places().max()?)?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Frame, check_end};
+
+    #[test]
+    fn labels_that_end_early_are_told_of_unless_they_are_sparse() {
+        let ends = |idx: &[u64], n_frames| {
+            let frames: Vec<Frame> = idx
+                .iter()
+                .map(|frame_idx| Frame {
+                    frame_idx: *frame_idx,
+                    time_s: 0.0,
+                    state: None,
+                })
+                .collect();
+            check_end("a", &frames, n_frames).map(|warning| warning.text)
+        };
+        let all: Vec<u64> = (0..30).collect();
+        assert_eq!(ends(&all, 30), None, "all frames");
+        let said = ends(&all, 31).unwrap_or_default();
+        for word in ["clip a", "frame 29", "31 frames"] {
+            assert!(said.contains(word), "{word}: {said}");
+        }
+        let tenth = [0, 10, 20];
+        assert_eq!(ends(&tenth, 30), None, "the next would be 30");
+        assert!(ends(&tenth, 31).is_some(), "there is a frame 30");
+        assert_eq!(ends(&[], 30), None, "no labels");
+    }
 }

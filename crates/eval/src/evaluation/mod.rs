@@ -22,7 +22,7 @@ mod worst;
 
 pub use clean::CleanResults;
 pub use clip::{ClipInput, ClipSettings, TimelineResults, TrackSource};
-pub use clip_sides::{ClipSide, check_sides};
+pub use clip_sides::{ClipSide, check_end, check_sides};
 pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
 pub use evaluate::{

@@ -127,6 +127,12 @@ impl PooledClips {
         self.cracked.n >= FEW_AT_RISK
     }
 
+    /// Whether some share has one: clips that are all alike give none.
+    fn has_interval(&self) -> bool {
+        let mut steps = self.clean.steps.iter().chain(&self.cracked.steps);
+        steps.any(|step| step.share.interval.is_some())
+    }
+
     /// What a reader must know before the numbers.
     #[must_use]
     pub fn warnings(&self) -> Vec<Warning> {
@@ -149,11 +155,46 @@ impl PooledClips {
                 "the {n} clips together: fewer than {MIN_CLIPS} have objects at risk, so that intervals take objects \
                  as independent; objects of one clip share its cracks, so that they come out too narrow"
             )),
-            PooledUnit::Clip if n < FEW_CLIPS => add(format!(
+            PooledUnit::Clip if n < FEW_CLIPS && self.has_interval() => add(format!(
                 "the {n} clips together: intervals are between clips; of fewer than {FEW_CLIPS} they come out too narrow"
             )),
             PooledUnit::Clip => {}
         }
         warnings
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+    use super::{PooledClips, PooledUnit, kaplan_meier_of_clusters};
+
+    /// Six clips with four objects each, of which `is_lost` says by clip and object which are lost.
+    fn said(is_lost: fn(u32, u32) -> bool) -> String {
+        let all = (0..6).flat_map(|clip| (0..4).map(move |object| (clip, object)));
+        let (clips, lost): (Vec<u32>, Vec<bool>) = all
+            .map(|(clip, object)| (clip, is_lost(clip, object)))
+            .unzip();
+        let times_s: Vec<f64> = lost.iter().map(|is| if *is { 0.1 } else { 1.0 }).collect();
+        let curve = kaplan_meier_of_clusters(&times_s, &lost, &clips, 0.95).unwrap();
+        let pooled = PooledClips {
+            n_clips: 6,
+            unit: PooledUnit::Clip,
+            level: 0.95,
+            followed_s: [1.0; 2],
+            clean: curve.clone(),
+            cracked: curve,
+        };
+        let texts: Vec<String> = pooled.warnings().into_iter().map(|one| one.text).collect();
+        texts.join("; ")
+    }
+
+    #[test]
+    fn an_interval_that_is_not_there_is_not_too_narrow() {
+        let alike = said(|_, object| object == 0);
+        assert!(!alike.contains("too narrow"), "{alike}");
+        let other = said(|clip, object| object < clip % 2);
+        assert!(other.contains("too narrow"), "{other}");
     }
 }

@@ -6,8 +6,8 @@ use super::{
 use crate::{CrackedPrecision, mean_performance};
 
 /// mPC and rPC of one detector without intervals, of AP, AP50 and AP75 on whole images and in the region at
-/// `tau`, over the families, severities and seeds of its evaluations' conditions; nothing unless there are two
-/// conditions or more, each with family and severity. `n_objects` says how many different objects some
+/// `tau`, over the families, severities and seeds of its evaluations' conditions, those without family or severity left
+/// aside; nothing unless two conditions or more have both. `n_objects` says how many different objects some
 /// condition asks for in a place.
 ///
 /// In the region every condition has a clean AP of its own, since its region is its own; rPC is by their
@@ -17,9 +17,11 @@ pub(super) fn mean_rows(
     tau: f64,
     n_objects: &dyn Fn(&Scope) -> u64,
 ) -> Vec<RobustnessRow> {
-    let is_known =
-        |one: &Evaluation| one.condition.family.is_some() && one.condition.severity.is_some();
-    if evaluations.len() < 2 || !evaluations.iter().all(is_known) {
+    let of_grid: Vec<&Evaluation> = evaluations
+        .iter()
+        .filter(|one| one.condition.is_of_grid())
+        .collect();
+    if of_grid.len() < 2 {
         return Vec::new();
     }
     let in_region = Scope {
@@ -30,14 +32,14 @@ pub(super) fn mean_rows(
     for scope in [Scope::whole_image(), in_region] {
         let n = n_objects(&scope);
         for metric in [PairedMetric::Ap, PairedMetric::Ap50, PairedMetric::Ap75] {
-            rows.extend(row(evaluations, &scope, metric, n));
+            rows.extend(row(&of_grid, &scope, metric, n));
         }
     }
     rows
 }
 
 fn row(
-    evaluations: &[Evaluation],
+    evaluations: &[&Evaluation],
     scope: &Scope,
     metric: PairedMetric,
     n: u64,
@@ -50,7 +52,7 @@ fn row(
     };
     let found: Vec<(&Evaluation, PairedRow)> = evaluations
         .iter()
-        .filter_map(|one| Some((one, find(one)?)))
+        .filter_map(|one| Some((*one, find(one)?)))
         .collect();
     let clean: Option<Vec<f64>> = found.iter().map(|(_, row)| row.clean.value).collect();
     let clean = clean.filter(|values| !values.is_empty()).map(|values| {

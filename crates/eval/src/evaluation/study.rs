@@ -128,6 +128,13 @@ pub struct Condition {
     pub seed: Option<u64>,
 }
 
+impl Condition {
+    /// Whether it is one of the families times severities that mPC averages over.
+    pub(crate) fn is_of_grid(&self) -> bool {
+        self.family.is_some() && self.severity.is_some()
+    }
+}
+
 /// How much there is of everything.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Counts {

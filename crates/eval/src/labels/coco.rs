@@ -207,7 +207,7 @@ fn row_of(
 fn tell_apart(categories: &mut [Category]) {
     let mut known = BTreeSet::new();
     for category in categories {
-        if !known.insert(category.name.clone()) {
+        while !known.insert(category.name.clone()) {
             category.name = format!("{} (id {})", category.name, category.id);
         }
     }
@@ -217,4 +217,23 @@ fn tell_apart(categories: &mut [Category]) {
 fn second(mut ids: impl Iterator<Item = i64>) -> Option<i64> {
     let mut last = ids.next()?;
     ids.find(|id| std::mem::replace(&mut last, *id) == *id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Category, tell_apart};
+
+    #[test]
+    fn no_two_categories_share_a_name_whatever_they_are_called() {
+        let all = [(1, "car"), (2, "car (id 7)"), (7, "car"), (9, "bus")];
+        let mut categories = all.map(|(id, name)| Category {
+            id,
+            name: name.to_owned(),
+            supercategory: None,
+        });
+        tell_apart(&mut categories);
+        let names = categories.map(|category| category.name);
+        let expected = ["car", "car (id 7)", "car (id 7) (id 7)", "bus"];
+        assert_eq!(names, expected, "each its own");
+    }
 }

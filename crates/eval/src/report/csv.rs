@@ -1,6 +1,6 @@
 //! The numbers as CSV, one row each.
 
-use super::numbers::{Number, numbers};
+use super::numbers::{COUNT, Number, numbers};
 use crate::evaluation::{Estimate, Study};
 
 /// The columns.
@@ -12,7 +12,8 @@ const HEAD: &str =
 ///
 /// Fractions are fractions; `n` says on how many things a number rests and is empty where that is not
 /// known; `method` names an interval only where `low` and `high` are there. Where a number is refused, `value` is empty and `refused` says why. A text that
-/// a spreadsheet would take for a formula gets an apostrophe in front.
+/// a spreadsheet would take for a formula gets an apostrophe in front, and so does one that begins with an
+/// apostrophe.
 #[must_use]
 pub fn csv(study: &Study) -> String {
     let mut text = String::from(HEAD);
@@ -48,17 +49,17 @@ fn row(number: &Number) -> String {
         float(estimate.value),
         float(estimate.low),
         float(estimate.high),
-        n_things(estimate),
+        n_things(estimate, method),
         field(method),
         field(estimate.refused.as_deref().unwrap_or("")),
     ]
     .join(",")
 }
 
-/// On how many things a number rests; empty where it does not say.
-fn n_things(estimate: &Estimate) -> String {
+/// On how many things a number rests; empty where it does not say. A count says it, also of nothing.
+fn n_things(estimate: &Estimate, method: &str) -> String {
     match (estimate.n, estimate.value) {
-        (0, Some(_)) => String::new(),
+        (0, Some(_)) if method != COUNT => String::new(),
         (n, _) => n.to_string(),
     }
 }
@@ -66,7 +67,7 @@ fn n_things(estimate: &Estimate) -> String {
 /// A text as one field.
 fn field(text: &str) -> String {
     let mut text = text.to_owned();
-    if text.starts_with(['=', '+', '-', '@', '\t', '\r']) {
+    if text.starts_with(['=', '+', '-', '@', '\t', '\r', '\'']) {
         text.insert(0, '\'');
     }
     if text.contains([',', '"', '\n', '\r']) {
@@ -77,12 +78,20 @@ fn field(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::field;
+    use super::{COUNT, Estimate, field, n_things};
+
+    #[test]
+    fn a_count_of_nothing_rests_on_nothing() {
+        let nothing = Estimate::of(0.0, 0);
+        assert_eq!(n_things(&nothing, COUNT), "0", "a count");
+        assert_eq!(n_things(&nothing, "COCO protocol"), "", "not known");
+    }
 
     #[test]
     fn fields_stay_fields() {
         assert_eq!(field("hot dog"), "hot dog", "as it is");
         assert_eq!(field("a,\"b\""), "\"a,\"\"b\"\"\"", "quoted");
         assert_eq!(field("=1+1"), "'=1+1", "no formula");
+        assert_eq!(field("'=1+1"), "''=1+1", "another text stays another one");
     }
 }

@@ -38,6 +38,8 @@ const OVER_IMAGES: &str = "bootstrap over images, 95 %";
 const MEAN_TWO_WAY: &str =
     "mean over families, severities and seeds; two-way bootstrap over images and seeds, 95 %";
 const MEAN_OVER_IMAGES: &str = "mean over families and severities; bootstrap over images, 95 %";
+/// How a number that only counts came about.
+pub(super) const COUNT: &str = "count";
 const WILSON: &str = "Wilson, 95 %";
 
 /// All numbers of a study, in the order of the page.
@@ -176,7 +178,7 @@ impl Adder<'_> {
     }
 
     pub(super) fn add_count(&mut self, metric: impl Into<String>, count: u64) {
-        self.add_value(metric, words::as_number(count), count, "count");
+        self.add_value(metric, words::as_number(count), count, COUNT);
     }
 }
 

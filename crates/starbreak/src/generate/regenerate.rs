@@ -119,6 +119,7 @@ fn options_of(identity: &Value) -> GenerateOptions {
             _ => None,
         },
         max_failures: None,
+        is_rehashed: false,
     }
 }
 

@@ -203,6 +203,7 @@ impl Plan<'_> {
     ) -> Result<Outcome, Error> {
         if let Some(done) = set.done(&image.name, sample_idx)?
             && sha256_file(&image.path)? == done.input_sha256
+            && (!self.options.is_rehashed || set.layout().is_unaltered(&done))
         {
             return Ok(Outcome::Kept);
         }

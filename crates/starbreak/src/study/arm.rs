@@ -28,6 +28,20 @@ struct FoundInImage {
     error: Option<String>,
 }
 
+/// The names of the images that the log of an arm has, with the SHA-256 of the files that were looked
+/// at; without those that could not be.
+pub(super) fn seen_files(log: &Path) -> Result<BTreeMap<String, String>, Error> {
+    let mut seen = BTreeMap::new();
+    LineLog::read(log, &mut |line| {
+        if let Ok(found) = serde_json::from_str::<FoundInImage>(line)
+            && found.error.is_none()
+        {
+            seen.insert(found.image, found.sha256);
+        }
+    })?;
+    Ok(seen)
+}
+
 /// An image that no detector could look at.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnseenImage {
@@ -351,6 +365,9 @@ mod tests {
             _ => find(place, image),
         };
         let unseen = run(&dir, 1, &fails, &go).unwrap().unseen;
+        let seen = seen_files(&dir.path().join("arm.jsonl")).unwrap();
+        assert_eq!(seen.len(), 39, "all but that one");
+        assert_eq!(seen["004.png"], "004.png ", "the hash of its file");
         assert_eq!(unseen.len(), 1, "one");
         assert_eq!(unseen[0].name, "003.png", "that one");
         assert_eq!(run(&dir, 1, &find, &go).unwrap().unseen, [], "mended");

@@ -3,13 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use starbreak_dataset::{
-    DatasetError, OutputBatch, SetLayout, file_len, read_text, sha256_file, sha256_hex,
-};
+use starbreak_dataset::{DatasetError, OutputBatch, file_len, read_text, sha256_hex};
 use starbreak_eval::GroundTruth;
-use starbreak_eval::detector::ImageToSee;
 
 use super::StudyPlan;
 use crate::Error;
@@ -48,42 +44,6 @@ struct DetectorIdentity {
 struct ConditionIdentity {
     recipe: String,
     seed: u64,
-}
-
-impl StudyPlan<'_> {
-    /// Refuses images whose files are others than those that the sets of the folder were made from. One that
-    /// could not be broken is in no set: it may be mended.
-    pub(super) fn check_images(&self) -> Result<(), Error> {
-        let folders = self.conditions.iter().map(|one| self.set_folder(one));
-        let sets: Vec<SetLayout> = folders.map(|folder| SetLayout::new(&folder, 1)).collect();
-        let is_changed = |image: &ImageToSee| -> Result<bool, Error> {
-            for set in &sets {
-                if let Some(done) = set.done(&image.name, 0)? {
-                    // A file that is gone is told of with its name where it is read.
-                    return Ok(
-                        sha256_file(&image.path).is_ok_and(|sha256| sha256 != done.input_sha256)
-                    );
-                }
-            }
-            Ok(false)
-        };
-        let are_changed: Result<Vec<bool>, Error> =
-            self.images.par_iter().map(is_changed).collect();
-        let are_changed = are_changed?;
-        let mut changed = self.images.iter().zip(&are_changed).filter(|(_, is)| **is);
-        let Some((first, _)) = changed.next() else {
-            return Ok(());
-        };
-        Err(Error::AnotherStudy {
-            folder: self.out.to_owned(),
-            what: format!(
-                "the files of {} of its {} images have changed since, the first {:?}",
-                1 + changed.count(),
-                self.images.len(),
-                first.name
-            ),
-        })
-    }
 }
 
 impl Identity {

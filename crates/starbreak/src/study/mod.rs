@@ -14,6 +14,7 @@ mod arm;
 mod condition;
 mod distances;
 mod identity;
+mod images;
 mod numbers;
 mod run;
 mod set;

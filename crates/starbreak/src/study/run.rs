@@ -111,7 +111,8 @@ impl StudyPlan<'_> {
     /// with fewer detectors or conditions.
     ///
     /// # Errors
-    /// [`Error::AnotherStudy`] for the folder of another study, before anything is written.
+    /// [`Error::AnotherStudy`] for the folder of another study, [`Error::LabeledSize`] for labels of images of
+    /// another size, both before anything is written.
     /// [`Error`] for folders that cannot be used and for what would fail every image. An image that
     /// fails alone is in [`StudyRuns::unseen`].
     pub fn run(
@@ -122,7 +123,8 @@ impl StudyPlan<'_> {
     ) -> Result<Option<StudyRuns>, Error> {
         let identity = Identity::of(self, truth);
         identity.check(self.out)?;
-        self.check_images()?;
+        self.check_files()?;
+        self.check_sizes(truth)?;
         let quality = self.quality()?;
         self.try_detectors(quality)?;
         identity.write(self.out)?;
@@ -203,6 +205,13 @@ impl StudyPlan<'_> {
         self.out.join("sets").join(&condition.name)
     }
 
+    /// Where it is noted what a detector found, image by image.
+    pub(super) fn log(&self, detector: &StudyDetector, condition: Option<&Condition>) -> PathBuf {
+        let arm_name = condition.map_or("clean", |condition| &condition.name);
+        let folder = self.out.join("detections").join(&detector.name);
+        folder.join(format!("{arm_name}.jsonl"))
+    }
+
     fn break_all(
         &self,
         condition: &Condition,
@@ -234,12 +243,7 @@ impl StudyPlan<'_> {
     ) -> Result<Option<Arm>, Error> {
         let step = Step::Detecting(&detector.name, condition);
         tell(StudyEvent::Begun(step, self.images.len() as u64));
-        let arm_name = condition.map_or("clean", |condition| &condition.name);
-        let log = self
-            .out
-            .join("detections")
-            .join(&detector.name)
-            .join(format!("{arm_name}.jsonl"));
+        let log = self.log(detector, condition);
         let identity = json!({
             "schema": "starbreak.detections/1",
             "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },

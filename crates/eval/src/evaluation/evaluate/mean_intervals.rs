@@ -22,7 +22,7 @@ struct Grid {
 
 impl Grid {
     /// Nothing unless each family and severity has the same seeds, each once.
-    fn of(sets: &[CrackedSet<'_>]) -> Option<Self> {
+    fn of(sets: &[&CrackedSet<'_>]) -> Option<Self> {
         let mut cells = Vec::new();
         let mut seeds = Vec::new();
         let mut place: Vec<(usize, usize)> = Vec::new();
@@ -53,8 +53,9 @@ fn place_of<T: PartialEq>(known: &mut Vec<T>, one: T) -> usize {
 }
 
 /// mPC and rPC of a detector: of AP, AP50 and AP75, on whole images and in the region at the first τ, over the
-/// families, severities and seeds of the conditions; nothing unless there are two conditions or more, each
-/// with family and severity. `evaluations` are what [`evaluate`](super::evaluate) gives for them. The n is
+/// families, severities and seeds of the conditions; nothing unless two conditions or more have family and
+/// severity. Those that have not, such as a recipe beside presets with severities, are left aside: they are
+/// no part of the grid that is averaged over. `evaluations` are what [`evaluate`](super::evaluate) gives for them. The n is
 /// that of the different objects: one that lies in the region of several conditions is one.
 ///
 /// AP50 and AP75 have intervals. Each replicate draws images (or clusters) once for all conditions, and seeds once for all families and
@@ -68,13 +69,17 @@ pub fn robustness(
     evaluations: &[Evaluation],
     input: &SeedsInput<'_>,
 ) -> Result<Vec<RobustnessRow>, EvalError> {
-    let all: Vec<&CrackedSet<'_>> = input.cracked.iter().collect();
-    let Some(patterns) = patterns_of(input, &all) else {
+    let of_grid: Vec<&CrackedSet<'_>> = input
+        .cracked
+        .iter()
+        .filter(|set| set.condition.is_of_grid())
+        .collect();
+    let Some(patterns) = patterns_of(input, &of_grid) else {
         return Ok(Vec::new());
     };
     let n_objects = |scope: &Scope| n_different_objects(&patterns, scope);
     let mut rows = mean_rows(evaluations, input.settings.tau(), &n_objects);
-    if let Some(grid) = Grid::of(input.cracked) {
+    if let Some(grid) = Grid::of(&of_grid) {
         put_intervals(&mut rows, &grid, &patterns, input)?;
     }
     Ok(rows)

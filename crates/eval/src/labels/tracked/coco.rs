@@ -67,6 +67,15 @@ impl Beyond {
             ("videos", Some(_)) => {
                 let video: VideoRecord = parse(path, record)?;
                 let name = video.name.unwrap_or_else(|| video.id.0.to_string());
+                let mut others = self.videos.iter();
+                let is_same = |(id, other): &(&i64, &String)| **id != video.id.0 && **other == name;
+                if let Some((id, _)) = others.find(is_same) {
+                    let place = format!("video {}", video.id.0);
+                    let reason = format!(
+                        "its name {name:?} is that of video {id}, too; give each video its own name"
+                    );
+                    return Err(refuse(path, place, reason));
+                }
                 if self.videos.insert(video.id.0, name).is_some() {
                     let place = format!("video {}", video.id.0);
                     return Err(refuse(path, place, "the id occurs twice"));
@@ -120,4 +129,28 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
         clips,
         has_image_ids: true,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+    use super::read;
+
+    #[test]
+    fn two_videos_of_one_name_are_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("labels.json");
+        let videos = r#"[{"id": 1, "name": "a"}, {"id": 5, "name": "a"}]"#;
+        let images =
+            r#"[{"id": 1, "video_id": 1, "frame_id": 0}, {"id": 2, "video_id": 5, "frame_id": 0}]"#;
+        let text = format!(
+            r#"{{"videos": {videos}, "images": {images}, "annotations": [], "categories": []}}"#
+        );
+        std::fs::write(&path, text).unwrap();
+        let error = read(&path, 0).unwrap_err().to_string();
+        for word in ["video 5", "\"a\"", "video 1", "its own name"] {
+            assert!(error.contains(word), "{word}: {error}");
+        }
+    }
 }

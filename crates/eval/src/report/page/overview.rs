@@ -434,6 +434,10 @@ fn robustness_table(study: &Study) -> Option<Table> {
         Some(n) => format!("Intervals draw {} and the {n} seeds.", units(study)),
     };
     table.remark(&remark);
+    let mut conditions = study.evaluations.iter().map(|one| &one.condition);
+    if conditions.any(|condition| condition.severity.is_none()) {
+        table.remark("Conditions without a severity, such as recipes, are no part of these means.");
+    }
     Some(table)
 }
 
