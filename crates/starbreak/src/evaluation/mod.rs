@@ -4,12 +4,11 @@ mod join;
 mod plain;
 
 use std::ffi::OsString;
-use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
-use starbreak_dataset::{DatasetError, SourceSpec};
+use starbreak_dataset::{SourceSpec, file_len};
 use starbreak_eval::evaluation::{CleanResults, Evaluation, PairedRow};
 use starbreak_eval::report::report_files;
 use starbreak_eval::{
@@ -146,10 +145,8 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         .into_iter()
         .flatten()
     {
-        fs::metadata(folder).map_err(|source| DatasetError::Read {
-            path: folder.clone(),
-            source,
-        })?;
+        // For what the system says of one that is not there.
+        file_len(folder)?;
     }
     let protocol = request.protocol;
     let mut truth = match (&request.source, &request.ground_truth) {
