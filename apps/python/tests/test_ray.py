@@ -243,3 +243,11 @@ def test_a_recipe_for_other_files_than_a_set_has_is_refused(source, tmp_path, ke
     with pytest.raises(ValueError, match=key):
         run(source, tmp_path / "out", recipe=starbreak.Recipe("paper", set={**SMALL, key: value}))
     assert not (tmp_path / "out").exists()
+
+
+def test_a_bank_with_such_a_recipe_is_refused_as_well(command, source, tmp_path):
+    words = ["--size", "128x96", "--set", "fracture.mesh=fast", "--set", "output.maps=true"]
+    command("patterns", "-n", 1, "-o", tmp_path / "bank", *words)
+    with pytest.raises(ValueError, match=r"output\.maps"):
+        run(source, tmp_path / "out", recipe=None, bank=tmp_path / "bank")
+    assert not (tmp_path / "out").exists()

@@ -7,6 +7,7 @@ the seed alone, and an image's record, which is written last, says that it is wh
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import json
@@ -78,13 +79,14 @@ def crack_dataset(
         raise ValueError("a bank has its recipe; give one of both")
     item_seed(seed, "")  # raises for what is no seed
     job = _Job(
-        toml=None if bank is not None else _of_sets(recipe_of(recipe)).to_toml(),
+        toml=None if bank is not None else recipe_of(recipe).to_toml(),
         bank=None if bank is None else os.path.abspath(bank),
         seed=seed,
         n_samples=n_samples,
         source=_open(source, filesystem),
         output=_open(output, filesystem),
     )
+    _refuse_recipe(*_engine(job.toml, job.bank))
     _refuse_nesting(job.source.root, job.output.root)
     names = _names(job.source)
     _claim(job)
@@ -192,20 +194,16 @@ class _Job:
         return is_of_data and all(map(self.output.has, files))
 
 
-def _of_sets(recipe: Recipe) -> Recipe:
-    """The recipe, unless it asks for files that a set does not have."""
-    output = recipe.to_dict().get("output", {})
-    if output.get("format", "same") != "same":
-        raise ValueError(f"output.format = {output['format']!r}; a set keeps the formats of its source: leave it 'same'")
-    if output.get("maps"):
-        raise ValueError("output.maps = True; a set has no maps: leave it out, or use crack for single images")
-    return recipe
-
-
 @functools.lru_cache(maxsize=2)
 def _engine(toml: str | None, bank: str | None) -> tuple[Recipe | None, PatternBank | None]:
     """What breaks images, a recipe or a bank with its own; once per worker."""
     return None if toml is None else Recipe.from_toml(toml), None if bank is None else PatternBank(bank)
+
+
+def _refuse_recipe(recipe: Recipe | None, bank: PatternBank | None) -> None:
+    """Raises what `crack_file` has against a recipe or that of a bank, once and before any image is read."""
+    with contextlib.suppress(OSError):  # there is no image in no bytes
+        crack_file(b"", "any.png", recipe, bank=bank)
 
 
 def _open(place: str | os.PathLike[str], filesystem: arrow_fs.FileSystem | None) -> _Folder:
