@@ -81,10 +81,10 @@ impl Contrast {
 /// Sums over the pixels of a region.
 #[derive(Debug, Default)]
 struct Sums {
-    n: f64,
-    n_colors: f64,
-    n_brighter: f64,
-    n_darker: f64,
+    n: u32,
+    n_colors: u32,
+    n_brighter: u32,
+    n_darker: u32,
     change: f64,
     before: f64,
     squares: f64,
@@ -93,12 +93,14 @@ struct Sums {
 impl Sums {
     fn contrast(&self) -> Contrast {
         let over = |sum: f64, n: f64| if n > 0.0 { sum / n } else { 0.0 };
+        let [n, n_colors, n_brighter, n_darker] =
+            [self.n, self.n_colors, self.n_brighter, self.n_darker].map(f64::from);
         Contrast {
-            mean: over(self.change, self.n),
+            mean: over(self.change, n),
             weber: over(self.change, self.before),
-            brighter: over(self.n_brighter, self.n),
-            darker: over(self.n_darker, self.n),
-            rms_code: over(self.squares, self.n * self.n_colors).sqrt(),
+            brighter: over(n_brighter, n),
+            darker: over(n_darker, n),
+            rms_code: over(self.squares, n * n_colors).sqrt(),
         }
     }
 }
@@ -146,7 +148,7 @@ fn over<S: Copy, const CHANNELS: usize>(
         f64::from(luminance([of_color(0), of_color(1), of_color(2)]))
     };
     let mut sums = Sums {
-        n_colors: if n_colors == 1 { 1.0 } else { 3.0 },
+        n_colors: if n_colors == 1 { 1 } else { 3 },
         ..Sums::default()
     };
     let pixels = before.as_chunks().0.chunks(BLOCK);
@@ -161,9 +163,9 @@ fn over<S: Copy, const CHANNELS: usize>(
                 continue;
             }
             let (was, is) = (light(before), light(after));
-            sums.n += 1.0;
-            sums.n_brighter += f64::from(u8::from(is > was));
-            sums.n_darker += f64::from(u8::from(is < was));
+            sums.n += 1;
+            sums.n_brighter += u32::from(is > was);
+            sums.n_darker += u32::from(is < was);
             sums.change += (is - was).abs();
             sums.before += was;
             let colors = before[..n_colors].iter().copied();
