@@ -40,6 +40,7 @@ mod generated;
 
 mod json_records;
 
+mod known_folders;
 mod output_batch;
 mod paths;
 mod provenance;

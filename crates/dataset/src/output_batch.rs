@@ -3,11 +3,13 @@ use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use tempfile::TempPath;
 
 use crate::error::DatasetError;
 use crate::image_file::not_a_file;
+use crate::known_folders::{KnownFolders, absolute_folder_of};
 
 /// The files of one sample, which appear together or not at all.
 ///
@@ -27,11 +29,14 @@ use crate::image_file::not_a_file;
 /// ([`DatasetError::Commit`] lists them). A process that is killed leaves its `.starbreak-*`
 /// files behind. Of batches that share a new folder at one time, none may be the one to remove it,
 /// so that it stays, empty. After a loss of power a committed file is whole or absent, never half.
+/// Where a link leads to a folder, files go where it led when the batch, or one before of the same
+/// [set](crate::GeneratedSet::batch), first used it, as long as that folder is there.
 #[derive(Debug)]
 pub struct OutputBatch {
     staged: Vec<StagedFile>,
     destinations: BTreeSet<PathBuf>,
     waits_for_disk: bool,
+    folders: Arc<KnownFolders>,
     /// Folders created by this batch, parents first.
     created_folders: Vec<PathBuf>,
 }
@@ -54,6 +59,7 @@ impl OutputBatch {
             staged: Vec::new(),
             destinations: BTreeSet::new(),
             waits_for_disk: true,
+            folders: Arc::default(),
             created_folders: Vec::new(),
         }
     }
@@ -66,6 +72,13 @@ impl OutputBatch {
     pub fn new_unsynced() -> Self {
         let mut batch = Self::new();
         batch.waits_for_disk = false;
+        batch
+    }
+
+    /// As [`OutputBatch::new_unsynced`], for many batches that share a few folders.
+    pub(crate) fn new_unsynced_in(folders: Arc<KnownFolders>) -> Self {
+        let mut batch = Self::new_unsynced();
+        batch.folders = folders;
         batch
     }
 
@@ -124,29 +137,13 @@ impl OutputBatch {
             path: path.to_owned(),
             source,
         };
-        // Absolute, so that a change of the working directory does no harm.
-        let folder = std::path::absolute(path)
-            .map_err(write_error)?
-            .parent()
-            .map(Path::to_path_buf)
-            .ok_or_else(|| write_error(io::ErrorKind::InvalidInput.into()))?;
-
-        let mut n_retries = 20;
-        let (destination, temporary) = loop {
-            let attempt = self
-                .create_folders(&folder)
-                .and_then(|()| fs::canonicalize(&folder))
-                .and_then(|folder| {
-                    let temporary = create_temporary(&folder)?;
-                    Ok((folder.join(file_name), temporary))
-                });
-            match attempt {
-                Ok(attempt) => break attempt,
-                // Another batch may have removed a folder which it had created.
-                Err(e) if e.kind() == io::ErrorKind::NotFound && n_retries > 0 => n_retries -= 1,
-                Err(e) => return Err(write_error(e)),
-            }
-        };
+        let folder = absolute_folder_of(path).map_err(write_error)?;
+        let created = &mut self.created_folders;
+        let (folder, temporary) = self
+            .folders
+            .temporary_in(&folder, || create_folders(&folder, created))
+            .map_err(write_error)?;
+        let destination = folder.join(file_name);
         if self.destinations.contains(&destination) {
             return Err(DatasetError::DuplicateOutput {
                 path: path.to_owned(),
@@ -211,27 +208,6 @@ impl OutputBatch {
         self.created_folders.clear();
         Ok(())
     }
-
-    fn create_folders(&mut self, folder: &Path) -> io::Result<()> {
-        let mut missing = Vec::new();
-        for ancestor in folder.ancestors() {
-            match fs::metadata(ancestor) {
-                Ok(metadata) if metadata.is_dir() => break,
-                Ok(_) => return Err(io::ErrorKind::NotADirectory.into()),
-                Err(e) if e.kind() == io::ErrorKind::NotFound => missing.push(ancestor),
-                Err(e) => return Err(e),
-            }
-        }
-        for folder in missing.into_iter().rev() {
-            match fs::create_dir(folder) {
-                Ok(()) => self.created_folders.push(folder.to_owned()),
-                // Another batch was faster.
-                Err(e) if e.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
-                Err(e) => return Err(e),
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Default for OutputBatch {
@@ -251,13 +227,31 @@ impl Drop for OutputBatch {
     }
 }
 
-pub(crate) fn create_temporary(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".starbreak-");
-    // Less the umask, as for any new file; the default would be private to the user.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+/// Creates a folder with those above it, as far as they are missing, and notes which.
+fn create_folders(folder: &Path, created: &mut Vec<PathBuf>) -> io::Result<()> {
+    let mut missing = Vec::new();
+    for ancestor in folder.ancestors() {
+        match fs::metadata(ancestor) {
+            Ok(metadata) if metadata.is_dir() => break,
+            Ok(_) => return Err(io::ErrorKind::NotADirectory.into()),
+            Err(e) if e.kind() == io::ErrorKind::NotFound => missing.push(ancestor),
+            Err(e) => return Err(e),
+        }
+    }
+    for folder in missing.into_iter().rev() {
+        match fs::create_dir(folder) {
+            Ok(()) => created.push(folder.to_owned()),
+            // Another batch was faster, and may have removed it again by now.
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists && !is_other(folder) => {}
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(())
+}
+
+/// Whether something is there that is no folder.
+fn is_other(folder: &Path) -> bool {
+    fs::symlink_metadata(folder).is_ok_and(|found| !found.is_dir() && !folder.is_dir())
 }
 
 /// The last part of the path, unless the path as written names a folder.

@@ -5,7 +5,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use starbreak_dataset::{DatasetError, OutputBatch};
+use serde_json::json;
+use starbreak_dataset::{DatasetError, GeneratedSet, OutputBatch};
 use tempfile::TempDir;
 
 /// All that lies below the folder, sorted, relative to it.
@@ -307,5 +308,72 @@ fn batches_that_share_new_folders_do_not_disturb_each_other() {
         tree.iter()
             .all(|name| name.starts_with("kept") || name.starts_with("gone")),
         "{tree:?}"
+    );
+}
+
+#[test]
+fn batches_of_a_set_find_folders_that_others_remove() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = dir.path();
+    let set = GeneratedSet::begin(root, 1, &json!({})).unwrap();
+    std::thread::scope(|scope| {
+        for worker in 0..8 {
+            let set = &set;
+            scope.spawn(move || {
+                for sample in 0..300 {
+                    let mut dropped = set.batch();
+                    let path = root.join("shared/x").join(format!("{worker}"));
+                    dropped.stage(&path, b"x").unwrap();
+                    drop(dropped);
+                    if sample % 10 == 0 {
+                        let kept = root.join("kept").join(format!("{worker}-{sample}"));
+                        let mut batch = set.batch();
+                        batch.stage(&kept, b"x").unwrap();
+                        batch.commit().unwrap();
+                        fs::remove_file(&kept).unwrap();
+                        // Fails where another has a file in it.
+                        let _ = fs::remove_dir(root.join("kept"));
+                    }
+                }
+            });
+        }
+    });
+    let left: Vec<String> = tree(&dir)
+        .into_iter()
+        .filter(|name| name.contains('-') || name.contains(".starbreak-"))
+        .collect();
+    assert!(left.is_empty(), "no file, no temporary: {left:?}");
+}
+
+#[test]
+fn batch_of_a_set_refuses_what_every_batch_refuses() {
+    let dir = tempfile::tempdir().unwrap();
+    let set = GeneratedSet::begin(dir.path(), 1, &json!({})).unwrap();
+    fs::create_dir(dir.path().join("folder")).unwrap();
+    let mut first = set.batch();
+    first.stage(&dir.path().join("sub/x"), b"1").unwrap();
+    first.commit().unwrap();
+    let mut batch = set.batch();
+    batch.stage(&dir.path().join("sub/x"), b"2").unwrap();
+    for (name, part) in [
+        (
+            "sub/../sub/x",
+            "two outputs of one sample have the same path",
+        ),
+        ("folder", "it is a folder; give the path of a file"),
+        ("sub/x/y", "a part of the path is a file, not a folder"),
+    ] {
+        let message = stage_error(&mut batch, &dir.path().join(name));
+        assert!(message.contains(part), "{name}: {message}");
+    }
+    batch.commit().unwrap();
+    assert_eq!(fs::read(dir.path().join("sub/x")).unwrap(), b"2", "put");
+    fs::remove_dir_all(dir.path().join("sub")).unwrap();
+    let mut batch = set.batch();
+    batch.stage(&dir.path().join("sub/x"), b"3").unwrap();
+    drop(batch);
+    assert!(
+        !dir.path().join("sub").exists(),
+        "its own folder is removed"
     );
 }

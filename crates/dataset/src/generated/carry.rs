@@ -9,7 +9,7 @@ use sha2::{Digest as _, Sha256};
 
 use super::GeneratedSet;
 use crate::error::DatasetError;
-use crate::output_batch::create_temporary;
+use crate::known_folders::absolute_folder_of;
 use crate::paths::same_file;
 use crate::provenance::{hex, sha256_file};
 
@@ -41,24 +41,24 @@ impl GeneratedSet {
     /// [`DatasetError::Read`], [`DatasetError::Write`], [`DatasetError::UnsafeName`].
     pub fn carry(&self, from: &Path, name: &str, how: Carry) -> Result<CarriedFile, DatasetError> {
         let to = self.layout.safe(name)?;
-        let from = fs::canonicalize(from).map_err(read_error(from))?;
-        let n_bytes = fs::metadata(&from).map_err(read_error(&from))?.len();
         let there = fs::metadata(&to).ok().filter(|there| there.is_file());
-        if let Some(there) = there.filter(|there| there.len() == n_bytes) {
+        if let Some(there) = there
+            && there.len() == file_len(from)?
+        {
             let carried = carried(name, there.len(), &sha256_file(&to)?);
             // A copy that an earlier run has made is compared; a link is the file.
-            if same_file(&from, &to) || sha256_file(&from)? == carried.sha256 {
+            if same_file(from, &to) || sha256_file(from)? == carried.sha256 {
                 return Ok(carried);
             }
         }
-        if how == Carry::HardLink && self.link(&from, &to)? {
-            return Ok(carried(name, n_bytes, &sha256_file(&from)?));
+        if how == Carry::HardLink && self.link(from, &to)? {
+            return Ok(carried(name, file_len(from)?, &sha256_file(from)?));
         }
-        let mut source = File::open(&from).map_err(read_error(&from))?;
+        let mut source = File::open(from).map_err(read_error(from))?;
         self.put_with(name, &mut |out| {
             io::copy(&mut source, out)
                 .map(|_| ())
-                .map_err(read_error(&from))
+                .map_err(read_error(from))
         })
     }
 
@@ -76,9 +76,11 @@ impl GeneratedSet {
             path: to.clone(),
             source,
         };
-        let folder = to.parent().unwrap_or(&to);
-        fs::create_dir_all(folder).map_err(write_error)?;
-        let temporary = create_temporary(folder).map_err(write_error)?;
+        let folder = absolute_folder_of(&to).map_err(write_error)?;
+        let (folder, temporary) = self
+            .folders
+            .temporary_in(&folder, || fs::create_dir_all(&folder))
+            .map_err(write_error)?;
         let mut hashing = Hashing {
             file: io::BufWriter::new(temporary),
             digest: Sha256::new(),
@@ -93,13 +95,16 @@ impl GeneratedSet {
         let file = file
             .into_inner()
             .map_err(|error| write_error(error.into_error()))?;
-        file.persist(&to)
+        // Into the folder that the file is in, whatever leads there by now.
+        file.persist(folder.join(to.file_name().unwrap_or_default()))
             .map_err(|failed| write_error(failed.error))?;
         Ok(carried(name, n_bytes, &hex(&digest.finalize())))
     }
 
     /// Links a file; false where the system does not.
     fn link(&self, from: &Path, to: &Path) -> Result<bool, DatasetError> {
+        // The file itself and not a link to it, which would lead elsewhere from here.
+        let from = fs::canonicalize(from).map_err(read_error(from))?;
         let write_error = |source| DatasetError::Write {
             path: to.to_owned(),
             source,

@@ -1,6 +1,7 @@
 //! Which images are done, and the hashes of what they became.
 
 use std::fs;
+use std::io::ErrorKind;
 
 use serde::{Deserialize, Serialize};
 
@@ -70,12 +71,13 @@ impl SetLayout {
     pub fn done(&self, name: &str, sample_idx: u32) -> Result<Option<ItemRecord>, DatasetError> {
         let files = self.files_of(name, sample_idx);
         let path = self.path(&files.provenance);
-        if !super::is_there(&path)? {
-            return Ok(None);
-        }
-        // What is not whole is made again.
-        let Ok(file) = read_text(&path, MAX_RECORD_BYTES) else {
-            return Ok(None);
+        let file = match read_text(&path, MAX_RECORD_BYTES) {
+            Ok(file) => file,
+            Err(DatasetError::Read { source, .. }) if source.kind() == ErrorKind::NotFound => {
+                return Ok(None);
+            }
+            // What is not whole is made again, unless the disk cannot even say that it is there.
+            Err(_) => return super::is_there(&path).map(|_| None),
         };
         let Ok(record) = serde_json::from_str::<Sample>(&file.text) else {
             return Ok(None);

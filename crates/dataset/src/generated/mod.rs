@@ -37,10 +37,12 @@ pub use merge::{MergeReport, merge_sets};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::Value;
 
 use crate::error::DatasetError;
+use crate::known_folders::KnownFolders;
 use crate::output_batch::OutputBatch;
 use crate::text_file::read_text;
 
@@ -55,6 +57,7 @@ const MAX_RECORD_BYTES: u64 = 1 << 24;
 pub struct GeneratedSet {
     layout: SetLayout,
     identity: Value,
+    folders: Arc<KnownFolders>,
     /// Holds the lock.
     _lock: File,
 }
@@ -91,6 +94,7 @@ impl GeneratedSet {
         Ok(Self {
             layout,
             identity: identity.clone(),
+            folders: Arc::default(),
             _lock: lock,
         })
     }
@@ -105,6 +109,13 @@ impl GeneratedSet {
     #[must_use]
     pub fn identity(&self) -> &Value {
         &self.identity
+    }
+
+    /// An empty batch for one of its samples. Thousands of files that can be made again need not
+    /// wait for the disk one by one, nor look up their few folders each time.
+    #[must_use]
+    pub fn batch(&self) -> OutputBatch {
+        OutputBatch::new_unsynced_in(Arc::clone(&self.folders))
     }
 
     /// Writes a file of the state folder, or removes it where there is no text.

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::name::{is_image_name, path_below, split_extension};
 use super::record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
 use super::tree::{Found, Walk};
-use super::{Images, Layout, SourceFormat, SourceSpec, layout_error, no_index};
+use super::{Images, Layout, Names, SourceFormat, SourceSpec, layout_error, no_index};
 use crate::error::DatasetError;
 use crate::image_file::{check_file_len, read_file};
 
@@ -132,6 +132,20 @@ impl Kitti {
         })
     }
 
+    /// What stands under the name of an image, good or bad.
+    fn frames<'a>(&'a self, root: &'a Path) -> impl Iterator<Item = Found> + Send + 'a {
+        let below = self.parts.iter().flat_map(move |(part, _)| {
+            CAMERAS
+                .into_iter()
+                .map(move |camera| format!("{part}{camera}"))
+                .filter(move |folder| path_below(root, folder).is_dir())
+                .flat_map(move |folder| {
+                    Walk::below(&path_below(root, &folder), &format!("{folder}/"))
+                })
+        });
+        below.filter(|found| self.camera_of(&found.name).is_some())
+    }
+
     /// Labels without an image.
     fn orphans<'a>(&'a self, root: &'a Path) -> impl Iterator<Item = BadRecord> + Send + 'a {
         let with_labels = self.parts.iter().filter(|(_, has_labels)| *has_labels);
@@ -160,23 +174,18 @@ fn is_frame(folder: &str, name: &str) -> bool {
 
 impl Layout for Kitti {
     fn images<'a>(&'a self, root: &'a Path) -> Images<'a> {
-        let frames = self.parts.iter().flat_map(move |(part, _)| {
-            CAMERAS
-                .into_iter()
-                .map(move |camera| format!("{part}{camera}"))
-                .filter(move |folder| path_below(root, folder).is_dir())
-                .flat_map(move |folder| {
-                    Walk::below(&path_below(root, &folder), &format!("{folder}/"))
-                })
-        });
-        let images = frames.filter_map(move |Found { name, file, .. }| {
-            self.camera_of(&name)?;
-            Some(match file {
+        let images = self
+            .frames(root)
+            .map(|Found { name, file, .. }| match file {
                 Ok(path) => Ok(self.image(root, name, path)),
                 Err(bad) => Err(bad.of_image(&name)),
-            })
-        });
+            });
         Box::new(self.orphans(root).map(Err).chain(images))
+    }
+
+    fn names<'a>(&'a self, root: &'a Path) -> Names<'a> {
+        let good = self.frames(root).filter(|found| found.file.is_ok());
+        Box::new(good.map(|found| found.name))
     }
 
     fn has_image(&self, name: &str) -> bool {
@@ -200,15 +209,18 @@ impl Layout for Kitti {
 
 /// The text of a label file, which may be empty.
 fn read_label(path: &Path, name: &str) -> Result<String, String> {
-    if fs::symlink_metadata(path).is_err_and(|error| error.kind() == io::ErrorKind::NotFound) {
-        return Err("there is no such file: the image has no label".to_owned());
-    }
     let bytes = read_file(path, name, MAX_LABEL_BYTES)
         .and_then(|bytes| {
             check_file_len(name, bytes.len() as u64, MAX_LABEL_BYTES)?;
             Ok(bytes)
         })
-        .map_err(|error| error.to_string())?;
+        .map_err(|error| match fs::symlink_metadata(path) {
+            Err(found) if found.kind() == io::ErrorKind::NotFound => {
+                "there is no such file: the image has no label".to_owned()
+            }
+            // Such as a link that leads nowhere.
+            _ => error.to_string(),
+        })?;
     String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
 }
 

@@ -50,6 +50,9 @@ type Place = (PathBuf, Vec<String>, Option<Vec<String>>);
 /// Images or bad records, one after the other.
 type Images<'a> = Box<dyn Iterator<Item = Result<SourceImage, BadRecord>> + Send + 'a>;
 
+/// Names of images, one after the other.
+type Names<'a> = Box<dyn Iterator<Item = String> + Send + 'a>;
+
 /// Other files or bad records, one after the other.
 type Files<'a> = Box<dyn Iterator<Item = Result<SourceFile, BadRecord>> + Send + 'a>;
 
@@ -57,6 +60,12 @@ type Files<'a> = Box<dyn Iterator<Item = Result<SourceFile, BadRecord>> + Send +
 trait Layout: fmt::Debug + Send + Sync {
     /// The images, in the order of the bytes of their names, after the bad records of none.
     fn images<'a>(&'a self, root: &'a Path) -> Images<'a>;
+
+    /// The names of the good images, in the same order. No label needs to be read for them.
+    fn names<'a>(&'a self, root: &'a Path) -> Names<'a> {
+        let images = self.images(root).filter_map(Result::ok);
+        Box::new(images.map(|image| image.name))
+    }
 
     /// Whether a file of this name is an image of the dataset or would be one if it were good.
     fn has_image(&self, name: &str) -> bool;
@@ -163,6 +172,13 @@ impl Source {
     #[must_use]
     pub fn images(&self) -> Images<'_> {
         self.layout.images(&self.root)
+    }
+
+    /// The names of the images that [`images`](Self::images) gives, in the same order, without a
+    /// look at their labels and without the bad records.
+    #[must_use]
+    pub fn names(&self) -> Names<'_> {
+        self.layout.names(&self.root)
     }
 
     /// The files of the dataset which are not images of it, in the order of the bytes of their

@@ -209,6 +209,8 @@ fn walked(source: &starbreak_dataset::Source) -> Contents {
         }
         contents.images.push(image.name);
     }
+    let names: Vec<String> = source.names().collect();
+    assert_eq!(names, contents.images, "names alone");
     for file in source.files() {
         match file {
             Ok(file) => contents.files.push(match file.role {

@@ -4,8 +4,8 @@ use image::DynamicImage;
 use image::metadata::Orientation;
 use serde_json::{Map, Value, json};
 use starbreak_dataset::{
-    Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, LabeledObject, OutputBatch,
-    Provenance, SampleFiles, SourceImage, encode_image_as, encode_mask_as, read_image, sha256_hex,
+    Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, LabeledObject, Provenance,
+    SampleFiles, SourceImage, encode_image_as, encode_mask_as, read_image, sha256_hex,
 };
 use starbreak_glass::Seed;
 use starbreak_optics::Contrast;
@@ -199,8 +199,7 @@ struct Record<'a> {
 impl MadeItem {
     /// Puts the files in their places, the record last.
     pub(super) fn put(&self, set: &GeneratedSet, files: &SampleFiles) -> Result<(), Error> {
-        // Thousands of files that can be made again need not wait for the disk one by one.
-        let mut batch = OutputBatch::new_unsynced();
+        let mut batch = set.batch();
         let layout = set.layout();
         batch.stage(&layout.path(&files.image), &self.image)?;
         let masks = [(&files.region, &self.region), (&files.crack, &self.crack)];

@@ -183,6 +183,9 @@ pub fn generate(
     Ok(report)
 }
 
+/// Records that are read by all threads before any is written to the list, which is in order.
+const N_RECORDS_AT_ONCE: usize = 1024;
+
 /// What became of one sample.
 enum Outcome {
     /// It had been made before, from the same file.
@@ -220,12 +223,18 @@ impl Plan<'_> {
     /// Carries over the other files and writes the lists.
     fn finish(&self, set: &GeneratedSet, report: &GenerateReport) -> Result<Manifest, Error> {
         let carried = self.carry_files(set)?;
-        let samples = 0..self.options.n_samples;
-        let mut items = self.survey.selected(self.source).flat_map(|image| {
-            let done = samples.clone().map(move |k| set.done(&image.name, k));
-            // An image that failed has no record.
-            done.filter_map(Result::transpose)
-        });
+        let n_samples = self.options.n_samples;
+        let names = self.survey.selected_names(self.source);
+        let mut samples = names.flat_map(|name| (0..n_samples).map(move |k| (name.clone(), k)));
+        let mut items = std::iter::from_fn(|| {
+            let some: Vec<(String, u32)> = samples.by_ref().take(N_RECORDS_AT_ONCE).collect();
+            let done = some.par_iter().filter_map(|(name, k)| {
+                // An image that failed has no record.
+                set.done(name, *k).transpose()
+            });
+            (!some.is_empty()).then(|| done.collect::<Vec<_>>())
+        })
+        .flatten();
         Ok(set.finish(
             &mut items,
             &carried,

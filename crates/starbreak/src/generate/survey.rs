@@ -149,6 +149,15 @@ impl Survey {
             .filter(|image| self.is_selected(&image.name))
     }
 
+    /// The names of the images that this run takes, in the order of the source, without a look at
+    /// their labels.
+    pub(super) fn selected_names<'a>(
+        &'a self,
+        source: &'a Source,
+    ) -> impl Iterator<Item = String> + Send + 'a {
+        source.names().filter(|name| self.is_selected(name))
+    }
+
     /// Finds where the limit and the sample end and which images cannot be taken, and counts what
     /// is taken unless images are drawn.
     fn walk(&mut self, source: &Source) {

@@ -13,7 +13,7 @@ use super::index::second_of_case;
 use super::name::{path_below, split_extension};
 use super::record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
 use super::tree::differs_in_case;
-use super::{Images, Layout, SourceFormat, SourceSpec, is_file, layout_error, no_index};
+use super::{Images, Layout, Names, SourceFormat, SourceSpec, is_file, layout_error, no_index};
 use crate::error::DatasetError;
 use crate::image_file::image_size;
 use crate::source::lines::for_each_line;
@@ -274,6 +274,11 @@ impl Layout for Yolo {
         let bad = self.places.bad.iter().cloned().chain(self.orphans(root));
         let images = self.images.iter().map(move |name| self.image(root, name));
         Box::new(bad.map(Err).chain(images))
+    }
+
+    fn names<'a>(&'a self, root: &'a Path) -> Names<'a> {
+        let is_there = |name: &&String| is_file(&path_below(root, name)).is_ok();
+        Box::new(self.images.iter().filter(is_there).cloned())
     }
 
     fn categories(&self) -> Vec<String> {
