@@ -4,8 +4,8 @@
     python3 validation/dataset_speed.py [N] [THREADS]
 
 Sets: a synthetic KITTI-like one of N PNG frames (1242x375, made here from a street that a formula
-draws, with noise), and coco96, the BDD frames (JPEG, 1280x720, 40 copies each) and the KITTI frames of ../shared/data where they are. Each is run in
-turns: recode (the floor), from a bank with all frame sizes of the set, fresh physics. CPU seconds are user and system time of the
+draws, with noise), and coco96, the BDD frames (JPEG, 1280x720) and the KITTI frames of ../shared/data,
+40 copies of each frame, where they are. Each is run in turns: recode (the floor), from a bank with all frame sizes of the set, fresh physics. CPU seconds are user and system time of the
 process; on a shared machine their ratio is the robust figure.
 """
 import os
@@ -86,7 +86,13 @@ def run(work, n, threads):
         for k in range(120):
             shutil.copy(frames[k % len(frames)], work / f"bdd/{k:03}.jpg")
         sets.append((f"BDD frames, {len(frames)} as 120", f"folder:{work / 'bdd'}", 120))
-        sets.append(("KITTI frames", f"kitti:{SHARED / 'kitti'}", 3))
+        frames = sorted((SHARED / "kitti" / "image_2").glob("*.png"))
+        for sub, suffix in (("image_2", "png"), ("label_2", "txt"), ("calib", "txt")):
+            (work / "kitti-frames" / sub).mkdir(parents=True)
+            for k in range(120):
+                source = SHARED / "kitti" / sub / f"{frames[k % len(frames)].stem}.{suffix}"
+                shutil.copy(source, work / f"kitti-frames/{sub}/{k:06}.{suffix}")
+        sets.append((f"KITTI frames, {len(frames)} as 120", f"kitti:{work / 'kitti-frames'}", 120))
     else:
         print("SKIPPED coco96, BDD frames and KITTI frames: no ../shared/data")
     banks = []
