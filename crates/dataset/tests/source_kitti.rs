@@ -177,3 +177,25 @@ fn two_images_that_share_a_label_say_so() {
         "problems"
     );
 }
+
+#[test]
+fn second_frame_of_a_name_in_another_case_is_bad() {
+    let dir = tempfile::tempdir().unwrap();
+    put(dir.path(), "image_2/000001.png", png(2, 2));
+    put(dir.path(), "label_2/000001.txt", CAR);
+    put(dir.path(), "image_2/000001.PNG", png(2, 2));
+    let frames = std::fs::read_dir(dir.path().join("image_2")).unwrap();
+    if frames.count() < 2 {
+        // The file system takes both for one.
+        return;
+    }
+    let found = contents(&open("kitti", dir.path()));
+    assert_eq!(found.images, ["image_2/000001.PNG"], "the first");
+    assert_eq!(
+        found.bad,
+        [
+            "image_2/000001.png: the name differs from \"image_2/000001.PNG\" only in case; rename one of them"
+        ],
+        "the second"
+    );
+}
