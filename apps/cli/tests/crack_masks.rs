@@ -165,7 +165,7 @@ fn the_paper_s_recipe_on_tiny_images_stays_within_bounds() {
             &hit,
         ]
         .concat();
-        succeed_small(dir.path(), &args);
+        succeed(dir.path(), &args);
         let record = json(&dir.path().join("o").join(name).with_extension("json"));
         let n_segments = record["network"]["summary"]["n_segments"].as_u64().unwrap();
         assert!(n_segments < 2_000_000, "{size:?}: {n_segments} segments");
