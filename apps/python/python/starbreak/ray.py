@@ -178,7 +178,6 @@ class _Job:
             self.output.write(file_name, content)
         return "made", ""
 
-
     def _has(self, name: str, sample: int, data: bytes) -> bool:
         """Whether the output has all files of an image, made from these bytes."""
         tree = name if self.n_samples == 1 else f"sample_{sample}/{name}"

@@ -46,7 +46,7 @@ impl OverlayLayer {
         for (x, y, lanes) in layer.light.iter() {
             let mut shares = shares_of(lanes);
             let scaled;
-            let lanes = if greatest(&shares) > 1.0 {
+            let lanes = if any_above(&shares, 1.0) {
                 scaled = scaled_to_one(lanes, &mut shares);
                 &scaled
             } else {
@@ -56,20 +56,19 @@ impl OverlayLayer {
             if added.touched == 0 {
                 continue;
             }
-            let mut run = Run::untouched((x, y));
+            let run = overlay.runs.push_mut(Run::untouched((x, y)));
             run.touched = added.touched;
             run.shine(&added, lanes, &shares);
             if let Some(tint) = layer.tint.run_at(x, y) {
                 run.tint(&added, lanes, &shares, tint);
             }
-            if greatest(&lanes[FRAME]) > LEAST_ELSEWHERE {
-                let other = elsewhere_of(layer, &run, lanes);
+            if any_above(&lanes[FRAME], LEAST_ELSEWHERE) {
+                let other = elsewhere_of(layer, run, lanes);
                 run.elsewhere = other.map(|other| {
                     overlay.elsewhere.push(other);
                     overlay.elsewhere.len() - 1
                 });
             }
-            overlay.runs.push(run);
         }
         overlay
     }
@@ -86,13 +85,11 @@ fn shares_of(lanes: &LaneRun<LANES>) -> [f32; CHUNK] {
     shares
 }
 
-fn greatest(values: &[f32; CHUNK]) -> f32 {
+/// Whether any value is more.
+fn any_above(values: &[f32; CHUNK], limit: f32) -> bool {
     values
         .iter()
-        .fold(f32::NEG_INFINITY, |most, value| match *value > most {
-            true => *value,
-            false => most,
-        })
+        .fold(false, |any, value| any | (*value > limit))
 }
 
 /// Where the shares come to more than 1 (facets of different blur over each other) all lanes over
@@ -111,6 +108,17 @@ fn is_dark(lane: &[f32; CHUNK]) -> bool {
     // But for signs of zeros.
     any << 1 == 0
 }
+
+/// Of each pixel of a run, its bit.
+const BITS: [u32; CHUNK] = {
+    let mut bits = [0; CHUNK];
+    let mut k = 0;
+    while k < CHUNK {
+        bits[k] = 1 << k;
+        k += 1;
+    }
+    bits
+};
 
 /// The light that the environment adds.
 struct Added {
@@ -149,14 +157,16 @@ fn added_by(lanes: &LaneRun<LANES>, shares: &[f32; CHUNK], colors: &Colors) -> A
             *most = if add.abs() > *most { add.abs() } else { *most };
         }
     }
-    let is_touched: [u32; CHUNK] = std::array::from_fn(|k| {
+    let is_touched: [bool; CHUNK] = std::array::from_fn(|k| {
         let may_touch = bound[k] + lanes[FRAME][k].abs() >= LEAST_INFLUENCE;
-        u32::from(may_touch & (most[k] >= LEAST_INFLUENCE))
+        may_touch & (most[k] >= LEAST_INFLUENCE)
     });
     let touched = is_touched
-        .into_iter()
-        .enumerate()
-        .fold(0, |bits, (k, is_touched)| bits | is_touched << k);
+        .iter()
+        .zip(BITS)
+        .fold(0, |bits, (is_touched, bit)| {
+            bits | if *is_touched { bit } else { 0 }
+        });
     Added { rgb, touched }
 }
 
@@ -164,7 +174,7 @@ impl Run {
     /// What is kept and added of every color where the layer has none of its own.
     fn shine(&mut self, added: &Added, lanes: &LaneRun<LANES>, shares: &[f32; CHUNK]) {
         let touched = self.touched;
-        let is_touched: [bool; CHUNK] = std::array::from_fn(|k| touched >> k & 1 == 1);
+        let is_touched = BITS.map(|bit| touched & bit != 0);
         let kept: [f32; CHUNK] = std::array::from_fn(|k| {
             let (kept, frame) = (1.0 - shares[k], lanes[FRAME][k]);
             let with_frame = kept + frame;
