@@ -93,12 +93,9 @@ impl<'a> DamageReader<'a> {
     pub fn in_box(&self, box_px: [f64; 4]) -> Option<Damage> {
         let [xs, ys] = self.pixels_in(box_px)?;
         let n = f64::from(xs[1] - xs[0]) * f64::from(ys[1] - ys[0]);
+        let n_in_row = |row: &[u8]| row.iter().map(|code| u32::from(*code > 0)).sum::<u32>();
         let n_region: f64 = rows_of(self.region, xs, ys)
-            .map(|row| {
-                row.iter()
-                    .map(|code| f64::from(u8::from(*code > 0)))
-                    .sum::<f64>()
-            })
+            .map(|row| f64::from(n_in_row(row)))
             .sum();
         let Moments {
             sum_before,
@@ -158,12 +155,53 @@ struct Moments {
     products: f64,
 }
 
+/// Pixels that are compared as a whole: most of a box is as it was.
+const BLOCK: usize = 64;
+
 impl Moments {
     fn add(&mut self, before: f64, after: f64) {
         self.sum_before += before;
         self.sum_after += after;
         self.squares += before * before;
         self.products += before * after;
+    }
+
+    /// A row of pixels of `CHANNELS` samples, whose luma is a whole number of [`LUMA_STEPS`].
+    fn add_row<const CHANNELS: usize>(
+        &mut self,
+        before: &[u8],
+        after: &[u8],
+        luma: impl Fn(&[u8; CHANNELS]) -> u64,
+    ) {
+        let blocks = before.chunks(BLOCK * CHANNELS);
+        for (before, after) in blocks.zip(after.chunks(BLOCK * CHANNELS)) {
+            let is_same = before == after;
+            let (before, after) = (before.as_chunks().0, after.as_chunks().0);
+            let [mut sum_before, mut sum_after, mut squares, mut products] = [0; 4];
+            if is_same {
+                for pixel in before {
+                    let luma = luma(pixel);
+                    sum_before += luma;
+                    squares += luma * luma;
+                }
+                (sum_after, products) = (sum_before, squares);
+            } else {
+                for (before, after) in before.iter().zip(after) {
+                    let (before, after) = (luma(before), luma(after));
+                    sum_before += before;
+                    sum_after += after;
+                    squares += before * before;
+                    products += before * after;
+                }
+            }
+            #[expect(clippy::cast_precision_loss, reason = "less than 2^53")]
+            let [sum_before, sum_after, squares, products] =
+                [sum_before, sum_after, squares, products].map(|sum| sum as f64);
+            self.sum_before += sum_before / LUMA_STEPS;
+            self.sum_after += sum_after / LUMA_STEPS;
+            self.squares += squares / (LUMA_STEPS * LUMA_STEPS);
+            self.products += products / (LUMA_STEPS * LUMA_STEPS);
+        }
     }
 }
 
@@ -173,17 +211,12 @@ fn moments(before: &DynamicImage, after: &DynamicImage, xs: [u32; 2], ys: [u32; 
     match (before, after) {
         (DynamicImage::ImageRgb8(before), DynamicImage::ImageRgb8(after)) => {
             for (before, after) in rows_of(before, xs, ys).zip(rows_of(after, xs, ys)) {
-                let pixels = before.as_chunks().0.iter().zip(after.as_chunks().0);
-                for (before, after) in pixels {
-                    moments.add(luma(before.map(f64::from)), luma(after.map(f64::from)));
-                }
+                moments.add_row(before, after, luma_of_rgb);
             }
         }
         (DynamicImage::ImageLuma8(before), DynamicImage::ImageLuma8(after)) => {
             for (before, after) in rows_of(before, xs, ys).zip(rows_of(after, xs, ys)) {
-                for (before, after) in before.iter().zip(after) {
-                    moments.add(f64::from(*before), f64::from(*after));
-                }
+                moments.add_row(before, after, |[code]| luma_of_rgb(&[*code; 3]));
             }
         }
         _ => {
@@ -211,6 +244,15 @@ fn rows_of<P: Pixel<Subpixel = u8>>(
     rows.skip(top)
         .take(bottom - top)
         .map(move |row| &row[first..end])
+}
+
+/// Steps of luma in one code.
+const LUMA_STEPS: f64 = 1e4;
+
+/// Luma by the weights of Rec. 709, in [`LUMA_STEPS`], without a remainder.
+fn luma_of_rgb(pixel: &[u8; 3]) -> u64 {
+    let [red, green, blue] = pixel.map(u32::from);
+    u64::from(2126 * red + 7152 * green + 722 * blue)
 }
 
 /// Luma by the weights of Rec. 709.

@@ -26,6 +26,7 @@ pub struct Overlay {
 /// One layer of it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct OverlayLayer {
+    /// In the order of rows.
     pub(super) runs: Vec<Run>,
     pub(super) elsewhere: Vec<Elsewhere>,
 }
@@ -189,42 +190,48 @@ impl Overlay {
     #[must_use]
     pub fn mean_displacement_px(&self, xs: [u32; 2], ys: [u32; 2]) -> f64 {
         let [xs, ys] = [xs, ys].map(|[from, to]| from as usize..to as usize);
-        if !self.moves_any(&xs, &ys) {
-            return 0.0;
-        }
-        // Of each pixel: what it keeps of its light, its share of other light, and that times the
-        // distance it comes from.
-        let mut pixels = vec![[1.0, 0.0, 0.0]; xs.len() * ys.len()];
-        for layer in &self.layers {
-            for run in layer.runs.iter().filter(|run| ys.contains(&run.y)) {
-                let other = run.elsewhere.map(|place| &layer.elsewhere[place]);
-                for k in (0..CHUNK).filter(|k| xs.contains(&(run.x + k))) {
-                    let at = (run.y - ys.start) * xs.len() + run.x + k - xs.start;
-                    let keep = f64::from((run.keep[0][k] + run.keep[1][k] + run.keep[2][k]) / 3.0);
-                    pixels[at] = pixels[at].map(|before| before * keep);
-                    if let Some(other) = other.filter(|other| other.share[k] > 0.0) {
-                        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-                        let own = [(run.x + k) as f64 + 0.5, run.y as f64 + 0.5];
-                        let du = f64::from(other.u[k]) - own[0];
-                        let dv = f64::from(other.v[k]) - own[1];
-                        let share = f64::from(other.share[k]);
-                        pixels[at][1] += share;
-                        pixels[at][2] += share * (du * du + dv * dv).sqrt();
+        // Of each pixel of a row: what it keeps of its light, its share of other light, and that
+        // times the distance it comes from.
+        let untouched = [1.0, 0.0, 0.0];
+        let mut row = vec![untouched; xs.len()];
+        let (mut light, mut moved) = (0.0, 0.0);
+        for y in ys {
+            let mut is_touched = false;
+            for layer in &self.layers {
+                for run in layer.runs_in(&xs, y) {
+                    is_touched = true;
+                    let other = run.elsewhere.map(|place| &layer.elsewhere[place]);
+                    let (first, end) = (xs.start.saturating_sub(run.x), xs.end - run.x);
+                    for k in first..end.min(CHUNK) {
+                        let keep = run.keep[0][k] + run.keep[1][k] + run.keep[2][k];
+                        let keep = f64::from(keep / 3.0);
+                        let pixel = &mut row[run.x + k - xs.start];
+                        *pixel = pixel.map(|before| before * keep);
+                        if let Some(other) = other.filter(|other| other.share[k] > 0.0) {
+                            #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                            let own = [(run.x + k) as f64 + 0.5, y as f64 + 0.5];
+                            let du = f64::from(other.u[k]) - own[0];
+                            let dv = f64::from(other.v[k]) - own[1];
+                            let share = f64::from(other.share[k]);
+                            pixel[1] += share;
+                            pixel[2] += share * (du * du + dv * dv).sqrt();
+                        }
                     }
                 }
             }
+            if is_touched {
+                for [keep, share, distance] in &row {
+                    light += keep + share;
+                    moved += distance;
+                }
+                row.fill(untouched);
+            } else {
+                #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                let n_untouched = xs.len() as f64;
+                light += n_untouched;
+            }
         }
-        let (light, moved) = pixels.iter().fold((0.0, 0.0), |(light, moved), pixel| {
-            (light + pixel[0] + pixel[1], moved + pixel[2])
-        });
         if moved > 0.0 { moved / light } else { 0.0 }
-    }
-
-    /// Whether a run in these columns and rows takes light from elsewhere.
-    fn moves_any(&self, xs: &Range<usize>, ys: &Range<usize>) -> bool {
-        let runs = self.layers.iter().flat_map(|layer| &layer.runs);
-        runs.filter(|run| run.elsewhere.is_some())
-            .any(|run| ys.contains(&run.y) && run.x < xs.end && xs.start < run.x + CHUNK)
     }
 
     /// The maps, pixel by pixel.
@@ -272,6 +279,15 @@ impl Overlay {
             }
         }
         maps
+    }
+}
+
+impl OverlayLayer {
+    /// The runs of a row that reach into some columns.
+    fn runs_in(&self, xs: &Range<usize>, y: usize) -> impl Iterator<Item = &Run> {
+        let first = self.runs.partition_point(|run| run.y < y);
+        let of_row = self.runs[first..].iter().take_while(move |run| run.y == y);
+        of_row.filter(|run| run.x < xs.end && xs.start < run.x + CHUNK)
     }
 }
 
