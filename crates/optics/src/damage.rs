@@ -357,6 +357,39 @@ mod tests {
     }
 
     #[test]
+    fn blocks_that_stayed_as_they_were_count_as_all_others_do() {
+        let before = RgbImage::from_fn(200, 3, |x, y| {
+            Rgb([x, 3 * x + 50 * y, 255 - x].map(|code| u8::try_from(code % 256).unwrap_or(0)))
+        });
+        let mut after = before.clone();
+        for x in 70..75 {
+            after.put_pixel(x, 1, Rgb([0, 250, 9]));
+        }
+        // The definition, over the columns 3 to 196.
+        let luma = |image: &RgbImage| -> Vec<f64> {
+            let pixels = image.enumerate_pixels();
+            let in_box = pixels.filter(|(x, _, _)| (3..197).contains(x));
+            in_box.map(|(_, _, at)| luma(at.0.map(f64::from))).collect()
+        };
+        let (was, is) = (luma(&before), luma(&after));
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / 582.0;
+        let about = |a: &[f64], b: &[f64]| -> f64 {
+            let (mean_a, mean_b) = (mean(a), mean(b));
+            let products = a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b));
+            products.sum()
+        };
+        let expected = 1.0 - about(&was, &is) / about(&was, &was);
+        assert!(expected.abs() > 1e-3, "something is lost: {expected}");
+        let images = [before, after].map(DynamicImage::ImageRgb8);
+        let region = GrayImage::new(200, 3);
+        let optics = PaperOptics::default();
+        let reader = DamageReader::of_paper([&images[0], &images[1]], &region, &optics);
+        let damage = reader.in_box([3.0, 0.0, 197.0, 3.0]).expect("in the frame");
+        let lost = damage.contrast_lost.expect("a picture");
+        assert!((lost - expected).abs() < 1e-12, "{lost}, not {expected}");
+    }
+
+    #[test]
     fn pixels_belong_to_the_box_that_their_centers_lie_in() {
         assert_eq!(centers_in([0.0, 3.0], 10), [0, 3]);
         assert_eq!(centers_in([0.5, 2.5], 10), [0, 2], "half open");
