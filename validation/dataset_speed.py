@@ -7,8 +7,9 @@ Sets: a synthetic KITTI-like one of N PNG frames (1242x375, made here from a str
 draws, with noise), and coco96, the BDD frames (JPEG, 1280x720) and the KITTI frames of ../shared/data,
 40 copies of each frame, where they are. Each is run in turns: recode (the floor; it hashes what it
 reads, as `generate` does), from a bank with all frame sizes of the set, fresh physics; the least of
-three rounds, of five for fewer than 500 images. CPU seconds are user and system time of the process;
-on a shared machine their ratio is the robust figure. The folder of temporary files (TMPDIR) decides whether it is a disk or memory that is written to.
+five rounds, of three where there are more than 500 images. CPU seconds are user and system time of
+the process; on a shared machine their ratio is the robust figure. The folder of temporary files
+(TMPDIR) decides whether it is a disk or memory that is written to.
 """
 import os
 import pathlib

@@ -190,8 +190,7 @@ impl Overlay {
     #[must_use]
     pub fn mean_displacement_px(&self, xs: [u32; 2], ys: [u32; 2]) -> f64 {
         let [xs, ys] = [xs, ys].map(|[from, to]| from as usize..to as usize);
-        // Of each pixel of a row: what it keeps of its light, its share of other light, and that
-        // times the distance it comes from.
+        // A row of what [`Run::moved`] gives.
         let untouched = [1.0, 0.0, 0.0];
         let mut row = vec![untouched; xs.len()];
         let (mut light, mut moved) = (0.0, 0.0);
@@ -203,19 +202,8 @@ impl Overlay {
                     let other = run.elsewhere.map(|place| &layer.elsewhere[place]);
                     let (first, end) = (xs.start.saturating_sub(run.x), xs.end - run.x);
                     for k in first..end.min(CHUNK) {
-                        let keep = run.keep[0][k] + run.keep[1][k] + run.keep[2][k];
-                        let keep = f64::from(keep / 3.0);
                         let pixel = &mut row[run.x + k - xs.start];
-                        *pixel = pixel.map(|before| before * keep);
-                        if let Some(other) = other.filter(|other| other.share[k] > 0.0) {
-                            #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-                            let own = [(run.x + k) as f64 + 0.5, y as f64 + 0.5];
-                            let du = f64::from(other.u[k]) - own[0];
-                            let dv = f64::from(other.v[k]) - own[1];
-                            let share = f64::from(other.share[k]);
-                            pixel[1] += share;
-                            pixel[2] += share * (du * du + dv * dv).sqrt();
-                        }
+                        *pixel = run.moved(k, other, *pixel);
                     }
                 }
             }
@@ -302,6 +290,23 @@ impl Run {
             touched: 0,
             elsewhere: None,
         }
+    }
+
+    /// Behind this run too: what pixel k keeps of its light, its share of other light, and that
+    /// times the distance, px, it comes from.
+    fn moved(&self, k: usize, other: Option<&Elsewhere>, pixel: [f64; 3]) -> [f64; 3] {
+        let keep = f64::from((self.keep[0][k] + self.keep[1][k] + self.keep[2][k]) / 3.0);
+        let [kept, share, distance] = pixel.map(|before| before * keep);
+        let Some(other) = other.filter(|other| other.share[k] > 0.0) else {
+            return [kept, share, distance];
+        };
+        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+        let own = [(self.x + k) as f64 + 0.5, self.y as f64 + 0.5];
+        let du = f64::from(other.u[k]) - own[0];
+        let dv = f64::from(other.v[k]) - own[1];
+        let more = f64::from(other.share[k]);
+        let distance = distance + more * (du * du + dv * dv).sqrt();
+        [kept, share + more, distance]
     }
 
     /// The pixels that the crack does anything to, among the first `n`.
