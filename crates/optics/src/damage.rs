@@ -2,6 +2,7 @@
 
 use image::{DynamicImage, GenericImageView, GrayImage, ImageBuffer, Pixel, Rgba};
 
+use crate::Before;
 use crate::paper::{FarFocusBlur, Focus, PaperOptics};
 use crate::physical::Overlay;
 
@@ -40,7 +41,7 @@ enum SceneBlur {
 /// An image before and after, from which [`Damage`] is read box by box.
 #[derive(Debug)]
 pub struct DamageReader<'a> {
-    before: &'a DynamicImage,
+    before: &'a Before,
     after: &'a DynamicImage,
     region: &'a GrayImage,
     overlay: Option<&'a Overlay>,
@@ -52,7 +53,7 @@ impl<'a> DamageReader<'a> {
     /// outside of one of them is not looked at.
     #[must_use]
     pub fn of_overlay(
-        [before, after]: [&'a DynamicImage; 2],
+        (before, after): (&'a Before, &'a DynamicImage),
         region: &'a GrayImage,
         overlay: &'a Overlay,
     ) -> Self {
@@ -68,7 +69,7 @@ impl<'a> DamageReader<'a> {
     /// For an image that the paper's optics changed.
     #[must_use]
     pub fn of_paper(
-        [before, after]: [&'a DynamicImage; 2],
+        (before, after): (&'a Before, &'a DynamicImage),
         region: &'a GrayImage,
         optics: &PaperOptics,
     ) -> Self {
@@ -123,7 +124,7 @@ impl<'a> DamageReader<'a> {
     /// after the last.
     fn pixels_in(&self, [x0, y0, x1, y1]: [f64; 4]) -> Option<[[u32; 2]; 2]> {
         let sizes = [
-            self.before.dimensions(),
+            self.before.size(),
             self.after.dimensions(),
             self.region.dimensions(),
         ];
@@ -166,6 +167,20 @@ impl Moments {
         self.products += before * after;
     }
 
+    /// The rows of a box, whose pixels have `CHANNELS` samples.
+    fn add_rows<P: Pixel<Subpixel = u8>, const CHANNELS: usize>(
+        &mut self,
+        (before, kept): (&Before, &ImageBuffer<P, Vec<u8>>),
+        after: &ImageBuffer<P, Vec<u8>>,
+        (xs, ys): ([u32; 2], [u32; 2]),
+        luma: impl Fn(&[u8; CHANNELS]) -> u64,
+    ) {
+        for (y, after) in (ys[0] as usize..).zip(rows_of(after, xs, ys)) {
+            let before = before.row(kept, (xs[0] as usize, y), after);
+            self.add_row(&before, after, &luma);
+        }
+    }
+
     /// A row of pixels of `CHANNELS` samples, whose luma is a whole number of [`LUMA_STEPS`].
     fn add_row<const CHANNELS: usize>(
         &mut self,
@@ -206,23 +221,21 @@ impl Moments {
 }
 
 /// The moments of a box: samples as they lie for the usual modes, pixel by pixel for the others.
-fn moments(before: &DynamicImage, after: &DynamicImage, xs: [u32; 2], ys: [u32; 2]) -> Moments {
+fn moments(before: &Before, after: &DynamicImage, xs: [u32; 2], ys: [u32; 2]) -> Moments {
     let mut moments = Moments::default();
-    match (before, after) {
-        (DynamicImage::ImageRgb8(before), DynamicImage::ImageRgb8(after)) => {
-            for (before, after) in rows_of(before, xs, ys).zip(rows_of(after, xs, ys)) {
-                moments.add_row(before, after, luma_of_rgb);
-            }
+    match (before.kept(), after) {
+        (DynamicImage::ImageRgb8(kept), DynamicImage::ImageRgb8(after)) => {
+            moments.add_rows((before, kept), after, (xs, ys), luma_of_rgb);
         }
-        (DynamicImage::ImageLuma8(before), DynamicImage::ImageLuma8(after)) => {
-            for (before, after) in rows_of(before, xs, ys).zip(rows_of(after, xs, ys)) {
-                moments.add_row(before, after, |[code]| luma_of_rgb(&[*code; 3]));
-            }
+        (DynamicImage::ImageLuma8(kept), DynamicImage::ImageLuma8(after)) => {
+            let luma = |[code]: &[u8; 1]| luma_of_rgb(&[*code; 3]);
+            moments.add_rows((before, kept), after, (xs, ys), luma);
         }
         _ => {
             for y in ys[0]..ys[1] {
                 for x in xs[0]..xs[1] {
-                    moments.add(luma_code(before, x, y), luma_code(after, x, y));
+                    let (image, at_x, at_y) = before.place(after, (x, y));
+                    moments.add(luma_code(image, at_x, at_y), luma_code(after, x, y));
                 }
             }
         }
@@ -307,7 +320,8 @@ mod tests {
         let after = DynamicImage::ImageRgb8(after);
         let region = GrayImage::from_fn(20, 10, |x, _| Luma([if x < 10 { 255 } else { 0 }]));
         let optics = PaperOptics::default();
-        let reader = DamageReader::of_paper([&before, &after], &region, &optics);
+        let before = Before::whole(before);
+        let reader = DamageReader::of_paper((&before, &after), &region, &optics);
         let damage = reader
             .in_box([5.0, 0.0, 15.0, 10.0])
             .expect("a box in the frame");
@@ -334,7 +348,8 @@ mod tests {
         let region = GrayImage::from_pixel(20, 10, Luma([255]));
         let optics = PaperOptics::default();
         let of = |before: &DynamicImage, after: &DynamicImage| {
-            let reader = DamageReader::of_paper([before, after], &region, &optics);
+            let before = Before::whole(before.clone());
+            let reader = DamageReader::of_paper((&before, after), &region, &optics);
             reader.in_box([2.0, 1.0, 17.0, 9.0]).expect("in the frame")
         };
         let expected = of(&before, &after).contrast_lost.expect("a picture");
@@ -380,10 +395,11 @@ mod tests {
         };
         let expected = 1.0 - about(&was, &is) / about(&was, &was);
         assert!(expected.abs() > 1e-3, "something is lost: {expected}");
-        let images = [before, after].map(DynamicImage::ImageRgb8);
+        let [before, after] = [before, after].map(DynamicImage::ImageRgb8);
+        let before = Before::whole(before);
         let region = GrayImage::new(200, 3);
         let optics = PaperOptics::default();
-        let reader = DamageReader::of_paper([&images[0], &images[1]], &region, &optics);
+        let reader = DamageReader::of_paper((&before, &after), &region, &optics);
         let damage = reader.in_box([3.0, 0.0, 197.0, 3.0]).expect("in the frame");
         let lost = damage.contrast_lost.expect("a picture");
         assert!((lost - expected).abs() < 1e-12, "{lost}, not {expected}");
@@ -403,7 +419,8 @@ mod tests {
         let image = gradient(20, 10);
         let region = GrayImage::new(20, 10);
         let optics = PaperOptics::default();
-        let reader = DamageReader::of_paper([&image, &image], &region, &optics);
+        let before = Before::whole(image.clone());
+        let reader = DamageReader::of_paper((&before, &image), &region, &optics);
         for box_px in [
             [30.0, 0.0, 40.0, 5.0],
             [5.0, 5.0, 5.0, 9.0],
@@ -412,7 +429,8 @@ mod tests {
             assert_eq!(reader.in_box(box_px), None, "{box_px:?}");
         }
         let flat = DynamicImage::new_rgb8(20, 10);
-        let reader = DamageReader::of_paper([&flat, &flat], &region, &optics);
+        let before = Before::whole(flat.clone());
+        let reader = DamageReader::of_paper((&before, &flat), &region, &optics);
         let damage = reader.in_box([0.0, 0.0, 20.0, 10.0]).expect("the frame");
         assert_eq!(damage.contrast_lost, None, "nothing to lose");
     }
@@ -425,7 +443,8 @@ mod tests {
             ..PaperOptics::default()
         };
         let blur = |region: &GrayImage| {
-            let reader = DamageReader::of_paper([&image, &image], region, &optics);
+            let before = Before::whole(image.clone());
+            let reader = DamageReader::of_paper((&before, &image), region, &optics);
             reader
                 .in_box([12.0, 2.0, 18.0, 8.0])
                 .map(|damage| damage.blur_radius_px)

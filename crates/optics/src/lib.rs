@@ -33,6 +33,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod before;
 mod bit_rows;
 mod blur;
 mod camera;
@@ -54,6 +55,7 @@ pub mod srgb;
 mod surface;
 mod vector;
 
+pub use before::Before;
 pub use camera::{Camera, View};
 pub use contrast::Contrast;
 pub use coverage::{Coverage, Line};

@@ -67,28 +67,22 @@ impl From {
     }
 
     /// The numbers of these differences, in place of those above them.
-    fn restore(self, differences: &Block, block: &mut Block) {
-        match self {
-            Self::Zero => *block = *differences,
-            Self::Left => {
-                let mut sum = 0_i32;
-                for (value, difference) in block.iter_mut().zip(differences) {
-                    sum = sum.wrapping_add(*difference);
-                    *value = sum;
-                }
+    fn restore(self, mut differences: Block, block: &mut Block) {
+        // Few branches, as no one can foretell them.
+        let above = if matches!(self, Self::Above | Self::Gradient) {
+            !0
+        } else {
+            0
+        };
+        if matches!(self, Self::Left | Self::Gradient) {
+            let mut sum = 0_i32;
+            for difference in &mut differences {
+                sum = sum.wrapping_add(*difference);
+                *difference = sum;
             }
-            Self::Above => {
-                for (value, difference) in block.iter_mut().zip(differences) {
-                    *value = value.wrapping_add(*difference);
-                }
-            }
-            Self::Gradient => {
-                let mut sum = 0_i32;
-                for (value, difference) in block.iter_mut().zip(differences) {
-                    sum = sum.wrapping_add(*difference);
-                    *value = value.wrapping_add(sum);
-                }
-            }
+        }
+        for (value, difference) in block.iter_mut().zip(differences) {
+            *value = (*value & above).wrapping_add(difference);
         }
     }
 }
@@ -185,7 +179,7 @@ impl Coded {
 
     /// The block itself, in place of the one above it; false where a number is too large.
     pub(super) fn restore(&self, block: &mut Block) -> bool {
-        self.from.restore(&self.zigzag.map(unzigzag), block);
+        self.from.restore(self.zigzag.map(unzigzag), block);
         // Some number is too large where any bit beyond those of the largest one is set.
         let any = block
             .iter()
@@ -203,11 +197,21 @@ pub(super) fn read_block(bytes: &mut Bytes<'_>, coded: &mut Coded) -> Result<(),
         return Err(bytes.wrong("it ends in a block"));
     }
     coded.from = from;
-    let mut at = 0;
     let groups = coded.zigzag.as_chunks_mut::<GROUP>().0.iter_mut();
-    for (group, width) in groups.zip(widths) {
-        unpack(&rest[at..], width, group);
-        at += width;
+    let mut at = 0;
+    match rest.first_chunk() {
+        Some(room) if widths.iter().all(|width| *width <= HALF_WIDTH) => {
+            for (group, width) in groups.zip(widths) {
+                unpack_small(room, at, width, group);
+                at += width;
+            }
+        }
+        _ => {
+            for (group, width) in groups.zip(widths) {
+                unpack(&rest[at..], width, group);
+                at += width;
+            }
+        }
     }
     bytes.skip(n_bytes);
     Ok(())
@@ -216,27 +220,31 @@ pub(super) fn read_block(bytes: &mut Bytes<'_>, coded: &mut Coded) -> Result<(),
 /// Up to this width four numbers lie in eight bytes, whatever bit they begin at.
 const HALF_WIDTH: usize = 15;
 
+/// Bytes that are looked at where all widths are that small.
+const ROOM: usize = N_GROUPS * HALF_WIDTH + size_of::<u64>();
+
+/// Eight numbers of a small width, maybe of none, out of the bytes from `at`: nearly all groups are
+/// such, and no branch depends on the width.
+fn unpack_small(room: &[u8; ROOM], at: usize, width: usize, group: &mut [u32; GROUP]) {
+    #[expect(clippy::cast_possible_truncation, reason = "at most 15 bits")]
+    let lowest = |bits: u64| (bits & ((1 << width) - 1)) as u32;
+    let window = |at: usize| {
+        let bytes = room[at.min(ROOM - size_of::<u64>())..].first_chunk();
+        u64::from_le_bytes(bytes.copied().unwrap_or_default())
+    };
+    // The second half begins amid a byte where the width is odd.
+    let mut halves = [window(at), window(at + width / 2) >> (width % 2 * 4)];
+    let (low, high) = group.split_at_mut(GROUP / 2);
+    for (low, high) in low.iter_mut().zip(high) {
+        (*low, *high) = (lowest(halves[0]), lowest(halves[1]));
+        halves = halves.map(|half| half >> width);
+    }
+}
+
 /// Eight numbers of a width out of the first bytes, as many as that.
 fn unpack(data: &[u8], width: usize, group: &mut [u32; GROUP]) {
     #[expect(clippy::cast_possible_truncation, reason = "at most 31 bits")]
     let lowest = |bits: u64| (bits & ((1 << width) - 1)) as u32;
-    let window = |at: usize| Some(u64::from_le_bytes(*data.get(at..)?.first_chunk()?));
-    if width == 0 {
-        *group = [0; GROUP];
-        return;
-    }
-    if width <= HALF_WIDTH
-        && let (Some(first), Some(second)) = (window(0), window(width / 2))
-    {
-        // The second half begins amid a byte where the width is odd.
-        let mut halves = [first, second >> (width % 2 * 4)];
-        let (low, high) = group.split_at_mut(GROUP / 2);
-        for (low, high) in low.iter_mut().zip(high) {
-            (*low, *high) = (lowest(halves[0]), lowest(halves[1]));
-            halves = halves.map(|half| half >> width);
-        }
-        return;
-    }
     let mut padded = [0_u8; MAX_WIDTH + 8];
     padded[..width].copy_from_slice(&data[..width]);
     for (k, value) in group.iter_mut().enumerate() {

@@ -82,6 +82,7 @@ pub(crate) fn defocus_rows<const LANES: usize>(
         .chunks_exact(size.0 * LANES)
         .map(|row| row.iter().all(|light| light.abs() <= 0.0))
         .collect();
+    let small = small.as_chunks::<LANES>().0;
     let mut out = vec![0.0; light.len()];
     for (y, row) in out.chunks_exact_mut(width * LANES).enumerate() {
         // Between this row of cells and one of its neighbors.
@@ -91,7 +92,7 @@ pub(crate) fn defocus_rows<const LANES: usize>(
             continue;
         }
         for (x, pixel) in row.chunks_exact_mut(LANES).enumerate() {
-            let light = between::<LANES>(size, [place(x), place(y)], |at, c| small[at * LANES + c]);
+            let light = between(size, [place(x), place(y)], |at| small[at]);
             pixel.copy_from_slice(&light);
         }
     }

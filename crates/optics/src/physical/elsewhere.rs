@@ -30,11 +30,11 @@ impl OverlayLayer {
     pub(super) fn gather<const COLORS: usize>(
         &self,
         size: (usize, usize),
-        light: impl Fn(usize, usize) -> f32,
+        light: impl Fn(usize) -> [f32; COLORS],
     ) -> Vec<[[f32; COLORS]; CHUNK]> {
         let is_wide = |other: &Elsewhere| other.width.iter().any(|width| *width > FINE_WIDTHS[0]);
         let coarse = if self.elsewhere.iter().any(is_wide) {
-            Coarse::of::<COLORS>(size, &light)
+            Coarse::of(size, &light)
         } else {
             Coarse { levels: Vec::new() }
         };
@@ -52,13 +52,13 @@ impl OverlayLayer {
                     let wide = ((width - FINE_WIDTHS[0]) / (FINE_WIDTHS[1] - FINE_WIDTHS[0]))
                         .clamp(0.0, 1.0);
                     if wide < 1.0 {
-                        let fine = between::<COLORS>(size, place, &light);
+                        let fine = between(size, place, &light);
                         for (sum, light) in gathered.iter_mut().zip(fine) {
                             *sum += share * (1.0 - wide) * light;
                         }
                     }
                     if wide > 0.0 {
-                        let mean = coarse.mean::<COLORS>(place, width);
+                        let mean = coarse.mean(place, width);
                         for (sum, light) in gathered.iter_mut().zip(mean) {
                             *sum += share * wide * light;
                         }
@@ -71,8 +71,12 @@ impl OverlayLayer {
 }
 
 /// Light at a place, px, between the middles of pixels; beyond the frame that of its border.
+///
+/// Of a frame of at least a pixel and fewer than 2²⁴ per side; `light` is that of a pixel, counted
+/// row by row.
 #[expect(
     clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
     clippy::cast_sign_loss,
     clippy::cast_precision_loss,
     reason = "px of a frame"
@@ -80,110 +84,104 @@ impl OverlayLayer {
 pub(super) fn between<const COLORS: usize>(
     (width, height): (usize, usize),
     [u, v]: [f32; 2],
-    light: impl Fn(usize, usize) -> f32,
+    light: impl Fn(usize) -> [f32; COLORS],
 ) -> [f32; COLORS] {
-    let u = (u - 0.5).clamp(0.0, (width - 1) as f32);
-    let v = (v - 0.5).clamp(0.0, (height - 1) as f32);
-    let (x, y) = (u as usize, v as usize);
+    // By way of 32 bits with a sign, which a processor converts from and to at once.
+    let last = [width as i32 - 1, height as i32 - 1];
+    let u = (u - 0.5).clamp(0.0, last[0] as f32);
+    let v = (v - 0.5).clamp(0.0, last[1] as f32);
+    let (x, y) = (u as i32, v as i32);
     let (s, t) = (u - x as f32, v - y as f32);
-    let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
-    let [top_left, top_right] = [y * width + x, y * width + right];
-    let [bottom_left, bottom_right] = [below * width + x, below * width + right];
-    let mut mean = [0.0; COLORS];
-    for (c, mean) in mean.iter_mut().enumerate() {
-        let [a, b] = [light(top_left, c), light(bottom_left, c)];
-        let top = a + s * (light(top_right, c) - a);
-        let bottom = b + s * (light(bottom_right, c) - b);
-        *mean = top + t * (bottom - top);
-    }
-    mean
+    let (right, below) = ((x + 1).min(last[0]), (y + 1).min(last[1]));
+    let at = |x: i32, y: i32| light(y as usize * width + x as usize);
+    let (top_left, top_right) = (at(x, y), at(right, y));
+    let (bottom_left, bottom_right) = (at(x, below), at(right, below));
+    std::array::from_fn(|c| {
+        let top = top_left[c] + s * (top_right[c] - top_left[c]);
+        let bottom = bottom_left[c] + s * (bottom_right[c] - bottom_left[c]);
+        top + t * (bottom - top)
+    })
 }
 
 /// The scene in large cells: means of a few pixels of each, then of ever more cells.
-struct Coarse {
-    levels: Vec<Level>,
+struct Coarse<const COLORS: usize> {
+    levels: Vec<Level<COLORS>>,
 }
 
-struct Level {
+struct Level<const COLORS: usize> {
     size: (usize, usize),
-    cell_px: f32,
+    /// Cells in a pixel.
+    per_px: f32,
     /// Colors of the cells, row by row.
-    light: Vec<f32>,
+    light: Vec<[f32; COLORS]>,
 }
 
-impl Coarse {
-    fn of<const COLORS: usize>(
-        (width, height): (usize, usize),
-        light: impl Fn(usize, usize) -> f32,
-    ) -> Self {
+impl<const COLORS: usize> Coarse<COLORS> {
+    fn of((width, height): (usize, usize), light: impl Fn(usize) -> [f32; COLORS]) -> Self {
         let size = (width.div_ceil(CELL_PX), height.div_ceil(CELL_PX));
-        let mut cells = Vec::with_capacity(size.0 * size.1 * COLORS);
-        for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
-            for c in 0..COLORS {
-                let mut sum = 0.0;
+        let mut cells = Vec::with_capacity(size.0 * size.1);
+        for y in (0..size.1).map(|y| y * CELL_PX) {
+            for x in (0..size.0).map(|x| x * CELL_PX) {
+                let mut sum = [0.0; COLORS];
                 for (dx, dy) in [(3, 5), (11, 3), (5, 13), (13, 11)] {
-                    let (x, y) = (
-                        (x * CELL_PX + dx).min(width - 1),
-                        (y * CELL_PX + dy).min(height - 1),
-                    );
-                    sum += light(y * width + x, c);
+                    let (x, y) = ((x + dx).min(width - 1), (y + dy).min(height - 1));
+                    let light = light(y * width + x);
+                    for (sum, light) in sum.iter_mut().zip(light) {
+                        *sum += light;
+                    }
                 }
-                cells.push(0.25 * sum);
+                cells.push(sum.map(|sum| 0.25 * sum));
             }
         }
         #[expect(clippy::cast_precision_loss, reason = "16 px")]
         let mut levels = vec![Level {
             size,
-            cell_px: CELL_PX as f32,
+            per_px: 1.0 / CELL_PX as f32,
             light: cells,
         }];
         while let Some(last) = levels
             .last()
             .filter(|last| last.size.0.max(last.size.1) > 1)
         {
-            let next = last.halved::<COLORS>();
+            let next = last.halved();
             levels.push(next);
         }
         Self { levels }
     }
 
     /// Mean light about a place, px, over about `width` px to each side.
-    fn mean<const COLORS: usize>(&self, [u, v]: [f32; 2], width: f32) -> [f32; COLORS] {
-        let level = self
-            .levels
-            .iter()
-            .find(|level| level.cell_px >= 2.0 * width)
-            .or(self.levels.last());
+    fn mean(&self, [u, v]: [f32; 2], width: f32) -> [f32; COLORS] {
+        // Of the first level whose cells are at least twice as wide: each has cells twice as wide
+        // as the one before.
+        #[expect(clippy::cast_precision_loss, reason = "16 px")]
+        let cells = (2.0 * width / CELL_PX as f32).max(1.0);
+        let doublings = ((cells.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1)) as usize - 126;
+        let level = self.levels.get(doublings).or(self.levels.last());
         level.map_or([0.0; COLORS], |level| {
-            let place = [u, v].map(|place| place / level.cell_px);
-            between(level.size, place, |at, c| level.light[at * COLORS + c])
+            let place = [u, v].map(|place| place * level.per_px);
+            between(level.size, place, |at| level.light[at])
         })
     }
 }
 
-impl Level {
-    fn halved<const COLORS: usize>(&self) -> Self {
+impl<const COLORS: usize> Level<COLORS> {
+    fn halved(&self) -> Self {
         let (width, height) = self.size;
         let size = (width.div_ceil(2), height.div_ceil(2));
-        let mut light = Vec::with_capacity(size.0 * size.1 * COLORS);
-        for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
-            for c in 0..COLORS {
-                let (right, below) = ((2 * x + 1).min(width - 1), (2 * y + 1).min(height - 1));
-                let sum: f32 = [
-                    (2 * x, 2 * y),
-                    (right, 2 * y),
-                    (2 * x, below),
-                    (right, below),
-                ]
-                .into_iter()
-                .map(|(x, y)| self.light[(y * width + x) * COLORS + c])
-                .sum();
-                light.push(0.25 * sum);
+        let mut light = Vec::with_capacity(size.0 * size.1);
+        for y in (0..height).step_by(2) {
+            for x in (0..width).step_by(2) {
+                let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
+                let cells = [(x, y), (right, y), (x, below), (right, below)];
+                let cells = cells.map(|(x, y)| self.light[y * width + x]);
+                light.push(std::array::from_fn(|c| {
+                    0.25 * cells.iter().map(|cell| cell[c]).sum::<f32>()
+                }));
             }
         }
         Self {
             size,
-            cell_px: 2.0 * self.cell_px,
+            per_px: 0.5 * self.per_px,
             light,
         }
     }

@@ -9,7 +9,7 @@ use super::elsewhere::Elsewhere;
 use super::pattern::Pattern;
 use crate::environment::{Environment, Rgb};
 use crate::maps::CHUNK;
-use crate::srgb::{decode16, encode16};
+use crate::srgb::{code16_of_light, light_of_code16};
 
 /// A baked crack under the light of one environment: what to do to each pixel of an image.
 ///
@@ -151,7 +151,7 @@ impl Overlay {
         // Light that raises the ground's code by the threshold.
         let ground = self.environment.ground_rgb;
         let visible: [f32; 3] = std::array::from_fn(|c| {
-            let code = encode16(ground[c].min(1.0));
+            let code = code16_of_light(ground[c].min(1.0));
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
@@ -159,9 +159,11 @@ impl Overlay {
             )]
             let step = (threshold * 65535.0) as u16;
             match code.checked_add(step) {
-                Some(raised) => (decode16(raised) - decode16(code)).max(LEAST_INFLUENCE),
+                Some(raised) => {
+                    (light_of_code16(raised) - light_of_code16(code)).max(LEAST_INFLUENCE)
+                }
                 // Brighter than white: what darkens it counts as much.
-                None => decode16(code) - decode16(code.saturating_sub(step)),
+                None => light_of_code16(code) - light_of_code16(code.saturating_sub(step)),
             }
         });
         for run in self.layers.iter().flat_map(|layer| &layer.runs) {
@@ -181,8 +183,7 @@ impl Overlay {
         if self.layers.is_empty() {
             return 0.0;
         }
-        let lens = &self.optics.lens;
-        (0.5 * lens.circle_of_confusion_px(self.f_px, lens.scene_m)).abs()
+        self.scene_px().abs()
     }
 
     /// Mean distance, px, that the image's own light in some columns and rows (from the first to

@@ -11,7 +11,7 @@ use super::samples::{Layout, Sample, per_color};
 use super::{PhysicalOptics, SensorNoise, bake};
 use crate::environment::Environment;
 use crate::maps::{CHUNK, Pupil};
-use crate::{Masks, OpticsError, View};
+use crate::{Before, Masks, OpticsError, View};
 
 /// A scene blurred by less, px of radius, is sharp.
 const SHARP_PX: f64 = 0.05;
@@ -95,24 +95,49 @@ impl Overlay {
         Ok(())
     }
 
+    /// What an image shows before [`Overlay::apply`], as far as that changes it: most of it
+    /// stays as it is, unless the scene is out of focus or `veiling_glare` spreads light over the
+    /// frame.
+    #[must_use]
+    pub fn before(&self, image: &DynamicImage) -> Before {
+        if self.size != (image.width(), image.height()) || !self.changes_runs_alone() {
+            return Before::whole(image.clone());
+        }
+        let runs = self.layers.iter().flat_map(|layer| &layer.runs);
+        let mut starts: Vec<(usize, usize)> = runs.map(|run| (run.x, run.y)).collect();
+        // Those of each layer are sorted.
+        if self.layers.len() > 1 {
+            starts.sort_by_key(|(x, y)| (*y, *x));
+            starts.dedup();
+        }
+        Before::of_runs(image, starts)
+    }
+
+    fn changes_runs_alone(&self) -> bool {
+        let is_sharp = self.scene_px().abs() < SHARP_PX;
+        self.layers.is_empty() || is_sharp && self.optics.veiling_glare <= 0.0
+    }
+
+    /// Radius, px, of the disc that a point of the scene becomes, below 0 where it is nearer than
+    /// the focus.
+    pub(super) fn scene_px(&self) -> f64 {
+        let lens = &self.optics.lens;
+        0.5 * lens.circle_of_confusion_px(self.f_px, lens.scene_m)
+    }
+
     fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
         &self,
         layout: Layout<COLORS, EXTRA>,
         samples: &mut [S],
         seed: Seed,
     ) {
-        if self.layers.is_empty() {
-            return;
-        }
-        let lens = &self.optics.lens;
-        let scene_px = 0.5 * lens.circle_of_confusion_px(self.f_px, lens.scene_m);
-        if scene_px.abs() < SHARP_PX && self.optics.veiling_glare <= 0.0 {
+        if self.changes_runs_alone() {
             let width = self.size.0 as usize;
             for layer in &self.layers {
                 layer.over(layout, samples, width, self.noise(seed).as_ref());
             }
         } else {
-            self.over_all(layout, samples, scene_px, seed);
+            self.over_all(layout, samples, self.scene_px(), seed);
         }
     }
 
@@ -209,8 +234,10 @@ impl OverlayLayer {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         let height = samples.len() / (width * stride);
         // All of it before anything is changed: a place may lie anywhere in the frame.
-        let elsewhere =
-            self.gather::<COLORS>((width, height), |at, c| samples[at * stride + c].light());
+        let elsewhere = self.gather::<COLORS>((width, height), |at| {
+            let pixel = &samples[at * stride..][..COLORS];
+            std::array::from_fn(|c| pixel[c].light())
+        });
         for run in &self.runs {
             let n = CHUNK.min(width - run.x);
             let first = (run.y * width + run.x) * stride;
@@ -228,7 +255,8 @@ impl OverlayLayer {
     /// Over linear light, in place.
     fn over_light<const COLORS: usize>(&self, light: &mut [f32], width: usize) {
         let height = light.len() / (width * COLORS);
-        let elsewhere = self.gather::<COLORS>((width, height), |at, c| light[at * COLORS + c]);
+        let pixels = light.as_chunks::<COLORS>().0;
+        let elsewhere = self.gather((width, height), |at| pixels[at]);
         for run in &self.runs {
             let n = CHUNK.min(width - run.x);
             let first = (run.y * width + run.x) * COLORS;

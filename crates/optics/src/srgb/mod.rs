@@ -45,9 +45,24 @@ pub fn encode8(light: f32) -> u8 {
     code + u8::from(light >= LIMITS8[usize::from(code)])
 }
 
+/// As [`decode16`], by itself: tables do not pay for a few codes.
+pub(crate) fn light_of_code16(code: u16) -> f32 {
+    light16(f64::from(code))
+}
+
 /// The 16-bit code of light in units of white. The first call fills a table of 256 KiB.
 #[must_use]
 pub fn encode16(light: f32) -> u16 {
+    code16(light, |code| TABLES16.limit[usize::from(code)])
+}
+
+/// As [`encode16`], by itself: tables do not pay for a few codes.
+pub(crate) fn code16_of_light(light: f32) -> u16 {
+    code16(light, limit16)
+}
+
+/// The 16-bit code of light, given the least light of the code after each but the last.
+fn code16(light: f32, limit: impl Fn(u16) -> f32) -> u16 {
     if light.is_nan() || light <= 0.0 {
         return 0;
     }
@@ -68,12 +83,22 @@ pub fn encode16(light: f32) -> u16 {
         reason = "a code within the 257 of an 8-bit step"
     )]
     let within = ((light - low) / (high - low) * 257.0) as usize;
-    let limits = &TABLES16.limit;
-    let mut code = below * 257 + within;
-    while code < limits.len() && light >= limits[code] {
+    let mut code = u16::try_from(below * 257 + within).unwrap_or(u16::MAX);
+    while code < u16::MAX && light >= limit(code) {
         code += 1;
     }
-    u16::try_from(code).unwrap_or(u16::MAX)
+    code
+}
+
+/// Light of a 16-bit code, or of what lies between two.
+#[expect(clippy::cast_possible_truncation, reason = "rounded once, to f32")]
+fn light16(code: f64) -> f32 {
+    linear(code / 65535.0) as f32
+}
+
+/// Least light of the code after this one.
+fn limit16(code: u16) -> f32 {
+    light16(f64::from(code) + 0.5)
 }
 
 /// Bins of light between 0 and 1, narrower than the narrowest 8-bit step, 1/(255 · 12.92).
@@ -154,15 +179,9 @@ struct Tables16 {
     limit: Vec<f32>,
 }
 
-static TABLES16: LazyLock<Tables16> = LazyLock::new(|| {
-    #[expect(clippy::cast_possible_truncation, reason = "rounded once, to f32")]
-    let at = |code: f64| linear(code / 65535.0) as f32;
-    Tables16 {
-        light: (0..=u16::MAX).map(|code| at(f64::from(code))).collect(),
-        limit: (0..u16::MAX)
-            .map(|code| at(f64::from(code) + 0.5))
-            .collect(),
-    }
+static TABLES16: LazyLock<Tables16> = LazyLock::new(|| Tables16 {
+    light: (0..=u16::MAX).map(light_of_code16).collect(),
+    limit: (0..u16::MAX).map(limit16).collect(),
 });
 
 #[cfg(test)]

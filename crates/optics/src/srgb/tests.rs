@@ -1,6 +1,8 @@
 //! Against the formula by `libm`, which the tables do not use.
 
-use super::{BINS, DECODE8, bin, decode8, decode16, encode8, encode16};
+use super::{
+    BINS, DECODE8, bin, code16_of_light, decode8, decode16, encode8, encode16, light_of_code16,
+};
 
 /// Light of an encoded value, by the standard's formula.
 fn reference_light(encoded: f64) -> f64 {
@@ -90,6 +92,22 @@ fn encoding_8_bits_rounds_the_formula_and_never_falls() {
         let code = encode8(step as f32 / 8e6);
         assert!(code >= last, "at {step}");
         last = code;
+    }
+}
+
+#[test]
+fn a_code_by_itself_is_that_of_the_tables() {
+    for code in 0..=u16::MAX {
+        let light = decode16(code);
+        let alone = light_of_code16(code);
+        assert_eq!(alone.to_bits(), light.to_bits(), "light of {code}");
+        // About the limits, too.
+        for light in [light, light * 0.999_99, light * 1.000_01, light + 7.6e-6] {
+            assert_eq!(code16_of_light(light), encode16(light), "code of {light}");
+        }
+    }
+    for light in [f32::NAN, -1.0, 0.0, 1.0, 2.0] {
+        assert_eq!(code16_of_light(light), encode16(light), "code of {light}");
     }
 }
 

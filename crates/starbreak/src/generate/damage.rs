@@ -3,6 +3,7 @@
 use image::DynamicImage;
 use serde_json::{Value, json};
 use starbreak_dataset::{LabeledObject, ObjectKind};
+use starbreak_optics::Before;
 
 use crate::Settings;
 use crate::pipeline::{Shown, damage_reader, damage_to_json};
@@ -10,7 +11,7 @@ use crate::pipeline::{Shown, damage_reader, damage_to_json};
 /// One entry per object, in the order of the labels.
 pub(super) fn damage_of(
     objects: &[LabeledObject],
-    images: [&DynamicImage; 2],
+    images: (&Before, &DynamicImage),
     shown: &Shown,
     settings: &Settings,
 ) -> Vec<Value> {

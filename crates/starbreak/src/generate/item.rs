@@ -8,7 +8,6 @@ use starbreak_dataset::{
     SampleFiles, SourceImage, encode_image_as, encode_mask_as, read_image, sha256_hex,
 };
 use starbreak_glass::Seed;
-use starbreak_optics::Contrast;
 
 use super::Plan;
 use super::damage::damage_of;
@@ -78,14 +77,13 @@ impl Item<'_> {
         let seed = context.seed.of_item(self.name, self.sample_idx.into());
         let size = (file.pixels.width(), file.pixels.height());
         let pattern = pattern_of(size, seed, &mut watch)?;
-        let before = file.pixels.clone();
-        watch.lap("copy");
-        let shown = pattern
-            .baked
-            .over(settings, &mut file.pixels, seed, &mut watch)?;
-        let contrast = Contrast::of(&before, &file.pixels, &shown.region)?;
+        let (before, shown) =
+            pattern
+                .baked
+                .over_keeping(settings, &mut file.pixels, seed, &mut watch)?;
+        let contrast = before.contrast(&file.pixels, &shown.region)?;
         watch.lap("contrast");
-        let objects = damage_of(self.objects, [&before, &file.pixels], &shown, settings);
+        let objects = damage_of(self.objects, (&before, &file.pixels), &shown, settings);
         watch.lap("damage");
 
         let quality = settings.output.quality;

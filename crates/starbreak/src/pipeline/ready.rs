@@ -3,7 +3,7 @@
 use image::{DynamicImage, GrayImage};
 use serde_json::{Map, Value, json};
 use starbreak_glass::{CrackNetwork, Seed};
-use starbreak_optics::{Contrast, Damage, DamageReader};
+use starbreak_optics::{Before, Damage, DamageReader};
 
 use super::{
     Baked, OpticsReport, Shown, Simulated, Stopwatch, bake_network, network_view, region_fraction,
@@ -158,11 +158,10 @@ impl ReadyCrack {
         seed: Seed,
         boxes_px: &[[f64; 4]],
     ) -> Result<FrameReport, Error> {
-        let before = image.clone();
         let mut watch = Stopwatch::start();
-        let shown = self.baked.over(settings, image, seed, &mut watch)?;
-        let contrast = Contrast::of(&before, image, &shown.region)?;
-        let damage = match damage_reader([&before, image], &shown, settings) {
+        let (before, shown) = self.baked.over_keeping(settings, image, seed, &mut watch)?;
+        let contrast = before.contrast(image, &shown.region)?;
+        let damage = match damage_reader((&before, image), &shown, settings) {
             Some(reader) => boxes_px.iter().map(|at| reader.in_box(*at)).collect(),
             None => Vec::new(),
         };
@@ -180,7 +179,7 @@ impl ReadyCrack {
 
 /// Who measures what a crack did to boxes of an image.
 pub(crate) fn damage_reader<'a>(
-    images: [&'a DynamicImage; 2],
+    images: (&'a Before, &'a DynamicImage),
     shown: &'a Shown,
     settings: &Settings,
 ) -> Option<DamageReader<'a>> {

@@ -7,7 +7,7 @@ use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::paper::{composite, draw};
 use starbreak_optics::photo::PhotoPattern;
 use starbreak_optics::physical::{Overlay, Pattern, PhysicalOptics, bake};
-use starbreak_optics::{Contrast, Coverage, Masks, View};
+use starbreak_optics::{Before, Contrast, Coverage, Masks, View};
 
 use super::{Cracked, Details, Simulated, Stopwatch, sheet_view, view, view_of_network};
 use crate::{Error, OpticsSettings, Settings};
@@ -78,7 +78,6 @@ pub fn show_cracks(
         mut timings,
     } = simulated;
     let mut watch = Stopwatch::start();
-    let before = image.clone();
     let size = (image.width(), image.height());
     let baked = if let Details::Photo(placed) = &details {
         placed.bake(settings, size)?
@@ -87,7 +86,7 @@ pub fn show_cracks(
         bake_network(settings, (&network, f64::INFINITY), &view, seed)?
     };
     watch.lap(baked.stage());
-    let shown = baked.over(settings, image, seed, &mut watch)?;
+    let (before, shown) = baked.over_keeping(settings, image, seed, &mut watch)?;
     let Shown {
         region,
         overlay,
@@ -101,7 +100,7 @@ pub fn show_cracks(
     let maps = overlay
         .filter(|_| settings.output.maps)
         .map(|overlay| overlay.maps());
-    let contrast = Contrast::of(&before, image, &masks.region)?;
+    let contrast = before.contrast(image, &masks.region)?;
     watch.lap("contrast");
     timings.append(watch.stop());
     Ok(Cracked {
@@ -210,34 +209,72 @@ impl Baked {
         seed: Seed,
         watch: &mut Stopwatch,
     ) -> Result<Shown, Error> {
-        match (self, &settings.optics) {
+        let ((), shown) = self.over_after(settings, image, seed, watch, |_, _| ())?;
+        Ok(shown)
+    }
+
+    /// As [`Baked::over`], with what the image showed before.
+    ///
+    /// # Errors
+    /// As for [`Baked::over`].
+    pub fn over_keeping(
+        &self,
+        settings: &Settings,
+        image: &mut DynamicImage,
+        seed: Seed,
+        watch: &mut Stopwatch,
+    ) -> Result<(Before, Shown), Error> {
+        let before = |image: &DynamicImage, overlay: Option<&Overlay>| match overlay {
+            Some(overlay) => overlay.before(image),
+            None => Before::whole(image.clone()),
+        };
+        self.over_after(settings, image, seed, watch, before)
+    }
+
+    /// As [`Baked::over`], with what `look` made of the image just before, and of what is going to
+    /// be done to its light; the paper's optics know none.
+    fn over_after<T>(
+        &self,
+        settings: &Settings,
+        image: &mut DynamicImage,
+        seed: Seed,
+        watch: &mut Stopwatch,
+        look: impl FnOnce(&DynamicImage, Option<&Overlay>) -> T,
+    ) -> Result<(T, Shown), Error> {
+        let estimate = |image: &DynamicImage, optics: &PhysicalOptics, f_px| {
+            Environment::estimate(image, &optics.environment, f_px)
+        };
+        let (overlay, optics, f_px) = match (self, &settings.optics) {
             (Self::Paper(drawn), OpticsSettings::Paper(optics)) => {
+                let seen = look(image, None);
+                watch.lap("copy");
                 let masks = composite(image, drawn, optics)?;
                 watch.lap("render");
-                Ok(Shown {
+                let shown = Shown {
                     region: masks.region,
                     overlay: None,
                     scene: None,
-                })
+                };
+                return Ok((seen, shown));
             }
             (Self::Physical(pattern), OpticsSettings::Physical(optics)) => {
-                let environment = Environment::estimate(image, &optics.environment, pattern.f_px());
-                let overlay = pattern.light(&environment, optics);
-                watch.lap("light");
-                overlay.apply(image, seed)?;
-                watch.lap("render");
-                Ok(shown_by(settings, optics, overlay, pattern.f_px(), watch))
+                let f_px = pattern.f_px();
+                let overlay = pattern.light(&estimate(image, optics, f_px), optics);
+                (overlay, optics, f_px)
             }
             (Self::Photo { pattern, gain }, OpticsSettings::Physical(optics)) => {
-                let environment = Environment::estimate(image, &optics.environment, pattern.f_px());
-                let overlay = pattern.light(&environment, *gain, optics)?;
-                watch.lap("light");
-                overlay.apply(image, seed)?;
-                watch.lap("render");
-                Ok(shown_by(settings, optics, overlay, pattern.f_px(), watch))
+                let f_px = pattern.f_px();
+                let overlay = pattern.light(&estimate(image, optics, f_px), *gain, optics)?;
+                (overlay, optics, f_px)
             }
-            _ => Err(Error::OtherOptics),
-        }
+            _ => return Err(Error::OtherOptics),
+        };
+        watch.lap("light");
+        let seen = look(image, Some(&overlay));
+        watch.lap("copy");
+        overlay.apply(image, seed)?;
+        watch.lap("render");
+        Ok((seen, shown_by(settings, optics, overlay, f_px, watch)))
     }
 }
 
