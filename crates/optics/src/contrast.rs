@@ -39,17 +39,7 @@ impl Contrast {
         after: &DynamicImage,
         region: &GrayImage,
     ) -> Result<Self, OpticsError> {
-        let (width, height) = (after.width(), after.height());
-        for (of_width, of_height) in [(before.width(), before.height()), region.dimensions()] {
-            if (of_width, of_height) != (width, height) {
-                return Err(OpticsError::SizeMismatch {
-                    width: of_width,
-                    height: of_height,
-                    drawn_width: width as usize,
-                    drawn_height: height as usize,
-                });
-            }
-        }
+        check_sizes((before.width(), before.height()), after, region)?;
         let region = region.as_raw();
         let of_mode = match (before, after) {
             (DynamicImage::ImageLuma8(a), DynamicImage::ImageLuma8(b)) => over8::<1>(a, b, region),
@@ -76,6 +66,26 @@ impl Contrast {
         };
         Ok(of_mode.contrast())
     }
+}
+
+/// Before and region have to have the size of the image with the crack.
+pub(crate) fn check_sizes(
+    before: (u32, u32),
+    after: &DynamicImage,
+    region: &GrayImage,
+) -> Result<(), OpticsError> {
+    let (width, height) = (after.width(), after.height());
+    for (of_width, of_height) in [before, region.dimensions()] {
+        if (of_width, of_height) != (width, height) {
+            return Err(OpticsError::SizeMismatch {
+                width: of_width,
+                height: of_height,
+                drawn_width: width as usize,
+                drawn_height: height as usize,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// Sums over the pixels of a region.

@@ -209,7 +209,7 @@ impl Baked {
         seed: Seed,
         watch: &mut Stopwatch,
     ) -> Result<Shown, Error> {
-        let ((), shown) = self.over_after(settings, image, seed, watch, |_, _| ())?;
+        let ((), shown) = self.over_after(settings, image, seed, watch, |_, _, _| ())?;
         Ok(shown)
     }
 
@@ -224,11 +224,14 @@ impl Baked {
         seed: Seed,
         watch: &mut Stopwatch,
     ) -> Result<(Before, Shown), Error> {
-        let before = |image: &DynamicImage, overlay: Option<&Overlay>| match overlay {
-            Some(overlay) => overlay.before(image),
-            None => Before::whole(image.clone()),
-        };
-        self.over_after(settings, image, seed, watch, before)
+        self.over_after(settings, image, seed, watch, |image, overlay, watch| {
+            let before = match overlay {
+                Some(overlay) => overlay.before(image),
+                None => Before::whole(image.clone()),
+            };
+            watch.lap("copy");
+            before
+        })
     }
 
     /// As [`Baked::over`], with what `look` made of the image just before, and of what is going to
@@ -239,15 +242,14 @@ impl Baked {
         image: &mut DynamicImage,
         seed: Seed,
         watch: &mut Stopwatch,
-        look: impl FnOnce(&DynamicImage, Option<&Overlay>) -> T,
+        look: impl FnOnce(&DynamicImage, Option<&Overlay>, &mut Stopwatch) -> T,
     ) -> Result<(T, Shown), Error> {
         let estimate = |image: &DynamicImage, optics: &PhysicalOptics, f_px| {
             Environment::estimate(image, &optics.environment, f_px)
         };
         let (overlay, optics, f_px) = match (self, &settings.optics) {
             (Self::Paper(drawn), OpticsSettings::Paper(optics)) => {
-                let seen = look(image, None);
-                watch.lap("copy");
+                let seen = look(image, None, watch);
                 let masks = composite(image, drawn, optics)?;
                 watch.lap("render");
                 let shown = Shown {
@@ -270,8 +272,7 @@ impl Baked {
             _ => return Err(Error::OtherOptics),
         };
         watch.lap("light");
-        let seen = look(image, Some(&overlay));
-        watch.lap("copy");
+        let seen = look(image, Some(&overlay), watch);
         overlay.apply(image, seed)?;
         watch.lap("render");
         Ok((seen, shown_by(settings, optics, overlay, f_px, watch)))
