@@ -1,6 +1,7 @@
 use starbreak::dataset::BankFile;
 use starbreak::optics::Coverage;
-use starbreak::optics::physical::Pattern;
+use starbreak::optics::environment::Environment;
+use starbreak::optics::physical::{PackedPattern, PhysicalOptics};
 
 use crate::Vocabulary;
 
@@ -16,26 +17,51 @@ pub(crate) const VOCABULARY: Vocabulary = &[
     "\u{7f}\u{7f}\u{7f}\u{7f}",
 ];
 
-/// A pattern that is accepted survives being packed and unpacked, to the byte.
+/// A pattern that is accepted survives being packed and unpacked, to the byte, and is lit as it is
+/// read or refused, as when it is unpacked.
 ///
 /// # Panics
 /// If the input is a finding.
 pub fn pattern(bytes: &[u8]) {
-    let Ok(pattern) = Pattern::from_packed(bytes) else {
+    let Ok(packed) = PackedPattern::new(bytes.to_vec()) else {
         return;
     };
-    let packed = pattern.to_packed();
-    match Pattern::from_packed(&packed) {
+    let optics = PhysicalOptics::default();
+    let lit = packed.light(&LIGHT, &optics);
+    let Ok(pattern) = packed.unpack() else {
+        return;
+    };
+    let (width, height) = pattern.size();
+    let is_small = width * height < 1 << 20;
+    match lit {
+        Ok(lit) if is_small => {
+            let same = lit.maps() == pattern.light(&LIGHT, &optics).maps();
+            assert!(same, "lit otherwise than unpacked");
+        }
+        Ok(_) => {}
+        Err(error) => panic!("is unpacked, but not lit: {error}"),
+    }
+    let bytes = pattern.to_packed();
+    let again = PackedPattern::new(bytes.clone()).and_then(|packed| packed.unpack());
+    match again {
         Ok(again) => {
-            assert!(again.to_packed() == packed, "packed twice");
-            let (width, height) = pattern.size();
-            if width * height < 1 << 20 {
+            assert!(again.to_packed() == bytes, "packed twice");
+            if is_small {
                 assert!(again.coverage() == pattern.coverage(), "another coverage");
             }
         }
         Err(error) => panic!("does not read what it wrote: {error}"),
     }
 }
+
+/// Some light.
+const LIGHT: Environment = Environment {
+    horizon_rgb: [0.5; 3],
+    zenith_rgb: [0.4; 3],
+    ground_rgb: [0.1; 3],
+    cabin_rgb: [0.01; 3],
+    sun_rgb: [1.0; 3],
+};
 
 /// A drawing that is accepted survives being packed and unpacked, to the byte.
 ///

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::command::{cargo, run as run_command};
 use crate::deps::{self, Mode};
-use crate::{Failure, licences, refs, test};
+use crate::{Failure, licences, refs};
 
 /// `cargo xtask lint`: all checks, also after one has failed.
 ///
@@ -19,13 +19,8 @@ pub fn run(root: &Path) -> Result<(), Failure> {
         &["--locked", "--keep-going"],
     );
     rustdoc.env("RUSTDOCFLAGS", "-D warnings");
-    let mut fuzz_clippy = with(&["clippy"], &[]);
-    fuzz_clippy
-        .args(["--manifest-path", test::FUZZ_MANIFEST])
-        .args(["--lib", "--bin", "replay", "--locked"])
-        .args(["--", "-D", "warnings"]);
     let fuzz_fmt = with(
-        &["fmt", "--manifest-path", test::FUZZ_MANIFEST],
+        &["fmt", "--manifest-path", "fuzz/libfuzzer/Cargo.toml"],
         &["--check"],
     );
     let results = [
@@ -35,7 +30,6 @@ pub fn run(root: &Path) -> Result<(), Failure> {
             &["clippy", "--workspace"],
             &[&clippy[..], &deny].concat(),
         )),
-        test::with_target_folder(root, fuzz_clippy).and_then(run_command),
         run_command(rustdoc),
         section("licences", licences::run(root)),
         section("deps --check", deps::run(root, Mode::Check)),

@@ -2,11 +2,10 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 
 use crate::Failure;
 use crate::command::{cargo, line_of, run as run_command};
-use crate::metadata::Metadata;
 
 mod python;
 mod report;
@@ -14,9 +13,6 @@ mod tools;
 
 use report::Report;
 use tools::Tools;
-
-/// The manifest of the fuzz targets, a workspace of its own.
-pub const FUZZ_MANIFEST: &str = "fuzz/Cargo.toml";
 
 /// `cargo xtask test`: the tools of the tests, all tests and doctests, those of the Python package in
 /// its wheel, then the replay of the fuzz corpus.
@@ -27,33 +23,14 @@ pub fn run(root: &Path) -> Result<(), Failure> {
     let tools = Tools::prepare(root)?;
     let (mut report, tests) = run_tests(root, &tools)?;
     let of_python = python::test(root, &tools, &mut report);
-    let replay = [
-        "run",
-        "--quiet",
-        "--locked",
-        "--manifest-path",
-        FUZZ_MANIFEST,
-        "--bin",
-        "replay",
-    ];
-    let replay = with_target_folder(root, cargo(root, &replay)).and_then(run_command);
+    let replay = ["run", "--quiet", "--locked", "--package", "starbreak-fuzz"];
+    let replay = run_command(cargo(root, &replay));
     println!();
     for skipped in report.skipped() {
         println!("skipped: {skipped}");
     }
     println!("{report}");
     tests.and(of_python).and(replay)
-}
-
-/// Has a command of the fuzz workspace build where the project builds: most dependencies are
-/// the same, and are built once.
-///
-/// # Errors
-/// If cargo does not say where that is.
-pub fn with_target_folder(root: &Path, mut command: Command) -> Result<Command, Failure> {
-    let target = Metadata::of_workspace(root)?.target_directory;
-    command.env("CARGO_TARGET_DIR", target);
-    Ok(command)
 }
 
 /// Runs cargo test, passes on what a reader wants to see, and counts.

@@ -268,7 +268,7 @@ impl ReadyCrack {
         let made = py.detach(|| {
             let crack = &self.crack;
             let report = crack.over_and_report(&self.settings, &mut pixels, seed, &boxes)?;
-            Ok((pixels, report, crack.baked.crack_mask()))
+            Ok((pixels, report, crack.baked.crack_mask()?))
         });
         let (pixels, report, crack_mask) = made.map_err(|error: Error| raised(&error))?;
         let mut facts = self.crack.facts.clone();
@@ -336,7 +336,7 @@ impl ReadyCrack {
     /// The crack mask: uint8, H x W, coverage by cracks as they would be in focus, 255 = in full.
     fn crack_mask<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mask = py.detach(|| self.crack.baked.crack_mask());
-        Ok(mask_of(py, mask)?.into_any())
+        Ok(mask_of(py, mask.map_err(|error| raised(&error))?)?.into_any())
     }
 
     /// The crack over an image of its size: a new array, or a `Cracked` with `boxes` or `full`.

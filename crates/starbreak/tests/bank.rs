@@ -8,9 +8,10 @@ use image::DynamicImage;
 use starbreak::bank::{BankReport, PatternBank, write_bank};
 use starbreak::dataset::{BankRecord, BankWriter, street_scene};
 use starbreak::optics::Coverage;
+use starbreak::optics::OpticsError;
 use starbreak::optics::environment::Environment;
 use starbreak::optics::paper::{composite, draw};
-use starbreak::optics::physical::{Pattern, bake};
+use starbreak::optics::physical::{Overlay, PackedPattern, Pattern, bake};
 use starbreak::pipeline::Baked;
 use starbreak::pipeline::{RunContext, simulate, view_of_network, with_threads};
 use starbreak::{Error, OpticsSettings, Recipe, Seed};
@@ -55,7 +56,7 @@ fn a_pattern_comes_out_as_it_went_in() {
                 assert!(!pattern.was_baked_anew, "{preset} {idx}");
                 assert_eq!(pattern.baked.size(), size, "{preset} {idx}");
                 assert_eq!(pattern.facts.summary, network.summary(), "{preset} {idx}");
-                let mask = pattern.baked.crack_mask();
+                let mask = pattern.baked.crack_mask().unwrap();
                 assert_eq!(pattern.crack_mask().unwrap(), mask, "{preset} {idx}");
                 if size == SIZE {
                     let sum: u64 = mask.as_raw().iter().map(|code| u64::from(*code)).sum();
@@ -88,7 +89,8 @@ fn a_pattern_of_another_size_is_that_of_a_bank_with_the_size() {
 
 fn packed(baked: &Baked) -> Vec<u8> {
     match baked {
-        Baked::Physical(pattern) => pattern.to_packed(),
+        Baked::Packed(pattern) => pattern.unpack().unwrap().to_packed(),
+        Baked::Physical(_) => panic!("a pattern of a bank is packed"),
         Baked::Paper(coverage) => coverage.to_packed(),
         Baked::Photo { .. } => panic!("no photograph is in this bank"),
     }
@@ -190,18 +192,25 @@ fn a_packed_pattern_shows_the_picture_of_the_unpacked_one_to_a_code() {
                 OpticsSettings::Physical(optics) => {
                     let pattern = bake(&network, f64::INFINITY, &view, optics, seed).unwrap();
                     let bytes = pattern.to_packed();
-                    let again = Pattern::from_packed(&bytes).unwrap();
-                    assert!(again.to_packed() == bytes, "{preset}: packed twice");
-                    assert!(again.coverage() == pattern.coverage(), "{preset}: coverage");
+                    let again = PackedPattern::new(bytes.clone()).unwrap();
+                    let unpacked_pattern = again.unpack().unwrap();
+                    assert!(
+                        unpacked_pattern.to_packed() == bytes,
+                        "{preset}: packed twice"
+                    );
+                    for coverage in [again.coverage().unwrap(), unpacked_pattern.coverage()] {
+                        assert!(coverage == pattern.coverage(), "{preset}: coverage");
+                    }
                     let light = Environment::estimate(&street, &optics.environment, pattern.f_px());
                     pattern
                         .light(&light, optics)
                         .apply(&mut unpacked, seed)
                         .unwrap();
-                    again
-                        .light(&light, optics)
-                        .apply(&mut packed, seed)
-                        .unwrap();
+                    let lit = again.light(&light, optics).unwrap();
+                    lit.apply(&mut packed, seed).unwrap();
+                    let [lit, anew] = [lit, unpacked_pattern.light(&light, optics)];
+                    assert!(lit.maps() == anew.maps(), "{preset}: lit as it is read");
+                    assert!(lit.region() == anew.region(), "{preset}: region");
                 }
             }
             n_changed += differences(&street, &unpacked).iter().sum::<usize>();
@@ -231,8 +240,18 @@ fn damaged_packed_forms_are_refused_or_read_but_never_more() {
     };
     let pattern = bake(&network, f64::INFINITY, &view, optics, Seed(3)).unwrap();
     let bytes = pattern.to_packed();
+    let environment = Environment::estimate(
+        &DynamicImage::new_rgb8(160, 60),
+        &optics.environment,
+        pattern.f_px(),
+    );
+    let read = |bytes: &[u8]| -> Result<(Pattern, Overlay), OpticsError> {
+        let packed = PackedPattern::new(bytes.to_vec())?;
+        let lit = packed.light(&environment, optics);
+        Ok((packed.unpack()?, lit?))
+    };
     for n in 0..bytes.len() {
-        let error = Pattern::from_packed(&bytes[..n]).map(|_| ()).unwrap_err();
+        let error = read(&bytes[..n]).map(|_| ()).unwrap_err();
         assert!(
             error.to_string().starts_with("not a packed pattern"),
             "{n}: {error}"
@@ -241,12 +260,14 @@ fn damaged_packed_forms_are_refused_or_read_but_never_more() {
     for at in 0..bytes.len() {
         let mut damaged = bytes.clone();
         damaged[at] ^= 0x55;
-        if let Ok(pattern) = Pattern::from_packed(&damaged) {
+        if let Ok((pattern, lit)) = read(&damaged) {
             let _ = pattern.coverage();
+            let unpacked = pattern.light(&environment, optics);
+            assert!(lit.maps() == unpacked.maps(), "{at}: lit otherwise");
         }
     }
     let longer = [bytes.as_slice(), &[0]].concat();
-    assert!(Pattern::from_packed(&longer).is_err(), "a byte too many");
+    assert!(read(&longer).is_err(), "a byte too many");
 }
 
 #[test]
@@ -299,10 +320,10 @@ fn records_that_are_whole_but_mean_nothing_are_named() {
     for (header, named) in [
         (&b"no json"[..], "no JSON"),
         (
-            b"{\"schema\":\"starbreak.bank/2\"}",
-            "\"starbreak.bank/2\"; this version reads",
+            b"{\"schema\":\"starbreak.bank/1\"}",
+            "\"starbreak.bank/1\"; this version reads",
         ),
-        (b"{\"schema\":\"starbreak.bank/1\"}", "not understood"),
+        (b"{\"schema\":\"starbreak.bank/2\"}", "not understood"),
     ] {
         let message = forge(header, &[b"", b""])
             .map(|_| ())

@@ -1,5 +1,7 @@
 //! Numbers in a row of bytes, read with care.
 
+use std::ops::Range;
+
 use crate::OpticsError;
 
 /// Appends a whole number in 7-bit groups, the least first.
@@ -25,6 +27,15 @@ impl<'a> Bytes<'a> {
         Self { what, bytes, at: 0 }
     }
 
+    /// A part of some bytes, which errors count from the first of all.
+    pub(super) fn of_part(what: &'static str, bytes: &'a [u8], part: &Range<usize>) -> Self {
+        Self {
+            what,
+            bytes: bytes.get(..part.end).unwrap_or_default(),
+            at: part.start,
+        }
+    }
+
     /// The error that what is here is wrong.
     pub(super) fn wrong(&self, why: &'static str) -> OpticsError {
         OpticsError::Packed {
@@ -37,6 +48,22 @@ impl<'a> Bytes<'a> {
     /// What has not been read yet.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.bytes.get(self.at..).unwrap_or_default()
+    }
+
+    /// Number of bytes that have been read.
+    pub(super) fn at(&self) -> usize {
+        self.at
+    }
+
+    /// Where the part lies that is written behind its length, and what follows comes next.
+    pub(super) fn part(&mut self) -> Result<Range<usize>, OpticsError> {
+        let n = self.count(self.bytes.len())?;
+        if n > self.rest().len() {
+            return Err(self.wrong("it ends in a part"));
+        }
+        let from = self.at;
+        self.skip(n);
+        Ok(from..self.at)
     }
 
     pub(super) fn skip(&mut self, n: usize) {

@@ -5,7 +5,7 @@
 
 use super::block::Block;
 use super::bytes::{Bytes, write_count};
-use super::runs::{from_steps, n_runs, read_runs, steps, write_runs};
+use super::runs::{BlockRun, RunReader, from_steps, steps, write_runs};
 use super::{MAX_PIXELS, MAX_SIDE_PX};
 use crate::maps::CHUNK;
 use crate::{Coverage, OpticsError};
@@ -78,18 +78,17 @@ impl Coverage {
         if width * height > MAX_PIXELS {
             return Err(bytes.wrong("its frame is too large"));
         }
-        let n_runs = n_runs(&mut bytes, (width, height))?;
-        let mut runs = Vec::with_capacity(n_runs);
-        read_runs::<2>(&mut bytes, (width, height), n_runs, |(x, y), blocks, _| {
+        let mut reader = RunReader::<2>::new(bytes, (width, height))?;
+        let mut runs = Vec::with_capacity(reader.n_left());
+        while let Some(BlockRun { at, blocks, .. }) = reader.next()? {
             let pixels: [(f32, f32); CHUNK] = std::array::from_fn(|k| {
                 let covered = blocks[COVERED][k].clamp(0, FULL);
                 let weight = from_steps(blocks[WEIGHT][k], WEIGHT_STEPS);
                 let weight = if covered > 0 { weight } else { 0.0 };
                 (from_steps(covered, COVER_STEPS), weight)
             });
-            runs.push((x, y, pixels));
-        })?;
-        bytes.end()?;
+            runs.push((at.0, at.1, pixels));
+        }
         Ok(Self::of_runs((width, height), &runs))
     }
 }

@@ -8,10 +8,14 @@
 mod block;
 mod bytes;
 mod coverage;
+mod light_rows;
 mod pattern;
 mod runs;
+mod values;
 
-/// What [`crate::physical::Pattern::from_packed`] and [`crate::Coverage::from_packed`] refuse
+pub use pattern::PackedPattern;
+
+/// What [`PackedPattern::new`] and [`crate::Coverage::from_packed`] refuse
 /// larger frames than, px per side: the largest image that can be read.
 const MAX_SIDE_PX: usize = 32_768;
 

@@ -1,27 +1,27 @@
-//! A baked pattern as bytes.
+//! A baked pattern as bytes, and what is made of them.
 //!
-//! Shares of light are whole numbers of 2⁻¹⁴; the sun's radiance per irradiance is, too, of 2⁻¹⁶
-//! up to 2⁻⁸, and has eight bits of fraction beyond; the place that a mirror shows is in 1/128 px
-//! from the pixel itself. In linear light of at most 1, with the darkest step of an 8-bit code
-//! being 3.0·10⁻⁴ of it, the five shares are off by at most half a code of black together; a sun
-//! of irradiance 8 by a fifth of a code; and the place by one code of the steepest edge that an
-//! image can have, times its share.
-//!
-//! # Limits
-//! Where the renderer chooses by a threshold (the width over which a mirror's picture is averaged)
-//! a pixel just at it may be shown the other way; see the bank's test of rendered pictures.
+//! Version, frame, focal length, layers; then of each layer its blur, its light and its tint, the
+//! last two after their lengths in bytes; then the crack mask.
+
+use std::ops::Range;
+
+use image::GrayImage;
 
 use super::block::Block;
 use super::bytes::{Bytes, write_count};
-use super::runs::{from_steps, n_runs, read_runs, steps, write_runs};
+use super::light_rows::LightRows;
+use super::runs::{BlockRun, RunReader, from_steps, steps, write_runs};
+use super::values::{TINT, light_blocks, light_pixels, tint_blocks, tint_pixels};
 use super::{MAX_PIXELS, MAX_SIDE_PX};
 use crate::OpticsError;
+use crate::environment::Environment;
 use crate::maps::{CHUNK, LaneRun, LaneRuns};
-use crate::physical::{LEAST_ELSEWHERE, Outline, Pattern, PatternLayer};
-use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN};
+use crate::physical::{
+    Lighting, Outline, Overlay, OverlayLayer, Pattern, PatternLayer, PhysicalOptics, code_mask,
+};
 
 /// First byte; another one is another version.
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 
 /// What errors call it.
 const WHAT: &str = "pattern";
@@ -29,39 +29,11 @@ const WHAT: &str = "pattern";
 /// Layers that a pattern may have.
 const MAX_LAYERS: usize = 16;
 
-/// Steps of a share of light in 1.
-const SHARE_STEPS: f32 = 16_384.0;
-
-/// Fewest steps of a share of the frame that the renderer takes from elsewhere: 5·10⁻⁴ is 8.2.
-const FIRST_ELSEWHERE: i32 = 9;
-
-/// Steps of a place in a pixel.
-const PLACE_STEPS: f32 = 128.0;
-
-/// Steps of the sun's lane in 1 where it is small, and up to how many it is.
-const SUN_STEPS: f32 = 65_536.0;
-const SUN_SMALL: i32 = 256;
-
-/// Steps of a place at most: 8192 px, far beyond any frame, of which the border then counts.
-const FARTHEST: i32 = 1 << 20;
-
-/// Bits of a single that the sun's lane does without beyond that, of 23.
-const SUN_CUT: u32 = 15;
-
-/// Those that are left, of the least that is not small.
-const SUN_FIRST: u32 = (127 - 8) << (23 - SUN_CUT);
-
-/// Most steps of the sun's lane: 2³¹, which is white under any sun.
-const SUN_MOST: u32 = 39 << (23 - SUN_CUT);
-
-/// Lanes of the tint that are kept: red, green and blue.
-const TINT: usize = 3;
-
 impl Pattern {
     /// The pattern as bytes, a twentieth or so of its size in memory.
     ///
-    /// A picture made from [`Pattern::from_packed`] of them differs from one made from this
-    /// pattern by at most one code of 8 bits, in few pixels; so for pictures that are to be equal,
+    /// A picture made from a [`PackedPattern`] of them differs from one made from this pattern by
+    /// at most one code of 8 bits, in few pixels; so for pictures that are to be equal,
     /// all are made from the packed form. Packing what was unpacked gives the same bytes, in frames of up
     /// to 8192 px per side.
     #[must_use]
@@ -74,8 +46,13 @@ impl Pattern {
         write_count(&mut out, self.layers().len());
         for layer in self.layers() {
             out.extend_from_slice(&layer.blur_px.to_le_bytes());
-            write_chunks(&mut out, &layer.light, light_blocks);
-            write_chunks(&mut out, &layer.tint, tint_blocks);
+            let [mut light, mut tint] = [Vec::new(), Vec::new()];
+            write_chunks(&mut light, &layer.light, light_blocks);
+            write_chunks(&mut tint, &layer.tint, tint_blocks);
+            for part in [light, tint] {
+                write_count(&mut out, part.len());
+                out.extend(part);
+            }
         }
         match self.outline() {
             Outline::Corners(_) => write_mask(&mut out, &self.coverage()),
@@ -85,148 +62,202 @@ impl Pattern {
         }
         out
     }
+}
 
-    /// The pattern in the bytes of [`Pattern::to_packed`].
+/// A [`Pattern`] in the bytes of [`Pattern::to_packed`].
+///
+/// They are given light as they are read, without the pattern as a whole in memory: the fastest
+/// way to one image.
+#[derive(Debug, Clone)]
+pub struct PackedPattern {
+    bytes: Vec<u8>,
+    size: (u32, u32),
+    f_px: f64,
+    layers: Vec<PackedLayer>,
+    /// Where the mask is.
+    mask: Range<usize>,
+}
+
+/// Where the parts of a layer are.
+#[derive(Debug, Clone)]
+struct PackedLayer {
+    blur_px: f32,
+    light: Range<usize>,
+    tint: Range<usize>,
+}
+
+impl PackedPattern {
+    /// The pattern in some bytes, of which the head is read.
     ///
     /// # Errors
     /// [`OpticsError::Packed`] naming the byte at which they are wrong.
-    pub fn from_packed(bytes: &[u8]) -> Result<Self, OpticsError> {
-        let mut bytes = Bytes::new(WHAT, bytes);
-        if bytes.byte()? != VERSION {
-            return Err(bytes.wrong("it is of another version"));
+    pub fn new(bytes: Vec<u8>) -> Result<Self, OpticsError> {
+        let mut head = Bytes::new(WHAT, &bytes);
+        if head.byte()? != VERSION {
+            return Err(head.wrong("it is of another version"));
         }
-        let width = bytes.count(MAX_SIDE_PX)?;
-        let height = bytes.count(MAX_SIDE_PX)?;
+        let width = head.count(MAX_SIDE_PX)?;
+        let height = head.count(MAX_SIDE_PX)?;
         if width * height > MAX_PIXELS {
-            return Err(bytes.wrong("its frame is too large"));
+            return Err(head.wrong("its frame is too large"));
         }
-        let f_px = f64::from_le_bytes(bytes.take()?);
+        let f_px = f64::from_le_bytes(head.take()?);
         if !(f_px.is_finite() && f_px > 0.0) {
-            return Err(bytes.wrong("its focal length is no length"));
+            return Err(head.wrong("its focal length is no length"));
         }
-        let n_layers = bytes.count(MAX_LAYERS)?;
+        let n_layers = head.count(MAX_LAYERS)?;
         let mut layers = Vec::with_capacity(n_layers);
         for _ in 0..n_layers {
-            let blur_px = f32::from_le_bytes(bytes.take()?);
+            let blur_px = f32::from_le_bytes(head.take()?);
             if !blur_px.is_finite() {
-                return Err(bytes.wrong("its blur is not finite"));
+                return Err(head.wrong("its blur is not finite"));
             }
-            layers.push(PatternLayer {
+            layers.push(PackedLayer {
                 blur_px,
-                light: read_chunks::<LANES, LANES>(&mut bytes, (width, height), light_pixels)?,
-                tint: read_chunks::<TINT, 4>(&mut bytes, (width, height), tint_pixels)?,
+                light: head.part()?,
+                tint: head.part()?,
             });
         }
-        let mask = read_chunks::<1, 1>(
-            &mut bytes,
-            (width, height),
-            |(x, _), ([codes], _), [run]| {
-                for ((lane, code), _) in run.iter_mut().zip(codes).zip(x..width) {
-                    *lane = from_steps((*code).clamp(0, 255), 1.0);
-                }
-            },
-        )?;
-        bytes.end()?;
-        Ok(Self::from_parts(
-            (side(width), side(height)),
+        let mask = head.at()..bytes.len();
+        Ok(Self {
+            size: (side(width), side(height)),
             f_px,
             layers,
-            Outline::Codes(mask),
+            mask,
+            bytes,
+        })
+    }
+
+    /// Width and height of the frame, px.
+    #[must_use]
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Focal length of the camera, px.
+    #[must_use]
+    pub fn f_px(&self) -> f64 {
+        self.f_px
+    }
+
+    /// Whether nothing of a crack is in the frame.
+    #[must_use]
+    pub fn is_intact(&self) -> bool {
+        self.layers.is_empty()
+    }
+
+    /// As [`Pattern::light`] of the pattern.
+    ///
+    /// # Errors
+    /// [`OpticsError::Packed`] naming the byte at which the bytes are wrong.
+    pub fn light(
+        &self,
+        environment: &Environment,
+        optics: &PhysicalOptics,
+    ) -> Result<Overlay, OpticsError> {
+        let layers = self.layers.iter();
+        let layers = layers.map(|layer| self.lit(layer, environment));
+        Ok(Overlay::of_layers(
+            (self.size, self.f_px),
+            environment,
+            optics,
+            layers.collect::<Result<_, _>>()?,
         ))
+    }
+
+    fn lit(
+        &self,
+        layer: &PackedLayer,
+        environment: &Environment,
+    ) -> Result<OverlayLayer, OpticsError> {
+        let mut rows = LightRows::new(self.runs(&layer.light)?);
+        let mut tints = self.runs::<TINT>(&layer.tint)?;
+        let frame = (self.size.0 as usize, layer.blur_px);
+        let mut lighting = Lighting::new(frame, environment, rows.n_left());
+        let mut colors = [[0.0; CHUNK]; 4];
+        while rows.advance()? {
+            for mut run in rows.runs() {
+                let mut has_tint = false;
+                while tints
+                    .at()
+                    .is_some_and(|(x, y)| (y, x) <= (run.at.1, run.at.0))
+                {
+                    if let Some(tint) = tints.next()? {
+                        has_tint = tint.at == run.at;
+                        tint_pixels(&tint, &mut colors);
+                    }
+                }
+                run.tint = has_tint.then_some(&colors);
+                lighting.push(&run);
+            }
+        }
+        while tints.next()?.is_some() {}
+        Ok(lighting.into_layer())
+    }
+
+    /// As [`Pattern::coverage`] of the pattern.
+    ///
+    /// # Errors
+    /// [`OpticsError::Packed`] naming the byte at which the bytes are wrong.
+    pub fn coverage(&self) -> Result<GrayImage, OpticsError> {
+        Ok(code_mask(self.size, &self.codes()?))
+    }
+
+    /// The pattern itself, to be lit again and again.
+    ///
+    /// # Errors
+    /// [`OpticsError::Packed`] naming the byte at which the bytes are wrong.
+    pub fn unpack(&self) -> Result<Pattern, OpticsError> {
+        let layers = self.layers.iter().map(|layer| {
+            Ok(PatternLayer {
+                blur_px: layer.blur_px,
+                light: self.lane_runs(&layer.light, light_pixels)?,
+                tint: self.lane_runs(&layer.tint, tint_pixels)?,
+            })
+        });
+        Ok(Pattern::from_parts(
+            self.size,
+            self.f_px,
+            layers.collect::<Result<_, OpticsError>>()?,
+            Outline::Codes(self.codes()?),
+        ))
+    }
+
+    fn codes(&self) -> Result<LaneRuns<1>, OpticsError> {
+        self.lane_runs(&self.mask, |of: &BlockRun<'_, 1>, [run]| {
+            let [codes] = of.blocks;
+            let width = self.size.0 as usize;
+            for ((lane, code), _) in run.iter_mut().zip(codes).zip(of.at.0..width) {
+                *lane = from_steps((*code).clamp(0, 255), 1.0);
+            }
+        })
+    }
+
+    /// Reads what [`write_chunks`] wrote.
+    fn lane_runs<const B: usize, const L: usize>(
+        &self,
+        part: &Range<usize>,
+        pixels: impl Fn(&BlockRun<'_, B>, &mut LaneRun<L>),
+    ) -> Result<LaneRuns<L>, OpticsError> {
+        let mut reader = self.runs::<B>(part)?;
+        let (width, height) = self.size;
+        let mut runs = LaneRuns::with_room(width as usize, height as usize, reader.n_left());
+        while let Some(run) = reader.next()? {
+            pixels(&run, runs.push(run.at));
+        }
+        Ok(runs)
+    }
+
+    fn runs<const B: usize>(&self, part: &Range<usize>) -> Result<RunReader<'_, B>, OpticsError> {
+        let (width, height) = self.size;
+        let bytes = Bytes::of_part(WHAT, &self.bytes, part);
+        RunReader::new(bytes, (width as usize, height as usize))
     }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "at most MAX_SIDE_PX")]
 fn side(px: usize) -> u32 {
     px as u32
-}
-
-/// The sun's lane as steps; less than nothing is nothing, as for the one who reads it.
-fn sun_steps(value: f32) -> i32 {
-    let small = steps(value.max(0.0), SUN_STEPS);
-    if small < SUN_SMALL {
-        return small;
-    }
-    let kept = (value.to_bits() + (1 << (SUN_CUT - 1))) >> SUN_CUT;
-    let beyond = kept.saturating_sub(SUN_FIRST).min(SUN_MOST);
-    SUN_SMALL + i32::try_from(beyond).unwrap_or(0)
-}
-
-fn sun_from_steps(steps: i32) -> f32 {
-    let beyond = (steps - SUN_SMALL).clamp(0, SUN_MOST.cast_signed());
-    let large = f32::from_bits((beyond.cast_unsigned() + SUN_FIRST) << SUN_CUT);
-    let small = from_steps(steps.max(0), SUN_STEPS);
-    if steps < SUN_SMALL { small } else { large }
-}
-
-/// Middle of a pixel, px.
-#[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-fn middle(at: usize) -> f32 {
-    at as f32 + 0.5
-}
-
-fn light_blocks((x, y): (usize, usize), run: &LaneRun<LANES>) -> [Block; LANES] {
-    let mut blocks = [[0; CHUNK]; LANES];
-    for k in 0..CHUNK {
-        let lanes = run.map(|lane| lane[k]);
-        for lane in 0..N_SHARES {
-            blocks[lane][k] = steps(lanes[lane], SHARE_STEPS);
-        }
-        if lanes[FRAME] > LEAST_ELSEWHERE {
-            // Stays on that side, on which the renderer looks elsewhere.
-            blocks[FRAME][k] = blocks[FRAME][k].max(FIRST_ELSEWHERE);
-        }
-        blocks[SUN][k] = sun_steps(lanes[SUN]);
-        let has_place = from_steps(blocks[FRAME][k], SHARE_STEPS) > LEAST_ELSEWHERE;
-        for (lane, own) in [(FRAME_U, middle(x + k)), (FRAME_V, middle(y))] {
-            blocks[lane][k] = if has_place {
-                steps(lanes[lane] / lanes[FRAME] - own, PLACE_STEPS).clamp(-FARTHEST, FARTHEST)
-            } else if k > 0 {
-                // Not read; as its neighbor it takes no bits.
-                blocks[lane][k - 1]
-            } else {
-                0
-            };
-        }
-    }
-    blocks
-}
-
-/// Of the runs of zeros those lanes that have a bit in `present`.
-fn light_pixels(
-    (x, y): (usize, usize),
-    (blocks, present): (&[Block; LANES], u8),
-    run: &mut LaneRun<LANES>,
-) {
-    let is_present = |lane: usize| present >> lane & 1 == 1;
-    for lane in (0..N_SHARES).filter(|lane| is_present(*lane)) {
-        run[lane] = blocks[lane].map(|steps| from_steps(steps, SHARE_STEPS));
-    }
-    if is_present(SUN) {
-        run[SUN] = blocks[SUN].map(sun_from_steps);
-    }
-    if !is_present(FRAME) {
-        return;
-    }
-    let shares = run[FRAME];
-    for (k, share) in shares.into_iter().enumerate() {
-        if share > LEAST_ELSEWHERE {
-            for (lane, own) in [(FRAME_U, middle(x + k)), (FRAME_V, middle(y))] {
-                let steps = blocks[lane][k].clamp(-FARTHEST, FARTHEST);
-                run[lane][k] = (own + from_steps(steps, PLACE_STEPS)) * share;
-            }
-        }
-    }
-}
-
-fn tint_blocks(_: (usize, usize), run: &LaneRun<4>) -> [Block; TINT] {
-    std::array::from_fn(|c| run[c + 1].map(|color| steps(color, SHARE_STEPS)))
-}
-
-fn tint_pixels(_: (usize, usize), (blocks, _): (&[Block; TINT], u8), run: &mut LaneRun<4>) {
-    for (lane, block) in run[1..].iter_mut().zip(blocks) {
-        *lane = block.map(|steps| from_steps(steps, SHARE_STEPS));
-    }
 }
 
 /// Writes the runs that have anything in them.
@@ -243,7 +274,7 @@ fn write_chunks<const L: usize, const B: usize>(
 }
 
 /// Writes the codes of a mask in the same way.
-fn write_mask(out: &mut Vec<u8>, mask: &image::GrayImage) {
+fn write_mask(out: &mut Vec<u8>, mask: &GrayImage) {
     let (width, height) = (mask.width() as usize, mask.height() as usize);
     let mut runs = Vec::new();
     for (y, row) in mask.as_raw().chunks(width.max(1)).enumerate().take(height) {
@@ -258,18 +289,4 @@ fn write_mask(out: &mut Vec<u8>, mask: &image::GrayImage) {
         }
     }
     write_runs(out, width, &runs);
-}
-
-/// Reads what [`write_chunks`] wrote.
-fn read_chunks<const B: usize, const L: usize>(
-    bytes: &mut Bytes<'_>,
-    size: (usize, usize),
-    pixels: impl Fn((usize, usize), (&[Block; B], u8), &mut LaneRun<L>),
-) -> Result<LaneRuns<L>, OpticsError> {
-    let n_runs = n_runs(bytes, size)?;
-    let mut chunks = LaneRuns::with_room(size.0, size.1, n_runs);
-    read_runs(bytes, size, n_runs, |at, blocks, present| {
-        pixels(at, (blocks, present), chunks.push(at));
-    })?;
-    Ok(chunks)
 }

@@ -62,63 +62,111 @@ fn mask_of<const B: usize>(blocks: &[Block; B]) -> u8 {
 /// Bytes of a run at least: its place, its lanes, and one block without a difference.
 const MIN_RUN: usize = 4;
 
-/// Reads the number of runs, for which there are enough bytes.
-pub(super) fn n_runs(
-    bytes: &mut Bytes<'_>,
-    (width, height): (usize, usize),
-) -> Result<usize, OpticsError> {
-    let n_runs = bytes.count(width.div_ceil(CHUNK) * height)?;
-    if n_runs > bytes.rest().len() / MIN_RUN {
-        return Err(bytes.wrong("it has more runs than bytes"));
-    }
-    Ok(n_runs)
+/// Reads what [`write_runs`] wrote, run by run.
+pub(super) struct RunReader<'a, const B: usize> {
+    bytes: Bytes<'a>,
+    n_across: usize,
+    n_places: usize,
+    /// Place of the run that comes next, if there is one.
+    place: Option<usize>,
+    /// Runs from that one on.
+    n_left: usize,
+    above: Above<B>,
+    coded: [Coded; B],
 }
 
-/// Reads the runs that [`write_runs`] wrote behind their number, each given to `each` with a bit for
-/// each lane that is not all zeros.
-pub(super) fn read_runs<const B: usize>(
-    bytes: &mut Bytes<'_>,
-    size: (usize, usize),
-    n_runs: usize,
-    mut each: impl FnMut((usize, usize), &[Block; B], u8),
-) -> Result<(), OpticsError> {
-    let n_across = size.0.div_ceil(CHUNK);
-    let n_places = n_across * size.1;
-    let mut above = Above::<B>::new(n_across);
-    let mut coded = [Coded::NOTHING; B];
-    let mut next = 0;
-    for _ in 0..n_runs {
-        let place = next + bytes.count(n_places)?;
-        if place >= n_places {
-            return Err(bytes.wrong("a run lies beyond its frame"));
+/// A run as it was read.
+pub(super) struct BlockRun<'a, const B: usize> {
+    /// Its first pixel and row.
+    pub(super) at: (usize, usize),
+    pub(super) blocks: &'a [Block; B],
+    /// A bit for each lane that is not all zeros.
+    pub(super) present: u8,
+}
+
+impl<'a, const B: usize> RunReader<'a, B> {
+    pub(super) fn new(
+        mut bytes: Bytes<'a>,
+        (width, height): (usize, usize),
+    ) -> Result<Self, OpticsError> {
+        let n_across = width.div_ceil(CHUNK);
+        let n_places = n_across * height;
+        let n_left = bytes.count(n_places)?;
+        if n_left > bytes.rest().len() / MIN_RUN {
+            return Err(bytes.wrong("it has more runs than bytes"));
         }
-        next = place + 1;
-        let (across, y) = (place % n_across, place / n_across);
-        let mask = bytes.byte()?;
-        if mask == 0 || usize::from(mask) >> B != 0 {
-            return Err(bytes.wrong("a run has no lanes or unknown ones"));
+        let mut reader = Self {
+            bytes,
+            n_across,
+            n_places,
+            place: None,
+            n_left,
+            above: Above::new(n_across),
+            coded: [Coded::NOTHING; B],
+        };
+        reader.find_next(0)?;
+        Ok(reader)
+    }
+
+    /// Number of runs that have not been read yet, for which there are enough bytes.
+    pub(super) fn n_left(&self) -> usize {
+        self.n_left
+    }
+
+    /// First pixel and row of the run that comes next.
+    pub(super) fn at(&self) -> Option<(usize, usize)> {
+        let place = self.place?;
+        Some((place % self.n_across * CHUNK, place / self.n_across))
+    }
+
+    /// The run that comes next; after the last one there is nothing more in the bytes.
+    pub(super) fn next(&mut self) -> Result<Option<BlockRun<'_, B>>, OpticsError> {
+        let (Some(place), Some(at)) = (self.place, self.at()) else {
+            return self.bytes.end().map(|()| None);
+        };
+        let present = self.bytes.byte()?;
+        if present == 0 || usize::from(present) >> B != 0 {
+            return Err(self.bytes.wrong("a run has no lanes or unknown ones"));
         }
-        // Read over the blocks above, which are not wanted any more.
-        let (blocks, are_above) = above.take(across, y);
         // All lanes before any is restored: bits that have just been taken apart one by one would
         // have to be waited for.
-        for (lane, coded) in coded.iter_mut().enumerate() {
-            if mask >> lane & 1 == 1 {
-                read_block(bytes, coded)?;
+        for (lane, coded) in self.coded.iter_mut().enumerate() {
+            if present >> lane & 1 == 1 {
+                read_block(&mut self.bytes, coded)?;
             }
         }
-        for (lane, (block, coded)) in blocks.iter_mut().zip(&coded).enumerate() {
-            let is_present = mask >> lane & 1 == 1;
+        self.n_left -= 1;
+        self.find_next(place + 1)?;
+        // Read over the blocks above, which are not wanted any more.
+        let (blocks, are_above) = self.above.take(at.0 / CHUNK, at.1);
+        for (lane, (block, coded)) in blocks.iter_mut().zip(&self.coded).enumerate() {
+            let is_present = present >> lane & 1 == 1;
             if !(is_present && are_above) {
                 *block = ZEROS;
             }
             if is_present && !coded.restore(block) {
-                return Err(bytes.wrong("a number is too large"));
+                return Err(self.bytes.wrong("a number is too large"));
             }
         }
-        each((across * CHUNK, y), blocks, mask);
+        Ok(Some(BlockRun {
+            at,
+            blocks,
+            present,
+        }))
     }
-    Ok(())
+
+    /// Finds the place of the next run, which is `first` at least.
+    fn find_next(&mut self, first: usize) -> Result<(), OpticsError> {
+        self.place = None;
+        if self.n_left > 0 {
+            let place = first + self.bytes.count(self.n_places)?;
+            if place >= self.n_places {
+                return Err(self.bytes.wrong("a run lies beyond its frame"));
+            }
+            self.place = Some(place);
+        }
+        Ok(())
+    }
 }
 
 /// The latest blocks of each column of runs.

@@ -35,42 +35,94 @@ impl Colors {
     }
 }
 
+/// A run of pixels as it was baked, and what of its layer lies beside it.
+pub(crate) struct BakedRun<'a> {
+    /// First pixel and row.
+    pub(crate) at: (usize, usize),
+    pub(crate) lanes: &'a LaneRun<LANES>,
+    pub(crate) tint: Option<&'a LaneRun<4>>,
+    /// The run to the right, and the one below.
+    pub(crate) right: Option<&'a LaneRun<LANES>>,
+    pub(crate) below: Option<&'a LaneRun<LANES>>,
+}
+
+/// A layer that is given light run by run, in the order of rows.
+pub(crate) struct Lighting {
+    colors: Colors,
+    frame_width: usize,
+    blur_px: f32,
+    layer: OverlayLayer,
+}
+
+impl Lighting {
+    /// Of so many runs.
+    pub(crate) fn new(
+        (frame_width, blur_px): (usize, f32),
+        environment: &Environment,
+        n_runs: usize,
+    ) -> Self {
+        Self {
+            colors: Colors::of(environment),
+            frame_width,
+            blur_px,
+            layer: OverlayLayer {
+                runs: Vec::with_capacity(n_runs),
+                elsewhere: Vec::new(),
+            },
+        }
+    }
+
+    /// The next run.
+    pub(crate) fn push(&mut self, baked: &BakedRun<'_>) {
+        let mut shares = shares_of(baked.lanes);
+        let scaled;
+        let lanes = if any_above(&shares, 1.0) {
+            scaled = scaled_to_one(baked.lanes, &mut shares);
+            &scaled
+        } else {
+            baked.lanes
+        };
+        let added = added_by(lanes, &shares, &self.colors);
+        if added.touched == 0 {
+            return;
+        }
+        let run = self.layer.runs.push_mut(Run::untouched(baked.at));
+        run.touched = added.touched;
+        run.shine(&added, lanes, &shares);
+        if let Some(tint) = baked.tint {
+            run.tint(&added, lanes, &shares, tint);
+        }
+        if any_above(&lanes[FRAME], LEAST_ELSEWHERE)
+            && let Some(other) =
+                elsewhere_of(baked, lanes, run.touched, (self.frame_width, self.blur_px))
+        {
+            run.elsewhere = Some(self.layer.elsewhere.len());
+            self.layer.elsewhere.push(other);
+        }
+    }
+
+    /// The layer under the light.
+    pub(crate) fn into_layer(self) -> OverlayLayer {
+        self.layer
+    }
+}
+
 impl OverlayLayer {
     /// A layer under the light of an environment.
     pub(super) fn lit(layer: &PatternLayer, environment: &Environment) -> Self {
-        let mut overlay = Self {
-            runs: Vec::with_capacity(layer.light.n_runs()),
-            elsewhere: Vec::new(),
-        };
-        let colors = Colors::of(environment);
-        for (x, y, lanes) in layer.light.iter() {
-            let mut shares = shares_of(lanes);
-            let scaled;
-            let lanes = if any_above(&shares, 1.0) {
-                scaled = scaled_to_one(lanes, &mut shares);
-                &scaled
-            } else {
-                lanes
-            };
-            let added = added_by(lanes, &shares, &colors);
-            if added.touched == 0 {
-                continue;
-            }
-            let run = overlay.runs.push_mut(Run::untouched((x, y)));
-            run.touched = added.touched;
-            run.shine(&added, lanes, &shares);
-            if let Some(tint) = layer.tint.run_at(x, y) {
-                run.tint(&added, lanes, &shares, tint);
-            }
-            if any_above(&lanes[FRAME], LEAST_ELSEWHERE) {
-                let other = elsewhere_of(layer, run, lanes);
-                run.elsewhere = other.map(|other| {
-                    overlay.elsewhere.push(other);
-                    overlay.elsewhere.len() - 1
-                });
-            }
+        let light = &layer.light;
+        let frame = (light.size().0, layer.blur_px);
+        let mut lighting = Lighting::new(frame, environment, light.n_runs());
+        for (x, y, lanes) in light.iter() {
+            lighting.push(&BakedRun {
+                at: (x, y),
+                lanes,
+                tint: layer.tint.run_at(x, y),
+                right: light.run_at(x + CHUNK, y),
+                below: light.run_at(x, y + 1),
+            });
         }
-        overlay
+        lighting.into_layer()
     }
 }
 
@@ -222,28 +274,33 @@ impl Run {
     }
 }
 
-/// Light of a run from elsewhere in the frame, if there is any.
-fn elsewhere_of(layer: &PatternLayer, run: &Run, lanes: &LaneRun<LANES>) -> Option<Elsewhere> {
-    let shows = |k: usize| run.touched >> k & 1 == 1 && lanes[FRAME][k] > LEAST_ELSEWHERE;
+/// Light of a run from elsewhere in the frame, if there is any; `lanes` are those of the run, of
+/// shares of at most 1 together.
+fn elsewhere_of(
+    baked: &BakedRun<'_>,
+    lanes: &LaneRun<LANES>,
+    touched: u32,
+    (frame_width, blur_px): (usize, f32),
+) -> Option<Elsewhere> {
+    let shows = |k: usize| touched >> k & 1 == 1 && lanes[FRAME][k] > LEAST_ELSEWHERE;
     let shows: [bool; CHUNK] = std::array::from_fn(shows);
     if !shows.contains(&true) {
         return None;
     }
     let own = Places::of(lanes);
     // The neighbors as they were baked.
-    let at = |x, y| layer.light.run_at(x, y);
-    let mut right = match at(run.x, run.y) {
-        Some(baked) if std::ptr::eq(baked, lanes) => own.clone(),
-        Some(baked) => Places::of(baked),
-        None => Places::NONE,
+    let mut right = if std::ptr::eq(baked.lanes, lanes) {
+        own.clone()
+    } else {
+        Places::of(baked.lanes)
     };
-    let next = at(run.x + CHUNK, run.y).map(Places::first_of);
-    right.shift_left(next, layer.light.size().0 - run.x);
-    let below = at(run.x, run.y + 1).filter(|below| !is_dark(&below[FRAME]));
+    let next = baked.right.map(Places::first_of);
+    right.shift_left(next, frame_width - baked.at.0);
+    let below = baked.below.filter(|below| !is_dark(&below[FRAME]));
     let below = below.map_or(Places::NONE, Places::of);
     let mut width = [0.0; CHUNK];
     for beside in [right, below] {
-        own.widen(&beside, layer.blur_px, &mut width);
+        own.widen(&beside, blur_px, &mut width);
     }
     let only = |values: &[f32; CHUNK]| {
         let value = |k: usize| if shows[k] { values[k] } else { 0.0 };

@@ -14,10 +14,12 @@ mod pattern;
 mod render;
 mod samples;
 
+pub use crate::packed::PackedPattern;
 pub(crate) use defocus::{Beyond, defocus_rows};
-pub(crate) use overlay::LEAST_ELSEWHERE;
+pub(crate) use light::{BakedRun, Lighting};
+pub(crate) use overlay::{LEAST_ELSEWHERE, OverlayLayer};
 pub use overlay::{OpticalMaps, Overlay};
 pub use params::{PhysicalOptics, SensorNoise, SurfaceParams};
-pub(crate) use pattern::{Outline, PatternLayer};
+pub(crate) use pattern::{Outline, PatternLayer, code_mask};
 pub use pattern::{Pattern, bake};
 pub use render::{Rendered, render};

@@ -25,7 +25,7 @@ pub struct Overlay {
 
 /// One layer of it.
 #[derive(Debug, Clone, Default)]
-pub(super) struct OverlayLayer {
+pub(crate) struct OverlayLayer {
     /// In the order of rows.
     pub(super) runs: Vec<Run>,
     pub(super) elsewhere: Vec<Elsewhere>,
@@ -76,15 +76,23 @@ impl Overlay {
         environment: &Environment,
         optics: &PhysicalOptics,
     ) -> Self {
+        let layers = pattern.layers().iter();
+        let layers = layers.map(|layer| OverlayLayer::lit(layer, environment));
+        let frame = (pattern.size(), pattern.f_px());
+        Self::of_layers(frame, environment, optics, layers.collect())
+    }
+
+    pub(crate) fn of_layers(
+        (size, f_px): ((u32, u32), f64),
+        environment: &Environment,
+        optics: &PhysicalOptics,
+        layers: Vec<OverlayLayer>,
+    ) -> Self {
         Self {
-            size: pattern.size(),
-            layers: pattern
-                .layers()
-                .iter()
-                .map(|layer| OverlayLayer::lit(layer, environment))
-                .collect(),
+            size,
+            layers,
             optics: *optics,
-            f_px: pattern.f_px(),
+            f_px,
             environment: *environment,
         }
     }
@@ -120,13 +128,7 @@ impl Overlay {
                 layer.runs.push(run);
             }
         }
-        Self {
-            size,
-            layers: vec![layer],
-            optics: *optics,
-            f_px,
-            environment: *environment,
-        }
+        Self::of_layers((size, f_px), environment, optics, vec![layer])
     }
 
     /// The light it is under.

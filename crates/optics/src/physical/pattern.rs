@@ -167,12 +167,7 @@ impl Pattern {
     pub fn coverage(&self) -> GrayImage {
         match &self.outline {
             Outline::Corners(outlines) => self.covered_by(outlines),
-            Outline::Codes(codes) => {
-                let (width, height) = self.size;
-                let mut mask = GrayImage::new(width, height);
-                set_codes(&mut mask, codes);
-                mask
-            }
+            Outline::Codes(codes) => code_mask(self.size, codes),
         }
     }
 
@@ -197,9 +192,10 @@ impl Pattern {
     }
 }
 
-/// Sets the pixels that runs have to their codes.
-fn set_codes(mask: &mut GrayImage, codes: &LaneRuns<1>) {
-    let width = mask.width() as usize;
+/// A mask of codes; 0 where there is no run.
+pub(crate) fn code_mask(size: (u32, u32), codes: &LaneRuns<1>) -> GrayImage {
+    let mut mask = GrayImage::new(size.0, size.1);
+    let width = size.0 as usize;
     for (x, y, [run]) in codes.iter() {
         let row = &mut mask.as_mut()[y * width..(y + 1) * width];
         for (pixel, code) in row.iter_mut().skip(x).take(CHUNK).zip(run) {
@@ -212,6 +208,7 @@ fn set_codes(mask: &mut GrayImage, codes: &LaneRuns<1>) {
             *pixel = code;
         }
     }
+    mask
 }
 
 /// Mean radius of the discs of some facets, px.

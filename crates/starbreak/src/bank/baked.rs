@@ -4,7 +4,7 @@ use image::GrayImage;
 use starbreak_dataset::encode_mask;
 use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::paper::draw;
-use starbreak_optics::physical::{Pattern, bake};
+use starbreak_optics::physical::{PackedPattern, bake};
 use starbreak_optics::{Coverage, OpticsError};
 
 use super::PatternFacts;
@@ -15,19 +15,7 @@ use crate::{Error, OpticsSettings, Settings};
 pub(super) struct BakedRecord {
     pub(super) facts: PatternFacts,
     pub(super) crack_mask_png: Vec<u8>,
-    packed: Packed,
-}
-
-/// Bytes of the packed form, which end those of a record.
-struct Packed {
-    bytes: Vec<u8>,
-    from: usize,
-}
-
-impl Packed {
-    fn bytes(&self) -> &[u8] {
-        self.bytes.get(self.from..).unwrap_or_default()
-    }
+    packed: Vec<u8>,
 }
 
 /// Bakes a network for a frame; its crack mask comes along.
@@ -52,10 +40,7 @@ pub(super) fn bake_record(
     let record = BakedRecord {
         facts: PatternFacts::of(network, seed),
         crack_mask_png: encode_mask(&mask)?,
-        packed: Packed {
-            bytes: packed,
-            from: 0,
-        },
+        packed,
     };
     Ok((record, mask))
 }
@@ -64,40 +49,42 @@ impl BakedRecord {
     /// Facts as JSON, mask and pattern, each but the last after its length.
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let facts = serde_json::to_vec(&self.facts).unwrap_or_default();
-        let mut out = Vec::with_capacity(
-            facts.len() + self.crack_mask_png.len() + self.packed.bytes().len() + 8,
-        );
+        let mut out =
+            Vec::with_capacity(facts.len() + self.crack_mask_png.len() + self.packed.len() + 8);
         for part in [&facts, &self.crack_mask_png] {
             let n = u32::try_from(part.len()).unwrap_or(u32::MAX);
             out.extend_from_slice(&n.to_le_bytes());
             out.extend_from_slice(part);
         }
-        out.extend_from_slice(self.packed.bytes());
+        out.extend_from_slice(&self.packed);
         out
     }
 
     /// What [`BakedRecord::to_bytes`] wrote, or what is wrong with it.
-    pub(super) fn of_bytes(bytes: Vec<u8>) -> Result<Self, String> {
+    pub(super) fn of_bytes(mut bytes: Vec<u8>) -> Result<Self, String> {
         let (facts, rest) = part_of(&bytes).ok_or("it ends in its facts")?;
         let (mask, packed) = part_of(rest).ok_or("it ends in its mask")?;
         Ok(Self {
             facts: serde_json::from_slice(facts).map_err(|cause| cause.to_string())?,
             crack_mask_png: mask.to_vec(),
-            packed: Packed {
-                from: bytes.len() - packed.len(),
-                bytes,
+            packed: {
+                let from = bytes.len() - packed.len();
+                bytes.drain(..from);
+                bytes
             },
         })
     }
 
-    /// What the optics of these settings want.
-    pub(super) fn unpack(&self, settings: &Settings) -> Result<Baked, OpticsError> {
-        Ok(match settings.optics {
-            OpticsSettings::Paper(_) => Baked::Paper(Coverage::from_packed(self.packed.bytes())?),
-            OpticsSettings::Physical(_) => {
-                Baked::Physical(Pattern::from_packed(self.packed.bytes())?)
-            }
-        })
+    /// Its parts: facts, crack mask, and what the optics of these settings want.
+    pub(super) fn into_parts(
+        self,
+        settings: &Settings,
+    ) -> Result<(PatternFacts, Vec<u8>, Baked), OpticsError> {
+        let baked = match settings.optics {
+            OpticsSettings::Paper(_) => Baked::Paper(Coverage::from_packed(&self.packed)?),
+            OpticsSettings::Physical(_) => Baked::Packed(PackedPattern::new(self.packed)?),
+        };
+        Ok((self.facts, self.crack_mask_png, baked))
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use image::GrayImage;
 use starbreak_dataset::{BankFile, ImageLimits, decode_image, file_in};
 use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_optics::OpticsError;
 
 use super::baked::{BakedRecord, bake_record};
 use super::header::{BANK_SCHEMA, BankHeader, read_header};
@@ -145,8 +146,8 @@ impl PatternBank {
                 bake_record(&self.settings, &network, size, self.header.seed_of(idx))?.0
             }
         };
-        let baked = record
-            .unpack(&self.settings)
+        let (facts, crack_mask_png, baked) = record
+            .into_parts(&self.settings)
             .map_err(|cause| self.wrong(idx, cause.to_string()))?;
         if baked.size() != size {
             return Err(self.wrong(idx, "its pattern is of another size".to_owned()));
@@ -154,8 +155,8 @@ impl PatternBank {
         Ok(BankPattern {
             idx,
             baked,
-            crack_mask_png: record.crack_mask_png,
-            facts: record.facts,
+            crack_mask_png,
+            facts,
             was_baked_anew: place.is_none(),
         })
     }
@@ -185,9 +186,11 @@ impl PatternBank {
             return network_of_bytes(&bytes).map(|_| ());
         };
         let record = BakedRecord::of_bytes(bytes)?;
-        let baked = record
-            .unpack(&self.settings)
-            .map_err(|cause| cause.to_string())?;
+        let wrong = |cause: OpticsError| cause.to_string();
+        let (_, _, baked) = record.into_parts(&self.settings).map_err(wrong)?;
+        if let Baked::Packed(pattern) = &baked {
+            pattern.unpack().map_err(wrong)?;
+        }
         if self.header.sizes.get(place) == Some(&baked.size()) {
             Ok(())
         } else {

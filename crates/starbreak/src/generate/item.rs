@@ -96,7 +96,7 @@ impl Item<'_> {
             let is_upright = file.orientation == Orientation::NoTransforms;
             let crack = match &pattern.crack_mask_png {
                 Some(png) if is_upright => png.clone(),
-                _ => encode_mask_as(&pattern.baked.crack_mask(), &file)?,
+                _ => encode_mask_as(&pattern.baked.crack_mask()?, &file)?,
             };
             Some((encode_mask_as(&shown.region, &file)?, crack))
         } else {

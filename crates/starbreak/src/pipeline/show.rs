@@ -6,7 +6,7 @@ use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::paper::{composite, draw};
 use starbreak_optics::photo::PhotoPattern;
-use starbreak_optics::physical::{Overlay, Pattern, PhysicalOptics, bake};
+use starbreak_optics::physical::{Overlay, PackedPattern, Pattern, PhysicalOptics, bake};
 use starbreak_optics::{Before, Contrast, Coverage, Masks, View};
 
 use super::{Cracked, Details, Simulated, Stopwatch, sheet_view, view, view_of_network};
@@ -41,6 +41,8 @@ pub enum Baked {
     Paper(Coverage),
     /// The physical optics': shares of light.
     Physical(Pattern),
+    /// The same out of a bank: unpacked as it is given light, for each image anew.
+    Packed(PackedPattern),
     /// The physical optics' of a photograph: opacity and light.
     Photo {
         /// The photograph as the lens shows it.
@@ -94,7 +96,7 @@ pub fn show_cracks(
     } = shown;
     let masks = Masks {
         region,
-        crack: baked.crack_mask(),
+        crack: baked.crack_mask()?,
     };
     watch.lap("masks");
     let maps = overlay
@@ -159,7 +161,7 @@ impl Baked {
     pub fn stage(&self) -> &'static str {
         match self {
             Self::Paper(_) => "draw",
-            Self::Physical(_) | Self::Photo { .. } => "bake",
+            Self::Physical(_) | Self::Packed(_) | Self::Photo { .. } => "bake",
         }
     }
 
@@ -169,6 +171,7 @@ impl Baked {
         match self {
             Self::Paper(drawn) => drawn.is_empty(),
             Self::Physical(pattern) => pattern.is_intact(),
+            Self::Packed(pattern) => pattern.is_intact(),
             Self::Photo { pattern, .. } => pattern.is_intact(),
         }
     }
@@ -178,6 +181,7 @@ impl Baked {
     pub fn size(&self) -> (u32, u32) {
         match self {
             Self::Physical(pattern) => pattern.size(),
+            Self::Packed(pattern) => pattern.size(),
             Self::Photo { pattern, .. } => pattern.size(),
             Self::Paper(drawn) => {
                 let (width, height) = drawn.size();
@@ -188,13 +192,16 @@ impl Baked {
     }
 
     /// Coverage of the frame by cracks as they would be in focus, 255 = in full.
-    #[must_use]
-    pub fn crack_mask(&self) -> GrayImage {
-        match self {
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for a packed pattern whose bytes are wrong.
+    pub fn crack_mask(&self) -> Result<GrayImage, Error> {
+        Ok(match self {
             Self::Paper(drawn) => drawn.to_mask(),
             Self::Physical(pattern) => pattern.coverage(),
+            Self::Packed(pattern) => pattern.coverage()?,
             Self::Photo { pattern, .. } => pattern.coverage(),
-        }
+        })
     }
 
     /// Puts the crack over an image, in place, under the light of the image. The seed is that
@@ -262,6 +269,11 @@ impl Baked {
             (Self::Physical(pattern), OpticsSettings::Physical(optics)) => {
                 let f_px = pattern.f_px();
                 let overlay = pattern.light(&estimate(image, optics, f_px), optics);
+                (overlay, optics, f_px)
+            }
+            (Self::Packed(pattern), OpticsSettings::Physical(optics)) => {
+                let f_px = pattern.f_px();
+                let overlay = pattern.light(&estimate(image, optics, f_px), optics)?;
                 (overlay, optics, f_px)
             }
             (Self::Photo { pattern, gain }, OpticsSettings::Physical(optics)) => {

@@ -1,4 +1,4 @@
-//! `Pattern::from_packed` on arbitrary bytes.
+//! `PackedPattern` on arbitrary bytes.
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| starbreak_fuzz::pattern(bytes));
