@@ -2,7 +2,7 @@
 //! being written and read again.
 //!
 //! One function per target. Each returns for an input that behaves, and panics for a finding;
-//! libFuzzer and [`replay`](../replay/index.html) call the same functions.
+//! libFuzzer and the test `replay` call the same functions.
 #![forbid(unsafe_code)]
 
 mod bank;

@@ -11,8 +11,8 @@ use xtask::{deps, gallery, licences, lint, refs, root, test};
 
 const USAGE: &str = "\
 usage: cargo xtask <task>
-  test            cargo test --workspace with doctests, the wheel of the Python package and its
-                  tests, and the replay of the fuzz corpus; its tools (Python packages, ffmpeg,
+  test            cargo test --workspace with doctests and the replay of the fuzz corpus, the wheel
+                  of the Python package and its tests; its tools (Python packages, ffmpeg,
                   maturin) come from PyPI into target/test-venv
   lint            fmt, clippy, rustdoc, licences, deps --check, refs
   licences        every package's licence is on the allow-list and every source is crates.io

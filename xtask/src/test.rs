@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Stdio;
 
 use crate::Failure;
-use crate::command::{cargo, line_of, run as run_command};
+use crate::command::{cargo, line_of};
 
 mod python;
 mod report;
@@ -14,23 +14,21 @@ mod tools;
 use report::Report;
 use tools::Tools;
 
-/// `cargo xtask test`: the tools of the tests, all tests and doctests, those of the Python package in
-/// its wheel, then the replay of the fuzz corpus.
+/// `cargo xtask test`: the tools of the tests, all tests and doctests with the replay of the fuzz
+/// corpus, then those of the Python package in its wheel.
 ///
 /// # Errors
-/// If the tools or the wheel cannot be made, a test fails or the replay has a finding.
+/// If the tools or the wheel cannot be made, or a test fails.
 pub fn run(root: &Path) -> Result<(), Failure> {
     let tools = Tools::prepare(root)?;
     let (mut report, tests) = run_tests(root, &tools)?;
     let of_python = python::test(root, &tools, &mut report);
-    let replay = ["run", "--quiet", "--locked", "--package", "starbreak-fuzz"];
-    let replay = run_command(cargo(root, &replay));
     println!();
     for skipped in report.skipped() {
         println!("skipped: {skipped}");
     }
     println!("{report}");
-    tests.and(of_python).and(replay)
+    tests.and(of_python)
 }
 
 /// Runs cargo test, passes on what a reader wants to see, and counts.

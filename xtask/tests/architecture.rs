@@ -35,6 +35,7 @@ const OURS: &[(&str, &[&str])] = &[
         &["starbreak", "starbreak-dataset", "starbreak-eval"],
     ),
     ("starbreak-python", &["starbreak"]),
+    ("starbreak-fuzz", &["starbreak", "starbreak-dataset"]),
     ("xtask", &[]),
 ];
 
