@@ -93,7 +93,7 @@ impl Mutator {
 
     fn below(&mut self, bound: usize) -> usize {
         // The remainder is below a usize.
-        (self.next_u64() % bound as u64) as usize
+        usize::try_from(self.next_u64() % bound as u64).unwrap_or(0)
     }
 
     /// splitmix64.
