@@ -106,6 +106,27 @@ fn a_damaged_clip_is_refused_in_all_containers() {
 }
 
 #[test]
+fn a_cut_clip_is_refused_though_a_complaint_ends_a_line_about_a_frame() {
+    let Some(studio) = Studio::open() else { return };
+    studio.make("s=320x240:r=25:d=2", "-c:v libx264 -g 25", "in.mkv");
+    let path = studio.path().join("in.mkv");
+    let bytes = fs::read(&path).unwrap();
+    fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    // As ffmpeg's threads do it now and then, in one run of thirty or so.
+    let script = r#"exec 3>&1
+case "$*" in *showinfo*) "$REAL" "$@" 2>&1 >&3 3>&- |
+    sed -u 's/^.*\[error\] File ended/[Parsed_showinfo_0 @ 0x1] [info] color_range:tvFile ended/' >&2;;
+*) exec "$REAL" "$@";; esac"#;
+    let studio = with_stand_in(&studio, script);
+    none(vec![refused(
+        &studio,
+        &["in.mkv", "-o", "a.mp4"],
+        2,
+        "repair it first",
+    )]);
+}
+
+#[test]
 fn an_absent_ffmpeg_says_how_to_get_one() {
     let dir = common::folder();
     fs::write(dir.path().join("in.mp4"), "not empty").unwrap();

@@ -169,7 +169,12 @@ impl Ffmpeg {
         }
     }
 
-    /// When each packet of the video is shown, without decoding it.
+    /// When each packet of the video is shown, without decoding it; refused where the file does not
+    /// go on to its end.
+    ///
+    /// Only this run's log can be trusted with that: ffmpeg's threads share a line, and in a run
+    /// with [`Self::showinfo`] the complaint of one may stand, without its level, at the end of
+    /// what another says of a frame.
     fn packet_times(&self, path: &Path) -> Result<PacketTimes, VideoError> {
         let mut args = input_args(path);
         args.extend(
@@ -184,7 +189,7 @@ impl Ffmpeg {
             }
         }
         let ended = running.wait();
-        if !ended.is_success {
+        if !ended.is_success || ended.has_complained {
             return Err(clip_error(path, ended.said));
         }
         times.ticks.sort_unstable();
