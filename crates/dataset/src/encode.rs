@@ -229,7 +229,9 @@ fn write_png(
     info.icc_profile = icc_profile.map(Cow::Borrowed);
     info.exif_metadata = exif.map(Cow::Borrowed);
 
-    let mut bytes = Vec::new();
+    // Room for all, or the last few bytes would have what is there copied once more. What is not
+    // written to takes no memory.
+    let mut bytes = Vec::with_capacity(samples.len());
     let mut encoder = png::Encoder::with_info(&mut bytes, info).map_err(png_error)?;
     use_fast_compression(&mut encoder);
     encoder.set_filter(filter);

@@ -38,35 +38,32 @@ impl OverlayLayer {
         } else {
             Coarse { levels: Vec::new() }
         };
-        self.elsewhere
-            .iter()
-            .map(|other| {
-                let mut gathered = [[0.0; COLORS]; CHUNK];
-                for (k, gathered) in gathered.iter_mut().enumerate() {
-                    let share = other.share[k];
-                    if share <= 0.0 {
-                        continue;
-                    }
-                    let place = [other.u[k], other.v[k]];
-                    let width = other.width[k];
-                    let wide = ((width - FINE_WIDTHS[0]) / (FINE_WIDTHS[1] - FINE_WIDTHS[0]))
-                        .clamp(0.0, 1.0);
-                    if wide < 1.0 {
-                        let fine = between(size, place, &light);
-                        for (sum, light) in gathered.iter_mut().zip(fine) {
-                            *sum += share * (1.0 - wide) * light;
-                        }
-                    }
-                    if wide > 0.0 {
-                        let mean = coarse.mean(place, width);
-                        for (sum, light) in gathered.iter_mut().zip(mean) {
-                            *sum += share * wide * light;
-                        }
+        let mut gathered = vec![[[0.0; COLORS]; CHUNK]; self.elsewhere.len()];
+        for (other, pixels) in self.elsewhere.iter().zip(&mut gathered) {
+            for (k, gathered) in pixels.iter_mut().enumerate() {
+                let share = other.share[k];
+                if share <= 0.0 {
+                    continue;
+                }
+                let place = [other.u[k], other.v[k]];
+                let width = other.width[k];
+                let wide =
+                    ((width - FINE_WIDTHS[0]) / (FINE_WIDTHS[1] - FINE_WIDTHS[0])).clamp(0.0, 1.0);
+                if wide < 1.0 {
+                    let fine = between(size, place, &light);
+                    for (sum, light) in gathered.iter_mut().zip(fine) {
+                        *sum += share * (1.0 - wide) * light;
                     }
                 }
-                gathered
-            })
-            .collect()
+                if wide > 0.0 {
+                    let mean = coarse.mean(place, width);
+                    for (sum, light) in gathered.iter_mut().zip(mean) {
+                        *sum += share * wide * light;
+                    }
+                }
+            }
+        }
+        gathered
     }
 }
 

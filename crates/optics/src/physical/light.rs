@@ -67,7 +67,7 @@ impl Lighting {
             blur_px,
             layer: OverlayLayer {
                 runs: Vec::with_capacity(n_runs),
-                elsewhere: Vec::new(),
+                elsewhere: Vec::with_capacity(n_runs),
             },
         }
     }
