@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use common::{folder, jpeg_bytes, json, photo, png_bytes, snapshot, succeed, succeed_small};
 use serde_json::Value;
-use starbreak_dataset::sha256_hex;
+use starbreak_dataset::{blake3_hex, sha256_hex};
 
 const IMAGES: [&str; 5] = ["a.png", "b.png", "c.jpg", "d.png", "e.jpg"];
 
@@ -195,7 +195,7 @@ fn an_image_is_made_again_from_its_provenance() {
     for (name, stem) in [("b.png", "b"), ("c.jpg", "c")] {
         let record = json(&dir.path().join(format!("first/{stem}.json")));
         let input = fs::read(dir.path().join(name)).unwrap();
-        assert_eq!(record["input"]["sha256"], sha256_hex(&input), "{name}");
+        assert_eq!(record["input"]["blake3"], blake3_hex(&input), "{name}");
         let recipe = record["recipe"].as_str().unwrap();
         assert_eq!(
             record["recipe_sha256"],
@@ -215,7 +215,7 @@ fn an_image_is_made_again_from_its_provenance() {
         succeed(elsewhere.path(), &args);
         let output = record["output"]["name"].as_str().unwrap();
         let made = fs::read(elsewhere.path().join("o").join(output)).unwrap();
-        assert_eq!(record["output"]["sha256"], sha256_hex(&made), "{name}");
+        assert_eq!(record["output"]["blake3"], blake3_hex(&made), "{name}");
     }
 }
 

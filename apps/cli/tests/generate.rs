@@ -95,32 +95,32 @@ fn records_and_lists_hold_the_hashes_of_all_files() {
     for item in &items {
         let name = item["name"].as_str().unwrap();
         let stem = name.trim_end_matches(".png");
-        let hash = |path: String| starbreak_dataset::sha256_hex(&fs::read(path).unwrap());
+        let hash = |path: String| starbreak_dataset::blake3_hex(&fs::read(path).unwrap());
         let root = out.display();
         assert_eq!(
-            item["image_sha256"],
+            item["image_blake3"],
             hash(format!("{root}/{name}")),
             "{name}"
         );
         assert_eq!(
-            item["region_sha256"],
+            item["region_blake3"],
             hash(format!("{root}/starbreak/regions/{name}")),
             "{name}"
         );
         assert_eq!(
-            item["crack_sha256"],
+            item["crack_blake3"],
             hash(format!("{root}/starbreak/cracks/{name}")),
             "{name}"
         );
         let record = out.join(format!("starbreak/provenance/{stem}.json"));
         assert_eq!(
-            item["provenance_sha256"],
+            item["provenance_blake3"],
             hash(record.display().to_string()),
             "{name}"
         );
         let record = json(&record);
-        assert_eq!(record["input"]["sha256"], item["input_sha256"], "{name}");
-        assert_eq!(record["output"]["sha256"], item["image_sha256"], "{name}");
+        assert_eq!(record["input"]["blake3"], item["input_blake3"], "{name}");
+        assert_eq!(record["output"]["blake3"], item["image_blake3"], "{name}");
         assert_eq!(record["seed"], 5, "{name}");
         let objects = record["objects"].as_array().unwrap();
         assert_eq!(objects.len(), 2, "{name}: both labels");

@@ -13,7 +13,7 @@ use common::{
 };
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgba, RgbaImage};
 use serde_json::Value;
-use starbreak::dataset::{ImageLimits, read_image, sha256_hex};
+use starbreak::dataset::{ImageLimits, blake3_hex, read_image};
 use starbreak::optics::photo::{PhotoParams, Placement};
 use starbreak::overlay::{GlassPhoto, OverlayOptions, PlacedPhoto};
 use starbreak::pipeline::Stopwatch;
@@ -66,8 +66,8 @@ fn a_photo_of_glass_comes_with_masks_and_a_record() {
         let overlay = &record["overlay"];
         assert_eq!(overlay["name"], "star.png", "{preset}");
         assert_eq!(
-            overlay["sha256"],
-            sha256_hex(&fs::read(dir.path().join("star.png")).unwrap()),
+            overlay["blake3"],
+            blake3_hex(&fs::read(dir.path().join("star.png")).unwrap()),
             "{preset}"
         );
         assert_eq!(overlay["background"], "black", "{preset}");

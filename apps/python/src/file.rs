@@ -1,4 +1,4 @@
-//! `crack_file`: one image file to the files of a set.
+//! `crack_file`: one image file to the files of a set; and the digest by which records know files.
 
 use std::path::Path;
 
@@ -89,4 +89,17 @@ pub(crate) fn crack_file<'py>(
     Ok(named
         .map(|(name, bytes)| (name, PyBytes::new(py, &bytes)))
         .collect())
+}
+
+/// BLAKE3 of the bytes of a file, 64 hexadecimal digits: the `blake3` of records and lists.
+///
+/// data: `bytes`, or anything with a buffer.
+///
+/// >>> import starbreak
+/// >>> starbreak.blake3_hex(b"")[:16]
+/// 'af1349b9f5f9a1a6'
+#[pyfunction]
+#[pyo3(text_signature = "(data)")]
+pub(crate) fn blake3_hex(py: Python<'_>, data: BytesArg) -> String {
+    starbreak::dataset::blake3_hex(data.0.as_bytes(py))
 }

@@ -29,7 +29,7 @@ mod _starbreak {
     #[pymodule_export]
     use crate::errors::SimulationError;
     #[pymodule_export]
-    use crate::file::crack_file;
+    use crate::file::{blake3_hex, crack_file};
     #[pymodule_export]
     use crate::images::street_scene;
     #[pymodule_export]

@@ -70,7 +70,7 @@ pub use json_records::{JsonLists, JsonRecord, read_json_records};
 pub use line_log::LineLog;
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
-pub use provenance::{Provenance, sha256_file, sha256_hex};
+pub use provenance::{Provenance, blake3_file, blake3_hex, sha256_file, sha256_hex};
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{
     BadRecord, FileRole, IndexFiles, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat,

@@ -34,6 +34,32 @@ pub fn sha256_file(path: &Path) -> Result<String, DatasetError> {
     }
 }
 
+/// BLAKE3 of `bytes`, as 64 lowercase hexadecimal digits.
+///
+/// Three times as fast as SHA-256 where the processor has instructions for that, ten times and more
+/// where it has none. It is the digest of images, and of all files of a generated set.
+#[must_use]
+pub fn blake3_hex(bytes: &[u8]) -> String {
+    blake3::hash(bytes).to_string()
+}
+
+/// BLAKE3 of the bytes of a file of any length, as 64 lowercase hexadecimal digits: what
+/// `b3sum` prints.
+///
+/// # Errors
+///
+/// [`DatasetError::Read`] where the file cannot be read.
+pub fn blake3_file(path: &Path) -> Result<String, DatasetError> {
+    let read_error = |source| DatasetError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    let file = File::open(path).map_err(read_error)?;
+    let mut digest = blake3::Hasher::new();
+    digest.update_reader(file).map_err(read_error)?;
+    Ok(digest.finalize().to_string())
+}
+
 /// Bytes as lowercase hexadecimal digits.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 16] = b"0123456789abcdef";
@@ -46,7 +72,7 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
 
 /// A record of how a sample came about: a JSON object which this crate stores and does not read.
 ///
-/// The only field it insists on is the text `schema`, such as `starbreak.provenance/1`, by which
+/// The only field it insists on is the text `schema`, such as `starbreak.provenance/2`, by which
 /// a reader knows what the others mean.
 ///
 /// # Example
@@ -55,7 +81,7 @@ pub(crate) fn hex(bytes: &[u8]) -> String {
 /// use starbreak_dataset::Provenance;
 ///
 /// # fn main() -> Result<(), starbreak_dataset::DatasetError> {
-/// let record = serde_json::json!({ "schema": "starbreak.provenance/1", "seed": 7 });
+/// let record = serde_json::json!({ "schema": "starbreak.provenance/2", "seed": 7 });
 /// let provenance = Provenance::new(record)?;
 /// assert_eq!(Provenance::from_bytes(&provenance.to_bytes())?, provenance);
 /// # Ok(())
@@ -119,6 +145,8 @@ impl Provenance {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::expect_used, reason = "a test may panic")]
+
     use serde_json::json;
 
     use super::*;
@@ -137,6 +165,35 @@ mod tests {
             ),
         ] {
             assert_eq!(sha256_hex(text.as_bytes()), hex, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn blake3_of_the_test_vectors() {
+        // The official ones: bytes 0, 1, …, 250, 0, 1, ….
+        for (len, hex) in [
+            (
+                0_usize,
+                "af1349b9f5f9a1a6a0404dea36dcc9499bcb25c9adc112b7cc9a93cae41f3262",
+            ),
+            (
+                1024,
+                "42214739f095a406f3fc83deb889744ac00df831c10daa55189b5d121c855af7",
+            ),
+            (
+                102_400,
+                "bc3e3d41a1146b069abffad3c0d44860cf664390afce4d9661f7902e7943e085",
+            ),
+        ] {
+            let bytes: Vec<u8> = (0..=250).cycle().take(len).collect();
+            assert_eq!(blake3_hex(&bytes), hex, "{len} bytes");
+            let file = tempfile::NamedTempFile::new().expect("a file");
+            std::fs::write(file.path(), &bytes).expect("written");
+            assert_eq!(
+                blake3_file(file.path()).expect("read"),
+                hex,
+                "a file of {len} bytes"
+            );
         }
     }
 

@@ -171,8 +171,8 @@ fn format_comes_from_the_content_and_hash_from_the_bytes() {
     let file = starbreak_dataset::read_image(&path, &ImageLimits::default()).unwrap();
     assert_eq!(file.format, ImageFormat::Jpeg, "by content");
     assert_eq!(
-        file.sha256,
-        starbreak_dataset::sha256_hex(&bytes),
+        file.blake3,
+        starbreak_dataset::blake3_hex(&bytes),
         "of the file"
     );
 }

@@ -331,7 +331,7 @@ fn networks(source: &Source, limit: Option<usize>) -> Vec<Result<NamedPattern, F
                 crack_geometry(&imported.network).map_err(|error| failed(error.to_string()))?;
             Ok(NamedPattern {
                 name: file.name.clone(),
-                sha256: imported.sha256,
+                digest: imported.sha256,
                 geometry,
             })
         })

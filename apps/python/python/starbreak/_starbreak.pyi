@@ -23,6 +23,7 @@ __all__ = [
     "Recipe",
     "SimulationError",
     "__version__",
+    "blake3_hex",
     "cameras",
     "corrupt",
     "crack",
@@ -293,6 +294,7 @@ def corrupt(
     *,
     seed: SupportsIndex = 0,
 ) -> _Image: ...
+def blake3_hex(data: bytes | bytearray | memoryview) -> str: ...
 def crack_file(
     data: bytes | bytearray | memoryview,
     name: _Path,

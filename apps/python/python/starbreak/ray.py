@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import hashlib
 import json
 import os
 import posixpath
@@ -24,7 +23,7 @@ try:
 except ImportError as error:
     raise ImportError('starbreak.ray needs Ray Data: pip install "ray[data]"') from error
 
-from . import PatternBank, Recipe, crack_file, item_seed
+from . import PatternBank, Recipe, blake3_hex, crack_file, item_seed
 from ._drawing import RecipeLike, recipe_of, whole
 
 __all__ = ["crack_dataset"]
@@ -187,7 +186,7 @@ class _Job:
         try:
             record = json.loads(self.output.read(place))
             files = [record[kind]["name"] for kind in ("output", "region", "crack") if kind in record]
-            is_of_data = record["input"]["sha256"] == hashlib.sha256(data).hexdigest()
+            is_of_data = record["input"]["blake3"] == blake3_hex(data)
         except (ValueError, KeyError, TypeError):
             return False  # what is not whole is made again
         return is_of_data and all(map(self.output.has, files))

@@ -5,13 +5,12 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest as _, Sha256};
 
 use super::GeneratedSet;
 use crate::error::DatasetError;
 use crate::known_folders::absolute_folder_of;
 use crate::paths::same_file;
-use crate::provenance::{hex, sha256_file};
+use crate::provenance::blake3_file;
 
 /// How files are carried over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,8 +29,8 @@ pub struct CarriedFile {
     pub name: String,
     /// Its length.
     pub n_bytes: u64,
-    /// SHA-256 of its bytes.
-    pub sha256: String,
+    /// BLAKE3 of its bytes.
+    pub blake3: String,
 }
 
 impl GeneratedSet {
@@ -45,14 +44,14 @@ impl GeneratedSet {
         if let Some(there) = there
             && there.len() == file_len(from)?
         {
-            let carried = carried(name, there.len(), &sha256_file(&to)?);
+            let carried = carried(name, there.len(), &blake3_file(&to)?);
             // A copy that an earlier run has made is compared; a link is the file.
-            if same_file(from, &to) || sha256_file(from)? == carried.sha256 {
+            if same_file(from, &to) || blake3_file(from)? == carried.blake3 {
                 return Ok(carried);
             }
         }
         if how == Carry::HardLink && self.link(from, &to)? {
-            return Ok(carried(name, file_len(from)?, &sha256_file(from)?));
+            return Ok(carried(name, file_len(from)?, &blake3_file(from)?));
         }
         let mut source = File::open(from).map_err(read_error(from))?;
         self.put_with(name, &mut |out| {
@@ -83,7 +82,7 @@ impl GeneratedSet {
             .map_err(write_error)?;
         let mut hashing = Hashing {
             file: io::BufWriter::new(temporary),
-            digest: Sha256::new(),
+            digest: blake3::Hasher::new(),
             n_bytes: 0,
         };
         write(&mut hashing)?;
@@ -98,7 +97,7 @@ impl GeneratedSet {
         // Into the folder that the file is in, whatever leads there by now.
         file.persist(folder.join(to.file_name().unwrap_or_default()))
             .map_err(|failed| write_error(failed.error))?;
-        Ok(carried(name, n_bytes, &hex(&digest.finalize())))
+        Ok(carried(name, n_bytes, &digest.finalize().to_hex()))
     }
 
     /// Links a file; false where the system does not.
@@ -122,11 +121,11 @@ impl GeneratedSet {
     }
 }
 
-fn carried(name: &str, n_bytes: u64, sha256: &str) -> CarriedFile {
+fn carried(name: &str, n_bytes: u64, blake3: &str) -> CarriedFile {
     CarriedFile {
         name: name.to_owned(),
         n_bytes,
-        sha256: sha256.to_owned(),
+        blake3: blake3.to_owned(),
     }
 }
 
@@ -146,7 +145,7 @@ pub fn file_len(path: &Path) -> Result<u64, DatasetError> {
 /// Writes and hashes at once.
 struct Hashing<W: Write> {
     file: io::BufWriter<W>,
-    digest: Sha256,
+    digest: blake3::Hasher,
     n_bytes: u64,
 }
 

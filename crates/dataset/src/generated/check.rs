@@ -11,7 +11,7 @@ use sha2::{Digest as _, Sha256};
 use super::lists::{Manifest, read_list, read_manifest};
 use super::{CarriedFile, ItemRecord, STATE_FOLDER, SetLayout, is_there};
 use crate::error::DatasetError;
-use crate::provenance::sha256_file;
+use crate::provenance::{blake3_file, sha256_file};
 
 /// Something that is wrong with a set.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -89,17 +89,17 @@ impl SetChecker {
         let mut findings = Vec::new();
         let recipe_sha256 = self.identity["recipe_sha256"].as_str().unwrap_or_default();
         let recipe_sha256 = recipe_sha256.to_owned();
-        let lists = [
-            ("run.json", &self.manifest.run_sha256),
-            ("recipe.toml", &recipe_sha256),
-            ("items.jsonl", &self.manifest.items_sha256),
-            ("files.jsonl", &self.manifest.files_sha256),
+        let lists: [(_, DigestOf, _); 4] = [
+            ("run.json", blake3_file, &self.manifest.run_blake3),
+            ("recipe.toml", sha256_file, &recipe_sha256),
+            ("items.jsonl", blake3_file, &self.manifest.items_blake3),
+            ("files.jsonl", blake3_file, &self.manifest.files_blake3),
         ];
-        for (name, sha256) in lists {
+        for (name, digest_of, digest) in lists {
             let path = self.layout.state(name);
             let what = if !is_there(&path)? {
                 "is missing"
-            } else if sha256_file(&path)? != *sha256 {
+            } else if digest_of(&path)? != *digest {
                 "is not the one that the manifest means"
             } else {
                 continue;
@@ -148,13 +148,13 @@ impl SetChecker {
     #[must_use]
     pub fn check_item(&self, item: &ItemRecord) -> Vec<Finding> {
         let hashes = self.hashes_of(item);
-        let of_file = |(name, sha256): &(String, String)| self.check_file(name, sha256);
+        let of_file = |(name, blake3): &(String, String)| self.check_file(name, blake3);
         hashes.iter().filter_map(of_file).collect()
     }
 
     /// Whether a file is there with the right bytes.
     #[must_use]
-    pub fn check_file(&self, name: &str, sha256: &str) -> Option<Finding> {
+    pub fn check_file(&self, name: &str, blake3: &str) -> Option<Finding> {
         let finding = |what: String| {
             Some(Finding {
                 name: name.to_owned(),
@@ -169,8 +169,8 @@ impl SetChecker {
             Err(error) => return finding(error.to_string()),
             Ok(true) => {}
         }
-        match sha256_file(&path) {
-            Ok(found) if found == sha256 => None,
+        match blake3_file(&path) {
+            Ok(found) if found == blake3 => None,
             Ok(_) => finding("has other bytes than the run wrote".to_owned()),
             Err(error) => finding(error.to_string()),
         }
@@ -213,16 +213,16 @@ impl SetChecker {
     fn hashes_of(&self, item: &ItemRecord) -> Vec<(String, String)> {
         let files = self.layout.files_of(&item.name, item.sample);
         let mut hashes = vec![
-            (files.image, item.image_sha256.clone()),
-            (files.provenance, item.provenance_sha256.clone()),
+            (files.image, item.image_blake3.clone()),
+            (files.provenance, item.provenance_blake3.clone()),
         ];
         let masks = [
-            (files.region, &item.region_sha256),
-            (files.crack, &item.crack_sha256),
+            (files.region, &item.region_blake3),
+            (files.crack, &item.crack_blake3),
         ];
-        for (name, sha256) in masks {
-            if let Some(sha256) = sha256 {
-                hashes.push((name, sha256.clone()));
+        for (name, blake3) in masks {
+            if let Some(blake3) = blake3 {
+                hashes.push((name, blake3.clone()));
             }
         }
         hashes
@@ -245,6 +245,9 @@ fn is_own(name: &str) -> bool {
         .and_then(|rest| rest.strip_prefix('/'))
         .is_some_and(|rest| OWN.contains(&rest))
 }
+
+/// A digest of a file.
+type DigestOf = fn(&Path) -> Result<String, DatasetError>;
 
 /// The first 64 bits of a name's SHA-256.
 fn head(name: &str) -> u64 {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{GeneratedSet, MAX_RECORD_BYTES, SetLayout};
 use crate::error::DatasetError;
-use crate::provenance::sha256_file;
+use crate::provenance::{blake3_file, blake3_hex};
 use crate::text_file::read_text;
 
 /// One sample of one image: a line of `items.jsonl`.
@@ -17,18 +17,18 @@ pub struct ItemRecord {
     pub name: String,
     /// Which sample of it.
     pub sample: u32,
-    /// SHA-256 of the source's file.
-    pub input_sha256: String,
-    /// SHA-256 of the image.
-    pub image_sha256: String,
-    /// SHA-256 of the region mask, where one was written.
+    /// BLAKE3 of the source's file.
+    pub input_blake3: String,
+    /// BLAKE3 of the image.
+    pub image_blake3: String,
+    /// BLAKE3 of the region mask, where one was written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub region_sha256: Option<String>,
-    /// SHA-256 of the crack mask, where one was written.
+    pub region_blake3: Option<String>,
+    /// BLAKE3 of the crack mask, where one was written.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub crack_sha256: Option<String>,
-    /// SHA-256 of the record.
-    pub provenance_sha256: String,
+    pub crack_blake3: Option<String>,
+    /// BLAKE3 of the record.
+    pub provenance_blake3: String,
 }
 
 impl GeneratedSet {
@@ -60,7 +60,7 @@ struct Item {
 #[derive(Deserialize)]
 struct NamedFile {
     name: String,
-    sha256: String,
+    blake3: String,
 }
 
 impl SetLayout {
@@ -83,13 +83,13 @@ impl SetLayout {
             return Ok(None);
         };
         let is_this = record.input.name == name && record.item.sample_index == sample_idx;
-        let (input_sha256, image_sha256) = (record.input.sha256, record.output.sha256);
-        let of = |file: Option<NamedFile>| file.map(|file| file.sha256);
-        let (region_sha256, crack_sha256) = (of(record.region), of(record.crack));
+        let (input_blake3, image_blake3) = (record.input.blake3, record.output.blake3);
+        let of = |file: Option<NamedFile>| file.map(|file| file.blake3);
+        let (region_blake3, crack_blake3) = (of(record.region), of(record.crack));
         let wanted = [
             Some(&files.image),
-            region_sha256.as_ref().map(|_| &files.region),
-            crack_sha256.as_ref().map(|_| &files.crack),
+            region_blake3.as_ref().map(|_| &files.region),
+            crack_blake3.as_ref().map(|_| &files.crack),
         ];
         let are_there = wanted
             .into_iter()
@@ -98,11 +98,11 @@ impl SetLayout {
         Ok((is_this && are_there).then(|| ItemRecord {
             name: name.to_owned(),
             sample: sample_idx,
-            input_sha256,
-            image_sha256,
-            region_sha256,
-            crack_sha256,
-            provenance_sha256: file.sha256,
+            input_blake3,
+            image_blake3,
+            region_blake3,
+            crack_blake3,
+            provenance_blake3: blake3_hex(file.text.as_bytes()),
         }))
     }
 
@@ -112,13 +112,13 @@ impl SetLayout {
     pub fn is_unaltered(&self, item: &ItemRecord) -> bool {
         let files = self.files_of(&item.name, item.sample);
         let hashes = [
-            (&files.image, Some(&item.image_sha256)),
-            (&files.region, item.region_sha256.as_ref()),
-            (&files.crack, item.crack_sha256.as_ref()),
+            (&files.image, Some(&item.image_blake3)),
+            (&files.region, item.region_blake3.as_ref()),
+            (&files.crack, item.crack_blake3.as_ref()),
         ];
-        hashes.iter().all(|(name, sha256)| {
-            sha256.is_none_or(|sha256| {
-                sha256_file(&self.path(name)).is_ok_and(|found| found == *sha256)
+        hashes.iter().all(|(name, blake3)| {
+            blake3.is_none_or(|blake3| {
+                blake3_file(&self.path(name)).is_ok_and(|found| found == *blake3)
             })
         })
     }

@@ -23,12 +23,12 @@ pub struct Manifest {
     pub n_skipped: u64,
     /// Files that were carried over.
     pub n_files: u64,
-    /// SHA-256 of `run.json`.
-    pub run_sha256: String,
-    /// SHA-256 of `items.jsonl`.
-    pub items_sha256: String,
-    /// SHA-256 of `files.jsonl`.
-    pub files_sha256: String,
+    /// BLAKE3 of `run.json`.
+    pub run_blake3: String,
+    /// BLAKE3 of `items.jsonl`.
+    pub items_blake3: String,
+    /// BLAKE3 of `files.jsonl`.
+    pub files_blake3: String,
 }
 
 impl GeneratedSet {
@@ -61,9 +61,9 @@ impl GeneratedSet {
             n_failed,
             n_skipped,
             n_files: files.len() as u64,
-            run_sha256: crate::provenance::sha256_file(&self.layout.state("run.json"))?,
-            items_sha256: items.sha256,
-            files_sha256: files_list.sha256,
+            run_blake3: crate::provenance::blake3_file(&self.layout.state("run.json"))?,
+            items_blake3: items.blake3,
+            files_blake3: files_list.blake3,
         };
         let text = serde_json::to_string_pretty(&manifest).unwrap_or_default();
         self.put_state("manifest.json", Some(&format!("{text}\n")))?;

@@ -55,7 +55,7 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
         for file in read_list::<CarriedFile>(&part.layout.state("files.jsonl"))? {
             let file = file?;
             match files.get(&file.name) {
-                Some(first) if first.sha256 != file.sha256 => {
+                Some(first) if first.blake3 != file.blake3 => {
                     return Err(DatasetError::Shards {
                         reason: format!("two of them have {:?} with different bytes", file.name),
                     });
@@ -72,8 +72,8 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
             let item = item?;
             let named = part.layout.files_of(&item.name, item.sample);
             let masks = [
-                item.region_sha256.as_ref().map(|_| &named.region),
-                item.crack_sha256.as_ref().map(|_| &named.crack),
+                item.region_blake3.as_ref().map(|_| &named.region),
+                item.crack_blake3.as_ref().map(|_| &named.crack),
             ];
             let images = [
                 Some(&named.image),

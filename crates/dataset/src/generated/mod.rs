@@ -47,7 +47,7 @@ use crate::output_batch::OutputBatch;
 use crate::text_file::read_text;
 
 /// Name and version of the format of a generated set.
-pub const SET_SCHEMA: &str = "starbreak.dataset/1";
+pub const SET_SCHEMA: &str = "starbreak.dataset/2";
 
 /// No record of a run is longer, bytes.
 const MAX_RECORD_BYTES: u64 = 1 << 24;

@@ -14,7 +14,7 @@ use image::DynamicImage;
 use image::metadata::Orientation;
 
 use crate::error::DatasetError;
-use crate::provenance::sha256_hex;
+use crate::provenance::blake3_hex;
 pub use size::image_size;
 
 /// A decoded image together with what is needed to write its like.
@@ -32,8 +32,8 @@ pub struct ImageFile {
     pub icc_profile: Option<Vec<u8>>,
     /// How the file's own pixels lie to the upright ones.
     pub orientation: Orientation,
-    /// SHA-256 of the bytes of the file, 64 lowercase hexadecimal digits.
-    pub sha256: String,
+    /// BLAKE3 of the bytes of the file, 64 lowercase hexadecimal digits.
+    pub blake3: String,
 }
 
 /// The image formats which are read and written.
@@ -167,7 +167,7 @@ pub fn decode_image(
             .icc_profile
             .filter(|profile| profile.get(16..20) != Some(b"CMYK")),
         orientation: decoded.orientation,
-        sha256: sha256_hex(bytes),
+        blake3: blake3_hex(bytes),
     })
 }
 

@@ -5,10 +5,10 @@ use super::sets::ImageSet;
 
 /// Files that are in both sets, by their bytes.
 pub(super) fn n_shared(a: &ImageSet, b: &ImageSet) -> usize {
-    let mut digests: Vec<&str> = b.items.iter().map(|item| item.sha256.as_str()).collect();
+    let mut digests: Vec<&str> = b.items.iter().map(|item| item.digest.as_str()).collect();
     digests.sort_unstable();
     let is_there = |digest: &str| digests.binary_search(&digest).is_ok();
-    a.items.iter().filter(|item| is_there(&item.sha256)).count()
+    a.items.iter().filter(|item| is_there(&item.digest)).count()
 }
 
 /// Whether both sets have the same images by name: a clean set and its cracked twin.

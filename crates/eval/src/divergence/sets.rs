@@ -44,15 +44,15 @@ pub struct ImageFile {
     pub path: PathBuf,
 }
 
-/// The pixels of an image and SHA-256 of its file, or why there are none.
+/// The pixels of an image and a digest of its file, or why there are none.
 pub type PixelsOf<'a> = dyn Fn(&Path) -> Result<(DynamicImage, String), String> + Sync + 'a;
 
 /// An image or a pattern of a set.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Item {
     pub(super) name: String,
-    /// SHA-256 of its file.
-    pub(super) sha256: String,
+    /// A digest of its file; the same of the same bytes.
+    pub(super) digest: String,
     /// One for each of the set's features.
     pub(super) counts: Vec<Counts>,
     size_px: Option<[u32; 2]>,
@@ -84,8 +84,8 @@ pub struct ImageSet {
 pub struct NamedPattern {
     /// Its name.
     pub name: String,
-    /// SHA-256 of its file.
-    pub sha256: String,
+    /// A digest of its file; the same of the same bytes.
+    pub digest: String,
     /// What is measured of it.
     pub geometry: CrackGeometry,
 }
@@ -165,8 +165,8 @@ impl ImageSet {
                 name: file.name.clone(),
                 reason,
             };
-            let (pixels, sha256) = pixels_of(&file.path).map_err(failed)?;
-            item_of_pixels(&file.name, &pixels, sha256, settings, None).map_err(failed)
+            let (pixels, digest) = pixels_of(&file.path).map_err(failed)?;
+            item_of_pixels(&file.name, &pixels, digest, settings, None).map_err(failed)
         };
         let read = files.par_iter().map(read).collect();
         Self::of_items(name, read, Feature::OF_IMAGES.to_vec())
@@ -183,7 +183,7 @@ impl ImageSet {
         let item = |pattern: NamedPattern| Item {
             counts: pattern.geometry.counts(),
             name: pattern.name,
-            sha256: pattern.sha256,
+            digest: pattern.digest,
             size_px: None,
             is_enlarged: false,
             vector: None,
@@ -277,7 +277,7 @@ impl ImageSet {
                 [side(0, u32::max)?, side(1, u32::max)?],
             ])
         })();
-        let mut digests: Vec<&str> = self.items.iter().map(|item| item.sha256.as_str()).collect();
+        let mut digests: Vec<&str> = self.items.iter().map(|item| item.digest.as_str()).collect();
         digests.sort_unstable();
         digests.dedup();
         SetSummary {
@@ -297,13 +297,13 @@ fn item_of(
     vector_of: Option<&VectorOf<'_>>,
 ) -> Result<Item, String> {
     let file = read_image(&image.path, &ImageLimits::default()).map_err(|e| e.to_string())?;
-    item_of_pixels(&image.name, &file.pixels, file.sha256, settings, vector_of)
+    item_of_pixels(&image.name, &file.pixels, file.blake3, settings, vector_of)
 }
 
 fn item_of_pixels(
     name: &str,
     pixels: &DynamicImage,
-    sha256: String,
+    digest: String,
     settings: &ReadSettings,
     vector_of: Option<&VectorOf<'_>>,
 ) -> Result<Item, String> {
@@ -314,7 +314,7 @@ fn item_of_pixels(
     };
     Ok(Item {
         name: name.to_owned(),
-        sha256,
+        digest,
         counts: image_counts(&frame),
         size_px: Some([frame.rgb.width(), frame.rgb.height()]),
         is_enlarged: frame.is_enlarged,

@@ -5,7 +5,7 @@ use image::metadata::Orientation;
 use serde_json::{Map, Value, json};
 use starbreak_dataset::{
     Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, LabeledObject, Provenance,
-    SampleFiles, SourceImage, encode_image_as, encode_mask_as, read_image, sha256_hex,
+    SampleFiles, SourceImage, blake3_hex, encode_image_as, encode_mask_as, read_image,
 };
 use starbreak_glass::Seed;
 
@@ -112,7 +112,7 @@ impl Item<'_> {
             &Record {
                 seed,
                 size,
-                input_sha256: &file.sha256,
+                input_blake3: &file.blake3,
                 outputs: [
                     ("output", &files.image, Some(&bytes)),
                     ("region", &files.region, region.as_ref()),
@@ -164,12 +164,12 @@ impl Item<'_> {
             ("camera".to_owned(), camera),
             (
                 "input".to_owned(),
-                json!({ "name": name, "sha256": of.input_sha256 }),
+                json!({ "name": name, "blake3": of.input_blake3 }),
             ),
         ]);
         for (key, name, bytes) in of.outputs {
             if let Some(bytes) = bytes {
-                let file = json!({ "name": name, "sha256": sha256_hex(bytes) });
+                let file = json!({ "name": name, "blake3": blake3_hex(bytes) });
                 record.insert(key.to_owned(), file);
             }
         }
@@ -185,7 +185,7 @@ impl Item<'_> {
 struct Record<'a> {
     seed: Seed,
     size: (u32, u32),
-    input_sha256: &'a str,
+    input_blake3: &'a str,
     /// Key, name and bytes.
     outputs: [(&'a str, &'a String, Option<&'a Vec<u8>>); 3],
     pattern: &'a ReadyCrack,

@@ -7,8 +7,8 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 use serde_json::Value;
 use starbreak_dataset::{
-    Carry, Finding, ImageLimits, ItemRecord, SetChecker, Source, SourceImage, read_image,
-    sha256_hex,
+    Carry, Finding, ImageLimits, ItemRecord, SetChecker, Source, SourceImage, blake3_hex,
+    read_image,
 };
 
 use super::{GenerateOptions, Patterns, Plan, Selection, Shard, set_seed_and_recipe, survey};
@@ -150,14 +150,14 @@ impl Plan<'_> {
         let made = self
             .make(image, item.sample, &files)
             .map_err(|error| differs(format!("cannot be made again: {error}"), false))?;
-        let hash = |bytes: &Option<Vec<u8>>| bytes.as_ref().map(|bytes| sha256_hex(bytes));
+        let hash = |bytes: &Option<Vec<u8>>| bytes.as_ref().map(|bytes| blake3_hex(bytes));
         let same = [
-            ("image", sha256_hex(&made.image) == item.image_sha256),
-            ("region mask", hash(&made.region) == item.region_sha256),
-            ("crack mask", hash(&made.crack) == item.crack_sha256),
+            ("image", blake3_hex(&made.image) == item.image_blake3),
+            ("region mask", hash(&made.region) == item.region_blake3),
+            ("crack mask", hash(&made.crack) == item.crack_blake3),
             (
                 "record",
-                sha256_hex(&made.provenance) == item.provenance_sha256,
+                blake3_hex(&made.provenance) == item.provenance_blake3,
             ),
         ];
         let other: Vec<&str> = same

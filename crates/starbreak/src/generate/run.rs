@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use serde_json::json;
-use starbreak_dataset::{BadRecord, GeneratedSet, Manifest, SourceImage, sha256_file};
+use starbreak_dataset::{BadRecord, GeneratedSet, Manifest, SourceImage, blake3_file};
 
 use super::Plan;
 use crate::Error;
@@ -205,7 +205,7 @@ impl Plan<'_> {
         sample_idx: u32,
     ) -> Result<Outcome, Error> {
         if let Some(done) = set.done(&image.name, sample_idx)?
-            && sha256_file(&image.path)? == done.input_sha256
+            && blake3_file(&image.path)? == done.input_blake3
             && (!self.options.is_rehashed || set.layout().is_unaltered(&done))
         {
             return Ok(Outcome::Kept);

@@ -70,7 +70,7 @@ pub fn verify(
                 let file = file?;
                 note(
                     checker
-                        .check_file(&file.name, &file.sha256)
+                        .check_file(&file.name, &file.blake3)
                         .into_iter()
                         .collect(),
                 );

@@ -29,8 +29,8 @@ pub struct GlassPhoto {
     pub photo: Photo,
     /// Name of the file, without its folder; in a set its path inside the set.
     pub name: String,
-    /// SHA-256 of the bytes of the file, hexadecimal.
-    pub sha256: String,
+    /// BLAKE3 of the bytes of the file, hexadecimal.
+    pub blake3: String,
 }
 
 /// How photographs of broken glass are used.
@@ -121,7 +121,7 @@ impl GlassPhoto {
         Ok(Self {
             photo,
             name: name.to_owned(),
-            sha256: file.sha256,
+            blake3: file.blake3,
         })
     }
 
@@ -174,7 +174,7 @@ impl PlacedPhoto {
         let place = &self.placement;
         json!({
             "name": self.glass.name,
-            "sha256": self.glass.sha256,
+            "blake3": self.glass.blake3,
             "background": self.glass.photo.background().name(),
             "size_px": self.glass.photo.size(),
             "floor": self.options.params.floor,

@@ -91,7 +91,7 @@ impl OverlaySet {
         let list: String = self
             .photos
             .iter()
-            .map(|glass| format!("{} {}\n", glass.sha256, glass.name))
+            .map(|glass| format!("{} {}\n", glass.blake3, glass.name))
             .collect();
         sha256_hex(list.as_bytes())
     }

@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use image::GrayImage;
 use rayon::prelude::*;
 use starbreak_dataset::{
-    Encoding, FileSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, encode_array,
-    encode_image, encode_mask, read_image, same_file, sha256_hex,
+    Encoding, FileSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, blake3_hex, encode_array,
+    encode_image, encode_mask, read_image, same_file,
 };
 
 use starbreak_optics::physical::OpticalMaps;
@@ -289,9 +289,9 @@ pub fn stage_shown(
         seed,
         width_px: file.pixels.width(),
         height_px: file.pixels.height(),
-        input_sha256: &file.sha256,
+        input_blake3: &file.blake3,
         output_name: &output_name,
-        output_sha256: &sha256_hex(&bytes),
+        output_blake3: &blake3_hex(&bytes),
         network: &cracked.network,
         details: &cracked.details,
         optics: &cracked.optics,

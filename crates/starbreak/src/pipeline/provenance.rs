@@ -14,7 +14,7 @@ use crate::overlay::OverlaySet;
 use crate::{Error, Recipe, Settings};
 
 /// Name and version of the provenance format.
-pub const PROVENANCE_SCHEMA: &str = "starbreak.provenance/1";
+pub const PROVENANCE_SCHEMA: &str = "starbreak.provenance/2";
 
 /// What all items of a run share.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,9 +42,9 @@ pub(super) struct Item<'a> {
     pub(super) seed: Seed,
     pub(super) width_px: u32,
     pub(super) height_px: u32,
-    pub(super) input_sha256: &'a str,
+    pub(super) input_blake3: &'a str,
     pub(super) output_name: &'a str,
-    pub(super) output_sha256: &'a str,
+    pub(super) output_blake3: &'a str,
     pub(super) network: &'a CrackNetwork,
     pub(super) details: &'a Details,
     pub(super) optics: &'a OpticsReport,
@@ -87,8 +87,8 @@ impl RunContext {
             "seed": self.seed.0,
             "item": { "name": item.name, "sample_index": 0, "seed": item.seed.0 },
             "camera": camera,
-            "input": { "name": item.name, "sha256": item.input_sha256 },
-            "output": { "name": item.output_name, "sha256": item.output_sha256 },
+            "input": { "name": item.name, "blake3": item.input_blake3 },
+            "output": { "name": item.output_name, "blake3": item.output_blake3 },
             (pattern): facts,
             "optics": item.optics.to_json(),
             "region_fraction": item.region_fraction,

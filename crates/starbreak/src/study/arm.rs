@@ -18,9 +18,9 @@ use crate::Error;
 struct FoundInImage {
     /// Name of the image in the source.
     image: String,
-    /// SHA-256 of the file that was looked at, hexadecimal; empty where it could not be read.
+    /// BLAKE3 of the file that was looked at, hexadecimal; empty where it could not be read.
     #[serde(default)]
-    sha256: String,
+    blake3: String,
     /// Category's place in the labels, `x, y, width, height` in px, and score.
     boxes: Vec<(u32, [f64; 4], f64)>,
     /// Why nothing could be looked for.
@@ -28,7 +28,7 @@ struct FoundInImage {
     error: Option<String>,
 }
 
-/// The names of the images that the log of an arm has, with the SHA-256 of the files that were looked
+/// The names of the images that the log of an arm has, with the BLAKE3 of the files that were looked
 /// at; without those that could not be.
 pub(super) fn seen_files(log: &Path) -> Result<BTreeMap<String, String>, Error> {
     let mut seen = BTreeMap::new();
@@ -36,7 +36,7 @@ pub(super) fn seen_files(log: &Path) -> Result<BTreeMap<String, String>, Error> 
         if let Ok(found) = serde_json::from_str::<FoundInImage>(line)
             && found.error.is_none()
         {
-            seen.insert(found.image, found.sha256);
+            seen.insert(found.image, found.blake3);
         }
     })?;
     Ok(seen)
@@ -71,8 +71,8 @@ pub(super) struct ArmRun<'a> {
     pub(super) identity: Value,
     /// The images.
     pub(super) images: &'a [ImageToSee],
-    /// SHA-256 of the file that is looked at.
-    pub(super) sha256: &'a (dyn Fn(&ImageToSee) -> Result<String, Error> + Sync),
+    /// BLAKE3 of the file that is looked at.
+    pub(super) blake3: &'a (dyn Fn(&ImageToSee) -> Result<String, Error> + Sync),
     /// What is found in the image of this place.
     pub(super) find: &'a Find<'a>,
     /// Threads to use, 1 or more.
@@ -107,7 +107,7 @@ impl ArmRun<'_> {
             };
             let is_same = |image: &ImageToSee| {
                 image.name == found.image
-                    && (self.sha256)(image).is_ok_and(|sha256| sha256 == found.sha256)
+                    && (self.blake3)(image).is_ok_and(|blake3| blake3 == found.blake3)
             };
             let is_next = self.images.get(done.len()).is_some_and(is_same);
             // What failed may be mended: it is tried again, with all after it.
@@ -156,8 +156,8 @@ impl ArmRun<'_> {
             let Some(image) = self.images.get(place as usize) else {
                 return;
             };
-            let found = match (self.sha256)(image) {
-                Ok(sha256) => found_in(&image.name, sha256, (self.find)(place, image)),
+            let found = match (self.blake3)(image) {
+                Ok(blake3) => found_in(&image.name, blake3, (self.find)(place, image)),
                 Err(error) => found_in(&image.name, String::new(), Err(error)),
             };
             let mut shared = lock();
@@ -186,12 +186,12 @@ impl Shared {
     }
 }
 
-fn found_in(name: &str, sha256: String, result: Result<Vec<Detection>, Error>) -> FoundInImage {
+fn found_in(name: &str, blake3: String, result: Result<Vec<Detection>, Error>) -> FoundInImage {
     let image = name.to_owned();
     match result {
         Ok(found) => FoundInImage {
             image,
-            sha256,
+            blake3,
             boxes: found
                 .iter()
                 .map(|detection| {
@@ -204,7 +204,7 @@ fn found_in(name: &str, sha256: String, result: Result<Vec<Detection>, Error>) -
         },
         Err(error) => FoundInImage {
             image,
-            sha256,
+            blake3,
             boxes: Vec::new(),
             error: Some(error.to_string()),
         },
@@ -292,7 +292,7 @@ mod tests {
             log: &dir.path().join("arm.jsonl"),
             identity: json!({ "model": 1 }),
             images: &images,
-            sha256: &|image| Ok(format!("{} {}", image.name, image.path.display())),
+            blake3: &|image| Ok(format!("{} {}", image.name, image.path.display())),
             find: &|place, image| {
                 n_calls.fetch_add(1, Ordering::Relaxed);
                 find(place, image)
@@ -311,7 +311,7 @@ mod tests {
             log: &dir.path().join("arm.jsonl"),
             identity: json!({ "model": model }),
             images: &images(),
-            sha256: &|image| Ok(format!("{} {}", image.name, image.path.display())),
+            blake3: &|image| Ok(format!("{} {}", image.name, image.path.display())),
             find,
             n_threads: 3,
             stop,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use image::DynamicImage;
-use starbreak_dataset::sha256_file;
+use starbreak_dataset::blake3_file;
 use starbreak_eval::divergence::{
     CompareSettings, ImageFile, ImageSet, ReadSettings, compare_sets,
 };
@@ -58,9 +58,9 @@ impl StudyPlan<'_> {
                     return Err("interrupted".to_owned());
                 }
                 let pixels = read(path).map_err(|error| error.to_string())?;
-                let sha256 = sha256_file(path).map_err(|error| error.to_string())?;
+                let blake3 = blake3_file(path).map_err(|error| error.to_string())?;
                 tell(StudyEvent::Image);
-                Ok((DynamicImage::ImageRgb8(pixels), sha256))
+                Ok((DynamicImage::ImageRgb8(pixels), blake3))
             };
             ImageSet::of_files(name, &files, &ReadSettings::default(), &read)
         };

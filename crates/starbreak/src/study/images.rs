@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use rayon::prelude::*;
-use starbreak_dataset::{SetLayout, image_size, sha256_file};
+use starbreak_dataset::{SetLayout, blake3_file, image_size};
 use starbreak_eval::detector::ImageToSee;
 use starbreak_eval::{GroundTruth, LabeledImage};
 
@@ -26,14 +26,14 @@ impl StudyPlan<'_> {
             let mut earlier = None;
             for set in &sets {
                 if let Some(done) = set.done(&image.name, 0)? {
-                    earlier = Some(done.input_sha256);
+                    earlier = Some(done.input_blake3);
                     break;
                 }
             }
             let earlier = earlier.as_ref().or_else(|| seen.get(&image.name));
             // A file that is gone is told of with its name where it is read.
             Ok(earlier.is_some_and(|earlier| {
-                sha256_file(&image.path).is_ok_and(|sha256| sha256 != *earlier)
+                blake3_file(&image.path).is_ok_and(|blake3| blake3 != *earlier)
             }))
         };
         let are_changed: Result<Vec<bool>, Error> =

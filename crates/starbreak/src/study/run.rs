@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 
 use serde_json::json;
 use starbreak_dataset::{
-    Encoding, ImageFormat, ImageLimits, JpegQuality, SetLayout, Source, decode_image,
-    encode_image_as, read_image, sha256_file,
+    Encoding, ImageFormat, ImageLimits, JpegQuality, SetLayout, Source, blake3_file, decode_image,
+    encode_image_as, read_image,
 };
 use starbreak_eval::detector::{Detector, ImageToSee, LabelMap};
 use starbreak_eval::{Detection, Detections, GroundTruth};
@@ -259,7 +259,7 @@ impl StudyPlan<'_> {
             log: &log,
             identity,
             images: self.images,
-            sha256: &|image| Ok(sha256_file(&path_of(image))?),
+            blake3: &|image| Ok(blake3_file(&path_of(image))?),
             find: &|place, image| {
                 let found = detector
                     .detector
