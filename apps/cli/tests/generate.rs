@@ -481,6 +481,36 @@ fn verify_finds_every_kind_of_damage() {
         assert_ne!(outcome.code, Some(0), "{path} is missing: {outcome:?}");
         restore();
     }
+    let manifest = dir.path().join("out/starbreak/manifest.json");
+    let text = fs::read_to_string(&manifest).unwrap();
+    for (was, is) in [
+        ("\"n_items\": 3", "\"n_items\": 4"),
+        ("\"n_files\": 7", "\"n_files\": 6"),
+        ("\"n_skipped\": 0", "\"n_skipped\": 1"),
+        ("starbreak.dataset/", "starbreak.dataset/1"),
+    ] {
+        assert!(text.contains(was), "{was} in {text}");
+        fs::write(&manifest, text.replace(was, is)).unwrap();
+        let outcome = starbreak(dir.path(), &["verify", "out"]);
+        assert_eq!(outcome.code, Some(1), "{is}: {outcome:?}");
+        assert!(
+            outcome.stdout.contains("manifest.json"),
+            "{is}: {outcome:?}"
+        );
+    }
+    restore();
+    let run = dir.path().join("out/starbreak/run.json");
+    let text = fs::read_to_string(&run).unwrap();
+    fs::write(
+        &run,
+        text.replace("starbreak.dataset/2", "starbreak.dataset/1"),
+    )
+    .unwrap();
+    all_refused(
+        dir.path(),
+        &[(vec!["verify", "out"], "is of another version")],
+    );
+    restore();
     fs::write(dir.path().join("out/image_2/stranger.png"), "x").unwrap();
     let outcome = starbreak(dir.path(), &["verify", "out"]);
     assert_eq!(outcome.code, Some(1), "{outcome:?}");

@@ -65,6 +65,31 @@ fn frames_rate_and_audio_are_kept_in_every_container() {
 }
 
 #[test]
+fn packets_that_do_not_say_when_they_are_shown_are_no_fault() {
+    let Some(studio) = Studio::open() else { return };
+    for (codec, input) in [
+        ("-c:v mpeg4 -bf 2", "xvid.avi"),
+        ("-c:v mpeg2video -bf 2", "mpeg2.avi"),
+        ("-c:v libx264", "h264.avi"),
+        ("-c:v libx264", "bare.h264"),
+    ] {
+        studio.make("s=160x120:r=25:d=1", codec, input);
+        let output = format!("{input}.mkv");
+        studio.succeed(&[input, "-o", &output, "--impact-at", "0.5"]);
+        let track = studio.track(&output);
+        assert_eq!(track["n_frames"], 25, "{input}: frames");
+        assert_eq!(
+            track["damage_onset"]["frame_idx"]
+                .as_u64()
+                .map(|idx| idx.abs_diff(13) <= 1),
+            Some(true),
+            "{input}: the impact, {}",
+            track["damage_onset"]
+        );
+    }
+}
+
+#[test]
 fn a_video_that_starts_after_its_audio_still_does() {
     let Some(studio) = Studio::open() else { return };
     let late = "-f lavfi -i sine=440:d=2 -filter:v setpts=PTS+0.52/TB -fps_mode passthrough -c:v libx264 -c:a aac";

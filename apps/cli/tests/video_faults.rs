@@ -106,6 +106,31 @@ fn a_damaged_clip_is_refused_in_all_containers() {
 }
 
 #[test]
+fn a_clip_that_is_cut_in_its_audio_or_between_packets_is_refused() {
+    let Some(studio) = Studio::open() else { return };
+    let mut complaints = Vec::new();
+    for (name, codecs) in [
+        ("c.avi", "-c:v libx264 -c:a libmp3lame"),
+        (
+            "c.mp4",
+            "-c:v libx264 -c:a aac -movflags frag_keyframe+empty_moov",
+        ),
+        ("d.mp4", "-c:v libx264 -c:a aac -movflags +faststart"),
+    ] {
+        let both = format!("-f lavfi -i sine=440:d=1 {codecs}");
+        studio.make("s=160x120:r=25:d=1", &both, name);
+        let bytes = fs::read(studio.path().join(name)).unwrap();
+        for n_bytes in (1..12).map(|part| bytes.len() * part / 12) {
+            let input = format!("cut_{name}");
+            fs::write(studio.path().join(&input), &bytes[..n_bytes]).unwrap();
+            let complaint = refused(&studio, &[&input, "-o", "a.mp4"], 2, "repair it first");
+            complaints.push(complaint.map(|why| format!("{n_bytes} bytes of {name}: {why}")));
+        }
+    }
+    none(complaints);
+}
+
+#[test]
 fn a_cut_clip_is_refused_though_a_complaint_ends_a_line_about_a_frame() {
     let Some(studio) = Studio::open() else { return };
     studio.make("s=320x240:r=25:d=2", "-c:v libx264 -g 25", "in.mkv");

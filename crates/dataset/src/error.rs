@@ -268,6 +268,19 @@ pub enum DatasetError {
         /// What is wrong.
         reason: String,
     },
+    /// A set of another version.
+    #[error(
+        "{path:?} is of another version: its schema is {found}, where this one reads {wanted:?}; generate the set \
+         into another folder"
+    )]
+    OtherVersion {
+        /// The file.
+        path: PathBuf,
+        /// Its schema, as JSON.
+        found: String,
+        /// The schema of this version.
+        wanted: &'static str,
+    },
     /// A name that would lead out of its folder.
     #[error("{name:?} is no path inside the set; expected a relative one without `..`")]
     UnsafeName {

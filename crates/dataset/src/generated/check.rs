@@ -8,10 +8,13 @@ use std::path::Path;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
-use super::lists::{Manifest, read_list, read_manifest};
-use super::{CarriedFile, ItemRecord, STATE_FOLDER, SetLayout, is_there};
+use super::lists::{Manifest, n_lines, read_list, read_manifest};
+use super::{
+    CarriedFile, ItemRecord, MAX_RECORD_BYTES, SET_SCHEMA, STATE_FOLDER, SetLayout, is_there,
+};
 use crate::error::DatasetError;
 use crate::provenance::{blake3_file, sha256_file};
+use crate::text_file::read_text;
 
 /// Something that is wrong with a set.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -79,6 +82,31 @@ impl SetChecker {
     #[must_use]
     pub fn layout(&self) -> &SetLayout {
         &self.layout
+    }
+
+    /// Whether the manifest is the one of this many samples and other files.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`].
+    pub fn check_manifest(
+        &self,
+        n_items: u64,
+        n_files: u64,
+    ) -> Result<Option<Finding>, DatasetError> {
+        let manifest = Manifest {
+            schema: SET_SCHEMA.to_owned(),
+            n_items,
+            n_failed: n_lines(&self.layout.state("failures.jsonl"))?,
+            n_skipped: n_lines(&self.layout.state("skipped.jsonl"))?,
+            n_files,
+            ..self.manifest.clone()
+        };
+        let is_as_meant = read_text(&self.layout.state("manifest.json"), MAX_RECORD_BYTES)?.text
+            == manifest.to_text();
+        Ok((!is_as_meant).then(|| Finding {
+            name: format!("{STATE_FOLDER}/manifest.json"),
+            what: "does not say what the lists hold".to_owned(),
+        }))
     }
 
     /// Whether the lists are those that the manifest means.

@@ -11,13 +11,10 @@ use crate::error::DatasetError;
 pub(super) fn read(path: &Path) -> Result<Value, DatasetError> {
     let identity = read_json(path)?;
     if identity["schema"] != super::SET_SCHEMA {
-        return Err(DatasetError::Record {
+        return Err(DatasetError::OtherVersion {
             path: path.to_owned(),
-            reason: format!(
-                "its schema is {}, where this version reads {:?}",
-                identity["schema"],
-                super::SET_SCHEMA
-            ),
+            found: identity["schema"].to_string(),
+            wanted: super::SET_SCHEMA,
         });
     }
     Ok(identity)

@@ -65,8 +65,7 @@ impl GeneratedSet {
             items_blake3: items.blake3,
             files_blake3: files_list.blake3,
         };
-        let text = serde_json::to_string_pretty(&manifest).unwrap_or_default();
-        self.put_state("manifest.json", Some(&format!("{text}\n")))?;
+        self.put_state("manifest.json", Some(&manifest.to_text()))?;
         Ok(manifest)
     }
 
@@ -91,6 +90,28 @@ impl GeneratedSet {
             Ok(())
         })
     }
+}
+
+impl Manifest {
+    /// What `manifest.json` holds.
+    pub(super) fn to_text(&self) -> String {
+        // Numbers and texts always have a JSON form.
+        let text = serde_json::to_string_pretty(self).unwrap_or_default();
+        format!("{text}\n")
+    }
+}
+
+/// The number of lines of a list; none where there is no such list.
+pub(super) fn n_lines(path: &Path) -> Result<u64, DatasetError> {
+    let read_error = |source| DatasetError::Read {
+        path: path.to_owned(),
+        source,
+    };
+    if !super::is_there(path)? {
+        return Ok(0);
+    }
+    let mut lines = BufReader::new(File::open(path).map_err(read_error)?).split(b'\n');
+    lines.try_fold(0, |n, line| line.map(|_| n + 1).map_err(read_error))
 }
 
 fn push_line(line: &mut String, record: &impl Serialize) {

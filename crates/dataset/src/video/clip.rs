@@ -170,16 +170,16 @@ impl Ffmpeg {
     }
 
     /// When each packet of the video is shown, without decoding it; refused where the file does not
-    /// go on to its end.
+    /// go on to its end, in its audio, too.
     ///
     /// Only this run's log can be trusted with that: ffmpeg's threads share a line, and in a run
     /// with [`Self::showinfo`] the complaint of one may stand, without its level, at the end of
     /// what another says of a frame.
     fn packet_times(&self, path: &Path) -> Result<PacketTimes, VideoError> {
-        let mut args = input_args(path);
-        args.extend(
-            ["-map", "0:V:0", "-c", "copy", "-f", "framecrc", "pipe:1"].map(OsString::from),
-        );
+        let mut args = decode_args(path);
+        let copied = ["-map", "0:a?", "-ignore_unknown", "-c", "copy"];
+        args.extend(copied.map(OsString::from));
+        args.extend(["-f", "framecrc", "pipe:1"].map(OsString::from));
         let mut running = self.start(&args)?;
         let mut times = PacketTimes::default();
         if let Some(stdout) = running.child.take_stdout() {
@@ -192,7 +192,7 @@ impl Ffmpeg {
         if !ended.is_success || ended.has_complained {
             return Err(clip_error(path, ended.said));
         }
-        times.ticks.sort_unstable();
+        times.sort();
         Ok(times)
     }
 }
@@ -210,7 +210,7 @@ pub(super) fn input_args(path: &Path) -> Vec<OsString> {
     args
 }
 
-/// The first stream of moving pictures, and an end at the first damage.
+/// The first stream of moving pictures, and an end at the first damage of any stream that is read.
 fn decode_args(path: &Path) -> Vec<OsString> {
     let mut args: Vec<OsString> = vec!["-nostdin".into(), "-xerror".into()];
     args.extend(input_args(path));
@@ -243,16 +243,44 @@ fn check_file(path: &Path) -> Result<(), DatasetError> {
             name: path.to_string_lossy().into_owned(),
         });
     }
-    File::open(path).map_err(read_error)?;
+    let mut file = File::open(path).map_err(read_error)?;
+    let mut head = Vec::new();
+    file.by_ref()
+        .take(12)
+        .read_to_end(&mut head)
+        .map_err(read_error)?;
+    // A cut between two packets is nothing to ffmpeg.
+    if let Some(n_bytes) = riff_len(&head)
+        && metadata.len() < n_bytes
+    {
+        let said = format!(
+            "it has {} of the {n_bytes} bytes of its header",
+            metadata.len()
+        );
+        return Err(clip_error(path, said).into());
+    }
     Ok(())
+}
+
+/// How long an AVI file says that it is, bytes, by its first twelve.
+fn riff_len(head: &[u8]) -> Option<u64> {
+    let (name, rest) = head.split_first_chunk::<4>()?;
+    let (n_bytes, kind) = rest.split_first_chunk::<4>()?;
+    let is_avi = name == b"RIFF" && kind == b"AVI ";
+    is_avi.then(|| u64::from(u32::from_le_bytes(*n_bytes)) + 8)
 }
 
 /// When the packets of a clip are shown, ticks, sorted.
 #[derive(Debug, Default)]
 struct PacketTimes {
     time_base: Option<Fraction>,
+    /// When they are shown; once sorted, when they are decoded if not all say when they are shown.
     ticks: Vec<i64>,
+    decoded_ticks: Vec<i64>,
 }
+
+/// What ffmpeg writes where a packet has no such time.
+const NO_TICKS: i64 = i64::MIN;
 
 impl PacketTimes {
     /// `#tb 0: 1/30000`, or `0, dts, pts, duration, size, checksum, …`.
@@ -263,11 +291,26 @@ impl PacketTimes {
                 .split_once('/')
                 .and_then(|(above, below)| Fraction::new(above.parse().ok()?, below.parse().ok()?));
         } else if !line.starts_with('#') {
-            let mut columns = line.split(',').skip(1).map(|column| column.trim().parse());
-            if let (Some(Ok(decoded)), Some(shown)) = (columns.next(), columns.next()) {
-                self.ticks.push(shown.unwrap_or(decoded));
+            // Other streams are the audio.
+            let Some(columns) = line.strip_prefix("0,") else {
+                return;
+            };
+            let mut columns = columns.split(',').map(|column| column.trim().parse());
+            if let (Some(Ok(decoded)), Some(Ok(shown))) = (columns.next(), columns.next()) {
+                self.decoded_ticks.push(decoded);
+                self.ticks.push(shown);
             }
         }
+    }
+
+    /// Puts the packets in order. AVI and bare streams do not say of all when they are shown; then
+    /// they are decoded at the rate at which they are shown.
+    fn sort(&mut self) {
+        if self.ticks.contains(&NO_TICKS) {
+            self.ticks = std::mem::take(&mut self.decoded_ticks);
+            self.ticks.retain(|ticks| *ticks != NO_TICKS);
+        }
+        self.ticks.sort_unstable();
     }
 
     fn span_s(&self, time_base: Fraction) -> f64 {
@@ -408,7 +451,7 @@ mod tests {
         for line in lines.lines() {
             times.read_line(line);
         }
-        times.ticks.sort_unstable();
+        times.sort();
         times
     }
 
@@ -427,6 +470,26 @@ mod tests {
             Fraction::new(29_851, 1000),
             "2 / 67 ms"
         );
+    }
+
+    #[test]
+    fn packets_that_do_not_say_when_they_are_shown_count_as_they_are_decoded() {
+        let times = times(
+            "#tb 0: 1/25\n#tb 1: 1/44100\n0, 0, -9223372036854775808, 1, 9, 0xab\n1, 0, 0, 1152, 9, 0xef\n\
+             0, 1, 3, 1, 9, 0xab, F\n0, 2, 2, 1, 9, 0xcd, F=0x0\n0, 3, -9223372036854775808, 1, 9, 0xab, F",
+        );
+        assert_eq!(times.ticks, [0, 1, 2, 3], "of the video alone");
+        let (Some(base), Some(rate)) = (times.time_base, Fraction::new(25, 1)) else {
+            panic!("no clock");
+        };
+        assert!(times.has_constant_rate(base, rate), "25 per second");
+    }
+
+    #[test]
+    fn an_avi_says_how_long_it_is() {
+        assert_eq!(riff_len(b"RIFF\x08\x01\0\0AVI LIST"), Some(272), "an AVI");
+        assert_eq!(riff_len(b"RIFF\x08\x01\0\0WAVE"), None, "a sound");
+        assert_eq!(riff_len(b"RIFF\x08"), None, "a stump");
     }
 
     #[test]

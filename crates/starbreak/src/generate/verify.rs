@@ -46,6 +46,7 @@ pub fn verify(
             checker.know(&file?.name);
             n_files += 1;
         }
+        findings.extend(checker.check_manifest(n_items, n_files)?);
         findings.extend(checker.strangers()?);
         let found = Mutex::new(Vec::new());
         let note = |more: Vec<Finding>| {
