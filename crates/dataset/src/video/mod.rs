@@ -13,6 +13,7 @@ mod clip;
 mod error;
 mod folder;
 mod matroska;
+mod packet_times;
 mod pixel_format;
 mod program;
 mod rate;
