@@ -6,14 +6,20 @@ use crate::error::DatasetError;
 use crate::image_file::{check_file_len, read_file};
 use crate::provenance::sha256_hex;
 
-/// A text and the digest of its file.
+/// The text of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct TextFile {
-    /// The text.
+    /// The text, all bytes of the file.
     pub text: String,
+}
+
+impl TextFile {
     /// SHA-256 of the bytes of the file, 64 lowercase hexadecimal digits.
-    pub sha256: String,
+    #[must_use]
+    pub fn sha256(&self) -> String {
+        sha256_hex(self.text.as_bytes())
+    }
 }
 
 /// The text in the file at `path`, which has `max_bytes` at most.
@@ -33,9 +39,8 @@ pub fn read_text(path: &Path, max_bytes: u64) -> Result<TextFile, DatasetError> 
             name: name.into_owned(),
         });
     }
-    let sha256 = sha256_hex(&bytes);
     match String::from_utf8(bytes) {
-        Ok(text) => Ok(TextFile { text, sha256 }),
+        Ok(text) => Ok(TextFile { text }),
         Err(error) => Err(DatasetError::NotText {
             name: name.into_owned(),
             at: error.utf8_error().valid_up_to(),

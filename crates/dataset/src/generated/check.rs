@@ -5,10 +5,11 @@ use std::fmt;
 use std::fs;
 use std::path::Path;
 
+use serde::de::IgnoredAny;
 use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
-use super::lists::{Manifest, n_lines, read_list, read_manifest};
+use super::lists::{Manifest, read_list, read_manifest};
 use super::{
     CarriedFile, ItemRecord, MAX_RECORD_BYTES, SET_SCHEMA, STATE_FOLDER, SetLayout, is_there,
 };
@@ -87,17 +88,23 @@ impl SetChecker {
     /// Whether the manifest is the one of this many samples and other files.
     ///
     /// # Errors
-    /// [`DatasetError::Read`].
+    /// As for [`read_text`].
     pub fn check_manifest(
         &self,
         n_items: u64,
         n_files: u64,
     ) -> Result<Option<Finding>, DatasetError> {
+        let n_lines = |name: &str| {
+            let path = self.layout.state(name);
+            let is_there = is_there(&path)?;
+            let lines = is_there.then(|| read_list::<IgnoredAny>(&path));
+            lines.map_or(Ok(0), |lines| lines.map(|lines| lines.count() as u64))
+        };
         let manifest = Manifest {
             schema: SET_SCHEMA.to_owned(),
             n_items,
-            n_failed: n_lines(&self.layout.state("failures.jsonl"))?,
-            n_skipped: n_lines(&self.layout.state("skipped.jsonl"))?,
+            n_failed: n_lines("failures.jsonl")?,
+            n_skipped: n_lines("skipped.jsonl")?,
             n_files,
             ..self.manifest.clone()
         };

@@ -101,19 +101,6 @@ impl Manifest {
     }
 }
 
-/// The number of lines of a list; none where there is no such list.
-pub(super) fn n_lines(path: &Path) -> Result<u64, DatasetError> {
-    let read_error = |source| DatasetError::Read {
-        path: path.to_owned(),
-        source,
-    };
-    if !super::is_there(path)? {
-        return Ok(0);
-    }
-    let mut lines = BufReader::new(File::open(path).map_err(read_error)?).split(b'\n');
-    lines.try_fold(0, |n, line| line.map(|_| n + 1).map_err(read_error))
-}
-
 fn push_line(line: &mut String, record: &impl Serialize) {
     // Records of texts and numbers always have a JSON form.
     line.push_str(&serde_json::to_string(record).unwrap_or_default());

@@ -80,8 +80,8 @@ impl Ffmpeg {
     /// counted.
     ///
     /// # Errors
-    /// [`VideoError::Clip`] where it has no frame that can be shown, [`VideoError::NoVideo`] where
-    /// it holds something else, [`VideoError::FrameTooLarge`],
+    /// [`VideoError::Clip`] where it has no frame that can be shown or is cut short,
+    /// [`VideoError::NoVideo`] where it holds something else, [`VideoError::FrameTooLarge`],
     /// [`DatasetError::Read`] and [`DatasetError::NotAFile`] where there is no file.
     pub fn probe(&self, path: &Path) -> Result<ClipInfo, DatasetError> {
         check_file(path)?;
@@ -255,7 +255,7 @@ fn check_file(path: &Path) -> Result<(), DatasetError> {
         && metadata.len() < n_bytes
     {
         let said = format!(
-            "it has {} of the {n_bytes} bytes of its header",
+            "it has {} of the {n_bytes} bytes that its header tells of",
             metadata.len()
         );
         return Err(clip_error(path, said).into());

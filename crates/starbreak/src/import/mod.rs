@@ -50,7 +50,7 @@ pub fn read_network(path: &Path) -> Result<ImportedNetwork, Error> {
     Ok(ImportedNetwork {
         network,
         name: name.to_string_lossy().into_owned(),
-        sha256: file.sha256,
+        sha256: file.sha256(),
     })
 }
 
