@@ -7,6 +7,7 @@ use std::process::Stdio;
 use crate::Failure;
 use crate::command::{cargo, line_of};
 
+mod browser;
 mod python;
 mod report;
 mod tools;

@@ -323,7 +323,7 @@ fn records_that_are_whole_but_mean_nothing_are_named() {
             b"{\"schema\":\"starbreak.bank/1\"}",
             "\"starbreak.bank/1\"; this version reads",
         ),
-        (b"{\"schema\":\"starbreak.bank/2\"}", "not understood"),
+        (b"{\"schema\":\"starbreak.bank/3\"}", "not understood"),
     ] {
         let message = forge(header, &[b"", b""])
             .map(|_| ())

@@ -1,9 +1,11 @@
-//! What tests use that we did not write: a Python with packages, and the ffmpeg in one of them.
+//! What tests use that we did not write: a Python with packages, the ffmpeg in one of them, and a
+//! browser.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use super::browser;
 use crate::Failure;
 use crate::metadata::Metadata;
 
@@ -18,6 +20,7 @@ const MADE_FOR: &str = "made-for.txt";
 pub(super) struct Tools {
     python: PathBuf,
     ffmpeg: PathBuf,
+    chromium: Option<PathBuf>,
 }
 
 impl Tools {
@@ -60,6 +63,7 @@ impl Tools {
         Ok(Self {
             python,
             ffmpeg: PathBuf::from(said.trim()),
+            chromium: browser::prepare(&target),
         })
     }
 
@@ -72,6 +76,9 @@ impl Tools {
     pub(super) fn name_to(&self, command: &mut Command) {
         command.env("STARBREAK_TEST_PYTHON", &self.python);
         command.env("STARBREAK_TEST_FFMPEG", &self.ffmpeg);
+        if let Some(chromium) = &self.chromium {
+            command.env("STARBREAK_TEST_CHROMIUM", chromium);
+        }
     }
 }
 

@@ -4,6 +4,8 @@
 //! is written of each number is its difference from a prediction, zigzag (0, −1, 1, −2, …), in four
 //! groups of eight numbers of one width each.
 
+use wide::{i32x4, u32x4};
+
 use super::bytes::Bytes;
 use crate::OpticsError;
 use crate::maps::CHUNK;
@@ -64,26 +66,6 @@ impl From {
                 };
         }
         out
-    }
-
-    /// The numbers of these differences, in place of those above them.
-    fn restore(self, mut differences: Block, block: &mut Block) {
-        // Few branches, as no one can foretell them.
-        let above = if matches!(self, Self::Above | Self::Gradient) {
-            !0
-        } else {
-            0
-        };
-        if matches!(self, Self::Left | Self::Gradient) {
-            let mut sum = 0_i32;
-            for difference in &mut differences {
-                sum = sum.wrapping_add(*difference);
-                *difference = sum;
-            }
-        }
-        for (value, difference) in block.iter_mut().zip(differences) {
-            *value = (*value & above).wrapping_add(difference);
-        }
     }
 }
 
@@ -179,13 +161,34 @@ impl Coded {
 
     /// The block itself, in place of the one above it; false where a number is too large.
     pub(super) fn restore(&self, block: &mut Block) -> bool {
-        self.from.restore(self.zigzag.map(unzigzag), block);
+        // No branches, as no one can foretell them.
+        let only_if = |is_so: bool| i32x4::splat(-i32::from(is_so));
+        let is_summed = only_if(matches!(self.from, From::Left | From::Gradient));
+        let is_above = only_if(matches!(self.from, From::Above | From::Gradient));
+        let mut before = i32x4::ZERO;
+        let mut any = i32x4::ZERO;
+        let coded = self.zigzag.as_chunks().0;
+        for (values, coded) in block.as_chunks_mut().0.iter_mut().zip(coded) {
+            let differences = unzigzag(u32x4::new(*coded));
+            let sums = before + running_sums(differences);
+            before = i32x4::splat(sums.to_array()[3]) & is_summed;
+            let restored =
+                is_summed.bitselect(sums, differences) + (i32x4::new(*values) & is_above);
+            any |= restored.abs();
+            *values = restored.to_array();
+        }
         // Some number is too large where any bit beyond those of the largest one is set.
-        let any = block
-            .iter()
-            .fold(0, |any, value| any | value.unsigned_abs());
-        any <= MOST.unsigned_abs()
+        let any = any.to_array().into_iter().fold(0, |any, bits| any | bits);
+        any.cast_unsigned() <= MOST.unsigned_abs()
     }
+}
+
+/// Of each number, the sum of those up to it.
+fn running_sums(numbers: i32x4) -> i32x4 {
+    let [a, b, c, _] = numbers.to_array();
+    let pairs = numbers + i32x4::new([0, a, b, c]);
+    let [a, b, _, _] = pairs.to_array();
+    pairs + i32x4::new([0, 0, a, b])
 }
 
 /// Reads what [`write_block`] wrote.
@@ -259,6 +262,9 @@ fn zigzag(value: i32) -> u32 {
     ((value << 1) ^ (value >> 31)) as u32
 }
 
-fn unzigzag(bits: u32) -> i32 {
-    (bits >> 1).cast_signed() ^ -(bits & 1).cast_signed()
+fn unzigzag(bits: u32x4) -> i32x4 {
+    let halves: u32x4 = bits >> 1_u32;
+    let odd = bits & u32x4::ONE;
+    i32x4::new(halves.to_array().map(u32::cast_signed))
+        ^ -i32x4::new(odd.to_array().map(u32::cast_signed))
 }

@@ -8,7 +8,6 @@
 mod block;
 mod bytes;
 mod coverage;
-mod light_rows;
 mod pattern;
 mod runs;
 mod values;

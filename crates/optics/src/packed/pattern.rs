@@ -1,7 +1,7 @@
 //! A baked pattern as bytes, and what is made of them.
 //!
-//! Version, frame, focal length, layers; then of each layer its blur, its light and its tint, the
-//! last two after their lengths in bytes; then the crack mask.
+//! Version, frame, focal length, layers; then of each layer its light and its tint, each after its
+//! length in bytes; then the crack mask.
 
 use std::ops::Range;
 
@@ -9,19 +9,19 @@ use image::GrayImage;
 
 use super::block::Block;
 use super::bytes::{Bytes, write_count};
-use super::light_rows::LightRows;
 use super::runs::{BlockRun, RunReader, from_steps, steps, write_runs};
-use super::values::{TINT, light_blocks, light_pixels, tint_blocks, tint_pixels};
+use super::values::{light_blocks, light_pixels, tint_blocks, tint_pixels};
 use super::{MAX_PIXELS, MAX_SIDE_PX};
 use crate::OpticsError;
 use crate::environment::Environment;
 use crate::maps::{CHUNK, LaneRun, LaneRuns};
 use crate::physical::{
-    Lighting, Outline, Overlay, OverlayLayer, Pattern, PatternLayer, PhysicalOptics, code_mask,
+    LAYER_LANES, Lighting, Outline, Overlay, OverlayLayer, Pattern, PatternLayer, PhysicalOptics,
+    code_mask,
 };
 
 /// First byte; another one is another version.
-const VERSION: u8 = 2;
+const VERSION: u8 = 3;
 
 /// What errors call it.
 const WHAT: &str = "pattern";
@@ -45,7 +45,6 @@ impl Pattern {
         out.extend_from_slice(&self.f_px().to_le_bytes());
         write_count(&mut out, self.layers().len());
         for layer in self.layers() {
-            out.extend_from_slice(&layer.blur_px.to_le_bytes());
             let [mut light, mut tint] = [Vec::new(), Vec::new()];
             write_chunks(&mut light, &layer.light, light_blocks);
             write_chunks(&mut tint, &layer.tint, tint_blocks);
@@ -66,8 +65,7 @@ impl Pattern {
 
 /// A [`Pattern`] in the bytes of [`Pattern::to_packed`].
 ///
-/// They are given light as they are read, without the pattern as a whole in memory: the fastest
-/// way to one image.
+/// They are given light as they are read, run by run: the fastest way to one image.
 #[derive(Debug, Clone)]
 pub struct PackedPattern {
     bytes: Vec<u8>,
@@ -81,7 +79,6 @@ pub struct PackedPattern {
 /// Where the parts of a layer are.
 #[derive(Debug, Clone)]
 struct PackedLayer {
-    blur_px: f32,
     light: Range<usize>,
     tint: Range<usize>,
 }
@@ -108,12 +105,7 @@ impl PackedPattern {
         let n_layers = head.count(MAX_LAYERS)?;
         let mut layers = Vec::with_capacity(n_layers);
         for _ in 0..n_layers {
-            let blur_px = f32::from_le_bytes(head.take()?);
-            if !blur_px.is_finite() {
-                return Err(head.wrong("its blur is not finite"));
-            }
             layers.push(PackedLayer {
-                blur_px,
                 light: head.part()?,
                 tint: head.part()?,
             });
@@ -170,26 +162,25 @@ impl PackedPattern {
         layer: &PackedLayer,
         environment: &Environment,
     ) -> Result<OverlayLayer, OpticsError> {
-        let mut rows = LightRows::new(self.runs(&layer.light)?);
-        let mut tints = self.runs::<TINT>(&layer.tint)?;
-        let frame = (self.size.0 as usize, layer.blur_px);
-        let mut lighting = Lighting::new(frame, environment, rows.n_left());
-        let mut colors = [[0.0; CHUNK]; 4];
-        while rows.advance()? {
-            for mut run in rows.runs() {
-                let mut has_tint = false;
-                while tints
+        let mut runs = self.runs::<LAYER_LANES>(&layer.light)?;
+        let mut tints = self.runs::<3>(&layer.tint)?;
+        let mut lighting = Lighting::new(environment, runs.n_left());
+        let (mut lanes, mut colors) = ([[0.0; CHUNK]; LAYER_LANES], [[0.0; CHUNK]; 3]);
+        while let Some(run) = runs.next()? {
+            let (x, y) = run.at;
+            light_pixels(&run, &mut lanes);
+            let mut is_tinted = false;
+            while !is_tinted
+                && tints
                     .at()
-                    .is_some_and(|(x, y)| (y, x) <= (run.at.1, run.at.0))
-                {
-                    if let Some(tint) = tints.next()? {
-                        has_tint = tint.at == run.at;
-                        tint_pixels(&tint, &mut colors);
-                    }
+                    .is_some_and(|(tint_x, tint_y)| (tint_y, tint_x) <= (y, x))
+            {
+                if let Some(tint) = tints.next()? {
+                    is_tinted = tint.at == run.at;
+                    tint_pixels(&tint, &mut colors);
                 }
-                run.tint = has_tint.then_some(&colors);
-                lighting.push(&run);
             }
+            lighting.push((x, y), &lanes, is_tinted.then_some(&colors));
         }
         while tints.next()?.is_some() {}
         Ok(lighting.into_layer())
@@ -210,7 +201,6 @@ impl PackedPattern {
     pub fn unpack(&self) -> Result<Pattern, OpticsError> {
         let layers = self.layers.iter().map(|layer| {
             Ok(PatternLayer {
-                blur_px: layer.blur_px,
                 light: self.lane_runs(&layer.light, light_pixels)?,
                 tint: self.lane_runs(&layer.tint, tint_pixels)?,
             })

@@ -39,7 +39,7 @@ pub(super) fn write_runs<const B: usize>(
         let place = y * n_across + across;
         write_count(out, place - next);
         next = place + 1;
-        out.push(mask);
+        write_count(out, mask);
         for (lane, block) in blocks.iter().enumerate() {
             if mask >> lane & 1 == 1 {
                 write_block(out, block, above.get(across, *y, lane));
@@ -49,7 +49,7 @@ pub(super) fn write_runs<const B: usize>(
     }
 }
 
-fn mask_of<const B: usize>(blocks: &[Block; B]) -> u8 {
+fn mask_of<const B: usize>(blocks: &[Block; B]) -> usize {
     let mut mask = 0;
     for (lane, block) in blocks.iter().enumerate() {
         if block.iter().any(|value| *value != 0) {
@@ -81,7 +81,7 @@ pub(super) struct BlockRun<'a, const B: usize> {
     pub(super) at: (usize, usize),
     pub(super) blocks: &'a [Block; B],
     /// A bit for each lane that is not all zeros.
-    pub(super) present: u8,
+    pub(super) present: usize,
 }
 
 impl<'a, const B: usize> RunReader<'a, B> {
@@ -124,9 +124,9 @@ impl<'a, const B: usize> RunReader<'a, B> {
         let (Some(place), Some(at)) = (self.place, self.at()) else {
             return self.bytes.end().map(|()| None);
         };
-        let present = self.bytes.byte()?;
-        if present == 0 || usize::from(present) >> B != 0 {
-            return Err(self.bytes.wrong("a run has no lanes or unknown ones"));
+        let present = self.bytes.count((1 << B) - 1)?;
+        if present == 0 {
+            return Err(self.bytes.wrong("a run has no lanes"));
         }
         // All lanes before any is restored: bits that have just been taken apart one by one would
         // have to be waited for.

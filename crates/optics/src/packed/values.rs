@@ -2,23 +2,35 @@
 //!
 //! Shares of light are whole numbers of 2⁻¹⁴; the sun's radiance per irradiance is, too, of 2⁻¹⁶
 //! up to 2⁻⁸, and has eight bits of fraction beyond; the place that a mirror shows is in 1/128 px
-//! from the pixel itself. In linear light of at most 1, with the darkest step of an 8-bit code
-//! being 3.0·10⁻⁴ of it, the five shares are off by at most half a code of black together; a sun
-//! of irradiance 8 by a fifth of a code; and the place by one code of the steepest edge that an
-//! image can have, times its share.
-//!
-//! # Limits
-//! Where the renderer chooses by a threshold (the width over which a mirror's picture is averaged)
-//! a pixel just at it may be shown the other way; see the bank's test of rendered pictures.
+//! from the pixel itself; the width over which it is averaged is in 1/32 px up to 8 px, beyond
+//! which the renderer asks for its power of two alone; a tint is in 2⁻¹¹. In linear light of at
+//! most 1, with the darkest step of an 8-bit code being 3.0·10⁻⁴ of it, the five shares are off by
+//! at most half a code of black together; a sun of irradiance 8 by a fifth of a code; the place by
+//! one code of the steepest edge that an image can have, times its share; the width by half a code
+//! of such an edge; a tint by a fifteenth of a code of the light that it tints.
 
 use super::block::Block;
 use super::runs::{BlockRun, from_steps, steps};
 use crate::maps::{CHUNK, LaneRun};
-use crate::physical::LEAST_ELSEWHERE;
-use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN};
+use crate::physical::{FINE_WIDTHS, LAYER_LANES, LEAST_ELSEWHERE, WIDTH};
+use crate::surface::{FRAME, FRAME_U, FRAME_V, N_SHARES, SUN};
 
 /// Steps of a share of light in 1.
 const SHARE_STEPS: f32 = 16_384.0;
+
+/// The same, as a number of them.
+const ALL_SHARES: i32 = 16_384;
+
+/// Steps of a width in a pixel, and how many there are up to the one from which the coarse scene is
+/// all that is shown.
+const WIDTH_STEPS: f32 = 32.0;
+const WIDTH_FINE: i32 = 256;
+
+/// Exponent of that width as the bits of a single have it.
+const WIDTH_FIRST: i32 = 127 + 3;
+
+/// Steps of a tint in 1.
+const TINT_STEPS: f32 = 2_048.0;
 
 /// Fewest steps of a share of the frame that the renderer takes from elsewhere: 5·10⁻⁴ is 8.2.
 const FIRST_ELSEWHERE: i32 = 9;
@@ -42,9 +54,6 @@ const SUN_FIRST: u32 = (127 - 8) << (23 - SUN_CUT);
 /// Most steps of the sun's lane: 2³¹, which is white under any sun.
 const SUN_MOST: u32 = 39 << (23 - SUN_CUT);
 
-/// Lanes of the tint that are kept: red, green and blue.
-pub(super) const TINT: usize = 3;
-
 /// The sun's lane as steps; less than nothing is nothing, as for the one who reads it.
 fn sun_steps(value: f32) -> i32 {
     let small = steps(value.max(0.0), SUN_STEPS);
@@ -63,14 +72,37 @@ fn sun_from_steps(steps: i32) -> f32 {
     if steps < SUN_SMALL { small } else { large }
 }
 
+/// A width as steps: none where it is too little to be one, and beyond [`WIDTH_FINE`] the
+/// logarithm of the next power of two.
+fn width_steps(width: f32) -> i32 {
+    if width <= FINE_WIDTHS[1] {
+        let fine = steps(width, WIDTH_STEPS);
+        let is_any = from_steps(fine, WIDTH_STEPS) > FINE_WIDTHS[0];
+        return if is_any { fine } else { 0 };
+    }
+    #[expect(clippy::cast_possible_wrap, reason = "an exponent")]
+    let exponent = ((width.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1)) as i32 + 1;
+    WIDTH_FINE + exponent - WIDTH_FIRST
+}
+
+fn width_from_steps(steps: i32) -> f32 {
+    let beyond = (steps - WIDTH_FINE).clamp(0, 64) + WIDTH_FIRST;
+    let large = f32::from_bits(beyond.cast_unsigned() << (f32::MANTISSA_DIGITS - 1));
+    let small = from_steps(steps.max(0), WIDTH_STEPS);
+    if steps <= WIDTH_FINE { small } else { large }
+}
+
 /// Middle of a pixel, px.
 #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
 fn middle(at: usize) -> f32 {
     at as f32 + 0.5
 }
 
-pub(super) fn light_blocks((x, y): (usize, usize), run: &LaneRun<LANES>) -> [Block; LANES] {
-    let mut blocks = [[0; CHUNK]; LANES];
+pub(super) fn light_blocks(
+    (x, y): (usize, usize),
+    run: &LaneRun<LAYER_LANES>,
+) -> [Block; LAYER_LANES] {
+    let mut blocks = [[0; CHUNK]; LAYER_LANES];
     for k in 0..CHUNK {
         let lanes = run.map(|lane| lane[k]);
         for lane in 0..N_SHARES {
@@ -80,11 +112,15 @@ pub(super) fn light_blocks((x, y): (usize, usize), run: &LaneRun<LANES>) -> [Blo
             // Stays on that side, on which the renderer looks elsewhere.
             blocks[FRAME][k] = blocks[FRAME][k].max(FIRST_ELSEWHERE);
         }
+        // No more than all, rounded or not: the greatest gives way.
+        let sum: i32 = blocks[..N_SHARES].iter().map(|block| block[k]).sum();
+        let greatest = (0..N_SHARES).max_by_key(|lane| blocks[*lane][k]);
+        blocks[greatest.unwrap_or(0)][k] -= (sum - ALL_SHARES).max(0);
         blocks[SUN][k] = sun_steps(lanes[SUN]);
         let has_place = from_steps(blocks[FRAME][k], SHARE_STEPS) > LEAST_ELSEWHERE;
         for (lane, own) in [(FRAME_U, middle(x + k)), (FRAME_V, middle(y))] {
             blocks[lane][k] = if has_place {
-                steps(lanes[lane] / lanes[FRAME] - own, PLACE_STEPS).clamp(-FARTHEST, FARTHEST)
+                steps(lanes[lane] - own, PLACE_STEPS).clamp(-FARTHEST, FARTHEST)
             } else if k > 0 {
                 // Not read; as its neighbor it takes no bits.
                 blocks[lane][k - 1]
@@ -92,45 +128,99 @@ pub(super) fn light_blocks((x, y): (usize, usize), run: &LaneRun<LANES>) -> [Blo
                 0
             };
         }
+        blocks[WIDTH][k] = if has_place {
+            width_steps(lanes[WIDTH])
+        } else {
+            0
+        };
     }
     blocks
 }
 
-/// The light of a run, in place of zeros.
-pub(super) fn light_pixels(of: &BlockRun<'_, LANES>, run: &mut LaneRun<LANES>) {
+/// The light of a run, whatever was there.
+pub(super) fn light_pixels(of: &BlockRun<'_, LAYER_LANES>, run: &mut LaneRun<LAYER_LANES>) {
     let BlockRun {
         at: (x, y),
         blocks,
         present,
     } = *of;
     let is_present = |lane: usize| present >> lane & 1 == 1;
-    for lane in (0..N_SHARES).filter(|lane| is_present(*lane)) {
-        run[lane] = blocks[lane].map(|steps| from_steps(steps, SHARE_STEPS));
+    for lane in 0..N_SHARES {
+        run[lane] = if is_present(lane) {
+            blocks[lane].map(|steps| from_steps(steps, SHARE_STEPS))
+        } else {
+            [0.0; CHUNK]
+        };
     }
-    if is_present(SUN) {
-        run[SUN] = blocks[SUN].map(sun_from_steps);
-    }
+    run[SUN] = if is_present(SUN) {
+        blocks[SUN].map(sun_from_steps)
+    } else {
+        [0.0; CHUNK]
+    };
     if !is_present(FRAME) {
+        // Not read.
         return;
     }
-    let shares = run[FRAME];
-    for (k, share) in shares.into_iter().enumerate() {
-        if share > LEAST_ELSEWHERE {
-            for (lane, own) in [(FRAME_U, middle(x + k)), (FRAME_V, middle(y))] {
-                let steps = blocks[lane][k].clamp(-FARTHEST, FARTHEST);
-                run[lane][k] = (own + from_steps(steps, PLACE_STEPS)) * share;
-            }
-        }
+    for (lane, first, step) in [(FRAME_U, middle(x), 1.0), (FRAME_V, middle(y), 0.0)] {
+        run[lane] = std::array::from_fn(|k| {
+            #[expect(clippy::cast_precision_loss, reason = "px of a run")]
+            let own = first + step * k as f32;
+            own + from_steps(blocks[lane][k], PLACE_STEPS)
+        });
     }
+    run[WIDTH] = blocks[WIDTH].map(width_from_steps);
 }
 
-pub(super) fn tint_blocks(_: (usize, usize), run: &LaneRun<4>) -> [Block; TINT] {
-    std::array::from_fn(|c| run[c + 1].map(|color| steps(color, SHARE_STEPS)))
+pub(super) fn tint_blocks(_: (usize, usize), run: &LaneRun<3>) -> [Block; 3] {
+    run.map(|lane| lane.map(|color| steps(color, TINT_STEPS)))
 }
 
 /// The tint of a run.
-pub(super) fn tint_pixels(of: &BlockRun<'_, TINT>, run: &mut LaneRun<4>) {
-    for (lane, block) in run[1..].iter_mut().zip(of.blocks) {
-        *lane = block.map(|steps| from_steps(steps, SHARE_STEPS));
+pub(super) fn tint_pixels(of: &BlockRun<'_, 3>, run: &mut LaneRun<3>) {
+    for (lane, block) in run.iter_mut().zip(of.blocks) {
+        *lane = block.map(|steps| from_steps(steps, TINT_STEPS));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_width_keeps_what_the_renderer_asks_of_it() {
+        // Which level of coarser scenes it takes: twice the width, in cells of 16 px.
+        let level = |width: f32| (2.0 * width / 16.0).max(1.0).log2().ceil();
+        for k in 0..4000_u16 {
+            let width = 1.5 * 1.003_f32.powi(i32::from(k));
+            let steps = width_steps(width);
+            let read = width_from_steps(steps);
+            assert_eq!(width_steps(read), steps, "{width}: packed twice");
+            if width <= FINE_WIDTHS[0] + 0.5 / WIDTH_STEPS {
+                assert_eq!(
+                    steps, 0,
+                    "{width}: the pixel itself, but for a fraction of a step"
+                );
+            } else if width <= FINE_WIDTHS[1] {
+                assert!((read - width).abs() <= 0.5 / WIDTH_STEPS, "{width}: {read}");
+            } else {
+                assert!(read >= FINE_WIDTHS[1], "{width}: {read} is not coarse");
+            }
+            if width < 1e6 {
+                assert!((level(read) - level(width)).abs() < 0.5, "{width}: {read}");
+            }
+        }
+        assert_eq!(width_steps(0.0), 0, "none");
+    }
+
+    #[test]
+    fn shares_that_are_rounded_up_come_to_no_more_than_all() {
+        let mut run = [[0.0; CHUNK]; LAYER_LANES];
+        for lane in run.iter_mut().take(N_SHARES - 1) {
+            *lane = [3276.5 / SHARE_STEPS; CHUNK];
+        }
+        run[N_SHARES - 1] = [3278.0 / SHARE_STEPS; CHUNK];
+        let blocks = light_blocks((0, 0), &run);
+        let sum: i32 = blocks[..N_SHARES].iter().map(|block| block[0]).sum();
+        assert_eq!(sum, ALL_SHARES, "all that there is");
     }
 }

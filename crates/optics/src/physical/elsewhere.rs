@@ -11,8 +11,7 @@ pub(super) struct Elsewhere {
     /// The place, px.
     pub(super) u: [f32; CHUNK],
     pub(super) v: [f32; CHUNK],
-    /// Over how much of the frame, px, it is averaged: where the blur mixes two mirrors that show
-    /// places far apart, the mean place is the middle of much, not a picture of its own.
+    /// Over how much of the frame, px, it is averaged.
     pub(super) width: [f32; CHUNK],
 }
 
@@ -20,7 +19,7 @@ pub(super) struct Elsewhere {
 pub(super) const ONE_MIRROR: f32 = 2.0;
 
 /// Averages over less, px, are the pixel itself, and over more come from the coarse scene alone.
-const FINE_WIDTHS: [f32; 2] = [1.5, 8.0];
+pub(crate) const FINE_WIDTHS: [f32; 2] = [1.5, 8.0];
 
 /// Side of a cell of the finest coarse scene, px.
 const CELL_PX: usize = 16;

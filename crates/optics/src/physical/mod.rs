@@ -7,6 +7,7 @@
 
 mod defocus;
 mod elsewhere;
+mod layer;
 mod light;
 mod overlay;
 mod params;
@@ -16,10 +17,12 @@ mod samples;
 
 pub use crate::packed::PackedPattern;
 pub(crate) use defocus::{Beyond, defocus_rows};
-pub(crate) use light::{BakedRun, Lighting};
+pub(crate) use elsewhere::FINE_WIDTHS;
+pub(crate) use layer::{LAYER_LANES, PatternLayer, WIDTH};
+pub(crate) use light::Lighting;
 pub(crate) use overlay::{LEAST_ELSEWHERE, OverlayLayer};
 pub use overlay::{OpticalMaps, Overlay};
 pub use params::{PhysicalOptics, SensorNoise, SurfaceParams};
-pub(crate) use pattern::{Outline, PatternLayer, code_mask};
+pub(crate) use pattern::{Outline, code_mask};
 pub use pattern::{Pattern, bake};
 pub use render::{Rendered, render};

@@ -28,18 +28,24 @@ pub struct Overlay {
 pub(crate) struct OverlayLayer {
     /// In the order of rows.
     pub(super) runs: Vec<Run>,
+    /// What some runs keep of each color.
+    pub(super) tinted: Vec<[[f32; CHUNK]; 3]>,
     pub(super) elsewhere: Vec<Elsewhere>,
 }
 
-/// [`CHUNK`] pixels of a row, per color.
+/// [`CHUNK`] pixels of a row.
 #[derive(Debug, Clone)]
 pub(super) struct Run {
     pub(super) x: usize,
     pub(super) y: usize,
-    pub(super) keep: [[f32; CHUNK]; 3],
+    /// What is kept of every color, unless the run is tinted.
+    pub(super) keep: [f32; CHUNK],
+    /// What is added of each.
     pub(super) add: [[f32; CHUNK]; 3],
     /// Bit k is set where the crack does anything to pixel k; the others stay as they are.
     pub(super) touched: u32,
+    /// Place among the runs that keep more of one color than of another.
+    pub(super) tinted: Option<usize>,
     /// Place among the runs that take light from elsewhere in the frame.
     pub(super) elsewhere: Option<usize>,
 }
@@ -109,6 +115,7 @@ impl Overlay {
         let mut layer = OverlayLayer::default();
         for (x, y) in (0..height).flat_map(|y| (0..width).step_by(CHUNK).map(move |x| (x, y))) {
             let mut run = Run::untouched((x, y));
+            let mut tinted = [[1.0; CHUNK]; 3];
             for k in 0..CHUNK.min(width - x) {
                 let (keep, add) = pixel(x + k, y);
                 let lost = keep.map(|keep| 1.0 - keep);
@@ -118,13 +125,15 @@ impl Overlay {
                     .any(|share| share >= LEAST_INFLUENCE)
                 {
                     run.touched |= 1 << k;
-                    for c in 0..3 {
-                        run.keep[c][k] = keep[c];
-                        run.add[c][k] = add[c];
+                    let lanes = tinted.iter_mut().zip(&mut run.add);
+                    for ((kept, added), (keep, add)) in lanes.zip(keep.into_iter().zip(add)) {
+                        (kept[k], added[k]) = (keep, add);
                     }
                 }
             }
             if run.touched != 0 {
+                run.tinted = Some(layer.tinted.len());
+                layer.tinted.push(tinted);
                 layer.runs.push(run);
             }
         }
@@ -168,11 +177,13 @@ impl Overlay {
                 None => light_of_code16(code) - light_of_code16(code.saturating_sub(step)),
             }
         });
-        for run in self.layers.iter().flat_map(|layer| &layer.runs) {
-            let row = &mut mask.as_mut()[run.y * width..(run.y + 1) * width];
-            let codes = run.influence_codes(threshold, visible);
-            for (pixel, code) in row.iter_mut().skip(run.x).zip(codes) {
-                *pixel |= code;
+        for layer in &self.layers {
+            for run in &layer.runs {
+                let row = &mut mask.as_mut()[run.y * width..(run.y + 1) * width];
+                let codes = run.influence_codes(layer.keep(run), threshold, visible);
+                for (pixel, code) in row.iter_mut().skip(run.x).zip(codes) {
+                    *pixel |= code;
+                }
             }
         }
         mask
@@ -202,11 +213,12 @@ impl Overlay {
             for layer in &self.layers {
                 for run in layer.runs_in(&xs, y) {
                     is_touched = true;
+                    let keep = layer.keep(run);
                     let other = run.elsewhere.map(|place| &layer.elsewhere[place]);
                     let (first, end) = (xs.start.saturating_sub(run.x), xs.end - run.x);
                     for k in first..end.min(CHUNK) {
                         let pixel = &mut row[run.x + k - xs.start];
-                        *pixel = run.moved(k, other, *pixel);
+                        *pixel = run.moved(k, keep, other, *pixel);
                     }
                 }
             }
@@ -241,12 +253,14 @@ impl Overlay {
         let width = width as usize;
         for layer in &self.layers {
             for run in &layer.runs {
+                let of_color = layer.keep(run);
                 for k in 0..CHUNK.min(width - run.x) {
                     let at = run.y * width + run.x + k;
-                    let keep = (run.keep[0][k] + run.keep[1][k] + run.keep[2][k]) / 3.0;
+                    let kept = of_color.map(|keep| keep[k]);
+                    let keep = (kept[0] + kept[1] + kept[2]) / 3.0;
                     maps.attenuation[at] = 1.0 - (1.0 - maps.attenuation[at]) * keep;
-                    for c in 0..3 {
-                        maps.added[at][c] = maps.added[at][c] * run.keep[c][k] + run.add[c][k];
+                    for (c, kept) in kept.into_iter().enumerate() {
+                        maps.added[at][c] = maps.added[at][c] * kept + run.add[c][k];
                     }
                     // What an earlier layer took from elsewhere this one attenuates, and may add
                     // to; the place is the mean of both.
@@ -274,6 +288,14 @@ impl Overlay {
 }
 
 impl OverlayLayer {
+    /// What a run keeps of each color.
+    pub(super) fn keep<'a>(&'a self, run: &'a Run) -> [&'a [f32; CHUNK]; 3] {
+        match run.tinted {
+            Some(place) => self.tinted[place].each_ref(),
+            None => [&run.keep; 3],
+        }
+    }
+
     /// The runs of a row that reach into some columns.
     fn runs_in(&self, xs: &Range<usize>, y: usize) -> impl Iterator<Item = &Run> {
         let first = self.runs.partition_point(|run| run.y < y);
@@ -288,17 +310,24 @@ impl Run {
         Self {
             x,
             y,
-            keep: [[1.0; CHUNK]; 3],
+            keep: [1.0; CHUNK],
             add: [[0.0; CHUNK]; 3],
             touched: 0,
+            tinted: None,
             elsewhere: None,
         }
     }
 
     /// Behind this run too: what pixel k keeps of its light, its share of other light, and that
     /// times the distance, px, it comes from.
-    fn moved(&self, k: usize, other: Option<&Elsewhere>, pixel: [f64; 3]) -> [f64; 3] {
-        let keep = f64::from((self.keep[0][k] + self.keep[1][k] + self.keep[2][k]) / 3.0);
+    fn moved(
+        &self,
+        k: usize,
+        keep: [&[f32; CHUNK]; 3],
+        other: Option<&Elsewhere>,
+        pixel: [f64; 3],
+    ) -> [f64; 3] {
+        let keep = f64::from((keep[0][k] + keep[1][k] + keep[2][k]) / 3.0);
         let [kept, share, distance] = pixel.map(|before| before * keep);
         let Some(other) = other.filter(|other| other.share[k] > 0.0) else {
             return [kept, share, distance];
@@ -324,11 +353,16 @@ impl Run {
 
     /// 255 where a pixel loses at least this share of its light, or visibly more or less is
     /// added, else 0.
-    fn influence_codes(&self, threshold: f32, visible: [f32; 3]) -> [u8; CHUNK] {
+    fn influence_codes(
+        &self,
+        keep: [&[f32; CHUNK]; 3],
+        threshold: f32,
+        visible: [f32; 3],
+    ) -> [u8; CHUNK] {
         std::array::from_fn(|k| {
             let mut influences = false;
             for (c, visible) in visible.into_iter().enumerate() {
-                influences |= (1.0 - self.keep[c][k]).abs() >= threshold;
+                influences |= (1.0 - keep[c][k]).abs() >= threshold;
                 influences |= self.add[c][k].abs() >= visible;
             }
             u8::from(influences).wrapping_neg()

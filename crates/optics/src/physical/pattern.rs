@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use image::GrayImage;
 use starbreak_glass::{CrackNetwork, Seed};
 
+use super::layer::PatternLayer;
 use super::{Overlay, PhysicalOptics};
 use crate::environment::{Environment, HemisphereWeights, Horizon};
 use crate::interface::gap::GapTable;
@@ -35,15 +36,6 @@ pub(crate) enum Outline {
     Corners(Vec<[[f64; 2]; 4]>),
     /// Their coverage, as codes of a mask.
     Codes(LaneRuns<1>),
-}
-
-/// Facets that are rendered together.
-#[derive(Debug, Clone)]
-pub(crate) struct PatternLayer {
-    pub(crate) light: LaneRuns<LANES>,
-    pub(crate) tint: LaneRuns<4>,
-    /// Mean radius of the discs, px.
-    pub(crate) blur_px: f32,
 }
 
 /// Bakes a network as far as it has grown at `time` (in the unit of its arrival column; infinity
@@ -104,11 +96,11 @@ pub fn bake(
         let light = spread(&facets.light, N_SHARES, pupil, size);
         if !light.is_empty() {
             let tint = spread(&facets.tint, 1, pupil, size);
-            pattern.layers.push(PatternLayer {
-                light: LaneRuns::from(&light),
-                tint: LaneRuns::from(&tint),
-                blur_px: mean_blur_px(&facets.light),
-            });
+            pattern.layers.push(PatternLayer::of_sums(
+                &LaneRuns::from(&light),
+                &LaneRuns::from(&tint),
+                mean_blur_px(&facets.light),
+            ));
         }
     }
     Ok(pattern)

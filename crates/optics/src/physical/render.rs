@@ -242,11 +242,12 @@ impl OverlayLayer {
             let n = CHUNK.min(width - run.x);
             let first = (run.y * width + run.x) * stride;
             let pixels = &mut samples[first..first + n * stride];
+            let keep = self.keep(run);
             let other = run.elsewhere.map(|place| &elsewhere[place]);
             match noise {
-                None => run.over::<S, COLORS, EXTRA>(pixels, other),
+                None => run.over::<S, COLORS, EXTRA>(pixels, keep, other),
                 Some(noise) => {
-                    run.over_with_noise::<S, COLORS, EXTRA>(pixels, other, noise, width);
+                    run.over_with_noise::<S, COLORS, EXTRA>(pixels, (keep, other), noise, width);
                 }
             }
         }
@@ -262,7 +263,7 @@ impl OverlayLayer {
             let first = (run.y * width + run.x) * COLORS;
             let other = run.elsewhere.map(|place| &elsewhere[place]);
             for k in 0..n {
-                let (keep, add) = run.pixel(k, other);
+                let (keep, add) = run.pixel(k, self.keep(run), other);
                 for c in 0..COLORS {
                     let light = &mut light[first + k * COLORS + c];
                     *light = *light * keep[c] + add[c];
@@ -284,7 +285,7 @@ impl OverlayLayer {
             let units = noise.of_run::<COLORS>(run, width);
             let first = (run.y * width + run.x) * stride;
             for k in 0..CHUNK.min(width - run.x) {
-                let (keep, _) = run.pixel::<COLORS>(k, None);
+                let (keep, _) = run.pixel::<COLORS>(k, self.keep(run), None);
                 for c in 0..COLORS {
                     let sample = &mut samples[first + k * stride + c];
                     let light = sample.light();
@@ -296,15 +297,19 @@ impl OverlayLayer {
     }
 }
 
+/// What a run keeps of each color, and light from elsewhere.
+type Behind<'a, const COLORS: usize> = ([&'a [f32; CHUNK]; 3], Option<&'a [[f32; COLORS]; CHUNK]>);
+
 impl Run {
     /// What is kept and added of each color of a pixel, light from elsewhere included.
     #[inline]
     fn pixel<const COLORS: usize>(
         &self,
         k: usize,
+        keep: [&[f32; CHUNK]; 3],
         other: Option<&[[f32; COLORS]; CHUNK]>,
     ) -> ([f32; COLORS], [f32; COLORS]) {
-        let keep = per_color([self.keep[0][k], self.keep[1][k], self.keep[2][k]]);
+        let keep = per_color(keep.map(|keep| keep[k]));
         let mut add = per_color([self.add[0][k], self.add[1][k], self.add[2][k]]);
         if let Some(other) = other {
             for (sum, more) in add.iter_mut().zip(&other[k]) {
@@ -317,13 +322,14 @@ impl Run {
     fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
         &self,
         pixels: &mut [S],
+        keep: [&[f32; CHUNK]; 3],
         other: Option<&[[f32; COLORS]; CHUNK]>,
     ) {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         let n = pixels.len() / stride;
         for k in self.touched_among(n) {
             let pixel = &mut pixels[k * stride..(k + 1) * stride];
-            let (keep, add) = self.pixel(k, other);
+            let (keep, add) = self.pixel(k, keep, other);
             for c in 0..COLORS {
                 pixel[c] = S::code(pixel[c].light() * keep[c] + add[c]);
             }
@@ -333,14 +339,14 @@ impl Run {
     fn over_with_noise<S: Sample, const COLORS: usize, const EXTRA: usize>(
         &self,
         pixels: &mut [S],
-        other: Option<&[[f32; COLORS]; CHUNK]>,
+        (keep, other): Behind<'_, COLORS>,
         noise: &Noise,
         width: usize,
     ) {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         let units = noise.of_run::<COLORS>(self, width);
         for (k, pixel) in pixels.chunks_exact_mut(stride).enumerate() {
-            let (keep, add) = self.pixel(k, other);
+            let (keep, add) = self.pixel(k, keep, other);
             for c in 0..COLORS {
                 let before = pixel[c].light();
                 let after = before * keep[c] + add[c];

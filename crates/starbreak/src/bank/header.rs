@@ -9,7 +9,7 @@ use starbreak_glass::{Generator, Seed};
 use crate::{Error, Recipe, RecipeError};
 
 /// Name and version of the bank format, the value of its header's `schema`.
-pub const BANK_SCHEMA: &str = "starbreak.bank/2";
+pub const BANK_SCHEMA: &str = "starbreak.bank/3";
 
 /// What the patterns of a bank are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

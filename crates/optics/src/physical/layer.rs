@@ -1,0 +1,249 @@
+//! What a layer of facets shows, as far as it does not depend on the light.
+
+use super::elsewhere::ONE_MIRROR;
+use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE};
+use crate::maps::{CHUNK, LaneRun, LaneRuns};
+use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES};
+
+/// Lanes of a layer: shares of light and the sun's as of a facet; the place of the frame that is
+/// shown, px, 0 where there is none; and [`WIDTH`].
+pub(crate) const LAYER_LANES: usize = LANES + 1;
+
+/// Over how much of the frame about that place, px, its light is averaged: where the blur mixes
+/// two mirrors that show places far apart, the mean place is the middle of much, not a picture of
+/// its own.
+pub(crate) const WIDTH: usize = LANES;
+
+/// By how much more than the mean red, green and blue are reflected, over that mean: −1 where none
+/// of a color is, 2 where all is of this color.
+pub(crate) type Tint = LaneRun<3>;
+
+/// Facets that are rendered together.
+#[derive(Debug, Clone)]
+pub(crate) struct PatternLayer {
+    /// Shares come to 1 together at most.
+    pub(crate) light: LaneRuns<LAYER_LANES>,
+    pub(crate) tint: LaneRuns<3>,
+}
+
+impl PatternLayer {
+    /// Of sums over facets, of which the places are weighted by their share and the tints by the
+    /// light that is tinted; the blur is the mean radius of the discs, px.
+    pub(super) fn of_sums(light: &LaneRuns<LANES>, tint: &LaneRuns<4>, blur_px: f32) -> Self {
+        let (width, height) = light.size();
+        let mut layer = Self {
+            light: LaneRuns::with_room(width, height, light.n_runs()),
+            tint: LaneRuns::with_room(width, height, 0),
+        };
+        for (x, y, sums) in light.iter() {
+            let (lanes, over) = at_most_one(sums);
+            let own = Places::of(sums);
+            let mut right = own.clone();
+            let next = light.run_at(x + CHUNK, y).map(Places::first_of);
+            right.shift_left(next, width - x);
+            let below = light.run_at(x, y + 1).map_or(Places::NONE, Places::of);
+            let run = layer.light.push((x, y));
+            run[..LANES].copy_from_slice(&lanes);
+            [run[FRAME_U], run[FRAME_V]] = own.or_zero();
+            for beside in [right, below] {
+                own.widen(&beside, blur_px, &mut run[WIDTH]);
+            }
+            if let Some(tint) = tint.run_at(x, y) {
+                let tint = tint_of(&lanes, &over, tint);
+                if tint.as_flattened().iter().any(|color| color.abs() > 0.0) {
+                    *layer.tint.push((x, y)) = tint;
+                }
+            }
+        }
+        layer
+    }
+}
+
+/// Sum of the shares of each pixel.
+fn shares_of(lanes: &LaneRun<LANES>) -> [f32; CHUNK] {
+    let mut shares = [0.0; CHUNK];
+    for lane in &lanes[..N_SHARES] {
+        for (sum, share) in shares.iter_mut().zip(lane) {
+            *sum += share;
+        }
+    }
+    shares
+}
+
+/// Where the shares come to more than 1 (facets of different blur over each other) all lanes over
+/// their sum; and that sum, 1 elsewhere.
+fn at_most_one(sums: &LaneRun<LANES>) -> (LaneRun<LANES>, [f32; CHUNK]) {
+    let over = shares_of(sums).map(|share| if share > 1.0 { share } else { 1.0 });
+    let lanes = sums.map(|lane| std::array::from_fn(|k| lane[k] / over[k]));
+    (lanes, over)
+}
+
+/// The tint of the light that is not from the frame; `sums` are those of its colors, over all
+/// shares before they were at most 1.
+fn tint_of(
+    lanes: &LaneRun<LANES>,
+    over: &[f32; CHUNK],
+    [_, red, green, blue]: &LaneRun<4>,
+) -> Tint {
+    let shares = shares_of(lanes);
+    [red, green, blue].map(|sums| {
+        std::array::from_fn(|k| {
+            let (share, lit_share) = (shares[k], shares[k] - lanes[FRAME][k]);
+            if lit_share <= LEAST_INFLUENCE {
+                return 0.0;
+            }
+            // No more than there is to reflect.
+            let most = ((1.0 - share) / lit_share).clamp(0.0, 2.0);
+            (sums[k] / over[k] / lit_share).clamp(-1.0, most)
+        })
+    })
+}
+
+/// The places that the pixels of a run show, px.
+#[derive(Clone)]
+struct Places {
+    /// Not a number where a pixel shows none.
+    u: [f32; CHUNK],
+    v: [f32; CHUNK],
+}
+
+/// The place that a pixel shows, px, in the direction of a lane; not a number where it shows none.
+fn place(lanes: &LaneRun<LANES>, lane: usize, k: usize) -> f32 {
+    let share = lanes[FRAME][k];
+    if share > LEAST_ELSEWHERE {
+        lanes[lane][k] / share
+    } else {
+        f32::NAN
+    }
+}
+
+impl Places {
+    const NONE: Self = Self {
+        u: [f32::NAN; CHUNK],
+        v: [f32::NAN; CHUNK],
+    };
+
+    fn of(lanes: &LaneRun<LANES>) -> Self {
+        let over = |lane: usize| std::array::from_fn(|k| place(lanes, lane, k));
+        Self {
+            u: over(FRAME_U),
+            v: over(FRAME_V),
+        }
+    }
+
+    /// The place of the first pixel of a run.
+    fn first_of(lanes: &LaneRun<LANES>) -> [f32; 2] {
+        [place(lanes, FRAME_U, 0), place(lanes, FRAME_V, 0)]
+    }
+
+    /// The places, 0 where there is none.
+    fn or_zero(&self) -> [[f32; CHUNK]; 2] {
+        [self.u, self.v].map(|of| of.map(|place| if place.is_nan() { 0.0 } else { place }))
+    }
+
+    /// The places of the pixels one to the right, up to the first `n`, beyond which there is no
+    /// frame; `next` is that of the last one.
+    fn shift_left(&mut self, next: Option<[f32; 2]>, n: usize) {
+        let [u, v] = next.unwrap_or([f32::NAN; 2]);
+        for (places, next) in [(&mut self.u, u), (&mut self.v, v)] {
+            places[n.min(CHUNK)..].fill(f32::NAN);
+            places.rotate_left(1);
+            places[CHUNK - 1] = next;
+        }
+    }
+
+    /// Averages pixels over more of the frame the faster their place runs away from that of a
+    /// neighbor: mirrors mix over about a blur's radius.
+    fn widen(&self, beside: &Self, blur_px: f32, width: &mut [f32; CHUNK]) {
+        for (k, width) in width.iter_mut().enumerate() {
+            let (du, dv) = (beside.u[k] - self.u[k], beside.v[k] - self.v[k]);
+            let excess = (du * du + dv * dv).sqrt() - ONE_MIRROR;
+            let wide = 0.5 * excess * blur_px;
+            // What is not a number is not more.
+            *width = if wide > *width { wide } else { *width };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::float_cmp, reason = "sums and quotients of powers of two")]
+
+    use super::*;
+    use crate::surface::{CABIN, GROUND};
+
+    /// One run of a frame of one row.
+    fn run_of<const L: usize>(lanes: [f32; L]) -> LaneRuns<L> {
+        let mut runs = LaneRuns::with_room(CHUNK, 1, 1);
+        *runs.push((0, 0)) = lanes.map(|value| [value; CHUNK]);
+        runs
+    }
+
+    /// A layer of some cabin light and light from (40, 8) in the frame.
+    fn layer(cabin: f32, frame: f32, tint: [f32; 4]) -> PatternLayer {
+        let mut lanes = [0.0; LANES];
+        lanes[CABIN] = cabin;
+        lanes[FRAME] = frame;
+        lanes[FRAME_U] = 40.0 * frame;
+        lanes[FRAME_V] = 8.0 * frame;
+        PatternLayer::of_sums(&run_of(lanes), &run_of(tint), 3.0)
+    }
+
+    fn first<const L: usize>(runs: &LaneRuns<L>) -> Option<[f32; L]> {
+        let run = runs.run_at(0, 0)?;
+        Some(run.map(|lane| lane[0]))
+    }
+
+    #[test]
+    fn facets_over_each_other_share_a_pixel_with_their_tints() {
+        let once = layer(0.5, 0.25, [0.5, 0.05, 0.0, -0.05]);
+        assert_eq!(
+            first(&once.tint),
+            Some([0.1, 0.0, -0.1]),
+            "of the light that it tints"
+        );
+        // Of 2, each facet gets what it would have of a pixel with room.
+        let over = layer(1.5, 0.5, [1.5, 0.15, 0.0, -0.15]);
+        let scaled = layer(0.75, 0.25, [0.75, 0.075, 0.0, -0.075]);
+        assert_eq!(first(&over.light), first(&scaled.light), "shares");
+        // Nothing passes, so no color can be reflected more than all.
+        let tint = first(&over.tint).unwrap_or_default();
+        assert!(tint[0] <= 0.0 && (tint[2] + 0.1).abs() < 1e-6, "{tint:?}");
+    }
+
+    #[test]
+    fn a_place_is_that_of_the_share_and_no_place_has_no_width() {
+        let shown = layer(0.5, 0.25, [0.0; 4]);
+        let lanes = first(&shown.light).unwrap_or([0.0; LAYER_LANES]);
+        let place = [lanes[FRAME_U], lanes[FRAME_V], lanes[WIDTH]];
+        assert_eq!(place, [40.0, 8.0, 0.0], "one mirror");
+        assert!(first(&shown.tint).is_none(), "no tint");
+        let dark = layer(0.5, 0.0, [0.0; 4]);
+        let lanes = first(&dark.light).unwrap_or([1.0; LAYER_LANES]);
+        let place = [lanes[FRAME_U], lanes[FRAME_V], lanes[WIDTH], lanes[GROUND]];
+        assert_eq!(place, [0.0; 4], "nothing");
+    }
+
+    #[test]
+    fn mirrors_that_show_places_far_apart_are_averaged() {
+        let mut light = LaneRuns::with_room(CHUNK, 1, 1);
+        let run: &mut LaneRun<LANES> = light.push((0, 0));
+        run[FRAME] = [0.5; CHUNK];
+        // From pixel 3 to 4 the place jumps by 10 px to the right.
+        run[FRAME_U] = std::array::from_fn(|k| if k > 3 { 0.5 * 30.0 } else { 0.5 * 20.0 });
+        let layer = PatternLayer::of_sums(&light, &LaneRuns::with_room(CHUNK, 1, 0), 4.0);
+        let width = layer.light.run_at(0, 0).map(|run| run[WIDTH]);
+        let expected: [f32; CHUNK] = std::array::from_fn(|k| {
+            if k == 3 {
+                0.5 * (10.0 - ONE_MIRROR) * 4.0
+            } else {
+                0.0
+            }
+        });
+        assert_eq!(
+            width,
+            Some(expected),
+            "half of what is beyond one mirror, times the blur"
+        );
+    }
+}
