@@ -7,7 +7,9 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{Outcome, SMALL, all_refused, folder, json, names, starbreak, succeed, write_photo};
+use common::{
+    Outcome, SMALL, all_refused, folder, json, names, snapshot, starbreak, succeed, write_photo,
+};
 use serde_json::{Value, json};
 
 fn args<'a>(source: &'a str, out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
@@ -135,7 +137,7 @@ fn shards_without_an_image_are_shards() {
     let merge: Vec<&str> = merge.iter().map(String::as_str).collect();
     succeed(dir.path(), &merge);
     assert!(
-        common::snapshot(&dir.path().join("merged")) == common::snapshot(&dir.path().join("whole")),
+        snapshot(&dir.path().join("merged")) == snapshot(&dir.path().join("whole")),
         "five of the shards are empty, and the merged set is whole"
     );
 }
@@ -211,4 +213,114 @@ fn images_that_vanish_are_failures_and_come_later() {
     fs::write(root.join("val/59.png"), bytes).unwrap();
     succeed(dir.path(), &args("coco:in", "out", &[]));
     succeed(dir.path(), &["verify", "out"]);
+}
+
+#[test]
+fn labels_that_changed_since_are_measured_anew() {
+    let dir = folder();
+    write_kitti(&dir.path().join("in"), 3);
+    let label = |k: u32, x0: u32| {
+        let line = format!("Car 0 0 0 {x0} 20 90 80 1 1 1 1 1 1 1\n");
+        fs::write(dir.path().join(format!("in/label_2/{k:06}.txt")), line).unwrap();
+    };
+    for k in 0..3 {
+        label(k, 10);
+    }
+    succeed(dir.path(), &args("kitti:in", "out", &[]));
+    // One moved, one whose object is gone.
+    label(1, 30);
+    fs::write(dir.path().join("in/label_2/000002.txt"), "").unwrap();
+    succeed(dir.path(), &args("kitti:in", "out", &[]));
+    succeed(dir.path(), &args("kitti:in", "fresh", &[]));
+    let record = json(
+        &dir.path()
+            .join("out/starbreak/provenance/image_2/000001.json"),
+    );
+    assert_eq!(record["objects"][0]["box_px"][0], 30.0, "{record}");
+    let of = |name: &str| snapshot(&dir.path().join(name));
+    assert_eq!(of("out"), of("fresh"), "as an undisturbed run");
+}
+
+#[test]
+fn what_was_altered_or_emptied_is_made_anew() {
+    let dir = folder();
+    write_kitti(&dir.path().join("in"), 4);
+    succeed(dir.path(), &args("kitti:in", "out", &[]));
+    let whole = snapshot(&dir.path().join("out"));
+    let at = |name: &str| dir.path().join("out").join(name);
+    fs::write(at("image_2/000000.png"), "").unwrap();
+    fs::copy(
+        dir.path().join("in/image_2/000001.png"),
+        at("image_2/000001.png"),
+    )
+    .unwrap();
+    fs::write(at("starbreak/regions/image_2/000002.png"), "").unwrap();
+    fs::remove_file(at("starbreak/cracks/image_2/000003.png")).unwrap();
+    let outcome = starbreak(dir.path(), &["verify", "out"]);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(
+        outcome
+            .stderr
+            .contains("makes anew what is missing or altered"),
+        "the way out: {outcome:?}"
+    );
+    succeed(dir.path(), &args("kitti:in", "out", &[]));
+    assert_eq!(snapshot(&dir.path().join("out")), whole, "as it was");
+    succeed(dir.path(), &["verify", "out"]);
+}
+
+#[test]
+fn nothing_else_is_put_into_a_set() {
+    let dir = folder();
+    write_kitti(&dir.path().join("in"), 2);
+    write_photo(&dir.path().join("a.png"));
+    fs::create_dir(dir.path().join("frames")).unwrap();
+    write_photo(&dir.path().join("frames/0.png"));
+    succeed(dir.path(), &args("kitti:in", "out", &[]));
+    let whole = snapshot(&dir.path().join("out"));
+    let small = |first: &[&'static str]| -> Vec<&'static str> { [first, &SMALL[..]].concat() };
+    let in_set = "is in the dataset";
+    all_refused(
+        dir.path(),
+        &[
+            (
+                small(&["generate", "kitti:in", "-o", "out/deeper/still"]),
+                in_set,
+            ),
+            (small(&["crack", "a.png", "-o", "out"]), in_set),
+            (small(&["crack", "a.png", "-o", "out/image_2"]), in_set),
+            (
+                small(&["patterns", "-n", "1", "--size", "80x60", "-o", "out"]),
+                in_set,
+            ),
+            (small(&["video", "frames", "-o", "out/frames"]), in_set),
+            (
+                small(&["video", "frames", "-o", "new", "--masks", "out/m"]),
+                in_set,
+            ),
+        ],
+    );
+    assert_eq!(snapshot(&dir.path().join("out")), whole, "untouched");
+}
+
+#[test]
+fn a_dry_run_is_refused_where_the_run_would_be() {
+    let dir = folder();
+    write_kitti(&dir.path().join("in"), 2);
+    succeed(dir.path(), &args("kitti:in", "out", &[]));
+    let dry = |more: &[&str]| {
+        let outcome = generate(
+            dir.path(),
+            "kitti:in",
+            "out",
+            &[more, &["--dry-run"]].concat(),
+        );
+        assert!(!dir.path().join("out.preview.png").exists() || outcome.code == Some(0));
+        outcome
+    };
+    let other = dry(&["--seed", "9"]);
+    let real = generate(dir.path(), "kitti:in", "out", &["--seed", "9"]);
+    assert_eq!(other.code, Some(2), "{other:?}");
+    assert_eq!(other.stderr, real.stderr, "for the same reason");
+    assert_eq!(dry(&[]).code, Some(0), "the same run");
 }

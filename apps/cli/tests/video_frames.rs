@@ -388,3 +388,30 @@ fn a_lens_that_begins_with_the_impact_is_said() {
         assert_eq!(stderr.contains(said), is_said, "{more}: {stderr}");
     }
 }
+
+#[test]
+fn hidden_files_are_no_frames_and_remains_of_a_killed_run_are_no_hindrance() {
+    let dir = folder();
+    write_frames(&dir.path().join("in"));
+    fs::write(dir.path().join("in/._f1.png"), "of another system").unwrap();
+    fs::copy(
+        dir.path().join("in/f1.png"),
+        dir.path().join("in/.hidden.png"),
+    )
+    .unwrap();
+    for left in ["out", "m"] {
+        fs::create_dir(dir.path().join(left)).unwrap();
+        fs::write(dir.path().join(left).join(".starbreak-a1B2c3"), "half").unwrap();
+    }
+    succeed_small(dir.path(), &["video", "in", "-o", "out", "--masks", "m"]);
+    let track = json(&dir.path().join("out.track.json"));
+    assert_eq!(track["frames"].as_array().unwrap().len(), 12, "{track}");
+    assert_eq!(track["frames"][0]["file"], "f1.png", "{track}");
+    fs::write(dir.path().join("m/other.png"), "").unwrap();
+    let outcome = starbreak_small(dir.path(), &["video", "in", "-o", "out2", "--masks", "m"]);
+    assert_eq!(
+        outcome.code,
+        Some(2),
+        "a folder with other files: {outcome:?}"
+    );
+}

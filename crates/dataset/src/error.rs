@@ -303,6 +303,17 @@ pub enum DatasetError {
         /// The output.
         output: PathBuf,
     },
+    /// A folder for other files lies in a generated set.
+    #[error(
+        "{path:?} is in the dataset {set:?} that `generate` has made, where other files would be foreign; choose \
+         a folder beside it"
+    )]
+    InsideSet {
+        /// The folder.
+        path: PathBuf,
+        /// The set.
+        set: PathBuf,
+    },
     /// A bank file that cannot be read or written.
     #[error("the bank {path:?} cannot be used: {fault}; {}", bank_way_out(.fault))]
     Bank {

@@ -61,7 +61,7 @@ pub use error::DatasetError;
 pub use generated::{
     CarriedFile, Carry, Finding, GeneratedSet, ItemRecord, Manifest, MergeReport, SET_SCHEMA,
     STATE_FOLDER, SampleFiles, SetChecker, SetLayout, compare_identity, file_len, merge_sets,
-    safe_path, set_identity,
+    refuse_inside_set, safe_path, set_identity,
 };
 pub use image_file::{
     ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_bytes, read_image,

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use starbreak::Recipe;
 use starbreak::bank::PatternBank;
 use starbreak::dataset::{
-    BadRecord, Carry, Encoding, OutputBatch, Source, SourceSpec, encode_image,
+    BadRecord, Carry, Encoding, OutputBatch, Source, SourceSpec, encode_image, is_inside,
 };
 use starbreak::generate::{
     Event, GenerateOptions, GenerateReport, Patterns, Plan, Preview, Selection, Survey, generate,
@@ -36,6 +36,14 @@ pub(crate) fn run(
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     let photos = args.overlay.read_folder(args.overlays.as_deref())?;
+    if let Some(overlays) = &args.overlays
+        && is_inside(&args.output, overlays)
+    {
+        return Err(Failure::wrong_input(format!(
+            "the output {:?} lies among the photographs in {overlays:?}; choose a folder beside it",
+            args.output
+        )));
+    }
     let patterns = patterns(args.bank.as_deref(), args.network.as_deref(), photos)?;
     let recipe = match &patterns {
         Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
@@ -158,7 +166,6 @@ fn options_of(args: &GenerateArgs) -> GenerateOptions {
         } else {
             args.max_failures
         },
-        is_rehashed: false,
     }
 }
 

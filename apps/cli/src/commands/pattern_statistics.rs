@@ -192,7 +192,7 @@ fn drawn(statistics: &Statistics) -> Figure {
 fn histogram(values: &[f64]) -> Plot {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let at = sorted.len().saturating_sub(1) * 199 / 200;
+    let at = (sorted.len().saturating_sub(1) * 199).div_ceil(200);
     let most = sorted.get(at).copied().unwrap_or(0.0);
     let most = round_above(most);
     let clamped = values.iter().map(|value| value.min(most));

@@ -77,7 +77,8 @@ pub(crate) fn run(
     }
     Err(Failure {
         message: format!(
-            "{:?} is not as it should be: {n_findings} findings",
+            "{:?} is not as it should be: {n_findings} findings; the `generate` that made it makes anew what is \
+             missing or altered",
             args.folder
         ),
         code: SOME_FAILED,

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{GeneratedSet, MAX_RECORD_BYTES, SetLayout};
 use crate::error::DatasetError;
 use crate::provenance::{blake3_file, blake3_hex};
+use crate::source::LabeledObject;
 use crate::text_file::read_text;
 
 /// One sample of one image: a line of `items.jsonl`.
@@ -39,6 +40,30 @@ impl GeneratedSet {
     /// [`DatasetError::Read`] where the disk cannot be asked.
     pub fn done(&self, name: &str, sample_idx: u32) -> Result<Option<ItemRecord>, DatasetError> {
         self.layout.done(name, sample_idx)
+    }
+}
+
+/// What a record says of the labels that it was made with.
+#[derive(Deserialize)]
+struct Labels {
+    objects: Vec<Label>,
+}
+
+#[derive(Deserialize)]
+struct Label {
+    record: String,
+    category: String,
+    kind: String,
+    box_px: [f64; 4],
+}
+
+impl Label {
+    fn is_of(&self, object: &LabeledObject) -> bool {
+        let bits = |box_px: &[f64; 4]| box_px.map(f64::to_bits);
+        self.record == object.record
+            && self.category == object.category
+            && self.kind == object.kind.name()
+            && bits(&self.box_px) == bits(&object.box_px)
     }
 }
 
@@ -104,6 +129,23 @@ impl SetLayout {
             crack_blake3,
             provenance_blake3: blake3_hex(file.text.as_bytes()),
         }))
+    }
+
+    /// Whether the record of a sample is about these objects, in their order.
+    #[must_use]
+    pub fn has_labels(&self, name: &str, sample_idx: u32, objects: &[LabeledObject]) -> bool {
+        let path = self.path(&self.files_of(name, sample_idx).provenance);
+        let Ok(file) = read_text(&path, MAX_RECORD_BYTES) else {
+            return false;
+        };
+        serde_json::from_str::<Labels>(&file.text).is_ok_and(|labels| {
+            labels.objects.len() == objects.len()
+                && labels
+                    .objects
+                    .iter()
+                    .zip(objects)
+                    .all(|(label, object)| label.is_of(object))
+        })
     }
 
     /// Whether image and masks of a sample have the bytes that its record says. A file that cannot be

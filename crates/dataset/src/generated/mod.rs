@@ -44,6 +44,7 @@ use serde_json::Value;
 use crate::error::DatasetError;
 use crate::known_folders::KnownFolders;
 use crate::output_batch::OutputBatch;
+use crate::paths::resolved;
 use crate::text_file::read_text;
 
 /// Name and version of the format of a generated set.
@@ -70,17 +71,12 @@ impl GeneratedSet {
     /// files of a killed run are removed.
     ///
     /// # Errors
-    /// [`DatasetError::OtherSet`], [`DatasetError::FolderInUse`], [`DatasetError::NotASet`],
-    /// [`DatasetError::Write`], [`DatasetError::Read`].
+    /// As for [`GeneratedSet::may_begin`], and [`DatasetError::FolderInUse`],
+    /// [`DatasetError::Write`].
     pub fn begin(root: &Path, n_samples: u32, identity: &Value) -> Result<Self, DatasetError> {
+        Self::may_begin(root, identity)?;
         let layout = SetLayout::new(root, n_samples);
         let run_file = layout.state("run.json");
-        if !is_there(&run_file)? && !is_empty_or_absent(root)? && !only_begun(&layout)? {
-            return Err(DatasetError::NotASet {
-                path: root.to_owned(),
-                reason: "it is not empty, and no set was begun there".to_owned(),
-            });
-        }
         let lock = lock(&layout)?;
         if is_there(&run_file)? {
             let found = identity::read(&run_file)?;
@@ -97,6 +93,28 @@ impl GeneratedSet {
             folders: Arc::default(),
             _lock: lock,
         })
+    }
+
+    /// Whether a set of this identity can be begun in a folder, or gone on with; nothing is written.
+    ///
+    /// # Errors
+    /// [`DatasetError::OtherSet`], [`DatasetError::NotASet`] for a folder that holds anything else,
+    /// [`DatasetError::InsideSet`], [`DatasetError::Read`].
+    pub fn may_begin(root: &Path, identity: &Value) -> Result<(), DatasetError> {
+        let absolute = resolved(root);
+        refuse_inside_set(absolute.parent().unwrap_or(&absolute))?;
+        let layout = SetLayout::new(root, 1);
+        let run_file = layout.state("run.json");
+        if is_there(&run_file)? {
+            compare_identity(root, &identity::read(&run_file)?, identity)
+        } else if is_empty_or_absent(root)? || only_begun(&layout)? {
+            Ok(())
+        } else {
+            Err(DatasetError::NotASet {
+                path: root.to_owned(),
+                reason: "it is not empty, and no set was begun there".to_owned(),
+            })
+        }
     }
 
     /// Where its files lie.
@@ -137,6 +155,22 @@ impl GeneratedSet {
                 _ => Ok(()),
             },
         }
+    }
+}
+
+/// Refuses a folder that is a generated set or lies in one, where files of others would be foreign.
+///
+/// # Errors
+/// [`DatasetError::InsideSet`].
+pub fn refuse_inside_set(folder: &Path) -> Result<(), DatasetError> {
+    let absolute = resolved(folder);
+    let is_set = |folder: &&Path| SetLayout::new(folder, 1).state("run.json").is_file();
+    match absolute.ancestors().find(is_set) {
+        None => Ok(()),
+        Some(set) => Err(DatasetError::InsideSet {
+            path: folder.to_owned(),
+            set: set.to_owned(),
+        }),
     }
 }
 

@@ -145,7 +145,8 @@ pub fn read_bytes(path: &Path, max_bytes: u64) -> Result<Vec<u8>, DatasetError> 
 /// # Limits
 ///
 /// PNG checksums are verified, so that damage is always found. JPEG has none: a file that is cut
-/// short is refused, but flipped bits inside the compressed data may come out as wrong pixels.
+/// short is refused, but damage inside the compressed data, also an end marker in its midst, may come
+/// out as wrong pixels, as it does from other readers.
 pub fn decode_image(
     name: &str,
     bytes: &[u8],

@@ -46,6 +46,18 @@ pub enum ObjectKind {
     Ignored,
 }
 
+impl ObjectKind {
+    /// Its name in records: `regular`, `crowd` or `ignored`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Regular => "regular",
+            Self::Crowd => "crowd",
+            Self::Ignored => "ignored",
+        }
+    }
+}
+
 /// A file of a dataset that is not one of its images.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceFile {

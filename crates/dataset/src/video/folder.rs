@@ -1,6 +1,7 @@
 //! A folder of images as a clip.
 
 use std::cmp::Ordering;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -10,7 +11,7 @@ use crate::{DatasetError, image_size};
 /// The PNG and JPEG files of a folder by their names, in the order of their names, in which a
 /// run of digits counts as a number: `f2.png` comes before `f10.png`.
 ///
-/// Subfolders and files of other extensions are left alone.
+/// Subfolders, hidden files and files of other extensions are left alone.
 ///
 /// # Errors
 /// [`DatasetError::Read`] where the folder cannot be read, [`VideoError::NoFrames`] where there is
@@ -27,7 +28,10 @@ pub fn frame_files(folder: &Path) -> Result<Vec<PathBuf>, DatasetError> {
             .extension()
             .map(|own| own.to_string_lossy().to_lowercase());
         let is_image = matches!(extension.as_deref(), Some("png" | "jpg" | "jpeg"));
-        if is_image && path.is_file() {
+        let is_hidden = path
+            .file_name()
+            .is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        if is_image && !is_hidden && path.is_file() {
             files.push(path);
         }
     }
@@ -78,10 +82,16 @@ pub fn is_folder(path: &Path) -> bool {
     path.is_dir()
 }
 
-/// Whether there is a folder with anything in it; one that cannot be read has nothing.
+/// Whether there is a folder with anything in it but what runs that were killed have left
+/// (`.starbreak-*`); one that cannot be read has nothing.
 #[must_use]
 pub fn holds_anything(path: &Path) -> bool {
-    fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some())
+    let is_left = |name: &OsStr| name.as_encoded_bytes().starts_with(b".starbreak-");
+    fs::read_dir(path).is_ok_and(|entries| {
+        entries
+            .filter_map(Result::ok)
+            .any(|entry| !is_left(&entry.file_name()))
+    })
 }
 
 /// Whether a path lies in a folder or is it, links seen through; neither need exist.

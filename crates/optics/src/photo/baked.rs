@@ -155,6 +155,28 @@ pub fn bake(
     })
 }
 
+/// Share of a frame of this size, px, that a placed photograph covers, 0 to 1: the mean of
+/// [`PhotoPattern::coverage`], but for the rounding to codes.
+///
+/// # Errors
+/// [`OpticsError::Parameter`] for a placement out of range.
+pub fn covered_share(
+    photo: &Photo,
+    placement: &Placement,
+    (width, height): (u32, u32),
+) -> Result<f64, OpticsError> {
+    placement.check()?;
+    let size = (width as usize, height as usize);
+    let raster = Raster::new(photo, placement, size, 0);
+    let rows = (0..size.1).map(|y| {
+        let opacities = (0..size.0).map(|x| f64::from(most(raster.glass(x, y).opacity)));
+        opacities
+            .map(|opacity| opacity.clamp(0.0, 1.0))
+            .sum::<f64>()
+    });
+    Ok(rows.sum::<f64>() / (f64::from(width) * f64::from(height)).max(1.0))
+}
+
 /// Signed radius of the disc of the glass in the middle of a row of the frame, px; none where the
 /// row misses the pane.
 fn radius_px(sheet: &SheetView, row: f64) -> Option<f64> {

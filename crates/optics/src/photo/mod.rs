@@ -26,6 +26,6 @@ mod placement;
 mod raster;
 
 pub use background::Background;
-pub use baked::{PhotoPattern, bake, check_gain, draw};
+pub use baked::{PhotoPattern, bake, check_gain, covered_share, draw};
 pub use picture::{Photo, PhotoParams};
 pub use placement::{Placement, PlacementRange};

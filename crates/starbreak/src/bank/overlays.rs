@@ -10,7 +10,7 @@ use starbreak_dataset::{
     BankFile, BankRecord, BankWriter, ImageLimits, WrittenBank, file_in, read_bytes,
 };
 use starbreak_glass::{Generator, Seed};
-use starbreak_optics::photo::{Background, PhotoParams, Placement, PlacementRange, draw};
+use starbreak_optics::photo::{Background, PhotoParams, Placement, PlacementRange, covered_share};
 
 use super::header::read_header;
 use crate::Error;
@@ -21,9 +21,6 @@ pub const OVERLAY_BANK_FILE: &str = "overlays.bank";
 
 /// Name and version of the format, the value of its header's `schema`.
 pub const OVERLAY_BANK_SCHEMA: &str = "starbreak.overlay-bank/1";
-
-/// Width of the frame, px, that the statistics are taken from.
-const ROW_WIDTH_PX: u32 = 256;
 
 /// What the patterns of a bank of photographs were made from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,7 +69,8 @@ pub struct OverlayRow {
     pub photo: String,
     /// The part of it.
     pub placement: Placement,
-    /// Share of the frame that glass covers, 0 to 1, by its opacity in the paper's optics.
+    /// Share of the frame that glass covers, 0 to 1: the mean of the crack mask of the physical
+    /// optics. The paper's optics draw glass before black or white by its brightness instead.
     pub area_share: f64,
 }
 
@@ -185,7 +183,7 @@ pub fn write_overlay_bank(
             let placed = set.draw(size, header.seed_of(idx))?;
             let row = OverlayRow {
                 idx,
-                area_share: area_share(&placed, size)?,
+                area_share: covered_share(&placed.glass.photo, &placed.placement, size)?,
                 photo: placed.glass.name.clone(),
                 placement: placed.placement,
             };
@@ -211,18 +209,6 @@ pub fn write_overlay_bank(
         rows,
         written: writer.finish()?,
     })
-}
-
-/// Mean coverage of a small frame of the same shape.
-fn area_share(placed: &PlacedPhoto, (width, height): (u32, u32)) -> Result<f64, Error> {
-    let small = |side: u32| {
-        let side = u64::from(side) * u64::from(ROW_WIDTH_PX) / u64::from(width.max(1));
-        u32::try_from(side.max(1)).unwrap_or(1)
-    };
-    let size = (ROW_WIDTH_PX, small(height));
-    let drawn = draw(&placed.glass.photo, &placed.placement, size)?;
-    // An empty sum is -0.
-    Ok(drawn.area_px2().abs() / (f64::from(size.0) * f64::from(size.1)))
 }
 
 impl OverlayBankDraft {

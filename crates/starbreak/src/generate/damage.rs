@@ -2,7 +2,7 @@
 
 use image::DynamicImage;
 use serde_json::{Value, json};
-use starbreak_dataset::{LabeledObject, ObjectKind};
+use starbreak_dataset::LabeledObject;
 use starbreak_optics::Before;
 
 use crate::Settings;
@@ -24,11 +24,7 @@ pub(super) fn damage_of(
             let mut entry = json!({
                 "record": object.record,
                 "category": object.category,
-                "kind": match object.kind {
-                    ObjectKind::Regular => "regular",
-                    ObjectKind::Crowd => "crowd",
-                    ObjectKind::Ignored => "ignored",
-                },
+                "kind": object.kind.name(),
                 "box_px": object.box_px,
             });
             // A box without a pixel of the frame has none.

@@ -46,9 +46,6 @@ pub struct GenerateOptions {
     pub other_files: Option<Carry>,
     /// The run stops when more images than this have failed; none never stops it.
     pub max_failures: Option<u64>,
-    /// Whether what an earlier run made is hashed, and made again where its bytes are others than its
-    /// record says; else it is enough that the files are there.
-    pub is_rehashed: bool,
 }
 
 impl Default for GenerateOptions {
@@ -58,7 +55,6 @@ impl Default for GenerateOptions {
             selection: Selection::default(),
             other_files: Some(Carry::Copy),
             max_failures: None,
-            is_rehashed: false,
         }
     }
 }

@@ -1,9 +1,10 @@
 //! What a run would do, from a few images made in memory.
 
 use image::DynamicImage;
-use starbreak_dataset::{FileRole, file_len};
+use starbreak_dataset::{FileRole, GeneratedSet, file_len};
 
 use super::Plan;
+use super::run::refuse_nesting;
 use super::survey::{is_state, is_stray};
 use crate::Error;
 
@@ -40,8 +41,11 @@ pub struct PreviewImage {
 /// Makes up to `n` images, evenly spread over those of the plan, and writes nothing.
 ///
 /// # Errors
-/// [`Error::Dataset`] where a file of the source cannot be asked for its length.
+/// [`Error::Dataset`] for a folder in which the plan could not be carried out, and where a file of the
+/// source cannot be asked for its length.
 pub fn preview(plan: &Plan<'_>, n: u64) -> Result<Preview, Error> {
+    refuse_nesting(plan)?;
+    GeneratedSet::may_begin(&plan.context.out, &plan.identity())?;
     let total = plan.survey.n_selected;
     let wanted = n.min(total);
     let mut preview = Preview {

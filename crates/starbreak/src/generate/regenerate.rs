@@ -119,7 +119,6 @@ fn options_of(identity: &Value) -> GenerateOptions {
             _ => None,
         },
         max_failures: None,
-        is_rehashed: false,
     }
 }
 

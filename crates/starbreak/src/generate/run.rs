@@ -188,7 +188,7 @@ const N_RECORDS_AT_ONCE: usize = 1024;
 
 /// What became of one sample.
 enum Outcome {
-    /// It had been made before, from the same file.
+    /// It had been made before, from the same file and labels, and is as it was.
     Kept,
     Made {
         n_bytes: u64,
@@ -206,7 +206,10 @@ impl Plan<'_> {
     ) -> Result<Outcome, Error> {
         if let Some(done) = set.done(&image.name, sample_idx)?
             && blake3_file(&image.path)? == done.input_blake3
-            && (!self.options.is_rehashed || set.layout().is_unaltered(&done))
+            && set.layout().is_unaltered(&done)
+            && set
+                .layout()
+                .has_labels(&image.name, sample_idx, &image.objects)
         {
             return Ok(Outcome::Kept);
         }
@@ -274,7 +277,7 @@ fn put_lists_of_trouble(set: &GeneratedSet, report: &GenerateReport) -> Result<(
 }
 
 /// Neither folder lies in the other.
-fn refuse_nesting(plan: &Plan<'_>) -> Result<(), Error> {
+pub(super) fn refuse_nesting(plan: &Plan<'_>) -> Result<(), Error> {
     let (input, output) = (plan.source.root(), &plan.context.out);
     if starbreak_dataset::is_inside(output, input) || starbreak_dataset::is_inside(input, output) {
         return Err(starbreak_dataset::DatasetError::OutputInInput {

@@ -8,7 +8,7 @@ use image::GrayImage;
 use rayon::prelude::*;
 use starbreak_dataset::{
     Encoding, FileSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, blake3_hex, encode_array,
-    encode_image, encode_mask, read_image, same_file,
+    encode_image, encode_mask, read_image, refuse_inside_set, same_file,
 };
 
 use starbreak_optics::physical::OpticalMaps;
@@ -91,8 +91,10 @@ pub type JobResult = Option<Result<Written, Failure>>;
 ///
 /// # Errors
 /// [`Error::OutputCollision`] where two images could write the same file,
-/// [`Error::OutputIsInput`] where one could replace another's input, [`Error::NoFileName`].
+/// [`Error::OutputIsInput`] where one could replace another's input, [`Error::NoFileName`],
+/// [`Error::Dataset`] for a folder in a generated set.
 pub fn plan_images(inputs: &[PathBuf], out: &Path) -> Result<Vec<ImageJob>, Error> {
+    refuse_inside_set(out)?;
     let known = FileSet::of(inputs);
     let mut writer_of: BTreeMap<String, &PathBuf> = BTreeMap::new();
     let mut jobs = Vec::with_capacity(inputs.len());

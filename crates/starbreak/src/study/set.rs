@@ -25,8 +25,6 @@ pub(super) fn make_set(
     let options = GenerateOptions {
         selection,
         other_files: None,
-        // Hashing costs far less than looking for objects, and the numbers rest on these files.
-        is_rehashed: true,
         ..GenerateOptions::default()
     };
     let plan = Plan {
