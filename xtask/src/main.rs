@@ -13,7 +13,8 @@ const USAGE: &str = "\
 usage: cargo xtask <task>
   test            cargo test --workspace with doctests and the replay of the fuzz corpus, the wheel
                   of the Python package and its tests; its tools (Python packages, ffmpeg,
-                  maturin) come from PyPI into target/test-venv
+                  maturin) come from PyPI into target/test-venv, a missing Chromium from Debian's
+                  packages into target/test-browser
   lint            fmt, clippy, rustdoc, licences, deps --check, refs
   licences        every package's licence is on the allow-list and every source is crates.io
   deps [--check]  writes the dependency graph into ARCHITECTURE.md, or says that it is stale

@@ -72,15 +72,21 @@ impl<const L: usize> LaneRuns<L> {
     }
 }
 
-impl<const L: usize> From<&Chunks<L>> for LaneRuns<L> {
-    fn from(chunks: &Chunks<L>) -> Self {
+impl<const L: usize> LaneRuns<L> {
+    /// The runs of some chunks of as many lanes or fewer; further lanes are 0.
+    pub(crate) fn of_chunks<const C: usize>(chunks: &Chunks<C>) -> Self {
         let (width, height) = chunks.size();
         let mut runs = Self::with_room(width, height, chunks.n_runs());
         for (x, y, pixels) in chunks.iter() {
-            for (lane, values) in runs.push((x, y)).iter_mut().enumerate() {
+            for (lane, values) in runs.push((x, y)).iter_mut().take(C).enumerate() {
                 *values = std::array::from_fn(|k| pixels[k][lane]);
             }
         }
         runs
+    }
+
+    /// The k-th run that exists, with its first pixel and row.
+    pub(crate) fn nth_mut(&mut self, k: usize) -> ((usize, usize), &mut LaneRun<L>) {
+        (self.starts[k], &mut self.runs[k])
     }
 }

@@ -3,7 +3,7 @@
 use super::elsewhere::ONE_MIRROR;
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE};
 use crate::maps::{CHUNK, LaneRun, LaneRuns};
-use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES};
+use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN};
 
 /// Lanes of a layer: shares of light and the sun's as of a facet; the place of the frame that is
 /// shown, px, 0 where there is none; and [`WIDTH`].
@@ -29,38 +29,50 @@ pub(crate) struct PatternLayer {
 impl PatternLayer {
     /// Of sums over facets, of which the places are weighted by their share and the tints by the
     /// light that is tinted; the blur is the mean radius of the discs, px.
-    pub(super) fn of_sums(light: &LaneRuns<LANES>, tint: &LaneRuns<4>, blur_px: f32) -> Self {
+    pub(super) fn of_sums(
+        mut light: LaneRuns<LAYER_LANES>,
+        tint: &LaneRuns<4>,
+        blur_px: f32,
+    ) -> Self {
         let (width, height) = light.size();
-        let mut layer = Self {
-            light: LaneRuns::with_room(width, height, light.n_runs()),
-            tint: LaneRuns::with_room(width, height, 0),
-        };
-        for (x, y, sums) in light.iter() {
-            let (lanes, over) = at_most_one(sums);
-            let own = Places::of(sums);
-            let mut right = own.clone();
-            let next = light.run_at(x + CHUNK, y).map(Places::first_of);
-            right.shift_left(next, width - x);
-            let below = light.run_at(x, y + 1).map_or(Places::NONE, Places::of);
-            let run = layer.light.push((x, y));
-            run[..LANES].copy_from_slice(&lanes);
-            [run[FRAME_U], run[FRAME_V]] = own.or_zero();
-            for beside in [right, below] {
-                own.widen(&beside, blur_px, &mut run[WIDTH]);
+        let mut tints = LaneRuns::with_room(width, height, tint.n_runs());
+        for k in 0..light.n_runs() {
+            let ((x, y), run) = light.nth_mut(k);
+            // The runs beside it, to the right and below, come later: they are sums as yet.
+            if run[FRAME].iter().any(|share| *share > LEAST_ELSEWHERE) {
+                let own = Places::of(run);
+                let mut right = own.clone();
+                let next = light.run_at(x + CHUNK, y).map(Places::first_of);
+                right.shift_left(next, width - x);
+                let below = light.run_at(x, y + 1).map_or(Places::NONE, Places::of);
+                let (_, run) = light.nth_mut(k);
+                for beside in [right, below] {
+                    own.widen(&beside, blur_px, &mut run[WIDTH]);
+                }
+                [run[FRAME_U], run[FRAME_V]] = own.or_zero();
+            } else {
+                run[FRAME_U..].fill([0.0; CHUNK]);
+            }
+            let (_, run) = light.nth_mut(k);
+            let shares = shares_of(run);
+            let over = shares.map(|share| if share > 1.0 { share } else { 1.0 });
+            let is_over = shares.iter().any(|share| *share > 1.0);
+            if is_over {
+                at_most_one(run, &over);
             }
             if let Some(tint) = tint.run_at(x, y) {
-                let tint = tint_of(&lanes, &over, tint);
+                let tint = tint_of(run, &over, tint);
                 if tint.as_flattened().iter().any(|color| color.abs() > 0.0) {
-                    *layer.tint.push((x, y)) = tint;
+                    *tints.push((x, y)) = tint;
                 }
             }
         }
-        layer
+        Self { light, tint: tints }
     }
 }
 
 /// Sum of the shares of each pixel.
-fn shares_of(lanes: &LaneRun<LANES>) -> [f32; CHUNK] {
+fn shares_of(lanes: &LaneRun<LAYER_LANES>) -> [f32; CHUNK] {
     let mut shares = [0.0; CHUNK];
     for lane in &lanes[..N_SHARES] {
         for (sum, share) in shares.iter_mut().zip(lane) {
@@ -70,18 +82,20 @@ fn shares_of(lanes: &LaneRun<LANES>) -> [f32; CHUNK] {
     shares
 }
 
-/// Where the shares come to more than 1 (facets of different blur over each other) all lanes over
-/// their sum; and that sum, 1 elsewhere.
-fn at_most_one(sums: &LaneRun<LANES>) -> (LaneRun<LANES>, [f32; CHUNK]) {
-    let over = shares_of(sums).map(|share| if share > 1.0 { share } else { 1.0 });
-    let lanes = sums.map(|lane| std::array::from_fn(|k| lane[k] / over[k]));
-    (lanes, over)
+/// All light over the sum of the shares where that is more than 1 (facets of different blur over
+/// each other).
+fn at_most_one(run: &mut LaneRun<LAYER_LANES>, over: &[f32; CHUNK]) {
+    for lane in (0..N_SHARES).chain([SUN]) {
+        for (light, over) in run[lane].iter_mut().zip(over) {
+            *light /= over;
+        }
+    }
 }
 
 /// The tint of the light that is not from the frame; `sums` are those of its colors, over all
 /// shares before they were at most 1.
 fn tint_of(
-    lanes: &LaneRun<LANES>,
+    lanes: &LaneRun<LAYER_LANES>,
     over: &[f32; CHUNK],
     [_, red, green, blue]: &LaneRun<4>,
 ) -> Tint {
@@ -108,7 +122,7 @@ struct Places {
 }
 
 /// The place that a pixel shows, px, in the direction of a lane; not a number where it shows none.
-fn place(lanes: &LaneRun<LANES>, lane: usize, k: usize) -> f32 {
+fn place(lanes: &LaneRun<LAYER_LANES>, lane: usize, k: usize) -> f32 {
     let share = lanes[FRAME][k];
     if share > LEAST_ELSEWHERE {
         lanes[lane][k] / share
@@ -123,7 +137,7 @@ impl Places {
         v: [f32::NAN; CHUNK],
     };
 
-    fn of(lanes: &LaneRun<LANES>) -> Self {
+    fn of(lanes: &LaneRun<LAYER_LANES>) -> Self {
         let over = |lane: usize| std::array::from_fn(|k| place(lanes, lane, k));
         Self {
             u: over(FRAME_U),
@@ -132,7 +146,7 @@ impl Places {
     }
 
     /// The place of the first pixel of a run.
-    fn first_of(lanes: &LaneRun<LANES>) -> [f32; 2] {
+    fn first_of(lanes: &LaneRun<LAYER_LANES>) -> [f32; 2] {
         [place(lanes, FRAME_U, 0), place(lanes, FRAME_V, 0)]
     }
 
@@ -181,12 +195,12 @@ mod tests {
 
     /// A layer of some cabin light and light from (40, 8) in the frame.
     fn layer(cabin: f32, frame: f32, tint: [f32; 4]) -> PatternLayer {
-        let mut lanes = [0.0; LANES];
+        let mut lanes = [0.0; LAYER_LANES];
         lanes[CABIN] = cabin;
         lanes[FRAME] = frame;
         lanes[FRAME_U] = 40.0 * frame;
         lanes[FRAME_V] = 8.0 * frame;
-        PatternLayer::of_sums(&run_of(lanes), &run_of(tint), 3.0)
+        PatternLayer::of_sums(run_of(lanes), &run_of(tint), 3.0)
     }
 
     fn first<const L: usize>(runs: &LaneRuns<L>) -> Option<[f32; L]> {
@@ -227,11 +241,11 @@ mod tests {
     #[test]
     fn mirrors_that_show_places_far_apart_are_averaged() {
         let mut light = LaneRuns::with_room(CHUNK, 1, 1);
-        let run: &mut LaneRun<LANES> = light.push((0, 0));
+        let run: &mut LaneRun<LAYER_LANES> = light.push((0, 0));
         run[FRAME] = [0.5; CHUNK];
         // From pixel 3 to 4 the place jumps by 10 px to the right.
         run[FRAME_U] = std::array::from_fn(|k| if k > 3 { 0.5 * 30.0 } else { 0.5 * 20.0 });
-        let layer = PatternLayer::of_sums(&light, &LaneRuns::with_room(CHUNK, 1, 0), 4.0);
+        let layer = PatternLayer::of_sums(light, &LaneRuns::with_room(CHUNK, 1, 0), 4.0);
         let width = layer.light.run_at(0, 0).map(|run| run[WIDTH]);
         let expected: [f32; CHUNK] = std::array::from_fn(|k| {
             if k == 3 {

@@ -97,8 +97,8 @@ pub fn bake(
         if !light.is_empty() {
             let tint = spread(&facets.tint, 1, pupil, size);
             pattern.layers.push(PatternLayer::of_sums(
-                &LaneRuns::from(&light),
-                &LaneRuns::from(&tint),
+                LaneRuns::of_chunks(&light),
+                &LaneRuns::of_chunks(&tint),
                 mean_blur_px(&facets.light),
             ));
         }
