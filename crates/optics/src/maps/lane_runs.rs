@@ -74,13 +74,31 @@ impl<const L: usize> LaneRuns<L> {
 
 impl<const L: usize> LaneRuns<L> {
     /// The runs of some chunks of as many lanes or fewer; further lanes are 0.
-    pub(crate) fn of_chunks<const C: usize>(chunks: &Chunks<C>) -> Self {
+    ///
+    /// `finish` is called for each run by its number, in order, once the row below it is there and
+    /// none after that: while it is at hand.
+    pub(crate) fn of_chunks<const C: usize>(
+        chunks: &Chunks<C>,
+        mut finish: impl FnMut(&mut Self, usize),
+    ) -> Self {
         let (width, height) = chunks.size();
         let mut runs = Self::with_room(width, height, chunks.n_runs());
+        let mut n_finished = 0;
         for (x, y, pixels) in chunks.iter() {
+            while runs
+                .starts
+                .get(n_finished)
+                .is_some_and(|start| start.1 + 1 < y)
+            {
+                finish(&mut runs, n_finished);
+                n_finished += 1;
+            }
             for (lane, values) in runs.push((x, y)).iter_mut().take(C).enumerate() {
                 *values = std::array::from_fn(|k| pixels[k][lane]);
             }
+        }
+        for k in n_finished..runs.n_runs() {
+            finish(&mut runs, k);
         }
         runs
     }

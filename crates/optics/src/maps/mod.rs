@@ -14,7 +14,7 @@ mod layer;
 mod raster;
 mod sharp;
 
-pub(crate) use chunks::CHUNK;
+pub(crate) use chunks::{CHUNK, Chunks};
 pub(crate) use kernel::{Kernel, Pupil};
 pub(crate) use lane_runs::{LaneRun, LaneRuns};
 pub(crate) use layer::{Facet, spread};

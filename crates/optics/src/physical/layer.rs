@@ -2,7 +2,7 @@
 
 use super::elsewhere::ONE_MIRROR;
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE};
-use crate::maps::{CHUNK, LaneRun, LaneRuns};
+use crate::maps::{CHUNK, Chunks, LaneRun, LaneRuns};
 use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN};
 
 /// Lanes of a layer: shares of light and the sun's as of a facet; the place of the frame that is
@@ -29,35 +29,15 @@ pub(crate) struct PatternLayer {
 impl PatternLayer {
     /// Of sums over facets, of which the places are weighted by their share and the tints by the
     /// light that is tinted; the blur is the mean radius of the discs, px.
-    pub(super) fn of_sums(
-        mut light: LaneRuns<LAYER_LANES>,
-        tint: &LaneRuns<4>,
-        blur_px: f32,
-    ) -> Self {
-        let (width, height) = light.size();
+    pub(super) fn of_sums(sums: &Chunks<LANES>, tint: &LaneRuns<4>, blur_px: f32) -> Self {
+        let (width, height) = sums.size();
         let mut tints = LaneRuns::with_room(width, height, tint.n_runs());
-        for k in 0..light.n_runs() {
+        let light = LaneRuns::of_chunks(sums, |light, k| {
+            find_places(light, k, blur_px);
             let ((x, y), run) = light.nth_mut(k);
-            // The runs beside it, to the right and below, come later: they are sums as yet.
-            if run[FRAME].iter().any(|share| *share > LEAST_ELSEWHERE) {
-                let own = Places::of(run);
-                let mut right = own.clone();
-                let next = light.run_at(x + CHUNK, y).map(Places::first_of);
-                right.shift_left(next, width - x);
-                let below = light.run_at(x, y + 1).map_or(Places::NONE, Places::of);
-                let (_, run) = light.nth_mut(k);
-                for beside in [right, below] {
-                    own.widen(&beside, blur_px, &mut run[WIDTH]);
-                }
-                [run[FRAME_U], run[FRAME_V]] = own.or_zero();
-            } else {
-                run[FRAME_U..].fill([0.0; CHUNK]);
-            }
-            let (_, run) = light.nth_mut(k);
             let shares = shares_of(run);
             let over = shares.map(|share| if share > 1.0 { share } else { 1.0 });
-            let is_over = shares.iter().any(|share| *share > 1.0);
-            if is_over {
+            if shares.iter().any(|share| *share > 1.0) {
                 at_most_one(run, &over);
             }
             if let Some(tint) = tint.run_at(x, y) {
@@ -66,9 +46,29 @@ impl PatternLayer {
                     *tints.push((x, y)) = tint;
                 }
             }
-        }
+        });
         Self { light, tint: tints }
     }
+}
+
+/// Places and widths of the k-th run, whose neighbors to the right and below are sums as yet.
+fn find_places(light: &mut LaneRuns<LAYER_LANES>, k: usize, blur_px: f32) {
+    let (width, _) = light.size();
+    let ((x, y), run) = light.nth_mut(k);
+    if !run[FRAME].iter().any(|share| *share > LEAST_ELSEWHERE) {
+        run[FRAME_U..].fill([0.0; CHUNK]);
+        return;
+    }
+    let own = Places::of(run);
+    let mut right = own.clone();
+    let next = light.run_at(x + CHUNK, y).map(Places::first_of);
+    right.shift_left(next, width - x);
+    let below = light.run_at(x, y + 1).map_or(Places::NONE, Places::of);
+    let (_, run) = light.nth_mut(k);
+    for beside in [right, below] {
+        own.widen(&beside, blur_px, &mut run[WIDTH]);
+    }
+    [run[FRAME_U], run[FRAME_V]] = own.or_zero();
 }
 
 /// Sum of the shares of each pixel.
@@ -195,12 +195,14 @@ mod tests {
 
     /// A layer of some cabin light and light from (40, 8) in the frame.
     fn layer(cabin: f32, frame: f32, tint: [f32; 4]) -> PatternLayer {
-        let mut lanes = [0.0; LAYER_LANES];
+        let mut lanes = [0.0; LANES];
         lanes[CABIN] = cabin;
         lanes[FRAME] = frame;
         lanes[FRAME_U] = 40.0 * frame;
         lanes[FRAME_V] = 8.0 * frame;
-        PatternLayer::of_sums(run_of(lanes), &run_of(tint), 3.0)
+        let mut sums = Chunks::new(CHUNK, 1);
+        sums.add_row(0, 0, &[lanes; CHUNK]);
+        PatternLayer::of_sums(&sums, &run_of(tint), 3.0)
     }
 
     fn first<const L: usize>(runs: &LaneRuns<L>) -> Option<[f32; L]> {
@@ -240,12 +242,16 @@ mod tests {
 
     #[test]
     fn mirrors_that_show_places_far_apart_are_averaged() {
-        let mut light = LaneRuns::with_room(CHUNK, 1, 1);
-        let run: &mut LaneRun<LAYER_LANES> = light.push((0, 0));
-        run[FRAME] = [0.5; CHUNK];
         // From pixel 3 to 4 the place jumps by 10 px to the right.
-        run[FRAME_U] = std::array::from_fn(|k| if k > 3 { 0.5 * 30.0 } else { 0.5 * 20.0 });
-        let layer = PatternLayer::of_sums(light, &LaneRuns::with_room(CHUNK, 1, 0), 4.0);
+        let lanes: [[f32; LANES]; CHUNK] = std::array::from_fn(|k| {
+            let mut lanes = [0.0; LANES];
+            lanes[FRAME] = 0.5;
+            lanes[FRAME_U] = if k > 3 { 0.5 * 30.0 } else { 0.5 * 20.0 };
+            lanes
+        });
+        let mut sums = Chunks::new(CHUNK, 1);
+        sums.add_row(0, 0, &lanes);
+        let layer = PatternLayer::of_sums(&sums, &LaneRuns::with_room(CHUNK, 1, 0), 4.0);
         let width = layer.light.run_at(0, 0).map(|run| run[WIDTH]);
         let expected: [f32; CHUNK] = std::array::from_fn(|k| {
             if k == 3 {

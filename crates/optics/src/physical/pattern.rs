@@ -97,8 +97,8 @@ pub fn bake(
         if !light.is_empty() {
             let tint = spread(&facets.tint, 1, pupil, size);
             pattern.layers.push(PatternLayer::of_sums(
-                LaneRuns::of_chunks(&light),
-                &LaneRuns::of_chunks(&tint),
+                &light,
+                &LaneRuns::of_chunks(&tint, |_, _| ()),
                 mean_blur_px(&facets.light),
             ));
         }
