@@ -196,3 +196,20 @@ fn what_is_no_bank_of_photos_is_refused() {
         ],
     );
 }
+
+#[test]
+fn a_set_does_not_go_among_its_photographs() {
+    let dir = folder();
+    write_photos(dir.path());
+    fs::create_dir(dir.path().join("scenes")).unwrap();
+    write_photo(&dir.path().join("scenes/0.png"));
+    let args = [
+        "generate",
+        "folder:scenes",
+        "-o",
+        "photos/out",
+        "--overlays",
+        "photos",
+    ];
+    all_refused(dir.path(), &[(args.to_vec(), "lie in each other")]);
+}

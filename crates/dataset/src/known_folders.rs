@@ -8,6 +8,15 @@ use std::sync::{Mutex, PoisonError};
 
 use tempfile::NamedTempFile;
 
+/// How the temporary names of all outputs begin.
+const TEMPORARY: &str = ".starbreak-";
+
+/// Whether a file has a temporary name, as one that a killed run has left.
+pub(crate) fn is_temporary(path: &Path) -> bool {
+    path.file_name()
+        .is_some_and(|name| name.as_encoded_bytes().starts_with(TEMPORARY.as_bytes()))
+}
+
 /// More folders are not remembered, so that a set with a folder for each image takes no more memory.
 const MAX_KNOWN_FOLDERS: usize = 256;
 
@@ -76,7 +85,7 @@ pub(crate) fn absolute_folder_of(path: &Path) -> io::Result<PathBuf> {
 
 fn create_temporary(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".starbreak-");
+    builder.prefix(TEMPORARY);
     // Less the umask, as for any new file; the default would be private to the user.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 use starbreak::Recipe;
 use starbreak::bank::PatternBank;
 use starbreak::dataset::{
-    BadRecord, Carry, Encoding, OutputBatch, Source, SourceSpec, encode_image, is_inside,
+    BadRecord, Carry, DatasetError, Encoding, OutputBatch, Source, SourceSpec, encode_image,
+    is_inside,
 };
 use starbreak::generate::{
     Event, GenerateOptions, GenerateReport, Patterns, Plan, Preview, Selection, Survey, generate,
@@ -35,15 +36,16 @@ pub(crate) fn run(
     args: &GenerateArgs,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let photos = args.overlay.read_folder(args.overlays.as_deref())?;
     if let Some(overlays) = &args.overlays
         && is_inside(&args.output, overlays)
     {
-        return Err(Failure::wrong_input(format!(
-            "the output {:?} lies among the photographs in {overlays:?}; choose a folder beside it",
-            args.output
-        )));
+        return Err(DatasetError::OutputInInput {
+            input: overlays.clone(),
+            output: args.output.clone(),
+        }
+        .into());
     }
+    let photos = args.overlay.read_folder(args.overlays.as_deref())?;
     let patterns = patterns(args.bank.as_deref(), args.network.as_deref(), photos)?;
     let recipe = match &patterns {
         Patterns::Bank(bank) => recipe_of_bank(bank, global)?,

@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 use starbreak::bank::{
     OVERLAY_BANK_FILE, OverlayBank, OverlayBankHeader, OverlayRow, write_overlay_bank,
 };
-use starbreak::dataset::refuse_inside_set;
 use starbreak::overlay::OverlayOptions;
 use starbreak::pipeline::with_threads;
 
@@ -41,7 +40,6 @@ pub(crate) fn run(
              them",
         ));
     };
-    refuse_inside_set(&request.output)?;
     let to = request.output.join(OVERLAY_BANK_FILE);
     let table = request.output.join("overlays.csv");
     if !request.replace {

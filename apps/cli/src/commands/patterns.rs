@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use starbreak::bank::{BANK_FILE, BankHeader, BankReport, FrameSizes, PatternBank, write_bank};
-use starbreak::dataset::{Source, SourceSpec, refuse_inside_set};
+use starbreak::dataset::{Source, SourceSpec};
 use starbreak::pipeline::{RunContext, with_threads};
 
 use super::pattern_statistics::{Statistics, csv, figure};
@@ -63,7 +63,6 @@ pub(crate) fn run(
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     let Request { n, output, .. } = request;
-    refuse_inside_set(output)?;
     let recipe = global.recipe()?;
     let context = RunContext::new(&recipe, global.seed(), output)?;
     let to = output.join(BANK_FILE);

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 use starbreak::clip::{Clip, ClipReport, ClipRequest, Growth, Light};
-use starbreak::dataset::{DatasetError, refuse_inside_set};
+use starbreak::dataset::DatasetError;
 use starbreak::pipeline::{RunContext, with_threads};
 
 use super::network_file;
@@ -27,12 +27,6 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
         imported,
         ..context
     };
-    for output in [Some(&request.output), request.masks.as_ref()]
-        .into_iter()
-        .flatten()
-    {
-        refuse_inside_set(output)?;
-    }
     let interrupt = Interrupt::listen();
     let clip = Clip::open(request.clone())?;
     if clip.has_rare_pixels() {

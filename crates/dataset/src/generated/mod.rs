@@ -42,7 +42,7 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use crate::error::DatasetError;
-use crate::known_folders::KnownFolders;
+use crate::known_folders::{KnownFolders, is_temporary};
 use crate::output_batch::OutputBatch;
 use crate::paths::resolved;
 use crate::text_file::read_text;
@@ -259,11 +259,6 @@ fn lock(layout: &SetLayout) -> Result<File, DatasetError> {
             path: layout.root().to_owned(),
         }),
     }
-}
-
-fn is_temporary(path: &Path) -> bool {
-    path.file_name()
-        .is_some_and(|name| name.as_encoded_bytes().starts_with(b".starbreak-"))
 }
 
 /// Removes what a killed run has left under temporary names.

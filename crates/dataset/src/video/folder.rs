@@ -1,11 +1,11 @@
 //! A folder of images as a clip.
 
 use std::cmp::Ordering;
-use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::VideoError;
+use crate::known_folders::is_temporary;
 use crate::{DatasetError, image_size};
 
 /// The PNG and JPEG files of a folder by their names, in the order of their names, in which a
@@ -86,11 +86,10 @@ pub fn is_folder(path: &Path) -> bool {
 /// (`.starbreak-*`); one that cannot be read has nothing.
 #[must_use]
 pub fn holds_anything(path: &Path) -> bool {
-    let is_left = |name: &OsStr| name.as_encoded_bytes().starts_with(b".starbreak-");
     fs::read_dir(path).is_ok_and(|entries| {
         entries
             .filter_map(Result::ok)
-            .any(|entry| !is_left(&entry.file_name()))
+            .any(|entry| !is_temporary(&entry.path()))
     })
 }
 

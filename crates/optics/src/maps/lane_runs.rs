@@ -70,9 +70,7 @@ impl<const L: usize> LaneRuns<L> {
         let place = self.places[y * self.n_across + x / CHUNK] as usize;
         (place > 0).then(|| &self.runs[place - 1])
     }
-}
 
-impl<const L: usize> LaneRuns<L> {
     /// The runs of some chunks of as many lanes or fewer; further lanes are 0.
     ///
     /// `finish` is called for each run by its number, in order, once the row below it is there and

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use starbreak_dataset::{
     BankFile, BankRecord, BankWriter, ImageLimits, WrittenBank, file_in, read_bytes,
+    refuse_inside_set,
 };
 use starbreak_glass::{Generator, Seed};
 use starbreak_optics::photo::{Background, PhotoParams, Placement, PlacementRange, covered_share};
@@ -131,7 +132,7 @@ impl OverlayBankHeader {
 ///
 /// # Errors
 /// As for [`OverlaySet::read`]; [`Error::Interrupted`] once `stop` is set; [`Error::Dataset`]
-/// where the file system refuses.
+/// for a path in a generated set, and where the file system refuses.
 #[expect(clippy::too_many_arguments, reason = "each says another thing")]
 pub fn write_overlay_bank(
     folder: &Path,
@@ -143,6 +144,7 @@ pub fn write_overlay_bank(
     stop: &AtomicBool,
     progress: impl Fn() + Sync,
 ) -> Result<OverlayBankDraft, Error> {
+    refuse_inside_set(to)?;
     options.check()?;
     let range = options.random.unwrap_or_default();
     let options = OverlayOptions {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use starbreak_dataset::{BankRecord, BankWriter, WrittenBank};
+use starbreak_dataset::{BankRecord, BankWriter, WrittenBank, refuse_inside_set};
 use starbreak_glass::Generator;
 
 use super::PatternRow;
@@ -60,7 +60,8 @@ impl BankDraft {
 ///
 /// # Errors
 /// [`Error::Interrupted`] once `stop` is set: there is no half a bank. [`Error::OfPattern`] for a
-/// pattern that cannot be made, [`Error::Dataset`] where the file system refuses.
+/// pattern that cannot be made, [`Error::Dataset`] for a path in a generated set, and where the file
+/// system refuses.
 pub fn write_bank(
     context: &RunContext,
     n: usize,
@@ -69,6 +70,7 @@ pub fn write_bank(
     stop: &AtomicBool,
     progress: impl Fn(usize) + Sync,
 ) -> Result<BankDraft, Error> {
+    refuse_inside_set(to)?;
     let mut distinct: Vec<(u32, u32)> = Vec::new();
     for size in sizes {
         if !distinct.contains(size) {

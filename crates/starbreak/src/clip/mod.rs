@@ -19,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 use starbreak_dataset::video::{
     Ffmpeg, Fraction, VideoError, holds_anything, is_folder, is_inside,
 };
-use starbreak_dataset::{DatasetError, same_file, sha256_hex};
+use starbreak_dataset::{DatasetError, refuse_inside_set, same_file, sha256_hex};
 use starbreak_optics::paper::Focus;
 
 pub use error::ClipError;
@@ -190,9 +190,16 @@ impl Clip {
     ///
     /// # Errors
     /// [`Error::Clip`] for a request that makes no sense or a folder that is not empty, [`Error::OutputIsInput`],
-    /// [`Error::Dataset`] for an input that cannot be read or an absent ffmpeg.
+    /// [`Error::Dataset`] for an input that cannot be read, an absent ffmpeg, or an output in a generated
+    /// set.
     pub fn open(request: ClipRequest) -> Result<Self, Error> {
         request.check()?;
+        for output in [Some(&request.output), request.masks.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            refuse_inside_set(output)?;
+        }
         let target = Target::of(&request)?;
         let ffmpeg = match target {
             Target::Clip(_) => Some(Ffmpeg::at(&request.ffmpeg).map_err(DatasetError::from)?),
