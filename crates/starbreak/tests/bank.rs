@@ -208,6 +208,7 @@ fn a_packed_pattern_shows_the_picture_of_the_unpacked_one_to_a_code() {
                         .unwrap();
                     let lit = again.light(&light, optics).unwrap();
                     lit.apply(&mut packed, seed).unwrap();
+                    // The one is compiled for this processor, the other for any.
                     let [lit, anew] = [lit, unpacked_pattern.light(&light, optics)];
                     assert!(lit.maps() == anew.maps(), "{preset}: lit as it is read");
                     assert!(lit.region() == anew.region(), "{preset}: region");

@@ -90,7 +90,6 @@ pub(crate) fn run(
         generate(&plan, interrupt.flag(), &|event| match event {
             Event::Done => progress.step(),
             Event::Failed(failure) => progress.line(&format!("error: {}", failure.error)),
-            Event::CarryingFiles => {}
         })
     })?;
     progress.finish();

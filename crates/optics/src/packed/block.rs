@@ -123,6 +123,7 @@ fn write_head(out: &mut Vec<u8>, mode: usize, widths: [usize; N_GROUPS]) {
     }
 }
 
+#[inline(always)]
 fn read_head(bytes: &mut Bytes<'_>) -> Result<(From, [usize; N_GROUPS]), OpticsError> {
     let head = usize::from(u16::from_le_bytes(bytes.take()?));
     let (from, code) = (From::ALL[head & 3], head >> 2);
@@ -160,6 +161,7 @@ impl Coded {
     };
 
     /// The block itself, in place of the one above it; false where a number is too large.
+    #[inline(always)]
     pub(super) fn restore(&self, block: &mut Block) -> bool {
         // No branches, as no one can foretell them.
         let only_if = |is_so: bool| i32x4::splat(-i32::from(is_so));
@@ -184,6 +186,7 @@ impl Coded {
 }
 
 /// Of each number, the sum of those up to it.
+#[inline(always)]
 fn running_sums(numbers: i32x4) -> i32x4 {
     let [a, b, c, _] = numbers.to_array();
     let pairs = numbers + i32x4::new([0, a, b, c]);
@@ -192,6 +195,7 @@ fn running_sums(numbers: i32x4) -> i32x4 {
 }
 
 /// Reads what [`write_block`] wrote.
+#[inline(always)]
 pub(super) fn read_block(bytes: &mut Bytes<'_>, coded: &mut Coded) -> Result<(), OpticsError> {
     let (from, widths) = read_head(bytes)?;
     let n_bytes = widths.iter().sum::<usize>();
@@ -228,6 +232,7 @@ const ROOM: usize = N_GROUPS * HALF_WIDTH + size_of::<u64>();
 
 /// Eight numbers of a small width, maybe of none, out of the bytes from `at`: nearly all groups are
 /// such, and no branch depends on the width.
+#[inline(always)]
 fn unpack_small(room: &[u8; ROOM], at: usize, width: usize, group: &mut [u32; GROUP]) {
     #[expect(clippy::cast_possible_truncation, reason = "at most 15 bits")]
     let lowest = |bits: u64| (bits & ((1 << width) - 1)) as u32;
@@ -245,6 +250,7 @@ fn unpack_small(room: &[u8; ROOM], at: usize, width: usize, group: &mut [u32; GR
 }
 
 /// Eight numbers of a width out of the first bytes, as many as that.
+#[inline(always)]
 fn unpack(data: &[u8], width: usize, group: &mut [u32; GROUP]) {
     #[expect(clippy::cast_possible_truncation, reason = "at most 31 bits")]
     let lowest = |bits: u64| (bits & ((1 << width) - 1)) as u32;
@@ -262,6 +268,7 @@ fn zigzag(value: i32) -> u32 {
     ((value << 1) ^ (value >> 31)) as u32
 }
 
+#[inline(always)]
 fn unzigzag(bits: u32x4) -> i32x4 {
     let halves: u32x4 = bits >> 1_u32;
     let odd = bits & u32x4::ONE;

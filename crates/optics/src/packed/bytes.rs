@@ -85,6 +85,7 @@ impl<'a> Bytes<'a> {
     }
 
     /// A number of [`write_count`], at most `limit`.
+    #[inline(always)]
     pub(super) fn count(&mut self, limit: usize) -> Result<usize, OpticsError> {
         let mut value = 0_usize;
         for shift in (0..).step_by(7) {

@@ -162,12 +162,32 @@ impl PackedPattern {
         layer: &PackedLayer,
         environment: &Environment,
     ) -> Result<OverlayLayer, OpticsError> {
+        /// Compiled once more for processors with AVX2, as far as it is inlined, which a closure
+        /// would not be. No result depends on it: nothing is fused or summed in another order.
+        struct Lit<'a>(&'a PackedPattern, &'a PackedLayer, &'a Environment);
+        impl pulp::WithSimd for Lit<'_> {
+            type Output = Result<OverlayLayer, OpticsError>;
+            #[inline(always)]
+            fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+                self.0.lit_inlined(self.1, self.2)
+            }
+        }
+        pulp::Arch::new().dispatch(Lit(self, layer, environment))
+    }
+
+    #[inline(always)]
+    fn lit_inlined(
+        &self,
+        layer: &PackedLayer,
+        environment: &Environment,
+    ) -> Result<OverlayLayer, OpticsError> {
         let mut runs = self.runs::<LAYER_LANES>(&layer.light)?;
         let mut tints = self.runs::<3>(&layer.tint)?;
         let mut lighting = Lighting::new(environment, runs.n_left());
         let (mut lanes, mut colors) = ([[0.0; CHUNK]; LAYER_LANES], [[0.0; CHUNK]; 3]);
         while let Some(run) = runs.next()? {
-            let (x, y) = run.at;
+            let BlockRun { at, present, .. } = run;
+            let (x, y) = at;
             light_pixels(&run, &mut lanes);
             let mut is_tinted = false;
             while !is_tinted
@@ -176,11 +196,11 @@ impl PackedPattern {
                     .is_some_and(|(tint_x, tint_y)| (tint_y, tint_x) <= (y, x))
             {
                 if let Some(tint) = tints.next()? {
-                    is_tinted = tint.at == run.at;
+                    is_tinted = tint.at == at;
                     tint_pixels(&tint, &mut colors);
                 }
             }
-            lighting.push((x, y), &lanes, is_tinted.then_some(&colors));
+            lighting.push(at, (&lanes, present), is_tinted.then_some(&colors));
         }
         while tints.next()?.is_some() {}
         Ok(lighting.into_layer())

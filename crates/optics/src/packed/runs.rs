@@ -120,6 +120,7 @@ impl<'a, const B: usize> RunReader<'a, B> {
     }
 
     /// The run that comes next; after the last one there is nothing more in the bytes.
+    #[inline(always)]
     pub(super) fn next(&mut self) -> Result<Option<BlockRun<'_, B>>, OpticsError> {
         let (Some(place), Some(at)) = (self.place, self.at()) else {
             return self.bytes.end().map(|()| None);
@@ -156,6 +157,7 @@ impl<'a, const B: usize> RunReader<'a, B> {
     }
 
     /// Finds the place of the next run, which is `first` at least.
+    #[inline(always)]
     fn find_next(&mut self, first: usize) -> Result<(), OpticsError> {
         self.place = None;
         if self.n_left > 0 {
@@ -192,6 +194,7 @@ impl<const B: usize> Above<B> {
 
     /// The latest blocks of a column, which are to become those of row `y`, and whether they are
     /// of the row above it.
+    #[inline(always)]
     fn take(&mut self, across: usize, y: usize) -> (&mut [Block; B], bool) {
         let are_above = self.are_above(across, y);
         self.rows[across] = y;

@@ -65,6 +65,7 @@ fn sun_steps(value: f32) -> i32 {
     SUN_SMALL + i32::try_from(beyond).unwrap_or(0)
 }
 
+#[inline(always)]
 fn sun_from_steps(steps: i32) -> f32 {
     let beyond = (steps - SUN_SMALL).clamp(0, SUN_MOST.cast_signed());
     let large = f32::from_bits((beyond.cast_unsigned() + SUN_FIRST) << SUN_CUT);
@@ -85,6 +86,7 @@ fn width_steps(width: f32) -> i32 {
     WIDTH_FINE + exponent - WIDTH_FIRST
 }
 
+#[inline(always)]
 fn width_from_steps(steps: i32) -> f32 {
     let beyond = (steps - WIDTH_FINE).clamp(0, 64) + WIDTH_FIRST;
     let large = f32::from_bits(beyond.cast_unsigned() << (f32::MANTISSA_DIGITS - 1));
@@ -137,7 +139,8 @@ pub(super) fn light_blocks(
     blocks
 }
 
-/// The light of a run, whatever was there.
+/// The light of a run; lanes that are not present stay as they are.
+#[inline(always)]
 pub(super) fn light_pixels(of: &BlockRun<'_, LAYER_LANES>, run: &mut LaneRun<LAYER_LANES>) {
     let BlockRun {
         at: (x, y),
@@ -146,29 +149,31 @@ pub(super) fn light_pixels(of: &BlockRun<'_, LAYER_LANES>, run: &mut LaneRun<LAY
     } = *of;
     let is_present = |lane: usize| present >> lane & 1 == 1;
     for lane in 0..N_SHARES {
-        run[lane] = if is_present(lane) {
-            blocks[lane].map(|steps| from_steps(steps, SHARE_STEPS))
-        } else {
-            [0.0; CHUNK]
-        };
+        if is_present(lane) {
+            for (value, steps) in run[lane].iter_mut().zip(&blocks[lane]) {
+                *value = from_steps(*steps, SHARE_STEPS);
+            }
+        }
     }
-    run[SUN] = if is_present(SUN) {
-        blocks[SUN].map(sun_from_steps)
-    } else {
-        [0.0; CHUNK]
-    };
+    if is_present(SUN) {
+        for (value, steps) in run[SUN].iter_mut().zip(&blocks[SUN]) {
+            *value = sun_from_steps(*steps);
+        }
+    }
     if !is_present(FRAME) {
         // Not read.
         return;
     }
     for (lane, first, step) in [(FRAME_U, middle(x), 1.0), (FRAME_V, middle(y), 0.0)] {
-        run[lane] = std::array::from_fn(|k| {
+        for (k, (value, steps)) in run[lane].iter_mut().zip(&blocks[lane]).enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "px of a run")]
             let own = first + step * k as f32;
-            own + from_steps(blocks[lane][k], PLACE_STEPS)
-        });
+            *value = own + from_steps(*steps, PLACE_STEPS);
+        }
     }
-    run[WIDTH] = blocks[WIDTH].map(width_from_steps);
+    for (value, steps) in run[WIDTH].iter_mut().zip(&blocks[WIDTH]) {
+        *value = width_from_steps(*steps);
+    }
 }
 
 pub(super) fn tint_blocks(_: (usize, usize), run: &LaneRun<3>) -> [Block; 3] {
@@ -176,9 +181,12 @@ pub(super) fn tint_blocks(_: (usize, usize), run: &LaneRun<3>) -> [Block; 3] {
 }
 
 /// The tint of a run.
+#[inline(always)]
 pub(super) fn tint_pixels(of: &BlockRun<'_, 3>, run: &mut LaneRun<3>) {
     for (lane, block) in run.iter_mut().zip(of.blocks) {
-        *lane = block.map(|steps| from_steps(steps, TINT_STEPS));
+        for (value, steps) in lane.iter_mut().zip(block) {
+            *value = from_steps(*steps, TINT_STEPS);
+        }
     }
 }
 

@@ -47,25 +47,28 @@ impl Lighting {
         Self {
             colors: Colors::of(environment),
             layer: OverlayLayer {
+                // Room that is not used takes no memory.
                 runs: Vec::with_capacity(n_runs),
-                ..OverlayLayer::default()
+                tinted: Vec::with_capacity(n_runs),
+                elsewhere: Vec::with_capacity(n_runs),
             },
         }
     }
 
-    /// The next run: its first pixel and row, its lanes, and its tint if it has one.
+    /// The next run: its first pixel and row, its lanes with a bit for each that is not all zeros
+    /// (others are not read), and its tint if it has one.
+    #[inline(always)]
     pub(crate) fn push(
         &mut self,
         (x, y): (usize, usize),
-        lanes: &LaneRun<LAYER_LANES>,
+        (lanes, present): (&LaneRun<LAYER_LANES>, usize),
         tint: Option<&Tint>,
     ) {
-        let is_lit = LIT.map(|lane| !is_dark(&lanes[lane]));
         let layer = &mut self.layer;
         let run = layer.runs.push_mut(Run::untouched((x, y)));
         let mut shares = [0.0; CHUNK];
         for g in 0..CHUNK / GROUP {
-            let group = self.colors.group(lanes, g, is_lit);
+            let group = self.colors.group(lanes, g, present);
             put_nth(&mut shares, g, group.shares);
             put_nth(&mut run.keep, g, group.keep);
             for (to, add) in run.add.iter_mut().zip(group.add) {
@@ -77,14 +80,13 @@ impl Lighting {
             layer.runs.pop();
             return;
         }
-        let is_touched = BITS.map(|bit| run.touched & bit != 0);
+        let has_frame = has(present, FRAME);
         if let Some(tint) = tint {
+            let frame = if has_frame { &lanes[FRAME] } else { &NOTHING };
             run.tinted = Some(layer.tinted.len());
-            layer
-                .tinted
-                .push(run.tint(tint, (lanes, &shares), is_touched));
+            layer.tinted.push(run.tint(tint, &shares, frame));
         }
-        if let Some(other) = Elsewhere::of(lanes, is_touched) {
+        if has_frame && let Some(other) = Elsewhere::of(lanes, run.touched) {
             run.elsewhere = Some(layer.elsewhere.len());
             layer.elsewhere.push(other);
         }
@@ -101,38 +103,49 @@ impl OverlayLayer {
     pub(super) fn lit(layer: &PatternLayer, environment: &Environment) -> Self {
         let mut lighting = Lighting::new(environment, layer.light.n_runs());
         for (x, y, lanes) in layer.light.iter() {
-            lighting.push((x, y), lanes, layer.tint.run_at(x, y));
+            lighting.push(
+                (x, y),
+                (lanes, present_lanes(lanes)),
+                layer.tint.run_at(x, y),
+            );
         }
         lighting.into_layer()
     }
 }
 
-/// Whether there is nothing in a lane.
-fn is_dark(lane: &[f32; CHUNK]) -> bool {
-    let any = lane.iter().fold(0, |any, share| any | share.to_bits());
-    // But for signs of zeros.
-    any << 1 == 0
+/// A lane that is not present.
+static NOTHING: [f32; CHUNK] = [0.0; CHUNK];
+
+/// A bit for each lane that is not all zeros.
+fn present_lanes(lanes: &LaneRun<LAYER_LANES>) -> usize {
+    lanes.iter().enumerate().fold(0, |present, (lane, values)| {
+        let any = values.iter().fold(0, |any, value| any | value.to_bits());
+        // But for signs of zeros.
+        present | usize::from(any << 1 != 0) << lane
+    })
 }
 
-/// Of each pixel of a run, its bit.
-const BITS: [u32; CHUNK] = {
-    let mut bits = [0; CHUNK];
-    let mut k = 0;
-    while k < CHUNK {
-        bits[k] = 1 << k;
-        k += 1;
-    }
-    bits
-};
+#[inline(always)]
+fn has(present: usize, lane: usize) -> bool {
+    present >> lane & 1 == 1
+}
 
 /// Pixels that are lit together: as many as a processor's registers hold with all that is summed.
 const GROUP: usize = 8;
 
+/// Whether the bit of pixel k is set.
+#[inline(always)]
+fn is_set(touched: u32, k: usize) -> bool {
+    touched >> k & 1 == 1
+}
+
 /// The g-th group of a lane.
+#[inline(always)]
 fn nth(lane: &[f32; CHUNK], g: usize) -> f32x8 {
     f32x8::new(lane.as_chunks().0[g])
 }
 
+#[inline(always)]
 fn put_nth(lane: &mut [f32; CHUNK], g: usize, values: f32x8) {
     lane.as_chunks_mut().0[g] = values.to_array();
 }
@@ -148,17 +161,20 @@ struct LitGroup {
 }
 
 impl Colors {
-    #[inline]
-    fn group(&self, lanes: &LaneRun<LAYER_LANES>, g: usize, is_lit: [bool; LIT.len()]) -> LitGroup {
+    #[inline(always)]
+    fn group(&self, lanes: &LaneRun<LAYER_LANES>, g: usize, present: usize) -> LitGroup {
         let [zero, one, least] = [0.0, 1.0, LEAST_INFLUENCE].map(f32x8::splat);
-        let shares = lanes[..N_SHARES]
-            .iter()
-            .fold(zero, |sum, lane| sum + nth(lane, g));
+        let mut shares = zero;
+        for (l, lane) in lanes[..N_SHARES].iter().enumerate() {
+            if has(present, l) {
+                shares += nth(lane, g);
+            }
+        }
         // No color can be more than the bound.
         let (mut bound, mut rgb) = (zero, [zero; 3]);
         for (l, lane) in LIT.into_iter().enumerate() {
             // Few runs have light of every kind.
-            if !is_lit[l] {
+            if !has(present, lane) {
                 continue;
             }
             let share = nth(&lanes[lane], g);
@@ -174,7 +190,11 @@ impl Colors {
                 *sum += lit * f32x8::splat(color);
             }
         }
-        let frame = nth(&lanes[FRAME], g);
+        let frame = if has(present, FRAME) {
+            nth(&lanes[FRAME], g)
+        } else {
+            zero
+        };
         let most = rgb
             .iter()
             .fold(shares.abs(), |most, add| most.fast_max(add.abs()));
@@ -193,19 +213,20 @@ impl Colors {
 }
 
 /// Light from elsewhere in the frame that is too little to be looked up: it passes.
+#[inline(always)]
 fn own_share(frame: f32) -> f32 {
     if frame > LEAST_ELSEWHERE { 0.0 } else { frame }
 }
 
 impl Run {
     /// Tints what is added; gives what is kept of each color.
+    #[inline(always)]
     fn tint(
         &mut self,
         tint: &Tint,
-        (lanes, shares): (&LaneRun<LAYER_LANES>, &[f32; CHUNK]),
-        is_touched: [bool; CHUNK],
+        shares: &[f32; CHUNK],
+        frame: &[f32; CHUNK],
     ) -> [[f32; CHUNK]; 3] {
-        let frame = &lanes[FRAME];
         for (add, tint) in self.add.iter_mut().zip(tint) {
             for (add, tint) in add.iter_mut().zip(tint) {
                 *add *= 1.0 + tint;
@@ -213,26 +234,29 @@ impl Run {
         }
         // What is reflected more of one color is so at the expense of what passes, and by as much:
         // nothing is lost.
-        tint.map(|tint| {
-            std::array::from_fn(|k| {
+        let mut keep = [[1.0; CHUNK]; 3];
+        for (keep, tint) in keep.iter_mut().zip(tint) {
+            for k in 0..CHUNK {
                 let lit_share = shares[k] - frame[k];
                 let kept = (1.0 - shares[k] - lit_share * tint[k]) + own_share(frame[k]);
-                if is_touched[k] { kept } else { 1.0 }
-            })
-        })
+                keep[k] = if is_set(self.touched, k) { kept } else { 1.0 };
+            }
+        }
+        keep
     }
 }
 
 impl Elsewhere {
     /// Light from elsewhere in the frame of the pixels that are touched, if there is any.
-    fn of(lanes: &LaneRun<LAYER_LANES>, is_touched: [bool; CHUNK]) -> Option<Self> {
+    #[inline(always)]
+    fn of(lanes: &LaneRun<LAYER_LANES>, touched: u32) -> Option<Self> {
         let mut is_any = false;
-        let share = std::array::from_fn(|k| {
-            let share = lanes[FRAME][k];
-            let is_shown = is_touched[k] & (share > LEAST_ELSEWHERE);
+        let mut share = lanes[FRAME];
+        for (k, share) in share.iter_mut().enumerate() {
+            let is_shown = is_set(touched, k) & (*share > LEAST_ELSEWHERE);
             is_any |= is_shown;
-            if is_shown { share } else { 0.0 }
-        });
+            *share = if is_shown { *share } else { 0.0 };
+        }
         is_any.then(|| Self {
             share,
             u: lanes[FRAME_U],

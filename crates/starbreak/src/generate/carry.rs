@@ -8,12 +8,17 @@ use super::survey::{is_state, is_stray};
 use crate::Error;
 
 impl Plan<'_> {
-    /// Carries over what the set keeps of the source beside its images.
-    pub(super) fn carry_files(&self, set: &GeneratedSet) -> Result<Vec<CarriedFile>, Error> {
+    /// Carries over what the set keeps of the source beside its images, until it `is_over`.
+    pub(super) fn carry_files(
+        &self,
+        set: &GeneratedSet,
+        is_over: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<CarriedFile>, Error> {
         // The survey has listed what is wrong with others.
         let files = self
             .source
             .files()
+            .take_while(|_| !is_over())
             .filter_map(Result::ok)
             .filter(|file| !is_state(&file.name) && !is_stray(file));
         let per_file = |file: SourceFile| -> Result<Vec<CarriedFile>, Error> {

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use serde_json::json;
-use starbreak_dataset::{BadRecord, GeneratedSet, Manifest, SourceImage, blake3_file};
+use starbreak_dataset::{BadRecord, CarriedFile, GeneratedSet, Manifest, SourceImage, blake3_file};
 
 use super::Plan;
 use crate::Error;
@@ -18,8 +18,6 @@ pub enum Event<'a> {
     Done,
     /// A sample could not be made.
     Failed(&'a ItemFailure),
-    /// The images are done; labels and other files follow.
-    CarryingFiles,
 }
 
 /// An image that could not be made.
@@ -89,70 +87,21 @@ pub fn generate(
     let set = GeneratedSet::begin(out, n_samples, &plan.identity())?;
     set.put_state("recipe.toml", Some(&plan.context.recipe))?;
 
-    let tally = Mutex::new(Tally::default());
     let has_ended = AtomicBool::new(false);
     let is_over = || stop.load(Ordering::Relaxed) || has_ended.load(Ordering::Relaxed);
-    let images = (0_u64..).zip(plan.survey.selected_or_gone(plan.source));
-    let jobs = images.flat_map(|(place, image)| {
-        let first = place * u64::from(n_samples);
-        (0..n_samples).map(move |k| (first + u64::from(k), image.clone(), k))
-    });
-    jobs.take_while(|_| !is_over())
-        .par_bridge()
-        .for_each(|(place, image, sample_idx)| {
-            if is_over() {
-                return;
+    // Side by side: threads that do nothing but create small files in one folder wait for each
+    // other.
+    let (mut tally, carried) = rayon::join(
+        || plan.make_all(&set, &has_ended, &is_over, tell),
+        || {
+            let carried = plan.carry_files(&set, &is_over);
+            if carried.as_ref().is_err_and(Error::is_of_the_disk) {
+                has_ended.store(true, Ordering::Relaxed);
             }
-            let outcome = match &image {
-                Ok(image) => plan.make_or_keep(&set, image, sample_idx),
-                Err(bad) => Err(Error::Gone {
-                    record: bad.to_string(),
-                }),
-            };
-            let mut tally = tally.lock().unwrap_or_else(PoisonError::into_inner);
-            match outcome {
-                Ok(Outcome::Kept) => tally.n_done_before += 1,
-                Ok(Outcome::Made {
-                    n_bytes,
-                    is_intact,
-                    timings,
-                }) => {
-                    tally.n_made += 1;
-                    tally.n_bytes += n_bytes;
-                    tally.n_intact += u64::from(is_intact);
-                    tally.timings.add(&timings);
-                }
-                Err(error) if error.is_of_the_disk() => {
-                    has_ended.store(true, Ordering::Relaxed);
-                    tally.fatal.get_or_insert(error);
-                    return;
-                }
-                Err(error) => {
-                    let name = match image {
-                        Ok(image) => image.name,
-                        Err(bad) => bad.image.unwrap_or(bad.place),
-                    };
-                    let failure = ItemFailure {
-                        name,
-                        sample_idx,
-                        error,
-                    };
-                    tell(Event::Failed(&failure));
-                    tally.failures.push((place, failure));
-                    let n_failed = tally.failures.len() as u64;
-                    if plan
-                        .options
-                        .max_failures
-                        .is_some_and(|most| n_failed > most)
-                    {
-                        has_ended.store(true, Ordering::Relaxed);
-                    }
-                }
-            }
-            tell(Event::Done);
-        });
+            carried
+        },
+    );
 
-    let mut tally = tally.into_inner().unwrap_or_else(PoisonError::into_inner);
     if let Some(error) = tally.fatal {
         return Err(error);
     }
@@ -176,9 +125,9 @@ pub fn generate(
         manifest: None,
     };
     put_lists_of_trouble(&set, &report)?;
+    let carried = carried?;
     if report.n_not_begun == 0 && !is_over() {
-        tell(Event::CarryingFiles);
-        report.manifest = Some(plan.finish(&set, &report)?);
+        report.manifest = Some(plan.finish(&set, &carried, &report)?);
     }
     Ok(report)
 }
@@ -198,6 +147,79 @@ enum Outcome {
 }
 
 impl Plan<'_> {
+    /// Makes each sample, or keeps it, until it `is_over`; what no other would get by either ends it.
+    fn make_all(
+        &self,
+        set: &GeneratedSet,
+        has_ended: &AtomicBool,
+        is_over: &(dyn Fn() -> bool + Sync),
+        tell: &(dyn Fn(Event<'_>) + Sync),
+    ) -> Tally {
+        let n_samples = self.options.n_samples;
+        let tally = Mutex::new(Tally::default());
+        let images = (0_u64..).zip(self.survey.selected_or_gone(self.source));
+        let jobs = images.flat_map(|(place, image)| {
+            let first = place * u64::from(n_samples);
+            (0..n_samples).map(move |k| (first + u64::from(k), image.clone(), k))
+        });
+        jobs.take_while(|_| !is_over())
+            .par_bridge()
+            .for_each(|(place, image, sample_idx)| {
+                if is_over() {
+                    return;
+                }
+                let outcome = match &image {
+                    Ok(image) => self.make_or_keep(set, image, sample_idx),
+                    Err(bad) => Err(Error::Gone {
+                        record: bad.to_string(),
+                    }),
+                };
+                let mut tally = tally.lock().unwrap_or_else(PoisonError::into_inner);
+                match outcome {
+                    Ok(Outcome::Kept) => tally.n_done_before += 1,
+                    Ok(Outcome::Made {
+                        n_bytes,
+                        is_intact,
+                        timings,
+                    }) => {
+                        tally.n_made += 1;
+                        tally.n_bytes += n_bytes;
+                        tally.n_intact += u64::from(is_intact);
+                        tally.timings.add(&timings);
+                    }
+                    Err(error) if error.is_of_the_disk() => {
+                        has_ended.store(true, Ordering::Relaxed);
+                        tally.fatal.get_or_insert(error);
+                        return;
+                    }
+                    Err(error) => {
+                        let name = match image {
+                            Ok(image) => image.name,
+                            Err(bad) => bad.image.unwrap_or(bad.place),
+                        };
+                        let failure = ItemFailure {
+                            name,
+                            sample_idx,
+                            error,
+                        };
+                        tell(Event::Failed(&failure));
+                        tally.failures.push((place, failure));
+                        let n_failed = tally.failures.len() as u64;
+                        if self
+                            .options
+                            .max_failures
+                            .is_some_and(|most| n_failed > most)
+                        {
+                            has_ended.store(true, Ordering::Relaxed);
+                        }
+                    }
+                }
+                tell(Event::Done);
+            });
+
+        tally.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn make_or_keep(
         &self,
         set: &GeneratedSet,
@@ -223,9 +245,13 @@ impl Plan<'_> {
         })
     }
 
-    /// Carries over the other files and writes the lists.
-    fn finish(&self, set: &GeneratedSet, report: &GenerateReport) -> Result<Manifest, Error> {
-        let carried = self.carry_files(set)?;
+    /// Writes the lists.
+    fn finish(
+        &self,
+        set: &GeneratedSet,
+        carried: &[CarriedFile],
+        report: &GenerateReport,
+    ) -> Result<Manifest, Error> {
         let n_samples = self.options.n_samples;
         let names = self.survey.selected_names(self.source);
         let mut samples = names.flat_map(|name| (0..n_samples).map(move |k| (name.clone(), k)));
@@ -240,7 +266,7 @@ impl Plan<'_> {
         .flatten();
         Ok(set.finish(
             &mut items,
-            &carried,
+            carried,
             report.failures.len() as u64,
             report.skipped.len() as u64,
         )?)

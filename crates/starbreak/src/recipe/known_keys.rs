@@ -4,7 +4,7 @@ use serde_json::{Map, Value as Json};
 use toml::{Table, Value};
 
 use super::error::{Place, RecipeError};
-use super::schema::{all, has, keys, of_choice};
+use super::schema::{all, has, keys, keys_of, of_choice};
 use super::tables::Choice;
 
 /// Names of the presets or keys nearer than this are suggested.
@@ -15,17 +15,17 @@ type Keys = Map<String, Json>;
 
 /// Every key of a recipe exists, and in these models.
 pub(super) fn check(place: &Place, given: &Table, choice: Choice) -> Result<(), RecipeError> {
-    let (Some(own), Some(all)) = (keys(of_choice(choice)), keys(all())) else {
+    let Some(own) = keys(of_choice(choice)) else {
         return Ok(());
     };
-    check_table(place, "", given, own, all, choice)?;
+    check_table(place, "", given, own, choice)?;
     for (name, value) in given {
-        let (Some(own_keys), Some(all_keys)) = (keys(&own[name]), keys(&all[name])) else {
+        let Some(own_keys) = keys(&own[name]) else {
             continue;
         };
         match value {
             Value::Table(table) if own[name]["items"].is_null() => {
-                check_table(place, name, table, own_keys, all_keys, choice)?;
+                check_table(place, name, table, own_keys, choice)?;
             }
             Value::Array(entries) if own[name]["items"].is_object() => {
                 for (k, entry) in entries.iter().enumerate() {
@@ -33,7 +33,7 @@ pub(super) fn check(place: &Place, given: &Table, choice: Choice) -> Result<(), 
                     let Value::Table(table) = entry else {
                         return Err(no_table(place, &name, entry));
                     };
-                    check_table(place, &name, table, own_keys, all_keys, choice)?;
+                    check_table(place, &name, table, own_keys, choice)?;
                 }
             }
             other => return Err(no_table(place, name, other)),
@@ -84,7 +84,6 @@ fn check_table(
     name: &str,
     table: &Table,
     own: &Keys,
-    all: &Keys,
     choice: Choice,
 ) -> Result<(), RecipeError> {
     let Some(key) = table.keys().find(|key| !own.contains_key(*key)) else {
@@ -109,7 +108,8 @@ fn check_table(
             choice: by,
         });
     }
-    let hint = hint(key, all.keys().map(String::as_str), &format!("{what}s"));
+    let known = keys_of(all(), table).into_iter().flat_map(Keys::keys);
+    let hint = hint(key, known.map(String::as_str), &format!("{what}s"));
     Err(RecipeError::UnknownKey {
         place: place.clone(),
         key: full,

@@ -35,21 +35,24 @@ pub(super) fn all() -> &'static Json {
 
 /// The schema of one choice of models.
 pub(super) fn of_choice(choice: Choice) -> &'static Json {
-    static EACH: OnceLock<[Json; 4]> = OnceLock::new();
-    let each = EACH.get_or_init(|| Choice::ALL.map(|choice| root(tables_of(choice))));
+    // Each by itself, since most programs ask for one.
+    static EACH: [OnceLock<Json>; 4] = [const { OnceLock::new() }; 4];
     let at = Choice::ALL.iter().position(|known| *known == choice);
-    &each[at.unwrap_or(0)]
+    EACH[at.unwrap_or(0)].get_or_init(|| root(tables_of(choice)))
 }
 
 /// Whether a table has a key with these models; with "" for a table, whether there is such a table.
 pub(super) fn has(choice: Choice, table: &str, key: &str) -> bool {
-    let schema = of_choice(choice);
-    let table = if table.is_empty() {
+    keys_of(of_choice(choice), table).is_some_and(|keys| keys.contains_key(key))
+}
+
+/// The keys of a table of a schema; with "" for a table, the tables.
+pub(super) fn keys_of<'a>(schema: &'a Json, table: &str) -> Option<&'a Map<String, Json>> {
+    keys(if table.is_empty() {
         schema
     } else {
         &schema["properties"][table]
-    };
-    keys(table).is_some_and(|keys| keys.contains_key(key))
+    })
 }
 
 /// The keys of a table, or of each table in a list; none for what is no table.

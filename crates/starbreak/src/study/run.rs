@@ -228,7 +228,6 @@ impl StudyPlan<'_> {
             &|event| match event {
                 Event::Done => tell(StudyEvent::Image),
                 Event::Failed(failure) => tell(StudyEvent::Failed(failure.error.to_string())),
-                Event::CarryingFiles => {}
             },
         )
     }
