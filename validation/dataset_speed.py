@@ -5,7 +5,7 @@
 
 Sets: a synthetic KITTI-like one of N PNG frames (1242x375, made here from a street that a formula
 draws, with noise), and coco96, the BDD frames (JPEG, 1280x720) and the KITTI frames of ../shared/data,
-40 copies of each frame, where they are. Each is run in turns: recode (the floor; it hashes what it
+100 copies of each frame, where they are. Each is run in turns: recode (the floor; it hashes what it
 reads, as `generate` does), from a bank with all frame sizes of the set, fresh physics; the least of
 five rounds, of three where there are more than 500 images. CPU seconds are user and system time of
 the process; on a shared machine their ratio is the robust figure. The folder of temporary files
@@ -24,6 +24,7 @@ TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "re
 STARBREAK = TARGET / "starbreak"
 RECODE = TARGET / "examples" / "recode"
 SHARED = ROOT.parent / "shared" / "data"
+N_COPIES = 100
 
 
 def street(k, rng):
@@ -92,16 +93,18 @@ def run(work, n, threads):
         sets.append(("coco96", f"coco:{SHARED / 'coco96'}", 96))
         frames = sorted((SHARED / "bdd").glob("*.jpg"))
         (work / "bdd").mkdir()
-        for k in range(120):
+        n_copied = N_COPIES * len(frames)
+        for k in range(n_copied):
             shutil.copy(frames[k % len(frames)], work / f"bdd/{k:03}.jpg")
-        sets.append((f"BDD frames, {len(frames)} as 120", f"folder:{work / 'bdd'}", 120))
+        sets.append((f"BDD frames, {len(frames)} as {n_copied}", f"folder:{work / 'bdd'}", n_copied))
         frames = sorted((SHARED / "kitti" / "image_2").glob("*.png"))
+        n_copied = N_COPIES * len(frames)
         for sub, suffix in (("image_2", "png"), ("label_2", "txt"), ("calib", "txt")):
             (work / "kitti-frames" / sub).mkdir(parents=True)
-            for k in range(120):
+            for k in range(n_copied):
                 source = SHARED / "kitti" / sub / f"{frames[k % len(frames)].stem}.{suffix}"
                 shutil.copy(source, work / f"kitti-frames/{sub}/{k:06}.{suffix}")
-        sets.append((f"KITTI frames, {len(frames)} as 120", f"kitti:{work / 'kitti-frames'}", 120))
+        sets.append((f"KITTI frames, {len(frames)} as {n_copied}", f"kitti:{work / 'kitti-frames'}", n_copied))
     else:
         print("SKIPPED coco96, BDD frames and KITTI frames: no ../shared/data")
     banks = []

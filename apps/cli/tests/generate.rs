@@ -316,6 +316,77 @@ fn merged_shards_are_the_set_of_one_run() {
 }
 
 #[test]
+fn a_shard_that_was_altered_is_not_merged() {
+    let dir = folder();
+    write_kitti(&dir.path().join("in"), 6);
+    generate(dir.path(), "whole", &[]);
+    let shard = |k: u32| {
+        generate(
+            dir.path(),
+            &format!("p{k}"),
+            &["--shard", &format!("{k}/2")],
+        )
+    };
+    for k in 1..=2 {
+        shard(k);
+    }
+    let merge = ["merge", "-o", "merged", "p1", "p2"];
+    for folder in ["image_2", "starbreak/provenance/image_2", "label_2"] {
+        let folder = dir.path().join("p2").join(folder);
+        let file = folder.join(&names(&folder)[0]);
+        let mut bytes = fs::read(&file).unwrap();
+        let last = bytes.len() - 1;
+        bytes[last] ^= 1;
+        // A file of its own: the merged set may have another name of it.
+        fs::remove_file(&file).unwrap();
+        fs::write(&file, bytes).unwrap();
+        let refused = starbreak(dir.path(), &merge);
+        let complaint = refused.complaint("is not what the lists of its shard say");
+        assert_eq!(complaint, None, "{folder:?}");
+        shard(2);
+    }
+    succeed(dir.path(), &merge);
+    assert!(
+        snapshot(&dir.path().join("merged")) == snapshot(&dir.path().join("whole")),
+        "mended, in the same folder"
+    );
+    // A list that was cut at the end of a line.
+    for list in ["items.jsonl", "files.jsonl"] {
+        let path = dir.path().join("p2/starbreak").join(list);
+        let whole = fs::read_to_string(&path).unwrap();
+        fs::write(&path, &whole[..=whole.find('\n').unwrap()]).unwrap();
+        let merge = ["merge", "-o", "m2", "p1", "p2"].to_vec();
+        all_refused(
+            dir.path(),
+            &[(merge, "not the one that its manifest means")],
+        );
+        fs::write(&path, whole).unwrap();
+    }
+}
+
+#[test]
+fn a_set_that_is_gone_on_with_is_not_finished_until_it_is() {
+    let dir = folder();
+    write_kitti(&dir.path().join("in"), 3);
+    generate(dir.path(), "out", &[]);
+    let manifest = dir.path().join("out/starbreak/manifest.json");
+    let finished = fs::read(&manifest).unwrap();
+    let image = dir.path().join("in/image_2/000001.png");
+    let photo = fs::read(&image).unwrap();
+    fs::write(&image, &photo[..photo.len() / 2]).unwrap();
+    let again = [
+        &["generate", "kitti:in", "-o", "out", "--fail-fast"][..],
+        &SMALL,
+    ]
+    .concat();
+    assert_eq!(starbreak(dir.path(), &again).code, Some(1), "it fails");
+    assert!(!manifest.exists(), "begun again");
+    fs::write(&image, photo).unwrap();
+    generate(dir.path(), "out", &[]);
+    assert_eq!(fs::read(&manifest).unwrap(), finished, "and finished again");
+}
+
+#[test]
 fn two_recipes_never_mix_in_one_folder() {
     let dir = folder();
     write_kitti(&dir.path().join("in"), 2);

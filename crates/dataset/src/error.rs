@@ -288,7 +288,7 @@ pub enum DatasetError {
         name: String,
     },
     /// Shards that are no whole.
-    #[error("the shards are no whole set: {reason}; give each of them once")]
+    #[error("the shards are no whole set: {reason}")]
     Shards {
         /// Why.
         reason: String,
@@ -381,7 +381,10 @@ impl DatasetError {
     /// write on.
     #[must_use]
     pub fn is_of_the_disk(&self) -> bool {
-        let (Self::Write { source, .. } | Self::Commit { source, .. }) = self else {
+        let (Self::Write { source, .. }
+        | Self::Commit { source, .. }
+        | Self::SubsetWrite { source, .. }) = self
+        else {
             return false;
         };
         matches!(

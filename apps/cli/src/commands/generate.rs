@@ -315,9 +315,12 @@ fn finish(
     }
     screen.result(|| result_json(plan, report, seconds))?;
     if report.manifest.is_none() && n_failed == 0 {
+        let left = match report.n_not_begun {
+            0 => "labels and lists".to_owned(),
+            n => format!("{n} images"),
+        };
         return Err(Failure::interrupted(format!(
-            "interrupted: {} images not begun; the same command goes on",
-            report.n_not_begun
+            "interrupted: {left} not begun; the same command goes on"
         )));
     }
     if n_failed == 0 {

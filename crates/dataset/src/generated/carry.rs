@@ -1,7 +1,7 @@
 //! Labels and other files of the source, carried over as they are.
 
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, BufRead as _, BufReader, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -53,11 +53,25 @@ impl GeneratedSet {
         if how == Carry::HardLink && self.link(from, &to)? {
             return Ok(carried(name, file_len(from)?, &blake3_file(from)?));
         }
-        let mut source = File::open(from).map_err(read_error(from))?;
+        let source = File::open(from).map_err(read_error(from))?;
+        let mut source = BufReader::new(source);
         self.put_with(name, &mut |out| {
-            io::copy(&mut source, out)
-                .map(|_| ())
-                .map_err(read_error(from))
+            loop {
+                // Bytes that were read and cannot be written are no fault of the source.
+                let bytes = match source.fill_buf() {
+                    Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                    bytes => bytes.map_err(read_error(from))?,
+                };
+                let n = bytes.len();
+                if n == 0 {
+                    return Ok(());
+                }
+                out.write_all(bytes).map_err(|source| DatasetError::Write {
+                    path: to.clone(),
+                    source,
+                })?;
+                source.consume(n);
+            }
         })
     }
 

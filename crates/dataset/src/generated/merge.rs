@@ -10,6 +10,7 @@ use super::lists::{read_list, read_manifest};
 use super::{CarriedFile, Carry, GeneratedSet, ItemRecord, Manifest, SetLayout, set_identity};
 use crate::error::DatasetError;
 use crate::paths::is_inside;
+use crate::provenance::blake3_file;
 
 /// What a merge has done.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,7 +32,8 @@ struct Part {
 ///
 /// # Errors
 /// [`DatasetError::NotASet`] for a part that is no finished shard, [`DatasetError::OtherSet`] for
-/// parts of different runs, [`DatasetError::Shards`] for shards that are missing or there twice.
+/// parts of different runs, [`DatasetError::Shards`] for shards that are missing or there twice,
+/// and for a file that is not what the lists of its shard say.
 pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetError> {
     let (parts, identity) = shards(parts)?;
     let n_samples = identity["samples"].as_u64().unwrap_or(1);
@@ -44,46 +46,30 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
             });
         }
     }
+    let files = other_files(&parts)?;
     let set = GeneratedSet::begin(out, n_samples, &identity)?;
 
-    let mut files: BTreeMap<String, CarriedFile> = BTreeMap::new();
+    for (name, (part, file)) in &files {
+        part.give(&set, name, &file.blake3)?;
+    }
     let (mut n_failed, mut n_skipped) = (0, 0);
     for part in parts.values() {
         n_failed += part.manifest.n_failed;
         // Each shard has seen the whole source.
         n_skipped = n_skipped.max(part.manifest.n_skipped);
-        for file in read_list::<CarriedFile>(&part.layout.state("files.jsonl"))? {
-            let file = file?;
-            match files.get(&file.name) {
-                Some(first) if first.blake3 != file.blake3 => {
-                    return Err(DatasetError::Shards {
-                        reason: format!("two of them have {:?} with different bytes", file.name),
-                    });
-                }
-                Some(_) => {}
-                None => {
-                    let from = part.layout.safe(&file.name)?;
-                    let carried = set.carry(&from, &file.name, Carry::HardLink)?;
-                    files.insert(file.name, carried);
-                }
-            }
-        }
         for item in read_list::<ItemRecord>(&part.layout.state("items.jsonl"))? {
             let item = item?;
             let named = part.layout.files_of(&item.name, item.sample);
-            let masks = [
-                item.region_blake3.as_ref().map(|_| &named.region),
-                item.crack_blake3.as_ref().map(|_| &named.crack),
-            ];
             let images = [
-                Some(&named.image),
-                masks[0],
-                masks[1],
-                Some(&named.provenance),
+                (&named.image, Some(&item.image_blake3)),
+                (&named.region, item.region_blake3.as_ref()),
+                (&named.crack, item.crack_blake3.as_ref()),
+                (&named.provenance, Some(&item.provenance_blake3)),
             ];
-            for name in images.into_iter().flatten() {
-                let from = part.layout.safe(name)?;
-                set.carry(&from, name, Carry::HardLink)?;
+            for (name, blake3) in images {
+                if let Some(blake3) = blake3 {
+                    part.give(&set, name, blake3)?;
+                }
             }
         }
     }
@@ -99,10 +85,53 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
         )?;
     }
     let n_shards = parts.len() as u64;
-    let mut items = in_order(parts)?;
-    let files: Vec<CarriedFile> = files.into_values().collect();
+    let files: Vec<CarriedFile> = files.into_values().map(|(_, file)| file).collect();
+    let mut items = in_order(&parts)?;
     let manifest = set.finish(&mut items, &files, n_failed, n_skipped)?;
     Ok(MergeReport { manifest, n_shards })
+}
+
+impl Part {
+    /// Gives a set a file, if it is still what the part's lists say.
+    fn give(&self, set: &GeneratedSet, name: &str, blake3: &str) -> Result<(), DatasetError> {
+        let from = self.layout.safe(name)?;
+        if set.carry(&from, name, Carry::HardLink)?.blake3 == blake3 {
+            return Ok(());
+        }
+        Err(DatasetError::Shards {
+            reason: format!(
+                "{from:?} is not what the lists of its shard say; run its generate again, then merge"
+            ),
+        })
+    }
+}
+
+/// The files beside the images by their names, each with the first part that has it.
+fn other_files(
+    parts: &BTreeMap<u64, Part>,
+) -> Result<BTreeMap<String, (&Part, CarriedFile)>, DatasetError> {
+    let mut files: BTreeMap<String, (&Part, CarriedFile)> = BTreeMap::new();
+    for part in parts.values() {
+        for file in read_list::<CarriedFile>(&part.layout.state("files.jsonl"))? {
+            let file = file?;
+            match files.get(&file.name) {
+                Some((_, first)) if first.blake3 != file.blake3 => {
+                    return Err(DatasetError::Shards {
+                        reason: format!(
+                            "two of them have {:?} with different bytes; the source has changed between them, so make \
+                             them anew",
+                            file.name
+                        ),
+                    });
+                }
+                Some(_) => {}
+                None => {
+                    files.insert(file.name.clone(), (part, file));
+                }
+            }
+        }
+    }
+    Ok(files)
 }
 
 /// The parts by their number, and what the whole set is made from.
@@ -144,20 +173,34 @@ fn shards(paths: &[PathBuf]) -> Result<(BTreeMap<u64, Part>, Value), DatasetErro
             path: path.clone(),
             reason: "it is not finished; run its generate again".to_owned(),
         })?;
+        let lists = [
+            ("items.jsonl", &manifest.items_blake3),
+            ("files.jsonl", &manifest.files_blake3),
+        ];
+        for (name, blake3) in lists {
+            if blake3_file(&layout.state(name))? != *blake3 {
+                return Err(DatasetError::NotASet {
+                    path: path.clone(),
+                    reason: format!(
+                        "its {name} is not the one that its manifest means; run its generate again"
+                    ),
+                });
+            }
+        }
         if parts.insert(number, Part { layout, manifest }).is_some() {
             return Err(DatasetError::Shards {
-                reason: format!("number {number} is there twice"),
+                reason: format!("number {number} is there twice; give each of them once"),
             });
         }
     }
     let Some((identity, of)) = whole else {
         return Err(DatasetError::Shards {
-            reason: "none was given".to_owned(),
+            reason: "none was given; give each of them once".to_owned(),
         });
     };
     if let Some(missing) = (1..=of).find(|number| !parts.contains_key(number)) {
         return Err(DatasetError::Shards {
-            reason: format!("number {missing} of {of} is missing"),
+            reason: format!("number {missing} of {of} is missing; give each of them once"),
         });
     }
     Ok((parts, identity))
@@ -165,8 +208,8 @@ fn shards(paths: &[PathBuf]) -> Result<(BTreeMap<u64, Part>, Value), DatasetErro
 
 /// The items of all parts in the order of the source, which is that of their names.
 fn in_order(
-    parts: BTreeMap<u64, Part>,
-) -> Result<impl Iterator<Item = Result<ItemRecord, DatasetError>>, DatasetError> {
+    parts: &BTreeMap<u64, Part>,
+) -> Result<impl Iterator<Item = Result<ItemRecord, DatasetError>> + use<>, DatasetError> {
     let mut lists = Vec::new();
     for part in parts.values() {
         let list = read_list::<ItemRecord>(&part.layout.state("items.jsonl"))?;

@@ -68,7 +68,8 @@ impl GeneratedSet {
     ///
     /// `identity` is the JSON object that says what the set is made from; a folder that holds a
     /// set of another identity is refused, and so is one that holds anything else. Temporary
-    /// files of a killed run are removed.
+    /// files of a killed run are removed, and so is the manifest of a finished one: from now on
+    /// until [`GeneratedSet::finish`] the set is not finished.
     ///
     /// # Errors
     /// As for [`GeneratedSet::may_begin`], and [`DatasetError::FolderInUse`],
@@ -87,12 +88,15 @@ impl GeneratedSet {
             batch.commit()?;
         }
         remove_temporaries(root)?;
-        Ok(Self {
+        let set = Self {
             layout,
             identity: identity.clone(),
             folders: Arc::default(),
             _lock: lock,
-        })
+        };
+        // Until the run is finished again.
+        set.put_state("manifest.json", None)?;
+        Ok(set)
     }
 
     /// Whether a set of this identity can be begun in a folder, or gone on with; nothing is written.

@@ -139,7 +139,8 @@ pub(super) fn light_blocks(
     blocks
 }
 
-/// The light of a run; lanes that are not present stay as they are.
+/// The light of a run. Shares and light of the sun that are not present stay as they are, and so do
+/// place and width where the frame has no share.
 #[inline(always)]
 pub(super) fn light_pixels(of: &BlockRun<'_, LAYER_LANES>, run: &mut LaneRun<LAYER_LANES>) {
     let BlockRun {

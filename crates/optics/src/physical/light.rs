@@ -47,16 +47,17 @@ impl Lighting {
         Self {
             colors: Colors::of(environment),
             layer: OverlayLayer {
-                // Room that is not used takes no memory.
                 runs: Vec::with_capacity(n_runs),
-                tinted: Vec::with_capacity(n_runs),
-                elsewhere: Vec::with_capacity(n_runs),
+                // Few layers have more of them than every other run.
+                tinted: Vec::with_capacity(n_runs / 2),
+                elsewhere: Vec::with_capacity(n_runs / 2),
             },
         }
     }
 
-    /// The next run: its first pixel and row, its lanes with a bit for each that is not all zeros
-    /// (others are not read), and its tint if it has one.
+    /// The next run: its first pixel and row, its lanes with a bit for each that is not all zeros,
+    /// and its tint if it has one. Shares and light of the sun are not read without their bit, nor
+    /// are place and width without that of the frame's share.
     #[inline(always)]
     pub(crate) fn push(
         &mut self,

@@ -70,7 +70,7 @@ struct Tally {
 
 /// Makes the set of a plan in the context's folder, or goes on with it.
 ///
-/// Once `stop` is set no further image begins; the same call goes on later. Memory does not grow
+/// Once `stop` is set no further image or other file begins; the same call goes on later. Memory does not grow
 /// with the number of images, but for the lists of failures and of bad records.
 ///
 /// # Errors
@@ -105,6 +105,10 @@ pub fn generate(
     if let Some(error) = tally.fatal {
         return Err(error);
     }
+    let carried = match carried {
+        Err(error) if error.is_of_the_disk() => return Err(error),
+        carried => carried,
+    };
     tally.failures.sort_by_key(|(place, _)| *place);
     let failures: Vec<ItemFailure> = tally
         .failures
@@ -125,9 +129,8 @@ pub fn generate(
         manifest: None,
     };
     put_lists_of_trouble(&set, &report)?;
-    let carried = carried?;
     if report.n_not_begun == 0 && !is_over() {
-        report.manifest = Some(plan.finish(&set, &carried, &report)?);
+        report.manifest = Some(plan.finish(&set, &carried?, &report)?);
     }
     Ok(report)
 }
