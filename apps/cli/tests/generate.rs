@@ -358,7 +358,7 @@ fn a_shard_that_was_altered_is_not_merged() {
         let merge = ["merge", "-o", "m2", "p1", "p2"].to_vec();
         all_refused(
             dir.path(),
-            &[(merge, "not the one that its manifest means")],
+            &[(merge, "not the one that the manifest means")],
         );
         fs::write(&path, whole).unwrap();
     }

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::identity::difference;
-use super::lists::{read_list, read_manifest};
-use super::{CarriedFile, Carry, GeneratedSet, ItemRecord, Manifest, SetLayout, set_identity};
+use super::lists::read_list;
+use super::{
+    CarriedFile, Carry, GeneratedSet, ItemRecord, Manifest, SetChecker, SetLayout, set_identity,
+};
 use crate::error::DatasetError;
 use crate::paths::is_inside;
-use crate::provenance::blake3_file;
 
 /// What a merge has done.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -167,27 +168,18 @@ fn shards(paths: &[PathBuf]) -> Result<(BTreeMap<u64, Part>, Value), DatasetErro
                 }
             }
         }
-        let n_samples = identity["samples"].as_u64().unwrap_or(1);
-        let layout = SetLayout::new(path, u32::try_from(n_samples).unwrap_or(1));
-        let manifest = read_manifest(&layout)?.ok_or_else(|| DatasetError::NotASet {
-            path: path.clone(),
-            reason: "it is not finished; run its generate again".to_owned(),
-        })?;
-        let lists = [
-            ("items.jsonl", &manifest.items_blake3),
-            ("files.jsonl", &manifest.files_blake3),
-        ];
-        for (name, blake3) in lists {
-            if blake3_file(&layout.state(name))? != *blake3 {
-                return Err(DatasetError::NotASet {
-                    path: path.clone(),
-                    reason: format!(
-                        "its {name} is not the one that its manifest means; run its generate again"
-                    ),
-                });
-            }
+        let checker = SetChecker::open(path)?;
+        if let Some(finding) = checker.check_lists()?.first() {
+            return Err(DatasetError::NotASet {
+                path: path.clone(),
+                reason: format!("{finding}; run its generate again"),
+            });
         }
-        if parts.insert(number, Part { layout, manifest }).is_some() {
+        let part = Part {
+            layout: checker.layout().clone(),
+            manifest: checker.manifest().clone(),
+        };
+        if parts.insert(number, part).is_some() {
             return Err(DatasetError::Shards {
                 reason: format!("number {number} is there twice; give each of them once"),
             });

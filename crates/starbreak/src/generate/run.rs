@@ -70,8 +70,9 @@ struct Tally {
 
 /// Makes the set of a plan in the context's folder, or goes on with it.
 ///
-/// Once `stop` is set no further image or other file begins; the same call goes on later. Memory does not grow
-/// with the number of images, but for the lists of failures and of bad records.
+/// Once `stop` is set no further image or other file begins; the same call goes on later. Memory
+/// does not grow with the number of images, but for the lists of failures, of bad records and of the
+/// files that are carried over.
 ///
 /// # Errors
 /// [`Error`] for a folder that cannot be used, and for what would fail every image, such as a
