@@ -14,7 +14,7 @@ use crate::maps::CHUNK;
 pub(super) type Block = [i32; CHUNK];
 
 /// Numbers that share a width.
-const GROUP: usize = 8;
+pub(super) const GROUP: usize = 8;
 const N_GROUPS: usize = CHUNK / GROUP;
 
 /// Bits of a difference at most: numbers have [`MAX_BITS`], a gradient of three of them two more,
@@ -151,7 +151,7 @@ fn read_head(bytes: &mut Bytes<'_>) -> Result<(From, [usize; N_GROUPS]), OpticsE
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coded {
     from: From,
-    zigzag: [u32; CHUNK],
+    pub(super) zigzag: [u32; CHUNK],
 }
 
 impl Coded {
@@ -160,16 +160,67 @@ impl Coded {
         zigzag: [0; CHUNK],
     };
 
-    /// The block itself, in place of the one above it; false where a number is too large.
+    /// Whether differences are from the number before, and whether they are from the one above: all
+    /// bits, or none.
     #[inline(always)]
-    pub(super) fn restore(&self, block: &mut Block) -> bool {
+    pub(super) fn masks(&self) -> (i32, i32) {
+        let only_if = |is_so: bool| -i32::from(is_so);
+        (
+            only_if(matches!(self.from, From::Left | From::Gradient)),
+            only_if(matches!(self.from, From::Above | From::Gradient)),
+        )
+    }
+}
+
+/// Whether numbers are no larger than the largest may be, from the bits that are set in any of
+/// their magnitudes.
+#[inline(always)]
+pub(super) fn are_in_range<const N: usize>(any: [i32; N]) -> bool {
+    let any = any.into_iter().fold(0, |any, bits| any | bits);
+    any.cast_unsigned() <= MOST.unsigned_abs()
+}
+
+/// The steps of reading that are taken for many numbers at once; the numbers are the same whoever
+/// takes them.
+pub(super) trait Reader: Copy {
+    /// Eight numbers of a width of at most [`HALF_WIDTH`], maybe of none, out of the bytes from
+    /// `at`: nearly all groups are such, and no branch depends on the width.
+    fn unpack_small(self, room: &[u8; ROOM], at: usize, width: usize, group: &mut [u32; GROUP]);
+
+    /// The block itself, in place of the one above it; false where a number is too large.
+    fn restore(self, coded: &Coded, block: &mut Block) -> bool;
+}
+
+/// Reads on any processor.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AnyProcessor;
+
+impl Reader for AnyProcessor {
+    #[inline(always)]
+    fn unpack_small(self, room: &[u8; ROOM], at: usize, width: usize, group: &mut [u32; GROUP]) {
+        #[expect(clippy::cast_possible_truncation, reason = "at most 15 bits")]
+        let lowest = |bits: u64| (bits & ((1 << width) - 1)) as u32;
+        let window = |at: usize| {
+            let bytes = room[at.min(ROOM - size_of::<u64>())..].first_chunk();
+            u64::from_le_bytes(bytes.copied().unwrap_or_default())
+        };
+        // The second half begins amid a byte where the width is odd.
+        let mut halves = [window(at), window(at + width / 2) >> (width % 2 * 4)];
+        let (low, high) = group.split_at_mut(GROUP / 2);
+        for (low, high) in low.iter_mut().zip(high) {
+            (*low, *high) = (lowest(halves[0]), lowest(halves[1]));
+            halves = halves.map(|half| half >> width);
+        }
+    }
+
+    #[inline(always)]
+    fn restore(self, coded: &Coded, block: &mut Block) -> bool {
         // No branches, as no one can foretell them.
-        let only_if = |is_so: bool| i32x4::splat(-i32::from(is_so));
-        let is_summed = only_if(matches!(self.from, From::Left | From::Gradient));
-        let is_above = only_if(matches!(self.from, From::Above | From::Gradient));
+        let (is_summed, is_above) = coded.masks();
+        let [is_summed, is_above] = [is_summed, is_above].map(i32x4::splat);
         let mut before = i32x4::ZERO;
         let mut any = i32x4::ZERO;
-        let coded = self.zigzag.as_chunks().0;
+        let coded = coded.zigzag.as_chunks().0;
         for (values, coded) in block.as_chunks_mut().0.iter_mut().zip(coded) {
             let differences = unzigzag(u32x4::new(*coded));
             let sums = before + running_sums(differences);
@@ -179,9 +230,7 @@ impl Coded {
             any |= restored.abs();
             *values = restored.to_array();
         }
-        // Some number is too large where any bit beyond those of the largest one is set.
-        let any = any.to_array().into_iter().fold(0, |any, bits| any | bits);
-        any.cast_unsigned() <= MOST.unsigned_abs()
+        are_in_range(any.to_array())
     }
 }
 
@@ -196,7 +245,11 @@ fn running_sums(numbers: i32x4) -> i32x4 {
 
 /// Reads what [`write_block`] wrote.
 #[inline(always)]
-pub(super) fn read_block(bytes: &mut Bytes<'_>, coded: &mut Coded) -> Result<(), OpticsError> {
+pub(super) fn read_block(
+    reader: impl Reader,
+    bytes: &mut Bytes<'_>,
+    coded: &mut Coded,
+) -> Result<(), OpticsError> {
     let (from, widths) = read_head(bytes)?;
     let n_bytes = widths.iter().sum::<usize>();
     let rest = bytes.rest();
@@ -209,7 +262,7 @@ pub(super) fn read_block(bytes: &mut Bytes<'_>, coded: &mut Coded) -> Result<(),
     match rest.first_chunk() {
         Some(room) if widths.iter().all(|width| *width <= HALF_WIDTH) => {
             for (group, width) in groups.zip(widths) {
-                unpack_small(room, at, width, group);
+                reader.unpack_small(room, at, width, group);
                 at += width;
             }
         }
@@ -225,29 +278,10 @@ pub(super) fn read_block(bytes: &mut Bytes<'_>, coded: &mut Coded) -> Result<(),
 }
 
 /// Up to this width four numbers lie in eight bytes, whatever bit they begin at.
-const HALF_WIDTH: usize = 15;
+pub(super) const HALF_WIDTH: usize = 15;
 
 /// Bytes that are looked at where all widths are that small.
-const ROOM: usize = N_GROUPS * HALF_WIDTH + size_of::<u64>();
-
-/// Eight numbers of a small width, maybe of none, out of the bytes from `at`: nearly all groups are
-/// such, and no branch depends on the width.
-#[inline(always)]
-fn unpack_small(room: &[u8; ROOM], at: usize, width: usize, group: &mut [u32; GROUP]) {
-    #[expect(clippy::cast_possible_truncation, reason = "at most 15 bits")]
-    let lowest = |bits: u64| (bits & ((1 << width) - 1)) as u32;
-    let window = |at: usize| {
-        let bytes = room[at.min(ROOM - size_of::<u64>())..].first_chunk();
-        u64::from_le_bytes(bytes.copied().unwrap_or_default())
-    };
-    // The second half begins amid a byte where the width is odd.
-    let mut halves = [window(at), window(at + width / 2) >> (width % 2 * 4)];
-    let (low, high) = group.split_at_mut(GROUP / 2);
-    for (low, high) in low.iter_mut().zip(high) {
-        (*low, *high) = (lowest(halves[0]), lowest(halves[1]));
-        halves = halves.map(|half| half >> width);
-    }
-}
+pub(super) const ROOM: usize = N_GROUPS * HALF_WIDTH + size_of::<u64>();
 
 /// Eight numbers of a width out of the first bytes, as many as that.
 #[inline(always)]

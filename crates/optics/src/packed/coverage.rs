@@ -3,7 +3,7 @@
 //! Coverage is in the codes of its mask, 1/255, the weight in 1/256: in an 8-bit image, under light
 //! as bright as white, each is off by half a code at most, and less where it is blurred.
 
-use super::block::Block;
+use super::block::{AnyProcessor, Block};
 use super::bytes::{Bytes, write_count};
 use super::runs::{BlockRun, RunReader, from_steps, steps, write_runs};
 use super::{MAX_PIXELS, MAX_SIDE_PX};
@@ -80,7 +80,7 @@ impl Coverage {
         }
         let mut reader = RunReader::<2>::new(bytes, (width, height))?;
         let mut runs = Vec::with_capacity(reader.n_left());
-        while let Some(BlockRun { at, blocks, .. }) = reader.next()? {
+        while let Some(BlockRun { at, blocks, .. }) = reader.next(AnyProcessor)? {
             let pixels: [(f32, f32); CHUNK] = std::array::from_fn(|k| {
                 let covered = blocks[COVERED][k].clamp(0, FULL);
                 let weight = from_steps(blocks[WEIGHT][k], WEIGHT_STEPS);

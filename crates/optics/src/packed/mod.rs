@@ -6,6 +6,8 @@
 //! written in as many bits as it needs.
 
 mod block;
+#[cfg(target_arch = "x86_64")]
+mod block_avx2;
 mod bytes;
 mod coverage;
 mod pattern;

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use image::GrayImage;
 
-use super::block::Block;
+use super::block::{AnyProcessor, Block, Reader};
 use super::bytes::{Bytes, write_count};
 use super::runs::{BlockRun, RunReader, from_steps, steps, write_runs};
 use super::values::{light_blocks, light_pixels, tint_blocks, tint_pixels};
@@ -162,22 +162,17 @@ impl PackedPattern {
         layer: &PackedLayer,
         environment: &Environment,
     ) -> Result<OverlayLayer, OpticsError> {
-        /// Compiled once more for processors with AVX2, as far as it is inlined, which a closure
-        /// would not be. No result depends on it: nothing is fused or summed in another order.
-        struct Lit<'a>(&'a PackedPattern, &'a PackedLayer, &'a Environment);
-        impl pulp::WithSimd for Lit<'_> {
-            type Output = Result<OverlayLayer, OpticsError>;
-            #[inline(always)]
-            fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
-                self.0.lit_inlined(self.1, self.2)
-            }
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = pulp::x86::V3::try_new() {
+            return avx2.vectorize(LitByAvx2(avx2, self, layer, environment));
         }
-        pulp::Arch::new().dispatch(Lit(self, layer, environment))
+        self.lit_by(AnyProcessor, layer, environment)
     }
 
     #[inline(always)]
-    fn lit_inlined(
+    fn lit_by(
         &self,
+        reader: impl Reader,
         layer: &PackedLayer,
         environment: &Environment,
     ) -> Result<OverlayLayer, OpticsError> {
@@ -185,7 +180,7 @@ impl PackedPattern {
         let mut tints = self.runs::<3>(&layer.tint)?;
         let mut lighting = Lighting::new(environment, runs.n_left());
         let (mut lanes, mut colors) = ([[0.0; CHUNK]; LAYER_LANES], [[0.0; CHUNK]; 3]);
-        while let Some(run) = runs.next()? {
+        while let Some(run) = runs.next(reader)? {
             let BlockRun { at, present, .. } = run;
             let (x, y) = at;
             light_pixels(&run, &mut lanes);
@@ -195,14 +190,14 @@ impl PackedPattern {
                     .at()
                     .is_some_and(|(tint_x, tint_y)| (tint_y, tint_x) <= (y, x))
             {
-                if let Some(tint) = tints.next()? {
+                if let Some(tint) = tints.next(reader)? {
                     is_tinted = tint.at == at;
                     tint_pixels(&tint, &mut colors);
                 }
             }
             lighting.push(at, (&lanes, present), is_tinted.then_some(&colors));
         }
-        while tints.next()?.is_some() {}
+        while tints.next(reader)?.is_some() {}
         Ok(lighting.into_layer())
     }
 
@@ -252,7 +247,7 @@ impl PackedPattern {
         let mut reader = self.runs::<B>(part)?;
         let (width, height) = self.size;
         let mut runs = LaneRuns::with_room(width as usize, height as usize, reader.n_left());
-        while let Some(run) = reader.next()? {
+        while let Some(run) = reader.next(AnyProcessor)? {
             pixels(&run, runs.push(run.at));
         }
         Ok(runs)
@@ -262,6 +257,27 @@ impl PackedPattern {
         let (width, height) = self.size;
         let bytes = Bytes::of_part(WHAT, &self.bytes, part);
         RunReader::new(bytes, (width as usize, height as usize))
+    }
+}
+
+/// [`PackedPattern::lit_by`], compiled once more for processors with AVX2 as far as it is inlined,
+/// which a closure would not be. No result depends on it: nothing is fused or summed in another
+/// order.
+#[cfg(target_arch = "x86_64")]
+struct LitByAvx2<'a>(
+    pulp::x86::V3,
+    &'a PackedPattern,
+    &'a PackedLayer,
+    &'a Environment,
+);
+
+#[cfg(target_arch = "x86_64")]
+impl pulp::NullaryFnOnce for LitByAvx2<'_> {
+    type Output = Result<OverlayLayer, OpticsError>;
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        self.1.lit_by(self.0, self.2, self.3)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Runs of pixels that have something in them: where they are, and a block for each of their lanes.
 
-use super::block::{Block, Coded, MOST, read_block, write_block};
+use super::block::{Block, Coded, MOST, Reader, read_block, write_block};
 use super::bytes::{Bytes, write_count};
 use crate::OpticsError;
 use crate::maps::CHUNK;
@@ -121,7 +121,10 @@ impl<'a, const B: usize> RunReader<'a, B> {
 
     /// The run that comes next; after the last one there is nothing more in the bytes.
     #[inline(always)]
-    pub(super) fn next(&mut self) -> Result<Option<BlockRun<'_, B>>, OpticsError> {
+    pub(super) fn next(
+        &mut self,
+        reader: impl Reader,
+    ) -> Result<Option<BlockRun<'_, B>>, OpticsError> {
         let (Some(place), Some(at)) = (self.place, self.at()) else {
             return self.bytes.end().map(|()| None);
         };
@@ -133,7 +136,7 @@ impl<'a, const B: usize> RunReader<'a, B> {
         // have to be waited for.
         for (lane, coded) in self.coded.iter_mut().enumerate() {
             if present >> lane & 1 == 1 {
-                read_block(&mut self.bytes, coded)?;
+                read_block(reader, &mut self.bytes, coded)?;
             }
         }
         self.n_left -= 1;
@@ -145,7 +148,7 @@ impl<'a, const B: usize> RunReader<'a, B> {
             if !(is_present && are_above) {
                 *block = ZEROS;
             }
-            if is_present && !coded.restore(block) {
+            if is_present && !reader.restore(coded, block) {
                 return Err(self.bytes.wrong("a number is too large"));
             }
         }

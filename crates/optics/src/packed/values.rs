@@ -9,6 +9,8 @@
 //! one code of the steepest edge that an image can have, times its share; the width by half a code
 //! of such an edge; a tint by a fifteenth of a code of the light that it tints.
 
+use wide::{f32x8, i32x8};
+
 use super::block::Block;
 use super::runs::{BlockRun, from_steps, steps};
 use crate::maps::{CHUNK, LaneRun};
@@ -151,9 +153,7 @@ pub(super) fn light_pixels(of: &BlockRun<'_, LAYER_LANES>, run: &mut LaneRun<LAY
     let is_present = |lane: usize| present >> lane & 1 == 1;
     for lane in 0..N_SHARES {
         if is_present(lane) {
-            for (value, steps) in run[lane].iter_mut().zip(&blocks[lane]) {
-                *value = from_steps(*steps, SHARE_STEPS);
-            }
+            shares_from_steps(&mut run[lane], &blocks[lane]);
         }
     }
     if is_present(SUN) {
@@ -174,6 +174,15 @@ pub(super) fn light_pixels(of: &BlockRun<'_, LAYER_LANES>, run: &mut LaneRun<LAY
     }
     for (value, steps) in run[WIDTH].iter_mut().zip(&blocks[WIDTH]) {
         *value = width_from_steps(*steps);
+    }
+}
+
+/// [`from_steps`] of shares, eight at a time.
+#[inline(always)]
+fn shares_from_steps(values: &mut [f32; CHUNK], block: &Block) {
+    let values = values.as_chunks_mut().0;
+    for (values, steps) in values.iter_mut().zip(block.as_chunks().0) {
+        *values = (f32x8::from_i32x8(i32x8::new(*steps)) * (1.0 / SHARE_STEPS)).to_array();
     }
 }
 

@@ -1,6 +1,6 @@
 //! A whole frame out of focus.
 
-use super::elsewhere::between;
+use super::elsewhere::{between, side_by_side};
 use crate::lit_runs::lit_runs;
 use crate::maps::{Kernel, Pupil};
 
@@ -92,8 +92,8 @@ pub(crate) fn defocus_rows<const LANES: usize>(
             continue;
         }
         for (x, pixel) in row.chunks_exact_mut(LANES).enumerate() {
-            let light = between(size, [place(x), place(y)], |at| small[at]);
-            pixel.copy_from_slice(&light);
+            let light = between(size, [place(x), place(y)], |at| side_by_side(&small[at]));
+            pixel.copy_from_slice(&light.to_array()[..LANES]);
         }
     }
     out

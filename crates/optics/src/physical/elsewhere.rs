@@ -1,5 +1,7 @@
 //! Light from elsewhere in the frame: what mirrors and chips show of the scene itself.
 
+use wide::f32x4;
+
 use super::overlay::OverlayLayer;
 use crate::maps::CHUNK;
 
@@ -29,17 +31,17 @@ impl OverlayLayer {
     pub(super) fn gather<const COLORS: usize>(
         &self,
         size: (usize, usize),
-        light: impl Fn(usize) -> [f32; COLORS],
-    ) -> Vec<[[f32; COLORS]; CHUNK]> {
+        light: impl Fn(usize) -> f32x4,
+    ) -> Vec<[[f32; CHUNK]; COLORS]> {
         let is_wide = |other: &Elsewhere| other.width.iter().any(|width| *width > FINE_WIDTHS[0]);
         let coarse = if self.elsewhere.iter().any(is_wide) {
             Coarse::of(size, &light)
         } else {
             Coarse { levels: Vec::new() }
         };
-        let mut gathered = vec![[[0.0; COLORS]; CHUNK]; self.elsewhere.len()];
+        let mut gathered = vec![[[0.0; CHUNK]; COLORS]; self.elsewhere.len()];
         for (other, pixels) in self.elsewhere.iter().zip(&mut gathered) {
-            for (k, gathered) in pixels.iter_mut().enumerate() {
+            for k in 0..CHUNK {
                 let share = other.share[k];
                 if share <= 0.0 {
                     continue;
@@ -48,17 +50,15 @@ impl OverlayLayer {
                 let width = other.width[k];
                 let wide =
                     ((width - FINE_WIDTHS[0]) / (FINE_WIDTHS[1] - FINE_WIDTHS[0])).clamp(0.0, 1.0);
+                let mut sum = f32x4::ZERO;
                 if wide < 1.0 {
-                    let fine = between(size, place, &light);
-                    for (sum, light) in gathered.iter_mut().zip(fine) {
-                        *sum += share * (1.0 - wide) * light;
-                    }
+                    sum += between(size, place, &light) * (share * (1.0 - wide));
                 }
                 if wide > 0.0 {
-                    let mean = coarse.mean(place, width);
-                    for (sum, light) in gathered.iter_mut().zip(mean) {
-                        *sum += share * wide * light;
-                    }
+                    sum += coarse.mean(place, width) * (share * wide);
+                }
+                for (pixels, color) in pixels.iter_mut().zip(sum.to_array()) {
+                    pixels[k] = color;
                 }
             }
         }
@@ -66,10 +66,22 @@ impl OverlayLayer {
     }
 }
 
+/// Colors as one vector, of which what they leave is 0.
+#[inline(always)]
+pub(super) fn side_by_side<const COLORS: usize>(colors: &[f32; COLORS]) -> f32x4 {
+    const { assert!(COLORS <= 4, "a vector holds four") };
+    let mut all = [0.0; 4];
+    for (to, color) in all.iter_mut().zip(colors) {
+        *to = *color;
+    }
+    f32x4::new(all)
+}
+
 /// Light at a place, px, between the middles of pixels; beyond the frame that of its border.
 ///
 /// Of a frame of at least a pixel and fewer than 2²⁴ per side; `light` is that of a pixel, counted
-/// row by row.
+/// row by row, its colors side by side.
+#[inline]
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
@@ -77,56 +89,53 @@ impl OverlayLayer {
     clippy::cast_precision_loss,
     reason = "px of a frame"
 )]
-pub(super) fn between<const COLORS: usize>(
+pub(super) fn between(
     (width, height): (usize, usize),
     [u, v]: [f32; 2],
-    light: impl Fn(usize) -> [f32; COLORS],
-) -> [f32; COLORS] {
-    // By way of 32 bits with a sign, which a processor converts from and to at once.
+    light: impl Fn(usize) -> f32x4,
+) -> f32x4 {
     let last = [width as i32 - 1, height as i32 - 1];
-    let u = (u - 0.5).clamp(0.0, last[0] as f32);
-    let v = (v - 0.5).clamp(0.0, last[1] as f32);
-    let (x, y) = (u as i32, v as i32);
-    let (s, t) = (u - x as f32, v - y as f32);
+    let border = f32x4::new([last[0] as f32, last[1] as f32, 0.0, 0.0]);
+    let place = f32x4::new([u, v, 0.0, 0.0]) - 0.5;
+    // Also of what is no number.
+    let place = (place & place.simd_gt(f32x4::ZERO)).fast_min(border);
+    let whole = place.fast_trunc_int();
+    let [x, y, ..] = whole.to_array();
+    let [s, t, ..] = (place - f32x4::from_i32x4(whole)).to_array();
     let (right, below) = ((x + 1).min(last[0]), (y + 1).min(last[1]));
     let at = |x: i32, y: i32| light(y as usize * width + x as usize);
     let (top_left, top_right) = (at(x, y), at(right, y));
     let (bottom_left, bottom_right) = (at(x, below), at(right, below));
-    std::array::from_fn(|c| {
-        let top = top_left[c] + s * (top_right[c] - top_left[c]);
-        let bottom = bottom_left[c] + s * (bottom_right[c] - bottom_left[c]);
-        top + t * (bottom - top)
-    })
+    let top = top_left + (top_right - top_left) * s;
+    let bottom = bottom_left + (bottom_right - bottom_left) * s;
+    top + (bottom - top) * t
 }
 
 /// The scene in large cells: means of a few pixels of each, then of ever more cells.
-struct Coarse<const COLORS: usize> {
-    levels: Vec<Level<COLORS>>,
+struct Coarse {
+    levels: Vec<Level>,
 }
 
-struct Level<const COLORS: usize> {
+struct Level {
     size: (usize, usize),
     /// Cells in a pixel.
     per_px: f32,
-    /// Colors of the cells, row by row.
-    light: Vec<[f32; COLORS]>,
+    /// Of the cells, row by row.
+    light: Vec<f32x4>,
 }
 
-impl<const COLORS: usize> Coarse<COLORS> {
-    fn of((width, height): (usize, usize), light: impl Fn(usize) -> [f32; COLORS]) -> Self {
+impl Coarse {
+    fn of((width, height): (usize, usize), light: impl Fn(usize) -> f32x4) -> Self {
         let size = (width.div_ceil(CELL_PX), height.div_ceil(CELL_PX));
         let mut cells = Vec::with_capacity(size.0 * size.1);
         for y in (0..size.1).map(|y| y * CELL_PX) {
             for x in (0..size.0).map(|x| x * CELL_PX) {
-                let mut sum = [0.0; COLORS];
+                let mut sum = f32x4::ZERO;
                 for (dx, dy) in [(3, 5), (11, 3), (5, 13), (13, 11)] {
                     let (x, y) = ((x + dx).min(width - 1), (y + dy).min(height - 1));
-                    let light = light(y * width + x);
-                    for (sum, light) in sum.iter_mut().zip(light) {
-                        *sum += light;
-                    }
+                    sum += light(y * width + x);
                 }
-                cells.push(sum.map(|sum| 0.25 * sum));
+                cells.push(sum * 0.25);
             }
         }
         #[expect(clippy::cast_precision_loss, reason = "16 px")]
@@ -146,21 +155,21 @@ impl<const COLORS: usize> Coarse<COLORS> {
     }
 
     /// Mean light about a place, px, over about `width` px to each side.
-    fn mean(&self, [u, v]: [f32; 2], width: f32) -> [f32; COLORS] {
+    fn mean(&self, [u, v]: [f32; 2], width: f32) -> f32x4 {
         // Of the first level whose cells are at least twice as wide: each has cells twice as wide
         // as the one before.
         #[expect(clippy::cast_precision_loss, reason = "16 px")]
         let cells = (2.0 * width / CELL_PX as f32).max(1.0);
         let doublings = ((cells.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1)) as usize - 126;
         let level = self.levels.get(doublings).or(self.levels.last());
-        level.map_or([0.0; COLORS], |level| {
+        level.map_or(f32x4::ZERO, |level| {
             let place = [u, v].map(|place| place * level.per_px);
             between(level.size, place, |at| level.light[at])
         })
     }
 }
 
-impl<const COLORS: usize> Level<COLORS> {
+impl Level {
     fn halved(&self) -> Self {
         let (width, height) = self.size;
         let size = (width.div_ceil(2), height.div_ceil(2));
@@ -170,9 +179,8 @@ impl<const COLORS: usize> Level<COLORS> {
                 let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
                 let cells = [(x, y), (right, y), (x, below), (right, below)];
                 let cells = cells.map(|(x, y)| self.light[y * width + x]);
-                light.push(std::array::from_fn(|c| {
-                    0.25 * cells.iter().map(|cell| cell[c]).sum::<f32>()
-                }));
+                let sum: f32x4 = cells.into_iter().sum();
+                light.push(sum * 0.25);
             }
         }
         Self {

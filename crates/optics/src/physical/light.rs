@@ -7,31 +7,52 @@ use super::layer::{LAYER_LANES, PatternLayer, Tint, WIDTH};
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE, OverlayLayer, Run};
 use crate::environment::{Environment, Rgb};
 use crate::maps::{CHUNK, LaneRun};
-use crate::surface::{CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, N_SHARES, SUN, ZENITH};
+use crate::surface::{CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, SUN, ZENITH};
 
-/// The lanes that are lit by the environment.
-const LIT: [usize; 5] = [HORIZON, ZENITH, GROUND, CABIN, SUN];
+/// The first lanes, which are summed: all shares, and the sun's.
+const SUMMED: usize = SUN + 1;
 
-/// Their light.
-struct Colors {
-    rgb: [Rgb; LIT.len()],
-    /// The greatest of each color, at least 1.
-    greatest: [f32; LIT.len()],
+/// What a lane adds to the sums. All lanes are treated alike, as no branch could foretell which of
+/// them come next.
+#[derive(Clone, Copy)]
+struct LaneLight {
+    /// Its light; none of the frame's, which is looked up.
+    rgb: Rgb,
+    /// The greatest of each color, at least 1; 0 without light.
+    greatest: f32,
+    /// All bits where it is a share.
+    is_share: f32,
+    /// Less counts as that.
+    least: f32,
 }
+
+/// What each lane adds.
+struct Colors([LaneLight; SUMMED]);
 
 impl Colors {
     fn of(environment: &Environment) -> Self {
-        let rgb = [
-            environment.horizon_rgb,
-            environment.zenith_rgb,
-            environment.ground_rgb,
-            environment.cabin_rgb,
-            environment.sun_rgb,
-        ];
-        Self {
-            rgb,
-            greatest: rgb.map(|rgb| rgb.into_iter().fold(1.0, f32::max)),
+        let dark = LaneLight {
+            rgb: [0.0; 3],
+            greatest: 0.0,
+            is_share: f32::from_bits(u32::MAX),
+            least: f32::NEG_INFINITY,
+        };
+        let mut colors = [dark; SUMMED];
+        for (lane, rgb) in [
+            (HORIZON, environment.horizon_rgb),
+            (ZENITH, environment.zenith_rgb),
+            (GROUND, environment.ground_rgb),
+            (CABIN, environment.cabin_rgb),
+            (SUN, environment.sun_rgb),
+        ] {
+            colors[lane].rgb = rgb;
+            colors[lane].greatest = rgb.into_iter().fold(1.0, f32::max);
         }
+        colors[SUN].is_share = 0.0;
+        // The steps of a kernel leave a trace of less than nothing beside a glint; under the sun it
+        // would be a black pixel.
+        colors[SUN].least = 0.0;
+        Self(colors)
     }
 }
 
@@ -131,6 +152,16 @@ fn has(present: usize, lane: usize) -> bool {
     present >> lane & 1 == 1
 }
 
+/// The places of the bits that are set, the lowest first.
+#[inline(always)]
+fn set_bits(mut bits: usize) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lowest = (bits != 0).then(|| bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        lowest
+    })
+}
+
 /// Pixels that are lit together: as many as a processor's registers hold with all that is summed.
 const GROUP: usize = 8;
 
@@ -165,29 +196,16 @@ impl Colors {
     #[inline(always)]
     fn group(&self, lanes: &LaneRun<LAYER_LANES>, g: usize, present: usize) -> LitGroup {
         let [zero, one, least] = [0.0, 1.0, LEAST_INFLUENCE].map(f32x8::splat);
-        let mut shares = zero;
-        for (l, lane) in lanes[..N_SHARES].iter().enumerate() {
-            if has(present, l) {
-                shares += nth(lane, g);
-            }
-        }
         // No color can be more than the bound.
-        let (mut bound, mut rgb) = (zero, [zero; 3]);
-        for (l, lane) in LIT.into_iter().enumerate() {
-            // Few runs have light of every kind.
-            if !has(present, lane) {
-                continue;
-            }
+        let (mut shares, mut bound, mut rgb) = (zero, zero, [zero; 3]);
+        // Few runs have light of every kind.
+        for lane in set_bits(present % (1 << SUMMED)) {
+            let light = &self.0[lane];
             let share = nth(&lanes[lane], g);
-            bound += share.abs() * f32x8::splat(self.greatest[l]);
-            // The steps of a kernel leave a trace of less than nothing beside a glint; under the
-            // sun it would be a black pixel.
-            let lit = if lane == SUN {
-                share.fast_max(zero)
-            } else {
-                share
-            };
-            for (sum, color) in rgb.iter_mut().zip(self.rgb[l]) {
+            shares += share & f32x8::splat(light.is_share);
+            bound += share.abs() * f32x8::splat(light.greatest);
+            let lit = share.fast_max(f32x8::splat(light.least));
+            for (sum, color) in rgb.iter_mut().zip(light.rgb) {
                 *sum += lit * f32x8::splat(color);
             }
         }

@@ -9,6 +9,7 @@ mod defocus;
 mod elsewhere;
 mod layer;
 mod light;
+mod noise;
 mod overlay;
 mod params;
 mod pattern;

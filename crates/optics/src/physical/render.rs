@@ -2,13 +2,14 @@
 //! the scene is out of focus too.
 
 use image::DynamicImage;
-use rand_chacha::rand_core::Rng;
-use starbreak_glass::{CrackNetwork, Seed, Stream};
+use starbreak_glass::{CrackNetwork, Seed};
 
 use super::defocus::defocus;
+use super::elsewhere::side_by_side;
+use super::noise::Noise;
 use super::overlay::{Overlay, OverlayLayer, Run};
 use super::samples::{Layout, Sample, per_color};
-use super::{PhysicalOptics, SensorNoise, bake};
+use super::{PhysicalOptics, bake};
 use crate::environment::Environment;
 use crate::maps::{CHUNK, Pupil};
 use crate::{Before, Masks, OpticsError, View};
@@ -186,42 +187,6 @@ impl Overlay {
     }
 }
 
-/// The sensor's noise, a stream of it for each run of pixels.
-struct Noise {
-    params: SensorNoise,
-    seed: Seed,
-}
-
-impl Noise {
-    /// A number of standard deviation 1 for each color of a run.
-    fn of_run<const COLORS: usize>(&self, run: &Run, width: usize) -> [[f32; COLORS]; CHUNK] {
-        let key = (run.y * width + run.x) as u64;
-        let mut rng = self.seed.stream(Stream::SensorNoise, key);
-        std::array::from_fn(|_| {
-            std::array::from_fn(|_| {
-                // The sum of three uniform numbers, of variance ¼: bounded, and near a normal one.
-                let sum: f64 = (0..3)
-                    .map(|_| f64::from(rng.next_u32()) / 4_294_967_296.0)
-                    .sum();
-                #[expect(clippy::cast_possible_truncation, reason = "noise as f32")]
-                let unit = (2.0 * (sum - 1.5)) as f32;
-                unit
-            })
-        })
-    }
-
-    /// Standard deviation of what is missing: the noise of the light that is there now, less
-    /// what the image's own share brought along.
-    fn missing(&self, keep: f32, before: f32, after: f32) -> f32 {
-        let SensorNoise { read, shot } = self.params;
-        let variance = |light: f32| read * read + shot * f64::from(light.max(0.0));
-        let brought = f64::from(keep * keep) * variance(before);
-        #[expect(clippy::cast_possible_truncation, reason = "noise as f32")]
-        let deviation = (variance(after) - brought).max(0.0).sqrt() as f32;
-        deviation
-    }
-}
-
 impl OverlayLayer {
     /// Over the samples of an image, in place.
     fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
@@ -236,28 +201,22 @@ impl OverlayLayer {
         // All of it before anything is changed: a place may lie anywhere in the frame.
         let elsewhere = self.gather::<COLORS>((width, height), |at| {
             let pixel = &samples[at * stride..][..COLORS];
-            std::array::from_fn(|c| pixel[c].light())
+            side_by_side(&std::array::from_fn::<_, COLORS, _>(|c| pixel[c].light()))
         });
-        for run in &self.runs {
-            let n = CHUNK.min(width - run.x);
-            let first = (run.y * width + run.x) * stride;
-            let pixels = &mut samples[first..first + n * stride];
-            let keep = self.keep(run);
-            let other = run.elsewhere.map(|place| &elsewhere[place]);
-            match noise {
-                None => run.over::<S, COLORS, EXTRA>(pixels, keep, other),
-                Some(noise) => {
-                    run.over_with_noise::<S, COLORS, EXTRA>(pixels, (keep, other), noise, width);
-                }
-            }
-        }
+        pulp::Arch::new().dispatch(OverRuns::<S, COLORS, EXTRA> {
+            layer: self,
+            samples,
+            width,
+            elsewhere: &elsewhere,
+            noise,
+        });
     }
 
     /// Over linear light, in place.
     fn over_light<const COLORS: usize>(&self, light: &mut [f32], width: usize) {
         let height = light.len() / (width * COLORS);
         let pixels = light.as_chunks::<COLORS>().0;
-        let elsewhere = self.gather((width, height), |at| pixels[at]);
+        let elsewhere = self.gather::<COLORS>((width, height), |at| side_by_side(&pixels[at]));
         for run in &self.runs {
             let n = CHUNK.min(width - run.x);
             let first = (run.y * width + run.x) * COLORS;
@@ -297,8 +256,45 @@ impl OverlayLayer {
     }
 }
 
+/// All runs of a layer over the samples of an image, compiled once more for processors with AVX2,
+/// as far as it is inlined. No result depends on it: nothing is fused.
+struct OverRuns<'a, S, const COLORS: usize, const EXTRA: usize> {
+    layer: &'a OverlayLayer,
+    samples: &'a mut [S],
+    width: usize,
+    elsewhere: &'a [[[f32; CHUNK]; COLORS]],
+    noise: Option<&'a Noise>,
+}
+
+impl<S: Sample, const COLORS: usize, const EXTRA: usize> pulp::WithSimd
+    for OverRuns<'_, S, COLORS, EXTRA>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<V: pulp::Simd>(self, _: V) {
+        let stride = Layout::<COLORS, EXTRA>::STRIDE;
+        for run in &self.layer.runs {
+            let n = CHUNK.min(self.width - run.x);
+            let first = (run.y * self.width + run.x) * stride;
+            let pixels = &mut self.samples[first..first + n * stride];
+            let keep = self.layer.keep(run);
+            let other = run.elsewhere.map(|place| &self.elsewhere[place]);
+            match self.noise {
+                None => run.over::<S, COLORS, EXTRA>(pixels, keep, other),
+                Some(noise) => run.over_with_noise::<S, COLORS, EXTRA>(
+                    pixels,
+                    (keep, other),
+                    noise,
+                    self.width,
+                ),
+            }
+        }
+    }
+}
+
 /// What a run keeps of each color, and light from elsewhere.
-type Behind<'a, const COLORS: usize> = ([&'a [f32; CHUNK]; 3], Option<&'a [[f32; COLORS]; CHUNK]>);
+type Behind<'a, const COLORS: usize> = ([&'a [f32; CHUNK]; 3], Option<&'a [[f32; CHUNK]; COLORS]>);
 
 impl Run {
     /// What is kept and added of each color of a pixel, light from elsewhere included.
@@ -307,31 +303,55 @@ impl Run {
         &self,
         k: usize,
         keep: [&[f32; CHUNK]; 3],
-        other: Option<&[[f32; COLORS]; CHUNK]>,
+        other: Option<&[[f32; CHUNK]; COLORS]>,
     ) -> ([f32; COLORS], [f32; COLORS]) {
         let keep = per_color(keep.map(|keep| keep[k]));
         let mut add = per_color([self.add[0][k], self.add[1][k], self.add[2][k]]);
         if let Some(other) = other {
-            for (sum, more) in add.iter_mut().zip(&other[k]) {
-                *sum += more;
+            for (sum, more) in add.iter_mut().zip(other) {
+                *sum += more[k];
             }
         }
         (keep, add)
     }
 
+    /// Light is looked up pixel by pixel, computed color by color, and looked up as codes pixel by
+    /// pixel again.
+    #[inline(always)]
     fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
         &self,
         pixels: &mut [S],
         keep: [&[f32; CHUNK]; 3],
-        other: Option<&[[f32; COLORS]; CHUNK]>,
+        other: Option<&[[f32; CHUNK]; COLORS]>,
     ) {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
+        let mut light = [[0.0; CHUNK]; COLORS];
+        for (k, pixel) in pixels.chunks_exact(stride).take(CHUNK).enumerate() {
+            for (light, sample) in light.iter_mut().zip(pixel) {
+                light[k] = sample.light();
+            }
+        }
+        let keep: [_; COLORS] = planes(keep);
+        let mut add: [_; COLORS] = planes(self.add.each_ref());
+        if let Some(other) = other {
+            for (add, other) in add.iter_mut().zip(other) {
+                for (add, other) in add.iter_mut().zip(other) {
+                    *add += other;
+                }
+            }
+        }
+        let mut bins = [[0; CHUNK]; COLORS];
+        for c in 0..COLORS {
+            for k in 0..CHUNK {
+                light[c][k] = light[c][k] * keep[c][k] + add[c][k];
+                bins[c][k] = S::bin(light[c][k]);
+            }
+        }
         let n = pixels.len() / stride;
         for k in self.touched_among(n) {
             let pixel = &mut pixels[k * stride..(k + 1) * stride];
-            let (keep, add) = self.pixel(k, keep, other);
             for c in 0..COLORS {
-                pixel[c] = S::code(pixel[c].light() * keep[c] + add[c]);
+                pixel[c] = S::code_in(bins[c][k], light[c][k]);
             }
         }
     }
@@ -355,6 +375,25 @@ impl Run {
             }
         }
     }
+}
+
+/// The colors of a run, or their luminance.
+#[inline(always)]
+fn planes<const COLORS: usize>(rgb: [&[f32; CHUNK]; 3]) -> [[f32; CHUNK]; COLORS] {
+    let mut planes = [[0.0; CHUNK]; COLORS];
+    if COLORS == 3 {
+        for (plane, color) in planes.iter_mut().zip(rgb) {
+            *plane = *color;
+        }
+    } else {
+        for k in 0..CHUNK {
+            let colors: [f32; COLORS] = per_color(rgb.map(|color| color[k]));
+            for (plane, color) in planes.iter_mut().zip(colors) {
+                plane[k] = color;
+            }
+        }
+    }
+    planes
 }
 
 /// Spreads a share of all light evenly over the frame: I₂ = (1 − g) I₁ + g ⟨I₁⟩.

@@ -1,25 +1,37 @@
 //! Samples of an image as light, whatever their depth.
 
 use crate::environment::luminance;
-use crate::srgb::{decode8, decode16, encode8, encode16};
+use crate::srgb::{bin, decode8, decode16, encode8_in, encode16};
 
 /// A sample of an image.
 pub(super) trait Sample: Copy {
     /// Its light, linear, in units of white.
     fn light(self) -> f32;
-    /// The nearest code of light; beyond black and white it is clipped.
-    fn code(light: f32) -> Self;
+    /// Where in its table [`Sample::code_in`] finds the code of light, which is found for many at
+    /// once.
+    fn bin(light: f32) -> u32;
+    /// The nearest code of light of a bin; beyond black and white it is clipped.
+    fn code_in(bin: u32, light: f32) -> Self;
+    /// The nearest code of light.
+    fn code(light: f32) -> Self {
+        Self::code_in(Self::bin(light), light)
+    }
 }
 
 impl Sample for u8 {
-    #[inline]
+    #[inline(always)]
     fn light(self) -> f32 {
         decode8(self)
     }
 
-    #[inline]
-    fn code(light: f32) -> Self {
-        encode8(light)
+    #[inline(always)]
+    fn bin(light: f32) -> u32 {
+        bin(light)
+    }
+
+    #[inline(always)]
+    fn code_in(bin: u32, light: f32) -> Self {
+        encode8_in(bin, light)
     }
 }
 
@@ -29,8 +41,13 @@ impl Sample for u16 {
         decode16(self)
     }
 
+    #[inline(always)]
+    fn bin(_: f32) -> u32 {
+        0
+    }
+
     #[inline]
-    fn code(light: f32) -> Self {
+    fn code_in(_: u32, light: f32) -> Self {
         encode16(light)
     }
 }

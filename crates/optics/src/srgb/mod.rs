@@ -40,7 +40,13 @@ pub fn decode16(code: u16) -> f32 {
 #[inline]
 #[must_use]
 pub fn encode8(light: f32) -> u8 {
-    let code = FIRST8[bin(light)];
+    encode8_in(bin(light), light)
+}
+
+/// [`encode8`] of light that is in a [`bin`].
+#[inline(always)]
+pub(crate) fn encode8_in(bin: u32, light: f32) -> u8 {
+    let code = FIRST8[bin as usize % BINS];
     // At most one limit lies in a bin.
     code + u8::from(light >= LIMITS8[usize::from(code)])
 }
@@ -105,8 +111,8 @@ fn limit16(code: u16) -> f32 {
 const BINS: usize = 4096;
 
 /// The bin whose middle light is nearest to, also outside 0 to 1.
-#[inline]
-fn bin(light: f32) -> usize {
+#[inline(always)]
+pub(crate) fn bin(light: f32) -> u32 {
     #[expect(clippy::cast_precision_loss, reason = "the number of bins is exact")]
     let [bins, last] = [BINS as f32, (BINS - 1) as f32];
     let at = light * bins;
@@ -115,8 +121,7 @@ fn bin(light: f32) -> usize {
     let at = if at < last { at } else { last };
     // Whole numbers are the lowest bits of a single from 2^23 on: faster than a conversion, which
     // asks for what no whole number can be.
-    let whole = (at + 8_388_608.0).to_bits();
-    whole as usize % BINS
+    (at + 8_388_608.0).to_bits() % (1 << BINS.ilog2())
 }
 
 /// Least light of the code after each; NaN, which nothing reaches, after the last.

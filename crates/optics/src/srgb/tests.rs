@@ -140,7 +140,11 @@ fn light_outside_0_to_1_gives_the_end_codes() {
         assert_eq!(encode8(light), 255, "8 bits of {light}");
         assert_eq!(encode16(light), 65535, "16 bits of {light}");
     }
-    assert_eq!(bin(f32::INFINITY), BINS - 1, "the last bin takes the rest");
+    assert_eq!(
+        bin(f32::INFINITY) as usize,
+        BINS - 1,
+        "the last bin takes the rest"
+    );
 }
 
 #[test]
