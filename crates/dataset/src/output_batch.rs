@@ -47,6 +47,8 @@ pub(crate) struct StagedFile {
     /// The resolved folder with the file's name: where the file goes.
     destination: PathBuf,
     temporary: TempPath,
+    /// Whether there was a file, or a link, under its name.
+    replaces: bool,
     /// Whether another program fills it.
     is_reserved: bool,
 }
@@ -127,7 +129,12 @@ impl OutputBatch {
     /// As for [`OutputBatch::stage`].
     pub(crate) fn begin(&mut self, path: &Path) -> Result<(File, StagedFile), DatasetError> {
         let file_name = file_name_of(path)?;
-        if let Some(what) = fs::metadata(path).ok().as_ref().and_then(not_a_file) {
+        let found = fs::symlink_metadata(path).ok();
+        let target = match &found {
+            Some(found) if found.is_symlink() => fs::metadata(path).ok(),
+            found => found.clone(),
+        };
+        if let Some(what) = target.as_ref().and_then(not_a_file) {
             return Err(DatasetError::DestinationNotAFile {
                 path: path.to_owned(),
                 what,
@@ -154,6 +161,7 @@ impl OutputBatch {
         let staged = StagedFile {
             destination,
             temporary,
+            replaces: found.is_some(),
             is_reserved: false,
         };
         Ok((file, staged))
@@ -186,7 +194,6 @@ impl OutputBatch {
         let mut new_files = Vec::new();
         let mut replaced = Vec::new();
         for staged in std::mem::take(&mut self.staged) {
-            let existed = fs::symlink_metadata(&staged.destination).is_ok();
             if let Err(failed) = staged.temporary.persist(&staged.destination) {
                 for path in new_files {
                     // Best effort: the first failure is the one to report.
@@ -198,7 +205,7 @@ impl OutputBatch {
                     source: failed.error,
                 });
             }
-            let list = if existed {
+            let list = if staged.replaces {
                 &mut replaced
             } else {
                 &mut new_files

@@ -15,7 +15,7 @@ pub(super) type Block = [i32; CHUNK];
 
 /// Numbers that share a width.
 pub(super) const GROUP: usize = 8;
-const N_GROUPS: usize = CHUNK / GROUP;
+pub(super) const N_GROUPS: usize = CHUNK / GROUP;
 
 /// Bits of a difference at most: numbers have [`MAX_BITS`], a gradient of three of them two more,
 /// zigzag one.

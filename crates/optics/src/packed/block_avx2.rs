@@ -5,7 +5,7 @@ use std::arch::x86_64::{__m128i, __m256i};
 use pulp::cast;
 use pulp::x86::V3;
 
-use super::block::{Block, Coded, GROUP, HALF_WIDTH, ROOM, Reader, are_in_range};
+use super::block::{Block, Coded, GROUP, HALF_WIDTH, N_GROUPS, ROOM, Reader, are_in_range};
 
 /// For each width, which of 16 bytes hold each of eight numbers: four bytes from the one in which
 /// it begins, zero beyond the last.
@@ -46,6 +46,12 @@ static BITS: [[u32; GROUP]; HALF_WIDTH + 1] = {
 impl Reader for V3 {
     #[inline(always)]
     fn unpack_small(self, room: &[u8; ROOM], at: usize, width: usize, group: &mut [u32; GROUP]) {
+        const {
+            assert!(
+                (N_GROUPS - 1) * HALF_WIDTH + 16 <= ROOM,
+                "room for the last group"
+            )
+        };
         let window: [u8; 16] = room[at.min(ROOM - 16)..]
             .first_chunk()
             .copied()
@@ -97,17 +103,42 @@ impl Reader for V3 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use proptest::test_runner::TestRunner;
 
     use super::super::block::{AnyProcessor, MOST, read_block, write_block};
     use super::super::bytes::Bytes;
     use super::*;
     use crate::maps::CHUNK;
 
-    fn read(reader: impl Reader, bytes: &[u8]) -> Coded {
+    #[expect(clippy::print_stderr, reason = "a skipped test must be seen")]
+    fn avx2() -> Option<V3> {
+        let avx2 = V3::try_new();
+        if avx2.is_none() {
+            eprintln!("SKIPPED: this processor has no AVX2");
+        }
+        avx2
+    }
+
+    fn read(reader: impl Reader, bytes: &[u8]) -> Result<Coded, TestCaseError> {
         let mut coded = Coded::NOTHING;
-        let read = read_block(reader, &mut Bytes::new("block", bytes), &mut coded);
-        assert!(read.is_ok(), "{read:?}");
-        coded
+        read_block(reader, &mut Bytes::new("block", bytes), &mut coded)
+            .map_err(|error| TestCaseError::fail(error.to_string()))?;
+        Ok(coded)
+    }
+
+    /// Both read the same out of some bytes, and make the same of it on top of some numbers.
+    fn agree(avx2: V3, bytes: &[u8], on: &Block) -> Result<(), TestCaseError> {
+        let (one, all) = (read(AnyProcessor, bytes), read(avx2, bytes));
+        prop_assert_eq!(one.is_ok(), all.is_ok(), "whether it is a block");
+        let (Ok(one), Ok(all)) = (one, all) else {
+            return Ok(());
+        };
+        prop_assert_eq!(one.zigzag, all.zigzag, "differences");
+        let (mut by_one, mut by_all) = (*on, *on);
+        let are_in_range = AnyProcessor.restore(&one, &mut by_one);
+        prop_assert_eq!(avx2.restore(&all, &mut by_all), are_in_range, "range");
+        prop_assert_eq!(by_one, by_all, "restored");
+        Ok(())
     }
 
     /// Numbers of so many bits at most.
@@ -115,56 +146,62 @@ mod tests {
         prop::array::uniform32(-(1 << n_bits)..1 << n_bits)
     }
 
-    proptest! {
-        #[test]
-        fn blocks_are_those_that_any_processor_reads(
-            (mut block, above) in (0_u32..24).prop_flat_map(|n_bits| {
-                (numbers(n_bits), numbers(n_bits))
-            }),
-            n_like_above in 0..=CHUNK,
-            on in numbers(24),
-        ) {
-            let Some(avx2) = V3::try_new() else {
-                println!("SKIPPED: this processor has no AVX2");
-                return Ok(());
-            };
-            // So that differences to the row above are small, too.
-            block[..n_like_above].copy_from_slice(&above[..n_like_above]);
-            let mut bytes = Vec::new();
-            write_block(&mut bytes, &block, &above);
-            // Room to look at sixteen bytes at once.
-            bytes.extend([0xa5; ROOM]);
-            let (one, all) = (read(AnyProcessor, &bytes), read(avx2, &bytes));
-            prop_assert_eq!(one.zigzag, all.zigzag, "differences");
-            let mut restored = above;
-            prop_assert!(avx2.restore(&all, &mut restored), "in range");
-            prop_assert_eq!(restored, block, "as it was written");
-            // Also on top of numbers that it was not written for, some of which are too large.
-            let (mut by_one, mut by_all) = (on, on);
-            let are_in_range = AnyProcessor.restore(&one, &mut by_one);
-            prop_assert_eq!(avx2.restore(&all, &mut by_all), are_in_range, "range");
-            prop_assert_eq!(by_one, by_all, "restored");
-        }
+    #[test]
+    fn blocks_are_those_that_any_processor_reads() {
+        let Some(avx2) = avx2() else { return };
+        let blocks = (0_u32..24).prop_flat_map(|n_bits| (numbers(n_bits), numbers(n_bits)));
+        // Also on top of numbers that a block was not written for.
+        let cases = (blocks, 0..=CHUNK, numbers(25));
+        let checked =
+            TestRunner::default().run(&cases, |((mut block, above), n_like_above, on)| {
+                // So that differences to the row above are small, too.
+                block[..n_like_above].copy_from_slice(&above[..n_like_above]);
+                let mut bytes = Vec::new();
+                write_block(&mut bytes, &block, &above);
+                // Room to look at sixteen bytes at once.
+                bytes.extend([0xa5; ROOM]);
+                let mut restored = above;
+                prop_assert!(
+                    avx2.restore(&read(avx2, &bytes)?, &mut restored),
+                    "in range"
+                );
+                prop_assert_eq!(restored, block, "as it was written");
+                agree(avx2, &bytes, &on)
+            });
+        assert!(checked.is_ok(), "{checked:?}");
     }
 
     #[test]
-    fn a_number_that_is_too_large_is_told() {
-        let Some(avx2) = V3::try_new() else {
-            println!("SKIPPED: this processor has no AVX2");
-            return;
-        };
-        // Each one more than the one above, which nothing else foretells.
+    fn damaged_blocks_are_those_that_any_processor_reads() {
+        let Some(avx2) = avx2() else { return };
+        let bytes = prop::collection::vec(any::<u8>(), 0..200);
+        let checked = TestRunner::default().run(&(bytes, numbers(25)), |(bytes, on)| {
+            agree(avx2, &bytes, &on)
+        });
+        assert!(checked.is_ok(), "{checked:?}");
+    }
+
+    #[test]
+    fn a_number_that_is_too_large_is_told() -> Result<(), TestCaseError> {
+        let Some(avx2) = avx2() else { return Ok(()) };
         let above: Block = std::array::from_fn(|k| if k % 2 == 0 { 1000 } else { -1000 });
         let mut bytes = Vec::new();
         write_block(&mut bytes, &above.map(|above| above + 1), &above);
         bytes.extend([0; ROOM]);
-        let coded = read(avx2, &bytes);
+        let coded = read(avx2, &bytes)?;
         for (most, expected) in [(MOST - 1, true), (MOST, false)] {
             for k in [0, 7, 8, 31] {
                 let mut block = [0; CHUNK];
                 block[k] = most;
-                assert_eq!(avx2.restore(&coded, &mut block), expected, "{most} at {k}");
+                prop_assert_eq!(
+                    avx2.restore(&coded, &mut block),
+                    expected,
+                    "{} at {}",
+                    most,
+                    k
+                );
             }
         }
+        Ok(())
     }
 }

@@ -164,7 +164,12 @@ impl PackedPattern {
     ) -> Result<OverlayLayer, OpticsError> {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = pulp::x86::V3::try_new() {
-            return avx2.vectorize(LitByAvx2(avx2, self, layer, environment));
+            return avx2.vectorize(LitByAvx2 {
+                avx2,
+                pattern: self,
+                layer,
+                environment,
+            });
         }
         self.lit_by(AnyProcessor, layer, environment)
     }
@@ -264,12 +269,12 @@ impl PackedPattern {
 /// which a closure would not be. No result depends on it: nothing is fused or summed in another
 /// order.
 #[cfg(target_arch = "x86_64")]
-struct LitByAvx2<'a>(
-    pulp::x86::V3,
-    &'a PackedPattern,
-    &'a PackedLayer,
-    &'a Environment,
-);
+struct LitByAvx2<'a> {
+    avx2: pulp::x86::V3,
+    pattern: &'a PackedPattern,
+    layer: &'a PackedLayer,
+    environment: &'a Environment,
+}
 
 #[cfg(target_arch = "x86_64")]
 impl pulp::NullaryFnOnce for LitByAvx2<'_> {
@@ -277,7 +282,7 @@ impl pulp::NullaryFnOnce for LitByAvx2<'_> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        self.1.lit_by(self.0, self.2, self.3)
+        self.pattern.lit_by(self.avx2, self.layer, self.environment)
     }
 }
 

@@ -97,7 +97,7 @@ pub(super) fn between(
     let last = [width as i32 - 1, height as i32 - 1];
     let border = f32x4::new([last[0] as f32, last[1] as f32, 0.0, 0.0]);
     let place = f32x4::new([u, v, 0.0, 0.0]) - 0.5;
-    // Also of what is no number.
+    // At least 0, and 0 where it is no number.
     let place = (place & place.simd_gt(f32x4::ZERO)).fast_min(border);
     let whole = place.fast_trunc_int();
     let [x, y, ..] = whole.to_array();
@@ -179,7 +179,10 @@ impl Level {
                 let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
                 let cells = [(x, y), (right, y), (x, below), (right, below)];
                 let cells = cells.map(|(x, y)| self.light[y * width + x]);
-                let sum: f32x4 = cells.into_iter().sum();
+                let mut sum = f32x4::ZERO;
+                for cell in cells {
+                    sum += cell;
+                }
                 light.push(sum * 0.25);
             }
         }

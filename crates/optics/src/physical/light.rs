@@ -7,52 +7,37 @@ use super::layer::{LAYER_LANES, PatternLayer, Tint, WIDTH};
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE, OverlayLayer, Run};
 use crate::environment::{Environment, Rgb};
 use crate::maps::{CHUNK, LaneRun};
-use crate::surface::{CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, SUN, ZENITH};
+use crate::surface::{CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, N_SHARES, SUN, ZENITH};
 
-/// The first lanes, which are summed: all shares, and the sun's.
-const SUMMED: usize = SUN + 1;
+/// Lanes with light of their own: all shares but the frame's, which is looked up, and the sun's.
+const LIT: [usize; 5] = [HORIZON, ZENITH, GROUND, CABIN, SUN];
 
-/// What a lane adds to the sums. All lanes are treated alike, as no branch could foretell which of
-/// them come next.
-#[derive(Clone, Copy)]
-struct LaneLight {
-    /// Its light; none of the frame's, which is looked up.
-    rgb: Rgb,
-    /// The greatest of each color, at least 1; 0 without light.
-    greatest: f32,
-    /// All bits where it is a share.
-    is_share: f32,
-    /// Less counts as that.
-    least: f32,
+/// The light of each of the first lanes.
+struct Colors {
+    /// None of the frame's.
+    rgb: [Rgb; SUN + 1],
+    /// The greatest of each color, at least 1, where there is light.
+    greatest: [f32; SUN + 1],
 }
-
-/// What each lane adds.
-struct Colors([LaneLight; SUMMED]);
 
 impl Colors {
     fn of(environment: &Environment) -> Self {
-        let dark = LaneLight {
-            rgb: [0.0; 3],
-            greatest: 0.0,
-            is_share: f32::from_bits(u32::MAX),
-            least: f32::NEG_INFINITY,
+        let mut colors = Self {
+            rgb: [[0.0; 3]; SUN + 1],
+            greatest: [0.0; SUN + 1],
         };
-        let mut colors = [dark; SUMMED];
-        for (lane, rgb) in [
-            (HORIZON, environment.horizon_rgb),
-            (ZENITH, environment.zenith_rgb),
-            (GROUND, environment.ground_rgb),
-            (CABIN, environment.cabin_rgb),
-            (SUN, environment.sun_rgb),
-        ] {
-            colors[lane].rgb = rgb;
-            colors[lane].greatest = rgb.into_iter().fold(1.0, f32::max);
+        let rgb = [
+            environment.horizon_rgb,
+            environment.zenith_rgb,
+            environment.ground_rgb,
+            environment.cabin_rgb,
+            environment.sun_rgb,
+        ];
+        for (lane, rgb) in LIT.into_iter().zip(rgb) {
+            colors.rgb[lane] = rgb;
+            colors.greatest[lane] = rgb.into_iter().fold(1.0, f32::max);
         }
-        colors[SUN].is_share = 0.0;
-        // The steps of a kernel leave a trace of less than nothing beside a glint; under the sun it
-        // would be a black pixel.
-        colors[SUN].least = 0.0;
-        Self(colors)
+        colors
     }
 }
 
@@ -198,16 +183,22 @@ impl Colors {
         let [zero, one, least] = [0.0, 1.0, LEAST_INFLUENCE].map(f32x8::splat);
         // No color can be more than the bound.
         let (mut shares, mut bound, mut rgb) = (zero, zero, [zero; 3]);
-        // Few runs have light of every kind.
-        for lane in set_bits(present % (1 << SUMMED)) {
-            let light = &self.0[lane];
-            let share = nth(&lanes[lane], g);
-            shares += share & f32x8::splat(light.is_share);
-            bound += share.abs() * f32x8::splat(light.greatest);
-            let lit = share.fast_max(f32x8::splat(light.least));
-            for (sum, color) in rgb.iter_mut().zip(light.rgb) {
-                *sum += lit * f32x8::splat(color);
+        let mut add = |lane: usize, lit: f32x8| {
+            bound += lit.abs() * self.greatest[lane];
+            for (sum, color) in rgb.iter_mut().zip(self.rgb[lane]) {
+                *sum += lit * color;
             }
+        };
+        // Few runs have light of every kind, and no branch can foretell of which.
+        for lane in set_bits(present % (1 << N_SHARES)) {
+            let share = nth(&lanes[lane], g);
+            shares += share;
+            add(lane, share);
+        }
+        if has(present, SUN) {
+            // The steps of a kernel leave a trace of less than nothing beside a glint; under the
+            // sun it would be a black pixel.
+            add(SUN, nth(&lanes[SUN], g).fast_max(zero));
         }
         let frame = if has(present, FRAME) {
             nth(&lanes[FRAME], g)

@@ -418,3 +418,7 @@ fn veil<const COLORS: usize>(light: &mut [f32], glare: f64) {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "render_tests.rs"]
+mod tests;

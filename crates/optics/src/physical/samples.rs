@@ -1,7 +1,7 @@
 //! Samples of an image as light, whatever their depth.
 
 use crate::environment::luminance;
-use crate::srgb::{bin, decode8, decode16, encode8_in, encode16};
+use crate::srgb::{bin8, decode8, decode16, encode8_in, encode16};
 
 /// A sample of an image.
 pub(super) trait Sample: Copy {
@@ -26,7 +26,7 @@ impl Sample for u8 {
 
     #[inline(always)]
     fn bin(light: f32) -> u32 {
-        bin(light)
+        bin8(light)
     }
 
     #[inline(always)]

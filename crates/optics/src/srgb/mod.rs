@@ -40,10 +40,10 @@ pub fn decode16(code: u16) -> f32 {
 #[inline]
 #[must_use]
 pub fn encode8(light: f32) -> u8 {
-    encode8_in(bin(light), light)
+    encode8_in(bin8(light), light)
 }
 
-/// [`encode8`] of light that is in a [`bin`].
+/// [`encode8`] of light that is in a [`bin8`].
 #[inline(always)]
 pub(crate) fn encode8_in(bin: u32, light: f32) -> u8 {
     let code = FIRST8[bin as usize % BINS];
@@ -112,7 +112,7 @@ const BINS: usize = 4096;
 
 /// The bin whose middle light is nearest to, also outside 0 to 1.
 #[inline(always)]
-pub(crate) fn bin(light: f32) -> u32 {
+pub(crate) fn bin8(light: f32) -> u32 {
     #[expect(clippy::cast_precision_loss, reason = "the number of bins is exact")]
     let [bins, last] = [BINS as f32, (BINS - 1) as f32];
     let at = light * bins;

@@ -1,7 +1,7 @@
 //! Against the formula by `libm`, which the tables do not use.
 
 use super::{
-    BINS, DECODE8, bin, code16_of_light, decode8, decode16, encode8, encode16, light_of_code16,
+    BINS, DECODE8, bin8, code16_of_light, decode8, decode16, encode8, encode16, light_of_code16,
 };
 
 /// Light of an encoded value, by the standard's formula.
@@ -141,7 +141,7 @@ fn light_outside_0_to_1_gives_the_end_codes() {
         assert_eq!(encode16(light), 65535, "16 bits of {light}");
     }
     assert_eq!(
-        bin(f32::INFINITY) as usize,
+        bin8(f32::INFINITY) as usize,
         BINS - 1,
         "the last bin takes the rest"
     );
