@@ -7,14 +7,15 @@ Sets: a synthetic KITTI-like one of N PNG frames (1242x375, made here from a str
 draws, with noise), and coco96, the BDD frames (JPEG, 1280x720) and the KITTI frames of ../shared/data,
 100 copies of each frame, where they are. In turns: recode (the floor; it hashes what it reads, as
 `generate` does) and `generate` from a bank with all frame sizes of the set; after a round that does
-not count the least of five rounds, of three where there are more than 500 images. Then fresh physics,
-the lesser of two. CPU seconds are user and system time of the process; on a shared machine their ratio
-is the robust figure. The folder of temporary files decides whether it is a disk or memory
-(TMPDIR=/dev/shm) that is written to.
+not count the least of twenty rounds, of three where there are more than 500 images, and the ratio of
+the medians of images/s. Then fresh physics, the lesser of two. CPU seconds are user and system time of
+the process. The folder of temporary files decides whether it is a disk or memory (TMPDIR=/dev/shm)
+that is written to. On a disk that takes some 35 GB, as nothing is deleted before the end.
 """
 import os
 import pathlib
 import shutil
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -122,7 +123,7 @@ def run(work, n, threads):
         _, _, rss = timed([STARBREAK, "generate", sets[0][1], "--bank", banks[0], "--limit", few, "--threads", threads,
                            "--quiet", "-o", work / f"few-{few}"])
         print(f"peak RSS of generate from a bank over {min(few, n)} images: {rss:.0f} MiB")
-    print("set; run; images/s; CPU s; cores used; peak RSS MiB; images/s and CPU s over those of recode")
+    print("set; run; images/s; CPU s; cores used; peak RSS MiB; images/s and CPU s over those of recode; medians of images/s")
     for (name, source, n_images), bank in zip(sets, banks):
         runs = {
             "recode": [RECODE, threads, source],
@@ -139,7 +140,7 @@ def run(work, n, threads):
             if IN_MEMORY:
                 shutil.rmtree(out)
 
-        for round_ in range(4 if n_images > 500 else 6):
+        for round_ in range(4 if n_images > 500 else 21):
             # To and fro, so that each is as often the first to get what memory was left.
             for what in ["recode", "from a bank"][:: 1 if round_ % 2 == 0 else -1]:
                 measure(what)
@@ -149,11 +150,13 @@ def run(work, n, threads):
             for _ in range(2):
                 measure(what)
         least = {what: [min(column) for column in zip(*rows)] for what, rows in seen.items()}
+        median = {what: statistics.median(row[0] for row in rows) for what, rows in seen.items()}
         for what, (wall, cpu, _) in least.items():
             rss = max(row[2] for row in seen[what])
             print(
                 f"{name}; {what}; {n_images / wall:.1f}; {cpu:.2f}; {cpu / wall:.2f}; {rss:.0f}; "
-                f"{least['recode'][0] / wall:.2f}; {cpu / least['recode'][1]:.2f}",
+                f"{least['recode'][0] / wall:.2f}; {cpu / least['recode'][1]:.2f}; "
+                f"{median['recode'] / median[what]:.2f}",
                 flush=True,
             )
 
