@@ -24,8 +24,8 @@ use crate::known_folders::{KnownFolders, absolute_folder_of};
 ///
 /// # Limits
 ///
-/// A rename cannot be taken back: if a commit fails half way, files that were new are removed
-/// again, but files that had existed before and were already replaced keep their new content
+/// A rename cannot be taken back: if a commit fails half way, files that were new when they were
+/// staged are removed again, but files that were there and are already replaced keep their new content
 /// ([`DatasetError::Commit`] lists them). A process that is killed leaves its `.starbreak-*`
 /// files behind. Of batches that share a new folder at one time, none may be the one to remove it,
 /// so that it stays, empty. After a loss of power a committed file is whole or absent, never half.
@@ -178,7 +178,7 @@ impl OutputBatch {
     /// # Errors
     ///
     /// [`DatasetError::Commit`] where a rename fails. Files of this batch that did not exist
-    /// before are then removed again, with the folders created for them; files that existed and
+    /// when they were staged are then removed again, with the folders created for them; files that existed and
     /// were already replaced are listed in the error.
     pub fn commit(mut self) -> Result<(), DatasetError> {
         if self.waits_for_disk {
