@@ -10,7 +10,7 @@ draws, with noise), and coco96, the BDD frames (JPEG, 1280x720) and the KITTI fr
 not count the least of twenty rounds, of three where there are more than 500 images, and the ratio of
 the medians of images/s. Then fresh physics, the lesser of two. CPU seconds are user and system time of
 the process. The folder of temporary files decides whether it is a disk or memory (TMPDIR=/dev/shm)
-that is written to. On a disk that takes some 35 GB, as nothing is deleted before the end.
+that is written to. On a disk that takes some 30 GB, as nothing is deleted before the end.
 """
 import os
 import pathlib

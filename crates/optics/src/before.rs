@@ -178,16 +178,9 @@ mod tests {
 
     /// Stripes that darken the frame, also where its last run is cut off.
     fn stripes(size: (u32, u32)) -> Overlay {
-        let environment = Environment {
-            horizon_rgb: [0.5; 3],
-            zenith_rgb: [0.4; 3],
-            ground_rgb: [0.1; 3],
-            cabin_rgb: [0.01; 3],
-            sun_rgb: [1.0; 3],
-        };
         Overlay::of_pixels(
             (size, 800.0),
-            &environment,
+            &Environment::DAY,
             &PhysicalOptics::default(),
             |x, y| match (x / 8 + y) % 9 {
                 0 => ([0.4, 0.5, 0.6], [0.2, 0.1, 0.0]),

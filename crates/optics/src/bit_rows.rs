@@ -1,5 +1,15 @@
 //! A set of pixels as rows of bits.
 
+/// The places of the bits that are set, the lowest first.
+#[inline(always)]
+pub(crate) fn set_bits(mut bits: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lowest = (bits != 0).then(|| bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        lowest
+    })
+}
+
 /// One bit per pixel, row by row, each row starting a new word.
 #[derive(Debug, Clone)]
 pub(crate) struct BitRows {
@@ -47,12 +57,7 @@ impl BitRows {
         let words = &self.row(y)[start / 64..end.div_ceil(64)];
         let of_word = move |(k, &word): (usize, &u64)| {
             let base = (start / 64 + k) * 64;
-            let mut rest = word;
-            std::iter::from_fn(move || {
-                let bit = rest.trailing_zeros() as usize;
-                rest &= rest.wrapping_sub(1);
-                (bit < 64).then_some(base + bit)
-            })
+            set_bits(word).map(move |bit| base + bit)
         };
         words
             .iter()

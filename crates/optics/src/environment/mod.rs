@@ -71,6 +71,16 @@ pub struct Environment {
 }
 
 impl Environment {
+    /// The light of a day, for tests.
+    #[cfg(test)]
+    pub(crate) const DAY: Self = Self {
+        horizon_rgb: [0.5; 3],
+        zenith_rgb: [0.4; 3],
+        ground_rgb: [0.1; 3],
+        cabin_rgb: [0.01; 3],
+        sun_rgb: [1.0; 3],
+    };
+
     /// Radiance from a direction by the sine of its elevation: above the horizon
     /// H + (Z − H) sin e of horizon and zenith, below it the ground's. The sun is not in it.
     #[must_use]

@@ -153,7 +153,7 @@ pub(super) fn light_pixels(of: &BlockRun<'_, LAYER_LANES>, run: &mut LaneRun<LAY
     let is_present = |lane: usize| present >> lane & 1 == 1;
     for lane in 0..N_SHARES {
         if is_present(lane) {
-            shares_from_steps(&mut run[lane], &blocks[lane]);
+            all_from_steps(&mut run[lane], &blocks[lane], SHARE_STEPS);
         }
     }
     if is_present(SUN) {
@@ -177,12 +177,12 @@ pub(super) fn light_pixels(of: &BlockRun<'_, LAYER_LANES>, run: &mut LaneRun<LAY
     }
 }
 
-/// [`from_steps`] of shares, eight at a time.
+/// [`from_steps`] of a lane, eight at a time; of a power of two, whose inverse is exact.
 #[inline(always)]
-fn shares_from_steps(values: &mut [f32; CHUNK], block: &Block) {
+fn all_from_steps(values: &mut [f32; CHUNK], block: &Block, per_one: f32) {
     let values = values.as_chunks_mut().0;
     for (values, steps) in values.iter_mut().zip(block.as_chunks().0) {
-        *values = (f32x8::from_i32x8(i32x8::new(*steps)) * (1.0 / SHARE_STEPS)).to_array();
+        *values = (f32x8::from_i32x8(i32x8::new(*steps)) * (1.0 / per_one)).to_array();
     }
 }
 
@@ -194,9 +194,7 @@ pub(super) fn tint_blocks(_: (usize, usize), run: &LaneRun<3>) -> [Block; 3] {
 #[inline(always)]
 pub(super) fn tint_pixels(of: &BlockRun<'_, 3>, run: &mut LaneRun<3>) {
     for (lane, block) in run.iter_mut().zip(of.blocks) {
-        for (value, steps) in lane.iter_mut().zip(block) {
-            *value = from_steps(*steps, TINT_STEPS);
-        }
+        all_from_steps(lane, block, TINT_STEPS);
     }
 }
 

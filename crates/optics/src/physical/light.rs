@@ -5,6 +5,7 @@ use wide::f32x8;
 use super::elsewhere::Elsewhere;
 use super::layer::{LAYER_LANES, PatternLayer, Tint, WIDTH};
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE, OverlayLayer, Run};
+use crate::bit_rows::set_bits;
 use crate::environment::{Environment, Rgb};
 use crate::maps::{CHUNK, LaneRun};
 use crate::surface::{CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, N_SHARES, SUN, ZENITH};
@@ -137,16 +138,6 @@ fn has(present: usize, lane: usize) -> bool {
     present >> lane & 1 == 1
 }
 
-/// The places of the bits that are set, the lowest first.
-#[inline(always)]
-fn set_bits(mut bits: usize) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lowest = (bits != 0).then(|| bits.trailing_zeros() as usize);
-        bits &= bits.wrapping_sub(1);
-        lowest
-    })
-}
-
 /// Pixels that are lit together: as many as a processor's registers hold with all that is summed.
 const GROUP: usize = 8;
 
@@ -190,7 +181,7 @@ impl Colors {
             }
         };
         // Few runs have light of every kind, and no branch can foretell of which.
-        for lane in set_bits(present % (1 << N_SHARES)) {
+        for lane in set_bits(present as u64 % (1 << N_SHARES)) {
             let share = nth(&lanes[lane], g);
             shares += share;
             add(lane, share);

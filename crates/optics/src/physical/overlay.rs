@@ -7,6 +7,7 @@ use image::GrayImage;
 use super::PhysicalOptics;
 use super::elsewhere::Elsewhere;
 use super::pattern::Pattern;
+use crate::bit_rows::set_bits;
 use crate::environment::{Environment, Rgb};
 use crate::maps::CHUNK;
 use crate::srgb::{code16_of_light, light_of_code16};
@@ -343,12 +344,7 @@ impl Run {
 
     /// The pixels that the crack does anything to, among the first `n`.
     pub(super) fn touched_among(&self, n: usize) -> impl Iterator<Item = usize> + use<> {
-        let mut rest = self.touched;
-        std::iter::from_fn(move || {
-            let k = rest.trailing_zeros() as usize;
-            rest &= rest.wrapping_sub(1);
-            (k < n).then_some(k)
-        })
+        set_bits(self.touched.into()).take_while(move |k| *k < n)
     }
 
     /// 255 where a pixel loses at least this share of its light, or visibly more or less is

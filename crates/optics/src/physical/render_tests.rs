@@ -40,13 +40,6 @@ fn by_hand<S: Copy>(
 
 #[test]
 fn images_of_every_mode_and_width_get_the_light_of_each_pixel() {
-    let environment = Environment {
-        horizon_rgb: [0.5; 3],
-        zenith_rgb: [0.4; 3],
-        ground_rgb: [0.1; 3],
-        cabin_rgb: [0.01; 3],
-        sun_rgb: [1.0; 3],
-    };
     for width in [7_u32, 32, 45] {
         let size = (width, 5);
         let photo: DynamicImage = RgbImage::from_fn(width, 5, |x, y| {
@@ -54,7 +47,7 @@ fn images_of_every_mode_and_width_get_the_light_of_each_pixel() {
         })
         .into();
         let optics = PhysicalOptics::default();
-        let overlay = Overlay::of_pixels((size, 800.0), &environment, &optics, keep_and_add);
+        let overlay = Overlay::of_pixels((size, 800.0), &Environment::DAY, &optics, keep_and_add);
         for image in [
             DynamicImage::from(photo.to_luma8()),
             photo.to_luma_alpha8().into(),
