@@ -59,7 +59,8 @@ const LIGHT: Environment = Environment {
     horizon_rgb: [0.5; 3],
     zenith_rgb: [0.4; 3],
     ground_rgb: [0.1; 3],
-    cabin_rgb: [0.01; 3],
+    cabin_low_rgb: [0.01; 3],
+    cabin_high_rgb: [0.02; 3],
     sun_rgb: [1.0; 3],
 };
 

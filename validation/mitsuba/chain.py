@@ -6,10 +6,13 @@ usage: chain.py CASES.json OUT.json [NAME...]
 Coordinates are the camera's: x right, y down, z along the optical axis; mm; the inner face meets the axis at the
 origin. (Mitsuba keeps rays off surfaces by about 1e-4 (1 + |p|), so the sheet must be near the origin.) The crack
 is a box of air in the glass that ends 2 um below the faces. The light is a function of direction alone: what goes
-out by the outer face sees sky and ground, what comes back by the inner face sees the cabin. Light that the faces hold
-comes to the edges, which shine as a white surface under half of either side would: a sheet of any size then agrees
-with what the renderer assumes of such light. Light that Mitsuba's rough surfaces lose, for they follow one reflection
-between facets, is measured in the same scene under light of 1 from everywhere, and added in the same way.
+out by the outer face sees sky and ground, what comes back by the inner face sees the cabin, one light or one that runs
+with the sine of the elevation from straight down to straight up. Light that the faces hold comes to the edges, which
+are black, but for the furnaces, whose edges shine as all else does. Light that Mitsuba's rough surfaces lose, for they
+follow one reflection between facets, is measured in the same scene under light of 1 from everywhere, edges included,
+and added as that of a white surface under half of either side.
+
+Light is unpolarized at every surface, as in most renderers, but for the cases that say otherwise.
 """
 import json
 import pathlib
@@ -20,7 +23,10 @@ import mitsuba as mi
 import numpy as np
 
 mi.set_variant("scalar_rgb")
-T = mi.ScalarTransform4f
+
+
+def T(matrix=None):
+    return mi.ScalarTransform4f() if matrix is None else mi.ScalarTransform4f(matrix)
 
 
 def case_of(base, case):
@@ -59,7 +65,8 @@ def radiance(c, d):
         out = np.where(d[..., 2] > np.cos(np.radians(c["cone_deg"])), out, 0.0)
     if "sun" in c:
         out = out + c["sun"]["radiance"] * (d @ np.array(c["sun"]["to"]) > np.cos(np.radians(c["sun"]["radius_deg"])))
-    return np.where(d @ normal > 0, out, c["cabin"])
+    low, high = c["cabin"] if isinstance(c["cabin"], list) else (c["cabin"], c["cabin"])
+    return np.where(d @ normal > 0, out, low + (high - low) * (1 + sine) / 2)
 
 
 def envmap(c, h=1024):
@@ -79,9 +86,8 @@ def fresnel(cos, n):
     return (((cos - n * cos_t) / (cos + n * cos_t)) ** 2 + ((n * cos - cos_t) / (n * cos + cos_t)) ** 2) / 2
 
 
-def held_light(c):
-    """What held light shows: half of the light of either side, which in the frame has the sheet's transmittance; and
-    the radiance over n^2 in the glass for it."""
+def white_light(c):
+    """Half of the light of either side, that from outside through the sheet."""
     z, phi = np.meshgrid((np.arange(400) + 0.5) / 400, (np.arange(800) + 0.5) / 400 * np.pi, indexing="ij")
     r = np.sqrt(1 - z * z)
     d = np.stack([r * np.cos(phi), r * np.sin(phi), z], -1) @ c["axes"]
@@ -90,8 +96,7 @@ def held_light(c):
         outside += c["sun"]["irradiance"] * max(0, c["axes"][2] @ np.array(c["sun"]["to"])) / np.pi
     face = fresnel(np.cos(np.radians(c["rake_deg"])), c["index"])
     t, r = (1 - face) / (1 + face), 2 * face / (1 + face)
-    shown = 0.5 * c["cabin"] + 0.5 * (t * outside + r * c["cabin"])
-    return shown, max(0.0, float((shown - face * c["cabin"]) / (1 - face)))
+    return 0.5 * c["cabin"] + 0.5 * (t * outside + r * c["cabin"])
 
 
 def box(centre, halves, bsdf):
@@ -126,7 +131,7 @@ def scene(c, with_crack):
     glass = {"type": "dielectric", "int_ior": n, "ext_ior": 1.0}
     reach = c["reach_mm"]
     half = 1.3 * reach + 10
-    light = {"type": "area", "radiance": {"type": "rgb", "value": n * n * held_light(c)[1]}}
+    light = {"type": "area", "radiance": {"type": "rgb", "value": n * n * c.get("rim", 0.0)}}
     for k, (side, other) in enumerate(((0, 1), (0, 1), (1, 0), (1, 0))):
         sign, m = 1 - 2 * (k % 2), np.eye(4)
         m[:3, 0] = axes[2] * (t / 2 - 2e-3)
@@ -136,7 +141,9 @@ def scene(c, with_crack):
         m[:3, 3] = axes.T @ [0, 0, t / 2] + sign * 0.98 * half * axes[side]
         if m[:3, 2] @ axes[side] * sign > 0:  # facing inward
             m[:3, 1:3] *= -1
-        d[f"edge{k}"] = {"type": "rectangle", "to_world": T(m), "emitter": light, "bsdf": {"type": "diffuse", "reflectance": 0.0}}
+        d[f"edge{k}"] = {"type": "rectangle", "to_world": T(m), "bsdf": {"type": "diffuse", "reflectance": 0.0}}
+        if c.get("rim", 0.0) > 0:
+            d[f"edge{k}"]["emitter"] = light
     d["sheet"] = box(axes.T @ [0, 0, t / 2], [axes[0] * half, axes[1] * half, axes[2] * t / 2], glass)
     if with_crack:
         air = {"type": "dielectric", "int_ior": 1.0, "ext_ior": n}
@@ -178,13 +185,14 @@ def main():
         if names and case["name"] not in names:
             continue
         begun = time.time()
+        mi.set_variant("scalar_spectral_polarized" if case.get("polarized") else "scalar_rgb")
         c = case_of(definition["base"], case)
         cracked, intact = (np.array(mi.render(scene(c, with_crack))).reshape(2 * c["half"], -1) for with_crack in (True, False))
         if c["alpha"] > 0:
-            white = {**c, **dict.fromkeys(("horizon", "zenith", "ground", "cabin"), 1.0)}
+            white = {**c, **dict.fromkeys(("horizon", "zenith", "ground", "cabin", "rim"), 1.0)}
             white.pop("sun", None)
             kept = np.array(mi.render(scene(white, True))).reshape(2 * c["half"], -1)
-            cracked = cracked + (1 - kept) * held_light(c)[0]
+            cracked = cracked + (1 - kept) * white_light(c)
         row = {**definition["base"], **case, "outer_mm": c["outer"][:2].tolist(), "reach_mm": float(c["reach_mm"])}
         if "sun" in c:
             row["sun"] = c["sun"]

@@ -12,7 +12,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 70] = [
+const NUMERIC: [(&str, &str, &[&str]); 76] = [
     (
         "paper",
         "camera.f_px",
@@ -27,7 +27,7 @@ const NUMERIC: [(&str, &str, &[&str]); 70] = [
     (
         STAR,
         "camera.focus_distance_m",
-        &["-1", "0", "nan", "0.004"],
+        &["-1", "0", "nan", "0.003"],
     ),
     (STAR, "camera.scene_distance_m", &["-1", "0", "nan"]),
     (
@@ -88,7 +88,14 @@ const NUMERIC: [(&str, &str, &[&str]); 70] = [
             "[nan,0,0]",
             "[0,inf,0]",
             "[1,2]",
+            "[[0,0,0],[0,0,-1]]",
+            "[[0,0,0]]",
         ],
+    ),
+    (
+        STAR,
+        "optics.rim_reflectance",
+        &["-0.1", "1.1", "nan", "inf"],
     ),
     (STAR, "optics.horizon_row", &["-101", "101", "nan", "inf"]),
     (
@@ -194,6 +201,11 @@ const NUMERIC: [(&str, &str, &[&str]); 70] = [
     ),
     (
         STAR,
+        "glass.inner_thickness_mm",
+        &["-1", "0", "nan", "inf", "0.09", "31"],
+    ),
+    (
+        STAR,
         "glass.interlayer_modulus_mpa",
         &["-1", "0", "nan", "inf", "10001"],
     ),
@@ -223,11 +235,23 @@ const NUMERIC: [(&str, &str, &[&str]); 70] = [
         "impact.density_kg_m3",
         &["-1", "0", "nan", "inf", "99", "25001"],
     ),
+    (STAR, "impact.count", &["-1", "0", "nan", "1.5", "1001"]),
+    (STAR, "impact.radius_spread", &["-0.1", "nan", "inf", "2.1"]),
+    (
+        STAR,
+        "fracture.fallen_pieces",
+        &["-1", "nan", "1.5", "1001"],
+    ),
     (STAR, "fracture.epochs", &["-1", "0", "nan", "1.5", "7"]),
     (
         STAR,
         "fracture.radial_count_factor",
         &["-1", "0", "nan", "inf", "101"],
+    ),
+    (
+        STAR,
+        "fracture.until_reach_mm",
+        &["-1", "0", "nan", "inf", "20001"],
     ),
     (
         STAR,
@@ -532,16 +556,21 @@ fn severity_goes_with_a_preset_and_not_with_a_recipe() {
         printed(&[]),
         "3 is the preset"
     );
-    let speed_m_s = |severity: &str| -> f64 {
+    let reach_mm = |severity: &str| -> f64 {
         let recipe = printed(&["--severity", severity]);
         let line = recipe
             .lines()
-            .find_map(|line| line.strip_prefix("speed_m_s = "));
-        line.unwrap().parse().unwrap()
+            .find_map(|line| line.strip_prefix("until_reach_mm = "));
+        let value = line.unwrap();
+        if value == "\"end\"" {
+            f64::INFINITY
+        } else {
+            value.parse().unwrap()
+        }
     };
     assert!(
-        speed_m_s("1") < speed_m_s("3") && speed_m_s("3") < speed_m_s("5"),
-        "the default's stone gets faster"
+        reach_mm("1") < reach_mm("3") && reach_mm("3") < reach_mm("5"),
+        "the default's cracks get farther"
     );
     let paper = printed(&[
         "--preset",

@@ -193,7 +193,8 @@ fn a_demo_with_an_unbroken_pane_is_whole() {
     let scene = raw_png(&dir.path().join("d/scene.png"));
     for focus in ["far", "short"] {
         let image = raw_png(&dir.path().join(format!("d/{focus}-focus.png")));
-        assert!(image == scene, "{focus}: the image changed");
+        // Focused on the glass, the lens blurs the scene all the same.
+        assert_eq!(image == scene, focus == "far", "{focus}: the image");
     }
 }
 

@@ -361,35 +361,6 @@ fn what_is_no_network_is_called_so() {
 }
 
 #[test]
-fn a_lens_that_begins_with_the_impact_is_said() {
-    let dir = folder();
-    write_frames(&dir.path().join("in"));
-    let run = |output: &str, more: &str| {
-        let args = format!("video in -o {output} --fps 10 {more}");
-        let args: Vec<&str> = args.split_whitespace().collect();
-        common::succeed(dir.path(), &args).stderr
-    };
-    let said = "before the impact stay as they are";
-    let glare = "--set optics.veiling_glare=0.1";
-    let blur = "--set camera.focus_distance_m=0.5";
-    let short = "--set camera.focus_distance_m=\"short\"";
-    for (k, (more, is_said)) in [
-        (format!("--impact-at 0.3 {glare}"), true),
-        (format!("--impact-at 0.3 {blur}"), true),
-        ("--impact-at 0.3".to_owned(), false),
-        (glare.to_owned(), false),
-        (format!("--impact-at 0.3 --preset paper {short}"), true),
-        ("--impact-at 0.3 --preset paper".to_owned(), false),
-    ]
-    .into_iter()
-    .enumerate()
-    {
-        let stderr = run(&format!("out{k}"), &more);
-        assert_eq!(stderr.contains(said), is_said, "{more}: {stderr}");
-    }
-}
-
-#[test]
 fn hidden_files_are_no_frames_and_remains_of_a_killed_run_are_no_hindrance() {
     let dir = folder();
     write_frames(&dir.path().join("in"));

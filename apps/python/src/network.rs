@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use numpy::ndarray::Array2;
 use numpy::{IntoPyArray as _, PyFixedUnicode};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -163,6 +164,12 @@ impl CrackNetwork {
         python_of(py, &json!(self.network.summary()))
     }
 
+    /// Points in `unit`; the piece of glass that one lies in has fallen out.
+    #[getter]
+    fn fallen(&self) -> Vec<[f64; 2]> {
+        self.network.data().fallen.clone()
+    }
+
     /// Number of segments.
     fn __len__(&self) -> usize {
         self.network.n_segments()
@@ -181,7 +188,8 @@ impl CrackNetwork {
     /// Columns of the segments, each of length N: `from` and `to` (uint32, nodes), `kind` (words),
     /// and, where the model has them, `parent` (int64, -1 for none), `arrival_us`, `departure_us`,
     /// `stress_mpa`, `opening_um`, `depth_fraction`, `roughness_um`, `tilt_deg`, `k_ratio`,
-    /// `arrival_step`, `stress_paper_units` (float64), `zone` (words), `ply` (uint8).
+    /// `arrival_step`, `stress_paper_units` (float64), `depth_ends`, `tilt_ends_deg` (float64, N × 2: at
+    /// `from` and at `to`), `zone` and `face` (words), `ply` (uint8).
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         // All of them, so that a new one is not forgotten here.
@@ -200,7 +208,10 @@ impl CrackNetwork {
             zone,
             roughness_um,
             tilt_deg,
+            depth_ends,
+            tilt_ends_deg,
             ply,
+            face,
             k_ratio,
         } = &self.network.data().segments;
         let columns = PyDict::new(py);
@@ -233,9 +244,19 @@ impl CrackNetwork {
                 columns.set_item(name, column.clone().into_pyarray(py))?;
             }
         }
+        for (name, column) in [("depth_ends", depth_ends), ("tilt_ends_deg", tilt_ends_deg)] {
+            if let Some(ends) = column {
+                let ends = Array2::from(ends.clone());
+                columns.set_item(name, ends.into_pyarray(py))?;
+            }
+        }
         if let Some(zone) = zone {
             let words: Vec<_> = zone.iter().map(|zone| word(zone.name())).collect();
             columns.set_item("zone", words.into_pyarray(py))?;
+        }
+        if let Some(face) = face {
+            let words: Vec<_> = face.iter().map(|face| word(face.name())).collect();
+            columns.set_item("face", words.into_pyarray(py))?;
         }
         if let Some(ply) = ply {
             columns.set_item("ply", ply.clone().into_pyarray(py))?;

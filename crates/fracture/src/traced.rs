@@ -136,6 +136,7 @@ pub fn network(
             kind: arranged.strokes.iter().map(|stroke| stroke.kind).collect(),
             ..Segments::default()
         },
+        fallen: Vec::new(),
         summary: None,
     };
     Ok(CrackNetwork::from_planar(data)?)

@@ -26,6 +26,7 @@ const TEMPERED: GlassBuild = GlassBuild::Tempered {
 const LAMINATED: GlassBuild = GlassBuild::Laminated {
     interlayer_thickness_m: 0.76e-3,
     interlayer_modulus_pa: 300e6,
+    inner_thickness_m: 2.1e-3,
 };
 
 fn fast() -> PhysicsParams {

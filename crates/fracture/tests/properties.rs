@@ -72,7 +72,7 @@ proptest! {
         let impacts: Vec<PaperImpact> = impacts
             .into_iter()
             .map(|(position, force, degrees)| PaperImpact {
-                position: position.map_or(Position::Random, |[x, y]| Position::At { x: x * pane.width, y: y * pane.height }),
+                position: position.map_or(Position::Random { share: 1.0 }, |[x, y]| Position::At { x: x * pane.width, y: y * pane.height }),
                 force,
                 direction: Direction::Angle { rad: degrees.to_radians() },
             })

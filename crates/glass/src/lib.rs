@@ -26,9 +26,9 @@ mod pane;
 mod seed;
 
 pub use crack_network::{
-    Contact, ContactKind, CrackNetwork, Fragment, Generator, MAX_NODES, Model, NETWORK_SCHEMA,
-    NetworkData, NetworkError, Nodes, SegmentKind, Segments, Summary, Zone, find_contacts,
-    find_contacts_of, find_contacts_up_to,
+    Contact, ContactKind, CrackNetwork, Face, Fragment, Generator, MAX_NODES, Model,
+    NETWORK_SCHEMA, NetworkData, NetworkError, Nodes, SegmentKind, Segments, Summary, Zone,
+    find_contacts, find_contacts_of, find_contacts_up_to,
 };
 pub use impact::Impact;
 pub use material::{Material, MaterialError, Property};

@@ -34,6 +34,8 @@ pub enum Stream {
     StoneFlaws,
     /// Wander and forks of crack tips.
     TipJitter,
+    /// Tilt of the surfaces of cracks.
+    CrackTilt,
     /// Strength of the glass along rings.
     Rings,
     /// Points and edges of dice.
@@ -59,6 +61,7 @@ impl Stream {
             Self::ImpactDirection => b"impact-direction",
             Self::StoneFlaws => b"stone-flaws",
             Self::TipJitter => b"tip-jitter",
+            Self::CrackTilt => b"crack-tilt",
             Self::Rings => b"rings",
             Self::Dice => b"dice",
             Self::LongCrack => b"long-crack",
@@ -128,6 +131,7 @@ mod tests {
             Stream::ImpactDirection,
             Stream::StoneFlaws,
             Stream::TipJitter,
+            Stream::CrackTilt,
             Stream::Rings,
             Stream::Dice,
             Stream::LongCrack,

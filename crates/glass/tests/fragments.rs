@@ -47,6 +47,7 @@ fn network(pane: Pane, points: &[[f64; 2]], segments: &[[usize; 2]]) -> CrackNet
             kind: vec![SegmentKind::Radial; segments.len()],
             ..Segments::default()
         },
+        fallen: Vec::new(),
         summary: None,
     })
     .unwrap()

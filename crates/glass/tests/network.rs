@@ -7,9 +7,9 @@
 
 use proptest::prelude::*;
 use starbreak_glass::{
-    CrackNetwork, Generator, GlassKind, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData,
-    NetworkError, Nodes, Pane, Seed, SegmentKind, Segments, Summary, Zone, find_contacts,
-    find_contacts_of, find_contacts_up_to,
+    CrackNetwork, Face, Generator, GlassKind, Impact, LengthUnit, Model, NETWORK_SCHEMA,
+    NetworkData, NetworkError, Nodes, Pane, Seed, SegmentKind, Segments, Summary, Zone,
+    find_contacts, find_contacts_of, find_contacts_up_to,
 };
 
 /// A star of three arms, the last in two pieces.
@@ -49,6 +49,7 @@ fn star() -> NetworkData {
             arrival_step: Some(vec![1.0, 1.0, 1.0, 2.0]),
             ..Segments::default()
         },
+        fallen: Vec::new(),
         summary: None,
     }
 }
@@ -178,13 +179,17 @@ fn physics() -> NetworkData {
             stress_mpa: Some(vec![60.0, 50.0, -1.0, 30.0]),
             opening_um: Some(vec![4.0, 2.0, 2.0, 1.0]),
             depth_fraction: Some(vec![1.0, 0.5, 0.5, 1.0]),
+            depth_ends: Some(vec![[1.0, 1.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0]]),
+            face: Some(vec![Face::Inner, Face::Inner, Face::Inner, Face::Outer]),
             zone: Some(vec![Zone::Hackle, Zone::Mist, Zone::Mist, Zone::Mirror]),
             roughness_um: Some(vec![3.0, 0.5, 0.5, 0.01]),
             tilt_deg: Some(vec![0.0, -12.5, 30.0, 89.0]),
+            tilt_ends_deg: Some(vec![[-2.0, 2.0], [-15.0, -10.0], [20.0, 40.0], [89.0; 2]]),
             ply: Some(vec![0, 0, 0, 1]),
             k_ratio: Some(vec![2.0, 1.25, 1.25, 0.75]),
             ..Segments::default()
         },
+        fallen: vec![[99.0, 1.0]],
         summary: Some(Summary {
             n_segments: 77,
             dissipated_j: Some(0.01),
@@ -204,6 +209,7 @@ fn the_columns_of_the_physics_survive_the_file() {
     assert_eq!(again.to_json(), text, "written again");
     let value: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(value["segments"]["zone"][0], "hackle", "zones are words");
+    assert_eq!(value["segments"]["face"][0], "inner", "and faces");
     assert_eq!(value["impacts"][0]["damage_class"], "star");
     let summary = network.summary();
     assert_eq!(summary.n_segments, 4, "counted, not taken from the data");
@@ -230,8 +236,21 @@ fn the_files_of_the_paper_stay_as_they_were() {
 #[test]
 fn each_broken_promise_of_the_physics_is_named() {
     type Change = fn(&mut NetworkData);
-    let cases: [(Change, &str); 16] = [
+    let cases: [(Change, &str); 20] = [
         (|d| d.segments.zone = Some(vec![]), "segments.zone"),
+        (
+            |d| d.segments.face = Some(vec![Face::Outer]),
+            "segments.face",
+        ),
+        (
+            |d| d.segments.depth_ends = Some(vec![[1.0, 0.5], [0.5, 1.01], [0.5; 2], [0.5; 2]]),
+            "segments.depth_ends[1] = 1.01",
+        ),
+        (
+            |d| d.segments.tilt_ends_deg = Some(vec![[90.0, 0.0]; 4]),
+            "segments.tilt_ends_deg[0] = 90",
+        ),
+        (|d| d.fallen[0][1] = -1.0, "fallen 0 at (99, -1)"),
         (|d| d.segments.ply = Some(vec![0]), "segments.ply"),
         (
             |d| d.segments.tilt_deg = Some(vec![0.0]),

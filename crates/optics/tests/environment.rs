@@ -1,5 +1,4 @@
 //! The light around the camera from images whose light is known.
-#![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
 use std::f64::consts::PI;
 
@@ -37,7 +36,8 @@ fn sky_and_ground(sky: [Rgb; 2], ground: Rgb) -> impl Fn(u32, u32, f64) -> Rgb {
         horizon_rgb,
         zenith_rgb,
         ground_rgb: ground,
-        cabin_rgb: [0.0; 3],
+        cabin_low_rgb: [0.0; 3],
+        cabin_high_rgb: [0.0; 3],
         sun_rgb: [0.0; 3],
     };
     move |_, _, sin| environment.radiance(sin)
@@ -80,7 +80,8 @@ fn channels(light: &Environment) -> impl Iterator<Item = f32> {
         light.horizon_rgb,
         light.zenith_rgb,
         light.ground_rgb,
-        light.cabin_rgb,
+        light.cabin_low_rgb,
+        light.cabin_high_rgb,
         light.sun_rgb,
     ]
     .into_iter()
@@ -128,10 +129,16 @@ fn an_overcast_sky_is_recovered_at_any_pitch() {
             &format!("{horizon_row}: ground"),
         );
         assert_within(
-            light.cabin_rgb,
-            scaled(ground, 0.02),
+            light.cabin_low_rgb,
+            scaled(ground, 0.015),
             1e-3,
-            &format!("{horizon_row}: cabin"),
+            &format!("{horizon_row}: cabin, low"),
+        );
+        assert_within(
+            light.cabin_high_rgb,
+            scaled(ground, 0.05),
+            1e-3,
+            &format!("{horizon_row}: cabin, high"),
         );
     }
 }
@@ -476,14 +483,17 @@ fn what_is_given_is_taken_as_it_is() {
         horizon_rgb: Some([1.0, 2.0, 3.0]),
         zenith_rgb: Some([4.0, 5.0, 6.0]),
         ground_rgb: Some([0.7, 0.8, 0.9]),
-        cabin_rgb: Some([0.1, 0.2, 0.3]),
+        cabin_rgb: Some([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]),
         ..params()
     };
     let light = Environment::estimate(&image, &given, F_PX);
     assert_eq!(Some(light.horizon_rgb), given.horizon_rgb);
     assert_eq!(Some(light.zenith_rgb), given.zenith_rgb);
     assert_eq!(Some(light.ground_rgb), given.ground_rgb);
-    assert_eq!(Some(light.cabin_rgb), given.cabin_rgb);
+    assert_eq!(
+        Some([light.cabin_low_rgb, light.cabin_high_rgb]),
+        given.cabin_rgb
+    );
     let sun = luminance(light.sun_rgb);
     assert!((sun - 4.5).abs() < 1e-5, "luminance {sun}");
     // One by one they leave the rest as it was.
@@ -496,7 +506,8 @@ fn what_is_given_is_taken_as_it_is() {
     assert_eq!(
         light,
         Environment {
-            cabin_rgb: given.cabin_rgb.unwrap(),
+            cabin_low_rgb: [0.1, 0.2, 0.3],
+            cabin_high_rgb: [0.4, 0.5, 0.6],
             ..free
         }
     );

@@ -6,7 +6,7 @@ use image::{DynamicImage, ImageBuffer, Rgb};
 use starbreak_glass::{CrackNetwork, Seed};
 use starbreak_optics::environment::Environment;
 use starbreak_optics::lens::Lens;
-use starbreak_optics::physical::{Overlay, PhysicalOptics, SurfaceParams, bake};
+use starbreak_optics::physical::{Glass, Overlay, PhysicalOptics, SurfaceParams, bake};
 use starbreak_optics::{Camera, View};
 
 const SIZE: (u32, u32) = (160, 100);
@@ -51,6 +51,12 @@ fn optics(f_number: f64, fragment_wedge_deg: f64) -> PhysicalOptics {
             chip: 5.0,
             ..SurfaceParams::default()
         },
+        // What the faces hold comes from the rim: one that returns it all, at no distance.
+        glass: Glass {
+            rim_reflectance: 1.0,
+            rim_way_mm: 0.0,
+            ..Glass::default()
+        },
         ..PhysicalOptics::default()
     }
 }
@@ -60,7 +66,8 @@ fn light(sky: f32, ground: f32, cabin: f32, sun: f32) -> Environment {
         horizon_rgb: [sky; 3],
         zenith_rgb: [sky; 3],
         ground_rgb: [ground; 3],
-        cabin_rgb: [cabin; 3],
+        cabin_low_rgb: [cabin; 3],
+        cabin_high_rgb: [cabin; 3],
         sun_rgb: [sun; 3],
     }
 }

@@ -307,7 +307,11 @@ fn nothing_broken_changes_nothing_and_growth_ends_in_the_whole() {
     for focus in [Focus::Far, Focus::Short] {
         let mut image = DynamicImage::ImageRgb8(picture());
         let masks = render_at(&mut image, &network(), &view(), 0.0, &optics(focus)).unwrap();
-        assert_eq!(image.to_rgb8(), picture(), "{focus:?}: before the impact");
+        assert_eq!(
+            image.to_rgb8() == picture(),
+            focus == Focus::Far,
+            "{focus:?}: before the impact only the lens changes the picture"
+        );
         assert!(
             masks.region.pixels().all(|pixel| pixel.0[0] == 0),
             "{focus:?}: no region without a crack"

@@ -10,7 +10,7 @@ use starbreak_optics::paper::{Focus, Light, PaperOptics, composite};
 use starbreak_optics::photo::{
     Background, Photo, PhotoParams, PhotoPattern, Placement, PlacementRange, bake, draw,
 };
-use starbreak_optics::physical::{Overlay, PhysicalOptics};
+use starbreak_optics::physical::{Glass, Overlay, PhysicalOptics};
 use starbreak_optics::{Camera, OpticsError, View};
 
 const SIZE: (u32, u32) = (150, 110);
@@ -51,7 +51,12 @@ fn with_lens(lens: Lens) -> PhysicalOptics {
     PhysicalOptics {
         lens,
         // So thin that the disc is that of the lens formula.
-        thickness_mm: 0.05,
+        glass: Glass {
+            thickness_mm: 0.05,
+            interlayer_mm: 0.0,
+            inner_ply_mm: 0.0,
+            ..Glass::default()
+        },
         ..PhysicalOptics::default()
     }
 }
@@ -61,7 +66,8 @@ fn light(level: f32) -> Environment {
         horizon_rgb: [level; 3],
         zenith_rgb: [level; 3],
         ground_rgb: [level; 3],
-        cabin_rgb: [0.0; 3],
+        cabin_low_rgb: [0.0; 3],
+        cabin_high_rgb: [0.0; 3],
         sun_rgb: [5.0; 3],
     }
 }

@@ -56,6 +56,7 @@ fn presets_break_what_they_are_named_after() {
         ("windshield-star", &["star"][..]),
         ("windshield-bullseye", &["bullseye", "half-moon"]),
         ("windshield-combination", &["combination"]),
+        ("windshield-spiderweb", &["star"]),
         ("tempered-cover", &["diced"]),
         ("lens-cover-star", &["star", "rim-to-impact"]),
     ] {
@@ -66,7 +67,7 @@ fn presets_break_what_they_are_named_after() {
                 .iter()
                 .map(|hit| hit.damage.name())
                 .collect();
-            if got.len() != 1 || !expected.contains(&got[0]) {
+            if got.is_empty() || got.iter().any(|class| !expected.contains(class)) {
                 wrong.push(format!(
                     "{preset}, seed {seed}: {got:?}, not {expected:?}: {:?}",
                     details.impacts

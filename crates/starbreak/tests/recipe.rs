@@ -4,8 +4,7 @@
 use proptest::prelude::*;
 use starbreak::fracture::paper::PaperImpact;
 use starbreak::{
-    DEFAULT_PRESET, FractureSettings, PRESETS, PaperSettings, Recipe, RecipeError, Settings,
-    json_schema,
+    FractureSettings, PRESETS, PaperSettings, Recipe, RecipeError, Settings, json_schema,
 };
 
 fn refusal(text: &str) -> String {
@@ -133,7 +132,19 @@ fn the_schema_knows_every_key_of_every_preset_and_needs_none() {
 #[test]
 fn what_a_recipe_leaves_out_comes_from_the_preset_of_its_model() {
     let empty = Recipe::parse("r.toml", "schema = 1").unwrap();
-    assert_eq!(empty, Recipe::preset(DEFAULT_PRESET).unwrap(), "physics");
+    let [empty, star] = [empty, Recipe::preset("windshield-star").unwrap()].map(|recipe| {
+        match recipe.settings().unwrap().fracture {
+            FractureSettings::Physics(physics) => physics,
+            FractureSettings::Paper(_) => panic!("the paper"),
+        }
+    });
+    assert_eq!(empty.pane, star.pane, "physics");
+    assert_eq!(empty.stones, star.stones, "physics");
+    assert_eq!(empty.long_crack, None, "nothing goes on unless asked for");
+    assert_eq!(
+        empty.params.until_reach_m, None,
+        "nothing stops unless asked for"
+    );
     let recipe = Recipe::parse(
         "r.toml",
         "schema = 1\nfracture.model = \"paper\"\n[[impact]]\nforce = 700\n[[impact]]\nposition = [0.1, 0.9]",
@@ -254,7 +265,7 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
         ),
         (
             "schema = 1\n[[impact]]\nposition = \"middle\"",
-            "\"random\" or [x, y]",
+            "\"random\", \"anywhere\" or [x, y]",
         ),
         (
             "schema = 1\nfracture.model = \"paper\"\n[[impact]]\nforce = -5",

@@ -2,7 +2,8 @@
 //! units, and what the camera is then.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
-use starbreak::optics::physical::PhysicalOptics;
+use starbreak::optics::lens::Lens;
+use starbreak::optics::physical::{Glass, PhysicalOptics};
 use starbreak::{
     DEFAULT_PRESET, FocalLength, FractureSettings, OpticsSettings, PRESETS, Recipe, Settings,
 };
@@ -40,7 +41,24 @@ fn every_preset_but_that_of_the_paper_is_shown_by_the_physical_optics() {
     }
     // The presets say what the library's own defaults are.
     let settings = Recipe::preset(DEFAULT_PRESET).unwrap().settings().unwrap();
-    assert_eq!(physical(&settings), &PhysicalOptics::default(), "defaults");
+    let windscreen = PhysicalOptics {
+        glass: Glass {
+            interlayer_mm: 0.76,
+            inner_ply_mm: 2.1,
+            ..Glass::default()
+        },
+        lens: Lens {
+            focal_length_m: 3e-3,
+            f_number: 2.8,
+            ..Lens::default()
+        },
+        ..PhysicalOptics::default()
+    };
+    assert_eq!(
+        physical(&settings),
+        &windscreen,
+        "a windscreen behind a small lens"
+    );
 }
 
 #[test]
@@ -51,7 +69,7 @@ fn optics_come_out_in_si_units() {
         blades = 7\nblade_angle_deg = 45\n\
         [optics]\nsun_azimuth_deg = -90\nsun_elevation_deg = 30\nsun_irradiance = 5.5\n\
         sky_horizon = [0.125, 0.25, 0.5]\nsky_zenith = [1, 2, 4]\nground = [0.0625, 0, 3]\ncabin = [8, 16, 32]\n\
-        horizon_row = 0.4\nrefractive_index = 1.5\nmirror_alpha = 0.01\nmist_alpha = 0.06\nhackle_alpha = 0.4\n\
+        horizon_row = 0.4\nrefractive_index = 1.5\nrim_reflectance = 0.25\nmirror_alpha = 0.01\nmist_alpha = 0.06\nhackle_alpha = 0.4\n\
         opening_um = 12\ncrushed_zone = 1.5\nchip = 3\nchip_slope_deg = 10\nfilm = 4\nfilm_um = 2\nfragment_wedge_deg = 0.2\n\
         veiling_glare = 0.03\nnoise_read = 0.002\nnoise_shot = 0.0004\nregion_threshold = 0.02",
     );
@@ -71,11 +89,12 @@ fn optics_come_out_in_si_units() {
         ("elevation", light.sun_elevation_rad, pi / 6.0),
         ("irradiance", light.sun_irradiance.unwrap(), 5.5),
         ("horizon", light.horizon_row, 0.4),
-        ("thickness", optics.thickness_mm, 2.3),
-        ("index", optics.refractive_index, 1.5),
-        ("mirror", surface.mirror_alpha, 0.01),
-        ("mist", surface.mist_alpha, 0.06),
-        ("hackle", surface.hackle_alpha, 0.4),
+        ("thickness", optics.glass.thickness_mm, 2.3),
+        ("index", optics.glass.refractive_index, 1.5),
+        ("rim", optics.glass.rim_reflectance, 0.25),
+        ("mirror", surface.mirror_alpha.unwrap(), 0.01),
+        ("mist", surface.mist_alpha.unwrap(), 0.06),
+        ("hackle", surface.hackle_alpha.unwrap(), 0.4),
         ("opening", surface.opening_um, 12.0),
         ("crushed", surface.crushed_zone, 1.5),
         ("chip", surface.chip, 3.0),
@@ -93,7 +112,7 @@ fn optics_come_out_in_si_units() {
     assert_eq!(light.horizon_rgb, Some([0.125, 0.25, 0.5]), "horizon");
     assert_eq!(light.zenith_rgb, Some([1.0, 2.0, 4.0]), "zenith");
     assert_eq!(light.ground_rgb, Some([0.0625, 0.0, 3.0]), "ground");
-    assert_eq!(light.cabin_rgb, Some([8.0, 16.0, 32.0]), "cabin");
+    assert_eq!(light.cabin_rgb, Some([[8.0, 16.0, 32.0]; 2]), "cabin");
 }
 
 #[test]
@@ -132,26 +151,35 @@ fn a_pixel_pitch_gives_the_focal_length_in_px_or_agrees_with_it() {
         FocalLength::Px(f_px) => f_px,
         FocalLength::Auto => panic!("{text:?} leaves it open"),
     };
-    // v = f s1/(s1 - f), by hand: 4 mm at 20 m is 4.00080016 mm, at 0.05 m 4.34782609 mm.
+    // v = f s1/(s1 - f), by hand: 4 mm at 20 m is 4.00080016 mm, at 0.15 m 4.10958904 mm.
     for (text, expected) in [
-        ("camera.pixel_pitch_um = 4", 1_000.200_040_008),
         (
-            "camera.pixel_pitch_um = 4\ncamera.focus_distance_m = \"short\"",
-            1_086.956_521_739,
+            "camera.focal_length_mm = 4\ncamera.pixel_pitch_um = 4",
+            1_000.200_040_008,
         ),
         (
-            "camera.pixel_pitch_um = 4\ncamera.focus_distance_m = \"infinity\"",
+            "camera.focal_length_mm = 4\ncamera.pixel_pitch_um = 4\ncamera.focus_distance_m = \"short\"",
+            1_027.397_260_274,
+        ),
+        (
+            "camera.focal_length_mm = 4\ncamera.pixel_pitch_um = 4\ncamera.focus_distance_m = \"infinity\"",
             1000.0,
         ),
-        ("camera.pixel_pitch_um = 4\ncamera.f_px = 1009", 1009.0),
-        ("camera.pixel_pitch_um = 4\ncamera.f_px = 991", 991.0),
+        (
+            "camera.focal_length_mm = 4\ncamera.pixel_pitch_um = 4\ncamera.f_px = 1009",
+            1009.0,
+        ),
+        (
+            "camera.focal_length_mm = 4\ncamera.pixel_pitch_um = 4\ncamera.f_px = 991",
+            991.0,
+        ),
     ] {
         let f_px = f_px(text);
         assert!((f_px - expected).abs() < 1e-6, "{text:?}: {f_px} px");
     }
     for (text, expected) in [
         (
-            "camera.pixel_pitch_um = 4\ncamera.f_px = 1020",
+            "camera.focal_length_mm = 4\ncamera.pixel_pitch_um = 4\ncamera.f_px = 1020",
             "r.toml: camera.pixel_pitch_um = 4; expected 3.9224 within 1 %, as camera.f_px = 1020 and \
              camera.focal_length_mm = 4 make it; set one of the two to \"auto\"",
         ),
@@ -169,12 +197,12 @@ fn a_pixel_pitch_gives_the_focal_length_in_px_or_agrees_with_it() {
             "camera.pixel_pitch_um: expected \"auto\" or a number",
         ),
         (
-            "camera.focus_distance_m = 0.004",
-            "camera.focus_distance_m = 0.004; expected more than camera.focal_length_mm (4 mm)",
+            "camera.focus_distance_m = 0.003",
+            "camera.focus_distance_m = 0.003; expected more than camera.focal_length_mm (3 mm)",
         ),
         (
             "camera.focus_distance_m = \"short\"\nglass.distance_m = 0.003",
-            "camera.focus_distance_m = \"short\" = 0.003; expected more than camera.focal_length_mm (4 mm)",
+            "camera.focus_distance_m = \"short\" = 0.003; expected more than camera.focal_length_mm (3 mm)",
         ),
     ] {
         let message = refusal(text);
@@ -337,7 +365,14 @@ fn an_override_of_the_optics_changes_camera_and_optics_alone() {
     );
     assert!(text.contains("kind = \"cover\""), "the glass stays: {text}");
     recipe.set("optics.model=physical").unwrap();
-    assert_eq!(recipe, physical_one, "and back");
+    let mut expected = physical_one;
+    for key in ["camera.focal_length_mm=3.0", "camera.f_number=2.8"] {
+        expected.set(key).unwrap();
+    }
+    assert_eq!(
+        recipe, expected,
+        "and back, with the lens of windshield-star"
+    );
 
     recipe.set("camera.focus_distance_m=1.5").unwrap();
     let message = recipe.set("optics.model=paper").unwrap_err().to_string();
@@ -362,8 +397,11 @@ fn the_papers_cracks_are_shown_through_a_pane_of_which_only_the_place_counts() {
         "that of the fracture"
     );
     assert!(near(mount.rake_rad, std::f64::consts::PI / 6.0), "rake");
-    assert!(near(mount.distance_m, 0.05), "that of the default preset");
-    assert!(near(physical(&settings).thickness_mm, 4.0), "thickness");
+    assert!(near(mount.distance_m, 0.15), "that of windshield-star");
+    assert!(
+        near(physical(&settings).glass.thickness_mm, 4.0),
+        "thickness"
+    );
     let glass: Vec<String> = recipe
         .to_toml()
         .split("[glass]\n")

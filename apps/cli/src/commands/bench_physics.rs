@@ -167,7 +167,11 @@ fn another_impact_ms(settings: &PhysicsSettings, seed: Seed) -> Result<f64, Erro
     let stones: Vec<StoneImpact> = (0..=MORE_IMPACTS)
         .map(|k| {
             let from_middle = f64::from(k) - 0.5 * f64::from(MORE_IMPACTS);
-            stone.at([0.5 * width_m + APART_M * from_middle, 0.5 * height_m], 0.0)
+            stone.at(
+                [0.5 * width_m + APART_M * from_middle, 0.5 * height_m],
+                0.0,
+                0.0,
+            )
         })
         .collect();
     let time_ms = |stones: &[StoneImpact]| -> Result<f64, Error> {

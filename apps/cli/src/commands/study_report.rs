@@ -9,7 +9,7 @@ use starbreak::study::{StudyPlan, StudyRuns};
 use starbreak_eval::GroundTruth;
 use starbreak_eval::evaluation::{
     DivergenceResults, Estimate, EvaluateSettings, GroupKind, InputFile, PairedMetric, Provenance,
-    ScopeKind, Study, Versions,
+    ScopeKind, Study, Versions, WarningKind,
 };
 use starbreak_eval::report::report_files;
 
@@ -164,6 +164,14 @@ fn say_numbers(study: &Study, screen: &Screen) {
         None => "not given".to_owned(),
     };
     for one in &study.evaluations {
+        for warning in &one.warnings {
+            if warning.kind == WarningKind::SmallSample {
+                screen.note(&format!(
+                    "warning: {}, {}: {}",
+                    one.detector, one.condition.name, warning.text
+                ));
+            }
+        }
         let ap50 = one.paired.iter().find(|row| {
             row.scope.kind == ScopeKind::WholeImage
                 && row.metric == PairedMetric::Ap50

@@ -36,7 +36,7 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
              browsers and phones do not show; choose .avi, or crop the frames to even sides"
         ));
     }
-    for note in notes(&clip, &context) {
+    for note in notes(&clip) {
         screen.note(&note);
     }
     if context.imported.is_none()
@@ -62,7 +62,7 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
 }
 
 /// What the clip loses, and what the user may not expect of it.
-fn notes(clip: &Clip, context: &RunContext) -> Vec<String> {
+fn notes(clip: &Clip) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some((bits, has_alpha)) = clip.reduction() {
         let bits = (bits > 8).then(|| format!("{bits} bits per channel"));
@@ -77,12 +77,6 @@ fn notes(clip: &Clip, context: &RunContext) -> Vec<String> {
         notes.push(format!(
             "note: the input is of high dynamic range ({transfer}), for which 8 bits are few: expect banding"
         ));
-    }
-    if clip.changes_lens_at_impact(&context.settings) {
-        notes.push(
-            "note: veiling glare and a blurred scene come with the crack: frames before the impact stay as they are"
-                .to_owned(),
-        );
     }
     notes
 }

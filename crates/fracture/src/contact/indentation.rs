@@ -10,11 +10,6 @@ use crate::physics::StoneImpact;
 /// \[LawnMarshall1979\].
 const GLASS_HARDNESS_PA: f64 = 5.5e9;
 
-/// Pressure at which a stone crushes, as a fraction of its Young's modulus. FIT: granite (50 GPa)
-/// then crushes at 3 GPa, between ten times its uniaxial strength of about 200 MPa and the
-/// hardness of its grains.
-const CRUSHING_FRACTION: f64 = 0.06;
-
 /// Force as a function of the approach δ of stone and glass.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Indentation {
@@ -46,7 +41,7 @@ impl Indentation {
             material.young_modulus_pa.value / (1.0 - material.poisson_ratio.value.powi(2));
         let stone_pa = stone.young_modulus_pa / (1.0 - stone.poisson_ratio.powi(2));
         let modulus_pa = 1.0 / (1.0 / glass_pa + 1.0 / stone_pa);
-        let limit_pa = GLASS_HARDNESS_PA.min(CRUSHING_FRACTION * stone.young_modulus_pa);
+        let limit_pa = GLASS_HARDNESS_PA.min(stone.crushing_pa);
         // Hertz: p0 = (2 E*/π) √(δ/R).
         let crush_m = stone.tip_radius_m * (PI * limit_pa / (2.0 * modulus_pa)).powi(2);
         Self {

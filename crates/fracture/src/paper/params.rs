@@ -29,8 +29,11 @@ pub enum Rule {
 /// Where an impact is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Position {
-    /// Uniform over the pane, from the seed.
-    Random,
+    /// Uniform over the middle of the pane, from the seed.
+    Random {
+        /// Share of either side of the pane, 0 to 1.
+        share: f64,
+    },
     /// At this point, in the pane's unit.
     At {
         /// From the left.
@@ -66,7 +69,7 @@ pub struct PaperImpact {
 impl Default for PaperImpact {
     fn default() -> Self {
         Self {
-            position: Position::Random,
+            position: Position::Random { share: 1.0 },
             force: 500.0,
             direction: Direction::Random,
         }

@@ -129,6 +129,7 @@ pub fn simulate(
         impacts: hits,
         nodes,
         segments,
+        fallen: Vec::new(),
         summary: None,
     })?;
     done(Stage::Network);
@@ -145,12 +146,10 @@ pub fn simulate(
 fn draw_impact(pane: &Pane, impact: &PaperImpact, seed: Seed, k: u64) -> Impact {
     let lattice = Lattice::of_pane(pane);
     let (x, y) = match impact.position {
-        Position::Random => {
+        Position::Random { share } => {
             let mut rng = seed.stream(Stream::ImpactPosition, k);
-            let (x, y) = (
-                uniform(&mut rng) * pane.width,
-                uniform(&mut rng) * pane.height,
-            );
+            let mut along = |side: f64| (0.5 * (1.0 - share) + share * uniform(&mut rng)) * side;
+            let (x, y) = (along(pane.width), along(pane.height));
             (
                 lattice.round_inside(x, pane.width),
                 lattice.round_inside(y, pane.height),

@@ -61,7 +61,7 @@ impl Breaking<'_> {
         // It opens as the force peaks, over its depth at the speed of a running crack.
         let time_s = hit.start_s + hit.peak_s;
         let end_s = time_s + radius_m / TERMINAL_SPEED_M_S;
-        let crack = self.web.new_crack();
+        let crack = self.web.new_crack(None);
         let intensity = 1.2 * hit.law.toughness_pa_sqrt_m;
         let mut nodes: Vec<Option<u32>> = Vec::new();
         for k in 0..=n_steps {
@@ -87,7 +87,7 @@ impl Breaking<'_> {
                 stress_pa: hit.law.toughness_pa_sqrt_m / (PI * h).sqrt(),
                 intensity_pa_sqrt_m: intensity,
                 effective_m: h,
-                tilt_rad: CONE_TILT_RAD,
+                tilt_rad: [CONE_TILT_RAD; 2],
             });
         }
     }

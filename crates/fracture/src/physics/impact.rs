@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use starbreak_glass::{Seed, SegmentKind};
 
-use super::outcome::{DamageClass, ImpactReport, Stage};
-use super::params::{GlassPane, PhysicsParams, StoneImpact};
+use super::long_crack::{PaneStress, grow_long_crack};
+use super::outcome::{DamageClass, ImpactReport, LongCrackReport, Stage};
+use super::params::{GlassPane, LongCrack, PhysicsParams, StoneImpact};
 use super::plate::Plates;
 use crate::FractureError;
 use crate::contact::{ConeOutcome, ContactLoad, HertzianCrack, contact_load, hertzian_crack};
@@ -29,13 +30,45 @@ pub(super) struct Breaking<'a> {
     pub(super) pane: &'a GlassPane,
     pub(super) params: &'a PhysicsParams,
     pub(super) seed: Seed,
+    /// Cracks of the sheet that is hit, of a laminate the outer ply.
     pub(super) web: Web,
+    /// Cracks of the inner ply, once a heavy body has broken it.
+    pub(super) inner: Option<Web>,
     pub(super) plates: Plates,
+    /// Stress in the plane, once it is known.
+    pub(super) in_plane: Option<PaneStress>,
     /// Whether a crack anywhere sends the whole pane to pieces.
     pub(super) dices: bool,
     pub(super) is_diced: bool,
     /// Cracks that were there before the hit.
     pub(super) n_older: u32,
+}
+
+/// What decides the class of a hit.
+struct Facts {
+    has_legs: bool,
+    has_cone: bool,
+    /// Whether the cone closes around the contact.
+    is_closed: bool,
+    /// Whether the glass is crushed, or has a ring.
+    is_marked: bool,
+    meets_rim: bool,
+    reach_m: f64,
+}
+
+impl Facts {
+    fn class(&self) -> DamageClass {
+        match (self.has_legs, self.has_cone) {
+            (true, _) if self.meets_rim => DamageClass::RimToImpact,
+            (true, _) if self.reach_m > LONG_CRACK_M => DamageClass::LongCrack,
+            (true, true) => DamageClass::Combination,
+            (true, false) => DamageClass::Star,
+            (false, true) if self.is_closed => DamageClass::Bullseye,
+            (false, true) => DamageClass::HalfMoon,
+            (false, false) if self.is_marked => DamageClass::Pit,
+            (false, false) => DamageClass::Intact,
+        }
+    }
 }
 
 /// What a hit has at hand.
@@ -168,24 +201,18 @@ impl Breaking<'_> {
             .iter()
             .any(|tip| self.pane.outline.depth_m(tip.at_m) <= 1e-6);
         let is_marked = hit.contact.crushed_radius_m > 0.0 || hit.cone.outcome != ConeOutcome::None;
+        let facts = Facts {
+            has_legs: n_arms > 0,
+            has_cone,
+            is_closed: hit.cone.arc_rad > 2.0 * PI - 1e-9,
+            is_marked,
+            meets_rim,
+            reach_m,
+        };
         let damage = if self.is_diced {
             DamageClass::AlreadyDiced
-        } else if n_arms > 0 && meets_rim {
-            DamageClass::RimToImpact
-        } else if n_arms > 0 && reach_m > LONG_CRACK_M {
-            DamageClass::LongCrack
-        } else if n_arms > 0 && has_cone {
-            DamageClass::Combination
-        } else if n_arms > 0 {
-            DamageClass::Star
-        } else if has_cone && hit.cone.arc_rad > 2.0 * PI - 1e-9 {
-            DamageClass::Bullseye
-        } else if has_cone {
-            DamageClass::HalfMoon
-        } else if is_marked {
-            DamageClass::Pit
         } else {
-            DamageClass::Intact
+            facts.class()
         };
         ImpactReport {
             position_m: center,
@@ -202,5 +229,124 @@ impl Breaking<'_> {
             available_j: ledger.available_j,
             dissipated_j: ledger.dissipated_j,
         }
+    }
+
+    /// The class and the reach of a hit whose cracks have been cut or have gone on: of the cracks
+    /// that start at it, and of those that grew out of them.
+    pub(super) fn reclassify(&self, center_m: [f64; 2], report: &mut ImpactReport) {
+        if matches!(
+            report.damage,
+            DamageClass::Diced | DamageClass::AlreadyDiced
+        ) {
+            return;
+        }
+        let was = report.damage;
+        let mut is_own = vec![false; self.web.n_cracks() as usize];
+        let at = |node: u32| self.web.nodes[node as usize];
+        let far = |node: u32| {
+            let [x, y] = at(node);
+            libm::hypot(x - center_m[0], y - center_m[1])
+        };
+        for piece in &self.web.pieces {
+            let starts_here = piece.kind == SegmentKind::Radial && far(piece.a) <= 1e-9;
+            is_own[piece.crack as usize] |= starts_here;
+        }
+        for crack in 0..self.web.n_cracks() {
+            if let Some(parent) = self.web.parent(crack) {
+                is_own[crack as usize] |= is_own[parent as usize];
+            }
+        }
+        let mut own = self
+            .web
+            .pieces
+            .iter()
+            .filter(|piece| is_own[piece.crack as usize]);
+        let legs_m = own.clone().map(|piece| far(piece.b)).fold(0.0, f64::max);
+        let is_closed = was != DamageClass::HalfMoon;
+        report.damage = Facts {
+            has_legs: legs_m > 0.0,
+            has_cone: matches!(
+                was,
+                DamageClass::Bullseye | DamageClass::HalfMoon | DamageClass::Combination
+            ),
+            is_closed,
+            is_marked: was != DamageClass::Intact,
+            meets_rim: own.any(|piece| self.pane.outline.depth_m(at(piece.b)) <= 1e-6),
+            reach_m: legs_m,
+        }
+        .class();
+        if legs_m > 0.0 {
+            report.reach_m = legs_m;
+        }
+    }
+
+    /// The cracks of each ply.
+    pub(super) fn webs(&self) -> impl Iterator<Item = &Web> {
+        std::iter::once(&self.web).chain(&self.inner)
+    }
+
+    /// The moment at which a crack gets so far from a place, s; infinity where none does.
+    pub(super) fn reaches_s(&self, center_m: [f64; 2], reach_m: f64) -> f64 {
+        let passes = |web: &Web, piece: &Piece| {
+            let [from_m, to_m] = [piece.a, piece.b].map(|node| {
+                let [x, y] = web.nodes[node as usize];
+                libm::hypot(x - center_m[0], y - center_m[1])
+            });
+            let [from_s, to_s] = piece.time_s;
+            if from_m >= reach_m {
+                Some(from_s)
+            } else if to_m >= reach_m {
+                let part = (reach_m - from_m) / (to_m - from_m);
+                Some(from_s + part * (to_s - from_s))
+            } else {
+                None
+            }
+        };
+        self.webs()
+            .flat_map(|web| web.pieces.iter().filter_map(|piece| passes(web, piece)))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Stress in the plane of the pane, if there is any, from a moment on. What it did is added to
+    /// the report.
+    pub(super) fn grow(
+        &mut self,
+        load: Option<&LongCrack>,
+        after_s: f64,
+        report: &mut Option<LongCrackReport>,
+    ) -> Result<(), FractureError> {
+        let Some(load) = load.filter(|_| !self.is_diced) else {
+            return Ok(());
+        };
+        let field = match self.in_plane.take() {
+            Some(field) => field,
+            None => PaneStress::of(self.pane, &load.load, self.params.mesh)?,
+        };
+        let n_older = self.n_older;
+        let web = &mut self.web;
+        let more = grow_long_crack(web, self.pane, (load, &field), n_older, self.seed, after_s);
+        self.in_plane = Some(field);
+        *report = Some(report.map_or(more, |before| LongCrackReport {
+            class: if before.length_m > 0.0 {
+                before.class
+            } else {
+                more.class
+            },
+            length_m: before.length_m + more.length_m,
+            flaw_k_ratio: before.flaw_k_ratio.max(more.flaw_k_ratio),
+            available_j: before.available_j,
+            dissipated_j: before.dissipated_j + more.dissipated_j,
+        }));
+        Ok(())
+    }
+
+    /// Length of all cracks that stress in the plane drove, m.
+    pub(super) fn grown_m(&self) -> f64 {
+        let edges = self
+            .web
+            .pieces
+            .iter()
+            .filter(|piece| piece.kind == SegmentKind::Edge);
+        edges.map(|piece| piece.along_m[1] - piece.along_m[0]).sum()
     }
 }

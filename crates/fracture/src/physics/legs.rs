@@ -149,13 +149,14 @@ impl Breaking<'_> {
             let mut tip = Tip::new(
                 &mut self.web,
                 self.seed,
-                SegmentKind::Radial,
+                (SegmentKind::Radial, None),
                 node,
                 direction,
                 start_m,
                 from_s + start_m / speed,
             );
             let tip_node = self.web.add_node(end);
+            let tilt_rad = tip.tilt.wander(start_m / h);
             self.web.add_piece(Piece {
                 a: node,
                 b: tip_node,
@@ -166,7 +167,7 @@ impl Breaking<'_> {
                 stress_pa,
                 intensity_pa_sqrt_m: intensity,
                 effective_m,
-                tilt_rad: tip.tilt_rad,
+                tilt_rad,
             });
             tip.node = tip_node;
             tip.at_m = end;

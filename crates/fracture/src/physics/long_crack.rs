@@ -1,5 +1,6 @@
 //! Cracks under stress in the plane of the pane: from its rim or from an older damage.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use starbreak_glass::{Seed, SegmentKind, Stream};
@@ -12,7 +13,9 @@ use crate::FractureError;
 use crate::draw::normal;
 use crate::mesh::{Outline, PlateMesh};
 use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, membrane_stress};
-use crate::tips::{COMPETITION, Ledger, MAX_STEPS, Motion, Tip, TipLaw, Tracing, Web, trace, unit};
+use crate::tips::{
+    COMPETITION, Ledger, MAX_STEPS, Motion, Piece, Tip, TipLaw, Tracing, Web, trace, unit,
+};
 
 /// Factor of K of a flaw at a free edge \[TadaParisIrwin2000\].
 const EDGE_FACTOR: f64 = 1.12;
@@ -24,7 +27,7 @@ const FLAW_SCATTER: f64 = 0.05;
 const RIM_SAMPLES: u32 = 400;
 
 /// Thermal stress with uniform tension of the frame over it.
-struct PaneStress {
+pub(super) struct PaneStress {
     mesh: PlateMesh,
     thermal: MembraneField,
     frame: PlaneStress,
@@ -45,7 +48,7 @@ impl StressField for PaneStress {
 }
 
 impl PaneStress {
-    fn of(
+    pub(super) fn of(
         pane: &GlassPane,
         load: &MembraneLoad,
         resolution: MeshResolution,
@@ -143,82 +146,50 @@ fn rim_place(outline: &Outline, part: f64) -> ([f64; 2], [f64; 2]) {
     }
 }
 
-/// Grows the crack; `after_s` is when everything else has happened.
+/// Grows the crack, or those that have numbers from `n_older` on; `after_s` is when everything else
+/// has happened.
 pub(super) fn grow_long_crack(
     web: &mut Web,
     pane: &GlassPane,
-    long_crack: &LongCrack,
-    resolution: MeshResolution,
+    (long_crack, field): (&LongCrack, &PaneStress),
+    n_older: u32,
     seed: Seed,
     after_s: f64,
-) -> Result<LongCrackReport, FractureError> {
-    let field = PaneStress::of(pane, &long_crack.load, resolution)?;
+) -> LongCrackReport {
     let law = TipLaw::new(&pane.material, pane.thickness_m, false);
     let energy_j = field.energy_j(pane);
-    let start = match long_crack.origin {
-        LongCrackOrigin::Rim => {
-            let (point, inward, tension) = field.weakest_rim(seed);
-            Some((
-                None,
-                point,
-                inward,
-                long_crack.flaw_m,
-                EDGE_FACTOR * tension,
-            ))
-        }
-        LongCrackOrigin::Impact => farthest_tip(web).map(|(node, direction, length_m)| {
-            let point = web.nodes[node as usize];
-            let stress = field.stress_at(point, &mut 0).unwrap_or_default();
-            let (tension, _, [nx, ny]) = stress.principal();
-            // It leaves the old crack across the tension, to the side that the leg points to.
-            let along = [-ny, nx];
-            let sign = if along[0] * direction[0] + along[1] * direction[1] < 0.0 {
-                -1.0
-            } else {
-                1.0
-            };
-            let heading = [along[0] * sign, along[1] * sign];
-            (
-                Some(node),
-                point,
-                heading,
-                long_crack.flaw_m.max(length_m),
-                tension,
-            )
-        }),
-    };
-    let Some((node, point, direction, flaw_m, tension_pa)) = start else {
-        return Ok(LongCrackReport {
-            class: "intact",
-            length_m: 0.0,
-            flaw_k_ratio: 0.0,
-            available_j: energy_j,
-            dissipated_j: 0.0,
-        });
-    };
-    let flaw_k_ratio = law.intensity(tension_pa, flaw_m) / law.toughness_pa_sqrt_m;
+    let starts = starts(web, field, (long_crack, n_older), seed);
+    let flaw_k_ratio = starts
+        .iter()
+        .map(|start| law.intensity(start.tension_pa, start.counts_m) / law.toughness_pa_sqrt_m)
+        .fold(0.0, f64::max);
     let mut ledger = Ledger {
         available_j: energy_j,
         dissipated_j: 0.0,
         steps_left: MAX_STEPS,
     };
     let first_piece = web.pieces.len();
-    let node = node.unwrap_or_else(|| web.add_node(point));
-    // The flaw counts as its length; at the rim with the factor of an edge.
-    let factor = if matches!(long_crack.origin, LongCrackOrigin::Rim) {
-        EDGE_FACTOR * EDGE_FACTOR
-    } else {
-        1.0
-    };
-    let tip = Tip::new(
-        web,
-        seed,
-        SegmentKind::Edge,
-        node,
-        direction,
-        factor * flaw_m,
-        after_s,
-    );
+    let mut tips: Vec<Tip> = starts
+        .iter()
+        .map(|start| {
+            let node = start.node.unwrap_or_else(|| web.add_node(start.at_m));
+            let kind = (SegmentKind::Edge, start.crack);
+            let mut tip = Tip::new(
+                web,
+                seed,
+                kind,
+                node,
+                start.heading,
+                start.counts_m,
+                after_s,
+            );
+            tip.along_m = start.along_m;
+            if let Some(tilt_rad) = start.tilt_rad {
+                tip.tilt.starts_at(tilt_rad);
+            }
+            tip
+        })
+        .collect();
     let motion = match long_crack.growth {
         LongCrackGrowth::Sudden => Motion::Dynamic,
         LongCrackGrowth::Slow { period_s } => Motion::Corrosion { period_s },
@@ -232,11 +203,10 @@ pub(super) fn grow_long_crack(
         competition: COMPETITION,
         rim_shields: true,
     };
-    let mut tips = vec![tip];
     trace(
         web,
         &mut tips,
-        &field,
+        field,
         &tracing,
         &mut ledger,
         seed,
@@ -255,30 +225,128 @@ pub(super) fn grow_long_crack(
         match (long_crack.origin, meets_rim) {
             (LongCrackOrigin::Rim, _) if long_crack.load.frame_tension_pa <= 0.0 => "stress-crack",
             (LongCrackOrigin::Rim, _) => "edge-crack",
-            (LongCrackOrigin::Impact, false) => "floater-crack",
-            (LongCrackOrigin::Impact, true) => "long-crack",
+            (_, false) => "floater-crack",
+            (_, true) => "long-crack",
         }
     };
-    Ok(LongCrackReport {
+    LongCrackReport {
         class,
         length_m,
         flaw_k_ratio,
         available_j: ledger.available_j,
         dissipated_j: ledger.dissipated_j,
-    })
+    }
 }
 
-/// End of the crack of the first hit that reaches farthest from where it began: its node, its
-/// direction there and its length.
-fn farthest_tip(web: &Web) -> Option<(u32, [f64; 2], f64)> {
-    let is_leg = |kind| matches!(kind, SegmentKind::Radial | SegmentKind::Fork);
-    let piece = web
-        .pieces
-        .iter()
-        .filter(|piece| is_leg(piece.kind))
-        .max_by(|a, b| a.along_m[1].total_cmp(&b.along_m[1]))?;
-    let (from, to) = (web.nodes[piece.a as usize], web.nodes[piece.b as usize]);
-    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-    let length = libm::hypot(dx, dy).max(1e-12);
-    Some((piece.b, [dx / length, dy / length], piece.along_m[1]))
+/// Where a crack begins to grow, or goes on.
+struct Start {
+    /// Node of the crack that goes on, and its number.
+    node: Option<u32>,
+    crack: Option<u32>,
+    at_m: [f64; 2],
+    heading: [f64; 2],
+    /// Length that counts for K, and way from where the crack began, m.
+    counts_m: f64,
+    along_m: f64,
+    tension_pa: f64,
+    tilt_rad: Option<f64>,
+}
+
+fn starts(
+    web: &Web,
+    field: &PaneStress,
+    (long_crack, n_older): (&LongCrack, u32),
+    seed: Seed,
+) -> Vec<Start> {
+    let flaw_m = long_crack.flaw_m;
+    let stress_at = |at_m: [f64; 2]| field.stress_at(at_m, &mut 0).unwrap_or_default();
+    match long_crack.origin {
+        LongCrackOrigin::Rim => {
+            let (at_m, heading, tension) = field.weakest_rim(seed);
+            // The flaw counts as its length with the factor of an edge.
+            vec![Start {
+                node: None,
+                crack: None,
+                at_m,
+                heading,
+                counts_m: EDGE_FACTOR * EDGE_FACTOR * flaw_m,
+                along_m: 0.0,
+                tension_pa: tension,
+                tilt_rad: None,
+            }]
+        }
+        LongCrackOrigin::Impact => {
+            let farthest = free_ends(web, n_older)
+                .into_iter()
+                .max_by(|a, b| a.along_m.total_cmp(&b.along_m));
+            let of = |end: Start| {
+                let (tension_pa, _, [nx, ny]) = stress_at(end.at_m).principal();
+                // It leaves the old crack across the tension, to the side that the leg points to.
+                let along = [-ny, nx];
+                let sign = if along[0] * end.heading[0] + along[1] * end.heading[1] < 0.0 {
+                    -1.0
+                } else {
+                    1.0
+                };
+                Start {
+                    heading: along.map(|part| sign * part),
+                    counts_m: flaw_m.max(end.along_m),
+                    tension_pa,
+                    ..end
+                }
+            };
+            farthest.map(of).into_iter().collect()
+        }
+        LongCrackOrigin::Legs => {
+            let of = |end: Start| {
+                let side = [-end.heading[1], end.heading[0]];
+                Start {
+                    counts_m: flaw_m.max(end.along_m),
+                    tension_pa: stress_at(end.at_m).normal_pa(side),
+                    ..end
+                }
+            };
+            free_ends(web, n_older).into_iter().map(of).collect()
+        }
+    }
+}
+
+/// The ends of radial cracks and their branches, of those with numbers from `n_older` on, that lie
+/// in the glass, in the order of the cracks.
+fn free_ends(web: &Web, n_older: u32) -> Vec<Start> {
+    let mut n_at = vec![0_u32; web.nodes.len()];
+    for piece in &web.pieces {
+        n_at[piece.a as usize] += 1;
+        n_at[piece.b as usize] += 1;
+    }
+    let mut last: BTreeMap<u32, &Piece> = BTreeMap::new();
+    let is_leg = |piece: &&Piece| {
+        piece.crack >= n_older && matches!(piece.kind, SegmentKind::Radial | SegmentKind::Fork)
+    };
+    for piece in web.pieces.iter().filter(is_leg) {
+        let farthest = last.entry(piece.crack).or_insert(piece);
+        if piece.along_m[1] > farthest.along_m[1] {
+            *farthest = piece;
+        }
+    }
+    let mut ends = Vec::new();
+    for (crack, piece) in last {
+        let (from, to) = (web.nodes[piece.a as usize], web.nodes[piece.b as usize]);
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let length = libm::hypot(dx, dy);
+        if n_at[piece.b as usize] > 1 || web.outline.depth_m(to) <= 1e-6 || length <= 0.0 {
+            continue;
+        }
+        ends.push(Start {
+            node: Some(piece.b),
+            crack: Some(crack),
+            at_m: to,
+            heading: [dx / length, dy / length],
+            counts_m: piece.along_m[1],
+            along_m: piece.along_m[1],
+            tension_pa: 0.0,
+            tilt_rad: Some(piece.tilt_rad[1]),
+        });
+    }
+    ends
 }

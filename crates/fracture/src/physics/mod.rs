@@ -1,6 +1,8 @@
 //! The physics tier: contact, plate stress, and crack tips traced through it.
 
 mod cone_trace;
+mod front;
+mod heavy;
 mod impact;
 mod legs;
 mod long_crack;

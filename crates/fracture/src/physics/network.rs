@@ -7,7 +7,7 @@ use starbreak_glass::{
 
 use super::outcome::{ImpactReport, LongCrackReport};
 use super::params::{GlassBuild, GlassPane, StoneImpact};
-use super::surface::{bending_depth, opening_um, relief};
+use super::surface::{Surface, relief, surfaces};
 use crate::FractureError;
 use crate::arrangement::{Stroke, arrange};
 use crate::lattice::Lattice;
@@ -42,10 +42,54 @@ pub(super) struct History<'a> {
     pub(super) long_crack: Option<&'a LongCrackReport>,
 }
 
-/// The network of a web of cracks.
+/// The pieces of crack of all plies, with nodes and numbers of cracks of their own.
+pub(super) struct AllCracks {
+    nodes: Vec<[f64; 2]>,
+    pieces: Vec<Piece>,
+    surfaces: Vec<Surface>,
+    plies: Vec<u8>,
+}
+
+impl AllCracks {
+    /// The webs of the plies, the one that was hit first.
+    pub(super) fn of<'a>(pane: &GlassPane, webs: impl Iterator<Item = &'a Web>) -> Self {
+        let mut all = Self {
+            nodes: Vec::new(),
+            pieces: Vec::new(),
+            surfaces: Vec::new(),
+            plies: Vec::new(),
+        };
+        let mut n_cracks = 0;
+        for (ply, web) in (0_u8..).zip(webs) {
+            let n_nodes = to_u32(all.nodes.len());
+            all.nodes.extend_from_slice(&web.nodes);
+            all.pieces.extend(web.pieces.iter().map(|piece| Piece {
+                a: n_nodes + piece.a,
+                b: n_nodes + piece.b,
+                crack: n_cracks + piece.crack,
+                ..*piece
+            }));
+            let pane = match pane.build {
+                GlassBuild::Laminated {
+                    inner_thickness_m, ..
+                } if ply > 0 => GlassPane {
+                    thickness_m: inner_thickness_m,
+                    ..pane.clone()
+                },
+                _ => pane.clone(),
+            };
+            all.surfaces.extend(surfaces(&pane, web));
+            all.plies.resize(all.pieces.len(), ply);
+            n_cracks += web.n_cracks();
+        }
+        all
+    }
+}
+
+/// The network of all cracks.
 pub(super) fn network(
     pane: &GlassPane,
-    web: &Web,
+    web: &AllCracks,
     history: &History<'_>,
     seed: Seed,
 ) -> Result<CrackNetwork, FractureError> {
@@ -124,6 +168,7 @@ pub(super) fn network(
         impacts,
         nodes: arranged.nodes,
         segments,
+        fallen: Vec::new(),
         summary: Some(summary),
     })?)
 }
@@ -158,104 +203,87 @@ fn impact(stone: &StoneImpact, report: &ImpactReport, [x, y]: [f64; 2]) -> Impac
 }
 
 /// Columns in order of arrival.
-fn segments(pane: &GlassPane, web: &Web, nodes: &Nodes, mut strokes: Vec<Stroke>) -> Segments {
+fn segments(
+    pane: &GlassPane,
+    web: &AllCracks,
+    nodes: &Nodes,
+    mut strokes: Vec<Stroke>,
+) -> Segments {
     strokes.sort_by(|a, b| a.arrival[1].total_cmp(&b.arrival[1]));
     let law = TipLaw::new(&pane.material, pane.thickness_m, true);
-    let lengths = crack_lengths(web);
-    let n = strokes.len();
-    let mut columns = Columns::with_capacity(n);
-    let parents = parents(web, nodes.x.len(), &strokes);
-    let mut segments = Segments::default();
-    for stroke in &strokes {
+    let column = |value: &dyn Fn(&Stroke, &Piece) -> f64| -> Option<Vec<f64>> {
+        let piece = |stroke: &Stroke| &web.pieces[stroke.source as usize];
+        Some(
+            strokes
+                .iter()
+                .map(|stroke| value(stroke, piece(stroke)))
+                .collect(),
+        )
+    };
+    // A stroke may be a part of the piece that it was cut from.
+    let part = |stroke: &Stroke| {
         let piece = &web.pieces[stroke.source as usize];
-        let is_leg = matches!(
-            piece.kind,
-            SegmentKind::Radial | SegmentKind::Fork | SegmentKind::Ring
-        );
-        let depth = match piece.kind {
-            SegmentKind::Cone => (piece.along_m[1] / pane.thickness_m).clamp(0.02, 1.0),
-            _ if is_leg => bending_depth(&law, piece.stress_pa, piece.effective_m),
-            _ => 1.0,
+        let [[x0, y0], [x1, y1]] = [piece.a, piece.b].map(|node| web.nodes[node as usize]);
+        let (dx, dy) = (x1 - x0, y1 - y0);
+        let square = (dx * dx + dy * dy).max(f64::MIN_POSITIVE);
+        [stroke.a, stroke.b].map(|node| {
+            let (x, y) = (nodes.x[node as usize], nodes.y[node as usize]);
+            let (x, y) = (x / MM_PER_M - x0, y / MM_PER_M - y0);
+            ((x * dx + y * dy) / square).clamp(0.0, 1.0)
+        })
+    };
+    let ends = |of: &dyn Fn(&Stroke) -> [f64; 2]| -> Vec<[f64; 2]> {
+        let mix = |stroke: &Stroke| {
+            let [from, to] = of(stroke);
+            part(stroke).map(|part| from + (to - from) * part)
         };
-        let (zone, roughness_um) = relief(&law, piece.intensity_pa_sqrt_m);
-        segments.from.push(stroke.a);
-        segments.to.push(stroke.b);
-        segments.kind.push(stroke.kind);
-        columns.arrival_us.push(stroke.arrival[1]);
-        columns.departure_us.push(stroke.arrival[0]);
-        columns.stress_mpa.push(piece.stress_pa * 1e-6);
-        columns.opening_um.push(opening_um(
-            &pane.material,
-            piece,
-            lengths[piece.crack as usize],
-        ));
-        columns.depth_fraction.push(depth);
-        columns.zone.push(zone);
-        columns.roughness_um.push(roughness_um);
-        columns.tilt_deg.push(piece.tilt_rad.to_degrees());
-        columns
-            .k_ratio
-            .push(piece.intensity_pa_sqrt_m / law.toughness_pa_sqrt_m);
+        strokes.iter().map(mix).collect()
+    };
+    let middle = |ends: &[[f64; 2]]| -> Vec<f64> {
+        ends.iter().map(|[from, to]| 0.5 * (from + to)).collect()
+    };
+    let surface = |stroke: &Stroke| &web.surfaces[stroke.source as usize];
+    let depth_ends = ends(&|stroke| surface(stroke).depths);
+    let openings_um = ends(&|stroke| surface(stroke).openings_um);
+    let tilt_ends_deg = ends(&|stroke| {
+        web.pieces[stroke.source as usize]
+            .tilt_rad
+            .map(f64::to_degrees)
+    });
+    let reliefs: Vec<(Zone, f64)> = strokes
+        .iter()
+        .map(|stroke| relief(&law, web.pieces[stroke.source as usize].intensity_pa_sqrt_m))
+        .collect();
+    Segments {
+        from: strokes.iter().map(|stroke| stroke.a).collect(),
+        to: strokes.iter().map(|stroke| stroke.b).collect(),
+        kind: strokes.iter().map(|stroke| stroke.kind).collect(),
+        parent: Some(parents(web, nodes.x.len(), &strokes)),
+        arrival_us: column(&|stroke, _| stroke.arrival[1]),
+        departure_us: column(&|stroke, _| stroke.arrival[0]),
+        stress_mpa: column(&|_, piece| piece.stress_pa * 1e-6),
+        opening_um: Some(middle(&openings_um)),
+        depth_fraction: Some(middle(&depth_ends)),
+        depth_ends: Some(depth_ends),
+        face: Some(strokes.iter().map(|stroke| surface(stroke).face).collect()),
+        zone: Some(reliefs.iter().map(|(zone, _)| *zone).collect()),
+        roughness_um: Some(reliefs.iter().map(|(_, um)| *um).collect()),
+        tilt_deg: Some(middle(&tilt_ends_deg)),
+        tilt_ends_deg: Some(tilt_ends_deg),
+        ply: Some(
+            strokes
+                .iter()
+                .map(|stroke| web.plies[stroke.source as usize])
+                .collect(),
+        ),
+        k_ratio: column(&|_, piece| piece.intensity_pa_sqrt_m / law.toughness_pa_sqrt_m),
+        ..Segments::default()
     }
-    segments.parent = Some(parents);
-    segments.arrival_us = Some(columns.arrival_us);
-    segments.departure_us = Some(columns.departure_us);
-    segments.stress_mpa = Some(columns.stress_mpa);
-    segments.opening_um = Some(columns.opening_um);
-    segments.depth_fraction = Some(columns.depth_fraction);
-    segments.zone = Some(columns.zone);
-    segments.roughness_um = Some(columns.roughness_um);
-    segments.tilt_deg = Some(columns.tilt_deg);
-    segments.ply = Some(vec![0; n]);
-    segments.k_ratio = Some(columns.k_ratio);
-    segments
-}
-
-/// Columns while they are being filled.
-struct Columns {
-    arrival_us: Vec<f64>,
-    departure_us: Vec<f64>,
-    stress_mpa: Vec<f64>,
-    opening_um: Vec<f64>,
-    depth_fraction: Vec<f64>,
-    zone: Vec<Zone>,
-    roughness_um: Vec<f64>,
-    tilt_deg: Vec<f64>,
-    k_ratio: Vec<f64>,
-}
-
-impl Columns {
-    fn with_capacity(n: usize) -> Self {
-        Self {
-            arrival_us: Vec::with_capacity(n),
-            departure_us: Vec::with_capacity(n),
-            stress_mpa: Vec::with_capacity(n),
-            opening_um: Vec::with_capacity(n),
-            depth_fraction: Vec::with_capacity(n),
-            zone: Vec::with_capacity(n),
-            roughness_um: Vec::with_capacity(n),
-            tilt_deg: Vec::with_capacity(n),
-            k_ratio: Vec::with_capacity(n),
-        }
-    }
-}
-
-/// Length of each crack, forks counted from where the first began, m.
-fn crack_lengths(web: &Web) -> Vec<f64> {
-    let mut lengths = Vec::new();
-    for Piece { crack, along_m, .. } in &web.pieces {
-        let crack = *crack as usize;
-        if lengths.len() <= crack {
-            lengths.resize(crack + 1, 0.0_f64);
-        }
-        lengths[crack] = lengths[crack].max(along_m[1]);
-    }
-    lengths
 }
 
 /// For each stroke the one that its tip came from: of its own crack, or, for the branch of a fork
 /// and a crack that goes on from another, the one that had arrived where it starts.
-fn parents(web: &Web, n_nodes: usize, strokes: &[Stroke]) -> Vec<Option<u32>> {
+fn parents(web: &AllCracks, n_nodes: usize, strokes: &[Stroke]) -> Vec<Option<u32>> {
     // Strokes by the node where they end, in order of arrival.
     let mut ending = vec![Vec::new(); n_nodes];
     for (idx, stroke) in (0_u32..).zip(strokes) {

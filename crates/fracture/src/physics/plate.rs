@@ -65,6 +65,7 @@ impl Stiffness {
             GlassBuild::Laminated {
                 interlayer_thickness_m,
                 interlayer_modulus_pa,
+                ..
             } => {
                 let p = INTERLAYER_POISSON;
                 let constrained = (1.0 - p) / ((1.0 + p) * (1.0 - 2.0 * p));

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
-use starbreak_glass::SegmentKind;
+use starbreak_glass::{Seed, SegmentKind};
 
-use crate::draw::{normal, uniform, weibull_factor};
+use crate::draw::{uniform, weibull_factor};
 use crate::stress::StressField;
-use crate::tips::{Ledger, Piece, TipLaw, Web, crack_direction, unit};
+use crate::tips::{Ledger, Piece, Tilt, TipLaw, Web, crack_direction, unit};
 
 /// A sector between two neighboring radial cracks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +32,9 @@ const RUNNING_PART: f64 = 0.5;
 /// other.
 const LEAST_SPACING: f64 = 0.22;
 
+/// Standard deviation of the tilt of rings, rad. UNKNOWN.
+const TILT_RAD: f64 = 0.12;
+
 /// Most steps of one half of a ring.
 const MAX_STEPS: u32 = 4000;
 
@@ -45,6 +48,7 @@ pub(super) struct Rings<'a> {
     pub(super) weibull_modulus: f64,
     pub(super) ledger: &'a mut Ledger,
     pub(super) from_s: f64,
+    pub(super) seed: Seed,
 }
 
 impl Rings<'_> {
@@ -96,11 +100,16 @@ impl Rings<'_> {
             .map(|&crack| self.passed_s(crack, sector.center_m, radius))
             .fold(self.from_s, f64::max);
         let start = self.web.add_node(start_m);
-        let crack = self.web.new_crack();
-        let tilt_rad = 0.12 * normal(rng);
+        let crack = self.web.new_crack(None);
         let first_piece = self.web.pieces.len();
         let mut early_s: f64 = 0.0;
+        let first = Tilt::new(self.seed, u64::from(crack), TILT_RAD);
         for sign in [1.0, -1.0] {
+            let mut tilt = first.clone();
+            if sign < 0.0 {
+                tilt = Tilt::new(self.seed, (1 << 32) | u64::from(crack), TILT_RAD);
+                tilt.goes_back_from(&first);
+            }
             let heading = [-direction[1] * sign, direction[0] * sign];
             early_s = early_s.max(self.run(
                 sector,
@@ -109,7 +118,7 @@ impl Rings<'_> {
                 crack,
                 start_s,
                 strength_pa,
-                tilt_rad,
+                &mut tilt,
             ));
         }
         // What it ended at may have passed there later than at the radius where the ring started:
@@ -150,7 +159,7 @@ impl Rings<'_> {
         crack: u32,
         start_s: f64,
         strength_pa: f64,
-        tilt_rad: f64,
+        tilt: &mut Tilt,
     ) -> f64 {
         let mut early_s: f64 = 0.0;
         let law = self.law;
@@ -212,6 +221,7 @@ impl Rings<'_> {
             let effective_m = (along + step).min(law.thickness_m);
             let intensity = law.intensity(major, effective_m);
             let speed = law.speed_m_s(intensity).max(0.05 * law.rayleigh_m_s);
+            let tilt_rad = tilt.wander(length / law.thickness_m);
             self.web.add_piece(Piece {
                 a: node,
                 b: end,

@@ -75,6 +75,7 @@ impl Breaking<'_> {
                     weibull_modulus: self.params.weibull_modulus,
                     ledger,
                     from_s: epoch.from_s,
+                    seed: self.seed,
                 };
                 has_broken |= rings.break_sector(sector, taken, &mut rng);
             }

@@ -1,12 +1,13 @@
 //! Pane, stones and loads to a broken pane.
 
-use starbreak_glass::{Seed, SegmentKind};
+use starbreak_glass::{CrackNetwork, Fragment, NetworkData, Seed, SegmentKind};
 
 use super::impact::Breaking;
-use super::long_crack::grow_long_crack;
-use super::network::{History, network, network_pane};
-use super::outcome::{Broken, DamageClass, ImpactReport, Stage};
-use super::params::{Dicing, GlassBuild, GlassPane, LongCrack, PhysicsParams, StoneImpact};
+use super::network::{AllCracks, History, network, network_pane};
+use super::outcome::{Broken, DamageClass, ImpactReport, LongCrackReport, Stage};
+use super::params::{
+    Dicing, GlassBuild, GlassPane, LongCrack, LongCrackOrigin, PhysicsParams, StoneImpact,
+};
 use super::plate::Plates;
 use crate::FractureError;
 use crate::dice::{dice_cascade, dice_cells, fragment_density_per_m2};
@@ -22,6 +23,10 @@ const PAUSE_S: f64 = 1e-3;
 /// Breaks a pane by stones, one after the other, and by the stress in its plane after them.
 ///
 /// `done` is called at the end of every [`Stage`], for some of them several times.
+///
+/// Stress in the plane acts after the first hit, or after each, where it drives their cracks, else
+/// after all of them. With [`PhysicsParams::until_reach_m`] everything stops at the moment at which a crack gets
+/// so far from the first hit: a smaller reach gives an earlier state of the same event.
 ///
 /// Each hit: contact ([`crate::contact`]), plate stress ([`crate::stress`]), radial cracks traced
 /// through it, rings between them. Each hit meets what is already broken: its stress is that of
@@ -54,7 +59,9 @@ pub fn simulate(
         params,
         seed,
         web: Web::new(pane.outline),
+        inner: None,
         plates: Plates::new(pane, params.mesh),
+        in_plane: None,
         dices: match pane.build {
             GlassBuild::Tempered {
                 surface_compression_pa,
@@ -65,38 +72,66 @@ pub fn simulate(
         n_older: 0,
     };
     let mut reports: Vec<ImpactReport> = Vec::with_capacity(impacts.len());
-    let mut time_s = 0.0;
+    let (mut time_s, mut end_s) = (0.0, f64::INFINITY);
+    let mut long_report = None;
+    // What goes on from a hit does so before the next.
+    let origin = long_crack.map(|long_crack| long_crack.origin);
+    let goes_on = |k| match origin {
+        Some(LongCrackOrigin::Impact) => k == 0,
+        Some(LongCrackOrigin::Legs) => true,
+        Some(LongCrackOrigin::Rim) | None => false,
+    };
     for (k, stone) in (0_u64..).zip(impacts) {
-        let mut report = breaking.hit(stone, k, time_s, &mut done)?;
+        let mut report = match breaking.heavy_plies(stone) {
+            Some(plies) => breaking.heavy_hit((stone, &plies), k, time_s, &mut done),
+            None => breaking.hit(stone, k, time_s, &mut done)?,
+        };
         if report.damage == DamageClass::Diced {
             dice(&mut breaking, stone, &mut report)?;
             done(Stage::Dice);
         }
         reports.push(report);
-        time_s = last_arrival_s(&breaking.web).max(time_s + report.contact_time_s) + PAUSE_S;
-    }
-    let long_report = match long_crack {
-        Some(long_crack) if !breaking.is_diced => {
-            let start_s = if impacts.is_empty() { 0.0 } else { time_s };
-            let report = grow_long_crack(
-                &mut breaking.web,
-                pane,
-                long_crack,
-                params.mesh,
-                seed,
-                start_s,
-            )?;
+        time_s = last_arrival_s(&breaking).max(time_s + report.contact_time_s) + PAUSE_S;
+        if goes_on(k) {
+            breaking.grow(long_crack, time_s, &mut long_report)?;
             done(Stage::LongCrack);
-            Some(report)
+            time_s = last_arrival_s(&breaking).max(time_s) + PAUSE_S;
         }
-        _ => None,
-    };
+        if k == 0
+            && let Some(reach_m) = params.until_reach_m
+        {
+            end_s = breaking.reaches_s(stone.position_m, reach_m);
+        }
+        if end_s < time_s {
+            break;
+        }
+    }
+    if !goes_on(0) && end_s.is_infinite() {
+        let start_s = if impacts.is_empty() { 0.0 } else { time_s };
+        breaking.grow(long_crack, start_s, &mut long_report)?;
+        done(Stage::LongCrack);
+    }
+    if end_s.is_finite() {
+        breaking.web.cut(end_s);
+        if let Some(inner) = &mut breaking.inner {
+            inner.cut(end_s);
+        }
+        for (stone, report) in impacts.iter().zip(&mut reports) {
+            breaking.reclassify(stone.position_m, report);
+        }
+        let length_m = breaking.grown_m();
+        long_report = long_report
+            .filter(|_| length_m > 0.0)
+            .map(|report| LongCrackReport { length_m, ..report });
+    }
     let history = History {
-        stones: impacts,
+        stones: &impacts[..reports.len()],
         reports: &reports,
         long_crack: long_report.as_ref(),
     };
-    let network = network(pane, &breaking.web, &history, seed)?;
+    let cracks = AllCracks::of(pane, breaking.webs());
+    let network = network(pane, &cracks, &history, seed)?;
+    let network = without_fallen(network, params.n_fallen)?;
     done(Stage::Network);
     Ok(Broken {
         network,
@@ -105,6 +140,63 @@ pub fn simulate(
         n_solutions: breaking.plates.n_solutions,
         n_mesh_nodes: breaking.plates.n_mesh_nodes,
     })
+}
+
+/// The network with some pieces fallen out: of those that nothing holds the largest, then those of
+/// which the rim is the smallest part of the bound. The largest piece of all stays.
+fn without_fallen(network: CrackNetwork, n_fallen: u32) -> Result<CrackNetwork, FractureError> {
+    if n_fallen == 0 {
+        return Ok(network);
+    }
+    let mut fragments = network.fragments();
+    let held = |fragment: &Fragment| {
+        let pane = &network.data().pane;
+        let near = |[x, y]: [f64; 2]| {
+            let sides = [x, pane.width - x, y, pane.height - y];
+            let to_rim = if pane.is_disc() {
+                let radius = 0.5 * pane.width;
+                radius - libm::hypot(x - radius, y - radius)
+            } else {
+                sides.into_iter().fold(f64::INFINITY, f64::min)
+            };
+            to_rim <= pane.rim_tolerance()
+        };
+        let n = fragment.outline.len();
+        let on_rim: f64 = (0..n)
+            .map(|k| [fragment.outline[k], fragment.outline[(k + 1) % n]])
+            .filter(|ends| ends.iter().all(|end| near(*end)))
+            .map(|[a, b]| libm::hypot(b[0] - a[0], b[1] - a[1]))
+            .sum();
+        on_rim / fragment.perimeter.max(f64::MIN_POSITIVE)
+    };
+    let largest = fragments
+        .iter()
+        .map(|fragment| fragment.area)
+        .fold(0.0, f64::max);
+    fragments.retain(|fragment| fragment.area < largest);
+    let mut order: Vec<(f64, f64, usize)> = fragments
+        .iter()
+        .enumerate()
+        .map(|(idx, fragment)| match fragment.touches_rim {
+            false => (0.0, -fragment.area, idx),
+            true => (held(fragment).max(f64::MIN_POSITIVE), -fragment.area, idx),
+        })
+        .collect();
+    order.sort_by(|a, b| {
+        a.0.total_cmp(&b.0)
+            .then(a.1.total_cmp(&b.1))
+            .then(a.2.cmp(&b.2))
+    });
+    let fallen = order
+        .iter()
+        .filter_map(|(_, _, idx)| fragments[*idx].inner_point())
+        .take(n_fallen as usize)
+        .collect();
+    let data = NetworkData {
+        fallen,
+        ..network.data().clone()
+    };
+    Ok(CrackNetwork::from_planar(data)?)
 }
 
 fn check(
@@ -139,11 +231,9 @@ fn check(
     long_crack.map_or(Ok(()), LongCrack::check)
 }
 
-fn last_arrival_s(web: &Web) -> f64 {
-    web.pieces
-        .iter()
-        .map(|piece| piece.time_s[1])
-        .fold(0.0, f64::max)
+fn last_arrival_s(breaking: &Breaking<'_>) -> f64 {
+    let pieces = breaking.webs().flat_map(|web| &web.pieces);
+    pieces.map(|piece| piece.time_s[1]).fold(0.0, f64::max)
 }
 
 /// The whole tempered pane goes to pieces.
@@ -186,7 +276,7 @@ fn dice(
     let intensity = law
         .intensity(core_tension_pa, effective_m)
         .max(law.toughness_pa_sqrt_m);
-    let crack = web.new_crack();
+    let crack = web.new_crack(None);
     let mut dissipated_j = 0.0;
     let mut reach_m: f64 = 0.0;
     for (idx, edge) in diced.edges.iter().enumerate() {
@@ -205,7 +295,7 @@ fn dice(
             stress_pa: core_tension_pa,
             intensity_pa_sqrt_m: intensity,
             effective_m,
-            tilt_rad: 0.0,
+            tilt_rad: [0.0; 2],
         });
     }
     breaking.is_diced = true;

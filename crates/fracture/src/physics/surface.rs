@@ -1,10 +1,10 @@
-//! What a crack's surface looks like to the light: opening, depth, zone and roughness.
+//! What a crack's surface looks like to the light: depth, opening, tilt, zone and roughness.
 
-use std::f64::consts::PI;
+use starbreak_glass::{Face, SegmentKind, Zone};
 
-use starbreak_glass::{Material, Zone};
-
-use crate::tips::{Piece, TipLaw};
+use super::front;
+use super::params::GlassPane;
+use crate::tips::{Piece, TipLaw, Web};
 
 /// Ratio of K to that of the mirror's rim above which mist turns to hackle \[Quinn2020\].
 const HACKLE_RATIO: f64 = 1.2;
@@ -18,6 +18,10 @@ const ROUGHNESS_EXPONENT: f64 = 2.6;
 
 /// Largest roughness, µm.
 const MAX_ROUGHNESS_UM: f64 = 20.0;
+
+/// What is left of the opening under load once the load is gone. UNKNOWN: debris and faces that no
+/// longer fit keep cracks open.
+const STAYS_OPEN: f64 = 0.3;
 
 /// Zone and RMS roughness, µm, of a surface that was made at K.
 pub(super) fn relief(law: &TipLaw, intensity_pa_sqrt_m: f64) -> (Zone, f64) {
@@ -37,64 +41,129 @@ pub(super) fn relief(law: &TipLaw, intensity_pa_sqrt_m: f64) -> (Zone, f64) {
     (zone, roughness.min(MAX_ROUGHNESS_UM))
 }
 
-/// Opening of a crack at a point, µm: that of a crack of the length that counts, 4 σ L/E
-/// \[TadaParisIrwin2000\], narrowing to the tip like the root of the distance from it.
-pub(super) fn opening_um(material: &Material, piece: &Piece, length_m: f64) -> f64 {
-    let full = 4.0 * piece.stress_pa.max(0.0) * piece.effective_m / material.young_modulus_pa.value;
-    let middle = 0.5 * (piece.along_m[0] + piece.along_m[1]);
-    let from_tip = ((length_m - middle) / length_m.max(1e-9)).clamp(0.0, 1.0);
-    (full * from_tip.sqrt() * 1e6).max(MIN_OPENING_UM)
+/// The surface of a piece of crack.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    /// Depth over thickness at its ends.
+    pub(super) depths: [f64; 2],
+    /// Opening at the face it begins at, at its ends, µm.
+    pub(super) openings_um: [f64; 2],
+    pub(super) face: Face,
 }
 
-/// Opening that stays even at the tip of an arrested crack, µm. FIT: about a tenth of a wavelength
-/// of light, so that the tip fades.
-const MIN_OPENING_UM: f64 = 0.05;
+/// The surfaces of all pieces of a web, as its cracks are now.
+pub(super) fn surfaces(pane: &GlassPane, web: &Web) -> Vec<Surface> {
+    let cracks = Cracks::of(pane, web);
+    web.pieces
+        .iter()
+        .map(|piece| cracks.surface_of(pane, piece))
+        .collect()
+}
 
-/// Depth over thickness of a radial crack of length L in a bent plate: where the stress intensity
-/// of the remaining ligament falls to `K_IC`.
-///
-/// The ligament of a part-through crack of depth d carries σ/(1 + 3 (h/L) α(d)), α the
-/// dimensionless compliance of the cracked section (line spring \[RiceLevy1972\]), and the front
-/// has K = σ_lig √(πdh) F(d) of an edge crack under bending \[TadaParisIrwin2000\].
-pub(super) fn bending_depth(law: &TipLaw, stress_pa: f64, length_m: f64) -> f64 {
-    let h = law.thickness_m;
-    let mut compliance = 0.0;
-    let mut depth = 0.0;
-    let steps = 95_u32;
-    for k in 1..=steps {
-        let d = f64::from(k) * 0.01;
-        let factor = edge_crack_bending(d);
-        compliance += d * factor * factor * 0.01 * PI * 2.0;
-        let ligament = stress_pa / (1.0 + 3.0 * h / length_m.max(1e-6) * compliance);
-        if ligament * (PI * d * h).sqrt() * factor >= law.toughness_pa_sqrt_m {
-            depth = d;
+/// What is known of whole cracks, by their numbers.
+struct Cracks {
+    /// How far the farthest tip that grew out of each is from where the first of them began, m.
+    tip_m: Vec<f64>,
+    /// Where each began, by the same measure, m.
+    start_m: Vec<f64>,
+    /// The crack that each grew out of.
+    parent: Vec<Option<u32>>,
+    /// Opening under load where the first of them began, m.
+    opening_m: Vec<f64>,
+    thickness_m: f64,
+}
+
+impl Cracks {
+    fn of(pane: &GlassPane, web: &Web) -> Self {
+        let n = web.n_cracks() as usize;
+        let parent: Vec<Option<u32>> = (0..web.n_cracks()).map(|k| web.parent(k)).collect();
+        let mut cracks = Self {
+            tip_m: vec![0.0; n],
+            start_m: vec![f64::INFINITY; n],
+            parent,
+            opening_m: vec![0.0; n],
+            thickness_m: pane.thickness_m,
+        };
+        for piece in &web.pieces {
+            let k = piece.crack as usize;
+            cracks.tip_m[k] = cracks.tip_m[k].max(piece.along_m[1]);
+            cracks.start_m[k] = cracks.start_m[k].min(piece.along_m[0]);
+            // 4 σ L/E \[TadaParisIrwin2000\].
+            let opening_m = 4.0 * piece.stress_pa.max(0.0) * piece.effective_m
+                / pane.material.young_modulus_pa.value;
+            cracks.opening_m[k] = cracks.opening_m[k].max(opening_m);
+        }
+        // Cracks have higher numbers than those they grew out of.
+        for k in (0..n).rev() {
+            if let Some(parent) = cracks.parent[k] {
+                let parent = parent as usize;
+                cracks.tip_m[parent] = cracks.tip_m[parent].max(cracks.tip_m[k]);
+                cracks.opening_m[parent] = cracks.opening_m[parent].max(cracks.opening_m[k]);
+            }
+        }
+        for k in 0..n {
+            if let Some(parent) = cracks.parent[k] {
+                cracks.opening_m[k] = cracks.opening_m[parent as usize];
+            }
+        }
+        cracks
+    }
+
+    /// Depth over thickness of a radial crack, or of what grew out of one.
+    fn depth(&self, crack: u32, along_m: f64) -> f64 {
+        let k = crack as usize;
+        let own = front::depth(along_m / self.thickness_m, self.tip_m[k] / self.thickness_m);
+        match self.parent[k] {
+            None => own,
+            Some(parent) => {
+                let way_m = along_m - self.start_m[k];
+                let before = self.depth(parent, self.start_m[k]);
+                front::of_branch(own, before, way_m / self.thickness_m)
+            }
         }
     }
-    depth.max(MIN_DEPTH)
-}
 
-/// A crack that is seen has at least this depth over thickness.
-const MIN_DEPTH: f64 = 0.05;
+    /// η w₀ √(1 − (r/c)²).
+    fn opening_um(&self, crack: u32, along_m: f64) -> f64 {
+        let k = crack as usize;
+        let part = (along_m / self.tip_m[k].max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        1e6 * STAYS_OPEN * self.opening_m[k] * (1.0 - part * part).sqrt()
+    }
 
-/// F(d) of an edge crack of relative depth d under pure bending \[TadaParisIrwin2000\].
-fn edge_crack_bending(d: f64) -> f64 {
-    let angle = 0.5 * PI * d;
-    (libm::tan(angle) / angle).sqrt() * (0.923 + 0.199 * libm::pow(1.0 - libm::sin(angle), 4.0))
-        / libm::cos(angle)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_edge_crack_factor_is_the_tabulated_one() {
-        // Pure bending by the other fit, 1.122 − 1.40 d + 7.33 d² − 13.08 d³ + 14 d⁴ (d ≤ 0.6); the two
-        // agree to 2.5 %.
-        for d in [1e-6_f64, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6] {
-            let fit = 1.122 - 1.40 * d + 7.33 * d.powi(2) - 13.08 * d.powi(3) + 14.0 * d.powi(4);
-            let ratio = edge_crack_bending(d) / fit;
-            assert!((ratio - 1.0).abs() < 0.025, "d = {d}: {ratio}");
+    fn surface_of(&self, pane: &GlassPane, piece: &Piece) -> Surface {
+        let openings_um = piece
+            .along_m
+            .map(|along_m| self.opening_um(piece.crack, along_m));
+        let (depths, face) = match piece.kind {
+            SegmentKind::Radial | SegmentKind::Fork | SegmentKind::Edge => (
+                piece
+                    .along_m
+                    .map(|along_m| self.depth(piece.crack, along_m)),
+                Face::Inner,
+            ),
+            // A ring ends at cracks, not in the glass: it is as deep as one of its length.
+            SegmentKind::Ring => {
+                let half = self.tip_m[piece.crack as usize] / self.thickness_m;
+                ([front::deepest(half); 2], Face::Outer)
+            }
+            SegmentKind::Cone => {
+                let depth = (piece.along_m[1] / pane.thickness_m).clamp(0.02, 1.0);
+                ([depth; 2], Face::Outer)
+            }
+            SegmentKind::Dice | SegmentKind::Propagated | SegmentKind::Mst => {
+                ([1.0; 2], Face::Outer)
+            }
+        };
+        Surface {
+            depths,
+            openings_um: match piece.kind {
+                // Debris at its tip keeps a cone open, and dice have moved apart.
+                SegmentKind::Cone | SegmentKind::Dice => {
+                    [1e6 * self.opening_m[piece.crack as usize]; 2]
+                }
+                _ => openings_um,
+            },
+            face,
         }
     }
 }

@@ -72,7 +72,7 @@ fn path(
     let tip = Tip::new(
         &mut web,
         Seed(seed),
-        SegmentKind::Radial,
+        (SegmentKind::Radial, None),
         node,
         direction,
         length_m,
@@ -220,7 +220,15 @@ fn star(n: u32, s: f64, r0: f64, h: f64) -> (Vec<f64>, TipLaw) {
             center[1] + direction[1] * start_m,
         ]);
         let kind = SegmentKind::Radial;
-        let mut tip = Tip::new(&mut web, Seed(1), kind, node, direction, start_m, 0.0);
+        let mut tip = Tip::new(
+            &mut web,
+            Seed(1),
+            (kind, None),
+            node,
+            direction,
+            start_m,
+            0.0,
+        );
         tip.origin_m = center;
         tips.push(tip);
     }
@@ -330,7 +338,7 @@ fn the_ledger_is_never_overdrawn() {
     let mut tips = vec![Tip::new(
         &mut web,
         Seed(1),
-        kind,
+        (kind, None),
         node,
         [1.0, 0.0],
         1e-3,
@@ -371,7 +379,7 @@ fn tips_end_at_cracks_and_share_a_node_with_them() {
         .iter()
         .map(|&p| web.add_node(p))
         .collect();
-    let crack = web.new_crack();
+    let crack = web.new_crack(None);
     web.add_piece(Piece {
         a: wall[0],
         b: wall[1],
@@ -382,13 +390,13 @@ fn tips_end_at_cracks_and_share_a_node_with_them() {
         stress_pa: 0.0,
         intensity_pa_sqrt_m: 0.0,
         effective_m: 0.0,
-        tilt_rad: 0.0,
+        tilt_rad: [0.0; 2],
     });
     let node = web.add_node([0.5, 0.3]);
     let mut tips = vec![Tip::new(
         &mut web,
         Seed(2),
-        SegmentKind::Radial,
+        (SegmentKind::Radial, None),
         node,
         [0.0, 1.0],
         0.02,

@@ -9,6 +9,7 @@ use starbreak_glass::{Seed, SegmentKind, Stream};
 
 use super::gaps::{finite_width, gaps_beside, way_to_rim};
 use super::law::{BRANCHING_SCATTER, Gaps, TipLaw, WANDER_RAD, crack_direction, fork_angle_rad};
+use super::tilt::{TILT_RAD, Tilt};
 use super::web::{Piece, Web};
 use crate::draw::normal;
 use crate::stress::{PlaneStress, StressField};
@@ -71,7 +72,7 @@ pub(crate) struct Tip {
     /// Way since the last fork, m.
     pub(crate) since_fork_m: f64,
     pub(crate) time_s: f64,
-    pub(crate) tilt_rad: f64,
+    pub(crate) tilt: Tilt,
     pub(crate) state: TipState,
     pub(crate) hint: u32,
     /// Length that counted for K at the last step, m.
@@ -88,20 +89,19 @@ pub(crate) struct Tip {
 }
 
 impl Tip {
-    /// A tip of a new crack that starts at `node`.
+    /// A tip of a new crack that starts at `node`, by itself or out of an older one.
     pub(crate) fn new(
         web: &mut Web,
         seed: Seed,
-        kind: SegmentKind,
+        (kind, parent): (SegmentKind, Option<u32>),
         node: u32,
         direction: [f64; 2],
         length_m: f64,
         time_s: f64,
     ) -> Self {
-        let crack = web.new_crack();
+        let crack = web.new_crack(parent);
         let mut rng = seed.stream(Stream::TipJitter, u64::from(crack));
         let branching_scatter = libm::exp(BRANCHING_SCATTER * normal(&mut rng));
-        let tilt_rad = 0.05 * normal(&mut rng);
         Self {
             crack,
             kind,
@@ -113,7 +113,7 @@ impl Tip {
             along_m: 0.0,
             since_fork_m: 0.0,
             time_s,
-            tilt_rad,
+            tilt: Tilt::new(seed, u64::from(crack), TILT_RAD),
             state: TipState::Alive,
             hint: 0,
             effective_m: length_m,
@@ -217,7 +217,7 @@ fn branch_of(web: &mut Web, parent: &Tip, seed: Seed, turn_rad: f64) -> Tip {
     let mut branch = Tip::new(
         web,
         seed,
-        SegmentKind::Fork,
+        (SegmentKind::Fork, Some(parent.crack)),
         parent.node,
         rotated(parent.direction, turn_rad),
         // G is shared by the two, and G is proportional to the length.
@@ -230,7 +230,7 @@ fn branch_of(web: &mut Web, parent: &Tip, seed: Seed, turn_rad: f64) -> Tip {
     branch.mean_stress_pa = parent.mean_stress_pa;
     branch.fork_node = Some(parent.node);
     branch.along_m = parent.along_m;
-    branch.tilt_rad = parent.tilt_rad;
+    branch.tilt.goes_on_from(&parent.tilt);
     branch
 }
 
@@ -402,6 +402,7 @@ impl Step<'_> {
             return Outcome::Ended;
         }
         let end_s = self.arrival_s(tip.time_s, length / speed);
+        let tilt_rad = tip.tilt.wander(length / law.thickness_m);
         self.web.add_piece(Piece {
             a: tip.node,
             b: node,
@@ -412,7 +413,7 @@ impl Step<'_> {
             stress_pa,
             intensity_pa_sqrt_m: intensity,
             effective_m,
-            tilt_rad: tip.tilt_rad,
+            tilt_rad,
         });
         tip.node = node;
         tip.at_m = to;

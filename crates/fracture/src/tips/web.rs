@@ -25,8 +25,8 @@ pub(crate) struct Piece {
     pub(crate) intensity_pa_sqrt_m: f64,
     /// Length that counts for K, m.
     pub(crate) effective_m: f64,
-    /// Angle between the crack's surface and the normal of the pane, rad.
-    pub(crate) tilt_rad: f64,
+    /// Angle between the crack's surface and the normal of the pane at `a` and `b`, rad.
+    pub(crate) tilt_rad: [f64; 2],
 }
 
 /// A piece in the way of a step.
@@ -49,7 +49,8 @@ pub(crate) struct Web {
     pub(crate) outline: Outline,
     pub(crate) nodes: Vec<[f64; 2]>,
     pub(crate) pieces: Vec<Piece>,
-    n_cracks: u32,
+    /// Of each crack the one that it grew out of.
+    parents: Vec<Option<u32>>,
     cell_m: f64,
     columns: usize,
     rows: usize,
@@ -69,7 +70,7 @@ impl Web {
             outline,
             nodes: Vec::new(),
             pieces: Vec::new(),
-            n_cracks: 0,
+            parents: Vec::new(),
             cell_m,
             columns,
             rows,
@@ -78,15 +79,20 @@ impl Web {
         }
     }
 
-    /// A number for one more crack.
-    pub(crate) fn new_crack(&mut self) -> u32 {
-        self.n_cracks += 1;
-        self.n_cracks - 1
+    /// A number for one more crack, which grows out of an older one or begins by itself.
+    pub(crate) fn new_crack(&mut self, parent: Option<u32>) -> u32 {
+        self.parents.push(parent);
+        to_u32(self.parents.len() - 1)
+    }
+
+    /// The crack that one grew out of.
+    pub(crate) fn parent(&self, crack: u32) -> Option<u32> {
+        self.parents[crack as usize]
     }
 
     /// How many cracks there are.
     pub(crate) fn n_cracks(&self) -> u32 {
-        self.n_cracks
+        to_u32(self.parents.len())
     }
 
     pub(crate) fn add_node(&mut self, point_m: [f64; 2]) -> u32 {
@@ -122,6 +128,31 @@ impl Web {
             (column(from[0].min(to[0])), column(from[0].max(to[0]))),
             (row(from[1].min(to[1])), row(from[1].max(to[1]))),
         )
+    }
+
+    /// Takes back everything after a moment: pieces that had not begun, and of those that had the
+    /// part that was still ahead.
+    pub(crate) fn cut(&mut self, time_s: f64) {
+        self.pieces.retain(|piece| piece.time_s[0] < time_s);
+        for k in 0..self.pieces.len() {
+            let piece = self.pieces[k];
+            let [from_s, to_s] = piece.time_s;
+            // Pieces of one crack may all come at once, as those of a cone do.
+            if to_s <= time_s || piece.kind == SegmentKind::Cone {
+                continue;
+            }
+            let part = (time_s - from_s) / (to_s - from_s);
+            let [a, b] = [piece.a, piece.b].map(|node| self.nodes[node as usize]);
+            let b = self.add_node([0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * part));
+            let middle = |[from, to]: [f64; 2]| [from, from + (to - from) * part];
+            self.pieces[k] = Piece {
+                b,
+                time_s: [from_s, time_s],
+                along_m: middle(piece.along_m),
+                tilt_rad: middle(piece.tilt_rad),
+                ..piece
+            };
+        }
     }
 
     /// The pieces that count as chains of points, m: each crack, or half of a crack that began in
@@ -212,16 +243,19 @@ impl Web {
         let middle = |[from, to]: [f64; 2]| from + (to - from) * t;
         let node = self.add_node(point_m);
         let (time, along) = (middle(old.time_s), middle(old.along_m));
+        let tilt = middle(old.tilt_rad);
         self.pieces[piece as usize] = Piece {
             b: node,
             time_s: [old.time_s[0], time],
             along_m: [old.along_m[0], along],
+            tilt_rad: [old.tilt_rad[0], tilt],
             ..old
         };
         self.add_piece(Piece {
             a: node,
             time_s: [time, old.time_s[1]],
             along_m: [along, old.along_m[1]],
+            tilt_rad: [tilt, old.tilt_rad[1]],
             ..old
         });
         node
@@ -268,7 +302,7 @@ mod tests {
             stress_pa: 0.0,
             intensity_pa_sqrt_m: 0.0,
             effective_m: 0.0,
-            tilt_rad: 0.0,
+            tilt_rad: [0.0; 2],
         }
     }
 

@@ -39,11 +39,18 @@ pub(crate) fn euler_defect(network: &CrackNetwork) -> i64 {
     let rim = u32::try_from(n).unwrap_or(u32::MAX);
     let mut component: Vec<u32> = (0..=rim).collect();
     let mut is_used = vec![false; n];
-    for (&a, &b) in data.segments.from.iter().zip(&data.segments.to) {
+    // Pieces are those of the ply that was hit.
+    let segments = &data.segments;
+    let edges: Vec<[u32; 2]> = (segments.from.iter().zip(&segments.to))
+        .enumerate()
+        .filter(|(idx, _)| segments.ply.as_ref().is_none_or(|plies| plies[*idx] == 0))
+        .map(|(_, (&a, &b))| [a, b])
+        .collect();
+    for &[a, b] in &edges {
         let (a, b) = (root(&mut component, a), root(&mut component, b));
         component[a as usize] = b;
     }
-    for &node in data.segments.from.iter().chain(&data.segments.to) {
+    for &node in edges.iter().flatten() {
         is_used[node as usize] = true;
     }
     let (mut n_nodes, mut n_rim) = (0_i64, 0_i64);
@@ -65,7 +72,7 @@ pub(crate) fn euler_defect(network: &CrackNetwork) -> i64 {
     roots.sort_unstable();
     roots.dedup();
     let count = |n: usize| i64::try_from(n).unwrap_or(i64::MAX);
-    let n_edges = count(network.n_segments());
+    let n_edges = count(edges.len());
     let n_faces = count(network.fragments().len()) + 1;
     n_nodes - n_edges - n_rim + n_faces - (1 + count(roots.len()))
 }
@@ -179,15 +186,26 @@ pub(crate) fn fastest_tip_m_s(network: &CrackNetwork) -> f64 {
 /// Γ h times the length of all cracks that run through the sheet (cones left out), J: what the
 /// network's own lines cost.
 pub(crate) fn surface_j(network: &CrackNetwork, pane: &GlassPane) -> f64 {
-    let kinds = &network.data().segments.kind;
-    let length_mm: f64 = (0..kinds.len())
+    let segments = &network.data().segments;
+    let kinds = &segments.kind;
+    let inner_m = match pane.build {
+        GlassBuild::Laminated {
+            inner_thickness_m, ..
+        } => inner_thickness_m,
+        GlassBuild::Annealed | GlassBuild::Tempered { .. } => pane.thickness_m,
+    };
+    let thickness_m = |idx: usize| match &segments.ply {
+        Some(plies) if plies[idx] > 0 => inner_m,
+        _ => pane.thickness_m,
+    };
+    let area_mm_m: f64 = (0..kinds.len())
         .filter(|&idx| kinds[idx] != SegmentKind::Cone)
         .map(|idx| {
             let [x0, y0, x1, y1] = network.ends(idx);
-            libm::hypot(x1 - x0, y1 - y0)
+            libm::hypot(x1 - x0, y1 - y0) * thickness_m(idx)
         })
         .sum();
-    pane.material.fracture_energy_j_m2() * pane.thickness_m * length_mm * 1e-3
+    pane.material.fracture_energy_j_m2() * area_mm_m * 1e-3
 }
 
 /// Energy of a parabola of residual stress, (1/5)(1 − ν) σ²/E per volume, J; 0 without tempering.

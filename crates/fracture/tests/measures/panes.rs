@@ -27,11 +27,12 @@ pub(crate) fn pane(
     })
 }
 
-/// A windscreen: outer ply of 2.1 mm on 0.76 mm of an interlayer with a Young's modulus.
+/// A windscreen: plies of 2.1 mm on 0.76 mm of an interlayer with a Young's modulus.
 pub(crate) fn windscreen(interlayer_modulus_pa: f64) -> Result<GlassPane, MaterialError> {
     let build = GlassBuild::Laminated {
         interlayer_thickness_m: 0.76e-3,
         interlayer_modulus_pa,
+        inner_thickness_m: 2.1e-3,
     };
     pane(rectangle(1.4, 0.8), 2.1e-3, build)
 }
@@ -77,6 +78,7 @@ pub(crate) fn any_hit(k: u64) -> Result<(GlassPane, StoneImpact), MaterialError>
         1 => GlassBuild::Laminated {
             interlayer_thickness_m: between(&mut rng, 0.38e-3, 1.52e-3),
             interlayer_modulus_pa: 30e6 * libm::pow(1000.0 / 30.0, between(&mut rng, 0.0, 1.0)),
+            inner_thickness_m: 2.1e-3,
         },
         _ => GlassBuild::Tempered {
             surface_compression_pa: between(&mut rng, 20e6, 130e6),

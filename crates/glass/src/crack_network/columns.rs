@@ -77,6 +77,27 @@ impl Zone {
     }
 }
 
+/// A face of a ply.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Face {
+    /// The one towards the side of the pane that was hit.
+    Outer,
+    /// The other one.
+    Inner,
+}
+
+impl Face {
+    /// The word that stands in the file.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Outer => "outer",
+            Self::Inner => "inner",
+        }
+    }
+}
+
 /// Columns of the nodes, all of one length.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Nodes {
@@ -117,12 +138,19 @@ pub struct Segments {
     /// Stress that drove the tip, MPa.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stress_mpa: Option<Vec<f64>>,
-    /// Crack opening displacement, µm.
+    /// Crack opening displacement at the face that the crack begins at, µm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub opening_um: Option<Vec<f64>>,
-    /// Depth of the crack over the thickness of the pane, 0 to 1.
+    /// Depth of the crack over the thickness of its ply, 0 to 1: the mean over the segment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth_fraction: Option<Vec<f64>>,
+    /// The same at `from` and at `to`: points of the crack's front.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub depth_ends: Option<Vec<[f64; 2]>>,
+    /// Face of its ply that the crack begins at; the outer one where the column is absent. The
+    /// segment is its trace there, but for `cone`, whose trace is its lower edge.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub face: Option<Vec<Face>>,
     /// Zone of the crack's surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub zone: Option<Vec<Zone>>,
@@ -135,6 +163,9 @@ pub struct Segments {
     /// down).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tilt_deg: Option<Vec<f64>>,
+    /// The same at `from` and at `to`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tilt_ends_deg: Option<Vec<[f64; 2]>>,
     /// Which ply of a laminate; 0 is the one that was hit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ply: Option<Vec<u8>>,

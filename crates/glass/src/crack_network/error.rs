@@ -58,7 +58,7 @@ pub enum NetworkError {
     /// A node or an impact that lies off the pane.
     #[error("{what} {index} at ({x}, {y}) lies outside the pane of {width} × {height}")]
     OffPane {
-        /// `node` or `impact`.
+        /// `node`, `impact` or `fallen`.
         what: &'static str,
         /// Which one.
         index: usize,

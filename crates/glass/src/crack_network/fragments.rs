@@ -21,7 +21,70 @@ pub struct Fragment {
     pub touches_rim: bool,
 }
 
+impl Fragment {
+    /// Whether a point lies within the outer bound.
+    #[must_use]
+    pub fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        let mut is_inside = false;
+        for (k, &[x0, y0]) in self.outline.iter().enumerate() {
+            let [x1, y1] = self.outline[(k + 1) % self.outline.len()];
+            if (y0 > y) != (y1 > y) && x < x0 + (y - y0) / (y1 - y0) * (x1 - x0) {
+                is_inside = !is_inside;
+            }
+        }
+        is_inside
+    }
+
+    /// A point within the outer bound: the centroid, or the middle of the widest part of a level
+    /// line through it or above it. None of a bound without area.
+    #[must_use]
+    pub fn inner_point(&self) -> Option<[f64; 2]> {
+        if self.contains(self.centroid) {
+            return Some(self.centroid);
+        }
+        let mut levels: Vec<f64> = self.outline.iter().map(|corner| corner[1]).collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        let middles = levels.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        let mut best: Option<(f64, [f64; 2])> = None;
+        for y in middles {
+            let mut crossings: Vec<f64> = (0..self.outline.len())
+                .filter_map(|k| {
+                    let [x0, y0] = self.outline[k];
+                    let [x1, y1] = self.outline[(k + 1) % self.outline.len()];
+                    ((y0 > y) != (y1 > y)).then(|| x0 + (y - y0) / (y1 - y0) * (x1 - x0))
+                })
+                .collect();
+            crossings.sort_by(f64::total_cmp);
+            for pair in crossings.chunks_exact(2) {
+                let width = pair[1] - pair[0];
+                if best.is_none_or(|(widest, _)| width > widest) {
+                    best = Some((width, [0.5 * (pair[0] + pair[1]), y]));
+                }
+            }
+        }
+        best.map(|(_, point)| point)
+    }
+}
+
 impl CrackNetwork {
+    /// The fragments that fell out of the pane: those that a point of
+    /// [`NetworkData::fallen`] lies in.
+    #[must_use]
+    pub fn fallen_fragments(&self) -> Vec<Fragment> {
+        if self.data.fallen.is_empty() {
+            return Vec::new();
+        }
+        let mut fragments = self.fragments();
+        fragments.retain(|fragment| {
+            self.data
+                .fallen
+                .iter()
+                .any(|point| fragment.contains(*point))
+        });
+        fragments
+    }
+
     /// The fragments that the cracks and the rim of the pane bound: at least one, and their
     /// areas sum to that of the pane.
     ///

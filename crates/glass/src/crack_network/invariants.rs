@@ -29,6 +29,15 @@ fn check_lengths(data: &NetworkData) -> Result<(), NetworkError> {
         ("segments.parent", segments.parent.as_ref().map(Vec::len)),
         ("segments.zone", segments.zone.as_ref().map(Vec::len)),
         ("segments.ply", segments.ply.as_ref().map(Vec::len)),
+        ("segments.face", segments.face.as_ref().map(Vec::len)),
+        (
+            "segments.depth_ends",
+            segments.depth_ends.as_ref().map(Vec::len),
+        ),
+        (
+            "segments.tilt_ends_deg",
+            segments.tilt_ends_deg.as_ref().map(Vec::len),
+        ),
     ];
     let measured = measures(data).map(|measure| (measure.column, measure.values.map(<[f64]>::len)));
     for (column, found) in optional.into_iter().chain(measured) {
@@ -117,6 +126,17 @@ fn check_numbers(data: &NetworkData) -> Result<(), NetworkError> {
             measure.range,
         )?;
     }
+    let segments = &data.segments;
+    for (column, pairs, range) in [
+        ("segments.depth_ends", &segments.depth_ends, FRACTION),
+        ("segments.tilt_ends_deg", &segments.tilt_ends_deg, TILT),
+    ] {
+        for end in 0..2 {
+            let pairs = pairs.as_deref().unwrap_or_default();
+            let values: Vec<f64> = pairs.iter().map(|pair| pair[end]).collect();
+            check_range(column, &values, range)?;
+        }
+    }
     for (index, impact) in data.impacts.iter().enumerate() {
         check_impact(index, impact)?;
     }
@@ -197,7 +217,9 @@ fn check_on_pane(data: &NetworkData) -> Result<(), NetworkError> {
         .impacts
         .iter()
         .map(|impact| ("impact", impact.x, impact.y));
-    for (index, (what, x, y)) in nodes.enumerate().chain(impacts.enumerate()) {
+    let fallen = data.fallen.iter().map(|[x, y]| ("fallen", *x, *y));
+    let places = nodes.enumerate().chain(impacts.enumerate());
+    for (index, (what, x, y)) in places.chain(fallen.enumerate()) {
         if !data.pane.contains(x, y) {
             let (width, height) = (data.pane.width, data.pane.height);
             return Err(NetworkError::OffPane {

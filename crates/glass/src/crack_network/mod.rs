@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Impact, LengthUnit, Pane, Seed};
 
-pub use columns::{Nodes, SegmentKind, Segments, Zone};
+pub use columns::{Face, Nodes, SegmentKind, Segments, Zone};
 pub use contact::{Contact, ContactKind, find_contacts, find_contacts_of, find_contacts_up_to};
 pub use error::NetworkError;
 pub use fragments::Fragment;
@@ -75,6 +75,9 @@ pub struct NetworkData {
     pub nodes: Nodes,
     /// Straight pieces of crack.
     pub segments: Segments,
+    /// A point in each fragment that fell out of the pane.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fallen: Vec<[f64; 2]>,
     /// Key figures; recomputed from the rest, save for the energies, which are taken from here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub summary: Option<Summary>,
@@ -129,6 +132,7 @@ impl CrackNetwork {
             impacts: Vec::new(),
             nodes: Nodes::default(),
             segments: Segments::default(),
+            fallen: Vec::new(),
             summary: None,
         })
     }

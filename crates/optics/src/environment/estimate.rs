@@ -15,8 +15,9 @@ const ROAD_ALBEDO: f64 = 0.1;
 /// asks for more is lighter than a road. FIT.
 const MOST_WHITE: f64 = 3.0;
 
-/// Radiance of the dark side of the glass over that of the ground. FIT.
-const CABIN_OVER_GROUND: f32 = 0.02;
+/// Radiance of the dark side of the glass over that of the ground, straight down and straight up:
+/// a dark dashboard under a lighter roof that it lights. FIT.
+const CABIN_OVER_GROUND: [f32; 2] = [0.015, 0.05];
 
 /// Most irradiance of the sun, on a plane that faces it, over that of the sky: a clear day. FIT.
 const SUN_OVER_SKY: f64 = 10.0;
@@ -65,7 +66,7 @@ impl Environment {
     ///   sky grows from 0 to 1 with the blueness 1 − R/B, from 0.1 to 0.4, of all bright pixels
     ///   whose color is not clipped; these also give the clear zenith its color.
     /// - **Ground**: the median of each channel.
-    /// - **Cabin**: 0.02 of the ground.
+    /// - **Cabin**: 0.015 of the ground straight down, 0.05 straight up.
     /// - **Sun**: what the sky cannot account for. A ground of albedo ρ = 0.1 that shows L, the
     ///   75th percentile as some of it may lie in shade, gets E = πL/ρ (3π at most); the sun brings max(0, E − `E_sky`)/sin e, 10 `E_sky` at most.
     ///   It is as strong as the sky is clear, none below the horizon, and none at night, when
@@ -101,17 +102,17 @@ impl Environment {
             horizon_rgb: params.horizon_rgb.unwrap_or(sky.horizon_rgb),
             zenith_rgb: params.zenith_rgb.unwrap_or(sky.zenith_rgb),
             ground_rgb: [0.0; 3],
-            cabin_rgb: [0.0; 3],
+            cabin_low_rgb: [0.0; 3],
+            cabin_high_rgb: [0.0; 3],
             sun_rgb: [0.0; 3],
         };
         let sky_white = HemisphereWeights::facing(1.0).mean_radiance(&environment);
         let ground = seen_ground.unwrap_or_else(|| Ground::even(scaled(sky_white, ROAD_ALBEDO)));
         environment.ground_rgb = ground.rgb;
-        environment.cabin_rgb = params.cabin_rgb.unwrap_or_else(|| {
-            environment
-                .ground_rgb
-                .map(|light| light * CABIN_OVER_GROUND)
+        let cabin_rgb = params.cabin_rgb.unwrap_or_else(|| {
+            CABIN_OVER_GROUND.map(|share| environment.ground_rgb.map(|light| light * share))
         });
+        [environment.cabin_low_rgb, environment.cabin_high_rgb] = cabin_rgb;
         let irradiance = params.sun_irradiance.unwrap_or_else(|| {
             let balance = sun_irradiance(
                 f64::from(ground.sunlit),

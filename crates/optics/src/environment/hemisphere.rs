@@ -132,7 +132,8 @@ mod tests {
             horizon_rgb: color,
             zenith_rgb: color,
             ground_rgb: color,
-            cabin_rgb: color,
+            cabin_low_rgb: color,
+            cabin_high_rgb: color,
             sun_rgb: [0.0; 3],
         };
         for cos in [-1.0, -0.4, 0.0, 0.7, 1.0] {

@@ -31,8 +31,9 @@ pub struct EnvironmentParams {
     pub zenith_rgb: Option<Rgb>,
     /// Radiance of the ground.
     pub ground_rgb: Option<Rgb>,
-    /// Radiance of what is behind the camera's side of the glass.
-    pub cabin_rgb: Option<Rgb>,
+    /// Radiance of what is on the camera's side of the glass, as seen straight down and straight
+    /// up.
+    pub cabin_rgb: Option<[Rgb; 2]>,
     /// Row of the horizon over the height of the frame, from the top.
     pub horizon_row: f64,
 }
@@ -55,7 +56,8 @@ impl Default for EnvironmentParams {
 
 /// The light around the camera.
 ///
-/// The sky's radiance runs from the horizon's to the zenith's with the sine of the elevation.
+/// The sky's radiance runs from the horizon's to the zenith's with the sine of the elevation, that
+/// of the camera's side from straight down to straight up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Environment {
     /// Radiance of the sky at the horizon.
@@ -64,8 +66,10 @@ pub struct Environment {
     pub zenith_rgb: Rgb,
     /// Radiance of the ground.
     pub ground_rgb: Rgb,
-    /// Radiance of what is on the camera's side of the glass.
-    pub cabin_rgb: Rgb,
+    /// Radiance of what is on the camera's side of the glass, straight down.
+    pub cabin_low_rgb: Rgb,
+    /// The same, straight up.
+    pub cabin_high_rgb: Rgb,
     /// Irradiance of the sun on a plane that faces it.
     pub sun_rgb: Rgb,
 }
@@ -77,7 +81,8 @@ impl Environment {
         horizon_rgb: [0.5; 3],
         zenith_rgb: [0.4; 3],
         ground_rgb: [0.1; 3],
-        cabin_rgb: [0.01; 3],
+        cabin_low_rgb: [0.01; 3],
+        cabin_high_rgb: [0.02; 3],
         sun_rgb: [1.0; 3],
     };
 
@@ -114,7 +119,8 @@ mod tests {
             horizon_rgb: [0.3, 0.6, 0.9],
             zenith_rgb: [0.1, 0.2, 1.1],
             ground_rgb: [0.05, 0.06, 0.07],
-            cabin_rgb: [0.0; 3],
+            cabin_low_rgb: [0.0; 3],
+            cabin_high_rgb: [0.0; 3],
             sun_rgb: [9.0; 3],
         };
         for (sin, expected) in [

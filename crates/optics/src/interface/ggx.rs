@@ -73,25 +73,53 @@ pub fn rough_dielectric(wi: Vector, wo: Vector, alpha: f64, n: f64) -> f64 {
 /// `v` has z > 0; `u` are two numbers uniform in [0, 1).
 #[must_use]
 pub fn sample_visible_normal(v: Vector, alpha: f64, u: [f64; 2]) -> Vector {
-    // Stretched, the slopes are those of a hemisphere.
-    let up = [0.0, 0.0, 1.0];
-    let view = unit([alpha * v[0], alpha * v[1], v[2]]).unwrap_or(up);
-    let t1 = unit([-view[1], view[0], 0.0]).unwrap_or([1.0, 0.0, 0.0]);
-    let t2 = [
-        view[1] * t1[2] - view[2] * t1[1],
-        view[2] * t1[0] - view[0] * t1[2],
-        view[0] * t1[1] - view[1] * t1[0],
-    ];
-    // A point of the hemisphere's projection: the half disc that is seen in full, and the other
-    // one seen at a slant.
-    let r = u[0].sqrt();
-    let (sin, cos) = libm::sincos(2.0 * PI * u[1]);
-    let p1 = r * cos;
-    let seen = 0.5 * (1.0 + view[2]);
-    let p2 = (1.0 - seen) * (1.0 - p1 * p1).max(0.0).sqrt() + seen * r * sin;
-    let p3 = (1.0 - p1 * p1 - p2 * p2).max(0.0).sqrt();
-    let h = combine(1.0, combine(p1, t1, p2, t2), p3, view);
-    unit([alpha * h[0], alpha * h[1], h[2].max(0.0)]).unwrap_or(up)
+    VisibleNormals::of(v, alpha).at(on_disc(u))
+}
+
+/// A point of the unit disc by two numbers uniform in [0, 1): uniform over it.
+pub(crate) fn on_disc([radius2, turn]: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = libm::sincos(2.0 * PI * turn);
+    [cos, sin].map(|part| radius2.sqrt() * part)
+}
+
+/// The microfacet normals that one direction sees: all of [`sample_visible_normal`] that depends
+/// on the direction alone.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct VisibleNormals {
+    alpha: f64,
+    view: Vector,
+    across: [Vector; 2],
+}
+
+impl VisibleNormals {
+    pub(crate) fn of(v: Vector, alpha: f64) -> Self {
+        // Stretched, the slopes are those of a hemisphere.
+        let view = unit([alpha * v[0], alpha * v[1], v[2]]).unwrap_or([0.0, 0.0, 1.0]);
+        let t1 = unit([-view[1], view[0], 0.0]).unwrap_or([1.0, 0.0, 0.0]);
+        let t2 = [
+            view[1] * t1[2] - view[2] * t1[1],
+            view[2] * t1[0] - view[0] * t1[2],
+            view[0] * t1[1] - view[1] * t1[0],
+        ];
+        Self {
+            alpha,
+            view,
+            across: [t1, t2],
+        }
+    }
+
+    /// The normal at a point of the unit disc.
+    pub(crate) fn at(&self, [p1, y]: [f64; 2]) -> Vector {
+        // A point of the hemisphere's projection: the half disc that is seen in full, and the
+        // other one seen at a slant.
+        let seen = 0.5 * (1.0 + self.view[2]);
+        let p2 = (1.0 - seen) * (1.0 - p1 * p1).max(0.0).sqrt() + seen * y;
+        let p3 = (1.0 - p1 * p1 - p2 * p2).max(0.0).sqrt();
+        let [t1, t2] = self.across;
+        let h = combine(1.0, combine(p1, t1, p2, t2), p3, self.view);
+        let facet = [self.alpha * h[0], self.alpha * h[1], h[2].max(0.0)];
+        unit(facet).unwrap_or([0.0, 0.0, 1.0])
+    }
 }
 
 /// A crack's rough surface in a plate, lit by a far small light and seen through the faces.

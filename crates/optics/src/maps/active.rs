@@ -1,7 +1,7 @@
 //! Facets that reach the present rows, and how much of their cells they cover.
 
 use super::cells::Row;
-use super::layer::{Facet, Layer, Level, Placed};
+use super::layer::{Facet, Layer, Level, Placed, add_scaled};
 use super::raster::{Edge, cover_row};
 
 /// Cells covered by less are not covered.
@@ -204,6 +204,7 @@ impl<const L: usize> Active<L> {
         clippy::cast_possible_truncation,
         reason = "cells of a grid; px as f32"
     )]
+    #[inline(always)]
     pub(super) fn hand_on(&mut self, row: usize, layer: &Layer<L>, cells: &mut Row<L>) {
         let slot = row % 3;
         let [first, end] = std::mem::replace(&mut self.spans[slot], [usize::MAX, 0]);
@@ -225,8 +226,7 @@ impl<const L: usize> Active<L> {
             let part = std::mem::take(covered);
             if part.abs() > LEAST_COVERAGE {
                 let cell = cells.cell(column, self.kernel, part * self.weight);
-                let sum = cell.lanes;
-                cell.lanes = std::array::from_fn(|l| sum[l] + part * lanes[l]);
+                cell.lanes = add_scaled(cell.lanes, part, lanes);
             }
             lanes[L - 2] += steps[0];
             lanes[L - 1] += steps[1];

@@ -31,6 +31,7 @@ impl<const L: usize> Row<L> {
     }
 
     /// A cell that will be added to.
+    #[inline(always)]
     pub(super) fn cell(&mut self, column: usize, kernel: u32, covers: f32) -> &mut Cell<L> {
         let cell = &mut self.cells[column];
         if !cell.is_touched {
@@ -45,13 +46,26 @@ impl<const L: usize> Row<L> {
         cell
     }
 
-    /// Empties the touched cells, each given to `each` before.
-    pub(super) fn drain(&mut self, mut each: impl FnMut(usize, &Cell<L>)) {
-        for column in self.touched.drain(..) {
-            let cell = &mut self.cells[column];
-            each(column, cell);
-            cell.lanes = [0.0; L];
-            cell.is_touched = false;
-        }
+    /// How many cells are touched.
+    pub(super) fn n_touched(&self) -> usize {
+        self.touched.len()
+    }
+
+    /// Column, lanes and kernel of the k-th touched cell, which is then empty.
+    #[inline(always)]
+    pub(super) fn take(&mut self, k: usize) -> (usize, [f32; L], u32) {
+        let column = self.touched[k];
+        let cell = &mut self.cells[column];
+        cell.is_touched = false;
+        (
+            column,
+            std::mem::replace(&mut cell.lanes, [0.0; L]),
+            cell.kernel,
+        )
+    }
+
+    /// Forgets which cells were touched; all have been taken.
+    pub(super) fn clear(&mut self) {
+        self.touched.clear();
     }
 }

@@ -1,5 +1,7 @@
 //! A frame of which only touched runs of pixels exist.
 
+use super::layer::add_arrays;
+
 /// Pixels in a run.
 pub(crate) const CHUNK: usize = 32;
 
@@ -42,6 +44,7 @@ impl<const L: usize> Chunks<L> {
     }
 
     /// Adds to a row of pixels.
+    #[inline(always)]
     pub(crate) fn add_row(&mut self, y: usize, start: usize, values: &[[f32; L]]) {
         let mut x = start;
         let mut rest = values;
@@ -50,14 +53,14 @@ impl<const L: usize> Chunks<L> {
             let n = rest.len().min(CHUNK - at);
             let run = self.run_mut(across, y);
             for (cell, value) in run[at..at + n].iter_mut().zip(rest) {
-                let sum = *cell;
-                *cell = std::array::from_fn(|l| sum[l] + value[l]);
+                *cell = add_arrays(*cell, *value);
             }
             rest = &rest[n..];
             x += n;
         }
     }
 
+    #[inline(always)]
     fn run_mut(&mut self, across: usize, y: usize) -> &mut [[f32; L]; CHUNK] {
         let place = &mut self.places[y * self.n_across + across];
         if *place == 0 {

@@ -1,6 +1,7 @@
 //! Rows of cells to rows of pixels, whichever of the two is smaller.
 
 use super::chunks::{CHUNK, Chunks};
+use super::layer::{add_arrays, add_scaled};
 
 /// Shares below this are none; it is far below a step of an 8-bit image.
 const LEAST_SHARE: f32 = 2e-5;
@@ -41,6 +42,7 @@ impl<const L: usize> Emitter<L> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn begin_row(&mut self) {
         let [first, last] = self.span;
         self.row[first..last].fill([0.0; L]);
@@ -48,6 +50,7 @@ impl<const L: usize> Emitter<L> {
     }
 
     /// Takes the cells of a run that has been written to `row`.
+    #[inline(always)]
     pub(super) fn end_run(&mut self, row: usize, run: [usize; 2], frame: &mut Chunks<L>) {
         if self.level == 0 {
             self.equal(row, run, frame);
@@ -57,6 +60,7 @@ impl<const L: usize> Emitter<L> {
     }
 
     /// Takes a row of which all runs have been.
+    #[inline(always)]
     pub(super) fn end_row(&mut self, row: usize, frame: &mut Chunks<L>) {
         match self.level {
             0 => {}
@@ -65,6 +69,7 @@ impl<const L: usize> Emitter<L> {
         }
     }
 
+    #[inline(always)]
     fn equal(&mut self, row: usize, [first, last]: [usize; 2], frame: &mut Chunks<L>) {
         let (width, height) = frame.size();
         let Some(y) = row.checked_sub(self.margin).filter(|y| *y < height) else {
@@ -80,6 +85,7 @@ impl<const L: usize> Emitter<L> {
         }
     }
 
+    #[inline(always)]
     fn fine(&mut self, row: usize, frame: &mut Chunks<L>) {
         let per_px = 1_usize << self.level;
         let [first, last] = self.span;
@@ -88,9 +94,7 @@ impl<const L: usize> Emitter<L> {
                 .iter_mut()
                 .zip(&self.row[first..last])
             {
-                for (sum, value) in sum.iter_mut().zip(value) {
-                    *sum += value;
-                }
+                *sum = add_arrays(*sum, *value);
             }
             let [low, high] = self.other_span;
             self.other_span = if low < high {
@@ -122,9 +126,7 @@ impl<const L: usize> Emitter<L> {
             for x in start..end {
                 let mut sum = [0.0; L];
                 for cell in &self.other[self.margin + x * per_px..][..per_px] {
-                    for (sum, value) in sum.iter_mut().zip(cell) {
-                        *sum += share * value;
-                    }
+                    sum = add_scaled(sum, share, *cell);
                 }
                 self.pixels.push(sum);
             }
@@ -133,6 +135,7 @@ impl<const L: usize> Emitter<L> {
         self.other[first..last].fill([0.0; L]);
     }
 
+    #[inline(always)]
     fn coarse(&mut self, row: usize, frame: &mut Chunks<L>) {
         let (width, height) = frame.size();
         let per_cell = 1_usize << -self.level;
@@ -162,6 +165,7 @@ impl<const L: usize> Emitter<L> {
     }
 
     /// One row of pixels between the second and the third of four rows of cells, `t` of the way.
+    #[inline(always)]
     fn coarse_line(
         &mut self,
         [first, last]: [usize; 2],
@@ -224,8 +228,16 @@ fn cubic(t: f32) -> [f32; 4] {
     ]
 }
 
+#[inline(always)]
 fn weighted<const L: usize>([a, b, c, d]: [&[f32; L]; 4], w: [f32; 4]) -> [f32; L] {
-    std::array::from_fn(|l| w[0] * a[l] + w[1] * b[l] + w[2] * c[l] + w[3] * d[l])
+    let (a, b, c, d) = (*a, *b, *c, *d);
+    let mut sum = a;
+    let mut l = 0;
+    while l < L {
+        sum[l] = w[0] * a[l] + w[1] * b[l] + w[2] * c[l] + w[3] * d[l];
+        l += 1;
+    }
+    sum
 }
 
 /// The least span that holds two, of which those with nothing in them do not count.
@@ -238,6 +250,7 @@ fn union(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
 }
 
 /// Adds a row of pixels to the frame, without the runs in which there is nothing.
+#[inline(always)]
 fn hand_on<const L: usize>(
     frame: &mut Chunks<L>,
     y: usize,

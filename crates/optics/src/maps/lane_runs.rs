@@ -71,14 +71,11 @@ impl<const L: usize> LaneRuns<L> {
         (place > 0).then(|| &self.runs[place - 1])
     }
 
-    /// The runs of some chunks of as many lanes or fewer; further lanes are 0.
+    /// The runs of some chunks.
     ///
     /// `finish` is called for each run by its number, in order, once the row below it is there and
     /// none after that: while it is at hand.
-    pub(crate) fn of_chunks<const C: usize>(
-        chunks: &Chunks<C>,
-        mut finish: impl FnMut(&mut Self, usize),
-    ) -> Self {
+    pub(crate) fn of_chunks(chunks: &Chunks<L>, mut finish: impl FnMut(&mut Self, usize)) -> Self {
         let (width, height) = chunks.size();
         let mut runs = Self::with_room(width, height, chunks.n_runs());
         let mut n_finished = 0;
@@ -91,7 +88,7 @@ impl<const L: usize> LaneRuns<L> {
                 finish(&mut runs, n_finished);
                 n_finished += 1;
             }
-            for (lane, values) in runs.push((x, y)).iter_mut().take(C).enumerate() {
+            for (lane, values) in runs.push((x, y)).iter_mut().enumerate() {
                 *values = std::array::from_fn(|k| pixels[k][lane]);
             }
         }

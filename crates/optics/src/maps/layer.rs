@@ -65,9 +65,55 @@ pub(crate) fn spread<const L: usize>(
         levels.entry(level).or_default().push(facet);
     }
     for (level, facets) in levels {
-        Layer::new(level, &facets, n_shares, pupil, (width, height)).run(&facets, &mut frame);
+        let layer = Layer::new(level, &facets, n_shares, pupil, (width, height));
+        pulp::Arch::new().dispatch(RunLayer {
+            layer,
+            facets: &facets,
+            frame: &mut frame,
+        });
     }
     frame
+}
+
+/// All rows of a layer, compiled once more for processors with AVX2, as far as it is inlined. No
+/// result depends on it: nothing is fused.
+struct RunLayer<'a, const L: usize> {
+    layer: Layer<L>,
+    facets: &'a [&'a Facet<L>],
+    frame: &'a mut Chunks<L>,
+}
+
+impl<const L: usize> pulp::WithSimd for RunLayer<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<V: pulp::Simd>(self, _: V) {
+        self.layer.run(self.facets, self.frame);
+    }
+}
+
+/// a + s b, of whole arrays, of which the compiler makes vectors.
+#[inline(always)]
+pub(super) fn add_scaled<const L: usize>(a: [f32; L], s: f32, b: [f32; L]) -> [f32; L] {
+    let mut sum = a;
+    let mut l = 0;
+    while l < L {
+        sum[l] = a[l] + s * b[l];
+        l += 1;
+    }
+    sum
+}
+
+/// a + b, of whole arrays.
+#[inline(always)]
+pub(super) fn add_arrays<const L: usize>(a: [f32; L], b: [f32; L]) -> [f32; L] {
+    let mut sum = a;
+    let mut l = 0;
+    while l < L {
+        sum[l] = a[l] + b[l];
+        l += 1;
+    }
+    sum
 }
 
 /// A size of cells, and whether coverage is found on halves of them.
@@ -184,6 +230,7 @@ impl<const L: usize> Layer<L> {
         }
     }
 
+    #[inline(always)]
     fn run(mut self, facets: &[&Facet<L>], frame: &mut Chunks<L>) {
         let per_cell = if self.level.is_halved { 2 } else { 1 };
         let fine_rows = self.rows * per_cell;
@@ -245,6 +292,7 @@ impl<const L: usize> Layer<L> {
     }
 
     /// Scatters a row that is complete, and hands on the row that no later disc reaches.
+    #[inline(always)]
     fn finish(
         &mut self,
         row: usize,
@@ -260,23 +308,22 @@ impl<const L: usize> Layer<L> {
 
     /// Scatters the cells of a row over their discs, and empties them. Rows of the ring begin
     /// `reach` before those of the cells.
+    #[inline(always)]
     fn scatter(&mut self, row: usize, cells: &mut Row<L>) {
         let stride = self.columns + 2 * self.reach;
         let mut touched = std::mem::take(&mut self.scattered);
-        cells.drain(|column, cell| {
-            let lanes = cell.lanes;
+        for k in 0..cells.n_touched() {
+            let (column, lanes, kernel) = cells.take(k);
             let (middle, row) = (column + self.reach, row + self.reach);
-            let kernel = &self.kernels[cell.kernel as usize];
+            let kernel = &self.kernels[kernel as usize];
             for stretch in kernel.stretches() {
                 let slot = row.wrapping_add_signed(stretch.dy as isize) & self.ring_mask;
                 let line = slot * stride + middle;
                 for end in &stretch.ends {
                     let at = line.wrapping_add_signed(end.dx as isize);
                     if let Some([one, two]) = self.ring.get_mut(at..at + 2) {
-                        // As whole arrays, of which the compiler makes vectors.
-                        let sums = [*one, *two];
-                        *one = std::array::from_fn(|l| sums[0][l] + end.steps[0] * lanes[l]);
-                        *two = std::array::from_fn(|l| sums[1][l] + end.steps[1] * lanes[l]);
+                        *one = add_scaled(*one, end.steps[0], lanes);
+                        *two = add_scaled(*two, end.steps[1], lanes);
                     }
                 }
             }
@@ -286,7 +333,8 @@ impl<const L: usize> Layer<L> {
                     *word |= 1 << (block % 64);
                 }
             }
-        });
+        }
+        cells.clear();
         if touched.iter().any(|word| *word > 0) {
             for y in row..=row + 2 * self.reach {
                 let first = (y & self.ring_mask) * self.n_words;
@@ -300,6 +348,7 @@ impl<const L: usize> Layer<L> {
     }
 
     /// Sums up the row of the ring that no later disc reaches, hands it on, and clears it.
+    #[inline(always)]
     fn finish_row(&mut self, ring_row: usize, emitter: &mut Emitter<L>, frame: &mut Chunks<L>) {
         let slot = ring_row & self.ring_mask;
         let stride = self.columns + 2 * self.reach;
@@ -316,11 +365,11 @@ impl<const L: usize> Layer<L> {
             let cells = within.map(|at| at - self.reach);
             let mut sum = [0.0_f32; L];
             for step in &mut line[first..within[0]] {
-                sum = std::array::from_fn(|l| sum[l] + step[l]);
+                sum = add_arrays(sum, *step);
             }
             let steps = &mut line[within[0]..within[1]];
             for (step, to) in steps.iter_mut().zip(&mut emitter.row[cells[0]..cells[1]]) {
-                sum = std::array::from_fn(|l| sum[l] + step[l]);
+                sum = add_arrays(sum, *step);
                 *to = sum;
             }
             line[first..end].fill([0.0; L]);

@@ -16,12 +16,13 @@ use crate::OpticsError;
 use crate::environment::Environment;
 use crate::maps::{CHUNK, LaneRun, LaneRuns};
 use crate::physical::{
-    LAYER_LANES, Lighting, Outline, Overlay, OverlayLayer, Pattern, PatternLayer, PhysicalOptics,
+    Colors, Lighting, Outline, Overlay, OverlayLayer, Pattern, PatternLayer, PhysicalOptics,
     code_mask,
 };
+use crate::surface::LANES;
 
 /// First byte; another one is another version.
-const VERSION: u8 = 3;
+const VERSION: u8 = 4;
 
 /// What errors call it.
 const WHAT: &str = "pattern";
@@ -148,7 +149,8 @@ impl PackedPattern {
         optics: &PhysicalOptics,
     ) -> Result<Overlay, OpticsError> {
         let layers = self.layers.iter();
-        let layers = layers.map(|layer| self.lit(layer, environment));
+        let colors = Colors::of(environment, &optics.glass);
+        let layers = layers.map(|layer| self.lit(layer, &colors));
         Ok(Overlay::of_layers(
             (self.size, self.f_px),
             environment,
@@ -157,21 +159,17 @@ impl PackedPattern {
         ))
     }
 
-    fn lit(
-        &self,
-        layer: &PackedLayer,
-        environment: &Environment,
-    ) -> Result<OverlayLayer, OpticsError> {
+    fn lit(&self, layer: &PackedLayer, colors: &Colors) -> Result<OverlayLayer, OpticsError> {
         #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = pulp::x86::V3::try_new() {
             return avx2.vectorize(LitByAvx2 {
                 avx2,
                 pattern: self,
                 layer,
-                environment,
+                colors,
             });
         }
-        self.lit_by(AnyProcessor, layer, environment)
+        self.lit_by(AnyProcessor, layer, colors)
     }
 
     #[inline(always)]
@@ -179,12 +177,12 @@ impl PackedPattern {
         &self,
         reader: impl Reader,
         layer: &PackedLayer,
-        environment: &Environment,
+        colors: &Colors,
     ) -> Result<OverlayLayer, OpticsError> {
-        let mut runs = self.runs::<LAYER_LANES>(&layer.light)?;
+        let mut runs = self.runs::<LANES>(&layer.light)?;
         let mut tints = self.runs::<3>(&layer.tint)?;
-        let mut lighting = Lighting::new(environment, runs.n_left());
-        let (mut lanes, mut colors) = ([[0.0; CHUNK]; LAYER_LANES], [[0.0; CHUNK]; 3]);
+        let mut lighting = Lighting::new(*colors, runs.n_left());
+        let (mut lanes, mut colors) = ([[0.0; CHUNK]; LANES], [[0.0; CHUNK]; 3]);
         while let Some(run) = runs.next(reader)? {
             let BlockRun { at, present, .. } = run;
             let (x, y) = at;
@@ -273,7 +271,7 @@ struct LitByAvx2<'a> {
     avx2: pulp::x86::V3,
     pattern: &'a PackedPattern,
     layer: &'a PackedLayer,
-    environment: &'a Environment,
+    colors: &'a Colors,
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -282,7 +280,7 @@ impl pulp::NullaryFnOnce for LitByAvx2<'_> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        self.pattern.lit_by(self.avx2, self.layer, self.environment)
+        self.pattern.lit_by(self.avx2, self.layer, self.colors)
     }
 }
 

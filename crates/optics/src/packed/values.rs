@@ -4,8 +4,8 @@
 //! up to 2⁻⁸, and has eight bits of fraction beyond; the place that a mirror shows is in 1/128 px
 //! from the pixel itself; the width over which it is averaged is in 1/32 px up to 8 px, beyond
 //! which the renderer asks for its power of two alone; a tint is in 2⁻¹¹. In linear light of at
-//! most 1, with the darkest step of an 8-bit code being 3.0·10⁻⁴ of it, the five shares are off by
-//! at most half a code of black together; a sun of irradiance 8 by a fifth of a code; the place by
+//! most 1, with the darkest step of an 8-bit code being 3.0·10⁻⁴ of it, the seven shares are off by
+//! at most two thirds of a code of black together; a sun of irradiance 8 by a fifth of a code; the place by
 //! one code of the steepest edge that an image can have, times its share; the width by half a code
 //! of such an edge; a tint by a fifteenth of a code of the light that it tints.
 
@@ -14,8 +14,8 @@ use wide::{f32x8, i32x8};
 use super::block::Block;
 use super::runs::{BlockRun, from_steps, steps};
 use crate::maps::{CHUNK, LaneRun};
-use crate::physical::{FINE_WIDTHS, LAYER_LANES, LEAST_ELSEWHERE, WIDTH};
-use crate::surface::{FRAME, FRAME_U, FRAME_V, N_SHARES, SUN};
+use crate::physical::{FINE_WIDTHS, LEAST_ELSEWHERE};
+use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN, WIDTH};
 
 /// Steps of a share of light in 1.
 const SHARE_STEPS: f32 = 16_384.0;
@@ -102,11 +102,8 @@ fn middle(at: usize) -> f32 {
     at as f32 + 0.5
 }
 
-pub(super) fn light_blocks(
-    (x, y): (usize, usize),
-    run: &LaneRun<LAYER_LANES>,
-) -> [Block; LAYER_LANES] {
-    let mut blocks = [[0; CHUNK]; LAYER_LANES];
+pub(super) fn light_blocks((x, y): (usize, usize), run: &LaneRun<LANES>) -> [Block; LANES] {
+    let mut blocks = [[0; CHUNK]; LANES];
     for k in 0..CHUNK {
         let lanes = run.map(|lane| lane[k]);
         for lane in 0..N_SHARES {
@@ -144,7 +141,7 @@ pub(super) fn light_blocks(
 /// The light of a run. Shares and light of the sun that are not present stay as they are, and so do
 /// place and width where the frame has no share.
 #[inline(always)]
-pub(super) fn light_pixels(of: &BlockRun<'_, LAYER_LANES>, run: &mut LaneRun<LAYER_LANES>) {
+pub(super) fn light_pixels(of: &BlockRun<'_, LANES>, run: &mut LaneRun<LANES>) {
     let BlockRun {
         at: (x, y),
         blocks,
@@ -230,7 +227,7 @@ mod tests {
 
     #[test]
     fn shares_that_are_rounded_up_come_to_no_more_than_all() {
-        let mut run = [[0.0; CHUNK]; LAYER_LANES];
+        let mut run = [[0.0; CHUNK]; LANES];
         for lane in run.iter_mut().take(N_SHARES - 1) {
             *lane = [3276.5 / SHARE_STEPS; CHUNK];
         }

@@ -52,7 +52,7 @@ pub(super) fn blend_and_blur<S: Sample>(
     coverage: &Coverage,
     optics: &PaperOptics,
 ) -> BitRows {
-    if coverage.is_empty() {
+    if coverage.is_empty() && optics.focus == Focus::Far {
         return BitRows::new(width, height);
     }
     let channels = colors + alphas;
@@ -87,6 +87,10 @@ pub(super) fn blend_and_blur<S: Sample>(
         (Focus::Short, _) => {
             blur_pixels(&region, size, colors, &kernel, &mut BlurredScene(canvas));
         }
+    }
+    if coverage.is_empty() {
+        // The blur is the camera's.
+        return BitRows::new(width, height);
     }
     region
 }

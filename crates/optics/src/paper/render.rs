@@ -61,7 +61,7 @@ pub fn draw(network: &CrackNetwork, view: &View, time: f64, optics: &PaperOptics
 /// [`CrackAndScene`](super::FarFocusBlur::CrackAndScene) the two are blurred together, G∗(I·(1 − M) + M·I_c). Either
 /// way only where a crack pixel lies within half the kernel; all else stays as it is, to the
 /// byte. Short focus: (G∗I)·(1 − M) + M·I_c over the whole frame. Where nothing is broken the
-/// image stays as it is. Alpha is never changed.
+/// image stays as it is, but for that blur, which is the camera's. Alpha is never changed.
 ///
 /// # Errors
 /// [`OpticsError`] for a parameter out of range, an image without pixels or of another size than

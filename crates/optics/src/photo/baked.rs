@@ -117,12 +117,7 @@ pub fn bake(
     optics.check()?;
     placement.check()?;
     let (width, height) = view.size();
-    let sheet = SheetView::new(
-        view,
-        &optics.lens,
-        optics.thickness_mm,
-        optics.refractive_index,
-    )?;
+    let sheet = SheetView::new(view, &optics.lens, &optics.glass)?;
     let horizon = Horizon::at_row(optics.environment.horizon_row, height, sheet.f_px());
     let outward = sheet.camera_from_sheet([0.0, 0.0, 1.0]);
     let size = (width as usize, height as usize);
@@ -182,7 +177,7 @@ pub fn covered_share(
 fn radius_px(sheet: &SheetView, row: f64) -> Option<f64> {
     let middle = 0.5 * f64::from(sheet.view().size().0);
     let point = sheet.view().unproject([middle, row + 0.5])?;
-    let radius = sheet.blur_radius_px(point, 0.5 * sheet.thickness_mm)?;
+    let radius = sheet.blur_radius_px(point, 0.5 * sheet.outer_mm())?;
     // In steps, so that rows share their discs.
     let step = libm::log(RADIUS_RATIO);
     let steps = (libm::log(radius.abs().max(1e-3)) / step).round();

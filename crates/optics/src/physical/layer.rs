@@ -3,16 +3,7 @@
 use super::elsewhere::ONE_MIRROR;
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE};
 use crate::maps::{CHUNK, Chunks, LaneRun, LaneRuns};
-use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN};
-
-/// Lanes of a layer: shares of light and the sun's as of a facet; the place of the frame that is
-/// shown, px, 0 where there is none; and [`WIDTH`].
-pub(crate) const LAYER_LANES: usize = LANES + 1;
-
-/// Over how much of the frame about that place, px, its light is averaged: where the blur mixes
-/// two mirrors that show places far apart, the mean place is the middle of much, not a picture of
-/// its own.
-pub(crate) const WIDTH: usize = LANES;
+use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN, WIDTH};
 
 /// By how much more than the mean red, green and blue are reflected, over that mean: −1 where none
 /// of a color is, 2 where all is of this color.
@@ -22,7 +13,7 @@ pub(crate) type Tint = LaneRun<3>;
 #[derive(Debug, Clone)]
 pub(crate) struct PatternLayer {
     /// Shares come to 1 together at most.
-    pub(crate) light: LaneRuns<LAYER_LANES>,
+    pub(crate) light: LaneRuns<LANES>,
     pub(crate) tint: LaneRuns<3>,
 }
 
@@ -52,11 +43,11 @@ impl PatternLayer {
 }
 
 /// Places and widths of the k-th run, whose neighbors to the right and below are sums as yet.
-fn find_places(light: &mut LaneRuns<LAYER_LANES>, k: usize, blur_px: f32) {
+fn find_places(light: &mut LaneRuns<LANES>, k: usize, blur_px: f32) {
     let (width, _) = light.size();
     let ((x, y), run) = light.nth_mut(k);
     if !run[FRAME].iter().any(|share| *share > LEAST_ELSEWHERE) {
-        run[FRAME_U..].fill([0.0; CHUNK]);
+        [run[FRAME_U], run[FRAME_V]] = [[0.0; CHUNK]; 2];
         return;
     }
     let own = Places::of(run);
@@ -72,7 +63,7 @@ fn find_places(light: &mut LaneRuns<LAYER_LANES>, k: usize, blur_px: f32) {
 }
 
 /// Sum of the shares of each pixel.
-fn shares_of(lanes: &LaneRun<LAYER_LANES>) -> [f32; CHUNK] {
+fn shares_of(lanes: &LaneRun<LANES>) -> [f32; CHUNK] {
     let mut shares = [0.0; CHUNK];
     for lane in &lanes[..N_SHARES] {
         for (sum, share) in shares.iter_mut().zip(lane) {
@@ -84,7 +75,7 @@ fn shares_of(lanes: &LaneRun<LAYER_LANES>) -> [f32; CHUNK] {
 
 /// All light over the sum of the shares where that is more than 1 (facets of different blur over
 /// each other).
-fn at_most_one(run: &mut LaneRun<LAYER_LANES>, over: &[f32; CHUNK]) {
+fn at_most_one(run: &mut LaneRun<LANES>, over: &[f32; CHUNK]) {
     for lane in (0..N_SHARES).chain([SUN]) {
         for (light, over) in run[lane].iter_mut().zip(over) {
             *light /= over;
@@ -95,7 +86,7 @@ fn at_most_one(run: &mut LaneRun<LAYER_LANES>, over: &[f32; CHUNK]) {
 /// The tint of the light that is not from the frame; `sums` are those of its colors, over all
 /// shares before they were at most 1.
 fn tint_of(
-    lanes: &LaneRun<LAYER_LANES>,
+    lanes: &LaneRun<LANES>,
     over: &[f32; CHUNK],
     [_, red, green, blue]: &LaneRun<4>,
 ) -> Tint {
@@ -122,7 +113,7 @@ struct Places {
 }
 
 /// The place that a pixel shows, px, in the direction of a lane; not a number where it shows none.
-fn place(lanes: &LaneRun<LAYER_LANES>, lane: usize, k: usize) -> f32 {
+fn place(lanes: &LaneRun<LANES>, lane: usize, k: usize) -> f32 {
     let share = lanes[FRAME][k];
     if share > LEAST_ELSEWHERE {
         lanes[lane][k] / share
@@ -137,7 +128,7 @@ impl Places {
         v: [f32::NAN; CHUNK],
     };
 
-    fn of(lanes: &LaneRun<LAYER_LANES>) -> Self {
+    fn of(lanes: &LaneRun<LANES>) -> Self {
         let over = |lane: usize| std::array::from_fn(|k| place(lanes, lane, k));
         Self {
             u: over(FRAME_U),
@@ -146,7 +137,7 @@ impl Places {
     }
 
     /// The place of the first pixel of a run.
-    fn first_of(lanes: &LaneRun<LAYER_LANES>) -> [f32; 2] {
+    fn first_of(lanes: &LaneRun<LANES>) -> [f32; 2] {
         [place(lanes, FRAME_U, 0), place(lanes, FRAME_V, 0)]
     }
 
@@ -184,7 +175,7 @@ mod tests {
     #![expect(clippy::float_cmp, reason = "sums and quotients of powers of two")]
 
     use super::*;
-    use crate::surface::{CABIN, GROUND};
+    use crate::surface::{CABIN_LOW, GROUND};
 
     /// One run of a frame of one row.
     fn run_of<const L: usize>(lanes: [f32; L]) -> LaneRuns<L> {
@@ -196,7 +187,7 @@ mod tests {
     /// A layer of some cabin light and light from (40, 8) in the frame.
     fn layer(cabin: f32, frame: f32, tint: [f32; 4]) -> PatternLayer {
         let mut lanes = [0.0; LANES];
-        lanes[CABIN] = cabin;
+        lanes[CABIN_LOW] = cabin;
         lanes[FRAME] = frame;
         lanes[FRAME_U] = 40.0 * frame;
         lanes[FRAME_V] = 8.0 * frame;
@@ -230,12 +221,12 @@ mod tests {
     #[test]
     fn a_place_is_that_of_the_share_and_no_place_has_no_width() {
         let shown = layer(0.5, 0.25, [0.0; 4]);
-        let lanes = first(&shown.light).unwrap_or([0.0; LAYER_LANES]);
+        let lanes = first(&shown.light).unwrap_or([0.0; LANES]);
         let place = [lanes[FRAME_U], lanes[FRAME_V], lanes[WIDTH]];
         assert_eq!(place, [40.0, 8.0, 0.0], "one mirror");
         assert!(first(&shown.tint).is_none(), "no tint");
         let dark = layer(0.5, 0.0, [0.0; 4]);
-        let lanes = first(&dark.light).unwrap_or([1.0; LAYER_LANES]);
+        let lanes = first(&dark.light).unwrap_or([1.0; LANES]);
         let place = [lanes[FRAME_U], lanes[FRAME_V], lanes[WIDTH], lanes[GROUND]];
         assert_eq!(place, [0.0; 4], "nothing");
     }

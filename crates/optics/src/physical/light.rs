@@ -2,19 +2,46 @@
 
 use wide::f32x8;
 
+use super::Glass;
 use super::elsewhere::Elsewhere;
-use super::layer::{LAYER_LANES, PatternLayer, Tint, WIDTH};
+use super::layer::{PatternLayer, Tint};
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE, OverlayLayer, Run};
 use crate::bit_rows::set_bits;
-use crate::environment::{Environment, Rgb};
+use crate::environment::{Environment, HemisphereWeights, Rgb};
 use crate::maps::{CHUNK, LaneRun};
-use crate::surface::{CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, N_SHARES, SUN, ZENITH};
+use crate::surface::{
+    CABIN_HIGH, CABIN_LOW, FRAME, FRAME_U, FRAME_V, GROUND, HELD, HORIZON, LANES, N_SHARES, SUN,
+    WIDTH, ZENITH,
+};
 
 /// Lanes with light of their own: all shares but the frame's, which is looked up, and the sun's.
-const LIT: [usize; 5] = [HORIZON, ZENITH, GROUND, CABIN, SUN];
+const LIT: [usize; 7] = [HORIZON, ZENITH, GROUND, CABIN_LOW, CABIN_HIGH, HELD, SUN];
+
+/// Absorption of clear soda-lime glass in red, green and blue (610, 550 and 450 nm), per m
+/// \[Rubin1985\].
+const ABSORPTION_PER_M: [f64; 3] = [10.7, 5.0, 5.4];
+
+/// Mean sine of the angle between light that the faces hold and their normal: between 1/n and 1.
+const HELD_SINE: f64 = 0.83;
+
+impl Glass {
+    /// Radiance of light that the faces hold: ρ exp(−a D/sin θ) of what falls on the rim, with ρ
+    /// the rim's reflectance, D the way to it and a the absorption of the glass.
+    fn held_light(&self, environment: &Environment) -> Rgb {
+        let rim = HemisphereWeights::facing(0.0).mean_radiance(environment);
+        std::array::from_fn(|k| {
+            let way_m = 1e-3 * self.rim_way_mm / HELD_SINE;
+            let left = self.rim_reflectance * libm::exp(-ABSORPTION_PER_M[k] * way_m);
+            #[expect(clippy::cast_possible_truncation, reason = "light as f32")]
+            let left = left as f32;
+            rim[k] * left
+        })
+    }
+}
 
 /// The light of each of the first lanes.
-struct Colors {
+#[derive(Clone, Copy)]
+pub(crate) struct Colors {
     /// None of the frame's.
     rgb: [Rgb; SUN + 1],
     /// The greatest of each color, at least 1, where there is light.
@@ -22,7 +49,7 @@ struct Colors {
 }
 
 impl Colors {
-    fn of(environment: &Environment) -> Self {
+    pub(crate) fn of(environment: &Environment, glass: &Glass) -> Self {
         let mut colors = Self {
             rgb: [[0.0; 3]; SUN + 1],
             greatest: [0.0; SUN + 1],
@@ -31,7 +58,9 @@ impl Colors {
             environment.horizon_rgb,
             environment.zenith_rgb,
             environment.ground_rgb,
-            environment.cabin_rgb,
+            environment.cabin_low_rgb,
+            environment.cabin_high_rgb,
+            glass.held_light(environment),
             environment.sun_rgb,
         ];
         for (lane, rgb) in LIT.into_iter().zip(rgb) {
@@ -50,9 +79,9 @@ pub(crate) struct Lighting {
 
 impl Lighting {
     /// Of so many runs.
-    pub(crate) fn new(environment: &Environment, n_runs: usize) -> Self {
+    pub(crate) fn new(colors: Colors, n_runs: usize) -> Self {
         Self {
-            colors: Colors::of(environment),
+            colors,
             layer: OverlayLayer {
                 runs: Vec::with_capacity(n_runs),
                 // Few layers have more of them than every other run.
@@ -69,7 +98,7 @@ impl Lighting {
     pub(crate) fn push(
         &mut self,
         (x, y): (usize, usize),
-        (lanes, present): (&LaneRun<LAYER_LANES>, usize),
+        (lanes, present): (&LaneRun<LANES>, usize),
         tint: Option<&Tint>,
     ) {
         let layer = &mut self.layer;
@@ -107,9 +136,9 @@ impl Lighting {
 }
 
 impl OverlayLayer {
-    /// A layer under the light of an environment.
-    pub(super) fn lit(layer: &PatternLayer, environment: &Environment) -> Self {
-        let mut lighting = Lighting::new(environment, layer.light.n_runs());
+    /// A layer under a light.
+    pub(super) fn lit(layer: &PatternLayer, colors: Colors) -> Self {
+        let mut lighting = Lighting::new(colors, layer.light.n_runs());
         for (x, y, lanes) in layer.light.iter() {
             lighting.push(
                 (x, y),
@@ -125,7 +154,7 @@ impl OverlayLayer {
 static NOTHING: [f32; CHUNK] = [0.0; CHUNK];
 
 /// A bit for each lane that is not all zeros.
-fn present_lanes(lanes: &LaneRun<LAYER_LANES>) -> usize {
+fn present_lanes(lanes: &LaneRun<LANES>) -> usize {
     lanes.iter().enumerate().fold(0, |present, (lane, values)| {
         let any = values.iter().fold(0, |any, value| any | value.to_bits());
         // But for signs of zeros.
@@ -170,7 +199,7 @@ struct LitGroup {
 
 impl Colors {
     #[inline(always)]
-    fn group(&self, lanes: &LaneRun<LAYER_LANES>, g: usize, present: usize) -> LitGroup {
+    fn group(&self, lanes: &LaneRun<LANES>, g: usize, present: usize) -> LitGroup {
         let [zero, one, least] = [0.0, 1.0, LEAST_INFLUENCE].map(f32x8::splat);
         // No color can be more than the bound.
         let (mut shares, mut bound, mut rgb) = (zero, zero, [zero; 3]);
@@ -250,7 +279,7 @@ impl Run {
 impl Elsewhere {
     /// Light from elsewhere in the frame of the pixels that are touched, if there is any.
     #[inline(always)]
-    fn of(lanes: &LaneRun<LAYER_LANES>, touched: u32) -> Option<Self> {
+    fn of(lanes: &LaneRun<LANES>, touched: u32) -> Option<Self> {
         let mut is_any = false;
         let mut share = lanes[FRAME];
         for (k, share) in share.iter_mut().enumerate() {

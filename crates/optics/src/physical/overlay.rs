@@ -6,6 +6,7 @@ use image::GrayImage;
 
 use super::PhysicalOptics;
 use super::elsewhere::Elsewhere;
+use super::light::Colors;
 use super::pattern::Pattern;
 use crate::bit_rows::set_bits;
 use crate::environment::{Environment, Rgb};
@@ -83,8 +84,9 @@ impl Overlay {
         environment: &Environment,
         optics: &PhysicalOptics,
     ) -> Self {
+        let colors = Colors::of(environment, &optics.glass);
         let layers = pattern.layers().iter();
-        let layers = layers.map(|layer| OverlayLayer::lit(layer, environment));
+        let layers = layers.map(|layer| OverlayLayer::lit(layer, colors));
         let frame = (pattern.size(), pattern.f_px());
         Self::of_layers(frame, environment, optics, layers.collect())
     }
@@ -141,6 +143,13 @@ impl Overlay {
         Self::of_layers((size, f_px), environment, optics, vec![layer])
     }
 
+    /// Whether [`Overlay::apply`] leaves every image as it is: nothing is broken in the frame, and
+    /// the lens adds nothing of its own.
+    #[must_use]
+    pub fn changes_nothing(&self) -> bool {
+        self.layers.is_empty() && self.changes_runs_alone()
+    }
+
     /// The light it is under.
     #[must_use]
     pub fn environment(&self) -> &Environment {
@@ -190,13 +199,9 @@ impl Overlay {
         mask
     }
 
-    /// Radius of the disc that a point of the scene becomes, px; 0 where it is in focus or
-    /// nothing is broken.
+    /// Radius of the disc that a point of the scene becomes, px; 0 where it is in focus.
     #[must_use]
     pub fn scene_blur_radius_px(&self) -> f64 {
-        if self.layers.is_empty() {
-            return 0.0;
-        }
         self.scene_px().abs()
     }
 

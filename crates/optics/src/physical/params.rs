@@ -11,11 +11,8 @@ pub struct PhysicalOptics {
     pub lens: Lens,
     /// The light around the camera.
     pub environment: EnvironmentParams,
-    /// Thickness of the sheet that is broken, mm, 0.05 to 100. **Default**: 2.1, the outer ply of
-    /// a windscreen.
-    pub thickness_mm: f64,
-    /// Refractive index of the glass, 1.3 to 2. **Default**: 1.52, soda-lime.
-    pub refractive_index: f64,
+    /// The glass before the lens.
+    pub glass: Glass,
     /// Surfaces of the cracks.
     pub surface: SurfaceParams,
     /// Share of the light that the lens spreads over the whole frame on top of what the image
@@ -28,15 +25,52 @@ pub struct PhysicalOptics {
     pub region_threshold: f64,
 }
 
+/// The glass before the lens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Glass {
+    /// Thickness of the ply that was hit, or of the only sheet, mm, 0.05 to 100. **Default**: 2.1,
+    /// the outer ply of a windscreen.
+    pub thickness_mm: f64,
+    /// Laminates: thickness of the interlayer that is bonded to it on the camera's side, mm, 0 to
+    /// 100. **Default**: 0.
+    pub interlayer_mm: f64,
+    /// Laminates: thickness of the ply beyond the interlayer, mm, 0 to 100. **Default**: 0.
+    pub inner_ply_mm: f64,
+    /// Refractive index, 1.3 to 2. **Default**: 1.52, soda-lime.
+    pub refractive_index: f64,
+    /// Share of the light that the rim of the pane sends back into it, 0 to 1. **Default**: 0, the
+    /// black frit around a windscreen.
+    pub rim_reflectance: f64,
+    /// Mean way to the rim, mm, 0 to 10⁵. **Default**: 550, that of a windscreen.
+    pub rim_way_mm: f64,
+}
+
+/// What a roughness may be.
+const ALPHA: &str = "\"auto\", or 0 to 1";
+
+impl Default for Glass {
+    fn default() -> Self {
+        Self {
+            thickness_mm: 2.1,
+            interlayer_mm: 0.0,
+            inner_ply_mm: 0.0,
+            refractive_index: 1.52,
+            rim_reflectance: 0.0,
+            rim_way_mm: 550.0,
+        }
+    }
+}
+
 /// What the surfaces of cracks are like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceParams {
-    /// GGX α of a mirror zone, 0 to 1. FIT. **Default**: 0.02.
-    pub mirror_alpha: f64,
-    /// GGX α of a mist zone, 0 to 1. FIT. **Default**: 0.08.
-    pub mist_alpha: f64,
-    /// GGX α of a hackle zone, 0 to 1. FIT. **Default**: 0.3.
-    pub hackle_alpha: f64,
+    /// GGX α of a mirror zone, 0 to 1, in place of that of its roughness: 0.13 R^0.55 of the RMS
+    /// roughness R in µm, from 0.02 to 0.3 (FIT), or 0.02 where the network has none.
+    pub mirror_alpha: Option<f64>,
+    /// The same of a mist zone, or 0.08.
+    pub mist_alpha: Option<f64>,
+    /// The same of a hackle zone, or 0.3.
+    pub hackle_alpha: Option<f64>,
     /// Opening of cracks of a network without that column, µm, 0 to 1000. **Default**: 10.
     pub opening_um: f64,
     /// Radius of the white, crushed zone over that of the network, 0 (none) to 10. **Default**: 1.
@@ -68,9 +102,9 @@ pub struct SensorNoise {
 impl Default for SurfaceParams {
     fn default() -> Self {
         Self {
-            mirror_alpha: 0.02,
-            mist_alpha: 0.08,
-            hackle_alpha: 0.3,
+            mirror_alpha: None,
+            mist_alpha: None,
+            hackle_alpha: None,
             opening_um: 10.0,
             crushed_zone: 1.0,
             chip: 2.0,
@@ -87,8 +121,7 @@ impl Default for PhysicalOptics {
         Self {
             lens: Lens::default(),
             environment: EnvironmentParams::default(),
-            thickness_mm: 2.1,
-            refractive_index: 1.52,
+            glass: Glass::default(),
             surface: SurfaceParams::default(),
             veiling_glare: 0.0,
             noise: None,
@@ -104,30 +137,47 @@ impl PhysicalOptics {
     /// [`OpticsError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), OpticsError> {
         self.lens.check()?;
-        let surface = &self.surface;
+        let (glass, surface) = (&self.glass, &self.surface);
         let environment = &self.environment;
         let noise = self.noise.unwrap_or(SensorNoise {
             read: 0.0,
             shot: 0.0,
         });
+        let alpha = |given: Option<f64>| given.unwrap_or(0.0);
         let ranges = [
             (
                 "thickness_mm",
-                self.thickness_mm,
+                glass.thickness_mm,
                 0.05,
                 100.0,
                 "0.05 to 100 mm",
             ),
             (
+                "interlayer_thickness_mm",
+                glass.interlayer_mm,
+                0.0,
+                100.0,
+                "0 to 100 mm",
+            ),
+            (
+                "inner_thickness_mm",
+                glass.inner_ply_mm,
+                0.0,
+                100.0,
+                "0 to 100 mm",
+            ),
+            (
                 "refractive_index",
-                self.refractive_index,
+                glass.refractive_index,
                 1.3,
                 2.0,
                 "1.3 to 2",
             ),
-            ("mirror_alpha", surface.mirror_alpha, 0.0, 1.0, "0 to 1"),
-            ("mist_alpha", surface.mist_alpha, 0.0, 1.0, "0 to 1"),
-            ("hackle_alpha", surface.hackle_alpha, 0.0, 1.0, "0 to 1"),
+            ("rim_reflectance", glass.rim_reflectance, 0.0, 1.0, "0 to 1"),
+            ("rim_way_mm", glass.rim_way_mm, 0.0, 1e5, "0 to 100000 mm"),
+            ("mirror_alpha", alpha(surface.mirror_alpha), 0.0, 1.0, ALPHA),
+            ("mist_alpha", alpha(surface.mist_alpha), 0.0, 1.0, ALPHA),
+            ("hackle_alpha", alpha(surface.hackle_alpha), 0.0, 1.0, ALPHA),
             (
                 "opening_um",
                 surface.opening_um,
@@ -195,11 +245,16 @@ impl PhysicalOptics {
         for (name, value, least, most, expected) in ranges {
             OpticsError::check_range(name, value, least..=most, expected)?;
         }
+        let [low, high] = match environment.cabin_rgb {
+            Some(pair) => pair.map(Some),
+            None => [None; 2],
+        };
         for (name, rgb) in [
             ("sky_horizon", environment.horizon_rgb),
             ("sky_zenith", environment.zenith_rgb),
             ("ground", environment.ground_rgb),
-            ("cabin", environment.cabin_rgb),
+            ("cabin", low),
+            ("cabin", high),
         ] {
             if let Some(&value) = rgb
                 .iter()

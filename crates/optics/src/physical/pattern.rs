@@ -55,16 +55,11 @@ pub fn bake(
 ) -> Result<Pattern, OpticsError> {
     optics.check()?;
     let (width, height) = view.size();
-    let sheet = SheetView::new(
-        view,
-        &optics.lens,
-        optics.thickness_mm,
-        optics.refractive_index,
-    )?;
+    let sheet = SheetView::new(view, &optics.lens, &optics.glass)?;
     let environment = &optics.environment;
     let horizon = Horizon::at_row(environment.horizon_row, height, sheet.f_px());
     let sun = horizon.sun(environment.sun_azimuth_rad, environment.sun_elevation_rad);
-    let gaps = gap_table(optics.refractive_index);
+    let gaps = gap_table(optics.glass.refractive_index);
     let outward = sheet.camera_from_sheet([0.0, 0.0, 1.0]);
     let from = LightFrom {
         sheet: &sheet,
@@ -72,6 +67,9 @@ pub fn bake(
         sun: sheet.sheet_from_camera(sun),
         gaps: &gaps,
         outside: HemisphereWeights::facing(horizon.sin_elevation(outward)),
+        // The mean of a light that runs with the sine, over the half space that a face sees, is
+        // that of 2/3 of the sine of its normal.
+        inside_high: 0.5 - horizon.sin_elevation(outward) / 3.0,
     };
     let mut pattern = Pattern {
         size: (width, height),
@@ -225,7 +223,7 @@ fn reach_px(sheet: &SheetView) -> f64 {
     for corner in corners {
         if let Some(point) = sheet.view().unproject(corner)
             && let Some(radius) = sheet.blur_radius_px(point, 0.0)
-            && let Some([u, v]) = sheet.project(point, sheet.thickness_mm, [0.0; 2])
+            && let Some([u, v]) = sheet.project(point, sheet.outer_mm(), [0.0; 2])
         {
             let parallax = (u - corner[0]).abs().max((v - corner[1]).abs());
             reach = reach.max(radius.abs() + parallax);

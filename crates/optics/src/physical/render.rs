@@ -29,7 +29,8 @@ pub struct Rendered {
 /// Renders a network as far as it has grown at `time` over the image, in place: [`bake`], the
 /// light of the image's own [environment](Environment::estimate), and [`Overlay::apply`].
 ///
-/// Where nothing is broken the image stays as it is, to the byte.
+/// Where nothing is broken the image stays as it is, to the byte, but for what the lens does to it:
+/// a scene out of focus and veiling glare are the camera's, not the crack's.
 ///
 /// # Errors
 /// As for [`bake`] and [`Overlay::apply`].
@@ -114,9 +115,10 @@ impl Overlay {
         Before::of_runs(image, starts)
     }
 
-    fn changes_runs_alone(&self) -> bool {
+    /// Whether pixels that the crack does not touch stay as they are.
+    pub(super) fn changes_runs_alone(&self) -> bool {
         let is_sharp = self.scene_px().abs() < SHARP_PX;
-        self.layers.is_empty() || is_sharp && self.optics.veiling_glare <= 0.0
+        is_sharp && self.optics.veiling_glare <= 0.0
     }
 
     /// Radius, px, of the disc that a point of the scene becomes, below 0 where it is nearer than

@@ -3,38 +3,39 @@
 use std::f64::consts::FRAC_1_PI;
 
 use super::SheetView;
+use super::roughness::{MIRROR_ALPHA, NARROW_ALPHA};
 use crate::environment::{HemisphereWeights, Horizon};
 use crate::interface::fresnel::reflectance;
 use crate::interface::gap::GapTable;
-use crate::interface::ggx::{distribution, g1, sample_visible_normal};
-use crate::vector::{cross, dot, unit};
+use crate::interface::ggx::{distribution, g1};
+use crate::vector::{Vector, dot, unit};
 
-/// Lanes of a facet: shares of the light of the horizon, the zenith, the ground, the cabin and
-/// another place of the frame; the sun's; and that other place, weighted by its share.
-pub(crate) const LANES: usize = 8;
+/// Lanes of a facet: shares of the light of the horizon, the zenith, the ground, the cabin as it
+/// is straight down and straight up, of light that the sheet holds, and of another place of the
+/// frame; the sun's; and that other place, weighted by its share. [`WIDTH`] is for what the layer
+/// makes of it. Processors add four at once: one is not used.
+pub(crate) const LANES: usize = 12;
 /// Lanes that are shares of coverage: all but the sun and the place.
-pub(crate) const N_SHARES: usize = 5;
+pub(crate) const N_SHARES: usize = 7;
 pub(crate) const HORIZON: usize = 0;
 pub(crate) const ZENITH: usize = 1;
 pub(crate) const GROUND: usize = 2;
-pub(crate) const CABIN: usize = 3;
-pub(crate) const FRAME: usize = 4;
+pub(crate) const CABIN_LOW: usize = 3;
+pub(crate) const CABIN_HIGH: usize = 4;
+/// Light that both faces reflect totally: it comes from the rim of the pane, or from nowhere.
+pub(crate) const HELD: usize = 5;
+pub(crate) const FRAME: usize = 6;
 /// Radiance over the sun's irradiance.
-pub(crate) const SUN: usize = 5;
-pub(crate) const FRAME_U: usize = 6;
-pub(crate) const FRAME_V: usize = 7;
+pub(crate) const SUN: usize = 7;
+/// Over how much of the frame about that other place, px, its light is averaged: where the blur
+/// mixes two mirrors that show places far apart, the mean place is the middle of much, not a
+/// picture of its own. No facet has one.
+pub(crate) const WIDTH: usize = 9;
+pub(crate) const FRAME_U: usize = 10;
+pub(crate) const FRAME_V: usize = 11;
 
 /// Angular radius of the sun, rad.
 const SUN_RADIUS_RAD: f64 = 0.004_65;
-
-/// Below this α a surface is a mirror.
-const MIRROR_ALPHA: f64 = 2e-3;
-
-/// Below this α its facets differ too little in their reflectance to ask each.
-const NARROW_ALPHA: f64 = 0.05;
-
-/// Directions that a nearly smooth and a rough surface are sampled by.
-const N_SAMPLES: [u32; 2] = [4, 40];
 
 /// What is the same for all cracks before one camera.
 #[derive(Debug)]
@@ -46,6 +47,8 @@ pub(crate) struct LightFrom<'a> {
     pub(crate) gaps: &'a GapTable,
     /// What the outer face sees.
     pub(crate) outside: HemisphereWeights,
+    /// How much of the cabin's light on the inner face is that of its upper end.
+    pub(crate) inside_high: f64,
 }
 
 /// A surface within the glass, as one ray of sight meets it; in the sheet's coordinates.
@@ -66,31 +69,58 @@ pub(crate) struct Sent {
     pub(crate) tint: [f64; 3],
 }
 
+impl Sent {
+    /// Adds what another surface sends, times a weight.
+    pub(super) fn add(&mut self, other: &Self, weight: f64) {
+        for (lane, more) in self.lanes.iter_mut().zip(other.lanes) {
+            *lane += weight * more;
+        }
+        for (tint, more) in self.tint.iter_mut().zip(other.tint) {
+            *tint += weight * more;
+        }
+    }
+
+    pub(super) fn scaled(&self, by: f64) -> Self {
+        Self {
+            lanes: self.lanes.map(|lane| by * lane),
+            tint: self.tint.map(|part| by * part),
+        }
+    }
+}
+
 impl LightFrom<'_> {
     /// What is seen in a surface; what passes through the surface is not among it.
     ///
     /// The shares sum to the reflectance. Rough surfaces reflect as facets that are distributed
-    /// by GGX \[Walter2007\]; light that facets hide from each other, and light that the faces
-    /// hold in the sheet, leaves it as from a white surface, half to either side. Nothing is lost.
-    pub(crate) fn mirror(&self, mirror: &Mirror) -> Sent {
-        self.reflected(mirror, into_glass(mirror.sight, self.sheet.index))
+    /// by GGX \[Walter2007\]; light that facets hide from each other leaves as from a white
+    /// surface, half to either side. Light that the faces hold in the sheet comes from its rim.
+    ///
+    /// Other surfaces are not among it, see [`LightFrom::mirror_among`].
+    pub(super) fn mirror(&self, mirror: &Mirror) -> Sent {
+        let sight = into_glass(mirror.sight, self.sheet.index);
+        self.reflected(mirror, sight, mirror.alpha)
     }
 
     /// What is seen in the back of a surface by way of the outer face, which reflects R of the
-    /// light of sight. It takes the place of as much light of the cabin, so that all shares sum
-    /// to 0: a surface across the sheet has no ghost, for it shows the cabin once more.
+    /// light of sight. It takes the place of what that shows of the intact sheet: light of the
+    /// cabin, and a little of what is behind the sheet. A surface across the sheet has hardly a
+    /// ghost, for it shows the cabin once more.
     pub(crate) fn ghost(&self, mirror: &Mirror) -> Sent {
         let n = self.sheet.index;
         let [x, y, z] = into_glass(mirror.sight, n);
-        let mut sent = self.reflected(mirror, [x, y, -z]);
+        // It is faint: but for the sun, a rough surface's is that of a smooth one.
+        let mut sent = self.reflected(mirror, [x, y, -z], 0.0);
         let face = reflectance(mirror.sight[2], n);
         sent.lanes = sent.lanes.map(|lane| face * lane);
-        sent.lanes[CABIN] -= sent.lanes[..N_SHARES].iter().sum::<f64>();
+        let all = sent.lanes[..N_SHARES].iter().sum::<f64>();
+        let behind = face * (1.0 - face) / (1.0 + face);
+        self.mirrored_cabin(&mut sent, mirror.sight, -all * (1.0 - behind));
         sent
     }
 
-    /// What a ray of sight that runs along `sight` in the glass sees in a surface.
-    fn reflected(&self, mirror: &Mirror, sight: [f64; 3]) -> Sent {
+    /// What a ray of sight that runs along `sight` in the glass sees in a surface: the sun by its
+    /// own roughness, all else by that of `alpha`.
+    fn reflected(&self, mirror: &Mirror, sight: [f64; 3], alpha: f64) -> Sent {
         let facing = dot(sight, mirror.normal);
         let normal = mirror
             .normal
@@ -102,33 +132,13 @@ impl LightFrom<'_> {
         }
         let rgb = self.gaps.rgb(facing.abs(), mirror.gap_um);
         let mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
-        if mirror.alpha < MIRROR_ALPHA {
+        if alpha < MIRROR_ALPHA {
             let direction = reflected(sight, normal, facing.abs());
-            self.leave(&mut sent, mirror.sight, direction, mean);
+            self.follow(&mut sent, mirror.sight, direction, mean);
+        } else if alpha < NARROW_ALPHA {
+            self.narrow(&mut sent, mirror, (sight, normal), mean);
         } else {
-            let n_samples = N_SAMPLES[usize::from(mirror.alpha >= NARROW_ALPHA)];
-            let share = 1.0 / f64::from(n_samples);
-            let frame = Frame::about(normal);
-            let local = frame.local(view);
-            for k in 0..n_samples {
-                let facet = frame.world(sample_visible_normal(local, mirror.alpha, point(k)));
-                let cos_h = dot(view, facet);
-                // Facets of a nearly smooth surface reflect as the whole does.
-                let r = if mirror.alpha < NARROW_ALPHA {
-                    mean
-                } else {
-                    self.mean_reflectance(cos_h.abs(), mirror.gap_um)
-                };
-                let direction = reflected(sight, facet, cos_h);
-                let cos_o = dot(direction, normal);
-                let seen = if cos_o > 0.0 {
-                    g1(cos_o, mirror.alpha)
-                } else {
-                    0.0
-                };
-                self.leave(&mut sent, mirror.sight, direction, share * r * seen);
-                self.diffuse(&mut sent, share * r * (1.0 - seen));
-            }
+            self.rough(&mut sent, mirror, (sight, normal));
         }
         sent.lanes[SUN] += self.glint(mirror, view, normal);
         sent.tint = rgb.map(|color| color - mean);
@@ -136,7 +146,7 @@ impl LightFrom<'_> {
     }
 
     /// Reflectance of a gap, the mean of the three colors.
-    fn mean_reflectance(&self, cos_in_glass: f64, gap_um: f64) -> f64 {
+    pub(super) fn mean_reflectance(&self, cos_in_glass: f64, gap_um: f64) -> f64 {
         self.gaps.rgb(cos_in_glass, gap_um).iter().sum::<f64>() / 3.0
     }
 
@@ -170,28 +180,69 @@ impl LightFrom<'_> {
             / (4.0 * cos_v)
     }
 
-    /// Follows light out of the sheet, against its way.
-    fn leave(&self, sent: &mut Sent, sight: [f64; 3], direction: [f64; 3], share: f64) {
+    /// Follows a share of sight from a surface on, against the way of light. The face towards the
+    /// camera reflects R_s of it before it comes to the surface.
+    pub(super) fn follow(&self, sent: &mut Sent, sight: Vector, direction: Vector, share: f64) {
+        let leaves = reflectance(sight[2], self.sheet.index);
+        self.mirrored_cabin(sent, sight, share * leaves);
+        self.leave(sent, sight, direction, share * (1.0 - leaves));
+    }
+
+    /// Light on its way to the faces of a sheet without other walls: the face where it comes in
+    /// passes (1 − R_e), and both throw what is left to and fro between them, and out.
+    fn leave(&self, sent: &mut Sent, sight: Vector, direction: Vector, share: f64) {
+        if self.is_held(direction) {
+            sent.lanes[HELD] += share;
+            return;
+        }
+        let enters = self.face_reflects(direction);
+        let through = (1.0 - enters) / (1.0 - enters * reflectance(sight[2], self.sheet.index));
+        self.exit(sent, sight, direction, share * through);
+        let [x, y, z] = direction;
+        self.exit(sent, sight, [x, y, -z], share * (1.0 - through));
+    }
+
+    /// Whether the faces reflect a direction in the sheet totally.
+    pub(super) fn is_held(&self, direction: Vector) -> bool {
+        self.face_reflects(direction) >= 1.0
+    }
+
+    /// What a face reflects of light along a direction in the sheet.
+    pub(super) fn face_reflects(&self, [_, _, z]: Vector) -> f64 {
+        reflectance(z, 1.0 / self.sheet.index)
+    }
+
+    /// Adds what light from the air sends along a direction in the sheet, through whichever face it
+    /// came. Light from outside is that of the environment over the sheet's transmittance at the
+    /// angle of sight, which the image has already: the rest is what the image then has too much of
+    /// the cabin, or too little.
+    pub(super) fn exit(&self, sent: &mut Sent, sight: Vector, direction: Vector, share: f64) {
         let n = self.sheet.index;
         let [x, y, z] = direction;
-        let sine2 = n * n * (x * x + y * y);
-        if sine2 >= 1.0 {
-            // Held by the faces, until another crack turns it; hardly towards the sun.
-            let sun = sent.lanes[SUN];
-            self.diffuse(sent, share);
-            sent.lanes[SUN] = sun;
-        } else if z <= 0.0 {
-            sent.lanes[CABIN] += share;
-        } else {
-            let out = [n * x, n * y, (1.0 - sine2).sqrt()];
-            // Through both faces, over the transmittance at the angle of sight that the image has
-            // already: above 1 where the light meets the outer face more steeply. The rest is the
-            // cabin's, of which the image then has too much.
-            let (enters, leaves) = (reflectance(out[2], n), reflectance(sight[2], n));
-            let passes = (1.0 - enters) * (1.0 + leaves) / (1.0 - enters * leaves);
-            sent.lanes[CABIN] += share * (1.0 - passes);
-            self.seen(sent, self.sheet.camera_from_sheet(out), share * passes);
+        let cos = (1.0 - n * n * (x * x + y * y)).max(0.0).sqrt();
+        let out = [n * x, n * y, cos.copysign(z)];
+        if z <= 0.0 {
+            return self.cabin(sent, out, share);
         }
+        let leaves = reflectance(sight[2], n);
+        let seen = share * (1.0 + leaves) / (1.0 - leaves);
+        self.mirrored_cabin(sent, sight, share - seen);
+        self.seen(sent, self.sheet.camera_from_sheet(out), seen);
+    }
+
+    /// Adds the cabin's light from a direction, in the sheet's coordinates.
+    fn cabin(&self, sent: &mut Sent, direction: Vector, share: f64) {
+        let sine = self
+            .horizon
+            .sin_elevation(self.sheet.camera_from_sheet(direction));
+        let high = 0.5 * (1.0 + sine) * share;
+        sent.lanes[CABIN_HIGH] += high;
+        sent.lanes[CABIN_LOW] += share - high;
+    }
+
+    /// Adds the cabin's light as the face towards the camera mirrors it.
+    pub(super) fn mirrored_cabin(&self, sent: &mut Sent, [x, y, z]: Vector, share: f64) {
+        self.cabin(sent, [x, y, -z], share);
     }
 
     /// Adds the light of one direction, in camera coordinates.
@@ -214,7 +265,8 @@ impl LightFrom<'_> {
     /// Adds light that comes evenly from both sides of the sheet, as a white surface sends it.
     pub(crate) fn diffuse(&self, sent: &mut Sent, share: f64) {
         let half = 0.5 * share;
-        sent.lanes[CABIN] += half;
+        sent.lanes[CABIN_HIGH] += half * self.inside_high;
+        sent.lanes[CABIN_LOW] += half * (1.0 - self.inside_high);
         sent.lanes[HORIZON] += half * self.outside.horizon;
         sent.lanes[ZENITH] += half * self.outside.zenith;
         sent.lanes[GROUND] += half * self.outside.ground;
@@ -228,36 +280,6 @@ pub(crate) fn into_glass([x, y, z]: [f64; 3], n: f64) -> [f64; 3] {
     [x, y, (1.0 - x * x - y * y).sqrt().copysign(z)]
 }
 
-fn reflected(sight: [f64; 3], normal: [f64; 3], cos: f64) -> [f64; 3] {
+pub(super) fn reflected(sight: [f64; 3], normal: [f64; 3], cos: f64) -> [f64; 3] {
     std::array::from_fn(|k| sight[k] + 2.0 * cos * normal[k])
-}
-
-/// The k-th of evenly spread points in the unit square: the two-dimensional golden ratio
-/// \[Roberts2018\].
-fn point(k: u32) -> [f64; 2] {
-    let k = f64::from(k) + 0.5;
-    [0.754_877_666_246_693, 0.569_840_290_998_053].map(|step| (k * step).fract())
-}
-
-/// Axes in which a normal is z.
-struct Frame([[f64; 3]; 3]);
-
-impl Frame {
-    fn about(normal: [f64; 3]) -> Self {
-        let aside = if normal[0].abs() < 0.7 {
-            [1.0, 0.0, 0.0]
-        } else {
-            [0.0, 1.0, 0.0]
-        };
-        let x = unit(cross(aside, normal));
-        Self([x, cross(normal, x), normal])
-    }
-
-    fn local(&self, v: [f64; 3]) -> [f64; 3] {
-        self.0.map(|axis| dot(axis, v))
-    }
-
-    fn world(&self, v: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| (0..3).map(|axis| v[axis] * self.0[axis][k]).sum())
-    }
 }

@@ -5,17 +5,24 @@
 //! shows is the environment mirrored in it, see [`lobe`]. Crushed glass, chips and films of air
 //! are small patches of other surfaces.
 
+mod chains;
 mod cracks;
+mod crowded;
 mod hit;
-mod lines;
 mod lobe;
+mod roughness;
+mod runs;
 mod sheet;
+mod strip;
+mod walk;
+mod walls;
 mod wedge;
 
 pub(crate) use cracks::{Facets, crack_facets};
 pub(crate) use hit::hit_facets;
 pub(crate) use lobe::{
-    CABIN, FRAME, FRAME_U, FRAME_V, GROUND, HORIZON, LANES, LightFrom, N_SHARES, SUN, ZENITH,
+    CABIN_HIGH, CABIN_LOW, FRAME, FRAME_U, FRAME_V, GROUND, HELD, HORIZON, LANES, LightFrom,
+    N_SHARES, SUN, WIDTH, ZENITH,
 };
 pub(crate) use sheet::SheetView;
 pub(crate) use wedge::fragment_facets;

@@ -4,6 +4,7 @@ use starbreak_glass::LengthUnit;
 
 use crate::camera::Pinhole;
 use crate::lens::Lens;
+use crate::physical::Glass;
 use crate::{OpticsError, View};
 
 /// A sheet of glass before a camera with a lens.
@@ -11,12 +12,20 @@ use crate::{OpticsError, View};
 /// Coordinates of the sheet are its in-plane x and y, mm, and the outward normal, away from the
 /// camera. Depth is measured from the face towards the camera, mm; that face lies at the
 /// distance of the view's pane.
+///
+/// The sheet is one piece of glass: the ply that was hit and, of a laminate, what is bonded to it
+/// on the camera's side, interlayer and inner ply, whose index is taken to be the same. Places in
+/// the plane are those of the ply that was hit as the view has them: what is bonded moves no
+/// place that lies on the optical axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SheetView {
     view: View,
     pinhole: Pinhole,
-    /// Thickness, mm.
-    pub(crate) thickness_mm: f64,
+    /// The ply that was hit, and that on the camera's side of a laminate: depths of their faces
+    /// towards the camera and away from it, mm.
+    plies_mm: [[f64; 2]; 2],
+    /// What is bonded to the ply that was hit moves it by this much down the sheet, mm.
+    moved_mm: f64,
     /// Refractive index.
     pub(crate) index: f64,
     /// Distance that is sharp, mm.
@@ -35,17 +44,19 @@ const CLOSE: f64 = 1e-4;
 impl SheetView {
     /// # Errors
     /// [`OpticsError::NoCamera`] for a view without a camera.
-    pub(crate) fn new(
-        view: &View,
-        lens: &Lens,
-        thickness_mm: f64,
-        index: f64,
-    ) -> Result<Self, OpticsError> {
+    pub(crate) fn new(view: &View, lens: &Lens, glass: &Glass) -> Result<Self, OpticsError> {
         let pinhole = view.pinhole().ok_or(OpticsError::NoCamera)?;
+        let index = glass.refractive_index;
+        let bonded_mm = glass.interlayer_mm + glass.inner_ply_mm;
+        let slope = pinhole.sin / (index * index - pinhole.sin * pinhole.sin).sqrt();
         Ok(Self {
             view: *view,
             pinhole,
-            thickness_mm,
+            plies_mm: [
+                [bonded_mm, bonded_mm + glass.thickness_mm],
+                [0.0, glass.inner_ply_mm],
+            ],
+            moved_mm: bonded_mm * slope,
             index,
             focus_mm: lens.focus_m * 1e3,
             pupil_mm: lens.aperture_m() * 0.5e3,
@@ -54,6 +65,17 @@ impl SheetView {
 
     pub(crate) fn f_px(&self) -> f64 {
         self.pinhole.f_px
+    }
+
+    /// Depths of the faces of a ply, mm, the one towards the camera first; ply 0 is the one that
+    /// was hit.
+    pub(crate) fn ply_mm(&self, ply: u8) -> [f64; 2] {
+        self.plies_mm[usize::from(ply > 0)]
+    }
+
+    /// Depth of the outer face, mm: thickness of the whole sheet.
+    pub(crate) fn outer_mm(&self) -> f64 {
+        self.plies_mm[0][1]
     }
 
     pub(crate) fn pupil_mm(&self) -> f64 {
@@ -65,7 +87,7 @@ impl SheetView {
     }
 
     /// A point of a network on the sheet, mm: networks in mm lie on it, those in px lie over the
-    /// frame, each point where the line of sight meets the sheet. None where it misses it.
+    /// frame, each point where the line of sight comes to the ply that was hit. None where it misses it.
     pub(crate) fn on_sheet(
         &self,
         point: [f64; 2],
@@ -76,10 +98,12 @@ impl SheetView {
             LengthUnit::Mm => Some(point),
             LengthUnit::Px => {
                 let (width, height) = self.view.size();
-                self.view.unproject([
+                let entry = self.view.unproject([
                     point[0] / pane[0] * f64::from(width),
                     point[1] / pane[1] * f64::from(height),
-                ])
+                ])?;
+                let [dx, dy] = self.sideways_mm(self.sight(entry, [0.0; 2])?, self.ply_mm(0)[0]);
+                Some([entry[0] + dx, entry[1] + dy - self.moved_mm])
             }
         }
     }
@@ -125,15 +149,14 @@ impl SheetView {
         depth_mm: f64,
         pupil: [f64; 2],
     ) -> Option<[f64; 2]> {
+        let point = [point[0], point[1] + self.moved_mm];
         let mut entry = point;
         if depth_mm <= 0.0 {
             return Some(entry);
         }
         for _ in 0..ROUNDS {
-            let [x, y, _] = self.sight(entry, pupil)?;
-            // z tan θ′ along the ray's direction in the plane.
-            let per_sine = depth_mm / (self.index * self.index - x * x - y * y).sqrt();
-            let next = [point[0] - per_sine * x, point[1] - per_sine * y];
+            let [dx, dy] = self.sideways_mm(self.sight(entry, pupil)?, depth_mm);
+            let next = [point[0] - dx, point[1] - dy];
             let moved = (next[0] - entry[0]).abs() + (next[1] - entry[1]).abs();
             entry = next;
             // The next round would move it by the ratio of thickness to distance less.
@@ -142,6 +165,12 @@ impl SheetView {
             }
         }
         Some(entry)
+    }
+
+    /// How far a line of sight moves in the plane on its way to a depth: z tan θ′.
+    fn sideways_mm(&self, [x, y, _]: [f64; 3], depth_mm: f64) -> [f64; 2] {
+        let per_sine = depth_mm / (self.index * self.index - x * x - y * y).sqrt();
+        [per_sine * x, per_sine * y]
     }
 
     /// Where a point at a depth in the sheet appears in the frame, px, through one point of the

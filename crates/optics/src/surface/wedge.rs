@@ -6,8 +6,7 @@ use rand_chacha::rand_core::Rng;
 use starbreak_glass::{CrackNetwork, Seed, Stream};
 
 use super::cracks::Facets;
-use super::lobe::{LANES, LightFrom, Sent};
-use crate::maps::Facet;
+use super::lobe::{LightFrom, Sent};
 
 /// Adds every fragment that cracks have cut out by `time` as a prism of a random wedge angle of this standard deviation.
 ///
@@ -69,16 +68,12 @@ pub(crate) fn fragment_facets(
             let mut sent = Sent::default();
             let ray = from.sheet.ray([center[0] + turn[0], center[1] + turn[1]]);
             from.seen(&mut sent, ray, share);
-            let part = sent.lanes[super::lobe::FRAME];
-            #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
-            let (lanes, part): ([f32; LANES], f32) =
-                (sent.lanes.map(|lane| lane as f32), part as f32);
-            facets.light.push(Facet {
-                corners: [middle, a, b, middle],
-                lanes,
-                lean: [[part, 0.0], [0.0, part]],
+            facets.add(
+                [middle, a, b, middle],
                 radius_px,
-            });
+                &sent,
+                [[1.0, 0.0], [0.0, 1.0]],
+            );
         }
     }
 }

@@ -17,7 +17,7 @@ use starbreak::dataset::{
 use starbreak::glass::{GlassKind, Pane};
 use starbreak::optics::{Camera, Coverage, Line, View};
 use starbreak::pipeline::{Details, crack_image, growth_drawing, simulate};
-use starbreak::{PRESETS, Recipe, Seed};
+use starbreak::{FractureSettings, PRESETS, Recipe, Seed};
 
 mod series;
 
@@ -34,6 +34,13 @@ const GAP: u32 = 4;
 /// Seeds of the pictures over the street, and what the camera is focused on.
 const SEEDS: [(u64, &str); 3] = [(1, "far"), (2, "far"), (3, "short")];
 
+/// Sheets of all presets over the severities, and what the camera is focused on.
+const SHEETS: [(&str, &str); 2] = [("sheet.jpg", "far"), ("sheet-on-glass.jpg", "short")];
+
+/// Width of a picture on a sheet, px, and the seed of all of them.
+const SHEET_WIDTH: u32 = 320;
+const SHEET_SEED: u64 = 2;
+
 /// Side of a drawing of a damage class, px.
 const DRAWING: u32 = 400;
 
@@ -41,7 +48,14 @@ const DRAWING: u32 = 400;
 const TRIES: u64 = 20;
 
 /// Presets whose damage spans the frame and makes sense only as a whole.
-const WHOLE: [&str; 2] = ["windshield-long-crack", "paper"];
+const WHOLE: [&str; 6] = [
+    "windshield-bullseye",
+    "windshield-long-crack",
+    "windshield-spiderweb",
+    "windshield-gravel",
+    "windshield-hail",
+    "paper",
+];
 
 /// Damage classes: name, preset, what is set beside it, and width of the drawing, mm.
 const CLASSES: [(&str, &str, &[&str], f64); 12] = [
@@ -53,20 +67,44 @@ const CLASSES: [(&str, &str, &[&str], f64); 12] = [
         &["impact.angle_deg=70", "impact.speed_m_s=90"],
         20.0,
     ),
-    ("star", "windshield-star", &[], 30.0),
-    ("combination", "windshield-combination", &[], 30.0),
+    (
+        "star",
+        "windshield-star",
+        &["fracture.until_reach_mm=16"],
+        36.0,
+    ),
+    (
+        "combination",
+        "windshield-combination",
+        &["fracture.until_reach_mm=16"],
+        36.0,
+    ),
     (
         "rim-to-impact",
         "lens-cover-star",
-        &["impact.speed_m_s=40", "impact.radius_mm=6"],
+        &[
+            "impact.speed_m_s=40",
+            "impact.radius_mm=6",
+            "fracture.until_reach_mm=end",
+        ],
         44.0,
     ),
     ("diced", "tempered-cover", &[], 200.0),
-    ("long-crack", "windshield-long-crack", &[], 1500.0),
+    (
+        "long-crack",
+        "windshield-long-crack",
+        &["fracture.until_reach_mm=end"],
+        1500.0,
+    ),
     (
         "floater-crack",
         "windshield-long-crack",
-        &["long_crack.frame_tension_mpa=0.5"],
+        &[
+            "long_crack.frame_tension_mpa=0.5",
+            "long_crack.origin=impact",
+            "long_crack.temperature_difference_k=-12",
+            "fracture.until_reach_mm=end",
+        ],
         1500.0,
     ),
     (
@@ -76,6 +114,7 @@ const CLASSES: [(&str, &str, &[&str], f64); 12] = [
             "long_crack.origin=rim",
             "long_crack.temperature_difference_k=40",
             "long_crack.spot=[0.5,0.5]",
+            "fracture.until_reach_mm=end",
         ],
         1500.0,
     ),
@@ -86,6 +125,7 @@ const CLASSES: [(&str, &str, &[&str], f64); 12] = [
             "long_crack.origin=rim",
             "long_crack.temperature_difference_k=40",
             "long_crack.spot=[0.5,0.5]",
+            "fracture.until_reach_mm=end",
             "long_crack.frame_tension_mpa=0",
         ],
         1500.0,
@@ -114,16 +154,10 @@ fn main() -> Result<()> {
                 .collect::<Result<_>>()?;
             stage(&mut batch, &out, &name, &jpeg(strip(preset, &seeds))?)?;
         }
-        let name = format!("{preset}-severity.jpg");
-        if is_wanted(&name) {
-            let severities: Vec<RgbImage> = (1..=5)
-                .map(|severity| {
-                    let mut recipe = Recipe::preset_at(preset, severity)?;
-                    recipe.set("camera.focus_distance_m=short")?;
-                    cracked(&recipe, &street, 1)
-                })
-                .collect::<Result<_>>()?;
-            stage(&mut batch, &out, &name, &jpeg(strip(preset, &severities))?)?;
+    }
+    for (name, focus) in SHEETS {
+        if is_wanted(name) {
+            stage(&mut batch, &out, name, &jpeg(sheet(&street, focus)?)?)?;
         }
     }
     for series in &SERIES {
@@ -156,10 +190,21 @@ fn stage(batch: &mut OutputBatch, out: &Path, name: &str, bytes: &[u8]) -> Resul
     Ok(batch.stage(&out.join(name), bytes)?)
 }
 
-/// The frame through glass that a stone hits in its middle.
+/// The frame through glass that a stone hits in its middle, or several where they do.
 fn cracked(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
     let mut recipe = recipe.clone();
-    recipe.set("impact.position=[0.5,0.5]")?;
+    let is_one = match &recipe.settings()?.fracture {
+        FractureSettings::Physics(physics) => physics.stones[0].count == 1,
+        FractureSettings::Paper(_) => true,
+    };
+    if is_one {
+        recipe.set("impact.position=[0.5,0.5]")?;
+    }
+    shown(&recipe, scene, seed)
+}
+
+/// The frame through broken glass.
+fn shown(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
     let mut image = DynamicImage::ImageRgb8(scene.clone());
     crack_image(&recipe.settings()?, &mut image, Seed(seed))?;
     Ok(image.into_rgb8())
@@ -170,6 +215,25 @@ fn jpeg(picture: RgbImage) -> Result<Vec<u8>> {
         quality: JpegQuality::new(80)?,
     };
     Ok(encode_image(&picture.into(), &encoding, None)?)
+}
+
+/// All presets over the severities, one row each.
+fn sheet(scene: &RgbImage, focus: &str) -> Result<RgbImage> {
+    let height = SHEET_WIDTH * FRAME.1 / FRAME.0;
+    let n_rows = u32::try_from(PRESETS.len()).unwrap_or(1);
+    let size = (5 * (SHEET_WIDTH + GAP) - GAP, n_rows * (height + GAP) - GAP);
+    let mut sheet = RgbImage::from_pixel(size.0, size.1, Rgb([255; 3]));
+    for (row, (preset, _)) in (0..).zip(PRESETS) {
+        for severity in 1..=5 {
+            let mut recipe = Recipe::preset_at(preset, severity)?;
+            recipe.set(&format!("camera.focus_distance_m={focus}"))?;
+            let picture = shown(&recipe, scene, SHEET_SEED)?;
+            let tile = resize(&picture, SHEET_WIDTH, height, FilterType::Triangle);
+            let x = i64::from(severity - 1) * i64::from(SHEET_WIDTH + GAP);
+            replace(&mut sheet, &tile, x, row * i64::from(height + GAP));
+        }
+    }
+    Ok(sheet)
 }
 
 /// Pictures side by side: cut out around the middle, or whole ones at half size below each other.

@@ -88,12 +88,13 @@ impl ClipLight {
     }
 }
 
-fn colors(environment: &Environment) -> [Rgb; 5] {
+fn colors(environment: &Environment) -> [Rgb; 6] {
     [
         environment.horizon_rgb,
         environment.zenith_rgb,
         environment.ground_rgb,
-        environment.cabin_rgb,
+        environment.cabin_low_rgb,
+        environment.cabin_high_rgb,
         environment.sun_rgb,
     ]
 }
@@ -117,7 +118,8 @@ fn moved(from: &Environment, to: &Environment, share: f32) -> Environment {
         horizon_rgb: step(from.horizon_rgb, to.horizon_rgb),
         zenith_rgb: step(from.zenith_rgb, to.zenith_rgb),
         ground_rgb: step(from.ground_rgb, to.ground_rgb),
-        cabin_rgb: step(from.cabin_rgb, to.cabin_rgb),
+        cabin_low_rgb: step(from.cabin_low_rgb, to.cabin_low_rgb),
+        cabin_high_rgb: step(from.cabin_high_rgb, to.cabin_high_rgb),
         sun_rgb: step(from.sun_rgb, to.sun_rgb),
     }
 }
@@ -143,7 +145,8 @@ mod tests {
             horizon_rgb: [level; 3],
             zenith_rgb: [level; 3],
             ground_rgb: [level; 3],
-            cabin_rgb: [level; 3],
+            cabin_low_rgb: [level; 3],
+            cabin_high_rgb: [level; 3],
             sun_rgb: [0.0; 3],
         }
     }

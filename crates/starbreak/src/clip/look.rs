@@ -7,7 +7,7 @@ use image::{DynamicImage, GrayImage};
 use starbreak_dataset::{ImageFile, encode_mask, encode_mask_as};
 use starbreak_glass::{CrackNetwork, LengthUnit, Seed};
 use starbreak_optics::environment::Environment;
-use starbreak_optics::paper::{PaperOptics, composite, draw};
+use starbreak_optics::paper::{Focus, PaperOptics, composite, draw};
 use starbreak_optics::physical::{Overlay, Pattern, PhysicalOptics, bake};
 use starbreak_optics::{Coverage, Masks, View};
 
@@ -76,6 +76,21 @@ impl<'a> Pane<'a> {
         })
     }
 
+    /// The pane before the impact.
+    pub(super) fn draw_nothing(&self) -> Result<Drawn<'a>, Error> {
+        let (width, height) = self.view.size();
+        let none = CrackNetwork::without_cracks(width, height);
+        Ok(match self.optics {
+            OpticsSettings::Paper(optics) => {
+                Drawn::Paper(draw(&none, self.view, f64::INFINITY, optics), optics)
+            }
+            OpticsSettings::Physical(optics) => Drawn::Physical(
+                bake(&none, f64::INFINITY, self.view, optics, self.seed)?,
+                optics,
+            ),
+        })
+    }
+
     /// The light that an image tells of; the paper's optics do not ask.
     pub(super) fn light_of(&self, image: &DynamicImage, f_px: Option<f64>) -> Option<Environment> {
         match (self.optics, f_px) {
@@ -134,7 +149,8 @@ const DARK: Environment = Environment {
     horizon_rgb: [0.0; 3],
     zenith_rgb: [0.0; 3],
     ground_rgb: [0.0; 3],
-    cabin_rgb: [0.0; 3],
+    cabin_low_rgb: [0.0; 3],
+    cabin_high_rgb: [0.0; 3],
     sun_rgb: [0.0; 3],
 };
 
@@ -148,6 +164,14 @@ impl Lit<'_> {
             Self::Physical(overlay) => overlay.apply(frame, seed)?,
         }
         Ok(())
+    }
+
+    /// Whether frames stay as they are.
+    pub(super) fn changes_nothing(&self) -> bool {
+        match self {
+            Self::Paper(coverage, optics) => coverage.is_empty() && optics.focus == Focus::Far,
+            Self::Physical(overlay) => overlay.changes_nothing(),
+        }
     }
 
     fn region(&self, (width, height): (u32, u32)) -> Result<GrayImage, Error> {

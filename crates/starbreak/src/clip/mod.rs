@@ -1,6 +1,6 @@
 //! A crack over a clip: fixed to the glass, or its whole life from the impact on.
 //!
-//! The network is simulated once and baked once. Frames before the impact stay as they are. While the
+//! The network is simulated once and baked once. Frames before the impact are as the lens shows them. While the
 //! cracks grow they are baked for each frame; afterwards only their light changes, with that of
 //! the scene. Beside the clip lies a track, which says for each frame what the glass is like.
 
@@ -20,16 +20,15 @@ use starbreak_dataset::video::{
     Ffmpeg, Fraction, VideoError, holds_anything, is_folder, is_inside,
 };
 use starbreak_dataset::{DatasetError, refuse_inside_set, same_file, sha256_hex};
-use starbreak_optics::paper::Focus;
 
 pub use error::ClipError;
 pub use timeline::GlassState;
 pub use track::TRACK_SCHEMA;
 
+use crate::Error;
 use crate::pipeline::{
     Details, RunContext, Simulated, own_view, simulate, use_network, view_of_network,
 };
-use crate::{Error, OpticsSettings, Settings};
 use light::ClipLight;
 use look::Pane;
 use run::{Finished, Show, run};
@@ -40,9 +39,6 @@ use track::{TrackHeader, first_visible, onset, track_text};
 
 /// Longest stretched growth, s: a day.
 const MAX_GROWTH_S: f64 = 86_400.0;
-
-/// Radius of a disc below which the optics leave the scene sharp, px.
-const SHARP_PX: f64 = 0.05;
 
 /// What is to become of a clip.
 #[derive(Debug, Clone, PartialEq)]
@@ -292,23 +288,6 @@ impl Clip {
         }
     }
 
-    /// Whether frames from the impact on differ from those before it all over, by veiling glare or
-    /// a scene out of focus, which belong to the lens and not to the crack.
-    #[must_use]
-    pub fn changes_lens_at_impact(&self, settings: &Settings) -> bool {
-        let is_seen = match &settings.optics {
-            OpticsSettings::Paper(optics) => optics.focus == Focus::Short,
-            OpticsSettings::Physical(optics) => {
-                let f_px = settings.camera.f_px.of_frame(self.size().0);
-                let disc_px = optics
-                    .lens
-                    .circle_of_confusion_px(f_px, optics.lens.scene_m);
-                optics.veiling_glare > 0.0 || 0.5 * disc_px.abs() >= SHARP_PX
-            }
-        };
-        self.request.impact_at_s > 0.0 && is_seen
-    }
-
     /// Breaks the glass and writes the clip, its track and its network; they appear together or
     /// not at all. `done` is called after each frame. `None` if `stop` was set: nothing is written
     /// then.
@@ -348,9 +327,11 @@ impl Clip {
             seed,
         };
         let whole = pane.draw(f64::INFINITY)?;
+        let bare = pane.draw_nothing()?;
         let show = Show {
             timeline: Timeline::new(network, request.impact_at_s, request.growth, frame_s)?,
             whole: &whole,
+            bare: &bare,
             pane,
             settings,
             target: self.target,

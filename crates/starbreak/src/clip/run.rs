@@ -25,6 +25,8 @@ pub(super) struct Show<'a> {
     pub(super) pane: Pane<'a>,
     /// The cracks in full.
     pub(super) whole: &'a Drawn<'a>,
+    /// The pane before the impact.
+    pub(super) bare: &'a Drawn<'a>,
     pub(super) timeline: Timeline,
     pub(super) settings: &'a Settings,
     pub(super) target: Target,
@@ -250,6 +252,7 @@ impl<'a> Show<'a> {
 
     fn one(&self, kept: &Kept<'a>, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {
         let noise = self.seed.of_item(self.name, frame.idx);
+        let mut is_untouched = false;
         let facts = match (plan.state, &plan.lit, &kept.still) {
             (GlassState::Still, Some(lit), Some(facts)) => {
                 lit.over(&mut frame.pixels, noise)?;
@@ -266,10 +269,16 @@ impl<'a> Show<'a> {
                     self.facts(&drawn, &lit, plan.grown)?
                 }
             }
-            _ => Arc::clone(&kept.intact),
+            _ => {
+                let lit = self.bare.light(None);
+                is_untouched = lit.changes_nothing();
+                if !is_untouched {
+                    lit.over(&mut frame.pixels, noise)?;
+                }
+                Arc::clone(&kept.intact)
+            }
         };
         let (frame_idx, time_s) = (frame.idx, frame.time_s);
-        let is_untouched = plan.state == GlassState::Intact;
         let own_masks = match &frame.file {
             Some(file) => facts.masks_as(&file.image)?,
             None => None,

@@ -96,28 +96,44 @@ fn stones_on(
         let point_m = point.map(|coordinate| coordinate / MM_PER_M);
         (outline.depth_m(point_m) >= 0.0).then_some(point_m)
     };
-    let mut stones = Vec::with_capacity(settings.stones.len());
-    for (k, stone) in (0_u64..).zip(&settings.stones) {
-        let position_m = match stone.position {
-            Position::At { x, y } => on_pane([x, y]),
-            Position::Random => {
-                let mut rng = seed.stream(Stream::ImpactPosition, k);
-                (0..MAX_DRAWS).find_map(|_| on_pane([uniform(&mut rng), uniform(&mut rng)]))
-            }
-        };
-        let Some(position_m) = position_m else {
-            return Err(Error::OffGlass {
-                impact: k,
-                is_random: matches!(stone.position, Position::Random),
-            });
-        };
-        let azimuth_rad = match stone.azimuth {
-            Direction::Angle { rad } => rad,
-            Direction::Random => uniform(&mut seed.stream(Stream::ImpactDirection, k)) * TAU,
-        };
-        stones.push(stone.at(position_m, azimuth_rad));
+    let mut stones = Vec::new();
+    for (table, stone) in (0_u64..).zip(&settings.stones) {
+        for n in 0..u64::from(stone.count) {
+            // The same stones come first however many there are.
+            let k = n << 32 | table;
+            let position_m = match stone.position {
+                Position::At { x, y } => on_pane([x, y]),
+                Position::Random { share } => {
+                    let mut rng = seed.stream(Stream::ImpactPosition, k);
+                    let mut draw = || 0.5 * (1.0 - share) + share * uniform(&mut rng);
+                    (0..MAX_DRAWS).find_map(|_| on_pane([draw(), draw()]))
+                }
+            };
+            let Some(position_m) = position_m else {
+                return Err(Error::OffGlass {
+                    impact: table,
+                    is_random: matches!(stone.position, Position::Random { .. }),
+                });
+            };
+            let azimuth_rad = match stone.azimuth {
+                Direction::Angle { rad } => rad,
+                Direction::Random => uniform(&mut seed.stream(Stream::ImpactDirection, k)) * TAU,
+            };
+            let larger = if stone.radius_spread > 0.0 {
+                normal(&mut seed.stream(Stream::ImpactShape, k))
+            } else {
+                0.0
+            };
+            stones.push(stone.at(position_m, azimuth_rad, larger));
+        }
     }
     Ok(stones)
+}
+
+/// A normally distributed number \[BoxMuller1958\].
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    let radius = (-2.0 * libm::log(1.0 - uniform(rng))).sqrt();
+    radius * libm::cos(TAU * uniform(rng))
 }
 
 /// A number in [0, 1).

@@ -339,7 +339,7 @@ impl OpticsReport {
                 "sky_horizon": rgb(light.horizon_rgb),
                 "sky_zenith": rgb(light.zenith_rgb),
                 "ground": rgb(light.ground_rgb),
-                "cabin": rgb(light.cabin_rgb),
+                "cabin": [rgb(light.cabin_low_rgb), rgb(light.cabin_high_rgb)],
                 "sun_irradiance": rgb(light.sun_rgb),
             });
         }

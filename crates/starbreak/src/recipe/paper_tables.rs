@@ -60,7 +60,8 @@ pub(super) enum FocusWord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PaperImpactTable {
-    /// Where: [x, y] as fractions of the frame, from the top left corner, or "random".
+    /// Where: [x, y] as fractions of the frame, from the top left corner; "random", in the
+    /// inner 80 % of the frame; or "anywhere".
     pub(super) position: PositionEntry,
     /// Impact force F of the paper, in its own unit, > 0. Nothing breaks unless it exceeds
     /// fracture.critical_stress / fracture.safety_factor.

@@ -134,6 +134,21 @@ pub(super) enum AutoRgb {
     Auto(AutoWord),
 }
 
+/// The light of the camera's side of the glass.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected \"auto\", [r, g, b] in linear light, or two of them: straight down and straight up"
+)]
+pub(super) enum CabinEntry {
+    /// The same everywhere.
+    Even([f64; 3]),
+    /// Straight down and straight up.
+    Ends([[f64; 3]; 2]),
+    /// What the image makes it.
+    Auto(AutoWord),
+}
+
 /// How the crack looks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -154,18 +169,23 @@ pub(super) struct PhysicalOpticsTable {
     pub(super) sky_zenith: AutoRgb,
     /// Radiance of the ground, as sky_horizon.
     pub(super) ground: AutoRgb,
-    /// Radiance of what lies on the camera's side of the glass, as sky_horizon.
-    pub(super) cabin: AutoRgb,
+    /// Radiance of what lies on the camera's side of the glass, as sky_horizon; or two colors,
+    /// straight down and straight up.
+    pub(super) cabin: CabinEntry,
     /// Row of the horizon as a fraction of the height of the frame, from the top, -100 to 100.
     pub(super) horizon_row: f64,
     /// Refractive index of the glass, 1.3 to 2 (soda-lime: 1.52).
     pub(super) refractive_index: f64,
-    /// Roughness (GGX alpha) of the mirror zone of a crack surface, 0 to 1.
-    pub(super) mirror_alpha: f64,
-    /// Roughness of the mist zone, 0 to 1.
-    pub(super) mist_alpha: f64,
-    /// Roughness of the hackle zone, 0 to 1.
-    pub(super) hackle_alpha: f64,
+    /// Share of the light that the rim of the pane sends back into the glass, 0 (black, as the
+    /// frit around a windscreen) to 1.
+    pub(super) rim_reflectance: f64,
+    /// Roughness (GGX alpha) of the mirror zone of a crack surface, 0 to 1, or "auto": that of the
+    /// network's roughness.
+    pub(super) mirror_alpha: AutoNumber,
+    /// Roughness of the mist zone, as mirror_alpha.
+    pub(super) mist_alpha: AutoNumber,
+    /// Roughness of the hackle zone, as mirror_alpha.
+    pub(super) hackle_alpha: AutoNumber,
     /// Opening of cracks whose network does not say it, um, 0 to 1000.
     pub(super) opening_um: f64,
     /// Radius of the white, crushed zone as a multiple of what the hit gave, 0 (none) to 10.

@@ -40,6 +40,9 @@ pub(super) struct GlassTable {
     /// 10000 (PVB: 30 at 0.1 s to 1000 at microseconds).
     #[schemars(with = "f64")]
     pub(super) interlayer_modulus_mpa: Option<f64>,
+    /// Laminated only: thickness of the inner ply, mm, 0.1 to 30.
+    #[schemars(with = "f64")]
+    pub(super) inner_thickness_mm: Option<f64>,
     /// Tempered or cover only: compression of the surfaces, MPa, 0.1 to 1000.
     #[schemars(with = "f64")]
     pub(super) surface_compression_mpa: Option<f64>,
@@ -78,11 +81,24 @@ pub(super) enum SupportWord {
     Clamped,
 }
 
-/// One hit by a stone.
+/// What a stone is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum StoneWord {
+    /// Granite.
+    Granite,
+    /// Ice.
+    Ice,
+    /// Skin and flesh over bone, or what tests put in their place.
+    Head,
+}
+
+/// Hits by stones of one kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StoneTable {
-    /// Where: [x, y] as fractions of the frame, from the top left corner, or "random".
+    /// Where: [x, y] as fractions of the frame, from the top left corner; "random", in the
+    /// inner 80 % of the frame; or "anywhere".
     pub(super) position: PositionEntry,
     /// Speed of the stone, m/s, 0.01 to 1000.
     pub(super) speed_m_s: f64,
@@ -97,6 +113,13 @@ pub(super) struct StoneTable {
     pub(super) azimuth_deg: DirectionEntry,
     /// Density of the stone, kg/m3, 100 to 25000 (granite: 2650).
     pub(super) density_kg_m3: f64,
+    /// How stiff and how hard it is: "granite", "ice" or "head".
+    pub(super) material: StoneWord,
+    /// How many such stones hit, one after the other, 1 to 1000; each has its own place, direction
+    /// and size where those are random. More of them add to the same ones.
+    pub(super) count: u32,
+    /// Standard deviation of the logarithm of their radius and tip radius, 0 to 2.
+    pub(super) radius_spread: f64,
 }
 
 /// How the glass breaks.
@@ -118,6 +141,30 @@ pub(super) struct PhysicsFractureTable {
     pub(super) strength_mpa: f64,
     /// Weibull modulus of that strength, 1 to 100: how little it scatters.
     pub(super) weibull_modulus: f64,
+    /// Everything stops at the moment at which a crack gets this far from the first hit, 0.1 to
+    /// 20000 mm; "end": nothing is stopped. A smaller reach gives an earlier state of the same event.
+    pub(super) until_reach_mm: ReachEntry,
+    /// How many pieces have fallen out in the end, 0 to 1000: first those that do not touch the
+    /// rim, the largest first, then those of which the rim holds the smallest part.
+    pub(super) fallen_pieces: u32,
+}
+
+/// How far cracks may get.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected \"end\" or a distance in mm")]
+pub(super) enum ReachEntry {
+    /// This far from the first hit, mm.
+    Mm(f64),
+    /// As far as they get.
+    Word(EndWord),
+}
+
+/// `"end"`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum EndWord {
+    /// The end of the event.
+    End,
 }
 
 /// How fine the mesh is.
@@ -144,8 +191,8 @@ pub(super) enum DicingWord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LongCrackTable {
-    /// Where it begins: "rim" (at the most stressed place of the rim) or "impact" (at the tip of
-    /// the longest crack of the first hit).
+    /// Where it begins: "rim" (at the most stressed place of the rim), "impact" (at the tip of
+    /// the longest crack of the first hit) or "legs" (at the tips of all cracks of each hit, before the next).
     pub(super) origin: OriginWord,
     /// Temperature of the warm spot over that of the rest, K, -300 to 300 (negative: a cold spot).
     pub(super) temperature_difference_k: f64,
@@ -172,8 +219,10 @@ pub(super) struct LongCrackTable {
 pub(super) enum OriginWord {
     /// At the rim.
     Rim,
-    /// At a crack of the first hit.
+    /// At the longest crack of the first hit.
     Impact,
+    /// At all cracks of the first hit.
+    Legs,
 }
 
 /// How fast a long crack grows.

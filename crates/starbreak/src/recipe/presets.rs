@@ -8,7 +8,7 @@ use super::parse_table;
 use super::tables::{Choice, KindWord, ModelWord, OpticsWord};
 
 /// Names of the presets, with what each is for.
-pub const PRESETS: [(&str, &str); 7] = [
+pub const PRESETS: [(&str, &str); 11] = [
     (
         "windshield-star",
         "a sharp stone on a laminated windscreen: straight legs out of one point",
@@ -26,6 +26,18 @@ pub const PRESETS: [(&str, &str); 7] = [
         "a star that heat and the frame drive on into a long crack",
     ),
     (
+        "windshield-spiderweb",
+        "a heavy, blunt body on a laminated windscreen: both plies, a web of radial cracks and chords",
+    ),
+    (
+        "windshield-gravel",
+        "a season of stones on a laminated windscreen: pits, small stars and cones",
+    ),
+    (
+        "windshield-hail",
+        "hail on a laminated windscreen: stars and webs",
+    ),
+    (
         "tempered-cover",
         "a tempered cover before a camera: the whole pane goes to dice",
     ),
@@ -34,21 +46,30 @@ pub const PRESETS: [(&str, &str); 7] = [
         "a small annealed disc right before the lens",
     ),
     (
+        "lens-cover-shattered",
+        "an annealed cover in shards, of which some have fallen out",
+    ),
+    (
         "paper",
         "the model of \"Fractured Glass, Failing Cameras\": stress propagation and grey cracks",
     ),
 ];
 
-/// The preset that a recipe without a model, and a command without flags, is filled in from.
-pub const DEFAULT_PRESET: &str = "windshield-star";
+/// The preset of a command without flags.
+pub const DEFAULT_PRESET: &str = "windshield-spiderweb";
+
+/// The preset that recipes are filled in from, without what makes it a scenario of its own: a long
+/// crack, and a reach at which all stops.
+const BASE_PRESET: &str = "windshield-star";
 
 /// The severities of a preset; its own is 3.
 const SEVERITIES: std::ops::RangeInclusive<u8> = 1..=5;
 
 /// Keys of `[glass]` that only some kinds have.
-pub(super) const KEYS_OF_KINDS: [&str; 3] = [
+pub(super) const KEYS_OF_KINDS: [&str; 4] = [
     "interlayer_thickness_mm",
     "interlayer_modulus_mpa",
+    "inner_thickness_mm",
     "surface_compression_mpa",
 ];
 
@@ -56,19 +77,21 @@ pub(super) const KEYS_OF_KINDS: [&str; 3] = [
 /// this fracture model, shown as by the preset with these optics.
 pub(super) fn base(choice: Choice) -> Result<Table, RecipeError> {
     let breaks = match choice.fracture {
-        ModelWord::Physics => DEFAULT_PRESET,
+        ModelWord::Physics => BASE_PRESET,
         ModelWord::Paper => "paper",
     };
     let shows = match choice.optics {
-        OpticsWord::Physical => DEFAULT_PRESET,
+        OpticsWord::Physical => BASE_PRESET,
         OpticsWord::Paper => "paper",
     };
     let mut table = Preset::named(breaks)?.table;
-    for (name, of) in [
-        ("camera", shows),
-        ("optics", shows),
-        ("glass", DEFAULT_PRESET),
-    ] {
+    table.remove("long_crack");
+    if let Some(Value::Table(fracture)) = table.get_mut("fracture")
+        && choice.fracture == ModelWord::Physics
+    {
+        fracture.insert("until_reach_mm".to_owned(), "end".into());
+    }
+    for (name, of) in [("camera", shows), ("optics", shows), ("glass", BASE_PRESET)] {
         table.insert(name.to_owned(), table_of(of, name)?.into());
     }
     known_keys::retain(&mut table, choice);
@@ -88,8 +111,14 @@ impl Preset {
             "windshield-bullseye" => include_str!("../../presets/windshield-bullseye.toml"),
             "windshield-combination" => include_str!("../../presets/windshield-combination.toml"),
             "windshield-long-crack" => include_str!("../../presets/windshield-long-crack.toml"),
+            "windshield-spiderweb" => include_str!("../../presets/windshield-spiderweb.toml"),
+            "windshield-gravel" => include_str!("../../presets/windshield-gravel.toml"),
+            "windshield-hail" => include_str!("../../presets/windshield-hail.toml"),
             "tempered-cover" => include_str!("../../presets/tempered-cover.toml"),
             "lens-cover-star" => include_str!("../../presets/lens-cover-star.toml"),
+            "lens-cover-shattered" => {
+                include_str!("../../presets/lens-cover-shattered.toml")
+            }
             "paper" => include_str!("../../presets/paper.toml"),
             _ => return Err(RecipeError::unknown_preset(name)),
         };
@@ -122,7 +151,7 @@ impl Preset {
 /// preset that has one.
 pub(super) fn glass_of(kind: KindWord) -> Result<Table, RecipeError> {
     let preset = match kind {
-        KindWord::Annealed | KindWord::Laminated => "windshield-star",
+        KindWord::Annealed | KindWord::Laminated => BASE_PRESET,
         KindWord::Tempered => "tempered-cover",
         KindWord::Cover => "lens-cover-star",
     };

@@ -12,12 +12,12 @@ pub(super) use super::paper_tables::{
     PaperFractureTables, PaperImpactTable, PaperOpticsTables, RuleWord,
 };
 pub(super) use super::physical_tables::{
-    AutoRgb, DistanceEntry, DistanceWord, GlassMountTables, PhysicalCameraTable,
+    AutoRgb, CabinEntry, DistanceEntry, DistanceWord, GlassMountTables, PhysicalCameraTable,
     PhysicalOpticsTable, PhysicalOpticsTables, SceneEntry,
 };
 pub(super) use super::physics_tables::{
     DicingWord, GlassTable, GrowthWord, KindWord, LongCrackTable, MeshWord, OriginWord,
-    PhysicsFractureTable, PhysicsFractureTables, StoneTable, SupportWord,
+    PhysicsFractureTable, PhysicsFractureTables, ReachEntry, StoneTable, StoneWord, SupportWord,
 };
 use crate::plain_words::in_plain_words;
 
@@ -130,17 +130,27 @@ pub(super) enum RandomWord {
     Random,
 }
 
+/// Where a random place may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum PositionWord {
+    /// In the inner 80 % of width and height.
+    Random,
+    /// Anywhere in the frame.
+    Anywhere,
+}
+
 /// A place in the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
-    expecting = "expected \"random\" or [x, y] as fractions of the frame"
+    expecting = "expected \"random\", \"anywhere\" or [x, y] as fractions of the frame"
 )]
 pub(super) enum PositionEntry {
     /// Fractions of width and height, 0 to 1.
     Fractions([f64; 2]),
     /// Drawn from the seed.
-    Random(RandomWord),
+    Word(PositionWord),
 }
 
 /// A direction in the plane of the glass.

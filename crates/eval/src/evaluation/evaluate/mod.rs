@@ -230,6 +230,7 @@ fn with_coverages(
         row.cracked_ap50.iter_mut().for_each(say_alike);
     }
     warnings.extend(small_samples(&evaluation, settings));
+    warnings.extend(coverages.as_ref().and_then(small_damage));
     evaluation.warnings = warnings;
     Ok((evaluation, coverages))
 }
@@ -419,6 +420,29 @@ fn nothing_covered(labels: &LabelSet, sets: &[&SaidDetections]) -> Coverages {
     }
 }
 
+/// The cracks of an image take less of it than this, in the median: the damage is small.
+const SMALL_DAMAGE: f64 = 0.02;
+
+/// That the cracks take little of the images, and what makes them take more.
+fn small_damage(coverages: &Coverages) -> Option<Warning> {
+    let mut shares: Vec<f64> = coverages.region_share.iter().flatten().copied().collect();
+    shares.sort_by(f64::total_cmp);
+    let n = shares.len();
+    if n == 0 {
+        return None;
+    }
+    let median = 0.5 * (shares[(n - 1) / 2] + shares[n / 2]);
+    (median < SMALL_DAMAGE).then(|| Warning {
+        kind: WarningKind::SmallSample,
+        text: format!(
+            "the region is {:.1} % of an image in the median, less than {:.0} %: little can be lost. \
+             A higher severity has more, or a smaller glass.distance_m, or a larger impact.count",
+            100.0 * median,
+            100.0 * SMALL_DAMAGE
+        ),
+    })
+}
+
 /// How many classes have too few objects for a number, and how little there is in the region.
 fn small_samples(evaluation: &Evaluation, settings: &EvaluateSettings) -> Vec<Warning> {
     use super::{GroupKind, ScopeKind};
@@ -431,7 +455,8 @@ fn small_samples(evaluation: &Evaluation, settings: &EvaluateSettings) -> Vec<Wa
             kind: WarningKind::SmallSample,
             text: format!(
                 "the region holds {n} objects, fewer than {few}: there is no number for it; take more \
-                 images or a larger damage"
+                 images, or more damage by a higher severity, a smaller glass.distance_m or a larger \
+                 impact.count"
             ),
         });
     }

@@ -17,7 +17,7 @@ pub use physics::{Mount, PhysicsSettings, StoneSettings};
 use super::error::{Place, RecipeError};
 use super::tables::{
     Choice, CommonTables, DirectionEntry, FocalEntry, FormatWord, ModelWord, OpticsWord,
-    OutputTable, PositionEntry, from_table,
+    OutputTable, PositionEntry, PositionWord, from_table,
 };
 
 /// Most impacts on one pane.
@@ -127,20 +127,20 @@ pub enum OutputFormat {
 /// The settings of a recipe that is complete.
 pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settings, RecipeError> {
     let common: CommonTables = from_table(place, recipe)?;
-    // The sheet that is broken, mm, and how it stands before the camera.
+    // The glass before the camera, and how it stands there.
     let (fracture, sheet) = match choice.fracture {
         ModelWord::Paper => {
             let sheet = match choice.optics {
                 OpticsWord::Physical => Some(physical::mount(place, recipe)?),
                 OpticsWord::Paper => None,
             };
-            let mount = sheet.map(|(_, mount)| mount);
+            let mount = sheet.map(|sheet| sheet.mount);
             let paper = paper::settings(place, &from_table(place, recipe)?, mount)?;
             (FractureSettings::Paper(paper), sheet)
         }
         ModelWord::Physics => {
             let physics = physics::settings(place, &from_table(place, recipe)?)?;
-            let sheet = (physics.pane.thickness_m * 1e3, physics.mount);
+            let sheet = physical::Sheet::of(&physics);
             (FractureSettings::Physics(Box::new(physics)), Some(sheet))
         }
     };
@@ -185,9 +185,17 @@ fn impacts<T, S>(
     each.collect()
 }
 
+/// Share of either side of the frame that a random place lies in, around the middle.
+const INNER_SHARE: f64 = 0.8;
+
 fn position(place: &Place, k: usize, entry: PositionEntry) -> Result<Position, RecipeError> {
     match entry {
-        PositionEntry::Random(_) => Ok(Position::Random),
+        PositionEntry::Word(word) => Ok(Position::Random {
+            share: match word {
+                PositionWord::Random => INNER_SHARE,
+                PositionWord::Anywhere => 1.0,
+            },
+        }),
         PositionEntry::Fractions([x, y]) => {
             let key = format!("impact.{k}.position");
             fractions(place, &key, [x, y], "the frame")?;

@@ -24,7 +24,7 @@ impl PaperSettings {
     #[must_use]
     pub fn impacts_on(&self, pane: &Pane) -> Vec<PaperImpact> {
         let on_pane = |impact: &PaperImpact| match impact.position {
-            Position::Random => *impact,
+            Position::Random { .. } => *impact,
             Position::At { x, y } => PaperImpact {
                 position: Position::At {
                     x: x * pane.width,

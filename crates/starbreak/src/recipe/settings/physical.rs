@@ -1,18 +1,19 @@
 //! Settings of the physical optics: lens, light and the surfaces of cracks in SI units.
 
+use starbreak_fracture::physics::GlassBuild;
 use starbreak_optics::environment::{EnvironmentParams, Rgb};
 use starbreak_optics::lens::Lens;
-use starbreak_optics::physical::{PhysicalOptics, SensorNoise, SurfaceParams};
+use starbreak_optics::physical::{Glass, PhysicalOptics, SensorNoise, SurfaceParams};
 use toml::Table;
 
 use super::super::error::{Place, RecipeError};
 use super::super::tables::{
-    AutoRgb, DistanceEntry, DistanceWord, GlassMountTables, PhysicalCameraTable,
+    AutoRgb, CabinEntry, DistanceEntry, DistanceWord, GlassMountTables, PhysicalCameraTable,
     PhysicalOpticsTable, PhysicalOpticsTables, SceneEntry, from_table,
 };
 use super::{
-    CameraSettings, FocalLength, MAX_F_PX, Mount, OpticsSettings, focal_length, out_of_range,
-    physics,
+    CameraSettings, FocalLength, MAX_F_PX, Mount, OpticsSettings, PhysicsSettings, focal_length,
+    out_of_range, physics,
 };
 
 /// Nearest scene, m.
@@ -21,21 +22,61 @@ const LEAST_DISTANCE_M: f64 = 1e-3;
 /// How far the focal length in px may be from what lens and pixel pitch make it.
 const F_PX_TOLERANCE: f64 = 0.01;
 
-/// The pane that the paper's cracks lie in: its thickness, mm, and how it stands before the
-/// camera. The optical axis meets it in the middle of the frame.
-pub(super) fn mount(place: &Place, recipe: &Table) -> Result<(f64, Mount), RecipeError> {
+/// Mean way to the rim of a windscreen, mm: of a pane that has no size.
+const RIM_WAY_MM: f64 = 550.0;
+
+/// The glass before the camera.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sheet {
+    pub(super) mount: Mount,
+    thickness_mm: f64,
+    interlayer_mm: f64,
+    inner_ply_mm: f64,
+    rim_way_mm: f64,
+}
+
+impl Sheet {
+    /// The pane of the physics.
+    pub(super) fn of(physics: &PhysicsSettings) -> Self {
+        let [width_m, height_m] = physics.pane.outline.size_m();
+        let (interlayer_m, inner_ply_m) = match physics.pane.build {
+            GlassBuild::Laminated {
+                interlayer_thickness_m,
+                inner_thickness_m,
+                ..
+            } => (interlayer_thickness_m, inner_thickness_m),
+            GlassBuild::Annealed | GlassBuild::Tempered { .. } => (0.0, 0.0),
+        };
+        Self {
+            mount: physics.mount,
+            thickness_mm: physics.pane.thickness_m * 1e3,
+            interlayer_mm: interlayer_m * 1e3,
+            inner_ply_mm: inner_ply_m * 1e3,
+            rim_way_mm: (width_m + height_m) / 4.0 * 1e3,
+        }
+    }
+}
+
+/// The pane that the paper's cracks lie in. The optical axis meets it in the middle of the frame.
+pub(super) fn mount(place: &Place, recipe: &Table) -> Result<Sheet, RecipeError> {
     let GlassMountTables { glass } = from_table(place, recipe)?;
     let thickness_mm = glass.thickness_mm;
     physics::check(place, "glass.thickness_mm", thickness_mm, 0.1, 30.0, "mm")?;
     let mount = physics::mount(place, glass.distance_m, glass.rake_deg, [0.5; 2])?;
-    Ok((thickness_mm, mount))
+    Ok(Sheet {
+        mount,
+        thickness_mm,
+        interlayer_mm: 0.0,
+        inner_ply_mm: 0.0,
+        rim_way_mm: RIM_WAY_MM,
+    })
 }
 
-/// Camera and optics before a sheet of this thickness, mm, that stands like this.
+/// Camera and optics before a sheet of glass.
 pub(super) fn settings(
     place: &Place,
     recipe: &PhysicalOpticsTables,
-    (thickness_mm, mount): (f64, Mount),
+    sheet: Sheet,
 ) -> Result<(CameraSettings, OpticsSettings), RecipeError> {
     let camera = &recipe.camera;
     let given = &recipe.optics;
@@ -44,7 +85,7 @@ pub(super) fn settings(
         shot: given.noise_shot,
     };
     let is_quiet = noise.read == 0.0 && noise.shot == 0.0;
-    let lens = lens(camera, mount.distance_m);
+    let lens = lens(camera, sheet.mount.distance_m);
     // Before the distance in focus, which it may be.
     if lens.scene_m.is_nan() || lens.scene_m < LEAST_DISTANCE_M {
         let expected = "0.001 m or more, or \"infinity\"";
@@ -54,12 +95,18 @@ pub(super) fn settings(
     let optics = PhysicalOptics {
         lens,
         environment: environment(given),
-        thickness_mm,
-        refractive_index: given.refractive_index,
+        glass: Glass {
+            thickness_mm: sheet.thickness_mm,
+            interlayer_mm: sheet.interlayer_mm,
+            inner_ply_mm: sheet.inner_ply_mm,
+            refractive_index: given.refractive_index,
+            rim_reflectance: given.rim_reflectance,
+            rim_way_mm: sheet.rim_way_mm,
+        },
         surface: SurfaceParams {
-            mirror_alpha: given.mirror_alpha,
-            mist_alpha: given.mist_alpha,
-            hackle_alpha: given.hackle_alpha,
+            mirror_alpha: given.mirror_alpha.given(),
+            mist_alpha: given.mist_alpha.given(),
+            hackle_alpha: given.hackle_alpha.given(),
             opening_um: given.opening_um,
             crushed_zone: given.crushed_zone,
             chip: given.chip,
@@ -167,18 +214,24 @@ fn environment(given: &PhysicalOpticsTable) -> EnvironmentParams {
         horizon_rgb: rgb(given.sky_horizon),
         zenith_rgb: rgb(given.sky_zenith),
         ground_rgb: rgb(given.ground),
-        cabin_rgb: rgb(given.cabin),
+        cabin_rgb: match given.cabin {
+            CabinEntry::Even(rgb) => Some([single(rgb); 2]),
+            CabinEntry::Ends(ends) => Some(ends.map(single)),
+            CabinEntry::Auto(_) => None,
+        },
         horizon_row: given.horizon_row,
     }
 }
 
 fn rgb(given: AutoRgb) -> Option<Rgb> {
     match given {
-        AutoRgb::Rgb(rgb) => {
-            #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
-            let rgb = rgb.map(|channel| channel as f32);
-            Some(rgb)
-        }
+        AutoRgb::Rgb(rgb) => Some(single(rgb)),
         AutoRgb::Auto(_) => None,
     }
+}
+
+fn single(rgb: [f64; 3]) -> Rgb {
+    #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
+    let rgb = rgb.map(|channel| channel as f32);
+    rgb
 }

@@ -11,7 +11,7 @@ use starbreak_glass::{GlassKind, Material};
 use super::super::error::{Place, RecipeError};
 use super::super::tables::{
     DicingWord, GlassTable, GrowthWord, KindWord, LongCrackTable, MeshWord, OriginWord,
-    PhysicsFractureTable, PhysicsFractureTables, StoneTable, SupportWord,
+    PhysicsFractureTable, PhysicsFractureTables, ReachEntry, StoneTable, StoneWord, SupportWord,
 };
 use super::{direction, fractions, impacts, out_of_range, position};
 
@@ -51,17 +51,35 @@ pub struct StoneSettings {
     pub position: Position,
     /// Direction of the path in the plane of the pane.
     pub azimuth: Direction,
+    /// How many of them there are.
+    pub count: u32,
+    /// Standard deviation of the logarithm of their radius.
+    pub radius_spread: f64,
     /// The rest.
     stone: StoneImpact,
 }
 
+/// Radii of a stone, m, that a spread of sizes may come to.
+const RADII_M: [f64; 2] = [2e-4, 0.1];
+
 impl StoneSettings {
-    /// The stone that hits the pane here, flying this way in its plane.
+    /// The stone that hits the pane here, flying this way in its plane, larger than the others by a
+    /// factor e^(`larger` σ) as far as stones go.
     #[must_use]
-    pub fn at(&self, position_m: [f64; 2], azimuth_rad: f64) -> StoneImpact {
+    pub fn at(&self, position_m: [f64; 2], azimuth_rad: f64, larger: f64) -> StoneImpact {
+        let radius_m = self.stone.radius_m;
+        let wanted = radius_m * libm::exp(self.radius_spread * larger);
+        let [least, most] = RADII_M;
+        let factor = if self.radius_spread > 0.0 {
+            wanted.clamp(least.min(radius_m), most.max(radius_m)) / radius_m
+        } else {
+            1.0
+        };
         StoneImpact {
             position_m,
             azimuth_rad,
+            radius_m: factor * radius_m,
+            tip_radius_m: factor * self.stone.tip_radius_m,
             ..self.stone
         }
     }
@@ -145,6 +163,7 @@ fn pane(place: &Place, given: &GlassTable) -> Result<GlassPane, RecipeError> {
 fn build(place: &Place, given: &GlassTable) -> Result<GlassBuild, RecipeError> {
     let thickness = ("interlayer_thickness_mm", given.interlayer_thickness_mm);
     let modulus = ("interlayer_modulus_mpa", given.interlayer_modulus_mpa);
+    let inner = ("inner_thickness_mm", given.inner_thickness_mm);
     let compression = ("surface_compression_mpa", given.surface_compression_mpa);
     let wrong = |key: &str, what: &str| RecipeError::Type {
         place: place.clone(),
@@ -167,9 +186,10 @@ fn build(place: &Place, given: &GlassTable) -> Result<GlassBuild, RecipeError> {
         return Ok(GlassBuild::Laminated {
             interlayer_thickness_m: required(thickness)? / 1e3,
             interlayer_modulus_pa: required(modulus)? * 1e6,
+            inner_thickness_m: required(inner)? / 1e3,
         });
     }
-    absent(&[thickness, modulus])?;
+    absent(&[thickness, modulus, inner])?;
     match (given.kind, compression.1) {
         (KindWord::Annealed, _) => absent(&[compression])?,
         (KindWord::Cover, None) => {}
@@ -209,6 +229,29 @@ fn stone_settings(
     let density_kg_m3 = given.density_kg_m3;
     let key = format!("{table}.density_kg_m3");
     check(place, &key, density_kg_m3, 100.0, 25_000.0, "kg/m3")?;
+    let count = f64::from(given.count);
+    check(
+        place,
+        &format!("{table}.count"),
+        count,
+        1.0,
+        1000.0,
+        "stones",
+    )?;
+    let key = format!("{table}.radius_spread");
+    check(
+        place,
+        &key,
+        given.radius_spread,
+        0.0,
+        2.0,
+        "(a standard deviation)",
+    )?;
+    let of_material = match given.material {
+        StoneWord::Granite => StoneImpact::granite,
+        StoneWord::Ice => StoneImpact::ice,
+        StoneWord::Head => StoneImpact::head,
+    };
     let stone = StoneImpact {
         obliquity_rad: given.angle_deg.to_radians(),
         azimuth_rad: match azimuth {
@@ -217,7 +260,7 @@ fn stone_settings(
         },
         tip_radius_m: given.tip_radius_mm / 1e3,
         density_kg_m3,
-        ..StoneImpact::granite([0.0; 2], given.speed_m_s, given.radius_mm / 1e3)
+        ..of_material([0.0; 2], given.speed_m_s, given.radius_mm / 1e3)
     };
     stone
         .check()
@@ -225,6 +268,8 @@ fn stone_settings(
     Ok(StoneSettings {
         position,
         azimuth,
+        count: given.count,
+        radius_spread: given.radius_spread,
         stone,
     })
 }
@@ -242,6 +287,7 @@ fn long_crack(place: &Place, given: &LongCrackTable) -> Result<LongCrack, Recipe
         origin: match given.origin {
             OriginWord::Rim => LongCrackOrigin::Rim,
             OriginWord::Impact => LongCrackOrigin::Impact,
+            OriginWord::Legs => LongCrackOrigin::Legs,
         },
         flaw_m: given.flaw_mm / 1e3,
         growth: match given.growth {
@@ -273,7 +319,21 @@ fn params(place: &Place, given: &PhysicsFractureTable) -> Result<PhysicsParams, 
         radial_count_factor: given.radial_count_factor,
         strength_pa: given.strength_mpa * 1e6,
         weibull_modulus: given.weibull_modulus,
+        until_reach_m: match given.until_reach_mm {
+            ReachEntry::Mm(reach_mm) => Some(reach_mm / 1e3),
+            ReachEntry::Word(_) => None,
+        },
+        n_fallen: given.fallen_pieces,
     };
+    let n_fallen = f64::from(given.fallen_pieces);
+    check(
+        place,
+        "fracture.fallen_pieces",
+        n_fallen,
+        0.0,
+        1000.0,
+        "pieces",
+    )?;
     params
         .check()
         .map_err(|error| RecipeError::of_fracture(place, "fracture", error))?;

@@ -1,0 +1,53 @@
+//! Severity is a dose: more of the same event, in every seed.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+#[path = "../examples/severity.rs"]
+#[expect(dead_code, reason = "the example's own main")]
+mod severity;
+
+use severity::{median, shares_of};
+
+/// Seeds of this test; `docs/severity.md` has 32.
+const N_SEEDS: u64 = 4;
+
+/// Presets that are one event, cut or continued.
+const NESTED: [&str; 8] = [
+    "windshield-star",
+    "windshield-bullseye",
+    "windshield-combination",
+    "windshield-long-crack",
+    "windshield-spiderweb",
+    "windshield-gravel",
+    "windshield-hail",
+    "lens-cover-star",
+];
+
+#[test]
+fn more_severe_is_more_of_the_frame() {
+    for preset in NESTED {
+        let shares = shares_of(preset, N_SEEDS, (414, &["fracture.mesh=fast"])).unwrap();
+        for of in &shares {
+            assert!(of[0] > 0.0, "{preset} is intact at 1: {of:?}");
+            let falls = of.windows(2).any(|pair| pair[1] < pair[0]);
+            assert!(!falls, "{preset} falls: {of:?}");
+        }
+        let medians = [0, 1, 2, 3, 4].map(|k| median(shares.iter().map(|of| of[k]).collect()));
+        for pair in medians.windows(2) {
+            // Half of what the medians over 32 seeds have to grow by.
+            assert!(
+                pair[1] > 1.25 * pair[0] || pair[0] > 0.6,
+                "{preset}: {medians:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_others_grow_in_the_median() {
+    for preset in ["tempered-cover", "lens-cover-shattered"] {
+        let shares = shares_of(preset, N_SEEDS, (414, &["fracture.mesh=fast"])).unwrap();
+        let medians = [0, 1, 2, 3, 4].map(|k| median(shares.iter().map(|of| of[k]).collect()));
+        let grows = medians.windows(2).all(|pair| pair[0] < pair[1]);
+        assert!(medians[0] > 0.0 && grows, "{preset}: {medians:?}");
+    }
+}
