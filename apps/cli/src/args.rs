@@ -47,7 +47,7 @@ pub(crate) struct Global {
     /// `windshield-star`, or `paper` where it says fracture.model = "paper"
     #[arg(long, global = true, value_name = "FILE", conflicts_with = "preset")]
     pub(crate) recipe: Option<PathBuf>,
-    /// Named set of parameters: `windshield-star` unless given (for bench: `paper`);
+    /// Named set of parameters: `windshield-spiderweb` unless given (for bench: `paper`);
     /// `starbreak recipe --list` shows all
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) preset: Option<String>,

@@ -664,3 +664,79 @@ fn images_that_lie_on_their_side_stay_so() {
         source.as_raw().len()
     );
 }
+
+#[test]
+fn a_hit_before_an_object_is_in_the_middle_of_what_the_frame_shows_of_one() {
+    let dir = folder();
+    let root = dir.path().join("in");
+    write_kitti(&root, 3);
+    // One object half beyond the frame of 160 x 100, none, one among what is not to be found.
+    let ignored = "DontCare -1 -1 -10 1.00 1.00 9.00 9.00 -1 -1 -1 -1000 -1000 -1000 -10\n";
+    let car =
+        |edges: &str| format!("Car 0.00 0 -1.58 {edges} 1.65 1.67 3.64 -0.65 1.71 46.70 -1.59\n");
+    fs::write(
+        root.join("label_2/000000.txt"),
+        car("120.00 -20.00 200.00 60.00"),
+    )
+    .unwrap();
+    fs::write(root.join("label_2/000001.txt"), ignored).unwrap();
+    let both = format!("{ignored}{}", car("20.00 30.00 60.00 70.00"));
+    fs::write(root.join("label_2/000002.txt"), both).unwrap();
+    let set = |dir: &Path, out: &str, more: &[&str]| {
+        let preset = [
+            "--preset",
+            "windshield-bullseye",
+            "--set",
+            "impact.count=1",
+            "--set",
+            "fracture.mesh=fast",
+        ];
+        let args = [&["generate", "kitti:in", "-o", out], &preset[..], more].concat();
+        succeed(dir, &args);
+    };
+    set(dir.path(), "at", &["--set", "impact.position=object"]);
+    let fixed = [
+        ("000000", "[0.875,0.3]"),
+        ("000001", "random"),
+        ("000002", "[0.25,0.5]"),
+    ];
+    for (image, position) in fixed {
+        let key = format!("impact.position={position}");
+        set(dir.path(), image, &["--set", &key]);
+        let of = |out: &str| fs::read(dir.path().join(format!("{out}/image_2/{image}.png")));
+        assert!(
+            of("at").unwrap() == of(image).unwrap(),
+            "{image}: {position}"
+        );
+    }
+    let clean = fs::read(root.join("image_2/000000.png")).unwrap();
+    assert!(clean != fs::read(dir.path().join("at/image_2/000000.png")).unwrap());
+
+    // Of several stones the first.
+    let four = ["--set", "impact.position=object", "--set", "impact.count=4"];
+    set(dir.path(), "four", &four);
+    let hits = |out: &str| {
+        let record = format!("{out}/starbreak/provenance/image_2/000002.json");
+        json(&dir.path().join(record))["network"]["impacts"].clone()
+    };
+    let (one, four) = (hits("at"), hits("four"));
+    let place = |hit: &Value| [hit["x"].as_f64().unwrap(), hit["y"].as_f64().unwrap()];
+    assert_eq!(
+        place(&four[0]).map(f64::to_bits),
+        place(&one[0]).map(f64::to_bits)
+    );
+    assert_ne!(
+        place(&four[1]).map(f64::to_bits),
+        place(&one[0]).map(f64::to_bits)
+    );
+
+    let mut cases = Vec::new();
+    for verb in [
+        &["crack", "in/image_2/000000.png"][..],
+        &["patterns", "-n", "1"],
+    ] {
+        let args = [verb, &["-o", "refused", "--set", "impact.position=object"]].concat();
+        cases.push((args, "needs labels"));
+    }
+    all_refused(dir.path(), &cases);
+}

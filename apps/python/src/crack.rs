@@ -20,7 +20,7 @@ use crate::values::python_of;
 
 /// The cracks in the glass before a frame.
 ///
-/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-star`
+/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-spiderweb`
 /// unless given.
 /// seed: 0 to 2**64 - 1, for everything random.
 /// size: width and height of the frame, px.
@@ -71,7 +71,7 @@ pub(crate) fn item_seed(seed: SeedArg, name: NameArg, sample_index: Whole) -> Py
 /// An image behind broken glass: a new array of the shape of `image`, which stays as it is.
 ///
 /// image: uint8, H x W x 3 (sRGB) or H x W (gray), any strides; 1 to 32768 px per side.
-/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-star`
+/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-spiderweb`
 /// unless given.
 /// seed: 0 to 2**64 - 1, for everything random.
 /// name, sample_index: with a name, the seed is `item_seed(seed, name, sample_index)`. The command
@@ -90,7 +90,7 @@ pub(crate) fn item_seed(seed: SeedArg, name: NameArg, sample_index: Whole) -> Py
 /// >>> cracked = starbreak.crack(image, "windshield-star", seed=7)
 /// >>> cracked.shape, cracked.dtype
 /// ((375, 1242, 3), dtype('uint8'))
-/// >>> full = starbreak.crack(image, seed=7, boxes=[[600, 100, 700, 200]])
+/// >>> full = starbreak.crack(image, "windshield-star", seed=7, boxes=[[600, 100, 700, 200]])
 /// >>> bool((full.image == cracked).all()), full.region.shape
 /// (True, (375, 1242))
 /// >>> sorted(full.damage[0])
@@ -140,7 +140,7 @@ pub(crate) fn crack<'py>(
 #[pyfunction]
 #[pyo3(
     signature = (image, corruption_name = Given::of(starbreak::DEFAULT_PRESET.to_owned()), severity = Whole::of(1), *, seed = SeedArg::ZERO),
-    text_signature = "(image, corruption_name='windshield-star', severity=1, *, seed=0)"
+    text_signature = "(image, corruption_name='windshield-spiderweb', severity=1, *, seed=0)"
 )]
 pub(crate) fn corrupt<'py>(
     py: Python<'py>,
@@ -192,7 +192,7 @@ fn ready(
 /// >>> import numpy as np, starbreak
 /// >>> crack = starbreak.ReadyCrack("windshield-star", seed=7, size=(1242, 375))
 /// >>> frames = [np.full((375, 1242, 3), code, np.uint8) for code in (60, 128)]
-/// >>> bool((crack.over(frames[1], 7) == starbreak.crack(frames[1], seed=7)).all())
+/// >>> bool((crack.over(frames[1], 7) == starbreak.crack(frames[1], "windshield-star", 7)).all())
 /// True
 ///
 /// A pickle holds what it was made from, not what was made: it is made again where it arrives.

@@ -22,7 +22,7 @@ type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 /// data: the bytes of a PNG or JPEG file; `bytes`, or anything with a buffer.
 /// name: its name in the dataset, `train/a.png`; the crack is keyed by it, beside the seed and the
 /// sample.
-/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-star`
+/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-spiderweb`
 /// unless given.
 /// seed: 0 to 2**64 - 1, the seed of the whole set.
 /// bank: a `PatternBank` in place of a recipe.

@@ -95,7 +95,7 @@ impl Recipe {
     #[new]
     #[pyo3(
     signature = (preset = Given::of(DEFAULT_PRESET.to_owned()), *, severity = None, camera = None, set = None),
-    text_signature = "(preset='windshield-star', *, severity=None, camera=None, set=None)"
+    text_signature = "(preset='windshield-spiderweb', *, severity=None, camera=None, set=None)"
 )]
     fn new(
         preset: Given<String>,
@@ -135,11 +135,12 @@ impl Recipe {
         Self::from_toml(Given::of(file.text), Some(name))
     }
 
-    /// A recipe from its tables as dicts; what they leave out comes from a preset.
+    /// A recipe from its tables as dicts; what they leave out comes from the preset
+    /// `windshield-star`, or from `paper` where they say `fracture.model = "paper"`.
     ///
     /// >>> import starbreak
     /// >>> recipe = starbreak.Recipe.from_dict({"camera": {"f_px": 1900.0}})
-    /// >>> recipe == starbreak.Recipe(set={"camera.f_px": 1900.0})
+    /// >>> recipe == starbreak.Recipe("windshield-star", set={"camera.f_px": 1900.0})
     /// True
     #[staticmethod]
     fn from_dict(py: Python<'_>, tables: Given<Py<PyMapping>>) -> PyResult<Self> {

@@ -91,7 +91,7 @@ def test_a_bank_gives_the_images_of_generate(command, tmp_path):
 
     bank = starbreak.PatternBank(bank_folder)
     assert (len(bank), bank.seed, bank.sizes) == (3, 11, [(160, 90)])
-    assert bank.recipe == starbreak.Recipe(set={"fracture.mesh": "fast"})
+    assert bank.recipe == starbreak.Recipe("windshield-star", set={"fracture.mesh": "fast"})
     for name, image in images.items():
         theirs = np.asarray(Image.open(tmp_path / "out" / name))
         np.testing.assert_array_equal(bank.crack(image, 2, name=name), theirs, err_msg=name)
@@ -109,7 +109,7 @@ def test_a_bank_gives_the_images_of_generate(command, tmp_path):
 
 def test_a_network_is_the_same_simulated_or_given(small):
     image = picture()
-    for recipe in (small, starbreak.Recipe(set={"fracture.mesh": "fast"})):
+    for recipe in (small, starbreak.Recipe("windshield-star", set={"fracture.mesh": "fast"})):
         network = starbreak.simulate(recipe, 4, (128, 96))
         given = starbreak.crack(image, recipe, 4, network=network)
         np.testing.assert_array_equal(given, starbreak.crack(image, recipe, 4))

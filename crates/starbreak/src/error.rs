@@ -32,6 +32,11 @@ pub enum Error {
         /// Whether its place was drawn.
         is_random: bool,
     },
+    /// A hit that is to be before an object, where no objects are known.
+    #[error(
+        "impact.position = \"object\" needs labels; break a labeled dataset with generate or study, or give the place as [x, y], fractions of the frame"
+    )]
+    NoObjects,
     /// A file could not be read or written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),

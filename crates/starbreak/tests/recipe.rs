@@ -265,7 +265,7 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
         ),
         (
             "schema = 1\n[[impact]]\nposition = \"middle\"",
-            "\"random\", \"anywhere\" or [x, y]",
+            "\"random\", \"anywhere\", \"object\" or [x, y]",
         ),
         (
             "schema = 1\nfracture.model = \"paper\"\n[[impact]]\nforce = -5",

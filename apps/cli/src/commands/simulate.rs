@@ -242,7 +242,7 @@ fn describe(simulated: &Simulated) -> String {
             let mut lines: Vec<String> = physics.impacts.iter().map(describe_hit).collect();
             if let Some(report) = &physics.long_crack {
                 lines.push(format!(
-                    "long crack: {}, {:.1} mm, flaw at {:.2} of the toughness",
+                    "stress in the plane: {}, {:.1} mm, flaw at {:.2} of the toughness",
                     report.class,
                     // An empty sum is -0.
                     report.length_m.abs() * 1e3,

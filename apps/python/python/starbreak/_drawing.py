@@ -218,13 +218,15 @@ def _severities(severity: Severity | None) -> tuple[int, ...]:
 def _recipe(recipe: RecipeLike | None, severity: int | None) -> Recipe:
     if severity is None:
         return recipe_of(recipe)
-    if recipe is None or isinstance(recipe, str):
-        return Recipe("windshield-star" if recipe is None else recipe, severity=severity)
+    if recipe is None:
+        return Recipe(severity=severity)
+    if isinstance(recipe, str):
+        return Recipe(recipe, severity=severity)
     raise ValueError("severities scale presets only; give the name of a preset, or leave severity out")
 
 
 def recipe_of(recipe: RecipeLike | None) -> Recipe:
-    """The recipe that is meant; ``windshield-star`` by nothing.
+    """The recipe that is meant; by nothing that of ``Recipe()``.
 
     >>> recipe_of("paper") == recipe_of(Recipe("paper").to_dict())
     True
@@ -233,6 +235,8 @@ def recipe_of(recipe: RecipeLike | None) -> Recipe:
         return recipe
     if isinstance(recipe, dict):
         return Recipe.from_dict(recipe)
-    if recipe is None or isinstance(recipe, str):
-        return Recipe("windshield-star" if recipe is None else recipe)
+    if recipe is None:
+        return Recipe()
+    if isinstance(recipe, str):
+        return Recipe(recipe)
     raise TypeError(f"recipe = {recipe!r}; expected a starbreak.Recipe, the name of a preset or a dict")

@@ -45,7 +45,7 @@ class SimulationError(RuntimeError): ...
 class Recipe:
     def __new__(
         cls,
-        preset: str = "windshield-star",
+        preset: str = "windshield-spiderweb",
         *,
         severity: SupportsIndex | None = None,
         camera: str | None = None,
@@ -291,7 +291,7 @@ def crack(
 ) -> _Image | Cracked: ...
 def corrupt(
     image: _Image,
-    corruption_name: str = "windshield-star",
+    corruption_name: str = "windshield-spiderweb",
     severity: SupportsIndex = 1,
     *,
     seed: SupportsIndex = 0,

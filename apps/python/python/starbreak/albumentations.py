@@ -43,7 +43,7 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
     """The glass in front of the camera is broken.
 
     Args:
-        recipe: a ``Recipe``, the name of a preset, or tables as a dict; ``windshield-star`` without it.
+        recipe: a ``Recipe``, the name of a preset, or tables as a dict; ``windshield-spiderweb`` without it.
         severity: 1 to 5, or ``(least, most)``, of which one is drawn for each image; scales presets.
             Without it the preset as it is.
         bank: file or folder that ``starbreak patterns`` wrote, in place of a recipe.

@@ -51,7 +51,7 @@ def crack_dataset(
         output: folder or URI that all is written into, with the names of the source:
             ``NAME`` (``sample_K/NAME`` for several samples), and below ``starbreak`` ``regions``,
             ``cracks`` and ``provenance``.
-        recipe: a ``Recipe``, the name of a preset, or tables as a dict; ``windshield-star`` without it.
+        recipe: a ``Recipe``, the name of a preset, or tables as a dict; ``windshield-spiderweb`` without it.
         bank: a file that ``starbreak patterns`` wrote, in place of a recipe; each worker opens it, so it
             lies where all see it.
         seed: 0 to 2**64 - 1; the same one gives the same images.

@@ -12,11 +12,12 @@ use std::f64::consts::PI;
 use rand_chacha::ChaCha8Rng;
 use starbreak_glass::{Seed, SegmentKind, Stream};
 
-use super::impact::Breaking;
-use super::outcome::{DamageClass, ImpactReport, Stage};
+use super::impact::{Breaking, Facts};
+use super::outcome::{ImpactReport, Stage};
 use super::params::{GlassBuild, GlassPane, StoneImpact};
 use super::plate::Stiffness;
 use super::radials::{draw_angles, draw_count, mean_radial_count};
+use super::rings;
 use crate::contact::{ContactLoad, contact_load};
 use crate::draw::{normal, uniform};
 use crate::tips::{Piece, TERMINAL_SPEED_M_S, Tilt, Tip, TipLaw, Web, unit};
@@ -56,9 +57,6 @@ const CHORDS: [f64; 2] = [0.95, 0.3];
 const CHORD_REACH: f64 = 0.5;
 const CHORD_AFTER: f64 = 1.6;
 
-/// Standard deviation of the tilt of chords, rad. FIT, as of rings.
-const CHORD_TILT_RAD: f64 = 0.12;
-
 impl Breaking<'_> {
     /// The plies of a laminate as panes of their own, for a body that breaks both.
     pub(super) fn heavy_plies(&self, stone: &StoneImpact) -> Option<[GlassPane; 2]> {
@@ -69,8 +67,7 @@ impl Breaking<'_> {
             return None;
         };
         let stiffness = Stiffness::of(self.pane);
-        let impedance_kg_s = 16.0 * (stiffness.bending_n_m * stiffness.mass_kg_m2).sqrt();
-        let lasts_s = stone.mass_kg() / impedance_kg_s;
+        let lasts_s = 0.5 * stone.mass_kg() / stiffness.impedance_kg_s();
         let is_heavy = stiffness.wave_reach_m(lasts_s) > HEAVY * self.pane.thickness_m;
         is_heavy.then(|| {
             [self.pane.thickness_m, inner_thickness_m].map(|thickness_m| GlassPane {
@@ -90,8 +87,6 @@ impl Breaking<'_> {
         done: &mut impl FnMut(Stage),
     ) -> ImpactReport {
         self.n_older = self.web.n_cracks();
-        let outline = self.pane.outline;
-        let mut inner = self.inner.take().unwrap_or_else(|| Web::new(outline));
         let half = StoneImpact {
             density_kg_m3: 0.5 * stone.density_kg_m3,
             ..*stone
@@ -99,13 +94,16 @@ impl Breaking<'_> {
         let contact = contact_load(&half, &self.pane.material, self.pane.thickness_m);
         done(Stage::Contact);
         let mut sums = Sums::default();
-        let plies = if self.opens(&half, &contact) {
+        let broken = if self.opens(&half, &contact) {
             &plies[..]
         } else {
             &[]
         };
-        for (ply, pane) in (0_u64..).zip(plies) {
-            let web = if ply == 0 { &mut self.web } else { &mut inner };
+        for (ply, pane) in (0_u64..).zip(broken) {
+            let web = match ply {
+                0 => &mut self.web,
+                _ => self.inner.get_or_insert_with(|| Web::new(pane.outline)),
+            };
             let index = (ply << 40) | k;
             let mut rng = self.seed.stream(Stream::StoneFlaws, (1 << 33) | index);
             let n_radial = draw_count(
@@ -136,22 +134,23 @@ impl Breaking<'_> {
             body.chords(rng);
             done(Stage::Rings);
         }
-        self.inner = Some(inner);
         ImpactReport {
             position_m: stone.position_m,
             time_s: start_s,
-            damage: if sums.n_arms == 0 {
-                DamageClass::Intact
-            } else if sums.meets_rim {
-                DamageClass::RimToImpact
-            } else {
-                DamageClass::LongCrack
-            },
+            damage: Facts {
+                has_legs: sums.n_arms > 0,
+                has_cone: false,
+                is_closed: false,
+                is_marked: contact.crushed_radius_m > 0.0,
+                meets_rim: sums.meets_rim,
+                reach_m: sums.reach_m,
+            }
+            .class(),
             kinetic_energy_j: stone.kinetic_energy_j(),
             peak_force_n: 2.0 * contact.peak_force_n,
             contact_time_s: contact.contact_time_s,
             contact_radius_m: contact.contact_radius_m,
-            crushed_radius_m: sums.crumb_m,
+            crushed_radius_m: sums.crumb_m.max(contact.crushed_radius_m),
             n_arms: sums.n_arms,
             n_legs: sums.n_arms,
             reach_m: sums.reach_m,
@@ -159,17 +158,14 @@ impl Breaking<'_> {
             dissipated_j: sums.dissipated_j,
         }
     }
-}
 
-impl Breaking<'_> {
     /// Whether half of a body bends a ply so far that it breaks: the stress in the middle of a
     /// clamped disc, as large as the wave has come, 3F(1 + ν)/(2πh²) ln(reach/patch)
     /// \[Timoshenko1959\], against the strength of the area under it.
     fn opens(&self, half: &StoneImpact, contact: &ContactLoad) -> bool {
         let stiffness = Stiffness::of(self.pane);
         let patch_m = stiffness.patch_radius_m(contact.contact_radius_m);
-        let impedance_kg_s = 8.0 * (stiffness.bending_n_m * stiffness.mass_kg_m2).sqrt();
-        let reach_m = stiffness.wave_reach_m(half.mass_kg() / impedance_kg_s);
+        let reach_m = stiffness.wave_reach_m(half.mass_kg() / stiffness.impedance_kg_s());
         let folds = libm::log((reach_m / patch_m).max(1.0));
         let stress_pa = contact.peak_force_n * stiffness.stress_per_log_reach_pa_n() * folds;
         stress_pa >= self.strength_of_area_pa(PI * patch_m * patch_m)
@@ -422,6 +418,11 @@ impl Body<'_> {
         if span <= 0.0 || span > 0.6 * PI || start == end {
             return;
         }
+        self.break_across([start, end], self.passes_s(CHORD_AFTER * radius_m), rng);
+    }
+
+    /// Runs a chord from node to node, slightly bent either way, or to what it meets first.
+    fn break_across(&mut self, [start, end]: [u32; 2], breaks_s: f64, rng: &mut ChaCha8Rng) {
         let h = self.law.thickness_m;
         let [from, to] = [start, end].map(|node| self.web.nodes[node as usize]);
         let whole = libm::hypot(to[0] - from[0], to[1] - from[1]);
@@ -429,12 +430,10 @@ impl Body<'_> {
             return;
         }
         let crack = self.web.new_crack(None);
-        let mut tilt = Tilt::new(self.seed, (1 << 34) | u64::from(crack), CHORD_TILT_RAD);
-        // Slightly bent, either way.
+        let mut tilt = Tilt::new(self.seed, (1 << 34) | u64::from(crack), rings::TILT_RAD);
         let bend = 0.03 * whole * normal(rng);
         let across = [-(to[1] - from[1]) / whole, (to[0] - from[0]) / whole];
         let n = libm::ceil(whole / (1.5 * h)).clamp(1.0, 64.0);
-        let breaks_s = self.passes_s(CHORD_AFTER * radius_m);
         let mut node = start;
         let mut k = 1.0;
         let mut along = 0.0;
@@ -444,8 +443,9 @@ impl Body<'_> {
             let point =
                 [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * part + off * across[axis]);
             let last = self.web.nodes[node as usize];
-            let own = |piece: &Piece| piece.crack != crack;
-            let met = self.web.first_hit(last, point, node, own).filter(|_| k < n);
+            let others = |piece: &Piece| piece.crack != crack;
+            let met = self.web.first_hit(last, point, node, others);
+            let met = met.filter(|_| k < n);
             let next = match met {
                 Some(hit) => self.web.node_on(hit.piece, hit.point_m, 1e-5),
                 None if k < n => self.web.add_node(point),

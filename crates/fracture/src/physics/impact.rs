@@ -6,7 +6,7 @@ use starbreak_glass::{Seed, SegmentKind};
 
 use super::long_crack::{PaneStress, grow_long_crack};
 use super::outcome::{DamageClass, ImpactReport, LongCrackReport, Stage};
-use super::params::{GlassPane, LongCrack, PhysicsParams, StoneImpact};
+use super::params::{GlassPane, LongCrack, LongCrackOrigin, PhysicsParams, StoneImpact};
 use super::plate::Plates;
 use crate::FractureError;
 use crate::contact::{ConeOutcome, ContactLoad, HertzianCrack, contact_load, hertzian_crack};
@@ -45,19 +45,19 @@ pub(super) struct Breaking<'a> {
 }
 
 /// What decides the class of a hit.
-struct Facts {
-    has_legs: bool,
-    has_cone: bool,
+pub(super) struct Facts {
+    pub(super) has_legs: bool,
+    pub(super) has_cone: bool,
     /// Whether the cone closes around the contact.
-    is_closed: bool,
+    pub(super) is_closed: bool,
     /// Whether the glass is crushed, or has a ring.
-    is_marked: bool,
-    meets_rim: bool,
-    reach_m: f64,
+    pub(super) is_marked: bool,
+    pub(super) meets_rim: bool,
+    pub(super) reach_m: f64,
 }
 
 impl Facts {
-    fn class(&self) -> DamageClass {
+    pub(super) fn class(&self) -> DamageClass {
         match (self.has_legs, self.has_cone) {
             (true, _) if self.meets_rim => DamageClass::RimToImpact,
             (true, _) if self.reach_m > LONG_CRACK_M => DamageClass::LongCrack,
@@ -241,21 +241,13 @@ impl Breaking<'_> {
             return;
         }
         let was = report.damage;
-        let mut is_own = vec![false; self.web.n_cracks() as usize];
         let at = |node: u32| self.web.nodes[node as usize];
         let far = |node: u32| {
             let [x, y] = at(node);
             libm::hypot(x - center_m[0], y - center_m[1])
         };
-        for piece in &self.web.pieces {
-            let starts_here = piece.kind == SegmentKind::Radial && far(piece.a) <= 1e-9;
-            is_own[piece.crack as usize] |= starts_here;
-        }
-        for crack in 0..self.web.n_cracks() {
-            if let Some(parent) = self.web.parent(crack) {
-                is_own[crack as usize] |= is_own[parent as usize];
-            }
-        }
+        let starts_here = |piece: &Piece| piece.kind == SegmentKind::Radial && far(piece.a) <= 1e-9;
+        let is_own = self.web.grown_from(starts_here);
         let mut own = self
             .web
             .pieces
@@ -327,11 +319,7 @@ impl Breaking<'_> {
         let more = grow_long_crack(web, self.pane, (load, &field), n_older, self.seed, after_s);
         self.in_plane = Some(field);
         *report = Some(report.map_or(more, |before| LongCrackReport {
-            class: if before.length_m > 0.0 {
-                before.class
-            } else {
-                more.class
-            },
+            class: before.class,
             length_m: before.length_m + more.length_m,
             flaw_k_ratio: before.flaw_k_ratio.max(more.flaw_k_ratio),
             available_j: before.available_j,
@@ -340,13 +328,38 @@ impl Breaking<'_> {
         Ok(())
     }
 
-    /// Length of all cracks that stress in the plane drove, m.
-    pub(super) fn grown_m(&self) -> f64 {
-        let edges = self
+    /// What the cracks that stress in the plane drove have come to, after all that happened to them.
+    pub(super) fn long_report(
+        &self,
+        load: &LongCrack,
+        report: LongCrackReport,
+        hits: &[ImpactReport],
+    ) -> LongCrackReport {
+        let is_driven = self.web.grown_from(|piece| piece.kind == SegmentKind::Edge);
+        let driven = self
             .web
             .pieces
             .iter()
-            .filter(|piece| piece.kind == SegmentKind::Edge);
-        edges.map(|piece| piece.along_m[1] - piece.along_m[0]).sum()
+            .filter(|piece| is_driven[piece.crack as usize]);
+        let length_m: f64 = driven
+            .clone()
+            .map(|piece| piece.along_m[1] - piece.along_m[0])
+            .sum();
+        let meets_rim = driven
+            .map(|piece| self.web.nodes[piece.b as usize])
+            .any(|at| self.pane.outline.depth_m(at) <= 1e-6);
+        let class = match load.origin {
+            _ if length_m <= 0.0 => DamageClass::Intact.name(),
+            LongCrackOrigin::Rim if load.load.frame_tension_pa <= 0.0 => "stress-crack",
+            LongCrackOrigin::Rim => "edge-crack",
+            LongCrackOrigin::Impact if meets_rim => "long-crack",
+            LongCrackOrigin::Impact => "floater-crack",
+            LongCrackOrigin::Legs => ImpactReport::worst(hits).unwrap_or("intact"),
+        };
+        LongCrackReport {
+            class,
+            length_m,
+            ..report
+        }
     }
 }

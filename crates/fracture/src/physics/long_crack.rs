@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use starbreak_glass::{Seed, SegmentKind, Stream};
 
-use super::outcome::LongCrackReport;
+use super::outcome::{DamageClass, LongCrackReport};
 use super::params::{
     GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad, MeshResolution,
 };
@@ -216,21 +216,8 @@ pub(super) fn grow_long_crack(
         .iter()
         .map(|piece| piece.along_m[1] - piece.along_m[0])
         .fold(0.0, |sum, length| sum + length);
-    let meets_rim = tips
-        .iter()
-        .any(|tip| pane.outline.depth_m(tip.at_m) <= 1e-6);
-    let class = if web.pieces.len() == first_piece {
-        "intact"
-    } else {
-        match (long_crack.origin, meets_rim) {
-            (LongCrackOrigin::Rim, _) if long_crack.load.frame_tension_pa <= 0.0 => "stress-crack",
-            (LongCrackOrigin::Rim, _) => "edge-crack",
-            (_, false) => "floater-crack",
-            (_, true) => "long-crack",
-        }
-    };
     LongCrackReport {
-        class,
+        class: DamageClass::Intact.name(),
         length_m,
         flaw_k_ratio,
         available_j: ledger.available_j,

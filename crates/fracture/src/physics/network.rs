@@ -153,7 +153,7 @@ pub(super) fn network(
     let damage_class = long
         .filter(|report| report.length_m > 0.0)
         .map(|report| report.class)
-        .or_else(|| worst(history.reports));
+        .or_else(|| ImpactReport::worst(history.reports));
     Ok(CrackNetwork::from_planar(NetworkData {
         schema: NETWORK_SCHEMA.to_owned(),
         generator: Generator {
@@ -171,15 +171,6 @@ pub(super) fn network(
         fallen: Vec::new(),
         summary: Some(summary),
     })?)
-}
-
-/// The class of the hit that did most.
-fn worst(reports: &[ImpactReport]) -> Option<&'static str> {
-    let rank = |report: &&ImpactReport| (report.damage.rank(), report.reach_m.to_bits());
-    reports
-        .iter()
-        .max_by_key(rank)
-        .map(|report| report.damage.name())
 }
 
 fn impact(stone: &StoneImpact, report: &ImpactReport, [x, y]: [f64; 2]) -> Impact {

@@ -93,11 +93,20 @@ pub struct ImpactReport {
     pub dissipated_j: f64,
 }
 
-/// What became of a long crack.
+impl ImpactReport {
+    /// The class of the hit that did most.
+    pub(super) fn worst(reports: &[Self]) -> Option<&'static str> {
+        let rank = |report: &&Self| (report.damage.rank(), report.reach_m.to_bits());
+        let worst = reports.iter().max_by_key(rank);
+        worst.map(|report| report.damage.name())
+    }
+}
+
+/// What became of the cracks that stress in the plane drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LongCrackReport {
-    /// Name of the class: `long-crack`, `edge-crack`, `floater-crack` or `stress-crack`; `intact`
-    /// where the load does not open the flaw.
+    /// Name of the class: `long-crack`, `edge-crack`, `floater-crack` or `stress-crack`; where the
+    /// cracks of all hits went on that of the worst hit; `intact` where the load opens no flaw.
     pub class: &'static str,
     /// Length of the path, forks included, m.
     pub length_m: f64,

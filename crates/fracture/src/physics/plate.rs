@@ -96,9 +96,14 @@ impl Stiffness {
         WAVE_REACH * (self.bending_n_m / self.mass_kg_m2).sqrt().sqrt() * time_s.sqrt()
     }
 
-    /// Deflection that an impulse leaves under itself in an unbounded plate, I/(8√(Dρh)), m.
+    /// Force per speed of a point of an unbounded plate, 8√(Dρh) \[Zener1941\], kg/s.
+    pub(super) fn impedance_kg_s(&self) -> f64 {
+        8.0 * (self.bending_n_m * self.mass_kg_m2).sqrt()
+    }
+
+    /// Deflection that an impulse leaves under itself in an unbounded plate, m.
     pub(super) fn deflection_m(&self, impulse_n_s: f64) -> f64 {
-        impulse_n_s / (8.0 * (self.bending_n_m * self.mass_kg_m2).sqrt())
+        impulse_n_s / self.impedance_kg_s()
     }
 
     /// Central force that holds a clamped disc at a deflection: P = 16 π D w/r², N.

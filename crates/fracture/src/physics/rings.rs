@@ -33,7 +33,7 @@ const RUNNING_PART: f64 = 0.5;
 const LEAST_SPACING: f64 = 0.22;
 
 /// Standard deviation of the tilt of rings, rad. UNKNOWN.
-const TILT_RAD: f64 = 0.12;
+pub(super) const TILT_RAD: f64 = 0.12;
 
 /// Most steps of one half of a ring.
 const MAX_STEPS: u32 = 4000;

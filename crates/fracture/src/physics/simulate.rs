@@ -4,7 +4,7 @@ use starbreak_glass::{CrackNetwork, Fragment, NetworkData, Seed, SegmentKind};
 
 use super::impact::Breaking;
 use super::network::{AllCracks, History, network, network_pane};
-use super::outcome::{Broken, DamageClass, ImpactReport, LongCrackReport, Stage};
+use super::outcome::{Broken, DamageClass, ImpactReport, Stage};
 use super::params::{
     Dicing, GlassBuild, GlassPane, LongCrack, LongCrackOrigin, PhysicsParams, StoneImpact,
 };
@@ -116,14 +116,15 @@ pub fn simulate(
         if let Some(inner) = &mut breaking.inner {
             inner.cut(end_s);
         }
+    }
+    if end_s.is_finite() || origin == Some(LongCrackOrigin::Legs) {
         for (stone, report) in impacts.iter().zip(&mut reports) {
             breaking.reclassify(stone.position_m, report);
         }
-        let length_m = breaking.grown_m();
-        long_report = long_report
-            .filter(|_| length_m > 0.0)
-            .map(|report| LongCrackReport { length_m, ..report });
     }
+    let long_report = long_crack
+        .zip(long_report)
+        .map(|(load, report)| breaking.long_report(load, report, &reports));
     let history = History {
         stones: &impacts[..reports.len()],
         reports: &reports,

@@ -90,6 +90,18 @@ impl Web {
         self.parents[crack as usize]
     }
 
+    /// Of each crack, whether such a piece is a part of it, or of one that it grew out of.
+    pub(crate) fn grown_from(&self, is_root: impl Fn(&Piece) -> bool) -> Vec<bool> {
+        let mut is_grown = vec![false; self.parents.len()];
+        for piece in &self.pieces {
+            is_grown[piece.crack as usize] |= is_root(piece);
+        }
+        for (crack, parent) in self.parents.iter().enumerate() {
+            is_grown[crack] |= parent.is_some_and(|parent| is_grown[parent as usize]);
+        }
+        is_grown
+    }
+
     /// How many cracks there are.
     pub(crate) fn n_cracks(&self) -> u32 {
         to_u32(self.parents.len())

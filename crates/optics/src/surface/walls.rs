@@ -221,7 +221,8 @@ impl Walls {
         first
     }
 
-    /// The first wall on a ray of at most `most_mm`, besides that which it leaves.
+    /// The first wall on a ray of at most `most_mm`, besides that which it leaves: from cell to cell
+    /// along the ray \[AmanatidesWoo1987\].
     pub(super) fn first(
         &self,
         from: Vector,
@@ -234,7 +235,6 @@ impl Walls {
         }
         let mut first: Option<Met<'_>> = None;
         let ray = (from, direction, most_mm);
-        // From cell to cell along the ray [AmanatidesWoo1987].
         let mut cell = [0, 1].map(|k| ((from[k] - self.low[k]) / self.cell_mm).floor());
         let per_cell = [0, 1].map(|k| self.cell_mm / direction[k].abs().max(1e-12));
         let mut next = [0, 1].map(|k| {

@@ -48,7 +48,8 @@ impl Plan<'_> {
             files,
         };
         let pattern_of = |size, seed, watch: &mut Stopwatch| {
-            self.patterns.for_item(self.context, size, seed, watch)
+            self.patterns
+                .for_item(self.context, (size, &image.objects), seed, watch)
         };
         item.made(self.context, pattern_of, file, watch)
             .map_err(|error| Error::of_image(&image.path, error))

@@ -1,13 +1,14 @@
 //! Where the cracks of a set come from.
 
 use serde_json::json;
+use starbreak_dataset::{LabeledObject, ObjectKind};
 use starbreak_glass::Seed;
 
-use crate::Error;
 use crate::bank::{OverlayBank, PatternBank};
 use crate::import::ImportedNetwork;
 use crate::overlay::OverlaySet;
 use crate::pipeline::{ReadyCrack, RunContext, Stopwatch, simulate, use_network};
+use crate::{Error, Settings};
 
 /// Where the cracks of a set come from.
 #[derive(Debug)]
@@ -29,16 +30,23 @@ pub enum Patterns {
 }
 
 impl Patterns {
-    /// The crack for a frame.
+    /// The crack for a frame with these objects.
     pub(super) fn for_item(
         &self,
         context: &RunContext,
-        size: (u32, u32),
+        (size, objects): ((u32, u32), &[LabeledObject]),
         seed: Seed,
         watch: &mut Stopwatch,
     ) -> Result<ReadyCrack, Error> {
         let settings = &context.settings;
         let simulated = match self {
+            Self::Fresh if settings.fracture.is_aimed() => {
+                let aimed = Settings {
+                    fracture: settings.fracture.aimed_at(&middles(objects, size), seed),
+                    ..settings.clone()
+                };
+                simulate(&aimed, size.0, size.1, seed)?
+            }
             Self::Fresh => simulate(settings, size.0, size.1, seed)?,
             Self::Network(imported) => use_network(imported),
             Self::Overlays(set) => {
@@ -56,4 +64,25 @@ impl Patterns {
         };
         ReadyCrack::of_simulated(settings, simulated, size, seed, watch)
     }
+}
+
+/// Middles of the objects that are to be found, of what the frame shows of them, as fractions of it.
+fn middles(objects: &[LabeledObject], (width, height): (u32, u32)) -> Vec<[f64; 2]> {
+    let size = [f64::from(width), f64::from(height)];
+    let regular = objects
+        .iter()
+        .filter(|object| object.kind == ObjectKind::Regular);
+    let middle = |object: &LabeledObject| {
+        let [x0, y0, x1, y1] = object.box_px;
+        let shown = [[x0, x1], [y0, y1]];
+        let is_in = (0..2).all(|k| shown[k][1] > 0.0 && shown[k][0] < size[k]);
+        let of = |k: usize| {
+            shown[k]
+                .map(|at| at.clamp(0.0, size[k]))
+                .iter()
+                .sum::<f64>()
+        };
+        is_in.then(|| [0, 1].map(|k| 0.5 * of(k) / size[k]))
+    };
+    regular.filter_map(middle).collect()
 }

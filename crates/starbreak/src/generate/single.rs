@@ -53,7 +53,7 @@ pub fn crack_file(
     };
     let pattern_of = |size, seed, watch: &mut Stopwatch| match bank {
         Some(bank) => ReadyCrack::of_bank(bank, bank.idx_for(seed), size, watch),
-        None => Patterns::Fresh.for_item(context, size, seed, watch),
+        None => Patterns::Fresh.for_item(context, (size, &[]), seed, watch),
     };
     let made = decode_image(name, bytes, &ImageLimits::default())
         .map_err(Error::from)

@@ -101,7 +101,8 @@ fn stones_on(
         for n in 0..u64::from(stone.count) {
             // The same stones come first however many there are.
             let k = n << 32 | table;
-            let position_m = match stone.position {
+            let position = stone.position(n);
+            let position_m = match position {
                 Position::At { x, y } => on_pane([x, y]),
                 Position::Random { share } => {
                     let mut rng = seed.stream(Stream::ImpactPosition, k);
@@ -112,7 +113,7 @@ fn stones_on(
             let Some(position_m) = position_m else {
                 return Err(Error::OffGlass {
                     impact: table,
-                    is_random: matches!(stone.position, Position::Random { .. }),
+                    is_random: matches!(position, Position::Random { .. }),
                 });
             };
             let azimuth_rad = match stone.azimuth {

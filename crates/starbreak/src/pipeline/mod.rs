@@ -79,13 +79,17 @@ impl Cracked {
 /// Breaks the glass before a frame of `width_px × height_px`.
 ///
 /// # Errors
-/// [`Error::Fracture`] for parameters that do not fit the frame.
+/// [`Error::Fracture`] for parameters that do not fit the frame; [`Error::NoObjects`] for hits that are
+/// to be before objects ([`FractureSettings::aimed_at`]).
 pub fn simulate(
     settings: &Settings,
     width_px: u32,
     height_px: u32,
     seed: Seed,
 ) -> Result<Simulated, Error> {
+    if settings.fracture.is_aimed() {
+        return Err(Error::NoObjects);
+    }
     match &settings.fracture {
         FractureSettings::Paper(paper) => paper_network(paper, width_px, height_px, seed),
         FractureSettings::Physics(physics) => {

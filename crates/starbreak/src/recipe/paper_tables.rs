@@ -61,7 +61,8 @@ pub(super) enum FocusWord {
 #[serde(deny_unknown_fields)]
 pub(super) struct PaperImpactTable {
     /// Where: [x, y] as fractions of the frame, from the top left corner; "random", in the
-    /// inner 80 % of the frame; or "anywhere".
+    /// inner 80 % of the frame; "anywhere"; or "object", before a labeled object of the image
+    /// (`generate` and `study` of a labeled dataset).
     pub(super) position: PositionEntry,
     /// Impact force F of the paper, in its own unit, > 0. Nothing breaks unless it exceeds
     /// fracture.critical_stress / fracture.safety_factor.

@@ -98,7 +98,8 @@ pub(super) enum StoneWord {
 #[serde(deny_unknown_fields)]
 pub(super) struct StoneTable {
     /// Where: [x, y] as fractions of the frame, from the top left corner; "random", in the
-    /// inner 80 % of the frame; or "anywhere".
+    /// inner 80 % of the frame; "anywhere"; or "object", before a labeled object of the image
+    /// (`generate` and `study` of a labeled dataset).
     pub(super) position: PositionEntry,
     /// Speed of the stone, m/s, 0.01 to 1000.
     pub(super) speed_m_s: f64,

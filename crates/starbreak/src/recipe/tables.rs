@@ -138,13 +138,16 @@ pub(super) enum PositionWord {
     Random,
     /// Anywhere in the frame.
     Anywhere,
+    /// Before a labeled object of the image, of several stones the first; as random where there
+    /// is none.
+    Object,
 }
 
 /// A place in the frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
     untagged,
-    expecting = "expected \"random\", \"anywhere\" or [x, y] as fractions of the frame"
+    expecting = "expected \"random\", \"anywhere\", \"object\" or [x, y] as fractions of the frame"
 )]
 pub(super) enum PositionEntry {
     /// Fractions of width and height, 0 to 1.

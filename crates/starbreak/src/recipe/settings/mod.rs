@@ -5,8 +5,10 @@ mod paper_optics;
 mod physical;
 mod physics;
 
+use rand_chacha::rand_core::Rng;
 use starbreak_dataset::JpegQuality;
 use starbreak_fracture::paper::{Direction, Position};
+use starbreak_glass::{Seed, Stream};
 use starbreak_optics::paper::PaperOptics;
 use starbreak_optics::physical::PhysicalOptics;
 use toml::Table;
@@ -57,6 +59,34 @@ impl FractureSettings {
             Self::Paper(paper) => paper.mount,
             Self::Physics(physics) => Some(physics.mount),
         }
+    }
+
+    /// Whether an impact is to be before a labeled object.
+    #[must_use]
+    pub fn is_aimed(&self) -> bool {
+        match self {
+            Self::Paper(paper) => paper.aimed.iter().any(|is_aimed| *is_aimed),
+            Self::Physics(physics) => physics.stones.iter().any(|stone| stone.is_aimed),
+        }
+    }
+
+    /// The same with the impacts that are to be before an object, of several stones the first, each
+    /// before one of these, drawn by the seed: their middles, as fractions of the frame. Without any
+    /// they are where random ones are.
+    #[must_use]
+    pub fn aimed_at(&self, objects: &[[f64; 2]], seed: Seed) -> Self {
+        let drawn = |k: u64| {
+            let bits = seed.stream(Stream::ImpactPosition, k).next_u64();
+            let idx = bits.checked_rem(objects.len() as u64)?;
+            let [x, y] = objects[usize::try_from(idx).ok()?];
+            Some(Position::At { x, y })
+        };
+        let mut aimed = self.clone();
+        match &mut aimed {
+            Self::Paper(paper) => paper.aim(drawn),
+            Self::Physics(physics) => physics.aim(drawn),
+        }
+        aimed
     }
 }
 
@@ -185,6 +215,11 @@ fn impacts<T, S>(
     each.collect()
 }
 
+/// Whether an impact is to be before a labeled object.
+fn is_aimed(entry: PositionEntry) -> bool {
+    entry == PositionEntry::Word(PositionWord::Object)
+}
+
 /// Share of either side of the frame that a random place lies in, around the middle.
 const INNER_SHARE: f64 = 0.8;
 
@@ -192,7 +227,7 @@ fn position(place: &Place, k: usize, entry: PositionEntry) -> Result<Position, R
     match entry {
         PositionEntry::Word(word) => Ok(Position::Random {
             share: match word {
-                PositionWord::Random => INNER_SHARE,
+                PositionWord::Random | PositionWord::Object => INNER_SHARE,
                 PositionWord::Anywhere => 1.0,
             },
         }),

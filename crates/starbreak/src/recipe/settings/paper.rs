@@ -5,7 +5,7 @@ use starbreak_glass::Pane;
 
 use super::super::error::{Place, RecipeError};
 use super::super::tables::{NeighborhoodWord, PaperFractureTables, PaperImpactTable, RuleWord};
-use super::{Mount, direction, impacts, position};
+use super::{Mount, direction, impacts, is_aimed, position};
 
 /// What the paper's model needs to know.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,8 @@ pub struct PaperSettings {
     pub mount: Option<Mount>,
     /// Impacts on a pane of one by one.
     unit_impacts: Vec<PaperImpact>,
+    /// Which of them are to be before a labeled object.
+    pub(super) aimed: Vec<bool>,
 }
 
 impl PaperSettings {
@@ -34,6 +36,16 @@ impl PaperSettings {
             },
         };
         self.unit_impacts.iter().map(on_pane).collect()
+    }
+
+    /// Puts impacts before the objects that are drawn for them.
+    pub(super) fn aim(&mut self, drawn: impl Fn(u64) -> Option<Position>) {
+        let impacts = self.unit_impacts.iter_mut().zip(&mut self.aimed);
+        for (k, (impact, is_aimed)) in (0..).zip(impacts) {
+            if std::mem::take(is_aimed) {
+                impact.position = drawn(k).unwrap_or(impact.position);
+            }
+        }
     }
 }
 
@@ -71,6 +83,9 @@ pub(super) fn settings(
         params,
         mount,
         unit_impacts,
+        aimed: (recipe.impact.iter())
+            .map(|impact| is_aimed(impact.position))
+            .collect(),
     })
 }
 

@@ -13,7 +13,7 @@ use super::super::tables::{
     DicingWord, GlassTable, GrowthWord, KindWord, LongCrackTable, MeshWord, OriginWord,
     PhysicsFractureTable, PhysicsFractureTables, ReachEntry, StoneTable, StoneWord, SupportWord,
 };
-use super::{direction, fractions, impacts, out_of_range, position};
+use super::{direction, fractions, impacts, is_aimed, out_of_range, position};
 
 /// What the physics needs to know.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +32,17 @@ pub struct PhysicsSettings {
     pub params: PhysicsParams,
 }
 
+impl PhysicsSettings {
+    /// Puts stones before the objects that are drawn for them.
+    pub(super) fn aim(&mut self, drawn: impl Fn(u64) -> Option<Position>) {
+        for (k, stone) in (0..).zip(&mut self.stones) {
+            if std::mem::take(&mut stone.is_aimed) {
+                stone.first_position = drawn(k);
+            }
+        }
+    }
+}
+
 /// How a pane stands before the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
@@ -47,8 +58,10 @@ pub struct Mount {
 /// A hit by a stone, of which place and direction may still be open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StoneSettings {
-    /// Where, as fractions of the frame.
-    pub position: Position,
+    position: Position,
+    /// Whether the first of them is to be before a labeled object.
+    pub(super) is_aimed: bool,
+    first_position: Option<Position>,
     /// Direction of the path in the plane of the pane.
     pub azimuth: Direction,
     /// How many of them there are.
@@ -63,6 +76,13 @@ pub struct StoneSettings {
 const RADII_M: [f64; 2] = [2e-4, 0.1];
 
 impl StoneSettings {
+    /// Where the n-th of them hits, as fractions of the frame.
+    #[must_use]
+    pub fn position(&self, n: u64) -> Position {
+        let first = self.first_position.filter(|_| n == 0);
+        first.unwrap_or(self.position)
+    }
+
     /// The stone that hits the pane here, flying this way in its plane, larger than the others by a
     /// factor e^(`larger` σ) as far as stones go.
     #[must_use]
@@ -267,6 +287,8 @@ fn stone_settings(
         .map_err(|error| RecipeError::of_fracture(place, &table, error))?;
     Ok(StoneSettings {
         position,
+        is_aimed: is_aimed(given.position),
+        first_position: None,
         azimuth,
         count: given.count,
         radius_spread: given.radius_spread,
