@@ -44,7 +44,7 @@ pub(crate) struct Args {
 #[derive(Debug, ClapArgs)]
 pub(crate) struct Global {
     /// Recipe file (TOML) with all parameters; what it leaves out comes from a preset:
-    /// `windshield-star`, or `paper` where it says fracture.model = "paper"
+    /// `windshield-star` without its long crack, or `paper` where it says fracture.model = "paper"
     #[arg(long, global = true, value_name = "FILE", conflicts_with = "preset")]
     pub(crate) recipe: Option<PathBuf>,
     /// Named set of parameters: `windshield-spiderweb` unless given (for bench: `paper`);

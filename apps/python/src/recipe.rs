@@ -136,12 +136,12 @@ impl Recipe {
     }
 
     /// A recipe from its tables as dicts; what they leave out comes from the preset
-    /// `windshield-star`, or from `paper` where they say `fracture.model = "paper"`.
+    /// `windshield-star` (without its long crack and its reach), or from `paper` where they say `fracture.model = "paper"`.
     ///
     /// >>> import starbreak
     /// >>> recipe = starbreak.Recipe.from_dict({"camera": {"f_px": 1900.0}})
-    /// >>> recipe == starbreak.Recipe("windshield-star", set={"camera.f_px": 1900.0})
-    /// True
+    /// >>> recipe.to_dict()["camera"]["f_px"], recipe.to_dict()["glass"]["thickness_mm"]
+    /// (1900.0, 2.1)
     #[staticmethod]
     fn from_dict(py: Python<'_>, tables: Given<Py<PyMapping>>) -> PyResult<Self> {
         let value = value_of("", tables.named("tables")?.bind(py).as_any())?;

@@ -380,3 +380,41 @@ fn a_round_pane_cracks_from_its_rim_as_a_square_one_does() {
         );
     }
 }
+
+#[test]
+fn what_flies_through_a_hole_breaks_nothing() {
+    let cover = pane(
+        Outline::Disc { diameter_m: 0.11 },
+        2e-3,
+        GlassBuild::Annealed,
+    )
+    .unwrap();
+    let params = PhysicsParams {
+        n_fallen: 1,
+        ..fast()
+    };
+    let first = StoneImpact::granite([0.055, 0.055], 30.0, 12e-3);
+    let broken = |stones: &[StoneImpact]| simulate(&cover, stones, None, &params, Seed(3), |_| ());
+    let one = broken(&[first]).unwrap().network;
+    let hole = &one.fallen_fragments()[0];
+    let [x, y] = hole.inner_point().unwrap();
+    let through = StoneImpact::granite([1e-3 * x, 1e-3 * y], 30.0, 12e-3);
+    let two = broken(&[first, through]).unwrap();
+    assert_eq!(two.impacts[1].damage, DamageClass::Intact);
+    assert_eq!(two.network.n_segments(), one.n_segments());
+    // Beside the hole it does, and the hole stays what it was.
+    let beside = StoneImpact::granite([0.055 - 0.5 * (1e-3 * x - 0.055), 0.03], 30.0, 12e-3);
+    assert!(
+        !hole.contains(beside.position_m.map(|m| 1e3 * m)),
+        "elsewhere"
+    );
+    let other = broken(&[first, beside]).unwrap();
+    assert_ne!(other.impacts[1].damage, DamageClass::Intact);
+    let same = &other.network.fallen_fragments()[0];
+    assert!(
+        (same.area / hole.area - 1.0).abs() < 1e-6,
+        "{} {}",
+        same.area,
+        hole.area
+    );
+}

@@ -198,6 +198,24 @@ fn a_ring_is_a_hole_in_what_surrounds_it() {
 }
 
 #[test]
+fn what_fell_is_the_piece_at_the_point_not_one_that_surrounds_it() {
+    let (mut points, mut segments) = (Vec::new(), Vec::new());
+    for half in [1.0, 2.0, 3.0] {
+        square(&mut points, &mut segments, half);
+    }
+    let rings = network(pane(10.0, 10.0, GlassKind::Annealed), &points, &segments);
+    for (point, area) in [([5.0, 5.0], 4.0), ([5.0, 6.5], 12.0), ([1.0, 1.0], 64.0)] {
+        let data = NetworkData {
+            fallen: vec![point],
+            ..rings.data().clone()
+        };
+        let fallen = CrackNetwork::new(data).unwrap().fallen_fragments();
+        assert_eq!(fallen.len(), 1, "{point:?}");
+        assert!(close(fallen[0].area, area), "{point:?}: {}", fallen[0].area);
+    }
+}
+
+#[test]
 fn a_hole_lies_where_it_lies_even_at_the_height_of_a_node() {
     // Cracks to the right end at the very height of the ring's top, 4, from above and below.
     for bend in [0.0, 10.0] {

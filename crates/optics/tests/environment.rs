@@ -130,13 +130,13 @@ fn an_overcast_sky_is_recovered_at_any_pitch() {
         );
         assert_within(
             light.cabin_low_rgb,
-            scaled(ground, 0.015),
+            scaled(ground, 0.08),
             1e-3,
             &format!("{horizon_row}: cabin, low"),
         );
         assert_within(
             light.cabin_high_rgb,
-            scaled(ground, 0.05),
+            scaled(ground, 0.1),
             1e-3,
             &format!("{horizon_row}: cabin, high"),
         );

@@ -11,7 +11,7 @@ use severity::{median, shares_of};
 const N_SEEDS: u64 = 4;
 
 /// Presets that are one event, cut or continued.
-const NESTED: [&str; 8] = [
+const NESTED: [&str; 9] = [
     "windshield-star",
     "windshield-bullseye",
     "windshield-combination",
@@ -20,6 +20,7 @@ const NESTED: [&str; 8] = [
     "windshield-gravel",
     "windshield-hail",
     "lens-cover-star",
+    "lens-cover-shattered",
 ];
 
 #[test]
@@ -43,11 +44,9 @@ fn more_severe_is_more_of_the_frame() {
 }
 
 #[test]
-fn the_others_grow_in_the_median() {
-    for preset in ["tempered-cover", "lens-cover-shattered"] {
-        let shares = shares_of(preset, N_SEEDS, (414, &["fracture.mesh=fast"])).unwrap();
-        let medians = [0, 1, 2, 3, 4].map(|k| median(shares.iter().map(|of| of[k]).collect()));
-        let grows = medians.windows(2).all(|pair| pair[0] < pair[1]);
-        assert!(medians[0] > 0.0 && grows, "{preset}: {medians:?}");
-    }
+fn a_tempered_cover_grows_in_the_median() {
+    let shares = shares_of("tempered-cover", N_SEEDS, (414, &["fracture.mesh=fast"])).unwrap();
+    let medians = [0, 1, 2, 3, 4].map(|k| median(shares.iter().map(|of| of[k]).collect()));
+    let grows = medians.windows(2).all(|pair| pair[0] < pair[1]);
+    assert!(medians[0] > 0.0 && grows, "{medians:?}");
 }

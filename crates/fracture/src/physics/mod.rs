@@ -1,6 +1,7 @@
 //! The physics tier: contact, plate stress, and crack tips traced through it.
 
 mod cone_trace;
+mod fallen;
 mod front;
 mod heavy;
 mod impact;

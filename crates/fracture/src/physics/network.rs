@@ -14,7 +14,7 @@ use crate::lattice::Lattice;
 use crate::mesh::{Outline, to_u32};
 use crate::tips::{Piece, TipLaw, Web};
 
-const MM_PER_M: f64 = 1e3;
+pub(super) const MM_PER_M: f64 = 1e3;
 const US_PER_S: f64 = 1e6;
 
 /// The pane in mm, as a network has it.

@@ -2,6 +2,8 @@
 
 use starbreak_glass::CrackNetwork;
 
+use super::params::StoneImpact;
+
 /// Damage class of one hit, after the windscreen repair trade \[ROLAGS\].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DamageClass {
@@ -94,6 +96,25 @@ pub struct ImpactReport {
 }
 
 impl ImpactReport {
+    /// That of a stone that meets no glass.
+    pub(super) fn of_nothing(stone: &StoneImpact, time_s: f64) -> Self {
+        Self {
+            position_m: stone.position_m,
+            time_s,
+            damage: DamageClass::Intact,
+            kinetic_energy_j: stone.kinetic_energy_j(),
+            peak_force_n: 0.0,
+            contact_time_s: 0.0,
+            contact_radius_m: 0.0,
+            crushed_radius_m: 0.0,
+            n_arms: 0,
+            n_legs: 0,
+            reach_m: 0.0,
+            available_j: 0.0,
+            dissipated_j: 0.0,
+        }
+    }
+
     /// The class of the hit that did most.
     pub(super) fn worst(reports: &[Self]) -> Option<&'static str> {
         let rank = |report: &&Self| (report.damage.rank(), report.reach_m.to_bits());

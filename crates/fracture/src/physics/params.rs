@@ -231,7 +231,7 @@ pub struct PhysicsParams {
     /// Everything stops at the moment at which a crack gets this far from the first hit, m.
     /// **Default** none: nothing is stopped.
     pub until_reach_m: Option<f64>,
-    /// How many pieces have fallen out in the end: first those that do not touch the rim, the
+    /// How many pieces fall out after the first hit, before the others: first those that do not touch the rim, the
     /// largest first, then those of which the rim holds the smallest part. **Default** 0.
     pub n_fallen: u32,
 }

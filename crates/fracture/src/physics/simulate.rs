@@ -2,8 +2,9 @@
 
 use starbreak_glass::{CrackNetwork, Fragment, NetworkData, Seed, SegmentKind};
 
+use super::fallen::loose_pieces;
 use super::impact::Breaking;
-use super::network::{AllCracks, History, network, network_pane};
+use super::network::{AllCracks, History, MM_PER_M, network, network_pane};
 use super::outcome::{Broken, DamageClass, ImpactReport, Stage};
 use super::params::{
     Dicing, GlassBuild, GlassPane, LongCrack, LongCrackOrigin, PhysicsParams, StoneImpact,
@@ -25,7 +26,8 @@ const PAUSE_S: f64 = 1e-3;
 /// `done` is called at the end of every [`Stage`], for some of them several times.
 ///
 /// Stress in the plane acts after the first hit, or after each, where it drives their cracks, else
-/// after all of them. With [`PhysicsParams::until_reach_m`] everything stops at the moment at which a crack gets
+/// after all of them. Pieces that fall out do so after the first hit, and what flies through their
+/// holes breaks nothing more. With [`PhysicsParams::until_reach_m`] everything stops at the moment at which a crack gets
 /// so far from the first hit: a smaller reach gives an earlier state of the same event.
 ///
 /// Each hit: contact ([`crate::contact`]), plate stress ([`crate::stress`]), radial cracks traced
@@ -74,6 +76,7 @@ pub fn simulate(
     let mut reports: Vec<ImpactReport> = Vec::with_capacity(impacts.len());
     let (mut time_s, mut end_s) = (0.0, f64::INFINITY);
     let mut long_report = None;
+    let mut fallen: Option<Vec<Fragment>> = None;
     // What goes on from a hit does so before the next.
     let origin = long_crack.map(|long_crack| long_crack.origin);
     let goes_on = |k| match origin {
@@ -83,6 +86,9 @@ pub fn simulate(
     };
     for (k, stone) in (0_u64..).zip(impacts) {
         let mut report = match breaking.heavy_plies(stone) {
+            _ if fallen.iter().flatten().any(|hole| is_in(stone, hole)) => {
+                ImpactReport::of_nothing(stone, time_s)
+            }
             Some(plies) => breaking.heavy_hit((stone, &plies), k, time_s, &mut done),
             None => breaking.hit(stone, k, time_s, &mut done)?,
         };
@@ -96,6 +102,16 @@ pub fn simulate(
             breaking.grow(long_crack, time_s, &mut long_report)?;
             done(Stage::LongCrack);
             time_s = last_arrival_s(&breaking).max(time_s) + PAUSE_S;
+        }
+        if k == 0 && params.n_fallen > 0 {
+            let history = History {
+                stones: &impacts[..1],
+                reports: &reports,
+                long_crack: None,
+            };
+            let cracks = AllCracks::of(pane, breaking.webs());
+            let network = network(pane, &cracks, &history, seed)?;
+            fallen = Some(loose_pieces(&network, params.n_fallen));
         }
         if k == 0
             && let Some(reach_m) = params.until_reach_m
@@ -132,7 +148,17 @@ pub fn simulate(
     };
     let cracks = AllCracks::of(pane, breaking.webs());
     let network = network(pane, &cracks, &history, seed)?;
-    let network = without_fallen(network, params.n_fallen)?;
+    let fallen = fallen
+        .filter(|_| end_s.is_infinite())
+        .unwrap_or_else(|| loose_pieces(&network, params.n_fallen));
+    let network = if fallen.is_empty() {
+        network
+    } else {
+        CrackNetwork::from_planar(NetworkData {
+            fallen: fallen.iter().filter_map(Fragment::inner_point).collect(),
+            ..network.data().clone()
+        })?
+    };
     done(Stage::Network);
     Ok(Broken {
         network,
@@ -143,61 +169,9 @@ pub fn simulate(
     })
 }
 
-/// The network with some pieces fallen out: of those that nothing holds the largest, then those of
-/// which the rim is the smallest part of the bound. The largest piece of all stays.
-fn without_fallen(network: CrackNetwork, n_fallen: u32) -> Result<CrackNetwork, FractureError> {
-    if n_fallen == 0 {
-        return Ok(network);
-    }
-    let mut fragments = network.fragments();
-    let held = |fragment: &Fragment| {
-        let pane = &network.data().pane;
-        let near = |[x, y]: [f64; 2]| {
-            let sides = [x, pane.width - x, y, pane.height - y];
-            let to_rim = if pane.is_disc() {
-                let radius = 0.5 * pane.width;
-                radius - libm::hypot(x - radius, y - radius)
-            } else {
-                sides.into_iter().fold(f64::INFINITY, f64::min)
-            };
-            to_rim <= pane.rim_tolerance()
-        };
-        let n = fragment.outline.len();
-        let on_rim: f64 = (0..n)
-            .map(|k| [fragment.outline[k], fragment.outline[(k + 1) % n]])
-            .filter(|ends| ends.iter().all(|end| near(*end)))
-            .map(|[a, b]| libm::hypot(b[0] - a[0], b[1] - a[1]))
-            .sum();
-        on_rim / fragment.perimeter.max(f64::MIN_POSITIVE)
-    };
-    let largest = fragments
-        .iter()
-        .map(|fragment| fragment.area)
-        .fold(0.0, f64::max);
-    fragments.retain(|fragment| fragment.area < largest);
-    let mut order: Vec<(f64, f64, usize)> = fragments
-        .iter()
-        .enumerate()
-        .map(|(idx, fragment)| match fragment.touches_rim {
-            false => (0.0, -fragment.area, idx),
-            true => (held(fragment).max(f64::MIN_POSITIVE), -fragment.area, idx),
-        })
-        .collect();
-    order.sort_by(|a, b| {
-        a.0.total_cmp(&b.0)
-            .then(a.1.total_cmp(&b.1))
-            .then(a.2.cmp(&b.2))
-    });
-    let fallen = order
-        .iter()
-        .filter_map(|(_, _, idx)| fragments[*idx].inner_point())
-        .take(n_fallen as usize)
-        .collect();
-    let data = NetworkData {
-        fallen,
-        ..network.data().clone()
-    };
-    Ok(CrackNetwork::from_planar(data)?)
+/// Whether a stone flies through a hole.
+fn is_in(stone: &StoneImpact, hole: &Fragment) -> bool {
+    hole.contains(stone.position_m.map(|coordinate| coordinate * MM_PER_M))
 }
 
 fn check(

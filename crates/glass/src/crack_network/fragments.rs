@@ -1,5 +1,7 @@
 //! The pieces that the cracks cut the pane into: the faces of the graph of cracks and rim.
 
+use std::collections::BTreeSet;
+
 use super::graph::Graph;
 use super::strips::Strips;
 use super::{CrackNetwork, NetworkData};
@@ -68,20 +70,23 @@ impl Fragment {
 }
 
 impl CrackNetwork {
-    /// The fragments that fell out of the pane: those that a point of
-    /// [`NetworkData::fallen`] lies in.
+    /// The fragments that fell out of the pane: of those around each point of
+    /// [`NetworkData::fallen`] the smallest, for one may lie in the hole of another.
     #[must_use]
     pub fn fallen_fragments(&self) -> Vec<Fragment> {
         if self.data.fallen.is_empty() {
             return Vec::new();
         }
         let mut fragments = self.fragments();
-        fragments.retain(|fragment| {
-            self.data
-                .fallen
-                .iter()
-                .any(|point| fragment.contains(*point))
-        });
+        let around = |point: &[f64; 2]| {
+            let all = fragments.iter().enumerate();
+            all.filter(|(_, fragment)| fragment.contains(*point))
+                .min_by(|(_, a), (_, b)| a.area.total_cmp(&b.area))
+                .map(|(idx, _)| idx)
+        };
+        let fallen: BTreeSet<usize> = self.data.fallen.iter().filter_map(around).collect();
+        let mut idx = 0..;
+        fragments.retain(|_| idx.next().is_some_and(|idx| fallen.contains(&idx)));
         fragments
     }
 

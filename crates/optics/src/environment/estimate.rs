@@ -16,8 +16,9 @@ const ROAD_ALBEDO: f64 = 0.1;
 const MOST_WHITE: f64 = 3.0;
 
 /// Radiance of the dark side of the glass over that of the ground, straight down and straight up:
-/// a dark dashboard under a lighter roof that it lights. FIT.
-const CABIN_OVER_GROUND: [f32; 2] = [0.015, 0.05];
+/// a dashboard of albedo 0.07 under 0.4 of the sky, through a screen that passes 0.7, sends 0.02 of the
+/// sky's radiance, the ground a quarter of it; the roof is lighter, and lit by that. An estimate.
+const CABIN_OVER_GROUND: [f32; 2] = [0.08, 0.1];
 
 /// Most irradiance of the sun, on a plane that faces it, over that of the sky: a clear day. FIT.
 const SUN_OVER_SKY: f64 = 10.0;
@@ -66,7 +67,7 @@ impl Environment {
     ///   sky grows from 0 to 1 with the blueness 1 − R/B, from 0.1 to 0.4, of all bright pixels
     ///   whose color is not clipped; these also give the clear zenith its color.
     /// - **Ground**: the median of each channel.
-    /// - **Cabin**: 0.015 of the ground straight down, 0.05 straight up.
+    /// - **Cabin**: 0.08 of the ground straight down, 0.1 straight up.
     /// - **Sun**: what the sky cannot account for. A ground of albedo ρ = 0.1 that shows L, the
     ///   75th percentile as some of it may lie in shade, gets E = πL/ρ (3π at most); the sun brings max(0, E − `E_sky`)/sin e, 10 `E_sky` at most.
     ///   It is as strong as the sky is clear, none below the horizon, and none at night, when

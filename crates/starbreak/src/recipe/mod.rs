@@ -84,7 +84,7 @@ impl Recipe {
     }
 
     /// A recipe from TOML text; `name` stands for it in messages. What it leaves out comes from
-    /// [`DEFAULT_PRESET`], or from `paper` where `fracture.model = "paper"`; its optics from
+    /// `windshield-star` (without its long crack and its reach), or from `paper` where `fracture.model = "paper"`; its optics from
     /// `paper` where `optics.model = "paper"`; a pane of another kind from the preset that has one.
     /// If the text has `[[impact]]` tables, they replace the preset's.
     ///
