@@ -16,6 +16,9 @@ pub(super) struct Wall {
     /// their distance.
     middle_mm: f64,
     half_mm: f64,
+    /// The way of the walk, of length 1, and between which places on it the wall lies.
+    ahead: Vector,
+    reach_mm: [f64; 2],
     pub(super) gap_um: f64,
     /// Number of the crack that it is a part of, and its own place along that crack.
     pub(super) crack: u32,
@@ -52,9 +55,16 @@ impl Wall {
             off.into_iter().fold(0.0, f64::min),
             off.into_iter().fold(0.0, f64::max),
         );
+        let ahead = unit(ahead);
+        let places = corners.map(|corner| dot(ahead, difference(corner, corners[0])));
         Some(Self {
             corners,
             normal,
+            ahead,
+            reach_mm: [
+                places.into_iter().fold(0.0, f64::min),
+                places.into_iter().fold(0.0, f64::max),
+            ],
             middle_mm: 0.5 * (low + high),
             half_mm: 0.5 * (high - low) + NEAREST_MM,
             gap_um,
@@ -66,9 +76,18 @@ impl Wall {
     /// How far along a ray of at most `most_mm` the wall is, if the ray meets it.
     fn meets(&self, from: Vector, direction: Vector, most_mm: f64) -> Option<f64> {
         let [a, b, c, d] = self.corners;
-        let start = dot(self.normal, difference(from, a)) - self.middle_mm;
-        let end = start + most_mm * dot(self.normal, direction);
+        let to = difference(from, a);
+        let start = dot(self.normal, to) - self.middle_mm;
+        let nears = dot(self.normal, direction);
+        let end = start + most_mm * nears;
         if start.min(end) > self.half_mm || start.max(end) < -self.half_mm {
+            return None;
+        }
+        // Where it is between the two planes, along the wall.
+        let ways = [-self.half_mm, self.half_mm].map(|plane| (plane - start) / nears);
+        let at = ways.map(|way| dot(self.ahead, to) + way * dot(self.ahead, direction));
+        let [low, high] = self.reach_mm;
+        if at[0].min(at[1]) > high + NEAREST_MM || at[0].max(at[1]) < low - NEAREST_MM {
             return None;
         }
         meets_triangle([a, b, c], from, direction)
@@ -105,14 +124,20 @@ fn meets_triangle([a, b, c]: [Vector; 3], from: Vector, direction: Vector) -> Op
     if determinant == 0.0 {
         return None;
     }
-    let to = difference(from, a);
-    let u = dot(to, p) / determinant;
-    let q = cross(to, ab);
-    let v = dot(direction, q) / determinant;
-    let way = dot(ac, q) / determinant;
     // A hair of tolerance, so that nothing slips through where walls meet.
-    let hair = -1e-9;
-    (u >= hair && v >= hair && u + v <= 1.0 - hair && way > NEAREST_MM).then_some(way)
+    let (size, hair) = (determinant.abs(), 1e-9 * determinant.abs());
+    let to = difference(from, a);
+    let u = dot(to, p) * determinant.signum();
+    if u < -hair || u > size + hair {
+        return None;
+    }
+    let q = cross(to, ab);
+    let v = dot(direction, q) * determinant.signum();
+    if v < -hair || u + v > size + hair {
+        return None;
+    }
+    let way = dot(ac, q) / determinant;
+    (way > NEAREST_MM).then_some(way)
 }
 
 fn difference(a: Vector, b: Vector) -> Vector {
