@@ -1,4 +1,4 @@
-//! The optics section of `starbreak bench`: time to bake a star, to light it, and per frame.
+//! The optics section of `starbreak bench`: time to bake a crack, to light it, and per frame.
 
 use std::fmt::Write as _;
 
@@ -171,9 +171,8 @@ impl Case {
 
 impl Section {
     pub(super) fn table(&self) -> String {
-        let mut text = String::from(
-            "optics: milliseconds of a laminated star on one thread: median (min-max)\n",
-        );
+        let mut text =
+            format!("optics: milliseconds of {DEFAULT_PRESET} on one thread: median (min-max)\n");
         for case in &self.cases {
             let (width, height) = case.size;
             // Writing to a String cannot fail.
