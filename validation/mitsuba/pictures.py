@@ -197,19 +197,20 @@ def cone_body(network):
     depth = max(ends[0] for ends, kind in zip(segments["depth_ends"], segments["kind"]) if kind == "cone")
     own = [k for k, ends in enumerate(segments["depth_ends"]) if segments["kind"][k] == "cone" and ends[0] == depth]
     x, y = (np.array([network["nodes"][axis][segments["from"][k]] for k in own]) - hit[axis] for axis in "xy")
-    tilt = segments["tilt_deg"][own[0]]
+    leans = np.tan(np.radians([segments["tilt_ends_deg"][k][0] for k in own]))
     angles, radii = np.arctan2(y, x), np.hypot(x, y)
     order = np.argsort(angles)
     n, m = 720, 24
     phi = np.arange(n) / n * 2 * np.pi - np.pi
     base = np.interp(phi, angles[order], radii[order], period=2 * np.pi)
+    lean = np.interp(phi, angles[order], leans[order], period=2 * np.pi)
     top, bottom = BONDED_MM + PLY_MM - SHORT_MM, BONDED_MM + max(PLY_MM * (1 - depth), 0.0) + SHORT_MM
     vertices, faces = [], []
     for side in (0.5, -0.5):
         for j in range(m + 1):
             z = top + (bottom - top) * j / m
-            r = np.maximum(base - (z - bottom) * np.tan(np.radians(tilt)), 0.15 * base)
-            lift = side * 1e-3 * GAP_UM["cone"] / np.cos(np.radians(tilt))
+            r = np.maximum(base - (z - bottom) * lean, 0.15 * base)
+            lift = side * 1e-3 * GAP_UM["cone"] * np.hypot(1.0, lean)
             zs = np.clip(np.full(n, z) + lift, BONDED_MM + SHORT_MM / 2, BONDED_MM + PLY_MM - SHORT_MM / 2)
             vertices.append(np.stack([r * np.cos(phi), r * np.sin(phi), zs], 1))
     vertices = np.concatenate(vertices)
@@ -295,7 +296,7 @@ def main():
     for what, preset, bodies in (("star", "windshield-star", leg_bodies), ("cone", "windshield-bullseye", lambda n: [cone_body(n)])):
         for seed in (5, 7, 11):
             path = pathlib.Path(FOLDER) / f"{what}{seed}.json"
-            subprocess.run([starbreak, "simulate", "--preset", preset, "--seed", str(seed), "-o", str(path), "-q", "--set", "impact.position=[0.5,0.5]"], check=True)
+            subprocess.run([starbreak, "simulate", "--preset", preset, "--seed", str(seed), "-o", str(path), "-q", "--set", "impact.position=[0.5,0.5]", "--set", "impact.count=1"], check=True)
             network = json.loads(path.read_text())
             network["segments"]["opening_um"] = [WIDE_UM] * len(network["segments"]["from"])
             keep = [k for k, kind in enumerate(network["segments"]["kind"]) if (kind == "cone") == (what == "cone")]

@@ -12,11 +12,6 @@ use crate::tips::{Piece, TERMINAL_SPEED_M_S, unit};
 /// A cone leans by 68° from the normal of the pane: 22° to its surface \[FrankLawn1967\].
 const CONE_TILT_RAD: f64 = 68.0 * PI / 180.0;
 
-/// Standard deviation of that lean around the cone, rad, and the harmonics that it has. FIT: the dark
-/// side of a bullseye in photographs ends in an irregular line.
-const LEAN_RAD: f64 = 3.0 * PI / 180.0;
-const LEAN_HARMONICS: std::ops::Range<u8> = 2..9;
-
 impl Breaking<'_> {
     /// The Hertzian cone where it shows: as a circle or an arc on the far face.
     pub(super) fn cone(&mut self, hit: &Hit<'_>) {
@@ -49,28 +44,22 @@ impl Breaking<'_> {
                 [n, 0.03 / n * normal(&mut rng), 2.0 * PI * uniform(&mut rng)]
             })
             .collect();
-        let n_leans = f64::from(LEAN_HARMONICS.end - LEAN_HARMONICS.start);
-        let leans: Vec<[f64; 3]> = LEAN_HARMONICS
-            .map(|n| {
-                let size = LEAN_RAD * (2.0 / n_leans).sqrt() * normal(&mut rng);
-                [f64::from(n), size, 2.0 * PI * uniform(&mut rng)]
-            })
-            .collect();
         let n_steps = 96_u32;
         let arc = hit.cone.arc_rad;
         let is_closed = arc > 2.0 * PI - 1e-9;
         let center = hit.stone.position_m;
         let angle_at =
             |k: u32| hit.cone.arc_center_rad + arc * (f64::from(k) / f64::from(n_steps) - 0.5);
-        let sum_at = |waves: &[[f64; 3]], angle: f64| -> f64 {
-            let wave = |[n, size, phase]: &[f64; 3]| size * libm::cos(n * angle + phase);
-            waves.iter().map(wave).sum()
+        let radius_at = |k: u32| {
+            let wave = |[n, size, phase]: &[f64; 3]| size * libm::cos(n * angle_at(k) + phase);
+            radius_m * (1.0 + harmonics.iter().map(wave).sum::<f64>())
         };
-        let lean_rad = |k: u32| CONE_TILT_RAD + sum_at(&leans, angle_at(k));
+        // The wall comes from a round contact, whatever its trace is.
+        let top_m = radius_m - depth_m * libm::tan(CONE_TILT_RAD);
+        let lean_rad = |k: u32| libm::atan2(radius_at(k) - top_m, depth_m);
         let place = |k: u32| {
-            let angle = angle_at(k);
-            let [cos, sin] = unit(angle);
-            let radius = radius_m * (1.0 + sum_at(&harmonics, angle));
+            let [cos, sin] = unit(angle_at(k));
+            let radius = radius_at(k);
             [center[0] + radius * cos, center[1] + radius * sin]
         };
         // It opens as the force peaks, over its depth at the speed of a running crack.
