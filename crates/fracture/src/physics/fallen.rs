@@ -18,10 +18,14 @@ pub(super) fn loose_pieces(network: &CrackNetwork, n_fallen: u32) -> Vec<Fragmen
         false => 0.0,
         true => rim_part(network, fragment).max(f64::MIN_POSITIVE),
     };
+    let mut ranked: Vec<(f64, Fragment)> = fragments
+        .into_iter()
+        .map(|fragment| (held(&fragment), fragment))
+        .collect();
     // A stable sort keeps the order of those that are alike.
-    fragments.sort_by(|a, b| held(a).total_cmp(&held(b)).then(b.area.total_cmp(&a.area)));
-    fragments.truncate(n_fallen as usize);
-    fragments
+    ranked.sort_by(|(a, one), (b, other)| a.total_cmp(b).then(other.area.total_cmp(&one.area)));
+    ranked.truncate(n_fallen as usize);
+    ranked.into_iter().map(|(_, fragment)| fragment).collect()
 }
 
 /// The part of the bound of a piece that is rim of the pane.

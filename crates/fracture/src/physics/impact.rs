@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use starbreak_glass::{Seed, SegmentKind};
 
-use super::long_crack::{PaneStress, grow_long_crack};
+use super::long_crack::{Driven, PaneStress, grow_long_crack};
 use super::outcome::{DamageClass, ImpactReport, LongCrackReport, Stage};
 use super::params::{GlassPane, LongCrack, LongCrackOrigin, PhysicsParams, StoneImpact};
 use super::plate::Plates;
@@ -37,6 +37,8 @@ pub(super) struct Breaking<'a> {
     pub(super) plates: Plates,
     /// Stress in the plane, once it is known.
     pub(super) in_plane: Option<PaneStress>,
+    /// What it has done.
+    pub(super) driven: Option<Driven>,
     /// Whether a crack anywhere sends the whole pane to pieces.
     pub(super) dices: bool,
     pub(super) is_diced: bool,
@@ -299,13 +301,11 @@ impl Breaking<'_> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Stress in the plane of the pane, if there is any, from a moment on. What it did is added to
-    /// the report.
+    /// Stress in the plane of the pane, if there is any, from a moment on.
     pub(super) fn grow(
         &mut self,
         load: Option<&LongCrack>,
         after_s: f64,
-        report: &mut Option<LongCrackReport>,
     ) -> Result<(), FractureError> {
         let Some(load) = load.filter(|_| !self.is_diced) else {
             return Ok(());
@@ -318,13 +318,7 @@ impl Breaking<'_> {
         let web = &mut self.web;
         let more = grow_long_crack(web, self.pane, (load, &field), n_older, self.seed, after_s);
         self.in_plane = Some(field);
-        *report = Some(report.map_or(more, |before| LongCrackReport {
-            class: before.class,
-            length_m: before.length_m + more.length_m,
-            flaw_k_ratio: before.flaw_k_ratio.max(more.flaw_k_ratio),
-            available_j: before.available_j,
-            dissipated_j: before.dissipated_j + more.dissipated_j,
-        }));
+        self.driven = Some(self.driven.map_or(more, |before| before.and(more)));
         Ok(())
     }
 
@@ -332,9 +326,9 @@ impl Breaking<'_> {
     pub(super) fn long_report(
         &self,
         load: &LongCrack,
-        report: LongCrackReport,
         hits: &[ImpactReport],
-    ) -> LongCrackReport {
+    ) -> Option<LongCrackReport> {
+        let done = self.driven?;
         let is_driven = self.web.grown_from(|piece| piece.kind == SegmentKind::Edge);
         let driven = self
             .web
@@ -356,10 +350,6 @@ impl Breaking<'_> {
             LongCrackOrigin::Impact => "floater-crack",
             LongCrackOrigin::Legs => ImpactReport::worst(hits).unwrap_or("intact"),
         };
-        LongCrackReport {
-            class,
-            length_m,
-            ..report
-        }
+        Some(done.report(class, length_m))
     }
 }

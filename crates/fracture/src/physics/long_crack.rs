@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use starbreak_glass::{Seed, SegmentKind, Stream};
 
-use super::outcome::{DamageClass, LongCrackReport};
+use super::outcome::LongCrackReport;
 use super::params::{
     GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad, MeshResolution,
 };
@@ -146,6 +146,36 @@ fn rim_place(outline: &Outline, part: f64) -> ([f64; 2], [f64; 2]) {
     }
 }
 
+/// What stress in the plane has done, as far as it is known before the end.
+#[derive(Clone, Copy)]
+pub(super) struct Driven {
+    flaw_k_ratio: f64,
+    available_j: f64,
+    dissipated_j: f64,
+}
+
+impl Driven {
+    /// With what it does once more.
+    pub(super) fn and(self, more: Self) -> Self {
+        Self {
+            flaw_k_ratio: self.flaw_k_ratio.max(more.flaw_k_ratio),
+            available_j: self.available_j,
+            dissipated_j: self.dissipated_j + more.dissipated_j,
+        }
+    }
+
+    /// The report, once it is known what came of the cracks.
+    pub(super) fn report(self, class: &'static str, length_m: f64) -> LongCrackReport {
+        LongCrackReport {
+            class,
+            length_m,
+            flaw_k_ratio: self.flaw_k_ratio,
+            available_j: self.available_j,
+            dissipated_j: self.dissipated_j,
+        }
+    }
+}
+
 /// Grows the crack, or those that have numbers from `n_older` on; `after_s` is when everything else
 /// has happened.
 pub(super) fn grow_long_crack(
@@ -155,7 +185,7 @@ pub(super) fn grow_long_crack(
     n_older: u32,
     seed: Seed,
     after_s: f64,
-) -> LongCrackReport {
+) -> Driven {
     let law = TipLaw::new(&pane.material, pane.thickness_m, false);
     let energy_j = field.energy_j(pane);
     let starts = starts(web, field, (long_crack, n_older), seed);
@@ -168,7 +198,6 @@ pub(super) fn grow_long_crack(
         dissipated_j: 0.0,
         steps_left: MAX_STEPS,
     };
-    let first_piece = web.pieces.len();
     let mut tips: Vec<Tip> = starts
         .iter()
         .map(|start| {
@@ -212,13 +241,7 @@ pub(super) fn grow_long_crack(
         seed,
         f64::INFINITY,
     );
-    let length_m = web.pieces[first_piece..]
-        .iter()
-        .map(|piece| piece.along_m[1] - piece.along_m[0])
-        .fold(0.0, |sum, length| sum + length);
-    LongCrackReport {
-        class: DamageClass::Intact.name(),
-        length_m,
+    Driven {
         flaw_k_ratio,
         available_j: ledger.available_j,
         dissipated_j: ledger.dissipated_j,

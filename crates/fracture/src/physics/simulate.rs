@@ -64,6 +64,7 @@ pub fn simulate(
         inner: None,
         plates: Plates::new(pane, params.mesh),
         in_plane: None,
+        driven: None,
         dices: match pane.build {
             GlassBuild::Tempered {
                 surface_compression_pa,
@@ -75,7 +76,6 @@ pub fn simulate(
     };
     let mut reports: Vec<ImpactReport> = Vec::with_capacity(impacts.len());
     let (mut time_s, mut end_s) = (0.0, f64::INFINITY);
-    let mut long_report = None;
     let mut fallen: Option<Vec<Fragment>> = None;
     // What goes on from a hit does so before the next.
     let origin = long_crack.map(|long_crack| long_crack.origin);
@@ -99,7 +99,7 @@ pub fn simulate(
         reports.push(report);
         time_s = last_arrival_s(&breaking).max(time_s + report.contact_time_s) + PAUSE_S;
         if goes_on(k) {
-            breaking.grow(long_crack, time_s, &mut long_report)?;
+            breaking.grow(long_crack, time_s)?;
             done(Stage::LongCrack);
             time_s = last_arrival_s(&breaking).max(time_s) + PAUSE_S;
         }
@@ -124,7 +124,7 @@ pub fn simulate(
     }
     if !goes_on(0) && end_s.is_infinite() {
         let start_s = if impacts.is_empty() { 0.0 } else { time_s };
-        breaking.grow(long_crack, start_s, &mut long_report)?;
+        breaking.grow(long_crack, start_s)?;
         done(Stage::LongCrack);
     }
     if end_s.is_finite() {
@@ -138,9 +138,7 @@ pub fn simulate(
             breaking.reclassify(stone.position_m, report);
         }
     }
-    let long_report = long_crack
-        .zip(long_report)
-        .map(|(load, report)| breaking.long_report(load, report, &reports));
+    let long_report = long_crack.and_then(|load| breaking.long_report(load, &reports));
     let history = History {
         stones: &impacts[..reports.len()],
         reports: &reports,
