@@ -45,6 +45,8 @@ MOST_RMS = 0.03
 HUB_MM = 1.5
 SPP = {"on glass": 512, "far": 1024}
 SHORT_MM = 3e-3  # of the faces
+FRONT = 1.5  # reach of a front through the ply, in thicknesses
+ROWS, PART_MM = 12, 0.15  # rows of a crack's surface, and how long its faces are
 
 rake = np.radians(RAKE_DEG)
 AXES = np.array([[1, 0, 0], [0, np.cos(rake), np.sin(rake)], [0, -np.sin(rake), np.cos(rake)]])
@@ -134,8 +136,17 @@ def traced(focus_mm, body, spp):
     return [half / (spp // 64) for half in halves]
 
 
+def lags(is_through, depths, part, alongs):
+    """How far behind the tip the front passes a part of the depth: fronts are a part of an ellipse."""
+    behind = lambda x: 1 - np.sqrt(np.maximum(1 - x * x, 0))
+    if is_through:
+        return FRONT * PLY_MM * behind(part * depths)
+    return (alongs[-1] - alongs) * behind(part)
+
+
 def chains(network):
-    """Cracks as rows of (upper edge, lower edge) in the sheet's coordinates about the hit, as starbreak has them."""
+    """Cracks as rows of places from the face they begin at to their depth, ROWS + 1 at each node, in the sheet's
+    coordinates about the hit: what leans at the face leans so along the whole front."""
     segments, hit = network["segments"], network["impacts"][0]
     x, y = (np.array(network["nodes"][k]) - hit[k] for k in "xy")
     children = {}
@@ -149,46 +160,57 @@ def chains(network):
         while k is not None:
             row.append(k)
             k = children.get(k)
-        points = [np.array([x[segments["from"][row[0]]], y[segments["from"][row[0]]]])]
-        points += [np.array([x[segments["to"][k]], y[segments["to"][k]]]) for k in row]
-        lefts = [np.array([b[1] - a[1], a[0] - b[0]]) / np.linalg.norm(b - a) for a, b in zip(points, points[1:])]
-        at_nodes = [lefts[0]] + [(a + b) / np.linalg.norm(a + b) for a, b in zip(lefts, lefts[1:])] + [lefts[-1]]
-        depths = [segments["depth_ends"][row[0]][0]] + [segments["depth_ends"][k][1] for k in row]
+        nodes = [segments["from"][row[0]]] + [segments["to"][k] for k in row]
+        points = np.stack([x[nodes], y[nodes]], 1)
+        steps = np.diff(points, axis=0)
+        lefts = np.stack([steps[:, 1], -steps[:, 0]], 1) / np.linalg.norm(steps, axis=1)[:, None]
+        at_nodes = np.concatenate([lefts[:1], lefts[:-1] + lefts[1:], lefts[-1:]])
+        at_nodes /= np.linalg.norm(at_nodes, axis=1)[:, None]
+        alongs = np.concatenate([[0], np.cumsum(np.linalg.norm(steps, axis=1))])
+        depths = np.array([segments["depth_ends"][row[0]][0]] + [segments["depth_ends"][k][1] for k in row])
         leans = np.tan(np.radians([segments["tilt_ends_deg"][row[0]][0]] + [segments["tilt_ends_deg"][k][1] for k in row]))
-        edges = []
-        for p, left, depth, lean in zip(points, at_nodes, depths, leans):
-            deep = max(depth * PLY_MM, 2 * SHORT_MM)
-            if segments["face"][row[0]] == "outer":
-                q = p + left * deep * lean
-                edges.append(([*p, high - SHORT_MM], [*q, max(high - deep, low + SHORT_MM)]))
-            else:
-                q = p - left * deep * lean
-                edges.append(([*q, min(low + deep, high - SHORT_MM)], [*p, low + SHORT_MM]))
-        yield segments["kind"][row[0]], np.array(edges), at_nodes
+        n_parts = np.maximum(np.ceil(np.diff(alongs) / PART_MM).astype(int), 1)
+        finer = np.concatenate([np.linspace(a, b, n, endpoint=False) for a, b, n in zip(alongs, alongs[1:], n_parts)] + [alongs[-1:]])
+        between = lambda values: np.interp(finer, alongs, values)
+        at_face = (alongs, leans)
+        points, at_nodes = (np.stack([between(a[:, k]) for k in (0, 1)], 1) for a in (points, at_nodes))
+        at_nodes /= np.linalg.norm(at_nodes, axis=1)[:, None]
+        is_through, depths, alongs = depths[(len(depths) - 1) // 2] >= 0.9, between(depths), finer
+        deep = np.maximum(depths * PLY_MM, 2 * SHORT_MM)
+        offset, places = np.zeros(len(alongs)), []
+        for j in range(ROWS + 1):
+            z = np.clip(j / ROWS * deep, SHORT_MM, PLY_MM - SHORT_MM)
+            side, z = (1, high - z) if segments["face"][row[0]] == "outer" else (-1, low + z)
+            places.append(np.column_stack([points + side * offset[:, None] * at_nodes, z]))
+            passed = alongs + lags(is_through, depths, (j + 0.5) / ROWS, alongs)
+            offset = offset + deep / ROWS * np.interp(passed, *at_face)
+        yield segments["kind"][row[0]], np.stack(places, 1), at_nodes
 
 
 def leg_bodies(network):
     """Thin closed bodies of air along the legs and rings."""
-    for kind, edges, lefts in chains(network):
-        if kind == "cone" or len(edges) < 2:
+    for kind, places, lefts in chains(network):
+        n = len(places)
+        if kind == "cone" or n < 2:
             continue
-        vertices, faces = [], []
-        for (upper, lower), left in zip(edges, lefts):
-            down = lower - upper
-            across = np.cross([-left[1], left[0], 0.0], down)
-            size = np.linalg.norm(across)
-            across = across / size if size > 0 else np.array([*left, 0.0])
-            half = 0.5e-3 * GAP_UM["star"] * across
-            vertices += [upper + half, lower + half, lower - half, upper - half]
-        n = len(edges)
+        down = np.diff(places, axis=1)
+        down = np.concatenate([down[:, :1], down[:, :-1] + down[:, 1:], down[:, -1:]], 1)
+        ahead = np.column_stack([-lefts[:, 1], lefts[:, 0], np.zeros(n)])
+        across = np.cross(ahead[:, None], down)
+        half = 0.5e-3 * GAP_UM["star"] * across / np.linalg.norm(across, axis=-1, keepdims=True)
+        # Around the section: down the one side and up the other.
+        section = np.concatenate([places + half, (places - half)[:, ::-1]], 1)
+        m = section.shape[1]
+        vertices, faces = section.reshape(-1, 3), []
         for k in range(n - 1):
-            for j in range(4):
-                a, b, c, d = 4 * k + j, 4 * k + (j + 1) % 4, 4 * k + 4 + (j + 1) % 4, 4 * k + 4 + j
+            for j in range(m):
+                a, b, c, d = m * k + j, m * k + (j + 1) % m, m * k + m + (j + 1) % m, m * k + m + j
                 faces += [[a, b, c], [a, c, d]]
         for k, turn in ((0, 1), (n - 1, -1)):
-            quad = [4 * k + j for j in (0, 3, 2, 1)][::turn]
-            faces += [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]
-        yield outward(np.array(vertices), np.array(faces))
+            for j in range(ROWS):
+                quad = [m * k + i for i in (j, m - 1 - j, m - 2 - j, j + 1)][::turn]
+                faces += [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]
+        yield outward(vertices, np.array(faces))
 
 
 def cone_body(network):

@@ -9,6 +9,7 @@ use super::outcome::LongCrackReport;
 use super::params::{
     GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad, MeshResolution,
 };
+use super::shadow::Relieved;
 use crate::FractureError;
 use crate::draw::normal;
 use crate::mesh::{Outline, PlateMesh};
@@ -188,7 +189,8 @@ pub(super) fn grow_long_crack(
 ) -> Driven {
     let law = TipLaw::new(&pane.material, pane.thickness_m, false);
     let energy_j = field.energy_j(pane);
-    let starts = starts(web, field, (long_crack, n_older), seed);
+    let relieved = Relieved::by(web, field);
+    let starts = starts(web, &relieved, (long_crack, n_older), seed);
     let flaw_k_ratio = starts
         .iter()
         .map(|start| law.intensity(start.tension_pa, start.counts_m) / law.toughness_pa_sqrt_m)
@@ -235,7 +237,7 @@ pub(super) fn grow_long_crack(
     trace(
         web,
         &mut tips,
-        field,
+        &relieved,
         &tracing,
         &mut ledger,
         seed,
@@ -264,7 +266,7 @@ struct Start {
 
 fn starts(
     web: &Web,
-    field: &PaneStress,
+    field: &Relieved<'_>,
     (long_crack, n_older): (&LongCrack, u32),
     seed: Seed,
 ) -> Vec<Start> {
@@ -272,7 +274,7 @@ fn starts(
     let stress_at = |at_m: [f64; 2]| field.stress_at(at_m, &mut 0).unwrap_or_default();
     match long_crack.origin {
         LongCrackOrigin::Rim => {
-            let (at_m, heading, tension) = field.weakest_rim(seed);
+            let (at_m, heading, tension) = field.whole().weakest_rim(seed);
             // The flaw counts as its length with the factor of an edge.
             vec![Start {
                 node: None,

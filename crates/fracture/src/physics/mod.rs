@@ -14,6 +14,7 @@ mod plate;
 mod radials;
 mod rings;
 mod sectors;
+mod shadow;
 mod simulate;
 mod surface;
 mod windows;

@@ -163,7 +163,8 @@ pub struct Segments {
     /// down).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tilt_deg: Option<Vec<f64>>,
-    /// The same at `from` and at `to`.
+    /// The same at `from` and at `to`, at the face that the crack begins at; what lies deeper leans
+    /// as the tip did when the front passed there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tilt_ends_deg: Option<Vec<[f64; 2]>>,
     /// Which ply of a laminate; 0 is the one that was hit.

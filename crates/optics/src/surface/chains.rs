@@ -3,12 +3,9 @@
 use starbreak_glass::{CrackNetwork, Face, Fragment, LengthUnit, SegmentKind, Zone};
 
 use super::SheetView;
+use super::relief::{FRONT, Relief};
 use crate::physical::SurfaceParams;
 use crate::vector::Vector;
-
-/// Over how many thicknesses the front of a crack that is still growing rises to its depth. FIT,
-/// as for one that has come to rest.
-const FRONT: f64 = 1.5;
 
 /// A cone begins on the face at this part of its lower radius at least.
 const LEAST_CONE: f64 = 0.15;
@@ -25,6 +22,8 @@ pub(super) struct Chain {
     pub(super) cone_about: Option<[f64; 2]>,
     /// Whether depths follow the front of the crack, so that its opening closes there.
     pub(super) has_front: bool,
+    /// How the surface leans between its edges, where that changes.
+    pub(super) relief: Option<Relief>,
 }
 
 impl Chain {
@@ -51,6 +50,27 @@ impl Chain {
             Face::Outer => [[x, y, high], moved(lean, high - deep)],
             Face::Inner => [moved(-lean, low + deep), [x, y, low]],
         }
+    }
+
+    /// A place of the surface, by the part of the depth that it is from the face it begins at, mm.
+    pub(super) fn place(&self, end: &End, part: f64) -> Vector {
+        let [upper, lower] = self.edges(end);
+        let (face, deepest) = match self.face {
+            Face::Outer => (upper, lower),
+            Face::Inner => (lower, upper),
+        };
+        let mut place = std::array::from_fn(|k| face[k] + (deepest[k] - face[k]) * part);
+        if let Some(relief) = &self.relief {
+            let lean = relief.mean_lean(end.along_mm, end.depth, part) - end.lean;
+            let by = part * self.thickness_mm() * end.depth * lean;
+            let side = match self.face {
+                Face::Outer => by,
+                Face::Inner => -by,
+            };
+            place[0] += side * end.left[0];
+            place[1] += side * end.left[1];
+        }
+        place
     }
 
     /// Corners of the surface between two of its places: along the upper edge and back along the
@@ -88,9 +108,11 @@ pub(super) struct End {
     pub(super) left: [f64; 2],
     /// Over the thickness of the ply.
     pub(super) depth: f64,
-    /// Tangent of the tilt: to the left of the walk, going from the outer face inward; of a cone
-    /// away from its middle.
+    /// Tangent of the tilt, the mean over the depth: to the left of the walk, going from the outer
+    /// face inward; of a cone away from its middle.
     pub(super) lean: f64,
+    /// Way along the crack, mm.
+    pub(super) along_mm: f64,
 }
 
 impl End {
@@ -103,6 +125,7 @@ impl End {
             left: unit(pair(self.left, other.left)).unwrap_or(self.left),
             depth: mix(self.depth, other.depth),
             lean: mix(self.lean, other.lean),
+            along_mm: mix(self.along_mm, other.along_mm),
         }
     }
 }
@@ -143,20 +166,23 @@ pub(super) fn chains(
         }
         let has_front = segments.depth_ends.is_some();
         let ply_mm = sheet.ply_mm(segments.ply.as_ref().map_or(0, |plies| plies[head]));
+        let thickness_mm = ply_mm[1] - ply_mm[0];
         mitre(&mut pieces);
         if has_front && is_growing {
-            round_front(&mut pieces, FRONT * (ply_mm[1] - ply_mm[0]));
+            round_front(&mut pieces, FRONT * thickness_mm);
         }
+        let is_cone = segments.kind[head] == SegmentKind::Cone;
         chains.push(Chain {
+            relief: (has_front && !is_cone)
+                .then(|| left_by_front(&mut pieces, thickness_mm))
+                .flatten(),
             pieces,
             ply_mm,
             face: segments
                 .face
                 .as_ref()
                 .map_or(Face::Outer, |faces| faces[head]),
-            cone_about: (segments.kind[head] == SegmentKind::Cone)
-                .then(|| nearest_impact(network, head))
-                .flatten(),
+            cone_about: is_cone.then(|| nearest_impact(network, head)).flatten(),
             has_front,
         });
     }
@@ -296,6 +322,7 @@ fn piece_of(
         left,
         depth: depths[k],
         lean: leans[k],
+        along_mm: 0.0,
     };
     Some(Piece {
         ends: [end(0), end(1)],
@@ -353,6 +380,27 @@ fn round_front(pieces: &mut [Piece], reach_mm: f64) {
             break;
         }
     }
+}
+
+/// Measures pieces along their crack, whose leans are those at its face, and makes of these what its
+/// front left.
+fn left_by_front(pieces: &mut [Piece], thickness_mm: f64) -> Option<Relief> {
+    let mut at_face = Vec::with_capacity(pieces.len() + 1);
+    let mut along_mm = 0.0;
+    for piece in &mut *pieces {
+        let length_mm = distance(piece.ends[0].at, piece.ends[1].at);
+        for (end, way_mm) in piece.ends.iter_mut().zip([0.0, length_mm]) {
+            end.along_mm = along_mm + way_mm;
+            at_face.push([end.along_mm, end.lean]);
+        }
+        along_mm += length_mm;
+    }
+    let depth = pieces.get(pieces.len() / 2)?.ends[0].depth;
+    let relief = Relief::new(at_face, depth, thickness_mm)?;
+    for end in pieces.iter_mut().flat_map(|piece| &mut piece.ends) {
+        end.lean = relief.mean_lean(end.along_mm, end.depth, 1.0);
+    }
+    Some(relief)
 }
 
 /// The place of the hit nearest to a segment, of a network in mm.

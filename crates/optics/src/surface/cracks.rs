@@ -3,9 +3,10 @@
 use starbreak_glass::CrackNetwork;
 
 use super::SheetView;
-use super::chains::{Chain, chains};
-use super::crowded::{Crowded, MOST_CROWDED};
+use super::chains::{Chain, End, chains};
+use super::divided::{Divided, MOST_CELLS};
 use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, LightFrom, Mirror, N_SHARES, Sent, into_glass};
+use super::roughness::WIDE_ALPHA;
 use super::runs::{Group, Run, WIDE_GAP_UM, each_run};
 use super::strip::Strip;
 use super::walk::Among;
@@ -18,9 +19,9 @@ use crate::vector::{Vector, cross, unit};
 /// Colors weaker than this are none.
 const LEAST_TINT: f64 = 0.004;
 
-/// Depths, over that of the crack, and weights of the places at which the opening of a crack with
-/// a front is taken: Gauss-Legendre.
-const GAP_PLACES: [[f64; 2]; 3] = [
+/// Parts of the depth, and weights, at which a crack is looked at whose opening or lean changes with
+/// the depth: Gauss-Legendre.
+const PLACES: [[f64; 2]; 3] = [
     [0.112_701_665_379_258, 5.0 / 18.0],
     [0.5, 8.0 / 18.0],
     [0.887_298_334_620_742, 5.0 / 18.0],
@@ -62,54 +63,74 @@ pub(crate) fn crack_facets(
     }
     let thickness_mm = chains.first().map_or(1.0, Chain::thickness_mm);
     let walls = Walls::new(walls, thickness_mm);
-    let mut crowded = Vec::new();
+    let mut divided = Vec::new();
     for (k, (crack, run)) in runs.iter().enumerate() {
         let chain = &chains[*crack as usize];
-        let near = walls.near(k, chain.thickness_mm());
-        if run.is_steep() || !near.is_empty() {
-            crowded.push((k, near));
+        let Some(surface) = RunSurface::of(from.sheet, chain, run) else {
+            continue;
+        };
+        let among = Among {
+            near: walls.near(k, chain.thickness_mm()),
+            walls: &walls,
+            own: walls.get(k).own(),
+            reach_mm: thickness_mm,
+        };
+        let run = Divided::of(surface, among);
+        if run.is_needed() {
+            divided.push(run);
         } else {
-            add_alone(from, chain, run, facets);
+            run.surface.add_alone(from, facets);
         }
     }
-    let mut crowded: Vec<Crowded<'_>> = crowded
-        .into_iter()
-        .filter_map(|(k, near): (usize, Vec<u32>)| {
-            let (crack, run) = &runs[k];
-            let among = Among {
-                walls: &walls,
-                near,
-                own: walls.get(k).own(),
-                reach_mm: thickness_mm,
-            };
-            Crowded::of(from.sheet, &chains[*crack as usize], run, among)
-        })
-        .collect();
-    let n_facets: f64 = crowded
+    let n_cells: f64 = divided
         .iter()
         .map(|run| run.split().iter().product::<f64>())
         .sum();
-    let coarser = (n_facets / MOST_CROWDED).sqrt().max(1.0);
-    for run in &mut crowded {
-        run.facet_px *= coarser;
+    let coarser = (n_cells / MOST_CELLS).sqrt().max(1.0);
+    for run in &mut divided {
+        run.cell_px *= coarser;
         run.add(from, facets);
     }
+}
+
+impl Chain {
+    /// Whether what its front left shows in a surface of this roughness: of very rough ones their
+    /// own facets lean by more.
+    pub(super) fn has_relief(&self, alpha: f64) -> bool {
+        self.relief.is_some() && alpha < WIDE_ALPHA
+    }
+
+    /// The mirror that a part of the surface is, at a part of the depth from the face.
+    fn mirror_at(&self, mirror: Mirror, [a, b]: &[End; 2], part: f64) -> Mirror {
+        let [low, high] = [-0.1, 0.1].map(|by| part + by);
+        let corners = [(a, low), (b, low), (b, high), (a, high)];
+        Mirror {
+            normal: normal_of(&corners.map(|(end, part)| self.place(end, part)))
+                .unwrap_or(mirror.normal),
+            gap_um: mirror.gap_um * self.closes(part),
+            ..mirror
+        }
+    }
+}
+
+/// The normal of a surface between four corners, if it has one.
+pub(super) fn normal_of([a, b, c, d]: &[Vector; 4]) -> Option<Vector> {
+    let along: Vector = std::array::from_fn(|k| b[k] + c[k] - a[k] - d[k]);
+    let down: Vector = std::array::from_fn(|k| c[k] + d[k] - a[k] - b[k]);
+    let normal = cross(along, down);
+    let has_one = normal.iter().any(|part| part.abs() > 0.0);
+    has_one.then(|| unit(normal))
 }
 
 /// The mirror that a surface between four corners is, seen at one place in it.
 fn mirror_of(sheet: &SheetView, corners: &[Vector; 4], group: &Group) -> Option<Mirror> {
     let [a, b, c, d] = corners;
     let middle: Vector = std::array::from_fn(|k| 0.25 * (a[k] + b[k] + c[k] + d[k]));
-    let along: Vector = std::array::from_fn(|k| b[k] + c[k] - a[k] - d[k]);
-    let down: Vector = std::array::from_fn(|k| c[k] + d[k] - a[k] - b[k]);
-    let normal = cross(along, down);
-    if normal.iter().all(|part| part.abs() <= 0.0) {
-        return None;
-    }
+    let normal = normal_of(corners)?;
     let entry = sheet.entry([middle[0], middle[1]], middle[2], [0.0; 2])?;
     Some(Mirror {
         sight: sheet.sight(entry, [0.0; 2])?,
-        normal: unit(normal),
+        normal,
         alpha: group.alpha / group.length,
         gap_um: group.gap_um / group.length,
     })
@@ -129,9 +150,15 @@ impl Look {
     pub(super) fn of(from: &LightFrom<'_>, chain: &Chain, group: &Group) -> Option<Self> {
         let corners = chain.corners(&group.ends[0], &group.ends[1]);
         let mirror = mirror_of(from.sheet, &corners, group)?;
+        let closes = chain.has_front && mirror.gap_um < WIDE_GAP_UM;
         let mut sent = Sent::default();
-        if chain.has_front && mirror.gap_um < WIDE_GAP_UM {
-            for [part, weight] in GAP_PLACES {
+        if chain.has_relief(mirror.alpha) {
+            for [part, weight] in PLACES {
+                let mirror = chain.mirror_at(mirror, &group.ends, part);
+                sent.add(&from.mirror_of_cell(&mirror), weight);
+            }
+        } else if closes {
+            for [part, weight] in PLACES {
                 let gap_um = mirror.gap_um * chain.closes(part);
                 sent.add(&from.mirror(&Mirror { gap_um, ..mirror }), weight);
             }
@@ -147,73 +174,85 @@ impl Look {
     }
 }
 
-/// The facets of a run that no other crack is near.
-fn add_alone(from: &LightFrom<'_>, chain: &Chain, run: &Run, facets: &mut Facets) -> Option<()> {
-    let sheet = from.sheet;
-    let corners = chain.corners(&run.first(), &run.last());
-    let strip = Strip::new(sheet, &corners)?;
-    let (mut sent, mut ghost, mut sum) = (Sent::default(), Sent::default(), 0.0);
-    let mut sight = [0.0, 0.0, 1.0];
-    for group in &run.groups {
-        let weight = group.length * (group.ends[0].depth + group.ends[1].depth);
-        let Some(look) = Look::of(from, chain, group) else {
-            continue;
-        };
-        sent.add(&look.sent, weight);
-        ghost.add(&look.ghost, weight);
-        sum += weight;
-        sight = look.mirror.sight;
-    }
-    if sum <= 0.0 {
-        return None;
-    }
-    let (sent, ghost) = (sent.scaled(1.0 / sum), ghost.scaled(1.0 / sum));
-    facets.outlines.push(strip.corners);
-    strip.add(facets, &sent);
-    add_ghosts(from, &corners, (&strip, &sent), &ghost, sight, facets);
-    Some(())
+/// A run, its corners in the sheet, and where it appears in the frame.
+pub(super) struct RunSurface<'a> {
+    pub(super) chain: &'a Chain,
+    pub(super) run: &'a Run,
+    pub(super) corners: [Vector; 4],
+    pub(super) strip: Strip,
 }
 
-/// What is seen of a surface once more beyond it, by way of the faces.
-pub(super) fn add_ghosts(
-    from: &LightFrom<'_>,
-    corners: &[Vector; 4],
-    (strip, sent): (&Strip, &Sent),
-    ghost: &Sent,
-    sight: Vector,
-    facets: &mut Facets,
-) {
-    let sheet = from.sheet;
-    let outer = sheet.outer_mm();
-    // By light that the outer face reflects onto the crack's back.
-    if ghost.lanes.iter().any(|lane| lane.abs() > LEAST_GHOST)
-        && let Some(behind) = Strip::new(sheet, &corners.map(|[x, y, z]| [x, y, 2.0 * outer - z]))
-    {
-        // Where a crack leans over its own ghost, only what it lets through is seen of that.
-        let hidden = (strip.width_px / behind.width_px).clamp(0.0, 1.0);
-        let passes = 1.0 - hidden * sent.lanes[..N_SHARES].iter().sum::<f64>();
-        let lanes = ghost.lanes.map(|lane| passes * lane);
-        behind.add(
-            facets,
-            &Sent {
-                lanes,
-                tint: [0.0; 3],
-            },
-        );
+impl<'a> RunSurface<'a> {
+    fn of(sheet: &SheetView, chain: &'a Chain, run: &'a Run) -> Option<Self> {
+        let corners = chain.corners(&run.first(), &run.last());
+        Some(Self {
+            strip: Strip::new(sheet, &corners)?,
+            chain,
+            run,
+            corners,
+        })
     }
-    // And by light that both faces reflect, which is much in a steep sheet only.
-    let once = reflectance(sight[2], sheet.index);
-    if once * once > LEAST_TWICE
-        && let Some(beyond) = Strip::new(sheet, &corners.map(|[x, y, z]| [x, y, 2.0 * outer + z]))
-    {
-        let lanes = sent.lanes.map(|lane| once * once * lane);
-        beyond.add(
-            facets,
-            &Sent {
-                lanes,
-                tint: [0.0; 3],
-            },
-        );
+
+    /// One facet of all of it, which no other crack is near.
+    fn add_alone(&self, from: &LightFrom<'_>, facets: &mut Facets) {
+        let (mut sent, mut ghost, mut sum) = (Sent::default(), Sent::default(), 0.0);
+        let mut sight = [0.0, 0.0, 1.0];
+        for group in &self.run.groups {
+            let weight = group.length * (group.ends[0].depth + group.ends[1].depth);
+            let Some(look) = Look::of(from, self.chain, group) else {
+                continue;
+            };
+            sent.add(&look.sent, weight);
+            ghost.add(&look.ghost, weight);
+            sum += weight;
+            sight = look.mirror.sight;
+        }
+        if sum <= 0.0 {
+            return;
+        }
+        let (sent, ghost) = (sent.scaled(1.0 / sum), ghost.scaled(1.0 / sum));
+        self.strip.add(facets, &sent);
+        self.add_around(from, (&sent, &ghost), sight, facets);
+    }
+
+    /// Adds its outline and what is seen of it once more beyond it, by way of the faces.
+    pub(super) fn add_around(
+        &self,
+        from: &LightFrom<'_>,
+        (sent, ghost): (&Sent, &Sent),
+        sight: Vector,
+        facets: &mut Facets,
+    ) {
+        facets.outlines.push(self.strip.corners);
+        let sheet = from.sheet;
+        let outer = sheet.outer_mm();
+        let mut add = |by: f64, strip: &Strip, sent: &Sent| {
+            let lanes = sent.lanes.map(|lane| by * lane);
+            let tint = [0.0; 3];
+            strip.add(facets, &Sent { lanes, tint });
+        };
+        // By light that the outer face reflects onto the crack's back.
+        if ghost.lanes.iter().any(|lane| lane.abs() > LEAST_GHOST)
+            && let Some(behind) = Strip::new(
+                sheet,
+                &self.corners.map(|[x, y, z]| [x, y, 2.0 * outer - z]),
+            )
+        {
+            // Where a crack leans over its own ghost, only what it lets through is seen of that.
+            let hidden = (self.strip.width_px / behind.width_px).clamp(0.0, 1.0);
+            let passes = 1.0 - hidden * sent.lanes[..N_SHARES].iter().sum::<f64>();
+            add(passes, &behind, ghost);
+        }
+        // And by light that both faces reflect, which is much in a steep sheet only.
+        let once = reflectance(sight[2], sheet.index);
+        if once * once > LEAST_TWICE
+            && let Some(beyond) = Strip::new(
+                sheet,
+                &self.corners.map(|[x, y, z]| [x, y, 2.0 * outer + z]),
+            )
+        {
+            add(once * once, &beyond, sent);
+        }
     }
 }
 

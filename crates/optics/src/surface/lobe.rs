@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_PI;
 
 use super::SheetView;
-use super::roughness::{MIRROR_ALPHA, NARROW_ALPHA};
+use super::roughness::{MIRROR_ALPHA, N_SAMPLES_OF_CELL, NARROW_ALPHA, n_samples};
 use crate::environment::{HemisphereWeights, Horizon};
 use crate::interface::fresnel::reflectance;
 use crate::interface::gap::GapTable;
@@ -98,7 +98,13 @@ impl LightFrom<'_> {
     /// Other surfaces are not among it, see [`LightFrom::mirror_among`].
     pub(super) fn mirror(&self, mirror: &Mirror) -> Sent {
         let sight = into_glass(mirror.sight, self.sheet.index);
-        self.reflected(mirror, sight, mirror.alpha)
+        self.reflected(mirror, sight, (mirror.alpha, n_samples(mirror.alpha)))
+    }
+
+    /// The same of one cell among others of a surface: of fewer directions where it is rough.
+    pub(super) fn mirror_of_cell(&self, mirror: &Mirror) -> Sent {
+        let sight = into_glass(mirror.sight, self.sheet.index);
+        self.reflected(mirror, sight, (mirror.alpha, N_SAMPLES_OF_CELL))
     }
 
     /// What is seen in the back of a surface by way of the outer face, which reflects R of the
@@ -109,7 +115,7 @@ impl LightFrom<'_> {
         let n = self.sheet.index;
         let [x, y, z] = into_glass(mirror.sight, n);
         // It is faint: but for the sun, a rough surface's is that of a smooth one.
-        let mut sent = self.reflected(mirror, [x, y, -z], 0.0);
+        let mut sent = self.reflected(mirror, [x, y, -z], (0.0, 0));
         let face = reflectance(mirror.sight[2], n);
         sent.lanes = sent.lanes.map(|lane| face * lane);
         let all = sent.lanes[..N_SHARES].iter().sum::<f64>();
@@ -119,8 +125,13 @@ impl LightFrom<'_> {
     }
 
     /// What a ray of sight that runs along `sight` in the glass sees in a surface: the sun by its
-    /// own roughness, all else by that of `alpha`.
-    fn reflected(&self, mirror: &Mirror, sight: [f64; 3], alpha: f64) -> Sent {
+    /// own roughness, all else by that of `alpha`, in so many directions.
+    fn reflected(
+        &self,
+        mirror: &Mirror,
+        sight: [f64; 3],
+        (alpha, n_samples): (f64, usize),
+    ) -> Sent {
         let facing = dot(sight, mirror.normal);
         let normal = mirror
             .normal
@@ -138,7 +149,7 @@ impl LightFrom<'_> {
         } else if alpha < NARROW_ALPHA {
             self.narrow(&mut sent, mirror, (sight, normal), mean);
         } else {
-            self.rough(&mut sent, mirror, (sight, normal));
+            self.rough(&mut sent, mirror, (sight, normal), n_samples);
         }
         sent.lanes[SUN] += self.glint(mirror, view, normal);
         sent.tint = rgb.map(|color| color - mean);

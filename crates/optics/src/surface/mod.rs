@@ -7,9 +7,10 @@
 
 mod chains;
 mod cracks;
-mod crowded;
+mod divided;
 mod hit;
 mod lobe;
+mod relief;
 mod roughness;
 mod runs;
 mod sheet;

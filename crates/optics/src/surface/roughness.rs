@@ -22,15 +22,22 @@ const NARROW_SLOPES: [[f64; 2]; 4] = [
     [0.0, -2.645_751_311_064_591],
 ];
 
-/// Directions that rough and very rough surfaces are sampled by.
+/// Directions that rough and very rough surfaces are sampled by, and those of one cell among others
+/// of the same surface.
 const N_SAMPLES: [usize; 2] = [40, 96];
+pub(super) const N_SAMPLES_OF_CELL: usize = 16;
 
 /// The points of the unit disc by which they are sampled: of the near face, and of the far one.
 static SAMPLES: LazyLock<Vec<[[f64; 2]; 2]>> =
     LazyLock::new(|| (0..96).map(|k| points(k).map(on_disc)).collect());
 
 /// From this α on they are very rough.
-const WIDE_ALPHA: f64 = 0.15;
+pub(super) const WIDE_ALPHA: f64 = 0.15;
+
+/// How many directions a surface as a whole is sampled by.
+pub(super) fn n_samples(alpha: f64) -> usize {
+    N_SAMPLES[usize::from(alpha >= WIDE_ALPHA)]
+}
 
 impl LightFrom<'_> {
     /// What a nearly smooth surface shows of a share of sight: its facets reflect as the whole does,
@@ -51,14 +58,15 @@ impl LightFrom<'_> {
         }
     }
 
-    /// What a rough surface shows: its facets are drawn as sight sees them \[Heitz2018\].
+    /// What a rough surface shows: its facets are drawn as sight sees them \[Heitz2018\],
+    /// 96 at most.
     pub(super) fn rough(
         &self,
         sent: &mut Sent,
         mirror: &Mirror,
         (sight, normal): (Vector, Vector),
+        n_samples: usize,
     ) {
-        let n_samples = N_SAMPLES[usize::from(mirror.alpha >= WIDE_ALPHA)];
         let samples = &SAMPLES[..n_samples];
         #[expect(clippy::cast_precision_loss, reason = "few")]
         let share = 1.0 / n_samples as f64;

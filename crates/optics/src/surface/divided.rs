@@ -1,0 +1,181 @@
+//! Runs of cracks that one facet cannot stand for: others are near, or their relief can be seen.
+
+use starbreak_glass::Face;
+
+use super::chains::distance;
+use super::cracks::{Facets, Look, RunSurface, normal_of};
+use super::lobe::{LightFrom, Mirror, Sent};
+use super::strip::Strip;
+use super::walk::Among;
+
+/// Cells are no larger than this, px, and where relief is seen than that, or than the radius of their
+/// blur, unless there are more of them than so many.
+const CELL_PX: f64 = 2.0;
+const RELIEF_PX: f64 = 1.25;
+pub(super) const MOST_CELLS: f64 = 20_000.0;
+
+/// Less of a cell than this is not seen.
+const LEAST_VISIBLE: f64 = 1e-3;
+
+/// A run in cells, each with light of its own.
+pub(super) struct Divided<'a> {
+    pub(super) surface: RunSurface<'a>,
+    among: Among<'a>,
+    /// Whether what its front left can be seen.
+    has_relief: bool,
+    /// Size of its cells, px.
+    pub(super) cell_px: f64,
+}
+
+/// What one cell of such a run is like.
+#[derive(Clone, Copy)]
+struct Cell {
+    /// Share of it that no other crack hides.
+    visible: f64,
+    /// What it shows that the whole does not.
+    own: Option<Sent>,
+}
+
+impl Cell {
+    fn is_plain(&self) -> bool {
+        self.own.is_none() && self.visible > 1.0 - LEAST_VISIBLE
+    }
+}
+
+impl<'a> Divided<'a> {
+    pub(super) fn of(surface: RunSurface<'a>, among: Among<'a>) -> Self {
+        let blur_px = surface.strip.radius_px.abs();
+        let has_relief =
+            surface.chain.relief.is_some() && surface.strip.width_px.abs() > blur_px.max(RELIEF_PX);
+        Self {
+            surface,
+            among,
+            has_relief,
+            cell_px: blur_px.max(if has_relief { RELIEF_PX } else { CELL_PX }),
+        }
+    }
+
+    /// Whether one facet is not enough.
+    pub(super) fn is_needed(&self) -> bool {
+        self.has_relief || !self.among.near.is_empty() || self.surface.run.is_steep()
+    }
+
+    /// Cells along the run and across it.
+    pub(super) fn split(&self) -> [f64; 2] {
+        let [a, b, c, d] = self.surface.strip.corners;
+        let along_px = distance(a, b).max(distance(d, c));
+        let across_px = distance(a, d).max(distance(b, c));
+        [along_px, across_px].map(|side| (side / self.cell_px).ceil().max(1.0))
+    }
+
+    /// Adds its cells. Neighbors along the run that show what the whole does are one facet.
+    pub(super) fn add(&self, from: &LightFrom<'_>, facets: &mut Facets) -> Option<()> {
+        let RunSurface { chain, run, .. } = self.surface;
+        let [n_along, n_across] = self.split();
+        let looks: Vec<Option<Look>> = (run.groups.iter())
+            .map(|group| Look::of(from, chain, group))
+            .collect();
+        let mut shown = Sent::default();
+        // Where columns that show what the whole does began, and what that is.
+        let mut plain: Option<(f64, usize)> = None;
+        let mut column = Vec::new();
+        let mut i = 0.0;
+        while i <= n_along {
+            let group = run.group_at((i + 0.5) / n_along);
+            let is_last = i >= n_along;
+            column.clear();
+            if !is_last && let Some(look) = &looks[group] {
+                let along = [i / n_along, (i + 1.0) / n_along];
+                let mut j = 0.0;
+                while j < n_across {
+                    let across = [j / n_across, (j + 1.0) / n_across];
+                    column.push(self.cell(from, look, [along, across]));
+                    j += 1.0;
+                }
+            }
+            let is_plain = !is_last && column.iter().all(Cell::is_plain);
+            if let Some((first, of)) = plain
+                && (!is_plain || of != group)
+            {
+                plain = None;
+                if let Some(look) = &looks[of] {
+                    let part = [[first / n_along, i / n_along], [0.0, 1.0]];
+                    self.add_part(part, &look.sent, facets);
+                    shown.add(&look.sent, (i - first) / n_along);
+                }
+            }
+            if is_plain && !column.is_empty() {
+                plain = plain.or(Some((i, group)));
+            } else if let Some(look) = looks.get(group).and_then(Option::as_ref) {
+                let mut j = 0.0;
+                for cell in &column {
+                    let sent = cell.own.as_ref().unwrap_or(&look.sent).scaled(cell.visible);
+                    let along = [i / n_along, (i + 1.0) / n_along];
+                    if cell.visible > LEAST_VISIBLE {
+                        let part = [along, [j / n_across, (j + 1.0) / n_across]];
+                        self.add_part(part, &sent, facets);
+                    }
+                    shown.add(&sent, 1.0 / (n_along * n_across));
+                    j += 1.0;
+                }
+            }
+            i += 1.0;
+        }
+        let look = looks.iter().flatten().next()?;
+        self.surface
+            .add_around(from, (&shown, &look.ghost), look.mirror.sight, facets);
+        Some(())
+    }
+
+    /// The cell between two fractions of the run along it, and two across it.
+    fn cell(&self, from: &LightFrom<'_>, look: &Look, [along, across]: [[f64; 2]; 2]) -> Cell {
+        let RunSurface { chain, run, .. } = self.surface;
+        let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
+        let from_face = |across: f64| match chain.face {
+            Face::Outer => across,
+            Face::Inner => 1.0 - across,
+        };
+        let (first, last) = (run.first(), run.last());
+        let place = |along, across| chain.place(&first.to(&last, along), from_face(across));
+        let at = place(middle(along), middle(across));
+        let visible =
+            (self.among.walls).passes(&self.among.near, at, look.inside, |cos, gap_um| {
+                from.mean_reflectance(cos, gap_um)
+            });
+        let mut cell = Cell { visible, own: None };
+        if visible <= LEAST_VISIBLE {
+            cell.visible = 0.0;
+            return cell;
+        }
+        let mut mirror = Mirror {
+            gap_um: look.mirror.gap_um * chain.closes(from_face(middle(across))),
+            ..look.mirror
+        };
+        let has_relief = self.has_relief && chain.has_relief(mirror.alpha);
+        if has_relief {
+            let corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[i, j]| place(along[i], across[j]));
+            mirror.normal = normal_of(&corners).unwrap_or(mirror.normal);
+        }
+        cell.own = (from.mirror_among(&mirror, (at, &self.among)))
+            .or_else(|| has_relief.then(|| from.mirror_of_cell(&mirror)));
+        cell
+    }
+
+    /// A facet from one fraction of the run to another, along it and across it.
+    fn add_part(&self, [along, across]: [[f64; 2]; 2], sent: &Sent, facets: &mut Facets) {
+        let [a, b, c, d] = self.surface.strip.corners;
+        let mix = |p: f64, q: f64, t: f64| p + (q - p) * t;
+        let at = |s: f64, t: f64| [0, 1].map(|k| mix(mix(a[k], b[k], s), mix(d[k], c[k], s), t));
+        let corners = [
+            at(along[0], across[0]),
+            at(along[1], across[0]),
+            at(along[1], across[1]),
+            at(along[0], across[1]),
+        ];
+        let strip = Strip {
+            corners,
+            ..self.surface.strip
+        };
+        strip.add(facets, sent);
+    }
+}
