@@ -59,6 +59,9 @@ pub(crate) struct Web {
     entries: Vec<(u32, u32)>,
 }
 
+/// What is left of a piece that was cut, when it is shorter, m, is nothing: no drawing shows it.
+const SHORTEST_CUT_M: f64 = 1e-6;
+
 impl Web {
     pub(crate) fn new(outline: Outline) -> Self {
         let [width, height] = outline.size_m();
@@ -142,10 +145,16 @@ impl Web {
         )
     }
 
-    /// Takes back everything after a moment: pieces that had not begun, and of those that had the
-    /// part that was still ahead.
+    /// Takes back everything after a moment: pieces that had not begun, or hardly, and of those that
+    /// had the part that was still ahead.
     pub(crate) fn cut(&mut self, time_s: f64) {
-        self.pieces.retain(|piece| piece.time_s[0] < time_s);
+        let nodes = &self.nodes;
+        self.pieces.retain(|piece| {
+            let [from_s, to_s] = piece.time_s;
+            let [a, b] = [piece.a, piece.b].map(|node| nodes[node as usize]);
+            let length_m = libm::hypot(b[0] - a[0], b[1] - a[1]);
+            to_s <= time_s || (time_s - from_s) * length_m > SHORTEST_CUT_M * (to_s - from_s)
+        });
         for k in 0..self.pieces.len() {
             let piece = self.pieces[k];
             let [from_s, to_s] = piece.time_s;
