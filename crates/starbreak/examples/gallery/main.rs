@@ -93,7 +93,7 @@ const CLASSES: [(&str, &str, &[&str], f64); 12] = [
     (
         "long-crack",
         "windshield-long-crack",
-        &["fracture.until_reach_mm=end"],
+        &[],
         1500.0,
     ),
     (
