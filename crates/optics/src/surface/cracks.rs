@@ -75,7 +75,7 @@ pub(crate) fn crack_facets(
             own: walls.get(k).own(),
             reach_mm: thickness_mm,
         };
-        let run = Divided::of(surface, among);
+        let run = Divided::of(from.sheet, surface, among);
         if run.is_needed() {
             divided.push(run);
         } else {

@@ -2,11 +2,13 @@
 
 use starbreak_glass::Face;
 
+use super::SheetView;
 use super::chains::distance;
 use super::cracks::{Facets, Look, RunSurface, normal_of};
 use super::lobe::{LightFrom, Mirror, Sent};
 use super::strip::Strip;
 use super::walk::Among;
+use crate::vector::Vector;
 
 /// Cells are no larger than this, px, and where relief is seen than that, or than the radius of their
 /// blur, unless there are more of them than so many.
@@ -23,6 +25,8 @@ pub(super) struct Divided<'a> {
     among: Among<'a>,
     /// Whether what its front left can be seen.
     has_relief: bool,
+    /// By how much the radius of its blur grows from its first end to its last, px.
+    widens_px: f64,
     /// Size of its cells, px.
     pub(super) cell_px: f64,
 }
@@ -43,14 +47,20 @@ impl Cell {
 }
 
 impl<'a> Divided<'a> {
-    pub(super) fn of(surface: RunSurface<'a>, among: Among<'a>) -> Self {
+    pub(super) fn of(sheet: &SheetView, surface: RunSurface<'a>, among: Among<'a>) -> Self {
         let blur_px = surface.strip.radius_px.abs();
         let has_relief =
             surface.chain.relief.is_some() && surface.strip.width_px.abs() > blur_px.max(RELIEF_PX);
+        let [first, last, ..] = surface.corners;
+        let radius_px = |[x, y, z]: Vector| sheet.blur_radius_px([x, y], z);
+        let widens_px = radius_px(first)
+            .zip(radius_px(last))
+            .map_or(0.0, |(first, last)| last - first);
         Self {
             surface,
             among,
             has_relief,
+            widens_px,
             cell_px: blur_px.max(if has_relief { RELIEF_PX } else { CELL_PX }),
         }
     }
@@ -174,6 +184,8 @@ impl<'a> Divided<'a> {
         ];
         let strip = Strip {
             corners,
+            radius_px: self.surface.strip.radius_px
+                + (0.5 * (along[0] + along[1]) - 0.5) * self.widens_px,
             ..self.surface.strip
         };
         strip.add(facets, sent);

@@ -90,12 +90,7 @@ const CLASSES: [(&str, &str, &[&str], f64); 12] = [
         44.0,
     ),
     ("diced", "tempered-cover", &[], 200.0),
-    (
-        "long-crack",
-        "windshield-long-crack",
-        &[],
-        1500.0,
-    ),
+    ("long-crack", "windshield-long-crack", &[], 1500.0),
     (
         "floater-crack",
         "windshield-long-crack",
