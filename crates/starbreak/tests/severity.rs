@@ -6,6 +6,7 @@
 mod severity;
 
 use severity::{median, shares_of};
+use starbreak::{Recipe, Seed, pipeline};
 
 /// Seeds of this test; `docs/severity.md` has 32.
 const N_SEEDS: u64 = 4;
@@ -49,4 +50,24 @@ fn a_tempered_cover_grows_in_the_median() {
     let medians = [0, 1, 2, 3, 4].map(|k| median(shares.iter().map(|of| of[k]).collect()));
     let grows = medians.windows(2).all(|pair| pair[0] < pair[1]);
     assert!(medians[0] > 0.0 && grows, "{medians:?}");
+}
+
+#[test]
+fn what_is_there_of_a_web_hangs_together() {
+    for severity in [2, 3] {
+        for seed in 0..6 {
+            let recipe = Recipe::preset_at("windshield-spiderweb", severity).unwrap();
+            let settings = recipe.settings().unwrap();
+            let broken = pipeline::simulate(&settings, 1242, 375, Seed(seed)).unwrap();
+            let data = broken.network.data();
+            let mut n_at = vec![0; data.nodes.x.len()];
+            for node in data.segments.from.iter().chain(&data.segments.to) {
+                n_at[*node as usize] += 1;
+            }
+            let ends = data.segments.from.iter().zip(&data.segments.to);
+            let is_loose = |(a, b): &(&u32, &u32)| n_at[**a as usize] + n_at[**b as usize] == 2;
+            let n_loose = ends.filter(is_loose).count();
+            assert_eq!(n_loose, 0, "severity {severity}, seed {seed}");
+        }
+    }
 }

@@ -52,6 +52,9 @@ const CHORD_JUMP: f64 = 0.035;
 /// Of the sectors a chord breaks these shares, at the middle and at the outermost chord. FIT.
 const CHORDS: [f64; 2] = [0.95, 0.3];
 
+/// Chords run at this part of the speed of Rayleigh waves at least. FIT.
+const SLOWEST_CHORD: f64 = 0.05;
+
 /// Chords go out to this part of the reach of the radials, and break when those have come so many
 /// times as far as they are. FIT: photographs have them in the inner half.
 const CHORD_REACH: f64 = 0.5;
@@ -434,9 +437,11 @@ impl Body<'_> {
         let bend = 0.03 * whole * normal(rng);
         let across = [-(to[1] - from[1]) / whole, (to[0] - from[0]) / whole];
         let n = libm::ceil(whole / (1.5 * h)).clamp(1.0, 64.0);
+        let speed_m_s = (self.law.speed_m_s(self.law.intensity(self.strength_pa, h)))
+            .max(SLOWEST_CHORD * self.law.rayleigh_m_s);
         let mut node = start;
         let mut k = 1.0;
-        let mut along = 0.0;
+        let (mut along, mut time_s) = (0.0, breaks_s);
         while k <= n {
             let part = k / n;
             let off = 4.0 * bend * part * (1.0 - part);
@@ -460,7 +465,7 @@ impl Body<'_> {
                     b: next,
                     crack,
                     kind: SegmentKind::Ring,
-                    time_s: [breaks_s, breaks_s + 1e-6 * (k + 1.0)],
+                    time_s: [time_s, time_s + length / speed_m_s],
                     along_m: [along, along + length],
                     stress_pa: self.strength_pa,
                     intensity_pa_sqrt_m: 0.0,
@@ -468,6 +473,7 @@ impl Body<'_> {
                     tilt_rad,
                 });
                 along += length;
+                time_s += length / speed_m_s;
             }
             node = next;
             if met.is_some() {

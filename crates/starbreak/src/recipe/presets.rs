@@ -15,15 +15,15 @@ pub const PRESETS: [(&str, &str); 11] = [
     ),
     (
         "windshield-bullseye",
-        "a blunt stone on a laminated windscreen: a ring around a cone",
+        "a round stone on a laminated windscreen: a cone",
     ),
     (
         "windshield-combination",
-        "a heavy stone on a laminated windscreen: legs and rings",
+        "a heavy stone on a laminated windscreen: cone and legs",
     ),
     (
         "windshield-long-crack",
-        "a star that heat and the frame drive on into a long crack",
+        "a star that cold and the frame drive on into a long crack",
     ),
     (
         "windshield-spiderweb",
