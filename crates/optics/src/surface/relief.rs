@@ -9,7 +9,7 @@
 /// the depth of one that has come to rest.
 pub(super) const FRONT: f64 = 1.5;
 
-/// Depth over thickness from which a crack counts as through.
+/// Depth over thickness from which a crack counts as through. FIT.
 const THROUGH: f64 = 0.9;
 
 /// Places and weights by which the lean is taken from the face to a depth: Gauss-Legendre.
