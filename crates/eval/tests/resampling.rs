@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use starbreak_eval::resampling::{
-    Plan, bootstrap, paired_average_precision, permutation_test, rank_by_category,
+    Basis, Plan, bootstrap, paired_average_precision, permutation_test, rank_by_category,
 };
 use starbreak_eval::statistic::Method;
 use starbreak_eval::{ImageMatches, MatchedDetection, MatchedObject, Outcome, RankedMatches};
@@ -80,7 +80,7 @@ fn weights_of_one_give_the_protocols_average_precision_to_the_last_bit() {
             same.map(f64::to_bits),
             "seed {seed}"
         );
-        let weights = Plan::of_images(40).with(1, seed, 0.95).weights(0).images;
+        let weights = Plan::of_images(40).with(1, seed, 0.95).weights(0);
         assert_eq!(
             ranked.average_precision(&weights).map(f64::to_bits),
             expected.average_precision(&weights).map(f64::to_bits),
@@ -126,7 +126,7 @@ fn a_lone_true_positive_is_not_quite_a_precision_of_one() {
 #[test]
 fn an_image_drawn_twice_counts_as_two_images() {
     let matches = matches(4, 30, 0.6);
-    let weights = Plan::of_images(30).with(1, 8, 0.95).weights(0).images;
+    let weights = Plan::of_images(30).with(1, 8, 0.95).weights(0);
     let mut copies = Vec::new();
     for (item, weight) in matches.iter().zip(&weights) {
         for _ in 0..*weight {
@@ -168,25 +168,24 @@ fn without_objects_or_weights_there_is_no_average_precision() {
 fn draws_have_the_number_of_units_and_repeat() {
     let plan = Plan::of_images(500).with(10, 7, 0.95);
     let first = plan.weights(3);
-    assert_eq!(first.images.iter().sum::<u32>(), 500, "500 of 500");
+    assert_eq!(first.iter().sum::<u32>(), 500, "500 of 500");
     assert_eq!(first, plan.weights(3), "the same again");
     assert_ne!(first, plan.weights(4), "another replicate");
     let other = plan.clone().with(10, 8, 0.95);
     assert_ne!(first, other.weights(3), "another seed");
     // Poisson with mean 1: a share of 1/e is not drawn.
     let n_zero: usize = (0..10)
-        .map(|k| plan.weights(k).images.iter().filter(|it| **it == 0).count())
+        .map(|k| plan.weights(k).iter().filter(|it| **it == 0).count())
         .sum();
     assert!((1750..1930).contains(&n_zero), "{n_zero} of 5000 are 0");
 }
 
 #[test]
 fn draws_are_the_same_on_every_platform_and_in_every_version() {
-    let plan = Plan::of_images(12).with(1, 7, 0.95).with_patterns(4);
-    let weights = plan.weights(0);
+    let plan = Plan::of_images(12).with(1, 7, 0.95);
     assert_eq!(
-        (weights.images, weights.patterns),
-        (vec![2, 1, 0, 0, 1, 3, 2, 0, 0, 0, 1, 2], vec![1, 0, 0, 3]),
+        plan.weights(0),
+        [2, 1, 0, 0, 1, 3, 2, 0, 0, 0, 1, 2],
         "first draw of seed 7"
     );
 }
@@ -198,7 +197,7 @@ fn images_of_a_cluster_are_drawn_together() {
     assert_eq!(plan.n_units(), 4, "two clusters and two lone images");
     let mut n_alone = 0;
     for k in 0..50 {
-        let images = plan.weights(k).images;
+        let images = plan.weights(k);
         assert_eq!(images[0], images[3], "cluster a");
         assert_eq!(images[2], images[5], "cluster b");
         n_alone += usize::from(images[1] != images[4]);
@@ -215,7 +214,7 @@ fn the_mean_of_a_linear_statistic_over_draws_is_that_of_the_sample() {
     let replicates = bootstrap(&plan, |weights| {
         let sum: f64 = values
             .iter()
-            .zip(&weights.images)
+            .zip(weights)
             .map(|(it, weight)| it * f64::from(*weight))
             .sum();
         vec![Some(sum / 50.0)]
@@ -243,17 +242,17 @@ fn the_mean_of_a_linear_statistic_over_draws_is_that_of_the_sample() {
 fn intervals_of_a_share_hold_it_as_often_as_they_say() {
     let mut stream = ChaCha8Rng::seed_from_u64(5);
     let (n_trials, n) = (600_u32, 80_u32);
-    let (mut n_percentile, mut n_bca) = (0_u32, 0_u32);
+    let (mut n_percentile, mut n_expanded) = (0_u32, 0_u32);
     for trial in 0..n_trials {
         let sample: Vec<bool> = (0..n).map(|_| unit(&mut stream) < 0.3).collect();
         let plan = Plan::of_images(n).with(400, u64::from(trial), 0.9);
         let replicates = bootstrap(&plan, |weights| {
             let hits: u32 = sample
                 .iter()
-                .zip(&weights.images)
+                .zip(weights)
                 .map(|(hit, weight)| u32::from(*hit) * weight)
                 .sum();
-            let n: u32 = weights.images.iter().sum();
+            let n: u32 = weights.iter().sum();
             vec![Some(f64::from(hits) / f64::from(n))]
         });
         let Ok(replicates) = replicates else {
@@ -263,9 +262,10 @@ fn intervals_of_a_share_hold_it_as_often_as_they_say() {
             u32::from(interval.is_some_and(|it| it.low <= 0.3 && 0.3 <= it.high))
         };
         n_percentile += holds(replicates.percentile(0, Method::Share).interval);
-        n_bca += holds(replicates.bca(0, Method::Share).interval);
+        let expanded = replicates.expanded(0, Method::Share, Basis::Units(n));
+        n_expanded += holds(expanded.interval);
     }
-    for (name, n_held) in [("percentile", n_percentile), ("BCa", n_bca)] {
+    for (name, n_held) in [("percentile", n_percentile), ("expanded", n_expanded)] {
         let coverage = f64::from(n_held) / f64::from(n_trials);
         // 0.9, less a little for 80 units; three standard errors of 600 trials are 0.037.
         assert!(
@@ -275,43 +275,11 @@ fn intervals_of_a_share_hold_it_as_often_as_they_say() {
     }
 }
 
-#[test]
-fn patterns_as_a_second_factor_widen_the_interval() {
-    // A value that varies with the pattern alone.
-    let by_pattern = [0.1, 0.9, 0.4, 0.6];
-    let width = |n_patterns: u32| {
-        let plan = Plan::of_images(30)
-            .with_patterns(n_patterns)
-            .with(500, 1, 0.95);
-        let replicates = bootstrap(&plan, |weights| {
-            let mut sum = 0.0;
-            let mut n = 0.0;
-            for (pattern, weight) in weights.patterns.iter().enumerate() {
-                sum += f64::from(*weight) * by_pattern[pattern];
-                n += f64::from(*weight);
-            }
-            vec![Some(sum / n)]
-        });
-        let interval = replicates.map(|it| it.percentile(0, Method::Mean).interval);
-        interval.ok().flatten().map(|it| it.high - it.low)
-    };
-    assert_eq!(
-        width(1),
-        None,
-        "one pattern does not vary, which says nothing"
-    );
-    assert!(
-        width(4).is_some_and(|it| it > 0.3 && it < 0.8),
-        "four do: {:?}",
-        width(4)
-    );
-}
-
 /// An interval of no width would claim that nothing else can be.
 #[test]
 fn what_no_draw_changes_and_what_few_units_give_has_no_interval() {
     let reason = |plan: &Plan, statistic: &(dyn Fn(u32) -> f64 + Sync)| {
-        let replicates = bootstrap(plan, |weights| vec![Some(statistic(weights.images[0]))]);
+        let replicates = bootstrap(plan, |weights| vec![Some(statistic(weights[0]))]);
         let Ok(replicates) = replicates else {
             panic!("the plan is fine");
         };
@@ -335,11 +303,7 @@ fn a_statistic_that_most_draws_leave_undefined_has_no_interval() {
     let plan = Plan::of_images(10).with(100, 0, 0.95);
     let replicates = bootstrap(&plan, |weights| {
         // Defined with image 0 only, in some 65 % of the draws.
-        vec![
-            (weights.images[0] > 0).then_some(1.0),
-            Some(f64::NAN),
-            Some(2.0),
-        ]
+        vec![(weights[0] > 0).then_some(1.0), Some(f64::NAN), Some(2.0)]
     });
     let Ok(replicates) = replicates else {
         panic!("the plan is fine");
@@ -349,8 +313,8 @@ fn a_statistic_that_most_draws_leave_undefined_has_no_interval() {
     assert!(rare.reason.is_some_and(|it| it.contains("of 100")), "why");
     let nan = replicates.percentile(1, Method::Mean);
     assert_eq!(nan.value, None, "NaN does not leak");
-    let constant = replicates.bca(2, Method::Mean);
-    assert!(constant.interval.is_none(), "BCa of a constant");
+    let constant = replicates.expanded(2, Method::Mean, Basis::Units(10));
+    assert!(constant.interval.is_none(), "of a constant");
     assert!(constant.reason.is_some(), "and why not");
     assert!(
         bootstrap(&plan.clone().with(0, 0, 0.95), |_| vec![]).is_err(),
@@ -432,8 +396,8 @@ fn p_is_uniform_where_nothing_differs() {
 fn swapping_clean_and_cracked_negates_every_difference() {
     let (clean, cracked) = (matches(1, 60, 0.8), matches(2, 60, 0.5));
     let plan = Plan::of_images(60).with(200, 5, 0.95);
-    let there = paired_average_precision(&clean, &[&cracked], 1, &plan);
-    let back = paired_average_precision(&cracked, &[&clean], 1, &plan);
+    let there = paired_average_precision(&[&clean], &[&cracked], 1, &plan);
+    let back = paired_average_precision(&[&cracked], &[&clean], 1, &plan);
     let (Ok(there), Ok(back)) = (there, back) else {
         panic!("the plan fits");
     };
@@ -455,7 +419,7 @@ fn swapping_clean_and_cracked_negates_every_difference() {
         "it is worse"
     );
     assert!(a.test.p.is_some_and(|p| p < 0.02), "surely: {:?}", a.test);
-    let equal = paired_average_precision(&clean, &[&clean], 1, &plan);
+    let equal = paired_average_precision(&[&clean], &[&clean], 1, &plan);
     let equal = equal.map(|it| it.categories[0].clone());
     assert!(
         equal.as_ref().is_ok_and(|it| it.test.p == Some(1.0)),
@@ -468,32 +432,20 @@ fn swapping_clean_and_cracked_negates_every_difference() {
 }
 
 #[test]
-fn two_patterns_are_pooled_and_a_plan_that_does_not_fit_is_refused() {
-    let clean = matches(1, 40, 0.8);
-    let (one, two) = (matches(2, 40, 0.5), matches(3, 40, 0.4));
-    let plan = Plan::of_images(40).with(100, 5, 0.95).with_patterns(2);
-    let pooled = paired_average_precision(&clean, &[&one, &two], 1, &plan);
-    let Ok(pooled) = pooled else {
-        panic!("the plan fits: {pooled:?}");
-    };
-    // Both in one ranking, as if they were other images.
-    let moved = two.iter().map(|item| ImageMatches {
-        image: item.image + 40,
-        ..item.clone()
-    });
-    let both: Vec<ImageMatches> = one.iter().cloned().chain(moved).collect();
-    let expected = rank_by_category(&both, 1)[0].average_precision(&[1; 80]);
-    let found = pooled.categories[0].cracked.value;
-    let off = found.zip(expected).map(|(a, b)| (a - b).abs());
-    // Equal scores are ordered by image, then pattern.
-    assert!(off.is_some_and(|it| it < 2e-3), "{found:?} of {expected:?}");
+fn a_plan_that_does_not_fit_is_refused() {
+    let (clean, cracked) = (matches(1, 40, 0.8), matches(2, 40, 0.5));
+    let plan = Plan::of_images(40).with(100, 5, 0.95);
     assert!(
-        paired_average_precision(&clean, &[&one], 1, &plan).is_err(),
-        "one set for two patterns"
+        paired_average_precision(&[&clean, &clean], &[&cracked], 1, &plan).is_err(),
+        "one set of cracked matches for two of clean ones"
+    );
+    assert!(
+        paired_average_precision(&[], &[], 1, &plan).is_err(),
+        "no set"
     );
     let short = Plan::of_images(39).with(100, 5, 0.95);
     assert!(
-        paired_average_precision(&clean, &[&one], 1, &short).is_err(),
+        paired_average_precision(&[&clean], &[&cracked], 1, &short).is_err(),
         "an image beyond the plan"
     );
 }
@@ -511,7 +463,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
             it.install(|| {
                 format!(
                     "{:?}",
-                    paired_average_precision(&clean, &[&cracked], 1, &plan)
+                    paired_average_precision(&[&clean], &[&cracked], 1, &plan)
                 )
             })
         })

@@ -145,22 +145,28 @@ fn groups(
     };
     let is_all = |range: &AreaRange| range.name == "all";
     let range = params.coco.area_ranges.iter().position(is_all).unwrap_or(0);
+    // Of all objects it is the protocol's own number, however few they are.
+    let is_few = |group: &Group, n: u64| group.kind != GroupKind::All && n < params.min_objects;
     let row = |coco: &CocoEvaluation, group: Group, categories: &[usize], range, cap, n| {
         let every: Vec<usize> = (0..coco.params.iou_thresholds.len()).collect();
         let at = |iou: f64| -> Vec<usize> { coco.threshold(iou).into_iter().collect() };
         let figure = |thresholds: &[usize]| match thresholds.is_empty() {
             true => Estimate::refused(n, "not among the thresholds"),
+            false if is_few(&group, n) => {
+                Estimate::refused(n, format!("fewer than {} objects", params.min_objects))
+            }
             false => match coco.average_precision(thresholds, categories, range, cap) {
                 Some(ap) => Estimate::of(ap, n),
                 None => Estimate::refused(n, "no objects"),
             },
         };
+        let [ap, ap50, ap75] = [every, at(0.5), at(0.75)].map(|it| figure(&it));
         GroupAp {
             group,
             n_objects: n,
-            ap: figure(&every),
-            ap50: figure(&at(0.5)),
-            ap75: figure(&at(0.75)),
+            ap,
+            ap50,
+            ap75,
         }
     };
     let counts = objects_per_category(labels, labels.objects.iter().map(|o| o.category));

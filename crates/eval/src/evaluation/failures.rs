@@ -40,13 +40,10 @@ pub struct FailureRow {
     pub n_recovered: u64,
     /// Lost of those found clean.
     pub failure_rate: Estimate,
-    /// The same with an interval from drawing images or clusters, which lets objects of one image
-    /// depend on each other.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub failure_rate_over_images: Option<Estimate>,
     /// Recovered of those not found clean.
     pub recovery_rate: Estimate,
-    /// McNemar's exact test of lost against recovered.
+    /// Probability of a difference between lost and recovered objects as large if cracked and clean were
+    /// exchangeable, image by image or cluster by cluster.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p: Option<f64>,
     /// The same, corrected by Holm's method.
@@ -101,6 +98,9 @@ pub struct LogisticFit {
     /// Probability of a slope as steep if the dose were without effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p: Option<f64>,
+    /// The same, corrected by Holm's method.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_holm: Option<f64>,
 }
 
 /// False positives that were not there in the clean image.
@@ -131,14 +131,20 @@ pub struct ShiftRow {
     pub n_pairs: u64,
     /// Mean of the score, cracked minus clean.
     pub score: Estimate,
-    /// Wilcoxon's test of it.
+    /// Test of it, by the variance between images or clusters.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_score: Option<f64>,
+    /// The same, corrected by Holm's method.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_score_holm: Option<f64>,
     /// Mean of the overlap with the truth, cracked minus clean.
     pub iou: Estimate,
-    /// Wilcoxon's test of it.
+    /// Test of it, as above.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_iou: Option<f64>,
+    /// The same, corrected by Holm's method.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub p_iou_holm: Option<f64>,
 }
 
 /// Objects found clean as what they are, and cracked as something else.

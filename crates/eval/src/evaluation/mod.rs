@@ -11,8 +11,9 @@ mod divergence_tables;
 mod estimate;
 mod evaluate;
 mod failures;
+mod many_tests;
+mod over_seeds;
 mod paired;
-mod pooled;
 mod pooled_clips;
 mod provenance;
 mod results;
@@ -27,14 +28,14 @@ pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
 pub use evaluate::{
     CrackedSet, EvaluateInput, EvaluateSettings, ImageFolders, SeedsInput, clean_results, evaluate,
-    evaluate_with_coverages, pool_seeds, robustness,
+    evaluate_with_coverages, over_seeds, robustness,
 };
 pub use failures::{
     ClassFlip, DoseBin, DoseResponse, FailureResults, FailureRow, FlipRow, LogisticFit,
     NewFalsePositives, ShiftRow,
 };
+pub use over_seeds::OverSeeds;
 pub use paired::{Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
-pub use pooled::PooledSeeds;
 pub use pooled_clips::{PooledClips, PooledUnit, pool_clips};
 pub use provenance::{InputFile, Provenance, Settings, Versions};
 pub use results::{

@@ -118,10 +118,23 @@ pub struct PairedRow {
     /// Probability of a difference as large if cracked and clean were exchangeable, by permutation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p: Option<f64>,
-    /// The same, corrected for the number of classes by Holm's method.
+    /// The same, corrected by Holm's method: see [`Study::correct_for_many_tests`](super::Study::correct_for_many_tests).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_holm: Option<f64>,
     /// What a perfect detector would reach with so few objects, where that is not 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ceiling: Option<f64>,
+}
+
+impl PairedRow {
+    /// Whether interval and test of the difference say otherwise about 0: one excludes it at 5 % and the other does
+    /// not. Such a difference is undecided.
+    #[must_use]
+    pub fn disagrees(&self) -> bool {
+        let Some((interval, p)) = self.delta.interval().zip(self.p) else {
+            return false;
+        };
+        let excludes = interval[0] > 0.0 || interval[1] < 0.0;
+        excludes != (p < 0.05)
+    }
 }

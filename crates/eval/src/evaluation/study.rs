@@ -1,8 +1,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ChangedObject, CleanResults, Estimate, FailureResults, PairedMetric, PairedRow, PooledClips,
-    PooledSeeds, ProtocolResults, Provenance, Scope, TideErrors, TimelineResults, WorstFailure,
+    ChangedObject, CleanResults, Estimate, FailureResults, OverSeeds, PairedMetric, PairedRow,
+    PooledClips, ProtocolResults, Provenance, Scope, TideErrors, TimelineResults, WorstFailure,
 };
 use crate::SubsetRow;
 
@@ -25,9 +25,9 @@ pub struct Study {
     pub clean: Vec<CleanResults>,
     /// One per detector and condition, detectors first.
     pub evaluations: Vec<Evaluation>,
-    /// Conditions that differ in nothing but their seed taken together, where there are several.
+    /// The mean over seeds of conditions that differ in nothing else, where there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub pooled: Vec<PooledSeeds>,
+    pub over_seeds: Vec<OverSeeds>,
     /// mPC and rPC of each detector.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub robustness: Vec<RobustnessRow>,
@@ -38,13 +38,13 @@ pub struct Study {
 
 impl Study {
     /// Name and version of the format of its JSON.
-    pub const SCHEMA: &'static str = "starbreak.evaluation/1";
+    pub const SCHEMA: &'static str = "starbreak.evaluation/2";
 
     /// One evaluation alone, as a study of one detector and one condition; its clean results are to be
     /// put into [`Study::clean`].
     #[must_use]
     pub fn of_one(evaluation: Evaluation, dataset: &str, provenance: Provenance) -> Self {
-        Self {
+        let mut study = Self {
             schema: Self::SCHEMA.to_owned(),
             title: format!("{} on {dataset}", evaluation.detector),
             dataset: dataset.to_owned(),
@@ -52,10 +52,12 @@ impl Study {
             warnings: Vec::new(),
             clean: Vec::new(),
             evaluations: vec![evaluation],
-            pooled: Vec::new(),
+            over_seeds: Vec::new(),
             robustness: Vec::new(),
             divergence: None,
-        }
+        };
+        study.correct_for_many_tests();
+        study
     }
 
     /// Whether intervals draw clips, drives or other clusters in the place of images.

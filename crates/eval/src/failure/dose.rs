@@ -1,11 +1,13 @@
 //! Failure over how strongly an object is hit.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::{LogisticFit, ObjectPair, fit_logistic};
 use crate::EvalError;
-use crate::resampling::quantile;
-use crate::statistic::{Measured, proportion};
+use crate::resampling::{Plan, quantile};
+use crate::statistic::{Measured, clustered_share};
 
 /// The failure rate of objects over a dose: coverage, displacement, blur, contrast lost.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,12 +35,12 @@ pub struct DoseBin {
     pub n: u64,
     /// Those of them missed cracked.
     pub n_lost: u64,
-    /// Their share, with Wilson's interval.
+    /// Their share, with Wilson's interval over images or clusters.
     pub failure_rate: Measured,
 }
 
-/// Failure over a dose: in the bins between rising `edges`, and as a logistic curve with the images
-/// as clusters. Only objects found clean count.
+/// Failure over a dose: in the bins between rising `edges`, and as a logistic curve with the
+/// units of the plan, images or clusters of them, as clusters. Only objects found clean count.
 ///
 /// Each pair comes with its dose; one that is not finite is taken as not known. Doses outside of the
 /// edges count for the curve alone.
@@ -49,7 +51,7 @@ pub fn dose_response<'a>(
     name: &str,
     pairs: impl IntoIterator<Item = (&'a ObjectPair, f64)>,
     edges: &[f64],
-    level: f64,
+    plan: &Plan,
 ) -> Result<DoseResponse, EvalError> {
     if let Some(pair) = edges.windows(2).find(|pair| pair[1] <= pair[0]) {
         return Err(EvalError::StatisticSetting {
@@ -58,13 +60,15 @@ pub fn dose_response<'a>(
             range: "above the one before",
         });
     }
-    let (mut doses, mut failed, mut images) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut doses, mut failed, mut units) = (Vec::new(), Vec::new(), Vec::new());
     let mut n_without_dose = 0;
     for (pair, dose) in pairs.into_iter().filter(|(pair, _)| pair.clean.is_some()) {
         if dose.is_finite() {
             doses.push(dose);
             failed.push(pair.is_lost());
-            images.push(pair.image);
+            // An image that the plan does not have is one of its own.
+            let unit = plan.unit_of_image().get(pair.image as usize);
+            units.push(unit.copied().unwrap_or(pair.image));
         } else {
             n_without_dose += 1;
         }
@@ -74,24 +78,29 @@ pub fn dose_response<'a>(
         let (low, high) = (ends[0], ends[1]);
         let holds = |it: f64| it >= low && (it < high || place + 1 == n_bins && it <= high);
         let (mut sum, mut n, mut n_lost) = (0.0, 0_u64, 0_u64);
-        for (dose, failed) in doses.iter().zip(&failed).filter(|(dose, _)| holds(**dose)) {
+        let mut clusters = BTreeMap::<u32, [u64; 2]>::new();
+        let rows = doses.iter().zip(&failed).zip(&units);
+        for ((dose, failed), unit) in rows.filter(|((dose, _), _)| holds(**dose)) {
             sum += dose;
             n += 1;
             n_lost += u64::from(*failed);
+            let counts = clusters.entry(*unit).or_default();
+            *counts = [counts[0] + u64::from(*failed), counts[1] + 1];
         }
+        let clusters: Vec<[u64; 2]> = clusters.into_values().collect();
         DoseBin {
             low,
             high,
             mean: (n > 0).then(|| sum / n as f64),
             n,
             n_lost,
-            failure_rate: proportion(n_lost, n, level),
+            failure_rate: clustered_share(&clusters, plan.level),
         }
     };
     Ok(DoseResponse {
         dose: name.to_owned(),
         bins: edges.windows(2).enumerate().map(bin).collect(),
-        fit: fit_logistic(&doses, &failed, &images, level),
+        fit: fit_logistic(&doses, &failed, &units, plan.level),
         n_without_dose,
     })
 }

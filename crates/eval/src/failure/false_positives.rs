@@ -6,7 +6,7 @@ use super::Where;
 use crate::EvalError;
 use crate::detections::{Detection, Detections};
 use crate::matching::{ImageMatches, Outcome};
-use crate::resampling::{Plan, bootstrap};
+use crate::resampling::{Basis, Plan, bootstrap};
 use crate::statistic::{Measured, Method};
 
 /// Overlap from which two detections are at the same place.
@@ -130,9 +130,10 @@ pub fn new_false_positives(
     let replicates = bootstrap(plan, |weights| {
         counted
             .iter()
-            .flat_map(|counts| rates(counts, &weights.images))
+            .flat_map(|counts| rates(counts, weights))
             .collect()
     })?;
+    let basis = Basis::Units(plan.n_units());
     let row = |(place, (at, counts)): (usize, (&Where, &Vec<Counts>))| {
         let total = total(counts, &vec![1; n_images]);
         FalsePositives {
@@ -142,9 +143,9 @@ pub fn new_false_positives(
             n_clean: whole(total.n_clean),
             n_cracked: whole(total.n_cracked),
             n_new: whole(total.n_new),
-            new_per_mpx: replicates.percentile(place * 3, Method::Density),
-            new_per_image: replicates.percentile(place * 3 + 1, Method::Density),
-            more_per_image: replicates.percentile(place * 3 + 2, Method::Difference),
+            new_per_mpx: replicates.expanded(place * 3, Method::Density, basis),
+            new_per_image: replicates.expanded(place * 3 + 1, Method::Density, basis),
+            more_per_image: replicates.expanded(place * 3 + 2, Method::Difference, basis),
         }
     };
     Ok(places.iter().zip(&counted).enumerate().map(row).collect())

@@ -8,7 +8,8 @@ use super::ObjectPair;
 use crate::detections::Detections;
 use crate::labels::LabelSet;
 use crate::matching::{ImageMatches, Outcome};
-use crate::statistic::{Measured, proportion};
+use crate::resampling::Plan;
+use crate::statistic::{Measured, clustered_share};
 
 /// Which classes objects are taken for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,7 +18,7 @@ pub struct ClassFlips {
     pub n_found_clean: u64,
     /// Those of them taken for another class in the cracked image.
     pub n_flipped: u64,
-    /// Their share, with Wilson's interval.
+    /// Their share, with Wilson's interval over images or clusters.
     pub flip_rate: Measured,
     /// By class, then by the class they are taken for.
     pub table: Vec<ClassFlip>,
@@ -32,10 +33,6 @@ pub struct ClassFlip {
     pub taken_for: u32,
     /// How often.
     pub n: u64,
-    /// Objects of the category found clean.
-    pub n_found_clean: u64,
-    /// The share, with Wilson's interval.
-    pub rate: Measured,
 }
 
 /// Objects found clean and lost cracked that a false positive of another class of at least
@@ -49,7 +46,7 @@ pub fn class_flips(
     labels: &LabelSet,
     score_threshold: f64,
     iou: f64,
-    level: f64,
+    plan: &Plan,
 ) -> ClassFlips {
     let mut false_by_image = BTreeMap::<u32, Vec<usize>>::new();
     for item in cracked {
@@ -60,10 +57,15 @@ pub fn class_flips(
             }
         }
     }
-    let mut n_found = BTreeMap::<u32, u64>::new();
+    // Per unit: flipped and found clean; an image that the plan does not have is one of its own.
+    let mut units = BTreeMap::<u32, [u64; 2]>::new();
     let mut flips = BTreeMap::<(u32, u32), u64>::new();
     for pair in pairs.iter().filter(|pair| pair.clean.is_some()) {
-        *n_found.entry(pair.category).or_default() += 1;
+        let unit = plan.unit_of_image().get(pair.image as usize);
+        let counts = units
+            .entry(unit.copied().unwrap_or(pair.image))
+            .or_default();
+        counts[1] += 1;
         let Some(object) = labels.objects.get(pair.object as usize) else {
             continue;
         };
@@ -80,27 +82,21 @@ pub fn class_flips(
             .max_by(|a, b| a.score.total_cmp(&b.score));
         if let Some(best) = best {
             *flips.entry((pair.category, best.category)).or_default() += 1;
+            counts[0] += 1;
         }
     }
-    let n_found_clean = n_found.values().sum();
-    let n_flipped = flips.values().sum();
+    let clusters: Vec<[u64; 2]> = units.into_values().collect();
     let table = flips
         .into_iter()
-        .map(|((category, taken_for), n)| {
-            let n_found_clean = n_found.get(&category).copied().unwrap_or(0);
-            ClassFlip {
-                category,
-                taken_for,
-                n,
-                n_found_clean,
-                rate: proportion(n, n_found_clean, level),
-            }
-        })
-        .collect();
+        .map(|((category, taken_for), n)| ClassFlip {
+            category,
+            taken_for,
+            n,
+        });
     ClassFlips {
-        n_found_clean,
-        n_flipped,
-        flip_rate: proportion(n_flipped, n_found_clean, level),
-        table,
+        n_found_clean: clusters.iter().map(|it| it[1]).sum(),
+        n_flipped: clusters.iter().map(|it| it[0]).sum(),
+        flip_rate: clustered_share(&clusters, plan.level),
+        table: table.collect(),
     }
 }

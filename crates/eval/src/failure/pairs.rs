@@ -17,8 +17,6 @@ pub struct ObjectPair {
     pub image: u32,
     /// Place of its category in [`LabelSet::categories`].
     pub category: u32,
-    /// Which crack pattern it is behind, from 0, where there are several per image.
-    pub pattern: u32,
     /// Share of its box that the cracks' region covers, 0 to 1.
     pub coverage: f64,
     /// By what it is found in the clean image.
@@ -55,8 +53,8 @@ impl ObjectPair {
 /// All objects that were to be found, in their order, with what found them among the detections of
 /// at least `score_threshold`.
 ///
-/// `coverage` has a value for each object of the label set. Pairs of several crack patterns are made
-/// one pattern after the other and put together.
+/// `coverage` has a value for each object of the label set. Pairs of several seeds are made one seed
+/// after the other and put together.
 ///
 /// Both sets of matches are of the same labels by the same rule, without a region, so that inside
 /// and outside can be told apart by coverage later. Where matching goes by falling score, as in
@@ -70,7 +68,6 @@ pub fn pair_objects(
     cracked: &[ImageMatches],
     labels: &LabelSet,
     coverage: &[f64],
-    pattern: u32,
     score_threshold: f64,
 ) -> Result<Vec<ObjectPair>, EvalError> {
     if coverage.len() != labels.objects.len() {
@@ -116,7 +113,6 @@ pub fn pair_objects(
                 object: *object,
                 image: label.image,
                 category: label.category,
-                pattern,
                 coverage: *coverage,
                 clean: *clean,
                 cracked: *cracked,

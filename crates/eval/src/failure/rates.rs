@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::ObjectPair;
 use crate::EvalError;
-use crate::resampling::{Plan, Weights, bootstrap};
-use crate::statistic::{McNemar, Measured, Method, holm, mcnemar, paired_difference, proportion};
+use crate::resampling::Plan;
+use crate::statistic::{Measured, TestOutcome, clustered_share, sign_exchange_test};
 
 /// What became of a group of objects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,18 +24,12 @@ pub struct FailureRates {
     pub n_recovered: u64,
     /// Missed in both.
     pub n_missed: u64,
-    /// Lost of those found clean, with Wilson's interval.
+    /// Lost of those found clean, with Wilson's interval over images or clusters.
     pub failure_rate: Measured,
-    /// The same with an interval from drawing images or clusters, if asked for; its n are those.
-    pub failure_rate_over_images: Option<Measured>,
-    /// Recovered of those missed clean, with Wilson's interval.
+    /// Recovered of those missed clean, with the same.
     pub recovery_rate: Measured,
-    /// Lost minus recovered, of all objects: the drop in recall at this score.
-    pub net_loss: Measured,
-    /// Lost against recovered.
-    pub test: McNemar,
-    /// Its exact p after Holm's correction over the table.
-    pub p_holm: Option<f64>,
+    /// Lost against recovered, by exchange of signs image by image or cluster by cluster.
+    pub test: TestOutcome,
 }
 
 /// Which objects.
@@ -88,60 +82,74 @@ impl Where {
     }
 }
 
-/// The rates of one group. Intervals take objects as independent.
+/// The rates of one group. Objects of one unit of the plan, an image or a cluster of images, may depend
+/// on each other; those of a unit behind the cracks of several seeds, too.
 ///
 /// Failure rate = #(found clean, missed cracked) / #(found clean).
-#[must_use]
+///
+/// # Errors
+/// If an image is not in the plan.
 pub fn failure_rates<'a>(
     group: Group,
     pairs: impl IntoIterator<Item = &'a ObjectPair>,
-    level: f64,
-) -> FailureRates {
-    let mut counts = [[0_u64; 2]; 2];
+    plan: &Plan,
+) -> Result<FailureRates, EvalError> {
+    // Per unit: missed, recovered, lost, kept.
+    let mut units = vec![[0_u64; 4]; plan.n_units() as usize];
     let mut images = Vec::new();
     for pair in pairs {
-        counts[usize::from(pair.clean.is_some())][usize::from(pair.cracked.is_some())] += 1;
+        let unit = plan.unit_of_image().get(pair.image as usize);
+        let Some(counts) = unit.and_then(|unit| units.get_mut(*unit as usize)) else {
+            return Err(EvalError::StatisticLength {
+                what: "images with objects",
+                found: pair.image as usize + 1,
+                expected: plan.n_images(),
+                of: "images of the plan",
+            });
+        };
+        let place = usize::from(pair.clean.is_some()) * 2 + usize::from(pair.cracked.is_some());
+        counts[place] += 1;
         images.push(pair.image);
     }
     images.sort_unstable();
     images.dedup();
-    let [[n_missed, n_recovered], [n_lost, n_kept]] = counts;
-    let n_objects = n_missed + n_recovered + n_lost + n_kept;
-    FailureRates {
+    let total = |place: usize| units.iter().map(|counts| counts[place]).sum::<u64>();
+    let [n_missed, n_recovered, n_lost, n_kept] = [0, 1, 2, 3].map(total);
+    let share = |k: usize, other: usize| {
+        let of_unit = |counts: &[u64; 4]| [counts[k], counts[k] + counts[other]];
+        clustered_share(&units.iter().map(of_unit).collect::<Vec<_>>(), plan.level)
+    };
+    let signed = |count: u64| i64::try_from(count).unwrap_or(i64::MAX);
+    let net = |counts: &[u64; 4]| signed(counts[2]) - signed(counts[1]);
+    Ok(FailureRates {
         group,
-        n_objects,
+        n_objects: n_missed + n_recovered + n_lost + n_kept,
         n_images: images.len() as u64,
         n_kept,
         n_lost,
         n_recovered,
         n_missed,
-        failure_rate: proportion(n_lost, n_lost + n_kept, level),
-        failure_rate_over_images: None,
-        recovery_rate: proportion(n_recovered, n_recovered + n_missed, level),
-        net_loss: paired_difference(n_lost, n_recovered, n_objects, level),
-        test: mcnemar(n_lost, n_recovered),
-        p_holm: None,
-    }
+        failure_rate: share(2, 3),
+        recovery_rate: share(1, 0),
+        test: sign_exchange_test(&units.iter().map(net).collect::<Vec<_>>()),
+    })
 }
 
 /// The rates of all groups of a table: each place for all objects and for each category that has
-/// any, with Holm's correction over the rows and, if a plan is given, intervals of the failure rate
-/// over images or clusters.
+/// any.
 ///
 /// # Errors
-/// If an image or a pattern is not in the plan, or the plan cannot be carried out.
+/// If an image is not in the plan.
 pub fn failure_table(
     pairs: &[ObjectPair],
     places: &[Where],
-    level: f64,
-    plan: Option<&Plan>,
+    plan: &Plan,
 ) -> Result<Vec<FailureRates>, EvalError> {
     let mut categories: Vec<u32> = pairs.iter().map(|it| it.category).collect();
     categories.sort_unstable();
     categories.dedup();
     let groups = || std::iter::once(None).chain(categories.iter().copied().map(Some));
     let mut table = Vec::new();
-    let mut members: Vec<Vec<&ObjectPair>> = Vec::new();
     for place in places {
         for category in groups() {
             let group = Group {
@@ -151,66 +159,11 @@ pub fn failure_table(
             let is_member = |pair: &&ObjectPair| {
                 category.is_none_or(|it| it == pair.category) && place.holds(pair.coverage)
             };
-            let of_group: Vec<&ObjectPair> = pairs.iter().filter(is_member).collect();
-            if category.is_none() || !of_group.is_empty() {
-                table.push(failure_rates(group, of_group.iter().copied(), level));
-                members.push(of_group);
+            let row = failure_rates(group, pairs.iter().filter(is_member), plan)?;
+            if category.is_none() || row.n_objects > 0 {
+                table.push(row);
             }
         }
     }
-    let p: Vec<Option<f64>> = table.iter().map(|row| row.test.exact.p).collect();
-    for (row, corrected) in table.iter_mut().zip(holm(&p)) {
-        row.p_holm = corrected;
-    }
-    if let Some(plan) = plan {
-        over_images(&mut table, &members, plan)?;
-    }
     Ok(table)
-}
-
-fn over_images(
-    table: &mut [FailureRates],
-    members: &[Vec<&ObjectPair>],
-    plan: &Plan,
-) -> Result<(), EvalError> {
-    let images = members.iter().flatten().map(|pair| pair.image as usize + 1);
-    let n_images = images.max().unwrap_or(0);
-    if n_images > plan.n_images() {
-        return Err(EvalError::StatisticLength {
-            what: "images with objects",
-            found: n_images,
-            expected: plan.n_images(),
-            of: "images of the plan",
-        });
-    }
-    let patterns = members
-        .iter()
-        .flatten()
-        .map(|pair| pair.pattern as usize + 1);
-    let n_patterns = patterns.max().unwrap_or(0);
-    if n_patterns > plan.n_patterns() as usize {
-        return Err(EvalError::StatisticLength {
-            what: "patterns with objects",
-            found: n_patterns,
-            expected: plan.n_patterns() as usize,
-            of: "patterns of the plan",
-        });
-    }
-    let rate = |pairs: &Vec<&ObjectPair>, weights: &Weights| {
-        let (mut n_found, mut n_lost) = (0_u64, 0_u64);
-        for pair in pairs.iter().filter(|pair| pair.clean.is_some()) {
-            let weight = u64::from(weights.images[pair.image as usize])
-                * u64::from(weights.patterns[pair.pattern as usize]);
-            n_found += weight;
-            n_lost += weight * u64::from(pair.cracked.is_none());
-        }
-        (n_found > 0).then(|| n_lost as f64 / n_found as f64)
-    };
-    let replicates = bootstrap(plan, |weights| {
-        members.iter().map(|pairs| rate(pairs, weights)).collect()
-    })?;
-    for (place, row) in table.iter_mut().enumerate() {
-        row.failure_rate_over_images = Some(replicates.percentile(place, Method::Share));
-    }
-    Ok(())
 }

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Group, ObjectPair};
-use crate::resampling::quantile;
-use crate::statistic::{Interval, Measured, Method, SignedRank, normal_quantile, signed_rank_test};
+use crate::EvalError;
+use crate::resampling::Plan;
+use crate::statistic::{Measured, TestOutcome, clustered_mean};
 
 /// Changes of objects found in both images, cracked minus clean.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,72 +23,49 @@ pub struct Shifts {
 /// Changes of one quantity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Shift {
-    /// Mean, with Wald's interval of n > 1 pairs taken as independent.
+    /// Mean, with a t interval by the variance between images or clusters.
     pub mean: Measured,
-    /// Median.
-    pub median: Measured,
-    /// Wilcoxon's signed-rank test with its effect size.
-    pub signed_rank: SignedRank,
+    /// Whether it is other than 0, by the same variance.
+    pub test: TestOutcome,
 }
 
-/// Changes of score and overlap of the pairs in which both found the object.
-#[must_use]
+/// Changes of score and overlap of the pairs in which both found the object. Objects of one unit of
+/// the plan, an image or a cluster of images, may depend on each other.
+///
+/// # Errors
+/// If an image is not in the plan.
 pub fn shifts<'a>(
     group: Group,
     pairs: impl IntoIterator<Item = &'a ObjectPair>,
-    level: f64,
-) -> Shifts {
-    let (mut scores, mut ious) = (Vec::new(), Vec::new());
+    plan: &Plan,
+) -> Result<Shifts, EvalError> {
+    // Per unit: sums of both changes, and pairs.
+    let mut units = vec![(0.0, 0.0, 0_u64); plan.n_units() as usize];
     for pair in pairs {
-        if let (Some(clean), Some(cracked)) = (pair.clean, pair.cracked) {
-            scores.push(cracked.score - clean.score);
-            ious.push(cracked.iou - clean.iou);
-        }
+        let (Some(clean), Some(cracked)) = (pair.clean, pair.cracked) else {
+            continue;
+        };
+        let unit = plan.unit_of_image().get(pair.image as usize);
+        let Some(unit) = unit.and_then(|unit| units.get_mut(*unit as usize)) else {
+            return Err(EvalError::StatisticLength {
+                what: "images with objects",
+                found: pair.image as usize + 1,
+                expected: plan.n_images(),
+                of: "images of the plan",
+            });
+        };
+        unit.0 += cracked.score - clean.score;
+        unit.1 += cracked.iou - clean.iou;
+        unit.2 += 1;
     }
-    Shifts {
-        group,
-        n_pairs: scores.len() as u64,
-        score: shift(&scores, level),
-        iou: shift(&ious, level),
-    }
-}
-
-fn shift(differences: &[f64], level: f64) -> Shift {
-    let mut sorted = differences.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let n = sorted.len() as u64;
-    let why = "no object was found in both images";
-    let (mean, median) = match quantile(&sorted, 0.5) {
-        Some(median) => (
-            mean_of(&sorted, level),
-            Measured::of(median, n, Method::Median),
-        ),
-        None => (
-            Measured::none(0, Method::Mean, why),
-            Measured::none(0, Method::Median, why),
-        ),
+    let shift = |clusters: Vec<(f64, u64)>| {
+        let (mean, test) = clustered_mean(&clusters, plan.level);
+        Shift { mean, test }
     };
-    Shift {
-        mean,
-        median,
-        signed_rank: signed_rank_test(differences),
-    }
-}
-
-/// Mean ± z s/√n.
-fn mean_of(values: &[f64], level: f64) -> Measured {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let measured = Measured::of(mean, values.len() as u64, Method::Mean);
-    if values.len() < 2 || !(level > 0.0 && level < 1.0) {
-        return measured;
-    }
-    let squares: f64 = values.iter().map(|it| (it - mean).powi(2)).sum();
-    let half = normal_quantile(0.5 + level / 2.0) * (squares / (n - 1.0) / n).sqrt();
-    measured.within(Some(Interval {
-        low: mean - half,
-        high: mean + half,
-        level,
-        method: Method::Wald,
-    }))
+    Ok(Shifts {
+        group,
+        n_pairs: units.iter().map(|unit| unit.2).sum(),
+        score: shift(units.iter().map(|unit| (unit.0, unit.2)).collect()),
+        iou: shift(units.iter().map(|unit| (unit.1, unit.2)).collect()),
+    })
 }

@@ -1,6 +1,6 @@
 //! The conditions of a study, told apart by all that they are: a name alone may stand for two.
 
-use crate::evaluation::{Condition, Evaluation, FailureRow, PairedRow, PooledSeeds, Study};
+use crate::evaluation::{Condition, Evaluation, FailureRow, OverSeeds, PairedRow, Study};
 
 /// A condition of a study.
 #[derive(Debug, Clone)]
@@ -28,9 +28,9 @@ impl<'a> Told<'a> {
     /// What a detector's clean and cracked images say under it.
     pub(super) fn paired(&self, study: &'a Study, detector: &str) -> Option<&'a [PairedRow]> {
         if self.is_pooled {
-            let mut pooled = study.pooled.iter();
+            let mut pooled = study.over_seeds.iter();
             let is_it =
-                |one: &&PooledSeeds| one.detector == detector && one.condition == *self.condition;
+                |one: &&OverSeeds| one.detector == detector && one.condition == *self.condition;
             return pooled.find(is_it).map(|one| one.paired.as_slice());
         }
         Some(&self.evaluation(study, detector)?.paired)
@@ -90,7 +90,7 @@ impl<'a> Summed<'a> {
         }
     }
 
-    fn of_pool(pooled: &'a PooledSeeds) -> Self {
+    fn of_pool(pooled: &'a OverSeeds) -> Self {
         Self {
             detector: &pooled.detector,
             condition: &pooled.condition,
@@ -102,8 +102,8 @@ impl<'a> Summed<'a> {
 }
 
 /// The seeds that an evaluation is taken together with.
-pub(super) fn pool_of<'a>(study: &'a Study, one: &Evaluation) -> Option<&'a PooledSeeds> {
-    study.pooled.iter().find(|pooled| {
+pub(super) fn pool_of<'a>(study: &'a Study, one: &Evaluation) -> Option<&'a OverSeeds> {
+    study.over_seeds.iter().find(|pooled| {
         pooled.detector == one.detector
             && pooled.condition.family == one.condition.family
             && pooled.condition.severity == one.condition.severity

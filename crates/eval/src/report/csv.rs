@@ -4,16 +4,16 @@ use super::numbers::{COUNT, Number, numbers};
 use crate::evaluation::{Estimate, Study};
 
 /// The columns.
-const HEAD: &str =
-    "detector,condition,scope,tau,group,class,metric,value,low,high,n,method,refused";
+const HEAD: &str = "detector,condition,scope,tau,group,class,metric,clean,cracked,value,low,high,p,p_holm,n,\
+                    method,refused";
 
-/// All numbers of a study as tidy CSV (RFC 4180, UTF-8, lines end in a line feed): one row per number,
-/// `detector,condition,scope,tau,group,class,metric,value,low,high,n,method,refused`.
+/// The numbers of a study as tidy CSV (RFC 4180, UTF-8, lines end in a line feed): one row per number.
 ///
-/// Fractions are fractions; `n` says on how many things a number rests and is empty where that is not
-/// known; `method` names an interval only where `low` and `high` are there. Where a number is refused, `value` is empty and `refused` says why. A text that
-/// a spreadsheet would take for a formula gets an apostrophe in front, and so does one that begins with an
-/// apostrophe.
+/// Fractions are fractions; `value` of an AP, of scores and of overlaps is the difference, cracked minus clean, and of
+/// rPC the ratio. `n` says on how many things a number rests and is empty where that is not known; `method` names an
+/// interval only where `low` and `high` are there. Where a number is refused, `value` is empty and `refused` says why.
+/// A text that a spreadsheet would take for a formula gets an apostrophe in front, and so does one that begins with
+/// an apostrophe.
 #[must_use]
 pub fn csv(study: &Study) -> String {
     let mut text = String::from(HEAD);
@@ -26,31 +26,25 @@ pub fn csv(study: &Study) -> String {
 }
 
 fn row(number: &Number) -> String {
-    let Number {
-        detector,
-        condition,
-        scope,
-        tau,
-        group_kind,
-        class,
-        metric,
-        estimate,
-        method,
-    } = number;
+    let estimate = &number.estimate;
     let float = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     [
-        field(detector),
-        field(condition),
-        field(scope),
-        float(*tau),
-        field(group_kind),
-        field(class),
-        field(metric),
+        field(&number.detector),
+        field(&number.condition),
+        field(number.scope),
+        float(number.tau),
+        field(number.group_kind),
+        field(&number.class),
+        field(&number.metric),
+        float(number.clean),
+        float(number.cracked),
         float(estimate.value),
         float(estimate.low),
         float(estimate.high),
-        n_things(estimate, method),
-        field(method),
+        float(number.p),
+        float(number.p_holm),
+        n_things(estimate, number.method),
+        field(number.method),
         field(estimate.refused.as_deref().unwrap_or("")),
     ]
     .join(",")

@@ -215,9 +215,7 @@ impl<'a> PrintedTable<'a> {
             None => "of all objects, $n$ of them".to_owned(),
         };
         let seeds = match conditions.iter().any(|one| one.is_pooled) {
-            true => {
-                " Of several seeds, an object counts once per seed, and intervals draw images and seeds."
-            }
+            true => " Of several seeds it is the mean over them; an object counts once per seed.",
             false => "",
         };
         let part = match n_tables {

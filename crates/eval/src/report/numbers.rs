@@ -1,16 +1,16 @@
-//! All numbers of a study in one long list, one row each: what CSV holds.
+//! The numbers of a study that are compared and plotted, in one list: what CSV holds.
 
 use super::clip_numbers::{of_clip, of_pooled_clips};
 use super::conditions::labels;
 use super::words;
 use crate::SubsetRow;
 use crate::evaluation::{
-    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, Group, GroupAp, GroupKind,
-    PairedRow, ProtocolResults, Scope, ScopeKind, Study, TideErrors,
+    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, Group, GroupKind, OverSeeds,
+    PairedMetric, PairedRow, RobustnessRow, Scope, ScopeKind, Study, TideErrors,
 };
 
 /// One number with what it is about.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Number {
     /// The detector; empty for numbers about images alone.
     pub detector: String,
@@ -26,119 +26,63 @@ pub struct Number {
     pub class: String,
     /// Which number.
     pub metric: String,
-    /// The number, or why there is none.
+    /// The number of the clean images, where a difference is of two.
+    pub clean: Option<f64>,
+    /// That of the cracked images.
+    pub cracked: Option<f64>,
+    /// The number, or why there is none; of an AP, of scores and overlaps the difference.
     pub estimate: Estimate,
+    /// Its p, where there is a test.
+    pub p: Option<f64>,
+    /// The same, corrected by Holm's method.
+    pub p_holm: Option<f64>,
     /// How its interval, or it itself, came about.
     pub method: &'static str,
 }
 
-const TWO_WAY: &str = "two-way bootstrap over images and seeds, 95 %";
-const BOOTSTRAP: &str = "paired bootstrap over images, 95 %";
-const OVER_IMAGES: &str = "bootstrap over images, 95 %";
-const MEAN_TWO_WAY: &str =
-    "mean over families, severities and seeds; two-way bootstrap over images and seeds, 95 %";
-const MEAN_OVER_IMAGES: &str = "mean over families and severities; bootstrap over images, 95 %";
 /// How a number that only counts came about.
 pub(super) const COUNT: &str = "count";
-const WILSON: &str = "Wilson, 95 %";
+const AP: &str = words::AP_INTERVAL;
+const RATE: &str = words::RATE_INTERVAL;
+const SHIFT: &str = words::SHIFT_INTERVAL;
 
-/// All numbers of a study, in the order of the page.
+/// The numbers of a study that are compared and plotted, in the order of the page; all others are in its JSON.
+///
+/// Of each condition the differences of AP and the failure rates in the region, out of it and on whole images, those
+/// of supercategories and classes in the region and on whole images where they have a number; what else changes over
+/// all classes. Of conditions that differ in their seed alone, the mean over seeds, too.
 #[must_use]
 pub fn numbers(study: &Study) -> Vec<Number> {
     let mut list = Vec::new();
+    let own_tau = study.provenance.settings.tau;
     for one in &study.clean {
-        let about = blank(&one.detector, "clean");
-        of_protocol(&about, "clean", &one.results, &mut list);
         if let Some(errors) = &one.tide {
-            let of_all = |row: &&GroupAp| row.group.kind == GroupKind::All;
-            let n = one.results.groups.iter().find(of_all);
-            of_tide(
-                &about,
-                "clean",
-                errors,
-                n.map_or(0, |row| row.n_objects),
-                &mut list,
-            );
+            let of_all = one.results.groups.iter();
+            let mut of_all = of_all.filter(|row| row.group.kind == GroupKind::All);
+            let n_objects = of_all.next().map_or(0, |row| row.n_objects);
+            let mut adder = Adder::new(&one.detector, "clean", &mut list);
+            of_tide(&mut adder, errors, n_objects);
         }
     }
-    for pooled in &study.pooled {
-        let about = blank(&pooled.detector, &pooled.condition.name);
-        for row in &pooled.paired {
-            of_pair(&about, row, TWO_WAY, &mut list);
-        }
-        of_rates(&about, &pooled.rates, TWO_WAY, &mut list);
+    for one in &study.over_seeds {
+        let OverSeeds {
+            paired,
+            rates,
+            condition,
+            ..
+        } = one;
+        let mut adder = Adder::new(&one.detector, &condition.name, &mut list);
+        of_pairs(&mut adder, paired, own_tau);
+        of_rates(&mut adder, rates, own_tau);
     }
     for (evaluation, condition) in study.evaluations.iter().zip(labels(study)) {
-        of_evaluation(evaluation, &condition, &mut list);
+        of_evaluation(evaluation, &condition, own_tau, &mut list);
     }
     for row in &study.robustness {
-        let metric = words::metric_key(row.metric);
-        let method = match (row.mpc.interval().is_some(), row.n_seeds) {
-            (false, _) => "mean over families, severities and seeds",
-            (true, Some(2..)) => MEAN_TWO_WAY,
-            (true, _) => MEAN_OVER_IMAGES,
-        };
-        for (name, estimate) in [("clean", &row.clean), ("mpc", &row.mpc), ("rpc", &row.rpc)] {
-            let mut number = blank(&row.detector, "all");
-            put_scope(&mut number, &row.scope);
-            put_group(&mut number, &Group::all());
-            number.metric = format!("{name}_{metric}");
-            number.estimate = estimate.clone();
-            number.method = method;
-            list.push(number);
-        }
-    }
-    if study.draws_clusters() {
-        for number in &mut list {
-            number.method = over_clusters(number.method);
-        }
+        of_robustness(row, &mut Adder::new(&row.detector, "all", &mut list));
     }
     of_sets(study, &mut list);
     list
-}
-
-/// The same method where clusters of images are drawn.
-fn over_clusters(method: &'static str) -> &'static str {
-    match method {
-        TWO_WAY => "two-way bootstrap over clusters of images and seeds, 95 %",
-        BOOTSTRAP => "paired bootstrap over clusters of images, 95 %",
-        OVER_IMAGES => "bootstrap over clusters of images, 95 %",
-        MEAN_TWO_WAY => {
-            "mean over families, severities and seeds; two-way bootstrap over clusters of images and seeds, 95 %"
-        }
-        MEAN_OVER_IMAGES => {
-            "mean over families and severities; bootstrap over clusters of images, 95 %"
-        }
-        other => other,
-    }
-}
-
-fn blank(detector: &str, condition: &str) -> Number {
-    Number {
-        detector: detector.to_owned(),
-        condition: condition.to_owned(),
-        scope: "",
-        tau: None,
-        group_kind: "",
-        class: String::new(),
-        metric: String::new(),
-        estimate: Estimate::default(),
-        method: "",
-    }
-}
-
-fn put_scope(number: &mut Number, scope: &Scope) {
-    number.scope = match scope.kind {
-        ScopeKind::InRegion => "in_region",
-        ScopeKind::OutOfRegion => "out_of_region",
-        ScopeKind::WholeImage => "whole_image",
-    };
-    number.tau = scope.tau;
-}
-
-fn put_group(number: &mut Number, group: &Group) {
-    number.group_kind = words::group_kind(group.kind);
-    number.class.clone_from(&group.name);
 }
 
 /// Adds numbers that share what they are about.
@@ -147,14 +91,63 @@ pub(super) struct Adder<'a> {
     pub(super) about: Number,
 }
 
-impl Adder<'_> {
+impl<'a> Adder<'a> {
+    pub(super) fn new(detector: &str, condition: &str, list: &'a mut Vec<Number>) -> Self {
+        let about = Number {
+            detector: detector.to_owned(),
+            condition: condition.to_owned(),
+            ..Number::default()
+        };
+        Self { list, about }
+    }
+
+    fn scope(&mut self, scope: &Scope) {
+        self.about.scope = match scope.kind {
+            ScopeKind::InRegion => "in_region",
+            ScopeKind::OutOfRegion => "out_of_region",
+            ScopeKind::WholeImage => "whole_image",
+        };
+        self.about.tau = scope.tau;
+    }
+
+    fn group(&mut self, group: &Group) {
+        self.about.group_kind = words::group_kind(group.kind);
+        self.about.class.clone_from(&group.name);
+    }
+
     pub(super) fn add(
         &mut self,
         metric: impl Into<String>,
         estimate: &Estimate,
         method: &'static str,
     ) {
-        let mut number = self.about.clone();
+        let number = self.about.clone();
+        self.push(number, metric, estimate, method);
+    }
+
+    /// The same with what its test says.
+    fn add_tested(
+        &mut self,
+        metric: impl Into<String>,
+        estimate: &Estimate,
+        method: &'static str,
+        [p, p_holm]: [Option<f64>; 2],
+    ) {
+        let number = Number {
+            p,
+            p_holm,
+            ..self.about.clone()
+        };
+        self.push(number, metric, estimate, method);
+    }
+
+    fn push(
+        &mut self,
+        mut number: Number,
+        metric: impl Into<String>,
+        estimate: &Estimate,
+        method: &'static str,
+    ) {
         number.metric = metric.into();
         number.estimate = estimate.clone();
         // What names an interval is only there with one.
@@ -182,43 +175,34 @@ impl Adder<'_> {
     }
 }
 
-fn of_evaluation(evaluation: &Evaluation, condition: &str, list: &mut Vec<Number>) {
-    let about = blank(&evaluation.detector, condition);
-    of_protocol(&about, "cracked", &evaluation.cracked, list);
+fn of_evaluation(
+    evaluation: &Evaluation,
+    condition: &str,
+    own_tau: Option<f64>,
+    list: &mut Vec<Number>,
+) {
     let counts = &evaluation.counts;
-    let mut adder = Adder {
-        list,
-        about: about.clone(),
-    };
-    for (name, count) in [
-        ("images", Some(counts.n_images)),
-        ("images_with_region", counts.n_images_with_region),
-        ("images_intact", counts.n_images_intact),
-    ] {
-        if let Some(count) = count {
-            adder.add_count(name, count);
-        }
+    let mut adder = Adder::new(&evaluation.detector, condition, list);
+    adder.add_count("images", counts.n_images);
+    if let Some(count) = counts.n_images_with_region {
+        adder.add_count("images_with_region", count);
     }
     if let Some(share) = counts.mean_region_share {
-        adder.add_value(
-            "mean_region_share",
-            share,
-            counts.n_images,
-            "mean over images",
-        );
+        let n = counts.n_images;
+        adder.add_value("mean_region_share", share, n, "mean over images");
     }
-    for row in &evaluation.paired {
-        of_pair(&about, row, BOOTSTRAP, list);
-    }
+    of_pairs(&mut adder, &evaluation.paired, own_tau);
     for row in &evaluation.subsets {
-        of_subset(&about, row, list);
+        of_subset(&mut adder, row);
     }
     if let Some(failures) = &evaluation.failures {
-        of_failures(&about, failures, list);
+        of_failures(&mut adder, failures, own_tau);
     }
     if let Some(errors) = &evaluation.tide_cracked {
-        of_tide(&about, "cracked", errors, evaluation.counts.n_objects, list);
+        of_tide(&mut adder, errors, counts.n_objects);
     }
+    adder = Adder::new(&evaluation.detector, condition, list);
+    let about = adder.about.clone();
     for clip in &evaluation.timelines {
         of_clip(&about, clip, list);
     }
@@ -227,233 +211,128 @@ fn of_evaluation(evaluation: &Evaluation, condition: &str, list: &mut Vec<Number
     }
 }
 
-fn of_protocol(about: &Number, side: &str, results: &ProtocolResults, list: &mut Vec<Number>) {
-    const STATS: [&str; 12] = [
-        "ap",
-        "ap50",
-        "ap75",
-        "ap_small",
-        "ap_medium",
-        "ap_large",
-        "ar_1",
-        "ar_10",
-        "ar_100",
-        "ar_small",
-        "ar_medium",
-        "ar_large",
-    ];
-    let mut about = about.clone();
-    put_scope(&mut about, &Scope::whole_image());
-    let mut adder = Adder { list, about };
-    put_group(&mut adder.about, &Group::all());
-    let of_all = |row: &&GroupAp| row.group.kind == GroupKind::All;
-    let n_all = results
-        .groups
-        .iter()
-        .find(of_all)
-        .map_or(0, |row| row.n_objects);
-    for (name, value) in STATS.iter().zip(results.coco_stats.into_iter().flatten()) {
-        // How many objects have a size is not among the results.
-        let is_of_all = !["_small", "_medium", "_large"]
-            .iter()
-            .any(|size| name.ends_with(size));
-        let n = if is_of_all { n_all } else { 0 };
-        let estimate = match value {
-            Some(value) => Estimate::of(value, n),
-            None => Estimate::refused(0, "no such object"),
-        };
-        adder.add(format!("coco_{name}_{side}"), &estimate, "COCO protocol");
-    }
-    // The AP, AP50 and AP75 of all stand among the twelve already, where they are there.
-    let is_new = |row: &&GroupAp| results.coco_stats.is_none() || row.group.kind != GroupKind::All;
-    for row in results.groups.iter().filter(is_new) {
-        put_group(&mut adder.about, &row.group);
-        for (name, estimate) in [("ap", &row.ap), ("ap50", &row.ap50), ("ap75", &row.ap75)] {
-            adder.add(format!("coco_{name}_{side}"), estimate, "COCO protocol");
-        }
-    }
-    for row in &results.kitti {
-        let group = Group {
-            kind: GroupKind::Class,
-            name: row.class.clone(),
-        };
-        put_group(&mut adder.about, &group);
-        let difficulty = &row.difficulty;
-        let name = |what: &str| format!("kitti_{what}_{difficulty}_{side}");
-        adder.add(name("ap11"), &row.ap11, "KITTI protocol");
-        adder.add(name("ap40"), &row.ap40, "KITTI protocol");
-        let n = row.n_objects;
-        adder.add_value(name("ceiling_ap11"), row.ceiling_ap11, n, "closed form");
-        adder.add_value(name("ceiling_ap40"), row.ceiling_ap40, n, "closed form");
+/// Whether a row is among the numbers: groups only where they have one, in the region at the study's own τ and on
+/// whole images; at the other τ only the first metric of all classes.
+fn is_listed(scope: &Scope, group: &Group, has_number: bool, own_tau: Option<f64>) -> bool {
+    let is_own = match (scope.tau, own_tau) {
+        (Some(tau), Some(own)) => (tau - own).abs() < 1e-12,
+        _ => true,
+    };
+    match group.kind {
+        GroupKind::All => true,
+        _ => has_number && is_own && scope.kind != ScopeKind::OutOfRegion,
     }
 }
 
-fn of_pair(about: &Number, row: &PairedRow, method: &'static str, list: &mut Vec<Number>) {
-    let mut about = about.clone();
-    put_scope(&mut about, &row.scope);
-    put_group(&mut about, &row.group);
-    let mut adder = Adder { list, about };
-    let metric = words::metric_key(row.metric);
-    let all = [
-        ("clean", &row.clean),
-        ("cracked", &row.cracked),
-        ("difference", &row.delta),
-    ];
-    // One reason for all three is said once.
-    let is_refused = all
-        .iter()
-        .all(|(_, estimate)| estimate.value.is_none() && estimate.refused == row.delta.refused);
-    if is_refused {
-        adder.add(metric, &row.delta, method);
+fn of_pairs(adder: &mut Adder<'_>, rows: &[PairedRow], own_tau: Option<f64>) {
+    for row in rows {
+        let has_number = row.delta.value.is_some();
+        let is_first = matches!(
+            row.metric,
+            PairedMetric::Ap50 | PairedMetric::KittiAp40 | PairedMetric::KittiAp11
+        );
+        let is_of_region = match (row.scope.tau, own_tau) {
+            (Some(tau), Some(own)) => (tau - own).abs() < 1e-12,
+            _ => true,
+        };
+        let is_all = row.group.kind == GroupKind::All;
+        if !is_listed(&row.scope, &row.group, has_number, own_tau)
+            || !(is_first || is_all && is_of_region)
+        {
+            continue;
+        }
+        adder.scope(&row.scope);
+        adder.group(&row.group);
+        let number = Number {
+            clean: row.clean.value,
+            cracked: row.cracked.value,
+            p: row.p,
+            p_holm: row.p_holm,
+            ..adder.about.clone()
+        };
+        adder.push(number, words::metric_key(row.metric), &row.delta, AP);
+    }
+}
+
+fn of_subset(adder: &mut Adder<'_>, row: &SubsetRow) {
+    if row.group.kind != GroupKind::All {
         return;
     }
-    for (name, estimate) in all {
-        adder.add(format!("{metric}_{name}"), estimate, method);
-    }
-    let n = row.n_objects;
-    let p = [
-        ("p", row.p, "permutation"),
-        ("p_holm", row.p_holm, "permutation, Holm"),
-    ];
-    for (name, p, method) in p {
-        if let Some(p) = p {
-            adder.add_value(format!("{metric}_{name}"), p, n, method);
-        }
-    }
-    if let Some(ceiling) = row.ceiling {
-        adder.add_value(format!("{metric}_ceiling"), ceiling, n, "closed form");
-    }
-}
-
-fn of_subset(about: &Number, row: &SubsetRow, list: &mut Vec<Number>) {
-    let mut about = about.clone();
-    put_group(&mut about, &row.group);
-    let mut adder = Adder { list, about };
-    let subset = &row.subset;
-    let sides = [
-        ("clean", Some(&row.clean_ap50)),
-        ("cracked", row.cracked_ap50.as_ref()),
-    ];
-    for (side, estimate) in sides {
-        if let Some(estimate) = estimate {
-            adder.add(format!("ap50_{side}[{subset}]"), estimate, "COCO protocol");
-        }
-    }
-}
-
-/// What is lost, with where the interval of the rate of failure comes from.
-fn of_rates(about: &Number, rates: &[FailureRow], method: &'static str, list: &mut Vec<Number>) {
-    let mut adder = Adder {
-        list,
-        about: about.clone(),
+    let cracked = row.cracked_ap50.as_ref();
+    let delta = match (row.clean_ap50.value, cracked.and_then(|it| it.value)) {
+        (Some(clean), Some(cracked)) => Estimate::of(cracked - clean, row.n_objects),
+        _ => cracked.unwrap_or(&row.clean_ap50).clone(),
     };
+    adder.about.scope = "";
+    adder.about.tau = None;
+    adder.group(&row.group);
+    let number = Number {
+        clean: row.clean_ap50.value,
+        cracked: cracked.and_then(|it| it.value),
+        ..adder.about.clone()
+    };
+    let metric = format!("ap50[{}]", row.subset);
+    adder.push(number, metric, &delta, "COCO protocol");
+}
+
+fn of_rates(adder: &mut Adder<'_>, rates: &[FailureRow], own_tau: Option<f64>) {
     for row in rates {
-        put_scope(&mut adder.about, &row.scope);
-        put_group(&mut adder.about, &row.group);
-        adder.add("failure_rate", &row.failure_rate, method);
-        if let Some(rate) = &row.failure_rate_over_images {
-            adder.add("failure_rate_over_images", rate, OVER_IMAGES);
+        let has_number = row.failure_rate.value.is_some();
+        if !is_listed(&row.scope, &row.group, has_number, own_tau) {
+            continue;
         }
-        adder.add("recovery_rate", &row.recovery_rate, WILSON);
-        for (name, count) in [
-            ("objects", row.n_objects),
-            ("found_clean", row.n_found_clean),
-            ("found_cracked", row.n_found_cracked),
-            ("lost", row.n_lost),
-            ("recovered", row.n_recovered),
-        ] {
-            adder.add_count(name, count);
-        }
-        let p = [
-            ("failure_p", row.p, "McNemar, exact"),
-            ("failure_p_holm", row.p_holm, "McNemar, exact, Holm"),
-        ];
-        for (name, p, method) in p {
-            if let Some(p) = p {
-                adder.add_value(name, p, row.n_lost + row.n_recovered, method);
-            }
+        adder.scope(&row.scope);
+        adder.group(&row.group);
+        let p = [row.p, row.p_holm];
+        adder.add_tested("failure_rate", &row.failure_rate, RATE, p);
+        if row.group.kind == GroupKind::All {
+            adder.add("recovery_rate", &row.recovery_rate, RATE);
+            adder.add_count("lost", row.n_lost);
+            adder.add_count("recovered", row.n_recovered);
         }
     }
 }
 
-fn of_failures(about: &Number, failures: &FailureResults, list: &mut Vec<Number>) {
-    of_rates(about, &failures.rates, WILSON, list);
-    let mut adder = Adder {
-        list,
-        about: about.clone(),
-    };
+fn of_failures(adder: &mut Adder<'_>, failures: &FailureResults, own_tau: Option<f64>) {
+    of_rates(adder, &failures.rates, own_tau);
+    adder.group(&Group::all());
     for row in &failures.new_false_positives {
-        put_scope(&mut adder.about, &row.scope);
-        adder.add(
-            "new_false_positives_per_mpx",
-            &row.new_per_mpx,
-            "Poisson, exact, 95 %",
-        );
-        adder.add_count("false_positives_clean", row.n_clean);
-        adder.add_count("false_positives_cracked", row.n_cracked);
+        adder.scope(&row.scope);
+        let per_mpx = "new_false_positives_per_mpx";
+        adder.add(per_mpx, &row.new_per_mpx, AP);
         adder.add_count("new_false_positives", row.n_new);
     }
-    for row in &failures.shifts {
-        put_scope(&mut adder.about, &row.scope);
-        put_group(&mut adder.about, &row.group);
-        adder.add("score_shift", &row.score, "bootstrap, 95 %");
-        adder.add("iou_shift", &row.iou, "bootstrap, 95 %");
-        let p = [("score_shift_p", row.p_score), ("iou_shift_p", row.p_iou)];
-        for (name, p) in p {
-            if let Some(p) = p {
-                adder.add_value(name, p, row.n_pairs, "Wilcoxon signed-rank");
-            }
-        }
+    let of_all = |row: &&crate::evaluation::ShiftRow| row.group.kind == GroupKind::All;
+    for row in failures.shifts.iter().filter(of_all) {
+        adder.scope(&row.scope);
+        let p = [row.p_score, row.p_score_holm];
+        adder.add_tested("score_shift", &row.score, SHIFT, p);
+        let p = [row.p_iou, row.p_iou_holm];
+        adder.add_tested("iou_shift", &row.iou, SHIFT, p);
     }
     for row in &failures.flips {
-        put_scope(&mut adder.about, &row.scope);
-        put_group(&mut adder.about, &Group::all());
-        adder.add("flip_rate", &row.rate, WILSON);
+        adder.scope(&row.scope);
+        adder.add("flip_rate", &row.rate, RATE);
     }
-    adder.about = about.clone();
+    adder.about.scope = "";
+    adder.about.tau = None;
     for dose in &failures.dose_responses {
-        of_dose(&mut adder, dose);
+        of_dose(adder, dose);
     }
 }
 
 fn of_dose(adder: &mut Adder<'_>, dose: &DoseResponse) {
-    put_group(&mut adder.about, &dose.group);
-    let fact = dose.fact.replace(' ', "_");
-    for bin in &dose.bins {
-        // All digits: bins of a dose whose values lie close together are told apart by the last ones.
-        let name = format!("failure_rate_at_{fact}_{}_to_{}", bin.low, bin.high);
-        adder.add(name, &bin.rate, WILSON);
-    }
+    adder.group(&dose.group);
     if let Some(fit) = &dose.fit {
-        let n = fit.slope.n;
-        adder.add(
-            format!("logistic_slope_{fact}"),
-            &fit.slope,
-            "maximum likelihood, Wald, 95 %",
-        );
-        adder.add_value(
-            format!("logistic_intercept_{fact}"),
-            fit.intercept,
-            n,
-            "maximum likelihood",
-        );
-        if let Some(p) = fit.p {
-            adder.add_value(format!("logistic_p_{fact}"), p, n, "Wald");
-        }
+        let metric = format!("logistic_slope_{}", dose.fact.replace(' ', "_"));
+        let method = "maximum likelihood, Wald between images, 95 %";
+        adder.add_tested(metric, &fit.slope, method, [fit.p, fit.p_holm]);
     }
 }
 
-fn of_tide(
-    about: &Number,
-    side: &str,
-    errors: &TideErrors,
-    n_objects: u64,
-    list: &mut Vec<Number>,
-) {
-    let mut about = about.clone();
-    put_scope(&mut about, &Scope::whole_image());
-    put_group(&mut about, &Group::all());
-    let mut adder = Adder { list, about };
+fn of_tide(adder: &mut Adder<'_>, errors: &TideErrors, n_objects: u64) {
+    adder.scope(&Scope::whole_image());
+    adder.group(&Group::all());
     for (name, value) in [
         ("ap50", errors.ap50),
         ("classification", errors.classification),
@@ -465,27 +344,42 @@ fn of_tide(
         ("false_positive", errors.false_positive),
         ("false_negative", errors.false_negative),
     ] {
-        adder.add_value(format!("tide_{name}_{side}"), value, n_objects, "TIDE");
+        adder.add_value(format!("tide_{name}"), value, n_objects, "TIDE");
     }
 }
 
+fn of_robustness(row: &RobustnessRow, adder: &mut Adder<'_>) {
+    adder.scope(&row.scope);
+    adder.group(&Group::all());
+    let metric = words::metric_key(row.metric);
+    let number = Number {
+        clean: row.clean.value,
+        cracked: row.mpc.value,
+        ..adder.about.clone()
+    };
+    adder.push(number, format!("rpc_{metric}"), &row.rpc, AP);
+    adder.add(format!("mpc_{metric}"), &row.mpc, AP);
+}
+
+/// How far the first set, which is the clean one, lies from each other one.
 fn of_sets(study: &Study, list: &mut Vec<Number>) {
     let Some(divergence) = &study.divergence else {
         return;
     };
+    let Some((from, others)) = divergence.sets.split_first() else {
+        return;
+    };
     for table in &divergence.tables {
-        for (row, from) in table.values.iter().zip(&divergence.sets) {
-            for (estimate, to) in row
-                .iter()
-                .zip(&divergence.sets)
-                .filter(|(estimate, to)| *to != from && (estimate.n, estimate.value) != (0, None))
-            {
-                let mut number = blank("", &format!("{from} | {to}"));
-                number.metric = format!("{} of {}", table.measure, table.feature);
-                number.estimate = estimate.clone();
-                number.method = "distance between sets of images";
-                list.push(number);
+        let Some(row) = table.values.first() else {
+            continue;
+        };
+        for (estimate, to) in row.iter().skip(1).zip(others) {
+            if (estimate.n, estimate.value) == (0, None) {
+                continue;
             }
+            let mut adder = Adder::new("", &format!("{from} | {to}"), list);
+            let metric = format!("{} of {}", table.measure, table.feature);
+            adder.add(metric, estimate, "distance between sets of images");
         }
     }
 }

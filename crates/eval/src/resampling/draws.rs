@@ -8,9 +8,7 @@ use crate::EvalError;
 /// What is drawn, how often and from which seed.
 ///
 /// Units are images, or clusters of images that are not independent of each other: drives, clips.
-/// With more than one crack pattern per image, the patterns are a second factor that crosses the
-/// images: both are drawn on their own and a cell weighs the product (the pigeonhole bootstrap
-/// \[Owen2007\]), which errs on the wide side.
+/// Where an image is cracked several times, by seeds, all of these are drawn with it.
 ///
 /// A draw of n units out of n with replacement gives each a whole weight, how often it was drawn;
 /// an image that is drawn twice counts twice. (Counting each drawn image once, as some tools do,
@@ -19,7 +17,6 @@ use crate::EvalError;
 pub struct Plan {
     unit_of_image: Vec<u32>,
     n_units: u32,
-    n_patterns: u32,
     /// How many replicates.
     pub n_replicates: u32,
     /// Any number; the same one gives the same draws.
@@ -28,22 +25,11 @@ pub struct Plan {
     pub level: f64,
 }
 
-/// How often each image and each pattern counts.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Weights {
-    /// Per image.
-    pub images: Vec<u32>,
-    /// Per pattern.
-    pub patterns: Vec<u32>,
-}
-
 /// What random numbers are for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Factor {
     /// Which units are drawn.
     Units,
-    /// Which patterns are drawn.
-    Patterns,
     /// Which units swap clean and cracked.
     Swaps,
 }
@@ -53,7 +39,6 @@ impl Factor {
     fn name(self) -> &'static [u8] {
         match self {
             Self::Units => b"bootstrap-units",
-            Self::Patterns => b"bootstrap-pattn",
             Self::Swaps => b"swap-units",
         }
     }
@@ -66,7 +51,6 @@ impl Plan {
         Self {
             unit_of_image: (0..n_images).collect(),
             n_units: n_images,
-            n_patterns: 1,
             n_replicates: 1000,
             seed: 0,
             level: 0.95,
@@ -96,13 +80,6 @@ impl Plan {
         }
     }
 
-    /// The same with `n_patterns` crack patterns as the second factor; at least 1.
-    #[must_use]
-    pub fn with_patterns(mut self, n_patterns: u32) -> Self {
-        self.n_patterns = n_patterns.max(1);
-        self
-    }
-
     /// The same with another number of replicates, seed and level.
     #[must_use]
     pub fn with(mut self, n_replicates: u32, seed: u64, level: f64) -> Self {
@@ -120,12 +97,6 @@ impl Plan {
     #[must_use]
     pub fn n_units(&self) -> u32 {
         self.n_units
-    }
-
-    /// How many patterns are drawn.
-    #[must_use]
-    pub fn n_patterns(&self) -> u32 {
-        self.n_patterns
     }
 
     /// The unit of each image.
@@ -156,48 +127,41 @@ impl Plan {
         Ok(())
     }
 
-    /// Everything once: the sample itself.
+    /// In how many units these images are.
     #[must_use]
-    pub fn ones(&self) -> Weights {
-        Weights {
-            images: vec![1; self.unit_of_image.len()],
-            patterns: vec![1; self.n_patterns as usize],
-        }
+    pub fn units_of(&self, images: impl IntoIterator<Item = u32>) -> u32 {
+        let unit = |image: u32| self.unit_of_image.get(image as usize);
+        let units: std::collections::BTreeSet<u32> =
+            images.into_iter().filter_map(unit).copied().collect();
+        u32::try_from(units.len()).unwrap_or(u32::MAX)
     }
 
-    /// The weights of one replicate, the same for any order of calls and on every platform.
+    /// How often each image counts in one replicate, the same for any order of calls and on every
+    /// platform.
     #[must_use]
-    pub fn weights(&self, replicate: u32) -> Weights {
-        let units = self.draw(Factor::Units, replicate, self.n_units);
-        let patterns = if self.n_patterns == 1 {
-            vec![1]
-        } else {
-            self.draw(Factor::Patterns, replicate, self.n_patterns)
-        };
-        Weights {
-            images: self.per_image(&units),
-            patterns,
+    pub fn weights(&self, replicate: u32) -> Vec<u32> {
+        let mut stream = stream(self.seed, Factor::Units, replicate);
+        let mut counts = vec![0_u32; self.n_units as usize];
+        for _ in 0..self.n_units {
+            let drawn = below(&mut stream, self.n_units);
+            counts[drawn as usize] += 1;
         }
+        self.per_image(&counts)
     }
 
-    /// Per unit which of its versions plays the clean one in a random permutation: 0 the clean one
-    /// itself, k the cracked one of pattern k.
-    pub(super) fn roles(&self, replicate: u32) -> Vec<u32> {
+    /// Per image 1 where clean and cracked are swapped in a random permutation, else 0.
+    pub(super) fn swaps(&self, replicate: u32) -> Vec<u32> {
         let mut stream = stream(self.seed, Factor::Swaps, replicate);
-        (0..self.n_units)
-            .map(|_| below(&mut stream, self.n_patterns + 1))
-            .collect()
+        let units: Vec<u32> = (0..self.n_units).map(|_| below(&mut stream, 2)).collect();
+        self.per_image(&units)
     }
 
-    /// All images but those of every `n_groups`-th unit, from `group` on.
-    pub(super) fn without_group(&self, group: u32, n_groups: u32) -> Weights {
+    /// The same of the k-th of all permutations.
+    pub(super) fn swaps_of(&self, k: u32) -> Vec<u32> {
         let units: Vec<u32> = (0..self.n_units)
-            .map(|unit| u32::from(unit % n_groups != group))
+            .map(|unit| k.checked_shr(unit).unwrap_or(0) & 1)
             .collect();
-        Weights {
-            images: self.per_image(&units),
-            patterns: vec![1; self.n_patterns as usize],
-        }
+        self.per_image(&units)
     }
 
     fn per_image(&self, units: &[u32]) -> Vec<u32> {
@@ -205,16 +169,6 @@ impl Plan {
             .iter()
             .map(|unit| units.get(*unit as usize).copied().unwrap_or(0))
             .collect()
-    }
-
-    fn draw(&self, factor: Factor, replicate: u32, n: u32) -> Vec<u32> {
-        let mut stream = stream(self.seed, factor, replicate);
-        let mut counts = vec![0_u32; n as usize];
-        for _ in 0..n {
-            let drawn = below(&mut stream, n);
-            counts[drawn as usize] += 1;
-        }
-        counts
     }
 }
 

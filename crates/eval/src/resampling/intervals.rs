@@ -1,6 +1,6 @@
 //! Intervals from replicates.
 
-use crate::statistic::{Interval, Method, normal_cdf, normal_quantile};
+use crate::statistic::{Interval, Method, normal_cdf, normal_quantile, student_quantile};
 
 /// Percentiles (1 ∓ level)/2 of replicates, interpolated between the two nearest as by default in
 /// NumPy; `None` for fewer than 20 replicates or a level outside of 0 to 1.
@@ -18,69 +18,48 @@ pub fn percentile_interval(replicates: &[f64], level: f64) -> Option<Interval> {
     })
 }
 
-/// The basic interval, `2·value − percentiles`: what the replicates lie above the value is what the
-/// value is taken to lie above the truth \[Efron1993\]. As [`percentile_interval`] otherwise.
+/// What a number rests on, which says how far its draws fall short of other images.
 ///
-/// For statistics that lean to one side when units are drawn anew, as the AP of small classes does:
-/// their percentiles may lie beside the value itself. Ends are cut to `bounds`.
-#[must_use]
-pub fn basic_interval(
-    value: f64,
-    replicates: &[f64],
-    level: f64,
-    bounds: [f64; 2],
-) -> Option<Interval> {
-    let percentiles = percentile_interval(replicates, level)?;
-    let [least, most] = bounds;
-    Some(Interval {
-        low: (2.0 * value - percentiles.high).clamp(least, most),
-        high: (2.0 * value - percentiles.low).clamp(least, most),
-        level,
-        method: Method::BootstrapBasic,
-    })
+/// Drawing n units anew spreads a mean by √((n − 1)/n) of what n other units would, and knows
+/// nothing of how few they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Basis {
+    /// So many units.
+    Units(u32),
+    /// The mean over groups that rest on so many units each, by their harmonic mean; as with AP over
+    /// classes, of which each has objects in few images.
+    Groups(f64),
 }
 
-/// The bias-corrected and accelerated interval \[Efron1987\].
+impl Basis {
+    /// How many standard errors an interval reaches, so that after the draws it holds the truth as
+    /// often as `level` says: t of n − 1 degrees of freedom for units, z for groups, which are many,
+    /// each times √(n/(n − 1)). `None` for fewer than two units.
+    fn reach(self, level: f64) -> Option<f64> {
+        let p = 0.5 + level / 2.0;
+        let (n, reach) = match self {
+            Self::Units(n) if n > 1 => (f64::from(n), student_quantile(p, f64::from(n - 1))),
+            Self::Groups(n) if n > 1.0 => (n, normal_quantile(p)),
+            Self::Units(_) | Self::Groups(_) => return None,
+        };
+        Some(reach * (n / (n - 1.0)).sqrt())
+    }
+}
+
+/// The percentile interval made wider by what its draws fall short, the expanded percentile interval
+/// \[Hesterberg2015\]: percentiles Φ(∓r) of the replicates, r being the reach of its [`Basis`].
 ///
-/// z₀ = Φ⁻¹(share of replicates below the value, equal ones by half),
-/// a = Σ(m − θᵢ)³ / (6 (Σ(m − θᵢ)²)^{3/2}) over the values θᵢ with one unit left out, of mean m; the
-/// ends are the percentiles Φ(z₀ + (z₀ ± z)/(1 − a(z₀ ± z))).
-///
-/// `None` for fewer than 20 replicates, where all of them lie on one side of the value, or where
-/// the jackknife does not vary.
+/// Chosen by measurement among percentile, basic, bias-corrected and normal intervals: see
+/// `docs/evaluation.md`. As [`percentile_interval`] otherwise.
 #[must_use]
-pub fn bca_interval(
-    value: f64,
-    replicates: &[f64],
-    left_out: &[f64],
-    level: f64,
-) -> Option<Interval> {
+pub fn expanded_interval(replicates: &[f64], level: f64, basis: Basis) -> Option<Interval> {
     let sorted = usable(replicates, level)?;
-    let below = sorted.partition_point(|it| *it < value);
-    let up_to = sorted.partition_point(|it| *it <= value);
-    let share = (below + up_to) as f64 / (2.0 * sorted.len() as f64);
-    if !(share > 0.0 && share < 1.0) || left_out.len() < 2 {
-        return None;
-    }
-    let bias = normal_quantile(share);
-    let mean = left_out.iter().sum::<f64>() / left_out.len() as f64;
-    let squares: f64 = left_out.iter().map(|it| (mean - it).powi(2)).sum();
-    let cubes: f64 = left_out.iter().map(|it| (mean - it).powi(3)).sum();
-    if squares <= 0.0 {
-        return None;
-    }
-    let acceleration = cubes / (6.0 * squares.powf(1.5));
-    let z = normal_quantile(0.5 + level / 2.0);
-    let end = |z: f64| {
-        let shifted = bias + z;
-        let share = normal_cdf(bias + shifted / (1.0 - acceleration * shifted));
-        quantile(&sorted, share)
-    };
+    let reach = basis.reach(level)?;
     Some(Interval {
-        low: end(-z)?,
-        high: end(z)?,
+        low: quantile(&sorted, normal_cdf(-reach))?,
+        high: quantile(&sorted, normal_cdf(reach))?,
         level,
-        method: Method::BootstrapBca,
+        method: Method::BootstrapExpanded,
     })
 }
 

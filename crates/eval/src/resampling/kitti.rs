@@ -1,6 +1,6 @@
 //! The same for the average precisions of KITTI.
 
-use super::paired::paired_of_ranked;
+use super::paired::{Sides, paired_of_ranked};
 use super::ranked::Ranked;
 use super::{PairedPrecisions, Plan};
 use crate::{EvalError, KittiRanking};
@@ -25,8 +25,8 @@ impl Ranked for Averaged {
         self.place
     }
 
-    fn n_objects(&self, weights: &[u32]) -> u64 {
-        self.ranking.n_objects(weights)
+    fn cells_with_objects(&self) -> Vec<u32> {
+        self.ranking.cells_with_objects()
     }
 
     fn average_precision(&self, weights: &[u32]) -> Option<f64> {
@@ -48,7 +48,7 @@ impl Ranked for Averaged {
 /// the same frames, which are the images of the plan; categories are their places.
 ///
 /// # Errors
-/// [`EvalError::StatisticLength`] if they do not, or if the plan has more than one pattern;
+/// [`EvalError::StatisticLength`] if they do not;
 /// [`EvalError::StatisticSetting`] for a plan without replicates or proper level.
 pub fn paired_kitti_precision(
     clean: &[KittiRanking],
@@ -57,19 +57,11 @@ pub fn paired_kitti_precision(
     plan: &Plan,
 ) -> Result<PairedPrecisions, EvalError> {
     plan.check()?;
-    let lengths = [
-        ("cracked rankings", cracked.len(), clean.len(), "clean ones"),
-        (
-            "patterns",
-            plan.n_patterns() as usize,
-            1,
-            "sets of cracked detections",
-        ),
-    ];
+    let lengths = ("cracked rankings", cracked.len(), clean.len(), "clean ones");
     let n_images = plan.n_images();
     let of_frames = clean.iter().chain(cracked);
     let frames = of_frames.map(|it| ("frames", it.n_cells(), n_images, "images of the plan"));
-    for (what, found, expected, of) in lengths.into_iter().chain(frames) {
+    for (what, found, expected, of) in std::iter::once(lengths).chain(frames) {
         if found != expected {
             return Err(EvalError::StatisticLength {
                 what,
@@ -91,11 +83,10 @@ pub fn paired_kitti_precision(
     };
     let both = clean.iter().zip(cracked);
     let crossed = both.filter_map(|(clean, cracked)| KittiRanking::crossed(&[clean, cracked]));
-    paired_of_ranked(
-        &averaged(clean.to_vec()),
-        &averaged(cracked.to_vec()),
-        &averaged(crossed.collect()),
-        2,
-        plan,
-    )
+    let sides = Sides {
+        clean: averaged(clean.to_vec()),
+        cracked: averaged(cracked.to_vec()),
+        both: averaged(crossed.collect()),
+    };
+    paired_of_ranked(&[sides], plan)
 }

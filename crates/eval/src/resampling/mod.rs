@@ -1,13 +1,11 @@
-//! How sure a number is: what it would be had other images, drives or crack patterns been taken.
+//! How sure a number is: what it would be had other images or drives been taken.
 //!
 //! A [`Plan`] says what is drawn and with which seed; [`bootstrap`] gives any statistic of weights
 //! per image its replicates, [`permutation_test`] any statistic of swaps its p. Clean and cracked
-//! images get the same draws, so that what both share cancels in their difference.
-//! [`paired_average_precision`] does both for average precision, [`paired_kitti_precision`] for
-//! that of KITTI, [`crossed_average_precision`] the first over several crack patterns, each with a
-//! region of its own.
+//! images get the same draws, so that what both share cancels in their difference; an image is drawn
+//! and swapped with the cracks of all its seeds. [`paired_average_precision`] does both for average
+//! precision, [`paired_kitti_precision`] for that of KITTI.
 
-mod crossed;
 mod draws;
 mod intervals;
 mod kitti;
@@ -16,11 +14,11 @@ mod permutation;
 mod ranked;
 mod replicates;
 
-pub use crossed::crossed_average_precision;
-pub use draws::{Plan, Weights};
+pub use draws::Plan;
 pub(crate) use intervals::quantile;
-pub use intervals::{basic_interval, bca_interval, percentile_interval};
+pub use intervals::{Basis, expanded_interval, percentile_interval};
 pub use kitti::{KittiRecalls, paired_kitti_precision};
+pub(crate) use paired::harmonic_mean;
 pub use paired::{PairedPrecision, PairedPrecisions, paired_average_precision};
 pub use permutation::permutation_test;
 pub use ranked::{RankedCategory, rank_by_category};

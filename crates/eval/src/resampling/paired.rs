@@ -3,32 +3,26 @@
 use serde::{Deserialize, Serialize};
 
 use super::ranked::Ranked;
-use super::{Plan, RankedCategory, bootstrap, permutation_test};
+use super::{Basis, Plan, RankedCategory, Replicates, bootstrap, permutation_test};
 use crate::EvalError;
 use crate::matching::ImageMatches;
-use crate::statistic::{Measured, Method, TestOutcome, holm};
+use crate::statistic::{Measured, Method, TestOutcome};
 
-/// Average precision of one category, or the mean over categories, clean and cracked.
+/// Average precision of one category, or the mean over categories, clean and cracked; of several
+/// seeds the mean over them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PairedPrecision {
     /// Place of the category in [`LabelSet::categories`](crate::LabelSet::categories); `None` for
     /// the mean over those that have objects.
     pub category: Option<u32>,
-    /// Objects to be found in the clean images.
-    pub n_objects: u64,
-    /// In the clean images, 0 to 1. The n of all four are the units drawn: images or clusters.
+    /// In the clean images, 0 to 1. The n of all three are the units drawn: images or clusters.
     pub clean: Measured,
-    /// In the cracked images, those of all patterns pooled.
+    /// In the cracked images.
     pub cracked: Measured,
     /// Cracked minus clean.
     pub difference: Measured,
-    /// Cracked over clean.
-    pub ratio: Measured,
     /// Permutation test of the difference.
     pub test: TestOutcome,
-    /// Its p after Holm's correction over the categories; the mean stands for itself and keeps its
-    /// own.
-    pub p_holm: Option<f64>,
 }
 
 /// All categories and their mean.
@@ -44,160 +38,190 @@ pub struct PairedPrecisions {
     pub seed: u64,
 }
 
-/// Values per category in the bootstrap: clean, cracked, difference, ratio.
-const N_VALUES: usize = 4;
+/// Values per category in the bootstrap: clean, cracked, difference.
+const N_VALUES: usize = 3;
 
-/// Average precision per category, clean and cracked, with bootstrap intervals of both, of their
-/// difference and of their ratio, a permutation test per category, and Holm's correction.
+/// Average precision per category, clean and cracked, with intervals of both and of their
+/// difference from the bootstrap, and a permutation test per category.
 ///
-/// `clean` are the matches of the clean images, `cracked` those of the same images under each crack
-/// pattern, all by the same rule. Replicates use the matches as they are, which is exact: matching
-/// never crosses images.
+/// Of each seed of the cracks, `clean` are the matches of the clean images and `cracked` those of
+/// the same images behind the cracks, all by the same rule; in a region, what counts in the clean
+/// images depends on the seed, too. A value is the mean over the seeds: ranking the images of all
+/// seeds together gives another number, since the scores of clean copies tie and those of cracked
+/// ones interleave. Images are drawn, and exchanged, with all their seeds.
+///
+/// Replicates use the matches as they are, which is exact: matching never crosses images.
+/// Intervals are [`expanded`](super::expanded_interval): those of a class by the units that its
+/// objects lie in; the difference of the mean over classes by all units with objects, and either
+/// side of it by the harmonic mean of the classes' units, since AP of classes in few images leans to
+/// above, on both sides alike.
 ///
 /// # Errors
-/// If the plan does not fit: another number of patterns, an image beyond its images; or if it has
-/// no replicates or no proper level.
+/// If both sides have not as many seeds, or none; if an image is beyond those of the plan, or the
+/// plan has no replicates or no proper level.
 pub fn paired_average_precision(
-    clean: &[ImageMatches],
+    clean: &[&[ImageMatches]],
     cracked: &[&[ImageMatches]],
     n_categories: usize,
     plan: &Plan,
 ) -> Result<PairedPrecisions, EvalError> {
     plan.check()?;
-    let versions: Vec<&[ImageMatches]> = std::iter::once(clean)
-        .chain(cracked.iter().copied())
-        .collect();
-    let n_versions = check_fit(&versions, plan)?;
-    paired_of_ranked(
-        &rank(&versions[..1], n_categories, 1),
-        &rank(&versions[1..], n_categories, n_versions - 1),
-        &rank(&versions, n_categories, n_versions),
-        n_versions,
-        plan,
-    )
-}
-
-/// The same of anything that has an average precision: clean, cracked over cells image times
-/// patterns plus pattern, and both together over cells image times versions plus version.
-pub(super) fn paired_of_ranked<R: Ranked>(
-    clean_ranked: &[R],
-    cracked_ranked: &[R],
-    all_ranked: &[R],
-    n_versions: u32,
-    plan: &Plan,
-) -> Result<PairedPrecisions, EvalError> {
-    let n_categories = clean_ranked.len();
-    let mut found = precisions_of_ranked(clean_ranked, cracked_ranked, false, plan)?;
-    let tests = permutation_test(plan, |roles| {
-        let (as_clean, as_cracked) = role_weights(roles, n_versions);
-        let mut values = Vec::with_capacity(n_categories + 1);
-        let mut sums = MeanOfPairs::default();
-        for ranked in all_ranked {
-            let pair = ranked
-                .average_precision(&as_clean)
-                .zip(ranked.average_precision(&as_cracked));
-            sums.add(pair);
-            values.push(pair.map(|(clean, cracked)| cracked - clean));
-        }
-        values.push(sums.mean().map(|(clean, cracked)| cracked - clean));
-        values
-    })?;
-    for (row, test) in found.categories.iter_mut().zip(&tests) {
-        row.test = test.clone();
+    if clean.len() != cracked.len() || clean.is_empty() {
+        return Err(EvalError::StatisticLength {
+            what: "sets of cracked matches",
+            found: cracked.len(),
+            expected: clean.len().max(1),
+            of: "sets of clean matches",
+        });
     }
-    let p: Vec<Option<f64>> = found.categories.iter().map(|it| it.test.p).collect();
-    for (category, corrected) in found.categories.iter_mut().zip(holm(&p)) {
-        category.p_holm = corrected;
-    }
-    if let Some(test) = tests.last() {
-        found.mean.test = test.clone();
-    }
-    found.mean.p_holm = found.mean.test.p;
-    Ok(found)
-}
-
-/// The values with their intervals, without any test. The cells of the clean side are those of the
-/// cracked one, image times patterns plus pattern, or the images alone.
-pub(super) fn precisions_of_ranked<R: Ranked>(
-    clean_ranked: &[R],
-    cracked_ranked: &[R],
-    is_clean_per_pattern: bool,
-    plan: &Plan,
-) -> Result<PairedPrecisions, EvalError> {
-    let n_categories = clean_ranked.len();
-    let replicates = bootstrap(plan, |weights| {
-        let cells = cell_weights(&weights.images, &weights.patterns);
-        let of_clean = match is_clean_per_pattern {
-            true => &cells,
-            false => &weights.images,
-        };
-        let mut values = Vec::with_capacity((n_categories + 1) * N_VALUES);
-        let mut sums = MeanOfPairs::default();
-        for (clean, cracked) in clean_ranked.iter().zip(cracked_ranked) {
-            let pair = clean
-                .average_precision(of_clean)
-                .zip(cracked.average_precision(&cells));
-            sums.add(pair);
-            values.extend(four_values(pair));
-        }
-        values.extend(four_values(sums.mean()));
-        values
-    })?;
-    let n_cells = match is_clean_per_pattern {
-        true => plan.n_images() * plan.n_patterns() as usize,
-        false => plan.n_images(),
-    };
-    let ones = vec![1; n_cells];
-    let row = |place: usize, category: Option<u32>, n_objects: u64| PairedPrecision {
-        category,
-        n_objects,
-        clean: replicates.basic(place * N_VALUES, Method::AveragePrecision, [0.0, 1.0]),
-        cracked: replicates.basic(place * N_VALUES + 1, Method::AveragePrecision, [0.0, 1.0]),
-        difference: replicates.basic(place * N_VALUES + 2, Method::Difference, [-1.0, 1.0]),
-        ratio: replicates.percentile(place * N_VALUES + 3, Method::Ratio),
-        test: TestOutcome::none(
-            u64::from(plan.n_units()),
-            Method::PermutationSampled,
-            "there is no test over several patterns",
-        ),
-        p_holm: None,
-    };
-    let categories: Vec<PairedPrecision> = clean_ranked
+    let sides: Result<Vec<Sides<RankedCategory>>, EvalError> = clean
         .iter()
-        .enumerate()
-        .map(|(place, ranked)| row(place, Some(ranked.category()), ranked.n_objects(&ones)))
+        .zip(cracked)
+        .map(|(clean, cracked)| {
+            check_images(&[clean, cracked], plan)?;
+            Ok(Sides {
+                clean: rank(&[clean], n_categories),
+                cracked: rank(&[cracked], n_categories),
+                both: rank(&[clean, cracked], n_categories),
+            })
+        })
         .collect();
-    let n_objects = categories.iter().map(|it| it.n_objects).sum();
-    let mean = row(n_categories, None, n_objects);
+    paired_of_ranked(&sides?, plan)
+}
+
+/// What is ranked of one seed, by category.
+pub(super) struct Sides<R> {
+    /// Over the images.
+    pub(super) clean: Vec<R>,
+    /// Over the images.
+    pub(super) cracked: Vec<R>,
+    /// Over cells, image times 2, plus 1 for the cracked one.
+    pub(super) both: Vec<R>,
+}
+
+/// The same of anything that has an average precision, of one seed or more.
+pub(super) fn paired_of_ranked<R: Ranked>(
+    seeds: &[Sides<R>],
+    plan: &Plan,
+) -> Result<PairedPrecisions, EvalError> {
+    let replicates = bootstrap(plan, |weights| {
+        let pairs = mean_of_seeds(seeds.iter().map(|one| {
+            let sides = one.clean.iter().zip(&one.cracked);
+            sides.map(|(clean, cracked)| {
+                let clean = clean.average_precision(weights);
+                clean.zip(cracked.average_precision(weights))
+            })
+        }));
+        pairs.into_iter().flat_map(three_values).collect()
+    })?;
+    let tests = permutation_test(plan, |swaps| {
+        let (as_clean, as_cracked) = role_weights(swaps);
+        let pairs = mean_of_seeds(seeds.iter().map(|one| {
+            one.both.iter().map(|both| {
+                let clean = both.average_precision(&as_clean);
+                clean.zip(both.average_precision(&as_cracked))
+            })
+        }));
+        let difference = |pair: Option<(f64, f64)>| pair.map(|(clean, cracked)| cracked - clean);
+        pairs.into_iter().map(difference).collect()
+    })?;
+    let first = seeds.first().map_or(&[][..], |one| one.clean.as_slice());
+    let n_units: Vec<u32> = (0..first.len())
+        .map(|at| units_of(seeds, at, plan))
+        .collect();
+    let mut rows = Vec::with_capacity(tests.len());
+    for (at, test) in tests.into_iter().enumerate() {
+        let category = first.get(at).map(Ranked::category);
+        let [side, difference] = match n_units.get(at) {
+            Some(n) => [Basis::Units(*n); 2],
+            None => [
+                Basis::Groups(harmonic_mean(&n_units)),
+                Basis::Units(plan.n_units()),
+            ],
+        };
+        rows.push(row(&replicates, at, category, [side, difference], test));
+    }
+    let mean = rows.pop().ok_or(EvalError::StatisticLength {
+        what: "rankings",
+        found: 0,
+        expected: 1,
+        of: "seeds",
+    })?;
     Ok(PairedPrecisions {
-        categories,
+        categories: rows,
         mean,
         n_replicates: plan.n_replicates,
         seed: plan.seed,
     })
 }
 
-/// The number of versions of each image, clean included.
-fn check_fit(versions: &[&[ImageMatches]], plan: &Plan) -> Result<u32, EvalError> {
-    let n_patterns = plan.n_patterns() as usize;
-    if versions.len() != n_patterns + 1 {
-        return Err(EvalError::StatisticLength {
-            what: "sets of cracked matches",
-            found: versions.len() - 1,
-            expected: n_patterns,
-            of: "patterns of the plan",
-        });
+fn row(
+    replicates: &Replicates,
+    at: usize,
+    category: Option<u32>,
+    [side, difference]: [Basis; 2],
+    test: TestOutcome,
+) -> PairedPrecision {
+    let place = at * N_VALUES;
+    PairedPrecision {
+        category,
+        clean: replicates.expanded(place, Method::AveragePrecision, side),
+        cracked: replicates.expanded(place + 1, Method::AveragePrecision, side),
+        difference: replicates.expanded(place + 2, Method::Difference, difference),
+        test,
     }
-    check_cells(versions, n_patterns + 1, plan)
 }
 
-/// The number of versions, if the images are the plan's and their cells can be counted.
-pub(super) fn check_cells(
-    versions: &[&[ImageMatches]],
-    n_versions: usize,
-    plan: &Plan,
-) -> Result<u32, EvalError> {
-    let images = versions.iter().copied().flatten().map(|it| it.image);
+/// Mean over seeds of clean and cracked per category, and behind them of the mean over the
+/// categories that a seed has; nothing where a seed has none.
+fn mean_of_seeds<I>(seeds: impl Iterator<Item = I>) -> Vec<Option<(f64, f64)>>
+where
+    I: Iterator<Item = Option<(f64, f64)>>,
+{
+    let mut sums: Vec<Option<(f64, f64)>> = Vec::new();
+    let mut n_seeds = 0.0;
+    for seed in seeds {
+        let mut of_seed: Vec<Option<(f64, f64)>> = seed.collect();
+        let (mut mean, mut n) = ((0.0, 0.0), 0.0);
+        for (clean, cracked) in of_seed.iter().flatten() {
+            mean = (mean.0 + clean, mean.1 + cracked);
+            n += 1.0;
+        }
+        of_seed.push((n > 0.0).then(|| (mean.0 / n, mean.1 / n)));
+        n_seeds += 1.0;
+        if sums.is_empty() {
+            sums = of_seed;
+            continue;
+        }
+        for (sum, one) in sums.iter_mut().zip(of_seed) {
+            *sum = sum.zip(one).map(|(a, b)| (a.0 + b.0, a.1 + b.1));
+        }
+    }
+    for sum in sums.iter_mut().flatten() {
+        *sum = (sum.0 / n_seeds, sum.1 / n_seeds);
+    }
+    sums
+}
+
+/// In how many units a category has objects, under whatever seed.
+fn units_of<R: Ranked>(seeds: &[Sides<R>], at: usize, plan: &Plan) -> u32 {
+    let of_category = seeds.iter().filter_map(|one| one.clean.get(at));
+    plan.units_of(of_category.flat_map(Ranked::cells_with_objects))
+}
+
+/// Of the numbers above 0; nothing of it where there is none.
+pub(crate) fn harmonic_mean(counts: &[u32]) -> f64 {
+    let (mut sum, mut n) = (0.0, 0.0);
+    for count in counts.iter().filter(|count| **count > 0) {
+        sum += 1.0 / f64::from(*count);
+        n += 1.0;
+    }
+    if n > 0.0 { n / sum } else { 0.0 }
+}
+
+/// Refuses images that the plan does not have, and more than cells can be counted.
+fn check_images(sides: &[&[ImageMatches]], plan: &Plan) -> Result<(), EvalError> {
+    let images = sides.iter().copied().flatten().map(|it| it.image);
     let n_needed = images.max().map_or(0, |image| image as usize + 1);
     if n_needed > plan.n_images() {
         return Err(EvalError::StatisticLength {
@@ -207,23 +231,20 @@ pub(super) fn check_cells(
             of: "images of the plan",
         });
     }
-    // A cell and one bit more must fit 32 bits.
-    match u32::try_from(n_versions) {
-        Ok(n) if plan.n_images().saturating_mul(n_versions) < 1 << 31 => Ok(n),
-        _ => Err(EvalError::StatisticSetting {
-            what: "images times patterns",
-            value: plan.n_images() as f64 * n_versions as f64,
-            range: "below 2^31",
-        }),
+    // Two cells per image and one bit more must fit 32 bits.
+    if plan.n_images() >= 1 << 30 {
+        return Err(EvalError::StatisticSetting {
+            what: "number of images",
+            value: plan.n_images() as f64,
+            range: "below 2^30",
+        });
     }
+    Ok(())
 }
 
 /// Categories over cells: image times versions plus version.
-pub(super) fn rank(
-    versions: &[&[ImageMatches]],
-    n_categories: usize,
-    n_versions: u32,
-) -> Vec<RankedCategory> {
+fn rank(versions: &[&[ImageMatches]], n_categories: usize) -> Vec<RankedCategory> {
+    let n_versions = u32::try_from(versions.len()).unwrap_or(u32::MAX);
     let mut by_category: Vec<Vec<(&ImageMatches, u32)>> = vec![Vec::new(); n_categories];
     for (matches, version) in versions.iter().zip(0..) {
         for item in *matches {
@@ -239,54 +260,17 @@ pub(super) fn rank(
         .collect()
 }
 
-/// Weights of cells: image times pattern.
-fn cell_weights(images: &[u32], patterns: &[u32]) -> Vec<u32> {
-    images
-        .iter()
-        .flat_map(|image| patterns.iter().map(move |pattern| image * pattern))
-        .collect()
-}
-
 /// Weights of the cells that play the clean and the cracked images.
-fn role_weights(roles: &[u32], n_versions: u32) -> (Vec<u32>, Vec<u32>) {
-    roles
+fn role_weights(swaps: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    swaps
         .iter()
-        .flat_map(|role| {
-            (0..n_versions).map(move |version| {
-                let is_clean = u32::from(version == *role);
-                (is_clean, 1 - is_clean)
-            })
-        })
+        .flat_map(|swap| [(1 - swap, *swap), (*swap, 1 - swap)])
         .unzip()
 }
 
-fn four_values(pair: Option<(f64, f64)>) -> [Option<f64>; N_VALUES] {
+fn three_values(pair: Option<(f64, f64)>) -> [Option<f64>; N_VALUES] {
     let Some((clean, cracked)) = pair else {
         return [None; N_VALUES];
     };
-    let ratio = (clean > 0.0).then(|| cracked / clean);
-    [Some(clean), Some(cracked), Some(cracked - clean), ratio]
-}
-
-/// The mean over categories of both values, of those that have them.
-#[derive(Debug, Default)]
-struct MeanOfPairs {
-    clean: f64,
-    cracked: f64,
-    n: u32,
-}
-
-impl MeanOfPairs {
-    fn add(&mut self, pair: Option<(f64, f64)>) {
-        if let Some((clean, cracked)) = pair {
-            self.clean += clean;
-            self.cracked += cracked;
-            self.n += 1;
-        }
-    }
-
-    fn mean(&self) -> Option<(f64, f64)> {
-        let n = f64::from(self.n);
-        (self.n > 0).then(|| (self.clean / n, self.cracked / n))
-    }
+    [Some(clean), Some(cracked), Some(cracked - clean)]
 }

@@ -12,15 +12,14 @@ const EXACT_UP_TO: u32 = 1024;
 /// Whether each of several differences is more than chance makes them, two-sided: per difference,
 /// how often permutations of clean and cracked give one as far from 0 as what was seen.
 ///
-/// `difference` gets for each image which of its versions plays the clean one, 0 the clean one
-/// itself, k the cracked one of pattern k (the clean one then plays that); so with one pattern 1 is
-/// a swap. It gives one value per difference, always in the same number and order, `None` where one
-/// is undefined. Images of one unit of the plan get the same role. If the cracks did nothing, each
-/// permutation would be as likely as what was seen.
+/// `difference` gets for each image 1 if clean and cracked are swapped, else 0. It gives one value
+/// per difference, always in the same number and order, `None` where one is undefined. Images of one
+/// unit of the plan are swapped together, and an image with the cracks of all its seeds. If the
+/// cracks did nothing, each permutation would be as likely as what was seen.
 ///
-/// With m patterns and n units, where (m + 1)ⁿ is up to 1024, all permutations are gone through,
-/// p = k/(m + 1)ⁿ; beyond that the plan's number is drawn, p = (k + 1)/(B + 1), which holds its
-/// level for any B \[PhipsonSmyth2010\].
+/// With n units, where 2ⁿ is up to 1024, all permutations are gone through, p = k/2ⁿ; beyond that
+/// the plan's number is drawn, p = (k + 1)/(B + 1), which holds its level for any B
+/// \[PhipsonSmyth2010\].
 ///
 /// # Errors
 /// If the plan has no replicates or no proper level.
@@ -29,27 +28,20 @@ where
     F: Fn(&[u32]) -> Vec<Option<f64>> + Sync,
 {
     plan.check()?;
-    let n_all = (plan.n_patterns() + 1)
-        .checked_pow(plan.n_units())
+    let n_all = 1_u32
+        .checked_shl(plan.n_units())
         .filter(|n| *n <= EXACT_UP_TO);
     let method = match n_all {
         Some(_) => Method::PermutationExact,
         None => Method::PermutationSampled,
     };
-    let per_image = |roles: &[u32]| -> Vec<u32> {
-        plan.unit_of_image()
-            .iter()
-            .map(|unit| roles.get(*unit as usize).copied().unwrap_or(0))
-            .collect()
-    };
     let rows: Vec<Vec<Option<f64>>> = (0..n_all.unwrap_or(plan.n_replicates))
         .into_par_iter()
         .map(|k| {
-            let roles = match n_all {
-                Some(_) => digits(k, plan.n_patterns() + 1, plan.n_units()),
-                None => plan.roles(k),
-            };
-            difference(&per_image(&roles))
+            difference(&match n_all {
+                Some(_) => plan.swaps_of(k),
+                None => plan.swaps(k),
+            })
         })
         .collect();
     let observed = difference(&vec![0; plan.n_images()]);
@@ -76,15 +68,4 @@ where
         TestOutcome::of(p, n, method)
     };
     Ok(observed.iter().enumerate().map(outcome).collect())
-}
-
-/// The last `n` digits of `k` to a base, the lowest first.
-fn digits(mut k: u32, base: u32, n: u32) -> Vec<u32> {
-    (0..n)
-        .map(|_| {
-            let digit = k % base;
-            k /= base;
-            digit
-        })
-        .collect()
 }

@@ -10,8 +10,8 @@ const N_RECALLS: usize = 101;
 pub(super) trait Ranked: Sync {
     /// Place of its category, or whatever tells it from the others.
     fn category(&self) -> u32;
-    /// Objects to be found under the weights.
-    fn n_objects(&self, weights: &[u32]) -> u64;
+    /// The cells with objects to be found.
+    fn cells_with_objects(&self) -> Vec<u32>;
     /// `None` where there is nothing to be found, or where weights are missing.
     fn average_precision(&self, weights: &[u32]) -> Option<f64>;
 }
@@ -21,8 +21,8 @@ impl Ranked for RankedCategory {
         self.category()
     }
 
-    fn n_objects(&self, weights: &[u32]) -> u64 {
-        self.n_objects(weights)
+    fn cells_with_objects(&self) -> Vec<u32> {
+        self.cells_with_objects()
     }
 
     fn average_precision(&self, weights: &[u32]) -> Option<f64> {
@@ -112,6 +112,12 @@ impl RankedCategory {
                 u64::from(weights.get(*cell as usize).copied().unwrap_or(0)) * u64::from(*n)
             })
             .sum()
+    }
+
+    /// The cells with objects to be found, in order.
+    #[must_use]
+    pub fn cells_with_objects(&self) -> Vec<u32> {
+        self.objects.iter().map(|(cell, _)| *cell).collect()
     }
 
     /// Average precision of the images, each as often as its weight says; `None` where there is

@@ -115,8 +115,6 @@ pub enum Method {
     Share,
     /// Arithmetic mean.
     Mean,
-    /// Median, of an even number the mean of the middle two.
-    Median,
     /// Count over an area or over images.
     Density,
     /// Average precision over 101 recalls, as MS-COCO has it.
@@ -129,16 +127,16 @@ pub enum Method {
     Logistic,
     /// Area under the curve of true over false positives, by ranks.
     RankAuc,
-    /// Matched-pairs rank-biserial correlation.
-    RankBiserial,
     /// Product-limit estimate of Kaplan and Meier.
     KaplanMeier,
     /// Wilson's score interval.
     Wilson,
     /// Wald's: estimate ± z standard errors.
     Wald,
-    /// Agresti and Min's for the difference of paired shares.
-    AgrestiMin,
+    /// Wilson's with the variance between clusters, and t for z.
+    WilsonClustered,
+    /// Mean ± t standard errors, with the variance between clusters.
+    ClusteredT,
     /// Greenwood's variance on the log-log scale.
     GreenwoodLogLog,
     /// Williams's variance between clusters on the log-log scale.
@@ -147,18 +145,16 @@ pub enum Method {
     BrookmeyerCrowley,
     /// Percentiles of bootstrap replicates.
     BootstrapPercentile,
-    /// Twice the value minus the percentiles of bootstrap replicates.
-    BootstrapBasic,
-    /// Bias-corrected and accelerated bootstrap.
-    BootstrapBca,
+    /// Percentiles of bootstrap replicates, widened for few units.
+    BootstrapExpanded,
     /// `McNemar`'s exact test.
     McNemarExact,
     /// `McNemar`'s test with the mid-p value.
     McNemarMidP,
-    /// Wilcoxon's signed-rank test over all signs.
-    SignedRankExact,
-    /// Wilcoxon's signed-rank test by the normal distribution, corrected for ties.
-    SignedRankNormal,
+    /// All ways to exchange the signs of clusters.
+    SignsExact,
+    /// Exchange of the signs of clusters, by the normal distribution.
+    SignsNormal,
     /// Wald's test of a coefficient.
     WaldTest,
     /// All ways to swap clean and cracked.

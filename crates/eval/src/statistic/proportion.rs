@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Interval, Measured, Method, TestOutcome, normal_quantile};
+use super::{Interval, Measured, Method, TestOutcome, normal_quantile, student_quantile};
 
 /// The share `k / n` with Wilson's interval; without a value where `n` is 0.
 ///
@@ -26,46 +26,79 @@ pub fn wilson_interval(k: u64, n: u64, level: f64) -> Option<Interval> {
         return None;
     }
     let z = normal_quantile(0.5 + level / 2.0);
-    let (is_none, is_all) = (k == 0, k == n);
-    let n = as_f64(n);
-    let share = as_f64(k) / n;
-    let middle = share + z * z / (2.0 * n);
-    let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
-    let scale = 1.0 + z * z / n;
+    let share = as_f64(k) / as_f64(n);
+    let [low, high] = score_interval((k == 0, share, k == n), as_f64(n), z)?;
     Some(Interval {
-        // Exactly, where rounding would leave a trace.
-        low: if is_none {
-            0.0
-        } else {
-            ((middle - half) / scale).max(0.0)
-        },
-        high: if is_all {
-            1.0
-        } else {
-            ((middle + half) / scale).min(1.0)
-        },
+        low,
+        high,
         level,
         method: Method::Wilson,
     })
 }
 
-/// Agresti and Min's interval of a difference of paired shares, (b − c)/n: Wald's with half a pair
-/// added to each of the four cells \[AgrestiMin2005\].
-pub(crate) fn paired_difference(lost: u64, recovered: u64, n: u64, level: f64) -> Measured {
+/// A share of objects that come in clusters (images, drives), each with how many of its objects count
+/// and how many there are: Wilson's score interval for n/D objects, D being by how much the variance
+/// between clusters is above that of independent objects \[RaoScott1992\], with t of m − 1 degrees of
+/// freedom for z, m being the clusters with objects.
+///
+/// D = m/(m−1) Σᵢ (kᵢ − p nᵢ)² / (n p (1 − p)); where all or none count it is not known and taken as 1.
+/// There is no interval of one cluster.
+#[must_use]
+pub(crate) fn clustered_share(clusters: &[[u64; 2]], level: f64) -> Measured {
+    let with: Vec<[u64; 2]> = clusters.iter().copied().filter(|it| it[1] > 0).collect();
+    let (k, n) = with
+        .iter()
+        .fold((0, 0), |(k, n), it| (k + it[0], n + it[1]));
     if n == 0 {
-        return Measured::none(0, Method::Difference, "there are no pairs");
+        return Measured::none(0, Method::Share, "there are no objects");
     }
-    let z = normal_quantile(0.5 + level / 2.0);
-    let (b, c, more) = (as_f64(lost) + 0.5, as_f64(recovered) + 0.5, as_f64(n) + 2.0);
-    let middle = (b - c) / more;
-    let half = z * ((b + c) - (b - c) * (b - c) / more).max(0.0).sqrt() / more;
-    let difference = (as_f64(lost) - as_f64(recovered)) / as_f64(n);
-    Measured::of(difference, n, Method::Difference).within(Some(Interval {
-        low: (middle - half).max(-1.0),
-        high: (middle + half).min(1.0),
+    let share = as_f64(k) / as_f64(n);
+    let measured = Measured::of(share, n, Method::Share);
+    if with.len() < 2 {
+        let mut without = measured;
+        without.reason = Some("no interval: its objects are in one unit".to_owned());
+        return without;
+    }
+    let m = with.len() as f64;
+    let squares: f64 = with
+        .iter()
+        .map(|[k, n]| (as_f64(*k) - share * as_f64(*n)).powi(2))
+        .sum();
+    let independent = as_f64(n) * share * (1.0 - share);
+    // Where clusters happen to be more alike than chance makes them, that is no more objects.
+    let excess = match k > 0 && k < n {
+        true => (m / (m - 1.0) * squares / independent).max(1.0 / m),
+        false => 1.0,
+    };
+    let interval = score_interval(
+        (k == 0, share, k == n),
+        as_f64(n) / excess,
+        student_quantile(0.5 + level / 2.0, m - 1.0),
+    );
+    measured.within(interval.map(|[low, high]| Interval {
+        low,
+        high,
         level,
-        method: Method::AgrestiMin,
+        method: Method::WilsonClustered,
     }))
+}
+
+/// The ends of the score interval of a share of n, n being a number of any kind; exactly 0 or 1 where
+/// none or all count.
+fn score_interval((is_none, share, is_all): (bool, f64, bool), n: f64, z: f64) -> Option<[f64; 2]> {
+    let middle = share + z * z / (2.0 * n);
+    let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
+    let scale = 1.0 + z * z / n;
+    // Exactly, where rounding would leave a trace.
+    let low = match is_none {
+        true => 0.0,
+        false => ((middle - half) / scale).max(0.0),
+    };
+    let high = match is_all {
+        true => 1.0,
+        false => ((middle + half) / scale).min(1.0),
+    };
+    (low.is_finite() && high.is_finite()).then_some([low, high])
 }
 
 /// `McNemar`'s tests of two counts of pairs that changed, one way and the other.

@@ -99,7 +99,7 @@ pub(super) fn steadiness(
         .filter(|it| it.n_sightings > 0)
         .collect();
     let replicates = bootstrap(&plan(steps.len(), settings), |weights| {
-        let sum = Steps::total(steps.iter(), &weights.images);
+        let sum = Steps::total(steps.iter(), weights);
         vec![sum.found(), sum.flicker()]
     })?;
     let all = Steps::total(steps.iter(), &vec![1; steps.len()]);
@@ -143,8 +143,8 @@ pub fn change_after(
         .collect();
     let difference = |clean: Option<f64>, cracked: Option<f64>| Some(cracked? - clean?);
     let replicates = bootstrap(&plan(pairs.len(), settings), |weights| {
-        let clean = Steps::total(pairs.iter().map(|pair| &pair[0]), &weights.images);
-        let cracked = Steps::total(pairs.iter().map(|pair| &pair[1]), &weights.images);
+        let clean = Steps::total(pairs.iter().map(|pair| &pair[0]), weights);
+        let cracked = Steps::total(pairs.iter().map(|pair| &pair[1]), weights);
         vec![
             difference(clean.found(), cracked.found()),
             difference(clean.flicker(), cracked.flicker()),

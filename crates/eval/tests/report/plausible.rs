@@ -133,7 +133,6 @@ fn failures(severity: f64) -> FailureResults {
                 n_lost,
                 n_recovered: n_lost / 8,
                 failure_rate: estimate(rate, n_found_clean),
-                failure_rate_over_images: None,
                 recovery_rate: estimate(0.03, n_objects - n_found_clean),
                 p: (n_found_clean >= 20).then_some(0.0007),
                 p_holm: (n_found_clean >= 20).then_some(0.004),
@@ -153,8 +152,10 @@ fn failures(severity: f64) -> FailureResults {
             n_pairs: 167,
             score: Estimate::with_interval(-0.08 * severity / 3.0, [-0.1, -0.06], 167),
             p_score: Some(1e-9),
+            p_score_holm: Some(2e-9),
             iou: Estimate::with_interval(-0.021, [-0.03, -0.01], 167),
             p_iou: Some(0.002),
+            p_iou_holm: Some(0.004),
         });
         results.flips.push(FlipRow {
             scope,
@@ -193,6 +194,7 @@ fn failures(severity: f64) -> FailureResults {
                 intercept: -2.2,
                 slope: Estimate::with_interval(4.0 / end, [3.1 / end, 4.9 / end], 382),
                 p: Some(1e-7),
+                p_holm: Some(1e-7),
             }),
         });
     }
@@ -473,7 +475,7 @@ pub(crate) fn study(severities: &[u8]) -> Study {
         }],
         clean: ["YOLOX-nano", "FastestDet"].map(clean_results).to_vec(),
         evaluations,
-        pooled: Vec::new(),
+        over_seeds: Vec::new(),
         robustness: vec![RobustnessRow {
             detector: "YOLOX-nano".to_owned(),
             scope: Scope {

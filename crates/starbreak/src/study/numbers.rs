@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use starbreak_eval::evaluation::{
     CleanResults, Condition as ReportedCondition, CrackedSet, DamageFacts, EvaluateInput,
-    EvaluateSettings, Evaluation, ImageFolders, PooledSeeds, Provenance, RobustnessRow, SeedsInput,
-    Study, Warning, WarningKind, clean_results, evaluate_with_coverages, pool_seeds, robustness,
+    EvaluateSettings, Evaluation, ImageFolders, OverSeeds, Provenance, RobustnessRow, SeedsInput,
+    Study, Warning, WarningKind, clean_results, evaluate_with_coverages, over_seeds, robustness,
 };
 use starbreak_eval::{Coverages, GroundTruth, RegionMasks, SaidDetections, evaluate};
 
@@ -33,13 +33,13 @@ impl StudyPlan<'_> {
         let n_detectors = self.detectors.len();
         let mut clean = Vec::new();
         let mut evaluations = Vec::new();
-        let mut pooled = Vec::new();
+        let mut of_seeds = Vec::new();
         let mut of_detectors = Vec::new();
         for detector in 0..n_detectors {
             let one = self.of_detector(&truth, &places, runs, settings, detector)?;
             clean.push(one.clean);
             evaluations.extend(one.evaluations);
-            pooled.extend(one.pooled);
+            of_seeds.extend(one.over_seeds);
             of_detectors.push(one.robustness);
         }
         let mut warnings = Vec::new();
@@ -53,7 +53,7 @@ impl StudyPlan<'_> {
                 ),
             });
         }
-        Ok(Study {
+        let mut study = Study {
             schema: Study::SCHEMA.to_owned(),
             title: title.to_owned(),
             dataset: dataset.to_owned(),
@@ -61,10 +61,12 @@ impl StudyPlan<'_> {
             warnings,
             clean,
             evaluations,
-            pooled,
+            over_seeds: of_seeds,
             robustness: of_detectors.into_iter().flatten().collect(),
             divergence: None,
-        })
+        };
+        study.correct_for_many_tests();
+        Ok(study)
     }
 
     /// One detector under all conditions.
@@ -142,7 +144,7 @@ impl StudyPlan<'_> {
         let of_clean = evaluate(truth, &clean, &settings.compare)?;
         Ok(OfDetector {
             clean: clean_results(name, truth, &clean, of_clean.results)?,
-            pooled: pool_seeds(&all)?,
+            over_seeds: over_seeds(&all)?,
             robustness: robustness(&evaluations, &all)?,
             evaluations,
         })
@@ -153,7 +155,7 @@ impl StudyPlan<'_> {
 struct OfDetector {
     clean: CleanResults,
     evaluations: Vec<Evaluation>,
-    pooled: Vec<PooledSeeds>,
+    over_seeds: Vec<OverSeeds>,
     robustness: Vec<RobustnessRow>,
 }
 

@@ -6,13 +6,13 @@ use crate::resampling::{
     KittiRecalls, PairedPrecision, PairedPrecisions, Plan, paired_average_precision,
     paired_kitti_precision,
 };
-use crate::statistic::{Measured, holm};
+use crate::statistic::Measured;
 use crate::{
     CoverageOf, Coverages, Detections, EvalError, GroundTruth, ImageMatches, KittiDetections,
     KittiDifficulty, LabelSet, MatchRule, SaidDetections, Subset, match_images, rank_kitti,
 };
 
-/// Puts intervals, tests and corrected tests to AP50 and AP75 of all groups: of every scope AP50, of the
+/// Puts intervals and tests to AP50 and AP75 of all groups: of every scope AP50, of the
 /// first τ and of whole images AP75, too.
 pub(super) fn put(rows: &mut [PairedRow], all: &Plain<'_>) -> Result<(), EvalError> {
     let scopes = scopes_of(rows);
@@ -61,7 +61,6 @@ pub(super) fn put(rows: &mut [PairedRow], all: &Plain<'_>) -> Result<(), EvalErr
             }
         }
     }
-    correct(rows, &scopes);
     Ok(())
 }
 
@@ -108,7 +107,6 @@ pub(super) fn put_kitti(
             }
         }
     }
-    correct(rows, &scopes);
     Ok(())
 }
 
@@ -154,7 +152,7 @@ fn paired(
     };
     let clean = place.matches(labels, clean, coverage_of(all.coverages, 0))?;
     let cracked = place.matches(labels, cracked, coverage_of(all.coverages, 1))?;
-    paired_average_precision(&clean, &[&cracked], labels.categories.len(), all.plan)
+    paired_average_precision(&[&clean], &[&cracked], labels.categories.len(), all.plan)
 }
 
 /// Most detections of a category in an image.
@@ -216,34 +214,5 @@ fn put_interval(estimate: &mut Estimate, found: &Measured) {
     if let Some(interval) = found.interval {
         estimate.low = Some(interval.low);
         estimate.high = Some(interval.high);
-    }
-}
-
-/// Holm's correction over the classes, and over the supercategories, that have a number; all classes
-/// together are one question and keep their p.
-fn correct(rows: &mut [PairedRow], scopes: &[Scope]) {
-    let metrics = [
-        PairedMetric::Ap50,
-        PairedMetric::Ap75,
-        PairedMetric::KittiAp11,
-        PairedMetric::KittiAp40,
-    ];
-    let kinds = [
-        GroupKind::All,
-        GroupKind::MeanOfSupercategories,
-        GroupKind::Supercategory,
-        GroupKind::Class,
-    ];
-    for scope in scopes {
-        for (metric, kind) in metrics.iter().flat_map(|m| kinds.map(|kind| (*m, kind))) {
-            let is_here = |row: &&mut PairedRow| {
-                row.scope == *scope && row.metric == metric && row.group.kind == kind
-            };
-            let mut family: Vec<&mut PairedRow> = rows.iter_mut().filter(is_here).collect();
-            let p: Vec<Option<f64>> = family.iter().map(|row| row.p).collect();
-            for (row, corrected) in family.iter_mut().zip(holm(&p)) {
-                row.p_holm = corrected;
-            }
-        }
     }
 }

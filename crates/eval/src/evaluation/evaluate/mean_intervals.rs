@@ -2,13 +2,13 @@
 
 use super::intervals::{Place, coverage_of, max_detections};
 use super::plan_of;
-use super::pooling::{CrackedSet, Patterns, SeedsInput, patterns_of};
+use super::seeds::{CrackedSet, Patterns, SeedsInput, patterns_of};
 use crate::evaluation::robustness::mean_rows;
 use crate::evaluation::{
     Condition, Estimate, Evaluation, PairedMetric, RobustnessRow, Scope, ScopeKind,
 };
 use crate::failure::Where;
-use crate::resampling::{RankedCategory, bootstrap, rank_by_category};
+use crate::resampling::{Basis, RankedCategory, bootstrap, harmonic_mean, rank_by_category};
 use crate::statistic::{Measured, Method};
 use crate::{Coverages, Detections, EvalError, Object};
 
@@ -58,10 +58,9 @@ fn place_of<T: PartialEq>(known: &mut Vec<T>, one: T) -> usize {
 /// no part of the grid that is averaged over. `evaluations` are what [`evaluate`](super::evaluate) gives for them. The n is
 /// that of the different objects: one that lies in the region of several conditions is one.
 ///
-/// AP50 and AP75 have intervals. Each replicate draws images (or clusters) once for all conditions, and seeds once for all families and
-/// severities where there are several; what both draws leave is averaged as mPC is: over seeds by how often
-/// they are drawn, over families and severities. rPC is of the same replicate. Where not every family and
-/// severity has the same seeds, there is no interval.
+/// AP50 and AP75 have intervals. Each replicate draws images (or clusters) once for all conditions, and averages as mPC
+/// is averaged; rPC is of the same replicate. Where not every family and severity has the same seeds, there is no
+/// interval.
 ///
 /// # Errors
 /// As [`crate::evaluation::evaluate`].
@@ -110,7 +109,7 @@ fn put_intervals(
     input: &SeedsInput<'_>,
 ) -> Result<(), EvalError> {
     let n_seeds = u32::try_from(grid.n_seeds).unwrap_or(u32::MAX);
-    let plan = plan_of(&patterns.labels, input.settings).with_patterns(n_seeds);
+    let plan = plan_of(&patterns.labels, input.settings);
     let n_categories = patterns.labels.categories.len();
     for row in rows {
         row.n_seeds = Some(n_seeds.into());
@@ -143,29 +142,31 @@ fn put_intervals(
         }
         let replicates = bootstrap(&plan, |weights| {
             let ap = |sets: &[Vec<RankedCategory>]| -> Vec<Option<f64>> {
-                let of_set = |set: &Vec<RankedCategory>| mean_precision(set, &weights.images);
+                let of_set = |set: &Vec<RankedCategory>| mean_precision(set, weights);
                 sets.iter().map(of_set).collect()
             };
             let of_clean = match ap(&clean).as_slice() {
                 [alone] if is_whole => *alone,
-                all => mean_of_cells(grid, all, &weights.patterns),
+                all => mean_of_cells(grid, all),
             };
-            let of_cracked = mean_of_cells(grid, &ap(&cracked), &weights.patterns);
+            let of_cracked = mean_of_cells(grid, &ap(&cracked));
             let ratio = of_cracked
                 .zip(of_clean.filter(|clean| *clean > 0.0))
                 .map(|(cracked, clean)| cracked / clean);
             vec![of_clean, of_cracked, ratio]
         })?;
-        let within = [0.0, 1.0];
-        put(
-            &mut row.clean,
-            &replicates.basic(0, Method::AveragePrecision, within),
-        );
-        put(
-            &mut row.mpc,
-            &replicates.basic(1, Method::AveragePrecision, within),
-        );
-        put(&mut row.rpc, &replicates.percentile(2, Method::Ratio));
+        // As of one condition: either side leans with the few images of a class, their ratio does not.
+        let units = |at: usize| {
+            let of_class = clean.iter().filter_map(|set| set.get(at));
+            plan.units_of(of_class.flat_map(RankedCategory::cells_with_objects))
+        };
+        let units: Vec<u32> = (0..n_categories).map(units).collect();
+        let side = Basis::Groups(harmonic_mean(&units));
+        let ap = Method::AveragePrecision;
+        put(&mut row.clean, &replicates.expanded(0, ap, side));
+        put(&mut row.mpc, &replicates.expanded(1, ap, side));
+        let whole = Basis::Units(plan.n_units());
+        put(&mut row.rpc, &replicates.expanded(2, Method::Ratio, whole));
     }
     Ok(())
 }
@@ -180,26 +181,15 @@ fn mean_precision(set: &[RankedCategory], weights: &[u32]) -> Option<f64> {
     (n > 0).then(|| sum / f64::from(n))
 }
 
-/// Mean over cells of the mean over seeds; nothing where a value that counts is missing.
-fn mean_of_cells(grid: &Grid, values: &[Option<f64>], seeds: &[u32]) -> Option<f64> {
-    let mut cells = vec![(0.0_f64, 0_u32); grid.n_cells];
-    for ((cell, seed), value) in grid.place.iter().zip(values) {
-        let weight = seeds.get(*seed).copied().unwrap_or(0);
-        if weight == 0 {
-            continue;
-        }
+/// Mean over cells of the mean over seeds; nothing where a value is missing.
+fn mean_of_cells(grid: &Grid, values: &[Option<f64>]) -> Option<f64> {
+    let mut cells = vec![(0.0_f64, 0.0_f64); grid.n_cells];
+    for ((cell, _), value) in grid.place.iter().zip(values) {
         let cell = cells.get_mut(*cell)?;
-        cell.0 += f64::from(weight) * (*value)?;
-        cell.1 += weight;
+        *cell = (cell.0 + (*value)?, cell.1 + 1.0);
     }
     let n = f64::from(u32::try_from(grid.n_cells).ok()?);
-    Some(
-        cells
-            .iter()
-            .map(|(sum, n)| sum / f64::from(*n))
-            .sum::<f64>()
-            / n,
-    )
+    Some(cells.iter().map(|(sum, n)| sum / n).sum::<f64>() / n)
 }
 
 /// The interval of the number that is there: both are the same but for the order of sums.

@@ -2,13 +2,13 @@
 
 mod intervals;
 mod mean_intervals;
-mod pooling;
+mod seeds;
 mod side_results;
 mod what_fails;
 mod worst_images;
 
 pub use mean_intervals::robustness;
-pub use pooling::{CrackedSet, SeedsInput, pool_seeds};
+pub use seeds::{CrackedSet, SeedsInput, over_seeds};
 
 use std::path::Path;
 
@@ -160,7 +160,7 @@ pub fn evaluate(input: &EvaluateInput<'_>, compared: Compared) -> Result<Evaluat
 }
 
 /// As [`evaluate`] of what [`compare_pair`] gives, with how much of each box the regions cover, of clean (0)
-/// and cracked (1) detections: what [`pool_seeds`] goes on with. Without regions there is none.
+/// and cracked (1) detections: what [`over_seeds`] goes on with. Without regions there is none.
 ///
 /// # Errors
 /// As [`evaluate`].

@@ -9,11 +9,20 @@ use crate::{Detections, EvalError, GroundTruth, LabelSet};
 /// Disagreements that are listed.
 const N_DISAGREEMENTS: usize = 20;
 
+/// The kinds of errors; nothing of fewer than 20 objects.
 pub(super) fn tide_errors(
     labels: &LabelSet,
     detections: &Detections,
     settings: TideSettings,
 ) -> Result<Option<TideErrors>, EvalError> {
+    let n_objects = labels
+        .objects
+        .iter()
+        .filter(|it| it.is_to_be_found())
+        .count();
+    if (n_objects as u64) < crate::MIN_OBJECTS {
+        return Ok(None);
+    }
     let found = tide(labels, detections, settings)?;
     let Some(ap) = found.ap else {
         return Ok(None);

@@ -10,7 +10,7 @@ use crate::failure::{
     self, FalsePositiveAreas, ObjectPair, Where, class_flips, failure_rates, failure_table,
     new_false_positives, pair_objects, quantile_edges, shifts,
 };
-use crate::statistic::{Measured, holm};
+use crate::statistic::Measured;
 use crate::{COVERAGE_BINS, EvalError, ImageMatches, MatchRule, match_images};
 
 /// Bins of a damage fact.
@@ -45,7 +45,6 @@ pub(super) fn failures(
         &matches.cracked,
         all.labels,
         &all.coverages.objects,
-        0,
         settings.score_threshold,
     )?;
     let mut places: Vec<Where> = Vec::new();
@@ -62,7 +61,7 @@ pub(super) fn failures(
     };
     for place in &places {
         let here: Vec<ObjectPair> = here(&pairs, *place);
-        results.shifts.extend(shift_rows(all, &here, *place));
+        results.shifts.extend(shift_rows(all, &here, *place)?);
         results.flips.push(flip_row(all, &here, &matches, *place));
     }
     if has_regions {
@@ -95,16 +94,10 @@ fn class(all: &Plain<'_>, category: u32) -> String {
 
 /// A share of too few objects is refused.
 fn unless_few(all: &Plain<'_>, measured: &Measured) -> Estimate {
-    unless_fewer_than(all.settings.compare.min_objects, measured, measured.n)
-}
-
-fn unless_fewer_than(least: u64, measured: &Measured, n: u64) -> Estimate {
-    if n < least {
-        return Estimate::refused(n, format!("fewer than {least} objects"));
-    }
-    Estimate {
-        n,
-        ..estimate(measured)
+    let least = all.settings.compare.min_objects;
+    match measured.n < least {
+        true => Estimate::refused(measured.n, format!("fewer than {least} objects")),
+        false => estimate(measured),
     }
 }
 
@@ -113,9 +106,8 @@ fn rates(
     pairs: &[ObjectPair],
     places: &[Where],
 ) -> Result<Vec<FailureRow>, EvalError> {
-    let level = all.settings.level;
     let mut rows = Vec::new();
-    let table = failure_table(pairs, places, level, Some(all.plan))?;
+    let table = failure_table(pairs, places, all.plan)?;
     let pooling = all.labels.by_supercategory();
     for place in places {
         let of_place = table.iter().filter(|row| row.group.place == *place);
@@ -140,22 +132,15 @@ fn rates(
                     category: None,
                     place: *place,
                 };
-                let found = failure_rates(of_group, pairs.iter().filter(is_member), level);
+                let found = failure_rates(of_group, pairs.iter().filter(is_member), all.plan)?;
                 let group = Group {
                     kind: GroupKind::Supercategory,
                     name: group.name.clone(),
                 };
-                row_of(all, &found, group)
+                Ok(row_of(all, &found, group))
             });
-            of_scope.splice(1..1, groups.filter(|row| row.n_objects > 0));
-        }
-        for kind in [GroupKind::All, GroupKind::Supercategory, GroupKind::Class] {
-            let is_kind = |row: &&mut FailureRow| row.group.kind == kind;
-            let mut family: Vec<&mut FailureRow> = of_scope.iter_mut().filter(is_kind).collect();
-            let p: Vec<Option<f64>> = family.iter().map(|row| row.p).collect();
-            for (row, corrected) in family.iter_mut().zip(holm(&p)) {
-                row.p_holm = corrected;
-            }
+            let groups: Result<Vec<FailureRow>, EvalError> = groups.collect();
+            of_scope.splice(1..1, groups?.into_iter().filter(|row| row.n_objects > 0));
         }
         rows.extend(of_scope);
     }
@@ -165,8 +150,6 @@ fn rates(
 fn row_of(all: &Plain<'_>, found: &failure::FailureRates, group: Group) -> FailureRow {
     let n_found_clean = found.n_kept + found.n_lost;
     let failure_rate = unless_few(all, &found.failure_rate);
-    let has_number = failure_rate.value.is_some();
-    let over_images = found.failure_rate_over_images.as_ref();
     FailureRow {
         scope: scope_of(found.group.place),
         group,
@@ -175,15 +158,18 @@ fn row_of(all: &Plain<'_>, found: &failure::FailureRates, group: Group) -> Failu
         n_found_cracked: found.n_kept + found.n_recovered,
         n_lost: found.n_lost,
         n_recovered: found.n_recovered,
-        failure_rate,
-        failure_rate_over_images: over_images.filter(|_| has_number).map(estimate),
-        recovery_rate: unless_few(all, &found.recovery_rate),
-        p: found.test.exact.p.filter(|_| has_number),
+        p: found.test.p.filter(|_| failure_rate.value.is_some()),
         p_holm: None,
+        failure_rate,
+        recovery_rate: unless_few(all, &found.recovery_rate),
     }
 }
 
-fn shift_rows(all: &Plain<'_>, pairs: &[ObjectPair], place: Where) -> Vec<ShiftRow> {
+fn shift_rows(
+    all: &Plain<'_>,
+    pairs: &[ObjectPair],
+    place: Where,
+) -> Result<Vec<ShiftRow>, EvalError> {
     let mut categories: Vec<u32> = pairs.iter().map(|pair| pair.category).collect();
     categories.sort_unstable();
     categories.dedup();
@@ -191,10 +177,10 @@ fn shift_rows(all: &Plain<'_>, pairs: &[ObjectPair], place: Where) -> Vec<ShiftR
     let row = |category: Option<u32>| {
         let is_member = |pair: &&ObjectPair| category.is_none_or(|it| it == pair.category);
         let group = failure::Group { category, place };
-        let found = shifts(group, pairs.iter().filter(is_member), all.settings.level);
+        let found = shifts(group, pairs.iter().filter(is_member), all.plan)?;
         let score = unless_few(all, &found.score.mean);
-        let p = |test: &crate::statistic::SignedRank| test.test.p.filter(|_| score.value.is_some());
-        ShiftRow {
+        let p = |shift: &failure::Shift| shift.test.p.filter(|_| score.value.is_some());
+        Ok(ShiftRow {
             scope: scope_of(place),
             group: match category {
                 None => Group::all(),
@@ -204,11 +190,13 @@ fn shift_rows(all: &Plain<'_>, pairs: &[ObjectPair], place: Where) -> Vec<ShiftR
                 },
             },
             n_pairs: found.n_pairs,
-            p_score: p(&found.score.signed_rank),
-            p_iou: p(&found.iou.signed_rank),
+            p_score: p(&found.score),
+            p_score_holm: None,
+            p_iou: p(&found.iou),
+            p_iou_holm: None,
             iou: unless_few(all, &found.iou.mean),
             score,
-        }
+        })
     };
     groups.map(row).collect()
 }
@@ -222,7 +210,7 @@ fn flip_row(all: &Plain<'_>, pairs: &[ObjectPair], matches: &Matches, place: Whe
         all.labels,
         settings.score_threshold,
         settings.iou_threshold,
-        settings.level,
+        all.plan,
     );
     let mut commonest: Vec<ClassFlip> = found
         .table
@@ -304,16 +292,14 @@ fn dose<'a>(
     pairs: impl IntoIterator<Item = (&'a ObjectPair, f64)>,
     edges: &[f64],
 ) -> Result<DoseResponse, EvalError> {
-    /// Fewer objects than these make no point of a curve; their interval says how little they say.
-    const MIN_IN_BIN: u64 = 5;
-    let found = failure::dose_response(fact, pairs, edges, all.settings.level)?;
+    let found = failure::dose_response(fact, pairs, edges, all.plan)?;
     let bin = |bin: &failure::DoseBin| DoseBin {
         low: bin.low,
         high: bin.high,
         mean: bin.mean,
         n: bin.n,
         n_lost: bin.n_lost,
-        rate: unless_fewer_than(MIN_IN_BIN, &bin.failure_rate, bin.n),
+        rate: unless_few(all, &bin.failure_rate),
     };
     let fit = &found.fit;
     let intercept = fit.intercept.estimate.value;
@@ -328,6 +314,7 @@ fn dose<'a>(
             intercept,
             slope: estimate(&fit.slope.estimate),
             p: fit.slope.test.p,
+            p_holm: None,
         }),
     })
 }

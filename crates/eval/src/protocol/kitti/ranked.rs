@@ -161,6 +161,12 @@ impl KittiRanking {
         self.n_cells
     }
 
+    /// The cells with objects to be found, in order.
+    #[must_use]
+    pub fn cells_with_objects(&self) -> Vec<u32> {
+        self.objects.iter().map(|(cell, _)| *cell).collect()
+    }
+
     /// Objects to be found under the weights.
     #[must_use]
     pub fn n_objects(&self, weights: &[u32]) -> u64 {

@@ -1,5 +1,6 @@
 //! What every number means, in plain words.
 
+use super::super::words;
 use super::{Block, Section, Term};
 
 /// The words of the page, in the order in which a reader meets them.
@@ -40,22 +41,16 @@ const TERMS: &[Term] = &[
     },
     Term {
         word: "95 % interval",
-        meaning: "Of AP and of differences: the images (or drives, where frames belong together) are drawn \
-                  anew with replacement many times, clean and cracked together; the interval holds the middle \
-                  95 % of what comes out. Of rates: Wilson's interval. It covers the choice of images, not the \
-                  choice of detector or of crack.",
+        meaning: words::INTERVALS,
     },
     Term {
         word: "p and Holm",
-        meaning: "How often chance alone gives a difference as large: clean and cracked are swapped in random \
-                  images. Holm's correction raises p so that among all classes of a table together a false alarm \
-                  stays as rare.",
+        meaning: words::TESTS,
     },
     Term {
         word: "Failure rate",
         meaning: "Of the objects found in the clean image, the share that is not found in the cracked one. \
-                  Recovered objects went the other way. McNemar's exact test, two-sided: how \
-                  often chance alone makes the numbers of lost and of recovered objects differ as much.",
+                  Recovered objects went the other way.",
     },
     Term {
         word: "New false positives",
@@ -93,10 +88,9 @@ const TERMS: &[Term] = &[
     },
     Term {
         word: "Seeds",
-        meaning: "A seed is one draw of cracks for all images. Seeds of one condition are taken together: an \
-                  image is there once per seed, an object counts once for each seed in which it is in the \
-                  region, and intervals draw images and seeds. With two or three seeds they say little of how \
-                  draws of cracks differ.",
+        meaning: "A seed is one draw of cracks for all images. Of conditions that differ in their seed alone, AP \
+                  is the mean over the seeds, and a share that of the objects of all seeds. With two or three \
+                  seeds they say little of how draws of cracks differ.",
     },
     Term {
         word: "Refused numbers",

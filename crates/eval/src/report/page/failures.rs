@@ -4,7 +4,7 @@ use kuva::prelude::MarkerShape;
 
 use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
 use super::super::words;
-use super::overview::is_own_tau;
+use super::overview::{is_own_tau, unit, units};
 use super::precision::group_name;
 use super::{Block, Cell, Table};
 use crate::evaluation::{
@@ -54,10 +54,13 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
     let all = rates.iter().filter(|row| row.group.kind == GroupKind::All);
     let mut blocks = vec![Block::Table {
         table: rate_table(
-            true,
-            "All classes, in the region and outside of it: lost and recovered objects, with Wilson's 95 % \
-             intervals, which take objects as independent, and beside them intervals over images (or over the \
-             clips and drives that are named), which do not; p of McNemar's exact two-sided test of lost against recovered.",
+            &format!(
+                "All classes, in the region and outside of it: lost and recovered objects, with 95 % intervals by \
+                 the variance between {units}; p of lost against recovered, by exchange of clean and cracked \
+                 {unit} by {unit}, and corrected by Holm's method over the conditions of the study.",
+                units = units(study),
+                unit = unit(study),
+            ),
             "Where",
             all.map(|row| (words::scope(&row.scope), row)),
         ),
@@ -74,10 +77,9 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
         let place = words::scope(scope);
         let caption = format!(
             "Supercategories and classes with enough objects {place}; p corrected by Holm's method over \
-             the classes."
+             them and the conditions of the study."
         );
         let table = rate_table(
-            false,
             &caption,
             "Class",
             groups.into_iter().map(|row| (group_name(&row.group), row)),
@@ -95,12 +97,11 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
 }
 
 fn rate_table<'a>(
-    has_images: bool,
     caption: &str,
     what: &'static str,
     rows: impl Iterator<Item = (String, &'a FailureRow)>,
 ) -> Table {
-    let mut columns = vec![
+    let columns = [
         (what, false),
         ("Objects", true),
         ("Found clean", true),
@@ -108,15 +109,13 @@ fn rate_table<'a>(
         ("Lost", true),
         ("Recovered", true),
         ("Failure rate, %", true),
+        ("p", true),
+        ("p (Holm)", true),
     ];
-    if has_images {
-        columns.push(("Over images, %", true));
-    }
-    columns.push(("p", true));
     let mut table = Table::new(caption, &columns);
     for (name, row) in rows {
         let rate = table.estimate(&row.failure_rate, words::percent);
-        let mut cells = vec![
+        table.push(vec![
             Cell::head(name),
             Cell::count(row.n_objects),
             Cell::count(row.n_found_clean),
@@ -124,17 +123,9 @@ fn rate_table<'a>(
             Cell::count(row.n_lost),
             Cell::count(row.n_recovered),
             rate,
-        ];
-        if has_images {
-            let ends = row.failure_rate_over_images.as_ref();
-            let ends = ends.and_then(Estimate::interval);
-            cells.push(Cell::text(ends.map_or_else(
-                || words::NOTHING.to_owned(),
-                |[low, high]| format!("[{}, {}]", words::percent(low), words::percent(high)),
-            )));
-        }
-        cells.push(Cell::probability(row.p_holm.or(row.p)));
-        table.push(cells);
+            Cell::probability(row.p),
+            Cell::probability(row.p_holm),
+        ]);
     }
     table
 }
@@ -349,8 +340,11 @@ fn shift_table(study: &Study, failures: &FailureResults) -> Option<Table> {
         return None;
     }
     let mut table = Table::new(
-        "Objects found in both: mean change of score and of overlap with the truth (cracked minus \
-         clean), with Wilcoxon's signed-rank test.",
+        &format!(
+            "Objects found in both: mean change of score and of overlap with the truth (cracked minus \
+             clean), with 95 % intervals and p by the variance between {}; p corrected by Holm's method.",
+            units(study)
+        ),
         &[
             ("Class", false),
             ("Where", false),
@@ -369,9 +363,9 @@ fn shift_table(study: &Study, failures: &FailureResults) -> Option<Table> {
             Cell::text(words::scope(&row.scope)),
             Cell::count(row.n_pairs),
             score,
-            Cell::probability(row.p_score),
+            Cell::probability(row.p_score_holm),
             iou,
-            Cell::probability(row.p_iou),
+            Cell::probability(row.p_iou_holm),
         ]);
     }
     Some(table)

@@ -5,9 +5,9 @@ mod clip_charts;
 mod definitions;
 mod errors;
 mod failures;
+mod over_seeds;
 mod overview;
 mod pictures;
-mod pooled;
 mod precision;
 mod provenance;
 mod sets;
@@ -93,8 +93,8 @@ pub(super) fn page(study: &Study) -> Page {
         false => overview::section(study),
     }];
     sections.extend(errors::classes_section(study));
-    for (place, pooled) in study.pooled.iter().enumerate() {
-        sections.push(pooled::section(study, pooled, &format!("p{place}")));
+    for (place, one) in study.over_seeds.iter().enumerate() {
+        sections.push(over_seeds::section(study, one, &format!("p{place}")));
     }
     let mut one_by_one = Vec::new();
     for (place, evaluation) in study.evaluations.iter().enumerate() {

@@ -247,6 +247,7 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
             ("AP50 clean", true),
             ("AP50 cracked", true),
             ("Difference", true),
+            ("p (Holm)", true),
             ("Lost in region", true),
             ("Lost outside", true),
         ],
@@ -265,8 +266,9 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
                 row.push(table.estimate(&paired.clean, words::percent));
                 row.push(table.estimate(&paired.cracked, words::percent));
                 row.push(table.estimate(&paired.delta, words::signed_percent));
+                row.push(Cell::probability(paired.p_holm));
             }
-            None => row.extend([(); 4].map(|()| Cell::text(words::NOTHING))),
+            None => row.extend([(); 5].map(|()| Cell::text(words::NOTHING))),
         }
         for kind in [ScopeKind::InRegion, ScopeKind::OutOfRegion] {
             row.push(match failure(kind) {
@@ -276,18 +278,34 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
         }
         table.push(row);
     }
+    let undecided: Vec<String> = all
+        .iter()
+        .filter(|one| {
+            let row = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50);
+            row.is_some_and(PairedRow::disagrees)
+        })
+        .map(|one| format!("{}, {}", one.detector, one.condition.name))
+        .collect();
+    if !undecided.is_empty() {
+        table.remark(&format!(
+            "Interval and p say otherwise about a difference of 0 at 5 %, so it is undecided: {}.",
+            undecided.join("; ")
+        ));
+    }
     let n_seeds = all.iter().map(|one| one.n_seeds).max().unwrap_or(1);
     let units = units(study);
     table.remark(&match n_seeds {
         0 | 1 => format!(
-            "Each row is one draw of cracks: its intervals are over {units} and know nothing of how \
-             another draw would differ."
+            "Each row is one draw of cracks; its intervals are over {units}, each behind cracks of its own."
         ),
         _ => format!(
-            "Rows of several seeds: an object counts once per seed, and intervals draw {units} and seeds. \
-             Few seeds say little of how draws differ."
+            "Rows of several seeds are the mean over them; intervals and p draw and exchange {units} with all \
+             their seeds. An object counts once per seed."
         ),
     });
+    table.remark(
+        "p is of the difference, corrected by Holm's method over the conditions of the detector.",
+    );
     table
 }
 
@@ -305,7 +323,7 @@ fn severity_chart(study: &Study) -> Option<Block> {
         }
     }
     let mut table = Table::new(
-        "AP50 in the region over the severity, all seeds together, percent.",
+        "AP50 in the region over the severity, mean over the seeds, percent.",
         &[
             ("Curve", false),
             ("Severity", true),
@@ -442,7 +460,16 @@ fn robustness_table(study: &Study) -> Option<Table> {
 }
 
 /// What is drawn for intervals.
-fn units(study: &Study) -> &'static str {
+/// One of what intervals draw.
+pub(super) fn unit(study: &Study) -> &'static str {
+    match study.draws_clusters() {
+        true => "cluster",
+        false => "image",
+    }
+}
+
+/// What intervals draw.
+pub(super) fn units(study: &Study) -> &'static str {
     match study.draws_clusters() {
         true => "clusters of images (clips, drives)",
         false => "images",

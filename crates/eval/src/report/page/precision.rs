@@ -247,19 +247,24 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
     let mut columns = vec![("Class", false)];
     columns.extend(COLUMNS.map(|name| (name, true)));
     for metric in &metrics {
-        let heads: [&'static str; 4] = match metric {
-            PairedMetric::Ap50 => ["AP50 clean", "AP50 cracked", "Difference", "p (Holm)"],
-            PairedMetric::Ap75 => ["AP75 clean", "AP75 cracked", "Difference", "p (Holm)"],
-            PairedMetric::Ap => ["AP clean", "AP cracked", "Difference", "p (Holm)"],
-            PairedMetric::KittiAp11 => ["AP11 clean", "AP11 cracked", "Difference", "p (Holm)"],
-            PairedMetric::KittiAp40 => ["AP40 clean", "AP40 cracked", "Difference", "p (Holm)"],
+        let heads: [&'static str; 5] = match metric {
+            PairedMetric::Ap50 => ["AP50 clean", "AP50 cracked", "Difference", "p", "p (Holm)"],
+            PairedMetric::Ap75 => ["AP75 clean", "AP75 cracked", "Difference", "p", "p (Holm)"],
+            PairedMetric::Ap => ["AP clean", "AP cracked", "Difference", "p", "p (Holm)"],
+            PairedMetric::KittiAp11 => {
+                ["AP11 clean", "AP11 cracked", "Difference", "p", "p (Holm)"]
+            }
+            PairedMetric::KittiAp40 => {
+                ["AP40 clean", "AP40 cracked", "Difference", "p", "p (Holm)"]
+            }
         };
-        let n_heads = if has_p { 4 } else { 3 };
+        let n_heads = if has_p { 5 } else { 3 };
         columns.extend(heads.into_iter().take(n_heads).map(|name| (name, true)));
     }
     let place = words::scope(scope);
     let mut table = Table::new("", &columns);
     let mut left_out: Vec<String> = Vec::new();
+    let mut undecided: Vec<String> = Vec::new();
     for (group, n_objects) in groups(paired, scope) {
         let rows: Vec<Option<&PairedRow>> = metrics
             .iter()
@@ -280,7 +285,7 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
         ];
         for row in rows {
             let Some(row) = row else {
-                let n_cells = if has_p { 4 } else { 3 };
+                let n_cells = if has_p { 5 } else { 3 };
                 cells.extend((0..n_cells).map(|_| Cell::text(words::NOTHING)));
                 continue;
             };
@@ -288,15 +293,29 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
             cells.push(table.estimate(&row.cracked, words::percent));
             cells.push(table.estimate(&row.delta, words::signed_percent));
             if has_p {
-                cells.push(Cell::probability(row.p_holm.or(row.p)));
+                cells.push(Cell::probability(row.p));
+                cells.push(Cell::probability(row.p_holm));
+            }
+            if row.disagrees() {
+                undecided.push(format!(
+                    "{} of {}",
+                    words::metric(row.metric),
+                    group_name(&group)
+                ));
             }
         }
         table.push(cells);
     }
     let tests = match has_p {
-        true => "; p of the permutation test, corrected by Holm's method",
+        true => "; p of the permutation test, alone and corrected by Holm's method",
         false => "",
     };
+    if !undecided.is_empty() {
+        table.remark(&format!(
+            "Interval and p say otherwise about a difference of 0 at 5 %, so it is undecided: {}.",
+            undecided.join(", ")
+        ));
+    }
     table.caption = format!(
         "Average precision {place}, percent, with 95 % intervals of the paired bootstrap{tests}."
     );

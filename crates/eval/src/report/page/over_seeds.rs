@@ -1,28 +1,30 @@
-//! Conditions that differ in nothing but their seed, taken together.
+//! The mean over seeds of conditions that differ in nothing else.
 
 use super::super::words;
+use super::overview::units;
 use super::precision::group_name;
 use super::precision::paired_blocks;
 use super::{Block, Cell, Section, Table};
-use crate::evaluation::{GroupKind, PooledSeeds, Study};
+use crate::evaluation::{GroupKind, OverSeeds, Study};
 
-pub(super) fn section(study: &Study, pooled: &PooledSeeds, id: &str) -> Section {
-    let seeds: Vec<String> = pooled.seeds.iter().map(u64::to_string).collect();
+pub(super) fn section(study: &Study, one: &OverSeeds, id: &str) -> Section {
+    let seeds: Vec<String> = one.seeds.iter().map(u64::to_string).collect();
     let text = format!(
-        "The cracked images of the seeds {} are one set, of which an image is a part once per seed; an \
-         object counts once for each seed in which it is in the region. Intervals draw images and seeds. \
-         There is no p: the same object behind several patterns is no independent pair.",
-        seeds.join(", ")
+        "AP is the mean over the seeds {}; a share is that of the objects of all seeds, so that an object \
+         counts once for each seed in which it is in the region. Intervals and p draw and exchange {} with \
+         all their seeds.",
+        seeds.join(", "),
+        units(study)
     );
-    let mut blocks = paired_blocks(study, &pooled.paired, &text, id);
+    let mut blocks = paired_blocks(study, &one.paired, &text, id);
     blocks.push(Block::Heading {
         id: format!("{id}-failures"),
         text: "What fails".to_owned(),
     });
     blocks.push(Block::Table {
-        table: rate_table(pooled),
+        table: rate_table(one),
     });
-    let title = words::name(&format!("{} · {}", pooled.detector, pooled.condition.name));
+    let title = words::name(&format!("{} · {}", one.detector, one.condition.name));
     Section {
         id: id.to_owned(),
         blocks: vec![Block::Fold {
@@ -34,10 +36,10 @@ pub(super) fn section(study: &Study, pooled: &PooledSeeds, id: &str) -> Section 
 }
 
 /// All classes, and the groups and classes with a number, place by place.
-fn rate_table(pooled: &PooledSeeds) -> Table {
+fn rate_table(one: &OverSeeds) -> Table {
     let mut table = Table::new(
-        "Lost of the objects found clean, over all seeds, with 95 % intervals of the two-way bootstrap over \
-         images and seeds.",
+        "Lost of the objects found clean, over all seeds; p of lost against recovered, alone and corrected by \
+         Holm's method. 95 % intervals in brackets.",
         &[
             ("Where", false),
             ("Class", false),
@@ -47,10 +49,12 @@ fn rate_table(pooled: &PooledSeeds) -> Table {
             ("Lost", true),
             ("Recovered", true),
             ("Failure rate, %", true),
+            ("p", true),
+            ("p (Holm)", true),
         ],
     );
     let is_shown = |kind: GroupKind, has_number: bool| kind == GroupKind::All || has_number;
-    for row in &pooled.rates {
+    for row in &one.rates {
         if !is_shown(row.group.kind, row.failure_rate.value.is_some()) {
             continue;
         }
@@ -64,6 +68,8 @@ fn rate_table(pooled: &PooledSeeds) -> Table {
             Cell::count(row.n_lost),
             Cell::count(row.n_recovered),
             rate,
+            Cell::probability(row.p),
+            Cell::probability(row.p_holm),
         ]);
     }
     table

@@ -7,10 +7,10 @@ use super::side_results::estimate;
 use super::what_fails::scope_of;
 use super::{EvaluateSettings, as_plain, nothing_covered, plan_of};
 use crate::evaluation::{
-    Condition, Estimate, FailureRow, Group, GroupKind, PairedMetric, PairedRow, PooledSeeds, Scope,
+    Condition, Estimate, FailureRow, Group, GroupKind, OverSeeds, PairedMetric, PairedRow, Scope,
 };
 use crate::failure::{ObjectPair, Where, failure_table, pair_objects};
-use crate::resampling::{PairedPrecision, Plan, crossed_average_precision};
+use crate::resampling::{PairedPrecision, Plan, paired_average_precision};
 use crate::statistic::Measured;
 use crate::{
     Coverages, Detections, EvalError, GroundTruth, ImageMatches, LabelSet, MatchRule, Pooling,
@@ -82,13 +82,12 @@ pub(super) fn patterns_of<'a>(
     found
 }
 
-/// For each family and severity with two seeds or more what all its seeds say together: AP50 and AP75 in the
-/// region at the first τ, out of it and everywhere, and what is lost there, with intervals that draw images
-/// and seeds.
+/// For each family and severity with two seeds or more the mean over its seeds: AP50 and AP75 in the region at
+/// the first τ, out of it and everywhere, and what is lost there.
 ///
 /// # Errors
 /// As [`crate::evaluation::evaluate`].
-pub fn pool_seeds(input: &SeedsInput<'_>) -> Result<Vec<PooledSeeds>, EvalError> {
+pub fn over_seeds(input: &SeedsInput<'_>) -> Result<Vec<OverSeeds>, EvalError> {
     let mut cells: Vec<Vec<&CrackedSet<'_>>> = Vec::new();
     for set in input.cracked {
         let key = |set: &CrackedSet<'_>| (set.condition.family.clone(), set.condition.severity);
@@ -101,19 +100,18 @@ pub fn pool_seeds(input: &SeedsInput<'_>) -> Result<Vec<PooledSeeds>, EvalError>
             None => cells.push(vec![set]),
         }
     }
-    let mut pooled = Vec::new();
+    let mut means = Vec::new();
     for cell in cells.iter().filter(|cell| cell.len() > 1) {
         if let Some(patterns) = patterns_of(input, cell) {
-            pooled.push(pool(input, &patterns)?);
+            means.push(mean_of(input, &patterns)?);
         }
     }
-    Ok(pooled)
+    Ok(means)
 }
 
-fn pool(input: &SeedsInput<'_>, patterns: &Patterns<'_>) -> Result<PooledSeeds, EvalError> {
+fn mean_of(input: &SeedsInput<'_>, patterns: &Patterns<'_>) -> Result<OverSeeds, EvalError> {
     let settings = input.settings;
-    let n_patterns = u32::try_from(patterns.cracked.len()).unwrap_or(u32::MAX);
-    let plan = plan_of(&patterns.labels, settings).with_patterns(n_patterns);
+    let plan = plan_of(&patterns.labels, settings);
     let seeds: Vec<u64> = patterns
         .cracked
         .iter()
@@ -139,16 +137,16 @@ fn pool(input: &SeedsInput<'_>, patterns: &Patterns<'_>) -> Result<PooledSeeds, 
             )?);
         }
     }
-    Ok(PooledSeeds {
+    Ok(OverSeeds {
         detector: input.detector.to_owned(),
-        condition: pooled_condition(first, &seeds),
+        condition: without_seed(first, &seeds),
         seeds,
         paired,
         rates: rates(patterns, &places, pooling.as_ref(), &plan, settings)?,
     })
 }
 
-fn pooled_condition(first: Option<&Condition>, seeds: &[u64]) -> Condition {
+fn without_seed(first: Option<&Condition>, seeds: &[u64]) -> Condition {
     let family = first.and_then(|condition| condition.family.clone());
     let severity = first.and_then(|condition| condition.severity);
     let name = family.clone().unwrap_or_default();
@@ -161,21 +159,28 @@ fn pooled_condition(first: Option<&Condition>, seeds: &[u64]) -> Condition {
     }
 }
 
-/// Objects, those of them that are different ones, and images with one of them.
+/// The objects of one group.
 #[derive(Default)]
 struct Tally {
-    n_objects: u64,
-    distinct: BTreeSet<u32>,
+    /// Those of each seed.
+    by_seed: Vec<u64>,
+    /// Images with one of them under some seed.
     images: BTreeSet<u32>,
 }
 
 impl Tally {
-    fn add(&mut self, matches: &ImageMatches) {
-        for object in matches.objects.iter().filter(|object| !object.is_ignored) {
-            self.n_objects += 1;
-            self.distinct.insert(object.object);
+    fn add(&mut self, seed: usize, n_seeds: usize, matches: &ImageMatches) {
+        self.by_seed.resize(n_seeds, 0);
+        let objects = matches.objects.iter();
+        let n = objects.filter(|object| !object.is_ignored).count();
+        if let (1.., Some(of_seed)) = (n, self.by_seed.get_mut(seed)) {
+            *of_seed += u64::try_from(n).unwrap_or(u64::MAX);
             self.images.insert(matches.image);
         }
+    }
+
+    fn n_objects(&self) -> u64 {
+        self.by_seed.iter().sum()
     }
 }
 
@@ -212,15 +217,21 @@ fn rows(
             cracked.push(place.matches(&labels, &grouped(found), coverage_of(coverages, 1))?);
         }
         let mut tallies: BTreeMap<Option<u32>, Tally> = BTreeMap::new();
-        for matches in clean.iter().flatten() {
-            tallies.entry(None).or_default().add(matches);
-            let of_category = tallies.entry(Some(matches.category)).or_default();
-            of_category.add(matches);
+        let n_seeds = clean.len();
+        for (seed, matches) in clean.iter().enumerate() {
+            for matches in matches {
+                for group in [None, Some(matches.category)] {
+                    tallies
+                        .entry(group)
+                        .or_default()
+                        .add(seed, n_seeds, matches);
+                }
+            }
         }
         let clean: Vec<&[ImageMatches]> = clean.iter().map(Vec::as_slice).collect();
         let cracked: Vec<&[ImageMatches]> = cracked.iter().map(Vec::as_slice).collect();
         let n_categories = labels.categories.len();
-        let found = crossed_average_precision(&clean, &cracked, n_categories, plan)?;
+        let found = paired_average_precision(&clean, &cracked, n_categories, plan)?;
         let nothing = Tally::default();
         let all = match kind {
             GroupKind::Supercategory => Group::mean_of_supercategories(),
@@ -261,24 +272,33 @@ fn row(
     tally: &Tally,
     settings: &EvaluateSettings,
 ) -> PairedRow {
-    let n_distinct = u64::try_from(tally.distinct.len()).unwrap_or(u64::MAX);
-    let of = |measured: &Measured| given(measured, tally.n_objects, n_distinct, settings);
+    let least = settings.compare.min_objects;
+    let n = tally.n_objects();
+    let is_few = tally.by_seed.iter().any(|n| *n < least) || tally.by_seed.is_empty();
+    let of = |measured: &Measured| match is_few {
+        true => Estimate::refused(n, format!("fewer than {least} objects in a seed")),
+        false => Estimate {
+            n,
+            ..estimate(measured)
+        },
+    };
+    let delta = of(&found.difference);
     PairedRow {
         scope: scope.clone(),
         group,
         metric,
-        n_objects: tally.n_objects,
+        n_objects: n,
         n_images: u64::try_from(tally.images.len()).unwrap_or(u64::MAX),
         clean: of(&found.clean),
         cracked: of(&found.cracked),
-        delta: of(&found.difference),
-        p: None,
+        p: found.test.p.filter(|_| delta.value.is_some()),
         p_holm: None,
+        delta,
         ceiling: None,
     }
 }
 
-/// A number of too few different objects is refused: the same one behind several patterns is one.
+/// A share of too few different objects is refused: the same one under several seeds is one.
 fn given(measured: &Measured, n: u64, n_distinct: u64, settings: &EvaluateSettings) -> Estimate {
     let least = settings.compare.min_objects;
     if n_distinct < least {
@@ -305,13 +325,12 @@ fn rates(
     };
     let clean = match_images(&patterns.labels, &patterns.clean, &rule)?;
     let mut pairs: Vec<ObjectPair> = Vec::new();
-    for ((_, found, coverages), pattern) in patterns.cracked.iter().zip(0_u32..) {
+    for (_, found, coverages) in &patterns.cracked {
         pairs.extend(pair_objects(
             &clean,
             &match_images(&patterns.labels, found, &rule)?,
             &patterns.labels,
             &coverages.objects,
-            pattern,
             settings.score_threshold,
         )?);
     }
@@ -343,7 +362,7 @@ fn rates_of(
     settings: &EvaluateSettings,
     name: impl Fn(u32) -> Option<(GroupKind, String)>,
 ) -> Result<Vec<FailureRow>, EvalError> {
-    let table = failure_table(pairs, places, settings.level, Some(plan))?;
+    let table = failure_table(pairs, places, plan)?;
     let row = |found: &crate::failure::FailureRates| {
         let group = match found.group.category {
             None => Group::all(),
@@ -367,11 +386,12 @@ fn rates_of(
         };
         let n_found_clean = found.n_kept + found.n_lost;
         let n_missed_clean = found.n_objects - n_found_clean;
-        let over_images = found.failure_rate_over_images.as_ref();
-        let recovery = Measured {
-            interval: None,
-            ..found.recovery_rate.clone()
-        };
+        let failure_rate = given(
+            &found.failure_rate,
+            n_found_clean,
+            different(true),
+            settings,
+        );
         Some(FailureRow {
             scope: scope_of(found.group.place),
             group,
@@ -380,16 +400,15 @@ fn rates_of(
             n_found_cracked: found.n_kept + found.n_recovered,
             n_lost: found.n_lost,
             n_recovered: found.n_recovered,
-            failure_rate: given(
-                over_images.unwrap_or(&found.failure_rate),
-                n_found_clean,
-                different(true),
+            p: found.test.p.filter(|_| failure_rate.value.is_some()),
+            p_holm: None,
+            failure_rate,
+            recovery_rate: given(
+                &found.recovery_rate,
+                n_missed_clean,
+                different(false),
                 settings,
             ),
-            failure_rate_over_images: None,
-            recovery_rate: given(&recovery, n_missed_clean, different(false), settings),
-            p: None,
-            p_holm: None,
         })
     };
     Ok(table.iter().filter_map(row).collect())
