@@ -34,8 +34,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .zip(&b)
             .flat_map(|(a, b)| {
                 let pair = a
-                    .average_precision(&weights.images)
-                    .zip(b.average_precision(&weights.images));
+                    .average_precision(weights)
+                    .zip(b.average_precision(weights));
                 [
                     pair.map(|it| it.0),
                     pair.map(|it| it.1),
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             .collect()
     })?;
     report(
-        "1000 bootstrap replicates (and 200 of the jackknife)",
+        "1000 bootstrap replicates",
         wall,
         cpu,
     );
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         replicates.whole.get(..3)
     );
     let (wall, cpu) = (Instant::now(), cpu_s());
-    let paired = paired_average_precision(&clean, &[&cracked], N_CATEGORIES as usize, &plan)?;
+    let paired = paired_average_precision(&[&clean], &[&cracked], N_CATEGORIES as usize, &plan)?;
     report(
         "all of paired_average_precision, with 1000 permutations",
         wall,

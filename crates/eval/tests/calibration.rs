@@ -1,5 +1,6 @@
 //! Intervals and tests of the report on a population whose truth is known: 40 samples of it each, with fixed seeds.
 //! `validation/run calibration` does it over thousands, and on real detections.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod population;
 

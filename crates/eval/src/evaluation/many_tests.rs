@@ -172,3 +172,57 @@ fn is_super(kind: GroupKind) -> bool {
         GroupKind::Supercategory | GroupKind::MeanOfSupercategories
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Test, correct};
+
+    /// Corrected p of tests given as family, data, whether of a supercategory, and p.
+    fn corrected(tests: &[(&str, &str, bool, Option<f64>)]) -> Vec<Option<f64>> {
+        let mut found = vec![None; tests.len()];
+        let with_slots = tests.iter().zip(&mut found);
+        correct(
+            with_slots
+                .map(|((family, data, is_super, p), p_holm)| Test {
+                    family: (*family).to_owned(),
+                    data: (*data).to_owned(),
+                    is_super: *is_super,
+                    p: *p,
+                    p_holm,
+                })
+                .collect(),
+        );
+        found
+    }
+
+    #[test]
+    fn conditions_are_corrected_together_and_detectors_are_not() {
+        let found = corrected(&[
+            ("YOLOX", "star", false, Some(0.01)),
+            ("YOLOX", "long", false, Some(0.04)),
+            ("YOLOX", "hail", false, None),
+            ("other", "star", false, Some(0.03)),
+        ]);
+        assert_eq!(found, [Some(0.02), Some(0.04), None, Some(0.03)]);
+    }
+
+    #[test]
+    fn a_supercategory_of_one_class_is_one_test_with_it() {
+        let found = corrected(&[
+            ("f", "person", false, Some(0.01)),
+            ("f", "person", true, Some(0.01)),
+            ("f", "chair", false, Some(0.04)),
+        ]);
+        assert_eq!(found, [Some(0.02), Some(0.02), Some(0.04)], "two tests");
+        let found = corrected(&[
+            ("f", "same counts", false, Some(0.01)),
+            ("f", "same counts", false, Some(0.01)),
+            ("f", "chair", false, Some(0.04)),
+        ]);
+        assert_eq!(
+            found,
+            [Some(0.03), Some(0.03), Some(0.04)],
+            "two classes that happen to say the same are two"
+        );
+    }
+}

@@ -80,22 +80,26 @@ impl Sample {
         };
         let clean: Vec<&[ImageMatches]> = self.clean.iter().map(Vec::as_slice).collect();
         let cracked: Vec<&[ImageMatches]> = self.cracked.iter().map(Vec::as_slice).collect();
+        // Fewer are refused by the report.
+        let is_enough = |category: Option<u32>| {
+            self.clean.iter().all(|set| {
+                let of_class = set
+                    .iter()
+                    .filter(|item| category.is_none_or(|it| it == item.category));
+                let objects = of_class.flat_map(|item| &item.objects);
+                objects.filter(|object| !object.is_ignored).count() >= 20
+            })
+        };
         let found = paired_average_precision(&clean, &cracked, self.n_categories, &self.plan);
         if let Ok(found) = found {
             let all = &found.mean;
-            put(
-                "AP50, all classes: difference",
-                &all.difference,
-                Some(&all.test),
-            );
-            put("AP50, all classes: clean", &all.clean, None);
-            put("AP50, all classes: cracked", &all.cracked, None);
-            if let Some(class) = found.categories.first() {
-                put(
-                    "AP50, one class: difference",
-                    &class.difference,
-                    Some(&class.test),
-                );
+            if is_enough(None) {
+                put("AP50, all classes: difference", &all.difference, Some(&all.test));
+                put("AP50, all classes: clean", &all.clean, None);
+                put("AP50, all classes: cracked", &all.cracked, None);
+            }
+            if let Some(class) = found.categories.first().filter(|_| is_enough(Some(0))) {
+                put("AP50, one class: difference", &class.difference, Some(&class.test));
                 put("AP50, one class: clean", &class.clean, None);
             }
         }
@@ -117,7 +121,6 @@ impl Sample {
             ) else {
                 continue;
             };
-            // Fewer are refused by the report.
             if n_found < 20 || shift.n_pairs < 20 {
                 continue;
             }
