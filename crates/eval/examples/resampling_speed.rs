@@ -44,11 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             })
             .collect()
     })?;
-    report(
-        "1000 bootstrap replicates",
-        wall,
-        cpu,
-    );
+    report("1000 bootstrap replicates", wall, cpu);
     println!(
         "values of the first category: {:?}",
         replicates.whole.get(..3)

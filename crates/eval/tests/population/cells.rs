@@ -94,12 +94,20 @@ impl Sample {
         if let Ok(found) = found {
             let all = &found.mean;
             if is_enough(None) {
-                put("AP50, all classes: difference", &all.difference, Some(&all.test));
+                put(
+                    "AP50, all classes: difference",
+                    &all.difference,
+                    Some(&all.test),
+                );
                 put("AP50, all classes: clean", &all.clean, None);
                 put("AP50, all classes: cracked", &all.cracked, None);
             }
             if let Some(class) = found.categories.first().filter(|_| is_enough(Some(0))) {
-                put("AP50, one class: difference", &class.difference, Some(&class.test));
+                put(
+                    "AP50, one class: difference",
+                    &class.difference,
+                    Some(&class.test),
+                );
                 put("AP50, one class: clean", &class.clean, None);
             }
         }

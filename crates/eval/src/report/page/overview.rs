@@ -444,12 +444,8 @@ fn robustness_table(study: &Study) -> Option<Table> {
         None => {
             "There are no intervals: not every family and severity has the same seeds.".to_owned()
         }
-        Some(0 | 1) => format!(
-            "There is one seed: the intervals are over {} and know nothing of the variation between \
-             patterns.",
-            units(study)
-        ),
-        Some(n) => format!("Intervals draw {} and the {n} seeds.", units(study)),
+        Some(0 | 1) => format!("Intervals draw {}.", units(study)),
+        Some(n) => format!("Intervals draw {} with all {n} seeds.", units(study)),
     };
     table.remark(&remark);
     let mut conditions = study.evaluations.iter().map(|one| &one.condition);
