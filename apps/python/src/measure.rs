@@ -137,7 +137,7 @@ pub(crate) fn evaluate<'py>(
     let answer = watched(py, &threads, |_| -> Result<_, Error> {
         let answer = evaluate_files(&request)?;
         if let Some(folder) = &output {
-            let mut batch = OutputBatch::new();
+            let mut batch = OutputBatch::new().replacing(true);
             for (name, text) in &answer.report {
                 batch.stage(&folder.join(name), text.as_bytes())?;
             }
