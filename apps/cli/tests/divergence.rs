@@ -46,7 +46,11 @@ fn put(path: &Path, lightness: u8, phase: u32) {
 
 /// Folders a, b (like a) and far (lighter).
 fn three_sets(folder: &Path) {
-    for at in 0..12 {
+    three_sets_of(folder, 8);
+}
+
+fn three_sets_of(folder: &Path, n: u32) {
+    for at in 0..n {
         let name = |set: &str| folder.join(set).join(format!("{set}{at}.png"));
         put(&name("a"), 40, at);
         put(&name("b"), 40, at + 20);
@@ -181,7 +185,7 @@ fn a_twin_of_the_same_names_is_compared_image_by_image() {
 #[test]
 fn the_papers_experiment_names_what_is_missing() {
     let dir = tempfile::tempdir().unwrap();
-    three_sets(dir.path());
+    three_sets_of(dir.path(), 12);
     let args = [
         "--experiment",
         "paper",
@@ -224,7 +228,7 @@ fn the_papers_experiment_names_what_is_missing() {
 #[test]
 fn a_bank_counts_with_its_patterns_and_a_few_pictures_not_at_all() {
     let dir = tempfile::tempdir().unwrap();
-    three_sets(dir.path());
+    three_sets_of(dir.path(), 12);
     let patterns = [
         "patterns",
         "-n",
@@ -268,8 +272,8 @@ fn a_bank_counts_with_its_patterns_and_a_few_pictures_not_at_all() {
         "{set}"
     );
 
-    std::fs::create_dir(dir.path().join("few")).unwrap();
-    std::fs::copy(
+    fs::create_dir(dir.path().join("few")).unwrap();
+    fs::copy(
         dir.path().join("bank/statistics.png"),
         dir.path().join("few/chart.png"),
     )

@@ -208,11 +208,14 @@ fn a_set_that_is_not_as_its_lists_say_gives_no_numbers() {
         fs::write(&path, whole).unwrap();
     };
     damaged(
-        "starbreak/regions/image_2/000003.png",
+        "starbreak/regions/training/image_2/000003.png",
         &[&set, &report, &regions],
     );
-    damaged("starbreak/provenance/image_2/000003.json", &[&report]);
-    damaged("image_2/000003.png", &[&report]);
+    damaged(
+        "starbreak/provenance/training/image_2/000003.json",
+        &[&report],
+    );
+    damaged("training/image_2/000003.png", &[&report]);
     damaged("starbreak/items.jsonl", &[&set, &report, &regions]);
 
     fs::remove_file(root.join("broken/starbreak/manifest.json")).unwrap();

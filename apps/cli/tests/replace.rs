@@ -331,8 +331,8 @@ fn no_stale_frames_or_steps_stay_among_new_ones() {
     };
     fs::create_dir(dir.path().join("swept")).unwrap();
     fs::write(dir.path().join("swept/a.07-mine.json"), "{}").unwrap();
-    sweep("light.sun_azimuth_deg=10,20,30");
-    sweep("light.sun_azimuth_deg=10");
+    sweep("optics.sun_azimuth_deg=10,20,30");
+    sweep("optics.sun_azimuth_deg=10");
     let steps: Vec<String> = names(&dir.path().join("swept"));
     let n_steps = steps.iter().filter(|name| name.ends_with(".json")).count();
     assert_eq!(
