@@ -96,7 +96,7 @@ enum Content {
     Images(Source),
     Networks(Source),
     /// The patterns of a bank, as pictures.
-    Bank(PatternBank),
+    Bank(Box<PatternBank>),
 }
 
 impl NamedSet {
@@ -199,7 +199,7 @@ impl NamedSet {
         let is_folder = self.spec.format == SourceFormat::Folder && !self.is_networks;
         let bank = BankIn::folder(&self.spec.path).filter(|_| is_folder);
         let content = match bank {
-            Some(BankIn::Cracks) => Content::Bank(PatternBank::open(&self.spec.path)?),
+            Some(BankIn::Cracks) => Content::Bank(Box::new(PatternBank::open(&self.spec.path)?)),
             Some(BankIn::Photos) => {
                 return Err(Error::Divergence {
                     why: format!(

@@ -164,6 +164,10 @@ fn guide(out: &Path, written: &[Written]) -> String {
             "the crack as it grows (animated PNG; open it in a browser)",
         ),
         ("recipe.toml".to_owned(), "every parameter, with comments"),
+        (
+            "written.json".to_owned(),
+            "these files with their hashes: the next demo may replace them",
+        ),
     ];
     let mut text = format!("\nin {folder}:\n");
     for (names, what) in lines.iter().filter(|(names, _)| !names.is_empty()) {

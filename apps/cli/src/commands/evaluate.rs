@@ -23,12 +23,11 @@ pub(crate) fn run(
     if let Some(folder) = &args.output {
         refuse_taken(folder)?;
     }
-    let mut batch = global
-        .batch()
-        .never_over(FileSet::of(&inputs(global, args)?));
-    if let Some(folder) = &args.output {
-        batch = batch.with_list(&folder.join("written.json"), REPORT);
-    }
+    let batch = match &args.output {
+        Some(folder) => report_batch(global, folder, &REPORT_FILES)?,
+        None => global.batch(),
+    };
+    let mut batch = batch.never_over(FileSet::of(&inputs(global, args)?));
     for folder in args.output.iter().chain(&args.curves) {
         // A folder that cannot be written to is known before the work.
         OutputBatch::new().reserve(&folder.join("trial"))?;
@@ -62,9 +61,29 @@ pub(crate) fn run(
     Ok(ExitCode::SUCCESS)
 }
 
-/// Of what the files of a report are, in the list of its folder: those of images and of clips replace
-/// each other.
-pub(super) const REPORT: &str = "report";
+/// The files of a report of images.
+const REPORT_FILES: [&str; 5] = [
+    "report.html",
+    "evaluation.json",
+    "numbers.csv",
+    "table.tex",
+    "failures.jsonl",
+];
+
+/// The batch for a report of these files, none of which may be of somebody else. One list is of both
+/// kinds of reports: that of images and that of clips replace each other.
+pub(super) fn report_batch(
+    global: &Global,
+    folder: &Path,
+    names: &[&str],
+) -> Result<OutputBatch, Failure> {
+    let list = folder.join("written.json");
+    let batch = global.batch().with_list(&list, "report");
+    for name in names {
+        batch.may_write(&folder.join(name))?;
+    }
+    Ok(batch)
+}
 
 /// The files that are read.
 fn inputs(global: &Global, args: &EvaluateArgs) -> Result<Vec<PathBuf>, Failure> {

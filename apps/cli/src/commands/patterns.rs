@@ -72,8 +72,7 @@ pub(crate) fn run(
         beside("statistics.svg"),
         beside("statistics.png"),
     ];
-    let mut all = paths.to_vec();
-    all.push(to.clone());
+    let all = [std::slice::from_ref(&to), &paths[..]].concat();
     global.refuse_recipe_among(&all)?;
     // A bank is hours of work to some; neither it nor what lies there is replaced by the way.
     global.refuse_taken(&all)?;

@@ -17,7 +17,7 @@ use starbreak_eval::{
     LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
 };
 
-use super::evaluate::{REPORT, command, refuse_taken};
+use super::evaluate::{command, refuse_taken, report_batch};
 use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
@@ -40,9 +40,13 @@ pub(crate) fn run(
 }
 
 fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
-    if let Some(folder) = &args.output {
-        refuse_taken(folder)?;
-    }
+    let batch = match &args.output {
+        Some(folder) => {
+            refuse_taken(folder)?;
+            report_batch(global, folder, &FILES)?
+        }
+        None => global.batch(),
+    };
     let tracks = Tracks::read(args)?;
     let settings = ClipSettings {
         score_threshold: args.score_threshold,
@@ -72,9 +76,7 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
         let clips = evaluation.timelines.iter();
         let names: Vec<&str> = clips.map(|clip| clip.clip.as_str()).collect();
         // The files of a report of images, which there is more of, go with it.
-        let mut batch = global
-            .batch()
-            .with_list(&folder.join("written.json"), REPORT);
+        let mut batch = batch;
         for (name, text) in report_files(&study)? {
             let path = folder.join(name);
             refuse_input(args, &tracks, &names, &path)?;

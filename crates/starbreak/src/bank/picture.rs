@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use image::{DynamicImage, RgbImage};
+use starbreak_dataset::file_len;
 
 use super::{BANK_FILE, OVERLAY_BANK_FILE, PatternBank};
 use crate::pipeline::{ReadyCrack, Stopwatch};
@@ -21,7 +22,7 @@ impl BankIn {
     /// The bank in a folder.
     #[must_use]
     pub fn folder(folder: &Path) -> Option<Self> {
-        let has = |name: &str| folder.join(name).is_file();
+        let has = |name: &str| file_len(&folder.join(name)).is_ok();
         let photos = has(OVERLAY_BANK_FILE).then_some(Self::Photos);
         has(BANK_FILE).then_some(Self::Cracks).or(photos)
     }
