@@ -384,6 +384,7 @@ fn several_clips_by_frame_are_evaluated_and_their_files_are_named() {
         "evaluation=tracks/a.track.json",
         "-o",
         "clean",
+        "--replace",
     ];
     refused(
         at,

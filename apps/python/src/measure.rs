@@ -226,7 +226,9 @@ pub(crate) fn divergence<'py>(
         .transpose()?;
     let report = watched(py, &threads, |stop| -> Result<_, Error> {
         check_settings(&reading, &settings, limit, sigma)?;
-        let named = NamedSet::parse_all(&sets)?;
+        // Nothing is written that a link could lead to.
+        let named = NamedSet::parse_all(&sets)?.into_iter();
+        let named: Vec<NamedSet> = named.map(|set| set.following_links(true)).collect();
         let eye = model
             .map(|model| Eye::open(&model, layer.as_deref()))
             .transpose()?;

@@ -51,8 +51,12 @@ impl WrittenList {
         listed_files(&self.path, &self.schema, None)
     }
 
-    /// Notes a file below the folder of the list; others are not listed.
+    /// Notes a file below the folder of the list; others are not listed, nor are records, which are
+    /// known by what they say and may hold times.
     pub(crate) fn note(&mut self, path: &Path, bytes: &[u8]) {
+        if Purpose::of(bytes).is_some() {
+            return;
+        }
         let folder = self.path.parent().unwrap_or(Path::new(""));
         if let Some(name) = path.strip_prefix(folder).ok().and_then(Path::to_str) {
             let name = name.replace(std::path::MAIN_SEPARATOR, "/");

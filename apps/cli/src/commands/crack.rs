@@ -55,6 +55,7 @@ pub(crate) fn run(
         .flat_map(ImageJob::possible_outputs)
         .map(|name| out.join(name))
         .collect();
+    global.refuse_recipe_among(&outputs)?;
     context.imported = network_file::read(request.network.as_deref(), &outputs)?;
     if let Some(photo) = &request.overlay {
         let photos = request

@@ -91,7 +91,8 @@ pub(crate) fn run(
     let file = read_image(input, &ImageLimits::default())?;
 
     let progress = screen.progress(values.len() as u64, "values");
-    let inputs = FileSet::of(&[input.to_owned()]);
+    let inputs = [Some(input.to_owned()), global.recipe.clone()];
+    let inputs = FileSet::of(&inputs.into_iter().flatten().collect::<Vec<_>>());
     let mut batch = global.batch().never_over(inputs);
     batch.take_over(of_earlier_run(job, out)?);
     let mut steps = Vec::with_capacity(values.len());

@@ -66,7 +66,7 @@ pub(crate) fn run(
         _ => None,
     };
     screen.say(&summary(args, &checked, again.as_ref()));
-    screen.result(|| result_json(args, &checked, again.as_ref()))?;
+    screen.result(|| result_json(global, args, &checked, again.as_ref()))?;
     if interrupt.is_set() {
         return Err(Failure::interrupted(
             "interrupted: the check is not complete",
@@ -77,7 +77,7 @@ pub(crate) fn run(
     if n_findings == 0 {
         return Ok(ExitCode::SUCCESS);
     }
-    let mends = mends(args, &checked);
+    let mends = mends(global, args, &checked);
     for mend in &mends {
         screen.say(&format!("to mend it: {mend}"));
     }
@@ -96,7 +96,7 @@ pub(crate) fn run(
 }
 
 /// The commands that mend what was found, as a shell takes them.
-fn mends(args: &VerifyArgs, checked: &VerifyReport) -> Vec<String> {
+fn mends(global: &Global, args: &VerifyArgs, checked: &VerifyReport) -> Vec<String> {
     let (foreign, own): (Vec<&Finding>, Vec<&Finding>) = checked
         .findings
         .iter()
@@ -123,7 +123,11 @@ fn mends(args: &VerifyArgs, checked: &VerifyReport) -> Vec<String> {
             None => format!("{format}:PATH"),
         };
         let folder = shell_word(args.folder.as_os_str());
-        let flags = checked.generate_flags(&args.folder).into_iter();
+        let links = global.follow_links.then(|| "--follow-links".to_owned());
+        let flags = checked
+            .generate_flags(&args.folder)
+            .into_iter()
+            .chain(links);
         let flags: Vec<String> = flags.map(|flag| shell_word(flag.as_ref())).collect();
         mends.push(format!(
             "starbreak generate {source} -o {folder} {}",
@@ -191,6 +195,7 @@ fn summary(args: &VerifyArgs, checked: &VerifyReport, again: Option<&RegenerateR
 }
 
 fn result_json(
+    global: &Global,
     args: &VerifyArgs,
     checked: &VerifyReport,
     again: Option<&RegenerateReport>,
@@ -207,7 +212,7 @@ fn result_json(
         "n_items": checked.n_items,
         "n_files": checked.n_files,
         "findings": listed(&checked.findings),
-        "mend": mends(args, checked),
+        "mend": mends(global, args, checked),
         "regenerated": again.map(|again| {
             json!({
                 "n_made": again.n_made,
