@@ -11,7 +11,7 @@ use crate::error::DatasetError;
 use crate::image_file::not_a_file;
 use crate::known_folders::{KnownFolders, absolute_folder_of};
 use crate::paths::FileSet;
-use crate::replacing::{Replacing, WrittenList};
+use crate::replacing::{Replacing, WrittenList, is_record};
 
 /// The files of one sample, which appear together or not at all.
 ///
@@ -132,11 +132,22 @@ impl OutputBatch {
     }
 
     /// Whether an output whose bytes are not known yet may be written: better said before the work
-    /// than after it.
+    /// than after it. Of a record of ours in its place that is decided when it is staged.
     ///
     /// # Errors
     /// [`DatasetError::Taken`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
     pub fn may_write(&self, path: &Path) -> Result<(), DatasetError> {
+        match self.rule.check(path, None) {
+            Err(DatasetError::Taken { .. }) if is_record(path) => Ok(()),
+            checked => checked,
+        }
+    }
+
+    /// Whether a file that another program, or another part of this one, fills may be written.
+    ///
+    /// # Errors
+    /// [`DatasetError::Taken`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
+    pub(crate) fn may_fill(&self, path: &Path) -> Result<(), DatasetError> {
         self.rule.check(path, None)
     }
 
@@ -177,7 +188,7 @@ impl OutputBatch {
     ///
     /// As for [`stage`](Self::stage).
     pub fn reserve(&mut self, path: &Path) -> Result<PathBuf, DatasetError> {
-        self.may_write(path)?;
+        self.may_fill(path)?;
         let (_, mut staged) = self.begin(path)?;
         staged.is_reserved = true;
         let name = staged.temporary.to_path_buf();

@@ -172,6 +172,12 @@ impl Purpose {
     }
 }
 
+/// Whether a file is a JSON record of ours, for whatever purpose.
+pub(crate) fn is_record(path: &Path) -> bool {
+    let is_link = fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink());
+    !is_link && fs::read(path).is_ok_and(|bytes| Purpose::of(&bytes).is_some())
+}
+
 /// What in a record is about files that were written.
 const LISTS: [&str; 5] = ["output", "region", "crack", "maps", "files"];
 

@@ -79,7 +79,7 @@ impl BankWriter {
         header: &[u8],
     ) -> Result<Self, DatasetError> {
         let n_header = n_within(path, "a header", header.len(), MAX_HEADER)?;
-        batch.may_write(path)?;
+        batch.may_fill(path)?;
         let (file, staged) = batch.begin(path)?;
         let mut head = [0; HEAD];
         head[..8].copy_from_slice(&MAGIC);
