@@ -100,10 +100,7 @@ pub fn source(bytes: &[u8]) {
         put(&root, "data.yaml", b"train: images\nnames: [a, b]\n");
     }
     put(&root, file, bytes);
-    let spec = SourceSpec {
-        format,
-        path: root.join(path),
-    };
+    let spec = SourceSpec::new(format, root.join(path));
     let source = match Source::open(&spec) {
         Ok(source) => source,
         Err(error) => return check_message(&error.to_string()),

@@ -8,14 +8,14 @@ pub(crate) mod overlay;
 pub(crate) mod study;
 pub(crate) mod timeline;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use detect::DetectArgs;
 use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
-use starbreak::dataset::same_file;
+use starbreak::dataset::{DatasetError, OutputBatch, SourceSpec, same_file};
 use starbreak::{Assignment, DEFAULT_PRESET, Recipe, RecipeError, Seed};
 
 use crate::args::overlay::OverlayArgs;
@@ -44,7 +44,8 @@ pub(crate) struct Args {
 #[derive(Debug, ClapArgs)]
 pub(crate) struct Global {
     /// Recipe file (TOML) with all parameters; what it leaves out comes from a preset:
-    /// `windshield-star` without its long crack, or `paper` where it says fracture.model = "paper"
+    /// `windshield-star` without its long crack, or `paper` where it says fracture.model = "paper".
+    /// Or a record with a recipe in it: that of an image that `crack` has written, or the run.json of a set
     #[arg(long, global = true, value_name = "FILE", conflicts_with = "preset")]
     pub(crate) recipe: Option<PathBuf>,
     /// Named set of parameters: `windshield-spiderweb` unless given (for bench: `paper`);
@@ -69,6 +70,13 @@ pub(crate) struct Global {
     /// Threads to use; 0 stands for one per processor
     #[arg(long, global = true, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub(crate) threads: u16,
+    /// Replace files that are there and that no earlier run of the same kind has written; without it they
+    /// are refused
+    #[arg(long, global = true)]
+    pub(crate) replace: bool,
+    /// Read also what links in a plain folder (folder:DIR) lead to outside of it
+    #[arg(long, global = true)]
+    pub(crate) follow_links: bool,
     /// One machine-readable result on standard output, everything else on standard error
     #[arg(long, global = true)]
     pub(crate) json: bool,
@@ -188,14 +196,11 @@ pub(crate) enum Verb {
         overlays: Option<PathBuf>,
         #[command(flatten)]
         overlay: OverlayArgs,
-        /// Replace a bank that is there already
-        #[arg(long)]
-        replace: bool,
         /// Print what a bank was made from, and its size, instead
-        #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "check", "replace"])]
+        #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "check"])]
         info: Option<PathBuf>,
         /// Read all of a bank and verify its checksums instead
-        #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "replace"])]
+        #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output"])]
         check: Option<PathBuf>,
     },
     /// Put a crack before a clip, or its whole life from the impact on; also a folder of frames
@@ -333,7 +338,7 @@ impl Global {
                         "recipe {path:?} cannot be read as UTF-8 text: {cause}"
                     ))
                 })?;
-                Recipe::parse(&path.to_string_lossy(), &text)?
+                Recipe::parse(&path.to_string_lossy(), &toml_of(text))?
             }
             (None, Some(severity)) => Recipe::preset_at(preset, severity)?,
             (None, None) => Recipe::preset(preset)?,
@@ -346,6 +351,22 @@ impl Global {
     pub(crate) fn adjust(&self, recipe: &mut Recipe) -> Result<(), RecipeError> {
         let set = self.set.iter().map(|text| Assignment::parse(text));
         recipe.adjust(self.camera.as_deref(), &set.collect::<Result<Vec<_>, _>>()?)
+    }
+
+    /// An empty batch for outputs, which replaces what the flags say.
+    pub(crate) fn batch(&self) -> OutputBatch {
+        OutputBatch::new().replacing(self.replace)
+    }
+
+    /// Refuses outputs that are there already, before the work.
+    pub(crate) fn refuse_taken(&self, outputs: &[PathBuf]) -> Result<(), Failure> {
+        let batch = self.batch();
+        Ok(outputs.iter().try_for_each(|path| batch.may_write(path))?)
+    }
+
+    /// The dataset in `FORMAT:PATH`.
+    pub(crate) fn spec(&self, text: &OsStr) -> Result<SourceSpec, DatasetError> {
+        Ok(SourceSpec::parse(text)?.following_links(self.follow_links))
     }
 
     /// None of the outputs is the recipe file, which would be lost.
@@ -375,6 +396,16 @@ impl Global {
     pub(crate) fn seed(&self) -> Seed {
         Seed(self.seed)
     }
+}
+
+/// The recipe in a file: its text, or what a record of ours has under `recipe`.
+fn toml_of(text: String) -> String {
+    let record = match text.starts_with('{') {
+        true => serde_json::from_str::<serde_json::Value>(&text).ok(),
+        false => None,
+    };
+    let recipe = record.and_then(|record| record["recipe"].as_str().map(str::to_owned));
+    recipe.unwrap_or(text)
 }
 
 /// Longest side of a simulated frame, px; that of the largest image that can be read.

@@ -132,14 +132,17 @@ impl Progress {
             state.1 = Instant::now();
             #[expect(clippy::cast_precision_loss, reason = "counts, for a rate")]
             let rate = state.0 as f64 / self.started.elapsed().as_secs_f64();
-            #[expect(clippy::cast_precision_loss, reason = "counts, for a time")]
-            let left = (self.total - state.0) as f64 / rate;
+            let (done, what) = (state.0, self.what);
+            // Where the number is not known before, it is 0.
+            let of_total = self.total.checked_sub(done).map(|n_left| {
+                #[expect(clippy::cast_precision_loss, reason = "counts, for a time")]
+                let seconds = n_left as f64 / rate;
+                (format!("/{}", self.total), format!(", {seconds:.0} s left"))
+            });
+            let (total, left) = of_total.unwrap_or_default();
             let _ = writeln!(
                 std::io::stderr(),
-                "{}/{} {}, {rate:.1} per second, {left:.0} s left",
-                state.0,
-                self.total,
-                self.what
+                "{done}{total} {what}, {rate:.1} per second{left}"
             );
         }
     }

@@ -9,7 +9,7 @@ use std::path::Path;
 use common::{folder, json, names, raw_frames, raw_png, snapshot, succeed};
 use serde_json::Value;
 
-const FILES: [&str; 14] = [
+const FILES: [&str; 15] = [
     "far-focus.crack.png",
     "far-focus.json",
     "far-focus.png",
@@ -24,6 +24,7 @@ const FILES: [&str; 14] = [
     "short-focus.json",
     "short-focus.png",
     "short-focus.region.png",
+    "written.json",
 ];
 
 const FRAME: (u32, u32) = (1242, 375);

@@ -46,7 +46,11 @@ fn put(path: &Path, lightness: u8, phase: u32) {
 
 /// Folders a, b (like a) and far (lighter).
 fn three_sets(folder: &Path) {
-    for at in 0..8 {
+    three_sets_of(folder, 8);
+}
+
+fn three_sets_of(folder: &Path, n: u32) {
+    for at in 0..n {
         let name = |set: &str| folder.join(set).join(format!("{set}{at}.png"));
         put(&name("a"), 40, at);
         put(&name("b"), 40, at + 20);
@@ -181,7 +185,7 @@ fn a_twin_of_the_same_names_is_compared_image_by_image() {
 #[test]
 fn the_papers_experiment_names_what_is_missing() {
     let dir = tempfile::tempdir().unwrap();
-    three_sets(dir.path());
+    three_sets_of(dir.path(), 12);
     let args = [
         "--experiment",
         "paper",
@@ -219,6 +223,75 @@ fn the_papers_experiment_names_what_is_missing() {
     );
     let output = run(dir.path(), &["--experiment", "paper"]);
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+}
+
+#[test]
+fn a_bank_counts_with_its_patterns_and_a_few_pictures_not_at_all() {
+    let dir = tempfile::tempdir().unwrap();
+    three_sets_of(dir.path(), 12);
+    let patterns = [
+        "patterns",
+        "-n",
+        "12",
+        "-o",
+        "bank",
+        "--size",
+        "120x80",
+        "--preset",
+        "paper",
+        "--set",
+        "fracture.particles=300",
+        "--set",
+        "fracture.neighbour_radius_px=20",
+    ];
+    common::succeed(dir.path(), &patterns);
+    let cheap = [
+        "--json",
+        "--bootstrap",
+        "0",
+        "--permutations",
+        "0",
+        "--splits",
+        "0",
+    ];
+    let args = [
+        "--experiment",
+        "paper",
+        "--simulated",
+        "bank",
+        "--real-overlays",
+        "b",
+    ];
+    let output = run(dir.path(), &[&args[..], &cheap].concat());
+    assert!(output.status.success(), "{}", said(&output));
+    let set = &json(&output)["report"]["sets"][0];
+    assert_eq!(set["n"], 12, "its patterns, and no chart: {set}");
+    assert_eq!(
+        set["size_range_px"],
+        serde_json::json!([[120, 80], [120, 80]]),
+        "{set}"
+    );
+
+    fs::create_dir(dir.path().join("few")).unwrap();
+    fs::copy(
+        dir.path().join("bank/statistics.png"),
+        dir.path().join("few/chart.png"),
+    )
+    .unwrap();
+    let args = [
+        "--experiment",
+        "paper",
+        "--simulated",
+        "few",
+        "--real-overlays",
+        "b",
+    ];
+    let output = run(dir.path(), &[&args[..], &cheap].concat());
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    for word in ["--simulated", "1 images", "10 or more"] {
+        assert!(said.contains(word), "{word}: {said}");
+    }
 }
 
 #[test]

@@ -153,3 +153,76 @@ fn kitti_has_intervals_drives_and_damage() {
     let refused = starbreak(root, &args);
     assert_eq!(refused.code, Some(2), "no folder: {}", refused.stderr);
 }
+
+#[test]
+fn a_set_that_is_not_as_its_lists_say_gives_no_numbers() {
+    let root = folder();
+    let root = root.path();
+    write_set(root);
+    let generate = [
+        "generate",
+        "kitti:kitti",
+        "--preset",
+        "paper",
+        "-o",
+        "broken",
+    ];
+    succeed(root, &generate);
+    let refused = |more: &[&str], what: &str, word: &str| {
+        let plain = [
+            "evaluate",
+            "kitti:kitti",
+            "--clean",
+            "clean",
+            "--cracked",
+            "cracked",
+            "--replicates",
+            "20",
+        ];
+        let outcome = starbreak(root, &[&plain[..], more].concat());
+        assert_eq!(
+            outcome.code,
+            Some(2),
+            "{what}, {more:?}: {}",
+            outcome.stderr
+        );
+        assert!(
+            outcome.stderr.contains(word),
+            "{what}, {more:?}: {}",
+            outcome.stderr
+        );
+    };
+    let set = ["--cracked-set", "broken"];
+    let report = ["--cracked-set", "broken", "-o", "report"];
+    let regions = ["--regions", "broken/starbreak/regions"];
+    let damaged = |name: &str, asked: &[&[&str]]| {
+        let path = root.join("broken").join(name);
+        let whole = fs::read(&path).unwrap();
+        let mut bytes = whole.clone();
+        let at = bytes.iter().rposition(|byte| *byte == b'1').unwrap();
+        bytes[at] = b'2';
+        fs::write(&path, bytes).unwrap();
+        for more in asked {
+            refused(more, name, name);
+        }
+        fs::write(&path, whole).unwrap();
+    };
+    damaged(
+        "starbreak/regions/training/image_2/000003.png",
+        &[&set, &report, &regions],
+    );
+    damaged(
+        "starbreak/provenance/training/image_2/000003.json",
+        &[&report],
+    );
+    damaged("training/image_2/000003.png", &[&report]);
+    damaged("starbreak/items.jsonl", &[&set, &report, &regions]);
+
+    fs::remove_file(root.join("broken/starbreak/manifest.json")).unwrap();
+    for more in [&set[..], &report, &regions] {
+        refused(more, "no manifest", "manifest.json");
+    }
+    assert!(!root.join("report").exists(), "nothing is written");
+    succeed(root, &generate);
+    succeed(root, &[&EVALUATE[..], &["-o", "report"]].concat());
+}

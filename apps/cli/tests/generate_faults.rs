@@ -388,35 +388,6 @@ fn names_that_would_collide_or_cannot_be_told_are_refused() {
 }
 
 #[test]
-fn loops_of_links_end_and_linked_images_are_read() {
-    let dir = folder();
-    write_photos(&dir.path().join("elsewhere"), 2);
-    write_photos(&dir.path().join("in"), 1);
-    symlink("..", dir.path().join("in/up")).unwrap();
-    symlink(".", dir.path().join("in/self")).unwrap();
-    symlink("nowhere.png", dir.path().join("in/dangling.png")).unwrap();
-    symlink("../elsewhere/0001.png", dir.path().join("in/linked.png")).unwrap();
-    let outcome = generate(
-        dir.path(),
-        "folder:in",
-        &["--on-error", "skip", "--limit", "50"],
-    );
-    assert!(matches!(outcome.code, Some(0 | 1)), "{outcome:?}");
-    assert!(dir.path().join("out/linked.png").is_file(), "{outcome:?}");
-    assert!(
-        !dir.path().join("out/linked.png").is_symlink(),
-        "a file of its own"
-    );
-    let source = dir.path().join("elsewhere/0001.png");
-    let before = fs::read(&source).unwrap();
-    assert_eq!(
-        before,
-        common::png_bytes(&common::photo((160, 100))),
-        "the source is as it was"
-    );
-}
-
-#[test]
 fn a_source_that_cannot_be_written_is_no_hindrance() {
     let dir = folder();
     write_photos(&dir.path().join("in"), 2);

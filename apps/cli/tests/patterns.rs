@@ -199,7 +199,7 @@ fn a_bank_is_replaced_only_on_request() {
         dir.path(),
         &[(
             make.clone(),
-            "already; choose another folder, or give --replace",
+            "patterns.bank\" is there already; choose another name or folder, or give --replace",
         )],
     );
     succeed(

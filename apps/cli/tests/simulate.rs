@@ -240,10 +240,15 @@ fn growth_frames_grow_to_the_full_drawing() {
     simulate(dir.path(), &[&frames[..], &["f.png"]].concat());
     simulate(dir.path(), &["--frames", "7"]);
     let beside = names(&dir.path().join("n-frames"));
-    assert_eq!(beside.len(), 7, "a folder beside the network by default");
+    assert_eq!(
+        beside.len(),
+        8,
+        "a folder beside the network by default, with its list"
+    );
     let folder = dir.path().join("f");
     let expected: Vec<String> = (1..=7).map(|k| format!("frame_{k:05}.png")).collect();
-    assert_eq!(names(&folder), expected, "seven files");
+    let listed = [&expected[..], &["written.json".to_owned()]].concat();
+    assert_eq!(names(&folder), listed, "seven files and their list");
     let single: Vec<_> = expected
         .iter()
         .map(|name| raw_png(&folder.join(name)))

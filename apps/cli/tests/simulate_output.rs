@@ -47,7 +47,14 @@ fn the_drawing_is_svg_of_the_frame() {
     let dir = folder();
     for (seed, more) in [("1", &[][..]), ("2", &["--set", "impact.force=1"])] {
         let args = [
-            "simulate", "--svg", "n.svg", "--size", "160x100", "--seed", seed,
+            "simulate",
+            "--svg",
+            "n.svg",
+            "--size",
+            "160x100",
+            "--replace",
+            "--seed",
+            seed,
         ];
         succeed_small(dir.path(), &[&args[..], more].concat());
         let svg = fs::read_to_string(dir.path().join("n.svg")).unwrap();

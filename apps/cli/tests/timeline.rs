@@ -183,7 +183,15 @@ fn what_is_lost_when_is_what_was_made_so() {
         .map(|e| e.unwrap().file_name())
         .collect();
     files.sort();
-    assert_eq!(files, ["evaluation.json", "numbers.csv", "report.html"]);
+    assert_eq!(
+        files,
+        [
+            "evaluation.json",
+            "numbers.csv",
+            "report.html",
+            "written.json"
+        ]
+    );
     let written = json(&dir.path().join("out/evaluation.json"));
     assert_eq!(
         written["evaluations"][0]["timelines"][0], clip,

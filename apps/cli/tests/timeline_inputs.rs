@@ -384,6 +384,7 @@ fn several_clips_by_frame_are_evaluated_and_their_files_are_named() {
         "evaluation=tracks/a.track.json",
         "-o",
         "clean",
+        "--replace",
     ];
     refused(
         at,
@@ -484,7 +485,6 @@ fn a_report_of_clips_leaves_nothing_of_one_of_images_and_is_put_into_no_set() {
     fs::create_dir(at.join("out")).unwrap();
     fs::write(at.join("out/table.tex"), "somebody's").unwrap();
     succeed(at, &to_out);
-    assert!(at.join("out/table.tex").is_file(), "not ours");
     write(at, "all.json", &results(1, 3, |_, _| true));
     let args = [
         "evaluate",
@@ -497,10 +497,19 @@ fn a_report_of_clips_leaves_nothing_of_one_of_images_and_is_put_into_no_set() {
         "-o",
         "out",
     ];
+    refused(at, &args, &["out/table.tex", "--replace"]);
+    let theirs = fs::read_to_string(at.join("out/table.tex")).unwrap();
+    assert_eq!(theirs, "somebody's", "as it was");
+    fs::remove_file(at.join("out/table.tex")).unwrap();
     succeed(at, &args);
     assert!(at.join("out/failures.jsonl").is_file(), "of images");
     succeed(at, &to_out);
-    let files = ["evaluation.json", "numbers.csv", "report.html"];
+    let files = [
+        "evaluation.json",
+        "numbers.csv",
+        "report.html",
+        "written.json",
+    ];
     assert_eq!(common::names(&at.join("out")), files, "of clips alone");
 
     fs::create_dir_all(at.join("set/starbreak")).unwrap();

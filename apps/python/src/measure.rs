@@ -137,7 +137,7 @@ pub(crate) fn evaluate<'py>(
     let answer = watched(py, &threads, |_| -> Result<_, Error> {
         let answer = evaluate_files(&request)?;
         if let Some(folder) = &output {
-            let mut batch = OutputBatch::new();
+            let mut batch = OutputBatch::new().replacing(true);
             for (name, text) in &answer.report {
                 batch.stage(&folder.join(name), text.as_bytes())?;
             }
@@ -226,7 +226,9 @@ pub(crate) fn divergence<'py>(
         .transpose()?;
     let report = watched(py, &threads, |stop| -> Result<_, Error> {
         check_settings(&reading, &settings, limit, sigma)?;
-        let named = NamedSet::parse_all(&sets)?;
+        // Nothing is written that a link could lead to.
+        let named = NamedSet::parse_all(&sets)?.into_iter();
+        let named: Vec<NamedSet> = named.map(|set| set.following_links(true)).collect();
         let eye = model
             .map(|model| Eye::open(&model, layer.as_deref()))
             .transpose()?;

@@ -115,7 +115,7 @@ impl CrackNetwork {
                 path: path.clone(),
                 source,
             })?;
-            let mut batch = OutputBatch::new();
+            let mut batch = OutputBatch::new().replacing(true);
             batch.stage(&path, self.network.to_json().as_bytes())?;
             batch.commit()
         });

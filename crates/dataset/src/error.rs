@@ -1,6 +1,8 @@
 use std::io;
 use std::path::PathBuf;
 
+pub(crate) use crate::error_words::one_line;
+use crate::error_words::{bank_way_out, io_fact, io_way_out};
 use crate::video::VideoError;
 use crate::{BankFault, ImageFormat, SourceFormat};
 
@@ -212,6 +214,22 @@ pub enum DatasetError {
         /// What it is, with its article.
         what: &'static str,
     },
+    /// A file is there that is not known to be of an earlier run.
+    #[error("{path:?} is there already; choose another name or folder, or give --replace")]
+    Taken {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An output would take the place of a file that is read.
+    #[error(
+        "the output {output:?} would replace the input {input:?}; choose another name or folder"
+    )]
+    OutputIsInput {
+        /// The input.
+        input: PathBuf,
+        /// The output.
+        output: PathBuf,
+    },
     /// The same destination was staged before.
     #[error("two outputs of one sample have the same path {path:?}; give them different names")]
     DuplicateOutput {
@@ -259,6 +277,21 @@ pub enum DatasetError {
         path: PathBuf,
         /// Why.
         reason: String,
+    },
+    /// Samples that are neither made nor failed when the lists are written.
+    #[error(
+        "of {n_taken} images of {path:?}, {n_items} are there as they were made and {n_failed} failed: others came or \
+         were altered during the run; run the same command again"
+    )]
+    LostItems {
+        /// The set.
+        path: PathBuf,
+        /// Samples that are there.
+        n_items: u64,
+        /// Samples that failed.
+        n_failed: u64,
+        /// Samples that were taken.
+        n_taken: u64,
     },
     /// A record of ours that cannot be understood.
     #[error("{path:?} is damaged: {reason}; generate the set again")]
@@ -394,58 +427,6 @@ impl DatasetError {
                 | io::ErrorKind::ReadOnlyFilesystem
                 | io::ErrorKind::PermissionDenied
         )
-    }
-}
-
-/// The text on one line: control characters and line breaks are escaped.
-pub(crate) fn one_line(text: &impl ToString) -> String {
-    text.to_string()
-        .chars()
-        .flat_map(|c| {
-            let escaped = c.is_control() || matches!(c, '\u{2028}' | '\u{2029}');
-            let (plain, escape) = if escaped {
-                (None, Some(c.escape_default()))
-            } else {
-                (Some(c), None)
-            };
-            plain.into_iter().chain(escape.into_iter().flatten())
-        })
-        .collect()
-}
-
-fn io_fact(error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::NotFound => "no such file or folder".to_owned(),
-        io::ErrorKind::PermissionDenied => "permission denied".to_owned(),
-        io::ErrorKind::NotADirectory => "a part of the path is a file, not a folder".to_owned(),
-        io::ErrorKind::IsADirectory => "it is a folder".to_owned(),
-        io::ErrorKind::StorageFull => "no space left on the device".to_owned(),
-        io::ErrorKind::QuotaExceeded => "the disk quota is used up".to_owned(),
-        io::ErrorKind::ReadOnlyFilesystem => "the file system is read-only".to_owned(),
-        io::ErrorKind::InvalidFilename => "the file name is too long or not valid".to_owned(),
-        _ => one_line(error),
-    }
-}
-
-fn io_way_out(error: &io::Error) -> &'static str {
-    match error.kind() {
-        io::ErrorKind::PermissionDenied => "check the permissions of the file and its folder",
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "free some space or choose another disk"
-        }
-        io::ErrorKind::ReadOnlyFilesystem => "choose a folder on another disk",
-        io::ErrorKind::InvalidFilename => "choose a shorter name",
-        _ => "check the path",
-    }
-}
-
-fn bank_way_out(fault: &BankFault) -> &'static str {
-    match fault {
-        BankFault::NotABank => "check the path",
-        BankFault::NewerVersion { .. } => "read it with the program that wrote it, or a later one",
-        BankFault::NoRecord { .. } => "ask for one that it has",
-        BankFault::TooLong { .. } => "use smaller frames",
-        _ => "copy it again, or make it again from its recipe and seed",
     }
 }
 

@@ -28,6 +28,7 @@
 //! ```
 
 mod error;
+mod error_words;
 mod image_file;
 mod line_log;
 
@@ -44,6 +45,7 @@ mod known_folders;
 mod output_batch;
 mod paths;
 mod provenance;
+mod replacing;
 
 mod scene;
 mod source;
@@ -59,9 +61,9 @@ pub use encode::{
 };
 pub use error::DatasetError;
 pub use generated::{
-    CarriedFile, Carry, Finding, GeneratedSet, ItemRecord, Manifest, MergeReport, SET_SCHEMA,
-    STATE_FOLDER, SampleFiles, SetChecker, SetLayout, compare_identity, file_len, merge_sets,
-    refuse_inside_set, safe_path, set_identity,
+    CarriedFile, Carry, Finding, GeneratedSet, ItemRecord, MAX_ITEM_BYTES, Manifest, MergeReport,
+    SET_SCHEMA, STATE_FOLDER, SampleFiles, SetChecker, SetLayout, compare_identity, file_len,
+    merge_sets, refuse_inside_set, safe_path, set_around, set_identity,
 };
 pub use image_file::{
     ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_bytes, read_image,
@@ -71,6 +73,7 @@ pub use line_log::LineLog;
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, blake3_file, blake3_hex, sha256_file, sha256_hex};
+pub use replacing::listed_files;
 pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{
     BadRecord, FileRole, IndexFiles, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat,

@@ -10,6 +10,8 @@ use tempfile::TempPath;
 use crate::error::DatasetError;
 use crate::image_file::not_a_file;
 use crate::known_folders::{KnownFolders, absolute_folder_of};
+use crate::paths::FileSet;
+use crate::replacing::{Replacing, WrittenList, is_record};
 
 /// The files of one sample, which appear together or not at all.
 ///
@@ -19,8 +21,12 @@ use crate::known_folders::{KnownFolders, absolute_folder_of};
 /// order of staging. A batch that is dropped removes its temporary files and the folders it has
 /// created. So stage the file that stands for "done", such as the provenance, last.
 ///
-/// Existing files are replaced, with the permissions of a new file; where the destination is a
-/// link, the link is replaced and not the file it leads to.
+/// A file that is there stays, and the output is refused, unless the file has the bytes of the output
+/// already, is a record of ours for the same purpose (JSON with the same `schema`, of the same
+/// input), or was written by an earlier run and not touched since, as such a record or a
+/// [list](Self::with_list) says; or unless the batch is to [replace](Self::replacing) all. A file is
+/// replaced with the permissions of a new one; where the destination is a link, the link is replaced and
+/// not the file it leads to. What an earlier run has written and this one has not is removed.
 ///
 /// # Limits
 ///
@@ -37,6 +43,8 @@ pub struct OutputBatch {
     destinations: BTreeSet<PathBuf>,
     waits_for_disk: bool,
     folders: Arc<KnownFolders>,
+    rule: Replacing,
+    list: Option<WrittenList>,
     /// Folders created by this batch, parents first.
     created_folders: Vec<PathBuf>,
 }
@@ -62,6 +70,8 @@ impl OutputBatch {
             destinations: BTreeSet::new(),
             waits_for_disk: true,
             folders: Arc::default(),
+            rule: Replacing::default(),
+            list: None,
             created_folders: Vec::new(),
         }
     }
@@ -77,11 +87,68 @@ impl OutputBatch {
         batch
     }
 
-    /// As [`OutputBatch::new_unsynced`], for many batches that share a few folders.
+    /// As [`OutputBatch::new_unsynced`], for many batches that share a few folders, in which all files
+    /// are ours.
     pub(crate) fn new_unsynced_in(folders: Arc<KnownFolders>) -> Self {
-        let mut batch = Self::new_unsynced();
+        let mut batch = Self::new_unsynced().of_set();
         batch.folders = folders;
         batch
+    }
+
+    /// The same, whose files are those of a generated set.
+    pub(crate) fn of_set(mut self) -> Self {
+        self.rule.allow_set();
+        self
+    }
+
+    /// The same, which replaces any file or only those of ours.
+    #[must_use]
+    pub fn replacing(mut self, any: bool) -> Self {
+        self.rule.allow_any(any);
+        self
+    }
+
+    /// The same, which replaces none of these files, whatever else it may.
+    #[must_use]
+    pub fn never_over(mut self, inputs: FileSet) -> Self {
+        self.rule.protect(inputs);
+        self
+    }
+
+    /// The same, which leaves a list of its files at `path`, and takes over those that the list of
+    /// an earlier run of this verb has.
+    #[must_use]
+    pub fn with_list(mut self, path: &Path, verb: &str) -> Self {
+        let list = WrittenList::new(path, verb);
+        self.rule.take_over(list.earlier());
+        self.list = Some(list);
+        self
+    }
+
+    /// Takes over files that an earlier run has written, with the BLAKE3 that each then had: they may
+    /// be replaced, and those that are not are removed.
+    pub fn take_over(&mut self, files: Vec<(PathBuf, String)>) {
+        self.rule.take_over(files);
+    }
+
+    /// Whether an output whose bytes are not known yet may be written: better said before the work
+    /// than after it. Of a record of ours in its place that is decided when it is staged.
+    ///
+    /// # Errors
+    /// [`DatasetError::Taken`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
+    pub fn may_write(&self, path: &Path) -> Result<(), DatasetError> {
+        match self.rule.check(path, None) {
+            Err(DatasetError::Taken { .. }) if is_record(path) => Ok(()),
+            checked => checked,
+        }
+    }
+
+    /// Whether a file that another program, or another part of this one, fills may be written.
+    ///
+    /// # Errors
+    /// [`DatasetError::Taken`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
+    pub(crate) fn may_fill(&self, path: &Path) -> Result<(), DatasetError> {
+        self.rule.check(path, None)
     }
 
     /// Writes `bytes` beside `path`, under a temporary name, creating missing folders.
@@ -90,9 +157,12 @@ impl OutputBatch {
     ///
     /// [`DatasetError::DuplicateOutput`] where the path was staged before (also by another
     /// spelling), [`DatasetError::DestinationNotAFile`] where it is a folder, a pipe or a device,
+    /// [`DatasetError::Taken`] and [`DatasetError::OutputIsInput`] where a file is to stay,
+    /// [`DatasetError::InsideSet`] in a generated set,
     /// [`DatasetError::Write`] where the file system refuses. The batch stays as it was, apart
     /// from folders, and may be used further.
     pub fn stage(&mut self, path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
+        self.rule.check(path, Some(bytes))?;
         let (mut file, staged) = self.begin(path)?;
         file.write_all(bytes)
             .and_then(|()| file.flush())
@@ -105,6 +175,9 @@ impl OutputBatch {
                 source,
             })?;
         self.end(staged);
+        if let Some(list) = &mut self.list {
+            list.note(path, bytes);
+        }
         Ok(())
     }
 
@@ -115,6 +188,7 @@ impl OutputBatch {
     ///
     /// As for [`stage`](Self::stage).
     pub fn reserve(&mut self, path: &Path) -> Result<PathBuf, DatasetError> {
+        self.may_fill(path)?;
         let (_, mut staged) = self.begin(path)?;
         staged.is_reserved = true;
         let name = staged.temporary.to_path_buf();
@@ -179,8 +253,12 @@ impl OutputBatch {
     ///
     /// [`DatasetError::Commit`] where a rename fails. Files of this batch that did not exist
     /// when they were staged are then removed again, with the folders created for them; files that existed and
-    /// were already replaced are listed in the error.
+    /// were already replaced are listed in the error. As for [`stage`](Self::stage) where there is a
+    /// list.
     pub fn commit(mut self) -> Result<(), DatasetError> {
+        if let Some((path, text)) = self.list.take().map(WrittenList::file) {
+            self.stage(&path, text.as_bytes())?;
+        }
         if self.waits_for_disk {
             for staged in self.staged.iter().filter(|staged| staged.is_reserved) {
                 File::open(&staged.temporary)
@@ -213,6 +291,10 @@ impl OutputBatch {
             list.push(staged.destination);
         }
         self.created_folders.clear();
+        for path in self.rule.left_over(|path| self.destinations.contains(path)) {
+            // Best effort: what stays is an old file, and no wrong one.
+            let _ = fs::remove_file(path);
+        }
         Ok(())
     }
 }

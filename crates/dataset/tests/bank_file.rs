@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::thread;
 
-use starbreak_dataset::{BankFault, BankFile, BankRecord, BankWriter, DatasetError};
+use starbreak_dataset::{BankFault, BankFile, BankRecord, BankWriter, DatasetError, OutputBatch};
 
 const HEADER: &[u8] = b"{\"schema\":\"test/1\"}";
 
@@ -25,7 +25,7 @@ fn records() -> Vec<Vec<u8>> {
 }
 
 fn write(path: &Path, records: &[Vec<u8>]) -> String {
-    let mut writer = BankWriter::create(path, HEADER).unwrap();
+    let mut writer = BankWriter::create(OutputBatch::new().replacing(true), path, HEADER).unwrap();
     for record in records {
         writer.append(&BankRecord::new(record.clone())).unwrap();
     }
@@ -79,7 +79,7 @@ fn records_are_read_in_any_order_by_many_threads() {
 fn files_beside_a_bank_appear_with_it_or_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
     let to = folder.path().join("new").join("a.bank");
-    let mut writer = BankWriter::create(&to, HEADER).unwrap();
+    let mut writer = BankWriter::create(OutputBatch::new().replacing(true), &to, HEADER).unwrap();
     writer.append(&BankRecord::new(vec![1; 10])).unwrap();
     drop(writer);
     assert_eq!(
@@ -87,7 +87,10 @@ fn files_beside_a_bank_appear_with_it_or_not_at_all() {
         0,
         "dropped while written"
     );
-    let written = BankWriter::create(&to, HEADER).unwrap().finish().unwrap();
+    let written = BankWriter::create(OutputBatch::new().replacing(true), &to, HEADER)
+        .unwrap()
+        .finish()
+        .unwrap();
     let table = folder.path().join("new").join("table.csv");
     written
         .commit(&[(table.clone(), b"a,b\n".to_vec())])

@@ -93,13 +93,13 @@ fn dropped_batch_leaves_nothing() {
 }
 
 #[test]
-fn existing_files_are_replaced_and_links_not_followed() {
+fn files_are_replaced_on_demand_and_links_not_followed() {
     let dir = tempfile::tempdir().unwrap();
     let (file, link) = (dir.path().join("file"), dir.path().join("link"));
     fs::write(&file, b"old").unwrap();
     #[cfg(unix)]
     std::os::unix::fs::symlink(&file, &link).unwrap();
-    let mut batch = OutputBatch::new();
+    let mut batch = OutputBatch::new().replacing(true);
     batch.stage(&link, b"new").unwrap();
     batch.commit().unwrap();
     assert_eq!(
@@ -109,7 +109,7 @@ fn existing_files_are_replaced_and_links_not_followed() {
     );
     assert_eq!(fs::read(&link).unwrap(), b"new", "the link is replaced");
 
-    let mut batch = OutputBatch::new();
+    let mut batch = OutputBatch::new().replacing(true);
     batch.stage(&file, b"new").unwrap();
     batch.commit().unwrap();
     assert_eq!(fs::read(&file).unwrap(), b"new", "replaced");
@@ -121,7 +121,7 @@ fn failed_commit_takes_new_files_back_and_names_replaced_ones() {
     let dir = tempfile::tempdir().unwrap();
     let at = |name: &str| dir.path().join(name);
     fs::write(at("old"), b"old").unwrap();
-    let mut batch = OutputBatch::new();
+    let mut batch = OutputBatch::new().replacing(true);
     for name in ["new/1", "old", "blocked", "never"] {
         batch.stage(&at(name), b"new").unwrap();
     }

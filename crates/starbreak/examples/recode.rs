@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     ImageFormat::Jpeg => Encoding::Jpeg { quality },
                     ImageFormat::Png => Encoding::Png,
                 };
-                let mut batch = OutputBatch::new_unsynced();
+                let mut batch = OutputBatch::new_unsynced().replacing(true);
                 let bytes = encode_image_as(&file, &encoding)?;
                 batch.stage(&Path::new(out).join(&image.name), &bytes)?;
                 batch.commit()?;

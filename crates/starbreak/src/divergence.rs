@@ -2,18 +2,19 @@
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use image::RgbImage;
-use starbreak_dataset::{Source, SourceFormat, SourceSpec};
+use image::{DynamicImage, RgbImage};
+use starbreak_dataset::{Source, SourceFormat, SourceSpec, blake3_hex};
 use starbreak_eval::EvalError;
 use starbreak_eval::detector::{Detector, DetectorOptions};
 use starbreak_eval::divergence::{
-    CompareSettings, DivergenceReport, FailedImage, ImageSet, NamedPattern, ReadSettings, VectorOf,
-    compare_sets, compare_vectors,
+    CompareSettings, DivergenceReport, FailedImage, ImageFile, ImageSet, NamedPattern,
+    ReadSettings, VectorOf, compare_sets, compare_vectors,
 };
 
 use crate::Error;
+use crate::bank::{BankIn, PatternBank};
 use crate::import::{crack_geometry, read_network};
 
 /// Before the folder of crack networks.
@@ -89,6 +90,15 @@ pub struct NamedSet {
     is_networks: bool,
 }
 
+/// What is read of a set.
+#[derive(Debug)]
+enum Content {
+    Images(Source),
+    Networks(Source),
+    /// The patterns of a bank, as pictures.
+    Bank(Box<PatternBank>),
+}
+
 impl NamedSet {
     /// `[NAME=]FORMAT:PATH`; the format may be `networks`, for the crack networks of a folder.
     ///
@@ -103,10 +113,7 @@ impl NamedSet {
             _ => (whole.clone().into_owned(), text.to_owned()),
         };
         if let Some(folder) = rest.to_str().and_then(|rest| rest.strip_prefix(NETWORKS)) {
-            let spec = SourceSpec {
-                format: SourceFormat::Folder,
-                path: folder.into(),
-            };
+            let spec = SourceSpec::new(SourceFormat::Folder, folder);
             return Ok(Self {
                 name,
                 spec,
@@ -131,16 +138,20 @@ impl NamedSet {
                 ..named
             };
         }
-        let spec = |format| SourceSpec {
-            format,
-            path: text.into(),
-        };
+        let spec = |format| SourceSpec::new(format, text);
         let special = layout.map(spec).filter(|spec| Source::open(spec).is_ok());
         Self {
             name: name.to_owned(),
             spec: special.unwrap_or_else(|| spec(SourceFormat::Folder)),
             is_networks: false,
         }
+    }
+
+    /// The same, with links that may lead out of a plain folder or not.
+    #[must_use]
+    pub fn following_links(mut self, follows_links: bool) -> Self {
+        self.spec = self.spec.following_links(follows_links);
+        self
     }
 
     /// Two or more sets, no two of one name.
@@ -179,14 +190,30 @@ impl NamedSet {
         &self.name
     }
 
-    /// Opens it; at most the first `limit` images count.
+    /// Opens it; at most the first `limit` images count. A plain folder that holds a bank of cracks
+    /// is that bank, whose patterns are rendered on black.
     ///
     /// # Errors
     /// [`Error::Dataset`] for a folder that is not what its format says.
     pub fn open(&self, limit: Option<usize>) -> Result<OpenSet<'_>, Error> {
+        let is_folder = self.spec.format == SourceFormat::Folder && !self.is_networks;
+        let bank = BankIn::folder(&self.spec.path).filter(|_| is_folder);
+        let content = match bank {
+            Some(BankIn::Cracks) => Content::Bank(Box::new(PatternBank::open(&self.spec.path)?)),
+            Some(BankIn::Photos) => {
+                return Err(Error::Divergence {
+                    why: format!(
+                        "{}: {:?} is a bank of photographs; give the folder of the photographs",
+                        self.name, self.spec.path
+                    ),
+                });
+            }
+            None if self.is_networks => Content::Networks(Source::open(&self.spec)?),
+            None => Content::Images(Source::open(&self.spec)?),
+        };
         Ok(OpenSet {
             named: self,
-            source: Source::open(&self.spec)?,
+            content,
             limit,
         })
     }
@@ -196,7 +223,7 @@ impl NamedSet {
 #[derive(Debug)]
 pub struct OpenSet<'a> {
     named: &'a NamedSet,
-    source: Source,
+    content: Content,
     limit: Option<usize>,
 }
 
@@ -204,11 +231,12 @@ impl OpenSet<'_> {
     /// How many images will be read; networks, which are quick, count as none.
     #[must_use]
     pub fn n_images(&self) -> usize {
-        if self.named.is_networks {
-            return 0;
-        }
         let limit = self.limit.unwrap_or(usize::MAX);
-        self.source.images().take(limit).count()
+        match &self.content {
+            Content::Networks(_) => 0,
+            Content::Images(source) => source.images().take(limit).count(),
+            Content::Bank(bank) => bank.len().min(limit),
+        }
     }
 
     /// Reads it, in the thread pool of the caller; `step` is called after each image, and once
@@ -224,12 +252,6 @@ impl OpenSet<'_> {
         step: &(dyn Fn() + Sync),
     ) -> Result<ImageSet, Error> {
         let name = &self.named.name;
-        if self.named.is_networks {
-            return Ok(ImageSet::of_patterns(
-                name,
-                networks(&self.source, self.limit),
-            )?);
-        }
         let vector_of = |image: &RgbImage| -> Result<Vec<f32>, String> {
             let Some(eye) = eye else {
                 return Ok(Vec::new());
@@ -237,15 +259,36 @@ impl OpenSet<'_> {
             let found = eye.detector.pooled_activations(name, image, &eye.layer);
             found.map_err(|error| error.to_string())
         };
-        Ok(ImageSet::read(
-            name,
-            &self.source,
-            reading,
-            self.limit,
-            eye.map(|_| &vector_of as &VectorOf<'_>),
-            stop,
-            step,
-        )?)
+        let vector_of = eye.map(|_| &vector_of as &VectorOf<'_>);
+        match &self.content {
+            Content::Networks(source) => {
+                Ok(ImageSet::of_patterns(name, networks(source, self.limit))?)
+            }
+            Content::Images(source) => Ok(ImageSet::read(
+                name, source, reading, self.limit, vector_of, stop, step,
+            )?),
+            Content::Bank(bank) => {
+                let files: Vec<ImageFile> = (0..self.n_images())
+                    .map(|idx| ImageFile {
+                        name: format!("pattern {idx}"),
+                        path: idx.to_string().into(),
+                    })
+                    .collect();
+                let picture = |path: &Path| -> Result<(DynamicImage, String), String> {
+                    if stop.load(Ordering::Relaxed) {
+                        return Err("interrupted".to_owned());
+                    }
+                    let idx = path.to_string_lossy().parse().unwrap_or(usize::MAX);
+                    let picture = bank.picture(idx).map_err(|error| error.to_string())?;
+                    step();
+                    let digest = blake3_hex(picture.as_bytes());
+                    Ok((picture, digest))
+                };
+                Ok(ImageSet::of_files(
+                    name, &files, reading, vector_of, &picture,
+                )?)
+            }
+        }
     }
 }
 

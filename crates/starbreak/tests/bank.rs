@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use image::DynamicImage;
 use starbreak::bank::{BankReport, PatternBank, write_bank};
-use starbreak::dataset::{BankRecord, BankWriter, street_scene};
+use starbreak::dataset::{BankRecord, BankWriter, OutputBatch, street_scene};
 use starbreak::optics::Coverage;
 use starbreak::optics::OpticsError;
 use starbreak::optics::environment::Environment;
@@ -298,7 +298,8 @@ fn records_that_are_whole_but_mean_nothing_are_named() {
         serde_json::to_vec(bank.header()).unwrap()
     };
     let forge = |header: &[u8], records: &[&[u8]]| {
-        let mut writer = BankWriter::create(&path, header).unwrap();
+        let mut writer =
+            BankWriter::create(OutputBatch::new().replacing(true), &path, header).unwrap();
         for record in records {
             let record = BankRecord::new(record.to_vec());
             writer.append(&record).unwrap();

@@ -16,9 +16,6 @@ pub(crate) struct DivergenceArgs {
     /// Folder for divergence.json, divergence.csv and divergence.svg
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
-    /// Replace result files that are there already
-    #[arg(long, requires = "output")]
-    pub(crate) replace: bool,
     /// Measures of given histograms and distributions instead: JSON, a list of {p, q, alpha}, or an
     /// object of such lists under hist, gauss, frechet, mmd, edge
     #[arg(long, value_name = "FILE", conflicts_with_all = ["sets", "features", "experiment", "output"])]

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use image::DynamicImage;
 use serde_json::{Value, json};
-use starbreak::dataset::{OutputBatch, street_scene};
+use starbreak::dataset::street_scene;
 use starbreak::fracture::paper::PaperParams;
 use starbreak::pipeline::{Timings, crack_image, with_threads};
 use starbreak::{FractureSettings, Recipe, Seed, Settings};
@@ -83,10 +83,21 @@ pub(crate) fn run(
     ];
     global.refuse_recipe_among(&names.map(|name| request.output.join(name)))?;
     let interrupt = Interrupt::listen();
-    let mut batch = OutputBatch::new();
+    let mut batch = global.batch();
     let mut tables = Vec::new();
     let mut result = json!({ "output": path_text(&request.output) });
     let is_asked = |model| request.model.is_none_or(|only| only == model);
+    // Measured for minutes before they are written; those of one model have its name.
+    for name in names {
+        let model = match name {
+            "bench-physics.csv" => BenchModel::Physics,
+            "bench-optics.csv" => BenchModel::Optics,
+            _ => BenchModel::Paper,
+        };
+        if is_asked(model) {
+            batch.may_write(&request.output.join(name))?;
+        }
+    }
     if is_asked(BenchModel::Paper) {
         let series = paper_series(global, request, &interrupt, screen)?;
         let (svg, png) =

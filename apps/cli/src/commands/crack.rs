@@ -43,13 +43,19 @@ pub(crate) fn run(
         recipe.set("output.maps=true")?;
     }
     let mut context = RunContext::new(&recipe, global.seed(), out)?;
+    context.replaces = global.replace;
     let jobs = plan_images(&request.inputs, out)?;
-    global.refuse_recipe_among(&[out.join("failures.jsonl")])?;
+    let failures = out.join("failures.jsonl");
+    global.refuse_recipe_among(std::slice::from_ref(&failures))?;
+    if jobs.len() > 1 && !is_list_of_failures(&failures) {
+        global.refuse_taken(&[failures])?;
+    }
     let outputs: Vec<PathBuf> = jobs
         .iter()
         .flat_map(ImageJob::possible_outputs)
         .map(|name| out.join(name))
         .collect();
+    global.refuse_recipe_among(&outputs)?;
     context.imported = network_file::read(request.network.as_deref(), &outputs)?;
     if let Some(photo) = &request.overlay {
         let photos = request
@@ -141,12 +147,7 @@ fn record_failures(failed: &[ItemFailure], out: &Path) -> Result<(), Failure> {
     let path = out.join("failures.jsonl");
     if failed.is_empty() {
         // That of an earlier run would now be wrong; a file of somebody else's stays.
-        let earlier = std::fs::read_to_string(&path).unwrap_or_default();
-        let is_ours = earlier.lines().next().is_some_and(|line| {
-            serde_json::from_str::<Value>(line)
-                .is_ok_and(|line| line["input"].is_string() && line["error"].is_string())
-        });
-        if is_ours {
+        if is_list_of_failures(&path) {
             let _ = std::fs::remove_file(path);
         }
         return Ok(());
@@ -155,10 +156,20 @@ fn record_failures(failed: &[ItemFailure], out: &Path) -> Result<(), Failure> {
         .iter()
         .map(|failure| format!("{}\n", failure_json(failure)))
         .collect();
-    let mut batch = OutputBatch::new();
+    // Another one was refused before the work.
+    let mut batch = OutputBatch::new().replacing(true);
     batch.stage(&path, lines.as_bytes())?;
     batch.commit()?;
     Ok(())
+}
+
+/// Whether a file is a list that this verb has written.
+fn is_list_of_failures(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    text.lines().next().is_some_and(|line| {
+        serde_json::from_str::<Value>(line)
+            .is_ok_and(|line| line["input"].is_string() && line["error"].is_string())
+    })
 }
 
 pub(super) fn describe(item: &Written) -> String {

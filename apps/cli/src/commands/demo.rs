@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use serde_json::json;
 use starbreak::dataset::{
-    AnimationParams, Encoding, ImageLimits, OutputBatch, StreetScene, decode_image,
-    encode_animation, encode_image, street_scene,
+    AnimationParams, Encoding, FileSet, ImageLimits, StreetScene, decode_image, encode_animation,
+    encode_image, street_scene,
 };
 use starbreak::pipeline::{
     ImageJob, RunContext, Stopwatch, Written, growth_over, growth_times, stage_cracked,
@@ -38,7 +38,9 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
     let scene = street_scene();
     let pixels = image_of(&scene);
     let scene_png = encode_image(&pixels, &Encoding::Png, None)?;
-    let mut batch = OutputBatch::new();
+    let recipes: Vec<PathBuf> = global.recipe.iter().cloned().collect();
+    let batch = global.batch().never_over(FileSet::of(&recipes));
+    let mut batch = batch.with_list(&out.join("written.json"), "demo");
     batch.stage(&out.join(SCENE), &scene_png)?;
     batch.stage(&out.join("scene.boxes.json"), boxes_json(&scene).as_bytes())?;
 
@@ -162,6 +164,10 @@ fn guide(out: &Path, written: &[Written]) -> String {
             "the crack as it grows (animated PNG; open it in a browser)",
         ),
         ("recipe.toml".to_owned(), "every parameter, with comments"),
+        (
+            "written.json".to_owned(),
+            "these files with their hashes: the next demo may replace them",
+        ),
     ];
     let mut text = format!("\nin {folder}:\n");
     for (names, what) in lines.iter().filter(|(names, _)| !names.is_empty()) {

@@ -6,7 +6,9 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::dataset::{OutputBatch, Source, SourceSpec, read_text, same_file};
+use starbreak::dataset::{
+    DatasetError, OutputBatch, Source, files_in, is_inside, read_text, same_file,
+};
 use starbreak_eval::detector::{
     Backend, Contract, Detector, DetectorOptions, Device, ImageDetections, ImageToSee, LabelMap,
     LabelRules, preset_names,
@@ -36,13 +38,14 @@ pub(crate) fn run(
     else {
         return list_contracts(screen);
     };
-    refuse_output(args, model, output)?;
     let run = Run {
         global,
         args,
         model,
+        output,
         screen,
     };
+    run.refuse_output()?;
     let looked = match detect_clip::clip_of(source) {
         Some(clip) => detect_clip::look(&run, &clip)?,
         None => look(&run, source)?,
@@ -61,7 +64,7 @@ pub(crate) fn run(
             code: SOME_FAILED,
         });
     }
-    write(args.format, output, &results.detections, &looked.referred)?;
+    write(&run, &results.detections, &looked.referred)?;
     finish(&looked, output, &results, screen)
 }
 
@@ -70,12 +73,73 @@ pub(super) struct Run<'a> {
     pub(super) global: &'a Global,
     pub(super) args: &'a DetectArgs,
     pub(super) model: &'a Path,
+    pub(super) output: &'a Path,
     pub(super) screen: &'a Screen,
 }
 
 impl Run<'_> {
     pub(super) fn detector(&self) -> Result<Detector, Failure> {
         Ok(Detector::open(self.model, &options_of(self.args)?)?)
+    }
+
+    /// The batch that the detections go into. A folder of KITTI's form holds those of one run.
+    fn batch(&self) -> OutputBatch {
+        match self.args.format {
+            ResultFormat::Kitti => {
+                let list = self.output.join("written.json");
+                self.global.batch().with_list(&list, "detect")
+            }
+            ResultFormat::Coco | ResultFormat::Bdd => self.global.batch(),
+        }
+    }
+
+    /// The output can be written, and takes the place of no file that it may not: better said before
+    /// the work than after.
+    fn refuse_output(&self) -> Result<(), Failure> {
+        let contract = self.args.contract.as_deref().map(PathBuf::from);
+        let label_map = self.args.label_map.clone();
+        let inputs = [Some(self.model.to_owned()), contract, label_map];
+        self.refuse_among(inputs.into_iter().flatten())?;
+        match self.args.format {
+            ResultFormat::Coco | ResultFormat::Bdd => {
+                self.batch().reserve(self.output)?;
+            }
+            ResultFormat::Kitti => {
+                let folder = self.output.join("data");
+                self.batch().reserve(&folder.join("trial.txt"))?;
+                let batch = self.batch();
+                if folder.is_dir() {
+                    for (_, path) in files_in(&folder, "txt")? {
+                        batch.may_write(&path)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The output is none of these, and holds none of them.
+    pub(super) fn refuse_among(
+        &self,
+        inputs: impl Iterator<Item = PathBuf>,
+    ) -> Result<(), Failure> {
+        let is_folder = self.args.format == ResultFormat::Kitti;
+        // What is not there yet is no input, and in a folder all is.
+        let is_output = |input: &PathBuf| match is_folder {
+            true => is_inside(input, self.output),
+            false => same_file(input, self.output),
+        };
+        if !self.output.exists() {
+            return Ok(());
+        }
+        match { inputs }.find(is_output) {
+            None => Ok(()),
+            Some(input) => Err(DatasetError::OutputIsInput {
+                input,
+                output: self.output.to_owned(),
+            }
+            .into()),
+        }
     }
 
     /// Which class is which category, where the images come from this format; said out loud.
@@ -108,11 +172,15 @@ pub(super) struct Looked {
 
 /// Looks through the images of a dataset.
 fn look(run: &Run<'_>, source: &OsStr) -> Result<Looked, Failure> {
-    let spec = SourceSpec::parse(source)
+    let spec = run
+        .global
+        .spec(source)
         .map_err(|error| Failure::wrong_input(format!("{error}; a clip is clip:FILE")))?;
     let source = Source::open(&spec)?;
-    let detector = run.detector()?;
     let images = images_of(&source, run.args.limit, run.screen)?;
+    let labels = source.files().filter_map(Result::ok).map(|file| file.path);
+    run.refuse_among(labels.chain(images.iter().map(|image| image.path.clone())))?;
+    let detector = run.detector()?;
     let referred = Referred::of(&spec, &images, detector.classes())?;
     let map = run.map(&detector, &referred.labels, source.format().name())?;
     look_at(run, detector, map, &images, referred)
@@ -157,14 +225,9 @@ pub(super) fn interrupted() -> Failure {
 }
 
 /// All files together, or none.
-fn write(
-    format: ResultFormat,
-    output: &Path,
-    detections: &Detections,
-    referred: &Referred,
-) -> Result<(), Failure> {
-    let labels = &referred.labels;
-    let files: Vec<(PathBuf, String)> = match format {
+fn write(run: &Run<'_>, detections: &Detections, referred: &Referred) -> Result<(), Failure> {
+    let (labels, output) = (&referred.labels, run.output);
+    let files: Vec<(PathBuf, String)> = match run.args.format {
         ResultFormat::Coco => vec![(output.to_owned(), detections.to_coco(labels))],
         ResultFormat::Bdd => vec![(output.to_owned(), detections.to_scalabel(labels))],
         ResultFormat::Kitti => {
@@ -178,29 +241,11 @@ fn write(
                 .collect()
         }
     };
-    let mut batch = OutputBatch::new();
+    let mut batch = run.batch();
     for (path, text) in &files {
         batch.stage(path, text.as_bytes())?;
     }
     batch.commit()?;
-    Ok(())
-}
-
-/// The output is none of the inputs, and can be written: better said before the work than after.
-fn refuse_output(args: &DetectArgs, model: &Path, output: &Path) -> Result<(), Failure> {
-    let contract = args.contract.as_deref().map(Path::new);
-    let inputs = [Some(model), contract, args.label_map.as_deref()];
-    if let Some(input) = inputs.into_iter().flatten().find(|&i| same_file(i, output)) {
-        return Err(Failure::wrong_input(format!(
-            "the output {output:?} would replace the input {input:?}; choose another name"
-        )));
-    }
-    let trial_path = match args.format {
-        ResultFormat::Coco | ResultFormat::Bdd => output.to_owned(),
-        ResultFormat::Kitti => output.join("data").join("000000.txt"),
-    };
-    let mut trial = OutputBatch::new_unsynced();
-    trial.stage(&trial_path, b"")?;
     Ok(())
 }
 

@@ -45,8 +45,10 @@ pub(super) fn look(run: &Run<'_>, clip: &Path) -> Result<Looked, Failure> {
         ));
     }
     let video = clip_name(clip);
+    run.refuse_among(std::iter::once(clip.to_owned()))?;
     if is_folder(clip) {
         let files = frame_files(clip)?;
+        run.refuse_among(files.iter().cloned())?;
         check_frame_sizes(&files)?;
         let images: Vec<ImageToSee> = files
             .into_iter()

@@ -8,7 +8,6 @@ mod show;
 use std::process::ExitCode;
 
 use serde_json::Value;
-use starbreak::dataset::OutputBatch;
 use starbreak::divergence::compare_read_sets;
 use starbreak::pipeline::with_threads;
 use starbreak_eval::divergence::{
@@ -33,7 +32,9 @@ pub(crate) fn run(
     if let Some(file) = &args.histograms {
         return given::histograms(file, screen);
     }
-    refuse_to_replace(args)?;
+    if let Some(folder) = &args.output {
+        global.refuse_taken(&FILES.map(|name| folder.join(name)))?;
+    }
     let n_threads = usize::from(global.threads);
     let settings = CompareSettings {
         alpha: args.alpha,
@@ -52,23 +53,24 @@ pub(crate) fn run(
     let interrupt = Interrupt::listen();
     if args.experiment.experiment.is_some() {
         return with_threads(n_threads, || {
-            experiment::run(args, &reading, &settings, &interrupt, screen)
+            experiment::run(global, args, &reading, &settings, &interrupt, screen)
         })?;
     }
     with_threads(n_threads, || {
         let eye = sets::eye(args)?;
-        let sets = sets::read_all(&args.sets, args, &reading, eye.as_ref(), &interrupt, screen)?;
+        let sets = sets::read_all(global, args, &reading, eye.as_ref(), &interrupt, screen)?;
         let eye = eye.as_ref().map(|eye| (eye, args.sigma));
         let report = compare_read_sets(&sets, &reading, &settings, eye)?;
         interrupt.check()?;
         show::report(&report, screen);
         let value = serde_json::to_value(&report).map_err(Failure::wrong_input)?;
-        finish(args, &report, value, screen)
+        finish(global, args, &report, value, screen)
     })?
 }
 
 /// Writes the files, says what failed.
 fn finish(
+    global: &Global,
     args: &DivergenceArgs,
     report: &DivergenceReport,
     value: Value,
@@ -77,7 +79,7 @@ fn finish(
     if let Some(folder) = &args.output {
         let text = serde_json::to_string_pretty(&value).map_err(Failure::wrong_input)?;
         let contents = [text + "\n", divergence_csv(report), divergence_svg(report)];
-        let mut batch = OutputBatch::new();
+        let mut batch = global.batch();
         for (name, content) in FILES.iter().zip(&contents) {
             batch.stage(&folder.join(name), content.as_bytes())?;
         }
@@ -99,19 +101,6 @@ fn finish(
         ),
         code: SOME_FAILED,
     })
-}
-
-fn refuse_to_replace(args: &DivergenceArgs) -> Result<(), Failure> {
-    let Some(folder) = args.output.as_ref().filter(|_| !args.replace) else {
-        return Ok(());
-    };
-    match FILES.iter().find(|name| folder.join(name).exists()) {
-        None => Ok(()),
-        Some(name) => Err(Failure::wrong_input(format!(
-            "{:?} is there already; choose another folder, or give --replace",
-            folder.join(name)
-        ))),
-    }
 }
 
 fn reading(args: &DivergenceArgs) -> ReadSettings {

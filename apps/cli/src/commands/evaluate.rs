@@ -1,10 +1,11 @@
 //! `starbreak evaluate`: labels and detections to numbers.
 
-use std::path::Path;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use starbreak::dataset::{OutputBatch, file_len};
-use starbreak::evaluation::{EvaluateRequest, evaluate_files};
+use starbreak::dataset::{FileSet, OutputBatch, file_len};
+use starbreak::evaluation::{EvaluateRequest, evaluate_files, files_of, label_files};
 use starbreak::pipeline::with_threads;
 use starbreak_eval::evaluation::{Estimate, PairedMetric, PairedRow, ScopeKind};
 use starbreak_eval::{AreaRange, CocoEvaluation, Evaluated, KittiCurve, Protocol};
@@ -22,13 +23,17 @@ pub(crate) fn run(
     if let Some(folder) = &args.output {
         refuse_taken(folder)?;
     }
+    let batch = match &args.output {
+        Some(folder) => report_batch(global, folder, &REPORT_FILES)?,
+        None => global.batch(),
+    };
+    let mut batch = batch.never_over(FileSet::of(&inputs(global, args)?));
     for folder in args.output.iter().chain(&args.curves) {
         // A folder that cannot be written to is known before the work.
-        OutputBatch::new().reserve(&folder.join("report.html"))?;
+        OutputBatch::new().reserve(&folder.join("trial"))?;
     }
     let request = request(global, args);
     let answer = with_threads(usize::from(global.threads), || evaluate_files(&request))??;
-    let mut batch = OutputBatch::new();
     if let Some(folder) = &args.curves {
         for (path, bytes) in &answer.curves {
             batch.stage(&folder.join(path), bytes)?;
@@ -54,6 +59,42 @@ pub(crate) fn run(
     }
     screen.result(|| answer.json)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The files of a report of images.
+const REPORT_FILES: [&str; 5] = [
+    "report.html",
+    "evaluation.json",
+    "numbers.csv",
+    "table.tex",
+    "failures.jsonl",
+];
+
+/// The batch for a report of these files, none of which may be of somebody else. One list is of both
+/// kinds of reports: that of images and that of clips replace each other.
+pub(super) fn report_batch(
+    global: &Global,
+    folder: &Path,
+    names: &[&str],
+) -> Result<OutputBatch, Failure> {
+    let list = folder.join("written.json");
+    let batch = global.batch().with_list(&list, "report");
+    for name in names {
+        batch.may_write(&folder.join(name))?;
+    }
+    Ok(batch)
+}
+
+/// The files that are read.
+fn inputs(global: &Global, args: &EvaluateArgs) -> Result<Vec<PathBuf>, Failure> {
+    let mut inputs = match &args.source {
+        Some(source) => label_files(&global.spec(source)?),
+        None => Vec::new(),
+    };
+    let others = [&args.ground_truth, &args.cracked, &args.clusters];
+    let others = others.into_iter().flatten().chain([&args.clean]);
+    inputs.extend(others.flat_map(|path| files_of(path)));
+    Ok(inputs)
 }
 
 /// The report of a study is not to be replaced by that of something else, and a generated set holds no
@@ -110,16 +151,21 @@ fn request(global: &Global, args: &EvaluateArgs) -> EvaluateRequest {
 
 /// The command line as a shell takes it.
 pub(super) fn command() -> String {
-    let word = |word: std::ffi::OsString| {
-        let word = word.to_string_lossy().into_owned();
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
-        match !word.is_empty() && word.chars().all(is_plain) {
-            true => word,
-            false => format!("'{}'", word.replace('\'', "'\\''")),
-        }
-    };
-    let words: Vec<String> = std::env::args_os().skip(1).map(word).collect();
+    let words: Vec<String> = std::env::args_os()
+        .skip(1)
+        .map(|word| shell_word(&word))
+        .collect();
     format!("starbreak {}", words.join(" "))
+}
+
+/// A word as a shell takes it.
+pub(super) fn shell_word(word: &OsStr) -> String {
+    let word = word.to_string_lossy().into_owned();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word,
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
 }
 
 /// A table for people.

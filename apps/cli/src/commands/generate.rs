@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 use starbreak::Recipe;
 use starbreak::bank::PatternBank;
 use starbreak::dataset::{
-    BadRecord, Carry, DatasetError, Encoding, OutputBatch, Source, SourceSpec, encode_image,
-    is_inside,
+    BadRecord, Carry, DatasetError, Encoding, Source, encode_image, is_inside,
 };
 use starbreak::generate::{
     Event, GenerateOptions, GenerateReport, Patterns, Plan, Preview, Selection, Survey, generate,
@@ -37,7 +36,7 @@ pub(crate) fn run(
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     if let Some(overlays) = &args.overlays
-        && is_inside(&args.output, overlays)
+        && (is_inside(&args.output, overlays) || is_inside(overlays, &args.output))
     {
         return Err(DatasetError::OutputInInput {
             input: overlays.clone(),
@@ -54,7 +53,7 @@ pub(crate) fn run(
     let context = RunContext::new(&recipe, global.seed(), &args.output)?;
     refuse_outputs(&context.settings.output)?;
     let options = options_of(args);
-    let source = Source::open(&SourceSpec::parse(&args.source)?)?;
+    let source = Source::open(&global.spec(&args.source)?)?;
     let survey = survey(&source, options.selection, global.seed());
     mind_bad_records(&survey, args.on_error, screen)?;
     if survey.n_strays > 0 {
@@ -224,7 +223,7 @@ fn dry_run(global: &Global, plan: &Plan<'_>, screen: &Screen) -> Result<ExitCode
             global.seed
         );
         let sheet = encode_image(&contact_sheet(&title, &cells)?.into(), &Encoding::Png, None)?;
-        let mut batch = OutputBatch::new();
+        let mut batch = global.batch();
         batch.stage(&sheet_path, &sheet)?;
         batch.commit()?;
     }

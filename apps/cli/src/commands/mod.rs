@@ -103,7 +103,6 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             most_sizes,
             overlays,
             overlay,
-            replace,
             info,
             check,
         } => match (info, check, n, output) {
@@ -120,20 +119,14 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
                         n,
                         sizes: size,
                         output,
-                        replace,
                     };
                     return overlay_bank::run(global, &request, screen);
                 }
                 let sizes = match sizes_of {
-                    Some(source) => patterns::sizes_of(&source, most_sizes, screen)?,
+                    Some(source) => patterns::sizes_of(global, &source, most_sizes, screen)?,
                     None => size,
                 };
-                let request = patterns::Request {
-                    n,
-                    output,
-                    sizes,
-                    replace,
-                };
+                let request = patterns::Request { n, output, sizes };
                 patterns::run(global, &request, screen)
             }
             _ => Err(Failure::wrong_input(
@@ -162,6 +155,6 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             bench::run(global, &request, screen)
         }
         Verb::Completions { shell } => shell::completions(shell, screen),
-        Verb::Man { output } => shell::man_pages(&output, screen),
+        Verb::Man { output } => shell::man_pages(global, &output, screen),
     }
 }

@@ -12,7 +12,7 @@ use starbreak::bank::{
 use starbreak::overlay::OverlayOptions;
 use starbreak::pipeline::with_threads;
 
-use super::patterns::{bytes_text, refuse_to_replace};
+use super::patterns::bytes_text;
 use crate::args::Global;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -25,7 +25,6 @@ pub(crate) struct Request {
     pub(crate) n: u32,
     pub(crate) sizes: Vec<(u32, u32)>,
     pub(crate) output: PathBuf,
-    pub(crate) replace: bool,
 }
 
 /// Makes a bank.
@@ -42,9 +41,7 @@ pub(crate) fn run(
     };
     let to = request.output.join(OVERLAY_BANK_FILE);
     let table = request.output.join("overlays.csv");
-    if !request.replace {
-        refuse_to_replace(&to)?;
-    }
+    global.refuse_taken(&[to.clone(), table.clone()])?;
     let interrupt = Interrupt::listen();
     let started = Instant::now();
     let progress = screen.progress(u64::from(request.n), "patterns");
@@ -55,7 +52,7 @@ pub(crate) fn run(
             request.n as usize,
             size,
             global.seed(),
-            &to,
+            (global.batch(), &to),
             interrupt.flag(),
             || progress.step(),
         )

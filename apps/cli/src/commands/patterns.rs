@@ -1,14 +1,13 @@
 //! `starbreak patterns`: a bank of cracks, simulated and baked once for any number of images.
 
 use std::ffi::OsStr;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
 use starbreak::bank::{BANK_FILE, BankHeader, BankReport, FrameSizes, PatternBank, write_bank};
-use starbreak::dataset::{Source, SourceSpec};
+use starbreak::dataset::Source;
 use starbreak::pipeline::{RunContext, with_threads};
 
 use super::pattern_statistics::{Statistics, csv, figure};
@@ -22,16 +21,16 @@ pub(crate) struct Request {
     pub(crate) n: u32,
     pub(crate) output: PathBuf,
     pub(crate) sizes: Vec<(u32, u32)>,
-    pub(crate) replace: bool,
 }
 
 /// The most frequent frame sizes of a dataset.
 pub(crate) fn sizes_of(
+    global: &Global,
     source: &OsStr,
     most: u16,
     screen: &Screen,
 ) -> Result<Vec<(u32, u32)>, Failure> {
-    let source = Source::open(&SourceSpec::parse(source)?)?;
+    let source = Source::open(&global.spec(source)?)?;
     let found = FrameSizes::of(&source);
     let (sizes, n_others) = found.most_frequent(usize::from(most));
     if sizes.is_empty() {
@@ -64,7 +63,8 @@ pub(crate) fn run(
 ) -> Result<ExitCode, Failure> {
     let Request { n, output, .. } = request;
     let recipe = global.recipe()?;
-    let context = RunContext::new(&recipe, global.seed(), output)?;
+    let mut context = RunContext::new(&recipe, global.seed(), output)?;
+    context.replaces = global.replace;
     let to = output.join(BANK_FILE);
     let beside = |name: &str| output.join(name);
     let paths = [
@@ -72,12 +72,10 @@ pub(crate) fn run(
         beside("statistics.svg"),
         beside("statistics.png"),
     ];
-    let mut all = paths.to_vec();
-    all.push(to.clone());
+    let all = [std::slice::from_ref(&to), &paths[..]].concat();
     global.refuse_recipe_among(&all)?;
-    if !request.replace {
-        refuse_to_replace(&to)?;
-    }
+    // A bank is hours of work to some; neither it nor what lies there is replaced by the way.
+    global.refuse_taken(&all)?;
     let interrupt = Interrupt::listen();
     let started = Instant::now();
     let progress = screen.progress(u64::from(*n), "patterns");
@@ -116,16 +114,6 @@ pub(crate) fn run(
         result
     })?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// A bank is hours of work to some; it is not replaced by the way.
-pub(super) fn refuse_to_replace(to: &Path) -> Result<(), Failure> {
-    if fs::symlink_metadata(to).is_err() {
-        return Ok(());
-    }
-    Err(Failure::wrong_input(format!(
-        "there is a bank {to:?} already; choose another folder, or give --replace"
-    )))
 }
 
 /// Header and totals of a bank.

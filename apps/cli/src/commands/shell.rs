@@ -5,9 +5,8 @@ use std::process::ExitCode;
 
 use clap::CommandFactory as _;
 use serde_json::json;
-use starbreak::dataset::OutputBatch;
 
-use crate::args::Args;
+use crate::args::{Args, Global};
 use crate::failure::Failure;
 use crate::screen::{Screen, path_text};
 
@@ -21,10 +20,14 @@ pub(crate) fn completions(
     Ok(ExitCode::SUCCESS)
 }
 
-pub(crate) fn man_pages(output: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn man_pages(
+    global: &Global,
+    output: &Path,
+    screen: &Screen,
+) -> Result<ExitCode, Failure> {
     let mut command = Args::command();
     command.build();
-    let mut batch = OutputBatch::new();
+    let mut batch = global.batch();
     let mut names = Vec::new();
     let pages = std::iter::once(command.clone()).chain(command.get_subcommands().cloned());
     for page in pages {

@@ -117,7 +117,7 @@ pub(crate) fn run(
         network.to_json()
     };
 
-    let mut batch = OutputBatch::new();
+    let mut batch = global.batch();
     if let Some(path) = &request.output {
         batch.stage(path, json.as_bytes())?;
     }
@@ -125,6 +125,10 @@ pub(crate) fn run(
         batch.stage(path, network.to_svg().as_bytes())?;
     }
     if let Some((n_frames, to)) = &request.frames {
+        if !is_animation(to) {
+            // Frames of an earlier run do not stay among these.
+            batch = batch.with_list(&to.join("written.json"), "simulate");
+        }
         stage_frames(
             &settings,
             &simulated,
@@ -178,17 +182,13 @@ fn stage_frames(
         _ => pipeline::view(settings, size.0, size.1)?,
     };
     let drawings = times.map(|time| growth_drawing(network, &view, time, 1.0));
-    let extension = to
-        .extension()
-        .map(|extension| extension.to_string_lossy().to_lowercase())
-        .unwrap_or_default();
+    let extension = extension(to);
     if ["gif", "webp", "mp4", "jpg", "jpeg", "avi", "mov"].contains(&extension.as_str()) {
         return Err(Failure::wrong_input(format!(
             "--frames-to {to:?}: animations are written as PNG; name a file that ends in .png, or a folder"
         )));
     }
-    let animated = ["png", "apng"].contains(&extension.as_str());
-    if animated {
+    if is_animation(to) {
         batch.stage(
             to,
             &encode_animation(drawings, &AnimationParams::default())?,
@@ -202,6 +202,16 @@ fn stage_frames(
         }
     }
     interrupt.check()
+}
+
+/// Whether frames go into one file.
+fn is_animation(to: &Path) -> bool {
+    ["png", "apng"].contains(&extension(to).as_str())
+}
+
+fn extension(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default();
+    extension.to_string_lossy().to_lowercase()
 }
 
 fn describe(simulated: &Simulated) -> String {

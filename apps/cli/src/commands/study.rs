@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Mutex;
 
-use starbreak::dataset::{Source, SourceSpec, sha256_file};
+use starbreak::dataset::{Source, sha256_file};
 use starbreak::generate::{Selection, Survey, refuse_outputs, survey};
 use starbreak::pipeline::with_threads;
 use starbreak::study::{
@@ -26,7 +26,7 @@ use crate::screen::{Progress, Screen};
 
 pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<ExitCode, Failure> {
     let conditions = conditions_of(global, args)?;
-    let spec = SourceSpec::parse(&args.source)?;
+    let spec = global.spec(&args.source)?;
     let truth = GroundTruth::of_dataset(&spec, args.protocol.map(Into::into))?;
     let source = Source::open(&spec)?;
     let selection = Selection {
@@ -84,6 +84,7 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
         truth: &truth,
         divergence,
         seed: global.seed,
+        replaces: global.replace,
     };
     screen.say("evaluating: intervals and tests");
     with_threads(usize::from(global.threads), || report.write(screen))??;

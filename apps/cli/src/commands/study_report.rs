@@ -1,9 +1,9 @@
 //! What a study writes once all is found.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use starbreak::dataset::{IndexFiles, OutputBatch, SourceSpec};
+use starbreak::dataset::{FileSet, OutputBatch, SourceSpec};
 use starbreak::evaluation::{files_of, label_files};
 use starbreak::study::{StudyPlan, StudyRuns};
 use starbreak_eval::GroundTruth;
@@ -26,6 +26,8 @@ pub(super) struct StudyReport<'a> {
     pub(super) truth: &'a GroundTruth,
     pub(super) divergence: Option<DivergenceResults>,
     pub(super) seed: u64,
+    /// Whether files may be replaced that the study has not written.
+    pub(super) replaces: bool,
 }
 
 impl StudyReport<'_> {
@@ -34,7 +36,9 @@ impl StudyReport<'_> {
     pub(super) fn write(&self, screen: &Screen) -> Result<(), Failure> {
         let study = self.numbers()?;
         let out = &self.args.output;
-        let mut batch = OutputBatch::new();
+        let batch = OutputBatch::new().replacing(self.replaces);
+        let batch = batch.never_over(FileSet::of(&self.read_files()?));
+        let mut batch = batch.with_list(&out.join("written.json"), "study");
         let labels = &self.truth.labels;
         for (detector, found) in self.plan.detectors.iter().zip(&self.runs.detectors) {
             let folder = out.join("detections").join(&detector.name);
@@ -105,13 +109,21 @@ impl StudyReport<'_> {
         (24 / n_cells).clamp(1, 6)
     }
 
+    /// The files that a report must not replace.
+    fn read_files(&self) -> Result<Vec<PathBuf>, Failure> {
+        let args = self.args;
+        let mut files = label_files(&SourceSpec::parse(&args.source)?);
+        files.extend(args.model.iter().chain(&args.label_map).cloned());
+        files.extend(args.recipes.iter().cloned());
+        files.extend(args.contract.iter().map(PathBuf::from));
+        files.extend(args.clusters.iter().flat_map(|path| files_of(path)));
+        Ok(files)
+    }
+
     fn inputs(&self) -> Result<Vec<InputFile>, Failure> {
         let mut inputs = Vec::new();
         let spec = SourceSpec::parse(&self.args.source)?;
-        let labels = match IndexFiles::of(&spec) {
-            Ok(index) => index.names.iter().map(|name| index.path(name)).collect(),
-            Err(_) => label_files(&spec.path),
-        };
+        let labels = label_files(&spec);
         if !labels.is_empty() {
             let source = self.args.source.to_string_lossy();
             inputs.push(InputFile::of("labels", &source, &labels)?);

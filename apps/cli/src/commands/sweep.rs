@@ -6,10 +6,12 @@ use std::process::ExitCode;
 
 use serde_json::{Value, json};
 use starbreak::dataset::{
-    Encoding, ImageFile, ImageLimits, OutputBatch, encode_image, read_image, same_file,
+    Encoding, FileSet, ImageFile, ImageLimits, blake3_file, encode_image, files_in, listed_files,
+    read_image, same_file,
 };
 use starbreak::pipeline::{
-    ImageJob, RunContext, Simulated, Stopwatch, Written, plan_images, simulate, stage_shown,
+    ImageJob, PROVENANCE_SCHEMA, RunContext, Simulated, Stopwatch, Written, plan_images, simulate,
+    stage_shown,
 };
 use starbreak::{CameraSettings, FractureSettings};
 
@@ -28,6 +30,31 @@ struct Step {
     value: String,
     context: RunContext,
     written: Written,
+}
+
+/// The pictures and records of an earlier sweep over the same image.
+fn of_earlier_run(job: &ImageJob, out: &Path) -> Result<Vec<(PathBuf, String)>, Failure> {
+    if !out.is_dir() {
+        return Ok(Vec::new());
+    }
+    let step = |stem: &str| -> Option<()> {
+        let (number, _) = stem
+            .strip_prefix(&job.stem)?
+            .strip_prefix('.')?
+            .split_once('-')?;
+        number.parse::<u32>().ok().map(drop)
+    };
+    let mut files = Vec::new();
+    for (stem, record) in files_in(out, "json")? {
+        if step(&stem).is_some() {
+            let written = listed_files(&record, PROVENANCE_SCHEMA, Some(&job.name));
+            if !written.is_empty() {
+                files.push((record.clone(), blake3_file(&record)?));
+            }
+            files.extend(written);
+        }
+    }
+    Ok(files)
 }
 
 /// Cracks, and what they depend on.
@@ -64,7 +91,10 @@ pub(crate) fn run(
     let file = read_image(input, &ImageLimits::default())?;
 
     let progress = screen.progress(values.len() as u64, "values");
-    let mut batch = OutputBatch::new();
+    let inputs = [Some(input.to_owned()), global.recipe.clone()];
+    let inputs = FileSet::of(&inputs.into_iter().flatten().collect::<Vec<_>>());
+    let mut batch = global.batch().never_over(inputs);
+    batch.take_over(of_earlier_run(job, out)?);
     let mut steps = Vec::with_capacity(values.len());
     let mut cells = Vec::with_capacity(values.len());
     let mut cracks: Option<Cracks> = None;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::json;
-use starbreak::dataset::{OutputBatch, file_len, same_file};
+use starbreak::dataset::same_file;
 use starbreak::evaluation::{files_of, stem_of};
 use starbreak::pipeline::with_threads;
 use starbreak_eval::evaluation::{
@@ -17,7 +17,7 @@ use starbreak_eval::{
     LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
 };
 
-use super::evaluate::{command, refuse_taken};
+use super::evaluate::{command, refuse_taken, report_batch};
 use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
@@ -40,9 +40,13 @@ pub(crate) fn run(
 }
 
 fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
-    if let Some(folder) = &args.output {
-        refuse_taken(folder)?;
-    }
+    let batch = match &args.output {
+        Some(folder) => {
+            refuse_taken(folder)?;
+            report_batch(global, folder, &FILES)?
+        }
+        None => global.batch(),
+    };
     let tracks = Tracks::read(args)?;
     let settings = ClipSettings {
         score_threshold: args.score_threshold,
@@ -71,20 +75,16 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
     if let Some(folder) = &args.output {
         let clips = evaluation.timelines.iter();
         let names: Vec<&str> = clips.map(|clip| clip.clip.as_str()).collect();
-        let mut batch = OutputBatch::new();
-        let mut left_over = Vec::new();
-        let replaces_report = file_len(&folder.join("evaluation.json")).is_ok();
+        // The files of a report of images, which there is more of, go with it.
+        let mut batch = batch;
         for (name, text) in report_files(&study)? {
             let path = folder.join(name);
             refuse_input(args, &tracks, &names, &path)?;
             if FILES.contains(&name) {
                 batch.stage(&path, text.as_bytes())?;
-            } else if replaces_report {
-                left_over.push(path);
             }
         }
         batch.commit()?;
-        left_over.iter().try_for_each(|path| remove(path))?;
     }
     for warning in &evaluation.warnings {
         screen.note(&format!("warning: {}", warning.text));
@@ -110,18 +110,6 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
             "pooled_clips": evaluation.pooled_clips,
         })
     })
-}
-
-/// Removes a file of the report that this one replaces, if it is there.
-fn remove(path: &Path) -> Result<(), Failure> {
-    match std::fs::remove_file(path) {
-        Err(cause) if cause.kind() != std::io::ErrorKind::NotFound => {
-            Err(Failure::wrong_input(format!(
-                "{path:?} is of the report that was here before and cannot be removed: {cause}"
-            )))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// No file of the report takes the place of one that was read.

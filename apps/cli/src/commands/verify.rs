@@ -3,10 +3,11 @@
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
-use starbreak::dataset::{Finding, Source, SourceSpec, merge_sets};
+use starbreak::dataset::{Finding, Source, merge_sets};
 use starbreak::generate::{RegenerateReport, VerifyReport, regenerate, verify};
 use starbreak::pipeline::with_threads;
 
+use super::evaluate::shell_word;
 use super::generate::patterns;
 use crate::args::Global;
 use crate::args::generate::{HowMany, MergeArgs, VerifyArgs};
@@ -37,7 +38,7 @@ pub(crate) fn run(
     show(&checked.findings, screen);
     let again = match (&args.source, args.regenerate) {
         (Some(source), Some(how_many)) => {
-            let source = Source::open(&SourceSpec::parse(source)?)?;
+            let source = Source::open(&global.spec(source)?)?;
             let photos = args.overlay.read_folder(args.overlays.as_deref())?;
             let patterns = patterns(args.bank.as_deref(), args.network.as_deref(), photos)?;
             let n = match how_many {
@@ -65,24 +66,75 @@ pub(crate) fn run(
         _ => None,
     };
     screen.say(&summary(args, &checked, again.as_ref()));
-    screen.result(|| result_json(args, &checked, again.as_ref()))?;
+    screen.result(|| result_json(global, args, &checked, again.as_ref()))?;
     if interrupt.is_set() {
         return Err(Failure::interrupted(
             "interrupted: the check is not complete",
         ));
     }
-    let n_findings = checked.findings.len() + again.map_or(0, |again| again.findings.len());
+    let n_findings =
+        checked.findings.len() + again.as_ref().map_or(0, |again| again.findings.len());
     if n_findings == 0 {
         return Ok(ExitCode::SUCCESS);
     }
+    let mends = mends(global, args, &checked);
+    for mend in &mends {
+        screen.say(&format!("to mend it: {mend}"));
+    }
     Err(Failure {
         message: format!(
-            "{:?} is not as it should be: {n_findings} findings; the `generate` that made it makes anew what is \
-             missing or altered",
-            args.folder
+            "{:?} is not as it should be: {n_findings} findings{}",
+            args.folder,
+            if mends.is_empty() {
+                "; the same `starbreak generate` that made it mends it"
+            } else {
+                "; the commands above mend it"
+            }
         ),
         code: SOME_FAILED,
     })
+}
+
+/// The commands that mend what was found, as a shell takes them.
+fn mends(global: &Global, args: &VerifyArgs, checked: &VerifyReport) -> Vec<String> {
+    let (foreign, own): (Vec<&Finding>, Vec<&Finding>) = checked
+        .findings
+        .iter()
+        .partition(|finding| finding.is_foreign);
+    let mut mends = Vec::new();
+    if !foreign.is_empty() {
+        let files = foreign
+            .iter()
+            .map(|finding| args.folder.join(&finding.name));
+        let files: Vec<String> = files.map(|file| shell_word(file.as_os_str())).collect();
+        mends.push(format!("rm -- {}", files.join(" ")));
+    }
+    // What the flags were is not known where that is damaged.
+    let is_run_file = |finding: &&Finding| finding.name == "starbreak/run.json";
+    if own.iter().any(is_run_file) {
+        return mends;
+    }
+    if !own.is_empty() {
+        let format = checked.identity["source"]["format"]
+            .as_str()
+            .unwrap_or_default();
+        let source = match &args.source {
+            Some(source) => shell_word(source),
+            None => format!("{format}:PATH"),
+        };
+        let folder = shell_word(args.folder.as_os_str());
+        let links = global.follow_links.then(|| "--follow-links".to_owned());
+        let flags = checked
+            .generate_flags(&args.folder)
+            .into_iter()
+            .chain(links);
+        let flags: Vec<String> = flags.map(|flag| shell_word(flag.as_ref())).collect();
+        mends.push(format!(
+            "starbreak generate {source} -o {folder} {}",
+            flags.join(" ")
+        ));
+    }
+    mends
 }
 
 pub(crate) fn merge(args: &MergeArgs, screen: &Screen) -> Result<ExitCode, Failure> {
@@ -127,8 +179,14 @@ fn summary(args: &VerifyArgs, checked: &VerifyReport, again: Option<&RegenerateR
             again.n_made, again.n_same_bytes
         )
     });
+    let unchecked = match args.regenerate {
+        Some(HowMany::All) => "",
+        _ => {
+            "; not checked: whether the images are what source and recipe give (--source FORMAT:PATH --regenerate all)"
+        }
+    };
     format!(
-        "{}: {} images and {} other files hashed, {} findings{again}",
+        "{}: {} images and {} other files hashed, {} findings{again}{unchecked}",
         args.folder.display(),
         checked.n_items,
         checked.n_files,
@@ -137,6 +195,7 @@ fn summary(args: &VerifyArgs, checked: &VerifyReport, again: Option<&RegenerateR
 }
 
 fn result_json(
+    global: &Global,
     args: &VerifyArgs,
     checked: &VerifyReport,
     again: Option<&RegenerateReport>,
@@ -153,6 +212,7 @@ fn result_json(
         "n_items": checked.n_items,
         "n_files": checked.n_files,
         "findings": listed(&checked.findings),
+        "mend": mends(global, args, checked),
         "regenerated": again.map(|again| {
             json!({
                 "n_made": again.n_made,

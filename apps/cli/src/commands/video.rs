@@ -25,6 +25,7 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
     let imported = network_file::read(network.as_deref(), &outputs)?;
     let context = RunContext {
         imported,
+        replaces: global.replace,
         ..context
     };
     let interrupt = Interrupt::listen();

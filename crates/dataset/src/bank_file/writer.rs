@@ -67,14 +67,19 @@ pub struct BankWriter {
 }
 
 impl BankWriter {
-    /// Begins a bank that is to be at `path`, with a header that this crate does not read.
+    /// Begins a bank that is to be at `path`, with a header that this crate does not read. It becomes
+    /// a file of the batch.
     ///
     /// # Errors
-    /// [`DatasetError::Write`] and [`DatasetError::DestinationNotAFile`] as for
+    /// [`DatasetError::Taken`], [`DatasetError::Write`] and [`DatasetError::DestinationNotAFile`] as for
     /// [`OutputBatch::stage`], [`DatasetError::Bank`] for a header of more than 16 MiB.
-    pub fn create(path: &Path, header: &[u8]) -> Result<Self, DatasetError> {
+    pub fn create(
+        mut batch: OutputBatch,
+        path: &Path,
+        header: &[u8],
+    ) -> Result<Self, DatasetError> {
         let n_header = n_within(path, "a header", header.len(), MAX_HEADER)?;
-        let mut batch = OutputBatch::new();
+        batch.may_fill(path)?;
         let (file, staged) = batch.begin(path)?;
         let mut head = [0; HEAD];
         head[..8].copy_from_slice(&MAGIC);

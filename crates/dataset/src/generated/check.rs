@@ -7,11 +7,12 @@ use std::path::Path;
 
 use serde::de::IgnoredAny;
 use serde_json::Value;
-use sha2::{Digest as _, Sha256};
 
+use super::known::MADE_LOG;
 use super::lists::{Manifest, read_list, read_manifest};
 use super::{
     CarriedFile, ItemRecord, MAX_RECORD_BYTES, SET_SCHEMA, STATE_FOLDER, SetLayout, is_there,
+    name_head,
 };
 use crate::error::DatasetError;
 use crate::provenance::{blake3_file, sha256_file};
@@ -24,6 +25,9 @@ pub struct Finding {
     pub name: String,
     /// What is wrong with it.
     pub what: String,
+    /// Whether it is a file that the set has not: to mend that, remove it. All else the run that made
+    /// the set makes anew.
+    pub is_foreign: bool,
 }
 
 impl fmt::Display for Finding {
@@ -113,6 +117,7 @@ impl SetChecker {
         Ok((!is_as_meant).then(|| Finding {
             name: format!("{STATE_FOLDER}/manifest.json"),
             what: "does not say what the lists hold".to_owned(),
+            is_foreign: false,
         }))
     }
 
@@ -124,24 +129,38 @@ impl SetChecker {
         let mut findings = Vec::new();
         let recipe_sha256 = self.identity["recipe_sha256"].as_str().unwrap_or_default();
         let recipe_sha256 = recipe_sha256.to_owned();
-        let lists: [(_, DigestOf, _); 4] = [
-            ("run.json", blake3_file, &self.manifest.run_blake3),
-            ("recipe.toml", sha256_file, &recipe_sha256),
-            ("items.jsonl", blake3_file, &self.manifest.items_blake3),
-            ("files.jsonl", blake3_file, &self.manifest.files_blake3),
+        let manifest = &self.manifest;
+        let lists: [(_, DigestOf, _); 6] = [
+            ("run.json", blake3_file, Some(&manifest.run_blake3)),
+            ("recipe.toml", sha256_file, Some(&recipe_sha256)),
+            ("items.jsonl", blake3_file, Some(&manifest.items_blake3)),
+            ("files.jsonl", blake3_file, Some(&manifest.files_blake3)),
+            (
+                "failures.jsonl",
+                blake3_file,
+                manifest.failures_blake3.as_ref(),
+            ),
+            (
+                "skipped.jsonl",
+                blake3_file,
+                manifest.skipped_blake3.as_ref(),
+            ),
         ];
         for (name, digest_of, digest) in lists {
             let path = self.layout.state(name);
-            let what = if !is_there(&path)? {
-                "is missing"
-            } else if digest_of(&path)? != *digest {
-                "is not the one that the manifest means"
-            } else {
-                continue;
+            let what = match (is_there(&path)?, digest) {
+                (false, None) => continue,
+                (false, Some(_)) => "is missing",
+                (true, None) => "is there, and the run that made the set wrote none",
+                (true, Some(digest)) if digest_of(&path)? != *digest => {
+                    "is not the one that the manifest means"
+                }
+                (true, Some(_)) => continue,
             };
             findings.push(Finding {
                 name: format!("{STATE_FOLDER}/{name}"),
                 what: what.to_owned(),
+                is_foreign: false,
             });
         }
         Ok(findings)
@@ -176,7 +195,7 @@ impl SetChecker {
 
     /// Takes the name of a file for known.
     pub fn know(&mut self, name: &str) {
-        self.names.insert(head(name));
+        self.names.insert(name_head(name));
     }
 
     /// Whether the files of an image are there with the right bytes.
@@ -194,6 +213,7 @@ impl SetChecker {
             Some(Finding {
                 name: name.to_owned(),
                 what,
+                is_foreign: false,
             })
         };
         let Some(path) = super::safe_path(self.layout.root(), name) else {
@@ -233,10 +253,11 @@ impl SetChecker {
                     .replace(std::path::MAIN_SEPARATOR, "/");
                 if fs::symlink_metadata(&path).is_ok_and(|file| file.is_dir()) {
                     folders.push(path);
-                } else if !is_own(&name) && !self.names.contains(&head(&name)) {
+                } else if !is_own(&name) && !self.names.contains(&name_head(&name)) {
                     findings.push(Finding {
                         name,
                         what: "does not belong to the set".to_owned(),
+                        is_foreign: true,
                     });
                 }
             }
@@ -266,10 +287,11 @@ impl SetChecker {
 
 /// Whether a name is one of the few of the state folder itself.
 fn is_own(name: &str) -> bool {
-    const OWN: [&str; 8] = [
+    const OWN: [&str; 9] = [
         "run.json",
         "recipe.toml",
         "items.jsonl",
+        MADE_LOG,
         "files.jsonl",
         "manifest.json",
         "failures.jsonl",
@@ -283,11 +305,3 @@ fn is_own(name: &str) -> bool {
 
 /// A digest of a file.
 type DigestOf = fn(&Path) -> Result<String, DatasetError>;
-
-/// The first 64 bits of a name's SHA-256.
-fn head(name: &str) -> u64 {
-    let digest = Sha256::digest(name.as_bytes());
-    let mut head = [0; 8];
-    head.copy_from_slice(&digest[..8]);
-    u64::from_be_bytes(head)
-}

@@ -20,6 +20,11 @@ pub(super) fn read(path: &Path) -> Result<Value, DatasetError> {
     Ok(identity)
 }
 
+/// What the `run.json` of an identity holds.
+pub(super) fn text(identity: &Value) -> String {
+    format!("{identity:#}\n")
+}
+
 /// Refuses a set of another identity, naming the first thing in which the two differ.
 ///
 /// # Errors

@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 
 use serde::{Deserialize, Serialize};
 
-use super::{GeneratedSet, MAX_RECORD_BYTES, SetLayout};
+use super::{GeneratedSet, MAX_ITEM_BYTES, SetLayout};
 use crate::error::DatasetError;
 use crate::provenance::{blake3_file, blake3_hex};
 use crate::source::LabeledObject;
@@ -32,14 +32,31 @@ pub struct ItemRecord {
     pub provenance_blake3: String,
 }
 
+impl ItemRecord {
+    /// Its line in the list, without the end.
+    pub(super) fn to_line(&self) -> String {
+        // A record of texts and numbers always has a JSON form.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
 impl GeneratedSet {
     /// The record of a sample that is done: its provenance, which is put in place last, is there
-    /// and belongs to this run, and so are its pictures. None where it is still to be done.
+    /// as it was written, and so are its pictures. None where it is still to be done.
     ///
     /// # Errors
     /// [`DatasetError::Read`] where the disk cannot be asked.
     pub fn done(&self, name: &str, sample_idx: u32) -> Result<Option<ItemRecord>, DatasetError> {
-        self.layout.done(name, sample_idx)
+        let done = self.layout.done(name, sample_idx)?;
+        Ok(done.filter(|item| self.known.has(item)))
+    }
+
+    /// Notes a sample whose files have just been put in place.
+    ///
+    /// # Errors
+    /// [`DatasetError::Write`].
+    pub fn note_made(&self, item: &ItemRecord) -> Result<(), DatasetError> {
+        self.known.note(item)
     }
 }
 
@@ -96,7 +113,7 @@ impl SetLayout {
     pub fn done(&self, name: &str, sample_idx: u32) -> Result<Option<ItemRecord>, DatasetError> {
         let files = self.files_of(name, sample_idx);
         let path = self.path(&files.provenance);
-        let file = match read_text(&path, MAX_RECORD_BYTES) {
+        let file = match read_text(&path, MAX_ITEM_BYTES) {
             Ok(file) => file,
             Err(DatasetError::Read { source, .. }) if source.kind() == ErrorKind::NotFound => {
                 return Ok(None);
@@ -135,7 +152,7 @@ impl SetLayout {
     #[must_use]
     pub fn has_labels(&self, name: &str, sample_idx: u32, objects: &[LabeledObject]) -> bool {
         let path = self.path(&self.files_of(name, sample_idx).provenance);
-        let Ok(file) = read_text(&path, MAX_RECORD_BYTES) else {
+        let Ok(file) = read_text(&path, MAX_ITEM_BYTES) else {
             return false;
         };
         serde_json::from_str::<Labels>(&file.text).is_ok_and(|labels| {

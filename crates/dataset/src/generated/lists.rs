@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{CarriedFile, GeneratedSet, ItemRecord, SetLayout, read_json};
 use crate::error::{DatasetError, one_line};
+use crate::provenance::blake3_file;
 
 /// What a finished run says of its set: `manifest.json`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,19 +30,26 @@ pub struct Manifest {
     pub items_blake3: String,
     /// BLAKE3 of `files.jsonl`.
     pub files_blake3: String,
+    /// BLAKE3 of `failures.jsonl`, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failures_blake3: Option<String>,
+    /// BLAKE3 of `skipped.jsonl`, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub skipped_blake3: Option<String>,
 }
 
 impl GeneratedSet {
-    /// Writes the lists and the manifest.
+    /// Writes the lists and the manifest of `n_taken` samples, of which some failed.
     ///
     /// # Errors
-    /// [`DatasetError::Write`], and what the items say.
+    /// [`DatasetError::Write`], what the items say, and [`DatasetError::LostItems`] where they and the
+    /// failures are not as many as were taken.
     pub fn finish(
         &self,
         items: &mut dyn Iterator<Item = Result<ItemRecord, DatasetError>>,
         files: &[CarriedFile],
-        n_failed: u64,
-        n_skipped: u64,
+        n_taken: u64,
+        [n_failed, n_skipped]: [u64; 2],
     ) -> Result<Manifest, DatasetError> {
         let mut n_items = 0;
         let items = self.put_list("items.jsonl", &mut |line| {
@@ -51,6 +59,14 @@ impl GeneratedSet {
                 Ok(true)
             })
         })?;
+        if n_items + n_failed != n_taken {
+            return Err(DatasetError::LostItems {
+                path: self.layout.root().to_owned(),
+                n_items,
+                n_failed,
+                n_taken,
+            });
+        }
         let mut rest = files.iter();
         let files_list = self.put_list("files.jsonl", &mut |line| {
             Ok(rest.next().map(|file| push_line(line, file)).is_some())
@@ -61,12 +77,22 @@ impl GeneratedSet {
             n_failed,
             n_skipped,
             n_files: files.len() as u64,
-            run_blake3: crate::provenance::blake3_file(&self.layout.state("run.json"))?,
+            run_blake3: blake3_file(&self.layout.state("run.json"))?,
             items_blake3: items.blake3,
             files_blake3: files_list.blake3,
+            failures_blake3: self.hash_if_there("failures.jsonl")?,
+            skipped_blake3: self.hash_if_there("skipped.jsonl")?,
         };
         self.put_state("manifest.json", Some(&manifest.to_text()))?;
+        // The list has its lines now.
+        self.put_state(super::MADE_LOG, None)?;
         Ok(manifest)
+    }
+
+    fn hash_if_there(&self, name: &str) -> Result<Option<String>, DatasetError> {
+        let path = self.layout.state(name);
+        let is_there = super::is_there(&path)?;
+        is_there.then(|| blake3_file(&path)).transpose()
     }
 
     /// Writes a list of the state folder, line by line, until there is no next.

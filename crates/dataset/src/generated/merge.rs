@@ -53,8 +53,9 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
     for (name, (part, file)) in &files {
         part.give(&set, name, &file.blake3)?;
     }
-    let (mut n_failed, mut n_skipped) = (0, 0);
+    let (mut n_taken, mut n_failed, mut n_skipped) = (0, 0, 0);
     for part in parts.values() {
+        n_taken += part.manifest.n_items + part.manifest.n_failed;
         n_failed += part.manifest.n_failed;
         // Each shard has seen the whole source.
         n_skipped = n_skipped.max(part.manifest.n_skipped);
@@ -88,7 +89,7 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
     let n_shards = parts.len() as u64;
     let files: Vec<CarriedFile> = files.into_values().map(|(_, file)| file).collect();
     let mut items = in_order(&parts)?;
-    let manifest = set.finish(&mut items, &files, n_failed, n_skipped)?;
+    let manifest = set.finish(&mut items, &files, n_taken, [n_failed, n_skipped])?;
     Ok(MergeReport { manifest, n_shards })
 }
 

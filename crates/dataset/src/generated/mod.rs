@@ -10,18 +10,21 @@
 //! | `recipe.toml` | the recipe |
 //! | `regions/`, `cracks/`, `provenance/` | the source's tree again: two masks and a record for each image |
 //! | `items.jsonl` | a line of hashes for each image, in the order of the source |
+//! | `made.jsonl` | the lines of what was made since, while a run is at work or was interrupted |
 //! | `files.jsonl` | a line for each file that was carried over |
 //! | `manifest.json` | there once the set is whole: counts, and the hashes of the two lists |
 //! | `failures.jsonl`, `skipped.jsonl` | what could not be done, where there is such |
 //! | `lock` | empty; locked while a run is at work |
 //!
 //! A file stands under its name only when it is whole, and the record of an image is put in place
-//! after its pictures. So a run that was killed at any moment goes on where it was.
+//! after its pictures. So a run that was killed at any moment goes on where it was. What is done is
+//! kept if it has the hashes that its line had when it was made; else it is made again.
 
 mod carry;
 mod check;
 mod identity;
 mod items;
+mod known;
 mod layout;
 mod lists;
 mod merge;
@@ -40,12 +43,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde_json::Value;
+use sha2::{Digest as _, Sha256};
 
 use crate::error::DatasetError;
 use crate::known_folders::{KnownFolders, is_temporary};
 use crate::output_batch::OutputBatch;
 use crate::paths::resolved;
+use crate::provenance::blake3_hex;
 use crate::text_file::read_text;
+use known::{KnownItems, MADE_LOG};
 
 /// Name and version of the format of a generated set.
 pub const SET_SCHEMA: &str = "starbreak.dataset/2";
@@ -53,12 +59,16 @@ pub const SET_SCHEMA: &str = "starbreak.dataset/2";
 /// No record of a run is longer, bytes.
 const MAX_RECORD_BYTES: u64 = 1 << 24;
 
+/// No record of an image is longer, bytes: that of some 200 000 labeled objects.
+pub const MAX_ITEM_BYTES: u64 = 64 << 20;
+
 /// A generated dataset that this process works on; no other may at the same time.
 #[derive(Debug)]
 pub struct GeneratedSet {
     layout: SetLayout,
     identity: Value,
     folders: Arc<KnownFolders>,
+    known: KnownItems,
     /// Holds the lock.
     _lock: File,
 }
@@ -77,18 +87,18 @@ impl GeneratedSet {
     pub fn begin(root: &Path, n_samples: u32, identity: &Value) -> Result<Self, DatasetError> {
         Self::may_begin(root, identity)?;
         let layout = SetLayout::new(root, n_samples);
-        let run_file = layout.state("run.json");
         let lock = lock(&layout)?;
-        if is_there(&run_file)? {
-            let found = identity::read(&run_file)?;
-            compare_identity(root, &found, identity)?;
-        } else {
-            let mut batch = OutputBatch::new();
-            batch.stage(&run_file, format!("{identity:#}\n").as_bytes())?;
+        refuse_other(&layout, identity)?;
+        let (run_file, run_text) = (layout.state("run.json"), identity::text(identity));
+        // What is there says the same, but may be damaged.
+        if !fs::read(&run_file).is_ok_and(|found| found == run_text.as_bytes()) {
+            let mut batch = OutputBatch::new().of_set();
+            batch.stage(&run_file, run_text.as_bytes())?;
             batch.commit()?;
         }
         remove_temporaries(root)?;
         let set = Self {
+            known: KnownItems::open(&layout, &run_text)?,
             layout,
             identity: identity.clone(),
             folders: Arc::default(),
@@ -108,9 +118,8 @@ impl GeneratedSet {
         let absolute = resolved(root);
         refuse_inside_set(absolute.parent().unwrap_or(&absolute))?;
         let layout = SetLayout::new(root, 1);
-        let run_file = layout.state("run.json");
-        if is_there(&run_file)? {
-            compare_identity(root, &identity::read(&run_file)?, identity)
+        if is_there(&layout.state("run.json"))? {
+            refuse_other(&layout, identity)
         } else if is_empty_or_absent(root)? || only_begun(&layout)? {
             Ok(())
         } else {
@@ -148,7 +157,7 @@ impl GeneratedSet {
         let path = self.layout.state(name);
         match text {
             Some(text) => {
-                let mut batch = OutputBatch::new();
+                let mut batch = OutputBatch::new().of_set();
                 batch.stage(&path, text.as_bytes())?;
                 batch.commit()
             }
@@ -167,14 +176,34 @@ impl GeneratedSet {
 /// # Errors
 /// [`DatasetError::InsideSet`].
 pub fn refuse_inside_set(folder: &Path) -> Result<(), DatasetError> {
-    let absolute = resolved(folder);
-    let is_set = |folder: &&Path| SetLayout::new(folder, 1).state("run.json").is_file();
-    match absolute.ancestors().find(is_set) {
-        None => Ok(()),
-        Some(set) => Err(DatasetError::InsideSet {
+    set_around(folder).map_or(Ok(()), |set| {
+        Err(DatasetError::InsideSet {
             path: folder.to_owned(),
-            set: set.to_owned(),
-        }),
+            set,
+        })
+    })
+}
+
+/// The generated set that a folder is or lies in.
+#[must_use]
+pub fn set_around(folder: &Path) -> Option<PathBuf> {
+    let is_set = |folder: &&Path| SetLayout::new(folder, 1).state("run.json").is_file();
+    let set = resolved(folder).ancestors().find(is_set)?.to_owned();
+    Some(set)
+}
+
+/// Refuses a set of another identity. Where its `run.json` is damaged, the manifest still tells.
+fn refuse_other(layout: &SetLayout, identity: &Value) -> Result<(), DatasetError> {
+    let run_file = layout.state("run.json");
+    if !is_there(&run_file)? {
+        return Ok(());
+    }
+    let found = identity::read(&run_file);
+    let refusal = found.and_then(|found| compare_identity(layout.root(), &found, identity));
+    let run_blake3 = blake3_hex(identity::text(identity).as_bytes());
+    match lists::read_manifest(layout) {
+        Ok(Some(manifest)) if manifest.run_blake3 == run_blake3 => Ok(()),
+        _ => refusal,
     }
 }
 
@@ -285,4 +314,12 @@ fn remove_temporaries(folder: &Path) -> Result<(), DatasetError> {
         }
     }
     Ok(())
+}
+
+/// The first 64 bits of a name's SHA-256.
+fn name_head(name: &str) -> u64 {
+    let digest = Sha256::digest(name.as_bytes());
+    let mut head = [0; 8];
+    head.copy_from_slice(&digest[..8]);
+    u64::from_be_bytes(head)
 }

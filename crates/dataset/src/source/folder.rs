@@ -10,11 +10,14 @@ use super::{Images, Layout, SourceFormat, no_index};
 use crate::error::DatasetError;
 
 #[derive(Debug)]
-pub(super) struct Folder;
+pub(super) struct Folder {
+    /// Whether links may lead out of it.
+    pub(super) follows_links: bool,
+}
 
 impl Layout for Folder {
     fn images<'a>(&'a self, root: &'a Path) -> Images<'a> {
-        let found = Walk::below(root, "").filter(|found| self.hides_images(found));
+        let found = self.walk(root).filter(|found| self.hides_images(found));
         Box::new(found.map(|Found { name, file, .. }| match file {
             Ok(path) => Ok(SourceImage {
                 name,
@@ -25,6 +28,13 @@ impl Layout for Folder {
             Err(bad) if is_image_name(&name) => Err(bad.of_image(&name)),
             Err(bad) => Err(bad),
         }))
+    }
+
+    fn walk(&self, root: &Path) -> Walk {
+        match self.follows_links {
+            true => Walk::below(root, ""),
+            false => Walk::inside(root),
+        }
     }
 
     fn hides_images(&self, found: &Found) -> bool {

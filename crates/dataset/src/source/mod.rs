@@ -11,6 +11,7 @@ mod index;
 mod index_files;
 mod json;
 mod lines;
+mod nesting;
 
 mod bdd;
 mod coco;
@@ -73,6 +74,11 @@ trait Layout: fmt::Debug + Send + Sync {
     /// What a file that is not an image is.
     fn role(&self, root: &Path, name: &str) -> FileRole;
 
+    /// All that lies below the root.
+    fn walk(&self, root: &Path) -> Walk {
+        Walk::below(root, "")
+    }
+
     /// Whether a folder that cannot be entered, or a bad name, hides images of the dataset.
     fn hides_images(&self, found: &Found) -> bool {
         self.has_image(&found.name)
@@ -114,7 +120,10 @@ impl Source {
     pub fn open(spec: &SourceSpec) -> Result<Self, DatasetError> {
         let (root, layout): (PathBuf, Box<dyn Layout>) = match spec.format {
             SourceFormat::Kitti => (folder_at(spec)?, Box::new(kitti::Kitti::open(spec)?)),
-            SourceFormat::Folder => (folder_at(spec)?, Box::new(folder::Folder)),
+            SourceFormat::Folder => {
+                let follows_links = spec.follows_links;
+                (folder_at(spec)?, Box::new(folder::Folder { follows_links }))
+            }
             SourceFormat::Coco => {
                 let (root, coco) = coco::Coco::open(spec)?;
                 (root, Box::new(coco))
@@ -189,7 +198,8 @@ impl Source {
     /// The `data.yaml` of YOLO comes first where it stands elsewhere.
     ///
     /// Names that begin with a dot are left out. Links to files and folders are followed; a link
-    /// back to a folder that holds it, pipes, sockets and devices, names that are not UTF-8 or
+    /// back to a folder that holds it, one that leads out of a plain folder unless
+    /// [`SourceSpec::follows_links`], pipes, sockets and devices, names that are not UTF-8 or
     /// differ from another only in case are bad records.
     #[must_use]
     pub fn files(&self) -> Files<'_> {
@@ -208,7 +218,7 @@ impl Source {
         }
         let outside = self.layout.outside_files();
         let names: Vec<String> = outside.iter().map(|(name, _)| name.clone()).collect();
-        let below = Walk::below(&self.root, "").filter_map(move |found| {
+        let below = self.layout.walk(&self.root).filter_map(move |found| {
             let is_replaced = names.contains(&found.name);
             if is_replaced || self.layout.hides_images(&found) {
                 return None;

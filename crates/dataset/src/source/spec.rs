@@ -89,9 +89,29 @@ pub struct SourceSpec {
     pub format: SourceFormat,
     /// Its folder, or its index file where the format has one.
     pub path: PathBuf,
+    /// Whether links below a plain folder may lead out of it; such a link is a bad record else. The
+    /// folders and files of other formats may always be links. **Default** no.
+    pub follows_links: bool,
 }
 
 impl SourceSpec {
+    /// The dataset of a format at a path.
+    #[must_use]
+    pub fn new(format: SourceFormat, path: impl Into<PathBuf>) -> Self {
+        Self {
+            format,
+            path: path.into(),
+            follows_links: false,
+        }
+    }
+
+    /// The same, with links that may lead out of a plain folder or not.
+    #[must_use]
+    pub fn following_links(mut self, follows_links: bool) -> Self {
+        self.follows_links = follows_links;
+        self
+    }
+
     /// The dataset that a word like `kitti:DIR` names.
     ///
     /// `kitti:DIR`, `coco:DIR` or `coco:FILE.json`, `bdd:DIR` or `bdd:FILE.json`, `yolo:DIR` or
@@ -109,7 +129,7 @@ impl SourceSpec {
             SourceFormat::ALL.into_iter().find(is_named)
         });
         let problem = match (format, path.as_os_str().is_empty()) {
-            (Some(format), false) => return Ok(Self { format, path }),
+            (Some(format), false) => return Ok(Self::new(format, path)),
             (Some(_), true) => "has no path after the colon",
             (None, _) => "does not begin with the format of a dataset",
         };

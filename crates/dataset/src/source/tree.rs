@@ -1,6 +1,6 @@
 //! The files below a folder, one after the other, in the order of their names.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -22,13 +22,17 @@ pub(super) struct Found {
 
 /// All files below a folder; holds the names of one folder per level.
 ///
-/// The order is that of the bytes of the whole names. Links are followed; a link to a folder that
-/// is being walked is a bad record and not entered. Names that begin with a dot are left out,
+/// The order is that of the bytes of the whole names. Links are followed, in [`Walk::inside`] those
+/// that stay inside; a link to a folder that is being walked is a bad record and not entered. Names that begin with a dot are left out,
 /// and with them the temporary files of [`crate::OutputBatch`]. Of two names in one folder that
 /// differ only in case the second is bad: where case does not count, it would replace the first.
 #[derive(Debug)]
 pub(super) struct Walk {
     levels: Vec<Level>,
+    /// The folder, without links, that no link may lead out of.
+    confines: Option<PathBuf>,
+    /// All folders entered so far, without links.
+    entered: BTreeSet<PathBuf>,
     /// The folder to begin with cannot be listed.
     failed: Option<Found>,
 }
@@ -52,29 +56,50 @@ struct Entry {
 impl Walk {
     /// The files below `root`, with names that begin with `prefix`.
     pub(super) fn below(root: &Path, prefix: &str) -> Self {
-        match Level::of(root, prefix) {
-            Ok(level) => Self {
-                levels: vec![level],
-                failed: None,
-            },
-            Err(error) => Self {
-                levels: Vec::new(),
-                failed: Some(bad_folder(
-                    prefix,
-                    &format!("cannot list the folder: {error}"),
-                )),
-            },
+        Self::new(root, prefix, None)
+    }
+
+    /// The files below `root`, where a link that leads out of it is a bad record.
+    pub(super) fn inside(root: &Path) -> Self {
+        // A folder that is not there is told of where it is listed.
+        Self::new(root, "", fs::canonicalize(root).ok())
+    }
+
+    /// The folders that were entered so far, without links.
+    pub(super) fn entered(self) -> BTreeSet<PathBuf> {
+        self.entered
+    }
+
+    fn new(root: &Path, prefix: &str, confines: Option<PathBuf>) -> Self {
+        let mut walk = Self {
+            levels: Vec::new(),
+            confines,
+            entered: BTreeSet::new(),
+            failed: None,
+        };
+        match Level::of(root, prefix, walk.confines.as_deref()) {
+            Ok(level) => walk.push(level),
+            Err(error) => {
+                let reason = format!("cannot list the folder: {error}");
+                walk.failed = Some(bad_folder(prefix, &reason));
+            }
         }
+        walk
+    }
+
+    fn push(&mut self, level: Level) {
+        self.entered.insert(level.canonical.clone());
+        self.levels.push(level);
     }
 
     /// The folder is entered, unless it is one of those that are walked just now.
     fn enter(&mut self, name: &str, path: &Path) -> Result<(), String> {
-        let level = Level::of(path, &format!("{name}/"))
+        let level = Level::of(path, &format!("{name}/"), self.confines.as_deref())
             .map_err(|error| format!("cannot list the folder: {error}"))?;
         if self.levels.iter().any(|l| l.canonical == level.canonical) {
             return Err("a link back to a folder that holds it; remove the link".to_owned());
         }
-        self.levels.push(level);
+        self.push(level);
         Ok(())
     }
 }
@@ -114,7 +139,7 @@ impl Iterator for Walk {
 }
 
 impl Level {
-    fn of(folder: &Path, prefix: &str) -> io::Result<Self> {
+    fn of(folder: &Path, prefix: &str, confines: Option<&Path>) -> io::Result<Self> {
         let canonical = fs::canonicalize(folder)?;
         let mut entries = Vec::new();
         for entry in fs::read_dir(folder)? {
@@ -124,7 +149,7 @@ impl Level {
             if file_name.as_encoded_bytes().starts_with(b".") {
                 continue;
             }
-            let (is_folder, problem) = match is_folder(&entry, &path) {
+            let (is_folder, problem) = match is_folder(&entry, &path, confines) {
                 Ok(is_folder) => (is_folder, None),
                 Err(problem) => (false, Some(problem)),
             };
@@ -162,7 +187,7 @@ impl Level {
 }
 
 /// Whether an entry of a folder leads to a folder rather than a file, or why to neither.
-fn is_folder(entry: &fs::DirEntry, path: &Path) -> Result<bool, String> {
+fn is_folder(entry: &fs::DirEntry, path: &Path, confines: Option<&Path>) -> Result<bool, String> {
     let cannot_read = |error: io::Error| format!("cannot read it: {error}");
     let file_type = entry.file_type().map_err(cannot_read)?;
     if file_type.is_file() || file_type.is_dir() {
@@ -172,6 +197,15 @@ fn is_folder(entry: &fs::DirEntry, path: &Path) -> Result<bool, String> {
         io::ErrorKind::NotFound => "a link that leads nowhere".to_owned(),
         _ => cannot_read(error),
     })?;
+    if let Some(root) = confines {
+        let target = fs::canonicalize(path).map_err(cannot_read)?;
+        if !target.starts_with(root) {
+            return Err(format!(
+                "a link that leads out of the folder, to {target:?}; give --follow-links to read what is there, or \
+                 remove the link"
+            ));
+        }
+    }
     match not_a_file(&metadata) {
         None => Ok(false),
         Some(_) if metadata.is_dir() => Ok(true),

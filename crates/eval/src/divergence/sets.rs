@@ -153,11 +153,12 @@ impl ImageSet {
     /// The same of files, each read by `pixels_of`.
     ///
     /// # Errors
-    /// [`EvalError::EmptySet`] where no image is left.
+    /// As for [`ImageSet::read`].
     pub fn of_files(
         name: &str,
         files: &[ImageFile],
         settings: &ReadSettings,
+        vector_of: Option<&VectorOf<'_>>,
         pixels_of: &PixelsOf<'_>,
     ) -> Result<Self, EvalError> {
         let read = |file: &ImageFile| {
@@ -166,7 +167,7 @@ impl ImageSet {
                 reason,
             };
             let (pixels, digest) = pixels_of(&file.path).map_err(failed)?;
-            item_of_pixels(&file.name, &pixels, digest, settings, None).map_err(failed)
+            item_of_pixels(&file.name, &pixels, digest, settings, vector_of).map_err(failed)
         };
         let read = files.par_iter().map(read).collect();
         Self::of_items(name, read, Feature::OF_IMAGES.to_vec())

@@ -134,7 +134,7 @@ fn main() -> Result<()> {
         .map_or_else(|| PathBuf::from("docs/figures/gallery"), PathBuf::from);
     let part = std::env::args().nth(2).unwrap_or_default();
     let is_wanted = |name: &str| name.contains(&part);
-    let mut batch = OutputBatch::new();
+    let mut batch = OutputBatch::new().replacing(true);
     let street = street_scene().image;
     for (preset, _) in PRESETS {
         let name = format!("{preset}-street.jpg");

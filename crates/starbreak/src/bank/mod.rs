@@ -11,6 +11,7 @@ mod frame_sizes;
 mod header;
 mod network_record;
 mod overlays;
+mod picture;
 mod read;
 mod write;
 
@@ -21,6 +22,7 @@ pub use overlays::{
     OVERLAY_BANK_FILE, OVERLAY_BANK_SCHEMA, OverlayBank, OverlayBankDraft, OverlayBankHeader,
     OverlayRow, write_overlay_bank,
 };
+pub use picture::BankIn;
 pub use read::{BankPattern, PatternBank};
 pub use write::{BankDraft, BankReport, write_bank};
 

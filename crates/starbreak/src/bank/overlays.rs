@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use starbreak_dataset::{
-    BankFile, BankRecord, BankWriter, ImageLimits, WrittenBank, file_in, read_bytes,
+    BankFile, BankRecord, BankWriter, ImageLimits, OutputBatch, WrittenBank, file_in, read_bytes,
     refuse_inside_set,
 };
 use starbreak_glass::{Generator, Seed};
@@ -126,7 +126,7 @@ impl OverlayBankHeader {
 }
 
 /// Makes a bank of `n` random parts of the photographs below a folder, for frames of a size, px,
-/// to be at the path `to`. `progress` is called after each pattern.
+/// to be at the path `to`, as a file of the batch. `progress` is called after each pattern.
 ///
 /// Pattern k depends on the photographs, the options, the seed, the size and k alone.
 ///
@@ -140,7 +140,7 @@ pub fn write_overlay_bank(
     n: usize,
     size: (u32, u32),
     seed: Seed,
-    to: &Path,
+    (batch, to): (OutputBatch, &Path),
     stop: &AtomicBool,
     progress: impl Fn() + Sync,
 ) -> Result<OverlayBankDraft, Error> {
@@ -194,7 +194,7 @@ pub fn write_overlay_bank(
         })
         .collect::<Result<Vec<_>, Error>>()?;
     let text = serde_json::to_vec(&header).unwrap_or_default();
-    let mut writer = BankWriter::create(to, &text)?;
+    let mut writer = BankWriter::create(batch, to, &text)?;
     for file in &files {
         let bytes = read_bytes(&file.path, ImageLimits::default().max_file_bytes)?;
         writer.append(&BankRecord::new(bytes))?;

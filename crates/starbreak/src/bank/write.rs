@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use starbreak_dataset::{BankRecord, BankWriter, WrittenBank, refuse_inside_set};
+use starbreak_dataset::{BankRecord, BankWriter, OutputBatch, WrittenBank, refuse_inside_set};
 use starbreak_glass::Generator;
 
 use super::PatternRow;
@@ -90,7 +90,7 @@ pub fn write_bank(
         sizes: distinct,
     };
     let text = serde_json::to_vec(&header).unwrap_or_default();
-    let mut writer = BankWriter::create(to, &text)?;
+    let mut writer = BankWriter::create(OutputBatch::new().replacing(context.replaces), to, &text)?;
     let mut rows = Vec::with_capacity(n);
     let n_made = AtomicUsize::new(0);
     let idxs: Vec<usize> = (0..n).collect();

@@ -19,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 use starbreak_dataset::video::{
     Ffmpeg, Fraction, VideoError, holds_anything, is_folder, is_inside,
 };
-use starbreak_dataset::{DatasetError, refuse_inside_set, same_file, sha256_hex};
+use starbreak_dataset::{DatasetError, OutputBatch, refuse_inside_set, same_file, sha256_hex};
 
 pub use error::ClipError;
 pub use timeline::GlassState;
@@ -306,6 +306,12 @@ impl Clip {
         let Self {
             request, source, ..
         } = self;
+        // Hours may pass before they are written.
+        let batch = OutputBatch::new().replacing(context.replaces);
+        let clip = (self.target != Target::Folder).then(|| request.output.clone());
+        for path in [clip, Some(request.track()), Some(request.network())] {
+            path.map_or(Ok(()), |path| batch.may_write(&path))?;
+        }
         let name = name_of(&request.input)?;
         let size = source.size();
         let seed = context.seed.of_item(&name, 0);
@@ -341,7 +347,12 @@ impl Clip {
             with_masks: request.masks.is_some(),
         };
         let input_sha256 = source.sha256()?;
-        let sink = Sink::open(request, self.target, source, self.ffmpeg.as_ref())?;
+        let sink = Sink::open(
+            context.replaces,
+            request,
+            self.target,
+            (source, self.ffmpeg.as_ref()),
+        )?;
         let light = ClipLight::new(request.light, frame_s);
         let Some(finished) = run(&show, light, source, sink, stop, &done)? else {
             return Ok(None);

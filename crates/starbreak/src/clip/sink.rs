@@ -144,18 +144,19 @@ pub(super) struct Sink {
 
 impl Sink {
     pub(super) fn open(
+        replaces: bool,
         request: &ClipRequest,
         target: Target,
-        source: &Source,
-        ffmpeg: Option<&Ffmpeg>,
+        (source, ffmpeg): (&Source, Option<&Ffmpeg>),
     ) -> Result<Self, Error> {
         // Thousands of small files would wait for the disk one by one.
         let has_many_files = target == Target::Folder || request.masks.is_some();
-        let mut batch = if has_many_files {
+        let batch = if has_many_files {
             OutputBatch::new_unsynced()
         } else {
             OutputBatch::new()
         };
+        let mut batch = batch.replacing(replaces);
         let clip = match (target, ffmpeg) {
             (Target::Clip(format), Some(ffmpeg)) => {
                 let (stream, audio) = match source {

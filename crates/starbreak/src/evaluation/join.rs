@@ -136,11 +136,7 @@ fn inputs(request: &EvaluateRequest) -> Result<Vec<InputFile>, Error> {
     match (&request.source, &request.ground_truth) {
         (Some(source), _) => {
             let spec = SourceSpec::parse(source)?;
-            let files = match IndexFiles::of(&spec) {
-                Ok(index) => index.names.iter().map(|name| index.path(name)).collect(),
-                Err(_) => label_files(&spec.path),
-            };
-            add("labels", &dataset_name(request), files)?;
+            add("labels", &dataset_name(request), label_files(&spec))?;
         }
         (None, Some(path)) => add("labels", &path_text(path), files_of(path))?,
         (None, None) => {}
@@ -183,9 +179,16 @@ pub fn files_of(path: &Path) -> Vec<PathBuf> {
     }
 }
 
-/// The label files of KITTI, where they are in their usual places.
+/// The files with the labels of a dataset: its indexes, or those of KITTI in their usual places.
 #[must_use]
-pub fn label_files(root: &Path) -> Vec<PathBuf> {
+pub fn label_files(spec: &SourceSpec) -> Vec<PathBuf> {
+    match IndexFiles::of(spec) {
+        Ok(index) => index.names.iter().map(|name| index.path(name)).collect(),
+        Err(_) => kitti_files(&spec.path),
+    }
+}
+
+fn kitti_files(root: &Path) -> Vec<PathBuf> {
     let places = ["training/label_2", "label_2"];
     let found = places
         .iter()

@@ -2,6 +2,7 @@
 
 mod join;
 mod plain;
+mod set;
 
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
@@ -137,8 +138,8 @@ pub struct EvaluateAnswer {
 /// Evaluates, in the thread pool of the caller.
 ///
 /// # Errors
-/// [`Error::Evaluation`] for a request that makes no sense, [`Error::Eval`] and
-/// [`Error::Dataset`] for labels, detections and masks.
+/// [`Error::Evaluation`] for a request that makes no sense, and for a set that is not as its lists say;
+/// [`Error::Eval`] and [`Error::Dataset`] for labels, detections and masks.
 pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error> {
     refuse_mixed(request)?;
     for folder in [&request.regions, &request.cracked_set]
@@ -148,6 +149,7 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         // For what the system says of one that is not there.
         file_len(folder)?;
     }
+    set::check(request)?;
     let protocol = request.protocol;
     let mut truth = match (&request.source, &request.ground_truth) {
         (Some(source), _) => GroundTruth::of_dataset(&SourceSpec::parse(source)?, protocol)?,

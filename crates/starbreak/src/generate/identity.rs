@@ -44,6 +44,50 @@ impl Plan<'_> {
     }
 }
 
+/// The words after `starbreak generate FORMAT:PATH -o SET` that make a set of this identity, where
+/// `recipe` is a file with its recipe. Of what its cracks come from only the kind is known.
+#[must_use]
+pub fn generate_flags(identity: &Value, recipe: &str) -> Vec<String> {
+    let patterns = &identity["patterns"];
+    let patterns = [
+        ("bank_sha256", "--bank BANK"),
+        ("network_sha256", "--network NETWORK"),
+        ("overlays", "--overlays PHOTOS"),
+    ]
+    .into_iter()
+    .find(|(key, _)| !patterns[key].is_null());
+    let is_bank = matches!(patterns, Some(("bank_sha256", _)));
+    let mut flags = match is_bank {
+        // Its recipe is that of the bank.
+        true => Vec::new(),
+        false => vec!["--recipe".to_owned(), recipe.to_owned()],
+    };
+    flags.extend(
+        patterns
+            .iter()
+            .flat_map(|(_, flag)| flag.split(' '))
+            .map(str::to_owned),
+    );
+    let mut add = |flag: &str, value: Option<String>| {
+        flags.extend(value.into_iter().flat_map(|value| [flag.to_owned(), value]));
+    };
+    let number = |value: &Value| value.as_u64().map(|n| n.to_string());
+    let not = |usual: &str, value: Option<String>| value.filter(|value| value != usual);
+    add("--seed", not("0", number(&identity["seed"])));
+    add("--samples", not("1", number(&identity["samples"])));
+    add("--limit", number(&identity["selection"]["limit"]));
+    add("--sample", number(&identity["selection"]["sample"]));
+    let shard = &identity["shard"];
+    let shard = number(&shard["number"]).zip(number(&shard["of"]));
+    add(
+        "--shard",
+        shard.map(|(number, of)| format!("{number}/{of}")),
+    );
+    let other_files = identity["other_files"].as_str().map(str::to_owned);
+    add("--other-files", not("copy", other_files));
+    flags
+}
+
 /// The recipe and the seed that a set was made with.
 ///
 /// # Errors

@@ -4,8 +4,9 @@ use image::DynamicImage;
 use image::metadata::Orientation;
 use serde_json::{Map, Value, json};
 use starbreak_dataset::{
-    Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, LabeledObject, Provenance,
-    SampleFiles, SourceImage, blake3_hex, encode_image_as, encode_mask_as, read_image,
+    DatasetError, Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, ItemRecord,
+    LabeledObject, MAX_ITEM_BYTES, Provenance, SampleFiles, SourceImage, blake3_hex,
+    encode_image_as, encode_mask_as, read_image,
 };
 use starbreak_glass::Seed;
 
@@ -18,6 +19,8 @@ use crate::pipeline::{
 
 /// The bytes that one sample of an image becomes.
 pub(super) struct MadeItem {
+    /// BLAKE3 of the source's file.
+    input_blake3: String,
     pub(super) image: Vec<u8>,
     pub(super) region: Option<Vec<u8>>,
     pub(super) crack: Option<Vec<u8>>,
@@ -130,6 +133,7 @@ impl Item<'_> {
         )?;
         watch.lap("record");
         Ok(MadeItem {
+            input_blake3: file.blake3,
             image: bytes,
             region,
             crack,
@@ -196,10 +200,11 @@ struct Record<'a> {
 }
 
 impl MadeItem {
-    /// Puts the files in their places, the record last.
-    pub(super) fn put(&self, set: &GeneratedSet, files: &SampleFiles) -> Result<(), Error> {
+    /// Puts the files in their places, the record last, and notes that they are made.
+    pub(super) fn put(&self, set: &GeneratedSet, name: &str, sample_idx: u32) -> Result<(), Error> {
         let mut batch = set.batch();
         let layout = set.layout();
+        let files = layout.files_of(name, sample_idx);
         batch.stage(&layout.path(&files.image), &self.image)?;
         let masks = [(&files.region, &self.region), (&files.crack, &self.crack)];
         for (name, bytes) in masks {
@@ -207,8 +212,24 @@ impl MadeItem {
                 batch.stage(&layout.path(name), bytes)?;
             }
         }
+        check_record_len(&files.provenance, self.provenance.len())?;
         batch.stage(&layout.path(&files.provenance), &self.provenance)?;
-        Ok(batch.commit()?)
+        batch.commit()?;
+        Ok(set.note_made(&self.line(name, sample_idx))?)
+    }
+
+    /// What the list of the set says of it.
+    pub(super) fn line(&self, name: &str, sample_idx: u32) -> ItemRecord {
+        let hash = |bytes: &Option<Vec<u8>>| bytes.as_ref().map(|bytes| blake3_hex(bytes));
+        ItemRecord {
+            name: name.to_owned(),
+            sample: sample_idx,
+            input_blake3: self.input_blake3.clone(),
+            image_blake3: blake3_hex(&self.image),
+            region_blake3: hash(&self.region),
+            crack_blake3: hash(&self.crack),
+            provenance_blake3: blake3_hex(&self.provenance),
+        }
     }
 
     /// Bytes of all its files.
@@ -217,6 +238,17 @@ impl MadeItem {
         let masks: usize = masks.map(Vec::len).sum();
         (self.image.len() + masks + self.provenance.len()) as u64
     }
+}
+
+/// A record that nobody would read back is not written.
+fn check_record_len(name: &str, n_bytes: usize) -> Result<(), DatasetError> {
+    if n_bytes as u64 <= MAX_ITEM_BYTES {
+        return Ok(());
+    }
+    Err(DatasetError::FileTooLong {
+        name: name.to_owned(),
+        max_bytes: MAX_ITEM_BYTES,
+    })
 }
 
 fn region_fraction(shown: &Shown) -> f64 {

@@ -21,7 +21,7 @@ mod single;
 mod survey;
 mod verify;
 
-pub use identity::set_seed_and_recipe;
+pub use identity::{generate_flags, set_seed_and_recipe};
 pub use patterns::Patterns;
 pub use preview::{Preview, PreviewImage, preview};
 pub use regenerate::{RegenerateReport, regenerate};

@@ -4,7 +4,6 @@ use image::DynamicImage;
 use starbreak_dataset::{FileRole, GeneratedSet, file_len};
 
 use super::Plan;
-use super::run::refuse_nesting;
 use super::survey::{is_state, is_stray};
 use crate::Error;
 
@@ -44,7 +43,7 @@ pub struct PreviewImage {
 /// [`Error::Dataset`] for a folder in which the plan could not be carried out, and where a file of the
 /// source cannot be asked for its length.
 pub fn preview(plan: &Plan<'_>, n: u64) -> Result<Preview, Error> {
-    refuse_nesting(plan)?;
+    plan.source.refuse_output_at(&plan.context.out)?;
     GeneratedSet::may_begin(&plan.context.out, &plan.identity())?;
     let total = plan.survey.n_selected;
     let wanted = n.min(total);

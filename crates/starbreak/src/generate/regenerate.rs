@@ -7,8 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 use serde_json::Value;
 use starbreak_dataset::{
-    Carry, Finding, ImageLimits, ItemRecord, SetChecker, Source, SourceImage, blake3_hex,
-    read_image,
+    Carry, Finding, ImageLimits, ItemRecord, SetChecker, Source, SourceImage, read_image,
 };
 
 use super::{GenerateOptions, Patterns, Plan, Selection, Shard, set_seed_and_recipe, survey};
@@ -140,6 +139,7 @@ impl Plan<'_> {
             finding: Finding {
                 name: files.image.clone(),
                 what,
+                is_foreign: false,
             },
             has_same_pixels,
         };
@@ -149,15 +149,12 @@ impl Plan<'_> {
         let made = self
             .make(image, item.sample, &files)
             .map_err(|error| differs(format!("cannot be made again: {error}"), false))?;
-        let hash = |bytes: &Option<Vec<u8>>| bytes.as_ref().map(|bytes| blake3_hex(bytes));
+        let again = made.line(&item.name, item.sample);
         let same = [
-            ("image", blake3_hex(&made.image) == item.image_blake3),
-            ("region mask", hash(&made.region) == item.region_blake3),
-            ("crack mask", hash(&made.crack) == item.crack_blake3),
-            (
-                "record",
-                blake3_hex(&made.provenance) == item.provenance_blake3,
-            ),
+            ("image", again.image_blake3 == item.image_blake3),
+            ("region mask", again.region_blake3 == item.region_blake3),
+            ("crack mask", again.crack_blake3 == item.crack_blake3),
+            ("record", again.provenance_blake3 == item.provenance_blake3),
         ];
         let other: Vec<&str> = same
             .iter()

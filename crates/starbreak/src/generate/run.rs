@@ -83,7 +83,7 @@ pub fn generate(
     tell: &(dyn Fn(Event<'_>) + Sync),
 ) -> Result<GenerateReport, Error> {
     let out = &plan.context.out;
-    refuse_nesting(plan)?;
+    plan.source.refuse_output_at(out)?;
     let n_samples = plan.options.n_samples;
     let set = GeneratedSet::begin(out, n_samples, &plan.identity())?;
     set.put_state("recipe.toml", Some(&plan.context.recipe))?;
@@ -241,7 +241,7 @@ impl Plan<'_> {
         }
         let files = set.layout().files_of(&image.name, sample_idx);
         let made = self.make(image, sample_idx, &files)?;
-        made.put(set, &files)?;
+        made.put(set, &image.name, sample_idx)?;
         Ok(Outcome::Made {
             n_bytes: made.n_bytes(),
             is_intact: made.is_intact,
@@ -268,12 +268,9 @@ impl Plan<'_> {
             (!some.is_empty()).then(|| done.collect::<Vec<_>>())
         })
         .flatten();
-        Ok(set.finish(
-            &mut items,
-            carried,
-            report.failures.len() as u64,
-            report.skipped.len() as u64,
-        )?)
+        let n_taken = self.survey.n_selected * u64::from(n_samples);
+        let n_bad = [&report.failures.len(), &report.skipped.len()].map(|n| *n as u64);
+        Ok(set.finish(&mut items, carried, n_taken, n_bad)?)
     }
 }
 
@@ -302,19 +299,6 @@ fn put_lists_of_trouble(set: &GeneratedSet, report: &GenerateReport) -> Result<(
     let lists = [("failures.jsonl", failures), ("skipped.jsonl", skipped)];
     for (name, text) in lists {
         set.put_state(name, Some(text.as_str()).filter(|text| !text.is_empty()))?;
-    }
-    Ok(())
-}
-
-/// Neither folder lies in the other.
-pub(super) fn refuse_nesting(plan: &Plan<'_>) -> Result<(), Error> {
-    let (input, output) = (plan.source.root(), &plan.context.out);
-    if starbreak_dataset::is_inside(output, input) || starbreak_dataset::is_inside(input, output) {
-        return Err(starbreak_dataset::DatasetError::OutputInInput {
-            input: input.to_owned(),
-            output: output.clone(),
-        }
-        .into());
     }
     Ok(())
 }

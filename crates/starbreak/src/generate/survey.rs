@@ -44,6 +44,8 @@ pub struct Survey {
     last: Option<String>,
     /// The highest rank that a sample takes.
     highest_rank: Option<u64>,
+    /// Digests of the names that there were: images that come later belong to no set of this survey.
+    names: BTreeSet<u64>,
     /// Images that cannot be taken.
     left_out: BTreeSet<String>,
     /// Digests of the bad records in the place of images.
@@ -67,6 +69,7 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
         selection,
         last: None,
         highest_rank: None,
+        names: BTreeSet::new(),
         left_out: BTreeSet::new(),
         bad_digests: BTreeSet::new(),
     };
@@ -108,6 +111,7 @@ impl Survey {
             && self.selection.limit != Some(0)
             && self.selection.sample != Some(0)
             && !self.left_out.contains(name)
+            && self.names.contains(&digest_of_name(name))
     }
 
     /// Whether an image is taken by this run.
@@ -162,8 +166,7 @@ impl Survey {
     /// is taken unless images are drawn.
     fn walk(&mut self, source: &Source) {
         let mut ranks = BinaryHeap::new();
-        // Digests of the names that are taken, and of those of their records.
-        let mut names = BTreeSet::new();
+        // Digests of the names of records.
         let mut stems = BTreeSet::new();
         let mut bad = BTreeSet::new();
         let layout = SetLayout::new(std::path::Path::new(""), 1);
@@ -196,7 +199,7 @@ impl Survey {
                 );
                 continue;
             }
-            names.insert(digest(Seed(0), "name", name));
+            self.names.insert(digest_of_name(name));
             n_good += 1;
             if let Some(n) = self.selection.sample {
                 ranks.push(digest(self.seed, "sample", name));
@@ -214,7 +217,7 @@ impl Survey {
             }
         }
         // Where an image is taken, the bad record was a second one of it.
-        bad.retain(|name| !names.contains(&digest(Seed(0), "name", name)));
+        bad.retain(|name| !self.names.contains(&digest_of_name(name)));
         self.left_out.append(&mut bad);
         self.highest_rank = self.selection.sample.and_then(|_| ranks.peek().copied());
     }
@@ -240,6 +243,10 @@ impl Survey {
             image: Some(name.to_owned()),
         });
     }
+}
+
+fn digest_of_name(name: &str) -> u64 {
+    digest(Seed(0), "name", name)
 }
 
 fn digest_of_bad(bad: &BadRecord) -> u64 {

@@ -5,8 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
-use starbreak_dataset::{DatasetError, Finding, Manifest, SetChecker};
+use serde_json::Value;
+use starbreak_dataset::{DatasetError, Finding, Manifest, STATE_FOLDER, SetChecker};
 
+use super::generate_flags;
 use crate::Error;
 
 /// What a check has found.
@@ -22,6 +24,30 @@ pub struct VerifyReport {
     pub findings: Vec<Finding>,
     /// Whether the check was stopped before its end.
     pub was_stopped: bool,
+    /// What the set is made from.
+    pub identity: Value,
+}
+
+impl VerifyReport {
+    /// The words after `starbreak generate FORMAT:PATH -o SET` that make the set again, with a recipe
+    /// out of the set itself that is as it was.
+    #[must_use]
+    pub fn generate_flags(&self, root: &Path) -> Vec<String> {
+        let state = root.join(STATE_FOLDER);
+        let is_damaged = |name: &str| {
+            let name = format!("{STATE_FOLDER}/{name}");
+            self.findings.iter().any(|finding| finding.name == name)
+        };
+        let name = match is_damaged("run.json") {
+            true => "recipe.toml",
+            false => "run.json",
+        };
+        let mut flags = generate_flags(&self.identity, &state.join(name).to_string_lossy());
+        if self.manifest.n_skipped > 0 {
+            flags.extend(["--on-error", "skip"].map(str::to_owned));
+        }
+        flags
+    }
 }
 
 /// Checks a finished set: all files of its lists are there with the right bytes, and no others.
@@ -87,6 +113,7 @@ pub fn verify(
                 "lists {} images that could not be made; run the same generate again once they are mended",
                 manifest.n_failed
             ),
+            is_foreign: false,
         });
     }
     findings.sort();
@@ -96,5 +123,6 @@ pub fn verify(
         n_files,
         findings,
         was_stopped: stop.load(Ordering::Relaxed),
+        identity: checker.identity().clone(),
     })
 }

@@ -122,10 +122,8 @@ fn shrunk(mut glass: GlassPhoto) -> Arc<GlassPhoto> {
 
 /// The PNG and JPEG files below a folder, in the order of their names.
 pub(crate) fn photo_files(folder: &Path) -> Result<Vec<SourceImage>, Error> {
-    let source = Source::open(&SourceSpec {
-        format: SourceFormat::Folder,
-        path: folder.to_owned(),
-    })?;
+    let source =
+        Source::open(&SourceSpec::new(SourceFormat::Folder, folder).following_links(true))?;
     let files: Vec<SourceImage> =
         source
             .images()

@@ -7,13 +7,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use image::GrayImage;
 use rayon::prelude::*;
 use starbreak_dataset::{
-    Encoding, FileSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, blake3_hex, encode_array,
-    encode_image, encode_mask, read_image, refuse_inside_set, same_file,
+    Encoding, FileSet, ImageFile, ImageFormat, ImageLimits, OutputBatch, encode_array,
+    encode_image, encode_mask, listed_files, read_image, refuse_inside_set, same_file,
 };
 
 use starbreak_optics::physical::OpticalMaps;
 
-use super::provenance::{Item, RunContext};
+use super::provenance::{Item, PROVENANCE_SCHEMA, RunContext, WrittenFile};
 use super::{Cracked, Simulated, Stopwatch, Timings, show_cracks, simulate, use_network};
 use crate::{Error, OutputFormat, Settings};
 
@@ -191,7 +191,7 @@ pub fn crack_file(job: &ImageJob, context: &RunContext) -> Result<Written, Error
     let mut watch = Stopwatch::start();
     let file = read_image(&job.input, &ImageLimits::default())?;
     watch.lap("read");
-    let mut batch = OutputBatch::new();
+    let mut batch = OutputBatch::new().replacing(context.replaces);
     let written = stage_cracked(job, file, watch, context, &mut batch)?;
     batch.commit()?;
     Ok(written)
@@ -261,39 +261,40 @@ pub fn stage_shown(
 
     let bytes = encode_image(&file.pixels, &encoding, file.icc_profile.as_deref())
         .map_err(|error| of_image(error.into()))?;
-    batch.stage(&image_path, &bytes)?;
+    let record = listed_files(&provenance_path, PROVENANCE_SCHEMA, Some(&job.name));
+    batch.take_over(record);
+    let mut stage = |path: &Path, bytes: &[u8]| -> Result<WrittenFile, Error> {
+        batch.stage(path, bytes)?;
+        Ok(WrittenFile::of(path, bytes))
+    };
+    let output = stage(&image_path, &bytes)?;
     let (mut region, mut crack) = (None, None);
     if settings.output.masks {
-        batch.stage(&region_path, &encode_mask(&cracked.masks.region)?)?;
-        batch.stage(&crack_path, &encode_mask(&cracked.masks.crack)?)?;
-        (region, crack) = (Some(region_path), Some(crack_path));
+        region = Some(stage(&region_path, &encode_mask(&cracked.masks.region)?)?);
+        crack = Some(stage(&crack_path, &encode_mask(&cracked.masks.crack)?)?);
     }
     let mut maps = Vec::new();
     if let Some(of_optics) = &cracked.maps {
-        for (path, array) in map_paths
-            .iter()
-            .zip(encode_maps(of_optics, &cracked.masks.crack)?)
-        {
-            batch.stage(path, &array)?;
-            maps.push(path.clone());
+        let arrays = encode_maps(of_optics, &cracked.masks.crack)?;
+        for (path, array) in map_paths.iter().zip(arrays) {
+            maps.push(stage(path, &array)?);
         }
     }
+    let written_maps = map_paths.into_iter().take(maps.len()).collect();
     watch.lap("write");
     let timings = watch.stop();
 
     let region_fraction = region_fraction(&cracked.masks.region);
-    let output_name = image_path
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned())
-        .unwrap_or_default();
     let provenance = context.provenance(&Item {
         name: &job.name,
         seed,
         width_px: file.pixels.width(),
         height_px: file.pixels.height(),
         input_blake3: &file.blake3,
-        output_name: &output_name,
-        output_blake3: &blake3_hex(&bytes),
+        output,
+        region,
+        crack,
+        maps,
         network: &cracked.network,
         details: &cracked.details,
         optics: &cracked.optics,
@@ -303,9 +304,9 @@ pub fn stage_shown(
     batch.stage(&provenance_path, &provenance.to_bytes())?;
     Ok(Written {
         image: image_path,
-        region,
-        crack,
-        maps,
+        region: settings.output.masks.then_some(region_path),
+        crack: settings.output.masks.then_some(crack_path),
+        maps: written_maps,
         provenance: provenance_path,
         region_fraction,
         cracked,

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use serde_json::json;
-use starbreak_dataset::{Provenance, sha256_hex};
+use starbreak_dataset::{Provenance, blake3_hex, sha256_hex};
 use starbreak_glass::{CrackNetwork, Seed};
 
 use super::details::Details;
@@ -29,10 +30,29 @@ pub struct RunContext {
     pub settings: Settings,
     /// The folder that everything is written into.
     pub out: PathBuf,
+    /// Whether files there may be replaced that are not of an earlier run.
+    pub replaces: bool,
     /// The network that stands in for a simulated one, if there is one.
     pub imported: Option<ImportedNetwork>,
     /// The photographs of broken glass that stand in for a network, if there are any.
     pub overlay: Option<OverlaySet>,
+}
+
+/// A file beside the record: by its name and hash the next run tells it from files of others.
+#[derive(Debug, Serialize)]
+pub(super) struct WrittenFile {
+    name: String,
+    blake3: String,
+}
+
+impl WrittenFile {
+    pub(super) fn of(path: &Path, bytes: &[u8]) -> Self {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        Self {
+            name: name.into_owned(),
+            blake3: blake3_hex(bytes),
+        }
+    }
 }
 
 /// One image of a run.
@@ -43,8 +63,10 @@ pub(super) struct Item<'a> {
     pub(super) width_px: u32,
     pub(super) height_px: u32,
     pub(super) input_blake3: &'a str,
-    pub(super) output_name: &'a str,
-    pub(super) output_blake3: &'a str,
+    pub(super) output: WrittenFile,
+    pub(super) region: Option<WrittenFile>,
+    pub(super) crack: Option<WrittenFile>,
+    pub(super) maps: Vec<WrittenFile>,
     pub(super) network: &'a CrackNetwork,
     pub(super) details: &'a Details,
     pub(super) optics: &'a OpticsReport,
@@ -66,6 +88,7 @@ impl RunContext {
             seed,
             settings,
             out: out.to_owned(),
+            replaces: false,
             imported: None,
             overlay: None,
         })
@@ -79,7 +102,7 @@ impl RunContext {
             camera["glass_disc_px"] = scene.glass_disc_px.into();
             camera["scene_disc_px"] = scene.scene_disc_px.into();
         }
-        let record = json!({
+        let mut record = json!({
             "schema": PROVENANCE_SCHEMA,
             "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
             "recipe": self.recipe,
@@ -88,12 +111,20 @@ impl RunContext {
             "item": { "name": item.name, "sample_index": 0, "seed": item.seed.0 },
             "camera": camera,
             "input": { "name": item.name, "blake3": item.input_blake3 },
-            "output": { "name": item.output_name, "blake3": item.output_blake3 },
+            "output": item.output,
             (pattern): facts,
             "optics": item.optics.to_json(),
             "region_fraction": item.region_fraction,
             "timings_ms": item.timings.to_json(),
         });
+        for (key, mask) in [("region", &item.region), ("crack", &item.crack)] {
+            if let Some(mask) = mask {
+                record[key] = json!(mask);
+            }
+        }
+        if !item.maps.is_empty() {
+            record["maps"] = json!(item.maps);
+        }
         Ok(Provenance::new(record)?)
     }
 }

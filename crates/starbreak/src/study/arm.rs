@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use starbreak_dataset::LineLog;
+use starbreak_dataset::{LineLog, blake3_hex};
 use starbreak_eval::detector::ImageToSee;
 use starbreak_eval::{BoxPx, Detection, Detections};
 
@@ -28,12 +28,41 @@ struct FoundInImage {
     error: Option<String>,
 }
 
+/// A line of the log: by the hash, a line that was altered since is told from one that was written.
+#[derive(Serialize, Deserialize)]
+struct Line {
+    #[serde(flatten)]
+    found: FoundInImage,
+    /// BLAKE3 of the line without this, the first 16 hexadecimal digits.
+    check: String,
+}
+
+impl FoundInImage {
+    /// The line of a log; none for one that was altered.
+    fn of_line(line: &str) -> Option<Self> {
+        let line: Line = serde_json::from_str(line).ok()?;
+        (line.found.check().ok()? == line.check).then_some(line.found)
+    }
+
+    fn to_line(&self) -> serde_json::Result<String> {
+        serde_json::to_string(&Line {
+            found: self.clone(),
+            check: self.check()?,
+        })
+    }
+
+    fn check(&self) -> serde_json::Result<String> {
+        let hash = blake3_hex(serde_json::to_string(self)?.as_bytes());
+        Ok(hash.chars().take(16).collect())
+    }
+}
+
 /// The names of the images that the log of an arm has, with the BLAKE3 of the files that were looked
 /// at; without those that could not be.
 pub(super) fn seen_files(log: &Path) -> Result<BTreeMap<String, String>, Error> {
     let mut seen = BTreeMap::new();
     LineLog::read(log, &mut |line| {
-        if let Ok(found) = serde_json::from_str::<FoundInImage>(line)
+        if let Some(found) = FoundInImage::of_line(line)
             && found.error.is_none()
         {
             seen.insert(found.image, found.blake3);
@@ -102,7 +131,7 @@ impl ArmRun<'_> {
     pub(super) fn run(&self) -> Result<Option<Arm>, Error> {
         let mut done: Vec<FoundInImage> = Vec::new();
         let log = LineLog::open(self.log, &self.identity.to_string(), &mut |line| {
-            let Ok(found) = serde_json::from_str::<FoundInImage>(line) else {
+            let Some(found) = FoundInImage::of_line(line) else {
                 return false;
             };
             let is_same = |image: &ImageToSee| {
@@ -175,7 +204,7 @@ impl Shared {
     fn write_those_in_turn(&mut self) -> Result<(), Error> {
         let turn = |done: &Vec<FoundInImage>| u32::try_from(done.len()).unwrap_or(u32::MAX);
         while let Some(found) = self.waiting.remove(&turn(&self.done)) {
-            let line = serde_json::to_string(&found).map_err(|error| Error::StudyLine {
+            let line = found.to_line().map_err(|error| Error::StudyLine {
                 image: found.image.clone(),
                 reason: error.to_string(),
             })?;
@@ -345,6 +374,25 @@ mod tests {
             "the same to the last bit"
         );
         assert!(n_calls.into_inner() < 40, "what was done is not done again");
+    }
+
+    #[test]
+    fn a_line_that_was_altered_is_looked_for_again() {
+        let dir = tempfile::tempdir().unwrap();
+        let go = AtomicBool::new(false);
+        let whole = run(&dir, 1, &find, &go).unwrap();
+        let log = dir.path().join("arm.jsonl");
+        let written = std::fs::read_to_string(&log).unwrap();
+        // A coordinate of another value, and a box less.
+        for (from, to) in [
+            ("0.1,", "0.2,"),
+            ("[0,[0.0,0.1,0.14285714285714285,2.0],0.5]", ""),
+        ] {
+            assert!(written.contains(from), "{from}");
+            std::fs::write(&log, written.replacen(from, to, 1)).unwrap();
+            assert_eq!(run(&dir, 1, &find, &go).unwrap(), whole, "{from}");
+            assert_eq!(std::fs::read_to_string(&log).unwrap(), written, "mended");
+        }
     }
 
     #[test]

@@ -62,7 +62,7 @@ impl StudyPlan<'_> {
                 tell(StudyEvent::Image);
                 Ok((DynamicImage::ImageRgb8(pixels), blake3))
             };
-            ImageSet::of_files(name, &files, &ReadSettings::default(), &read)
+            ImageSet::of_files(name, &files, &ReadSettings::default(), None, &read)
         };
         let source = |place: usize| self.images.get(place).map(|image| image.path.clone());
         let clean = |path: &Path| clean_image(path, quality);

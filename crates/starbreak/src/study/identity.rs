@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use starbreak_dataset::video::holds_anything;
 use starbreak_dataset::{DatasetError, OutputBatch, file_len, read_text, sha256_hex};
 use starbreak_eval::GroundTruth;
 
@@ -92,6 +93,9 @@ impl Identity {
                 let is_there = |name: &&&str| file_len(&folder.join(name)).is_ok();
                 return match reports.iter().find(is_there) {
                     Some(name) => Err(refuse(format!("its {name} is of no study"))),
+                    None if holds_anything(folder) => Err(refuse(
+                        "it is not empty, and no study was begun there".to_owned(),
+                    )),
                     None => Ok(()),
                 };
             }

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use serde_json::json;
 use starbreak_dataset::{
     Encoding, ImageFormat, ImageLimits, JpegQuality, SetLayout, Source, blake3_file, decode_image,
-    encode_image_as, read_image,
+    encode_image_as, read_image, refuse_inside_set,
 };
 use starbreak_eval::detector::{Detector, ImageToSee, LabelMap};
 use starbreak_eval::{Detection, Detections, GroundTruth};
@@ -121,6 +121,8 @@ impl StudyPlan<'_> {
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
     ) -> Result<Option<StudyRuns>, Error> {
+        refuse_inside_set(self.out)?;
+        self.source.refuse_output_at(self.out)?;
         let identity = Identity::of(self, truth);
         identity.check(self.out)?;
         self.check_files()?;

@@ -11,12 +11,17 @@ use starbreak_eval::divergence::{
 };
 
 use super::{digits, finish, sets, show};
+use crate::args::Global;
 use crate::args::divergence::DivergenceArgs;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
 
+/// Fewer make no distribution.
+const FEWEST_IMAGES: usize = 10;
+
 pub(super) fn run(
+    global: &Global,
     args: &DivergenceArgs,
     reading: &ReadSettings,
     settings: &CompareSettings,
@@ -46,8 +51,17 @@ pub(super) fn run(
             _ => None,
         };
         if let Some(text) = text {
-            let named = NamedSet::parse_or(text, role.paper_name(), layout);
+            let named = NamedSet::parse_or(text, role.paper_name(), layout)
+                .following_links(global.follow_links);
             let set = sets::read(&named, args, reading, eye.as_ref(), interrupt, screen)?;
+            if set.n() < FEWEST_IMAGES {
+                return Err(Failure::wrong_input(format!(
+                    "{}: {:?} has {} images, of which nothing can be said; give {FEWEST_IMAGES} or more",
+                    role.flag(),
+                    text,
+                    set.n()
+                )));
+            }
             read.push((role, set));
         }
     }
@@ -75,7 +89,7 @@ pub(super) fn run(
         ));
     }
     let value = json!({ "experiment": "paper", "comparisons": experiment.comparisons, "missing": experiment.missing, "report": experiment.report });
-    finish(args, &experiment.report, value, screen)
+    finish(global, args, &experiment.report, value, screen)
 }
 
 fn line(experiment: &PaperExperiment, comparison: &PaperComparison) -> String {

@@ -1,11 +1,10 @@
 //! Sets of the command line, read with a progress bar.
 
-use std::ffi::OsString;
-
 use starbreak::divergence::{Eye, NamedSet};
 use starbreak_eval::divergence::{ImageSet, ReadSettings};
 
 use super::wide;
+use crate::args::Global;
 use crate::args::divergence::DivergenceArgs;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -48,15 +47,16 @@ pub(super) fn read(
 
 /// All sets of the command line; no two of one name.
 pub(super) fn read_all(
-    texts: &[OsString],
+    global: &Global,
     args: &DivergenceArgs,
     reading: &ReadSettings,
     eye: Option<&Eye>,
     interrupt: &Interrupt,
     screen: &Screen,
 ) -> Result<Vec<ImageSet>, Failure> {
-    NamedSet::parse_all(texts)?
-        .iter()
-        .map(|named| read(named, args, reading, eye, interrupt, screen))
+    let named = NamedSet::parse_all(&args.sets)?.into_iter();
+    named
+        .map(|named| named.following_links(global.follow_links))
+        .map(|named| read(&named, args, reading, eye, interrupt, screen))
         .collect()
 }
