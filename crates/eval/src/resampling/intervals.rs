@@ -1,6 +1,6 @@
 //! Intervals from replicates.
 
-use crate::statistic::{Interval, Method, normal_cdf, normal_quantile, student_quantile};
+use crate::statistic::{Interval, Method, normal_cdf, student_quantile};
 
 /// Percentiles (1 ∓ level)/2 of replicates, interpolated between the two nearest as by default in
 /// NumPy; `None` for fewer than 20 replicates or a level outside of 0 to 1.
@@ -26,23 +26,30 @@ pub fn percentile_interval(replicates: &[f64], level: f64) -> Option<Interval> {
 pub enum Basis {
     /// So many units.
     Units(u32),
-    /// The mean over groups that rest on so many units each, by their harmonic mean; as with AP over
-    /// classes, of which each has objects in few images.
-    Groups(f64),
+    /// The mean over groups of so many units, each of which rests on `each` of them by the harmonic
+    /// mean; as with AP over classes, of which each has objects in few images.
+    Groups {
+        /// All units.
+        n_units: u32,
+        /// Those of a group.
+        each: f64,
+    },
 }
 
 impl Basis {
     /// How many standard errors an interval reaches, so that after the draws it holds the truth as
-    /// often as `level` says: t of n − 1 degrees of freedom for units, z for groups, which are many,
-    /// each times √(n/(n − 1)). `None` for fewer than two units.
+    /// often as `level` says: t of n − 1 degrees of freedom times √(n/(n − 1)), for groups of m units
+    /// times √(m/(m − 1)) in its place. `None` for fewer than two units.
     fn reach(self, level: f64) -> Option<f64> {
-        let p = 0.5 + level / 2.0;
-        let (n, reach) = match self {
-            Self::Units(n) if n > 1 => (f64::from(n), student_quantile(p, f64::from(n - 1))),
-            Self::Groups(n) if n > 1.0 => (n, normal_quantile(p)),
-            Self::Units(_) | Self::Groups(_) => return None,
+        let (n_units, each) = match self {
+            Self::Units(n) => (n, f64::from(n)),
+            Self::Groups { n_units, each } => (n_units, each),
         };
-        Some(reach * (n / (n - 1.0)).sqrt())
+        if n_units < 2 || each <= 1.0 {
+            return None;
+        }
+        let t = student_quantile(0.5 + level / 2.0, f64::from(n_units - 1));
+        Some(t * (each / (each - 1.0)).sqrt())
     }
 }
 

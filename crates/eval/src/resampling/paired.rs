@@ -135,7 +135,10 @@ pub(super) fn paired_of_ranked<R: Ranked>(
         let [side, difference] = match n_units.get(at) {
             Some(n) => [Basis::Units(*n); 2],
             None => [
-                Basis::Groups(harmonic_mean(&n_units)),
+                Basis::Groups {
+                    n_units: plan.n_units(),
+                    each: harmonic_mean(&n_units),
+                },
                 Basis::Units(plan.n_units()),
             ],
         };

@@ -161,7 +161,10 @@ fn put_intervals(
             plan.units_of(of_class.flat_map(RankedCategory::cells_with_objects))
         };
         let units: Vec<u32> = (0..n_categories).map(units).collect();
-        let side = Basis::Groups(harmonic_mean(&units));
+        let side = Basis::Groups {
+            n_units: plan.n_units(),
+            each: harmonic_mean(&units),
+        };
         let ap = Method::AveragePrecision;
         put(&mut row.clean, &replicates.expanded(0, ap, side));
         put(&mut row.mpc, &replicates.expanded(1, ap, side));
