@@ -28,7 +28,8 @@ fn recipe(preset: &str) -> Recipe {
 }
 
 fn bank(preset: &str, n: usize, sizes: &[(u32, u32)], to: &Path) -> BankReport {
-    let context = RunContext::new(&recipe(preset), Seed(5), to).unwrap();
+    let mut context = RunContext::new(&recipe(preset), Seed(5), to).unwrap();
+    context.replaces = true;
     let stop = AtomicBool::new(false);
     let draft = write_bank(&context, n, sizes, to, &stop, |_| {}).unwrap();
     draft.commit(&[]).unwrap()
