@@ -15,6 +15,9 @@ usage: cargo xtask <task>
                   of the Python package and its tests; its tools (Python packages, ffmpeg,
                   maturin) come from PyPI into target/test-venv, a missing Chromium from Debian's
                   packages into target/test-browser
+  processors      of that, the golden digests on processors that QEMU emulates: x86-64 without AVX,
+                  aarch64; QEMU and a cross compiler come from Debian's packages into the target
+                  folder
   lint            fmt, clippy, rustdoc, licences, deps --check, refs
   licences        every package's licence is on the allow-list and every source is crates.io
   deps [--check]  writes the dependency graph into ARCHITECTURE.md, or says that it is stale
@@ -26,6 +29,7 @@ fn main() -> ExitCode {
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let result = match args.as_slice() {
         ["test"] => test::run(root()),
+        ["processors"] => test::run_on_processors(root()),
         ["lint"] => lint::run(root()),
         ["licences"] => licences::run(root()),
         ["deps"] => deps::run(root(), deps::Mode::Write),

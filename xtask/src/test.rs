@@ -8,6 +8,8 @@ use crate::Failure;
 use crate::command::{cargo, line_of};
 
 mod browser;
+mod debian;
+mod processors;
 mod python;
 mod report;
 mod tools;
@@ -16,20 +18,37 @@ use report::Report;
 use tools::Tools;
 
 /// `cargo xtask test`: the tools of the tests, all tests and doctests with the replay of the fuzz
-/// corpus, then those of the Python package in its wheel.
+/// corpus, the golden digests on other processors, then the tests of the Python package in its
+/// wheel.
 ///
 /// # Errors
 /// If the tools or the wheel cannot be made, or a test fails.
 pub fn run(root: &Path) -> Result<(), Failure> {
     let tools = Tools::prepare(root)?;
     let (mut report, tests) = run_tests(root, &tools)?;
+    let on_others = processors::test(root, &mut report);
     let of_python = python::test(root, &tools, &mut report);
+    tell(&report);
+    tests.and(on_others).and(of_python)
+}
+
+/// `cargo xtask processors`: of that, the golden digests on other processors.
+///
+/// # Errors
+/// If they differ there, or do not build.
+pub fn run_on_processors(root: &Path) -> Result<(), Failure> {
+    let mut report = Report::default();
+    let on_others = processors::test(root, &mut report);
+    tell(&report);
+    on_others
+}
+
+fn tell(report: &Report) {
     println!();
     for skipped in report.skipped() {
         println!("skipped: {skipped}");
     }
     println!("{report}");
-    tests.and(of_python)
 }
 
 /// Runs cargo test, passes on what a reader wants to see, and counts.
