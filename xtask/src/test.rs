@@ -6,6 +6,7 @@ use std::process::Stdio;
 
 use crate::Failure;
 use crate::command::{cargo, line_of};
+use crate::metadata::Metadata;
 
 mod browser;
 mod debian;
@@ -18,29 +19,32 @@ use report::Report;
 use tools::Tools;
 
 /// `cargo xtask test`: the tools of the tests, all tests and doctests with the replay of the fuzz
-/// corpus, the golden digests on other processors, then the tests of the Python package in its
-/// wheel.
+/// corpus, the golden digests on a processor without AVX, then the tests of the Python package in
+/// its wheel.
 ///
 /// # Errors
 /// If the tools or the wheel cannot be made, or a test fails.
 pub fn run(root: &Path) -> Result<(), Failure> {
     let tools = Tools::prepare(root)?;
     let (mut report, tests) = run_tests(root, &tools)?;
-    let on_others = processors::test(root, &mut report);
+    let target = Metadata::of_workspace(root)?.target_directory;
+    let without_avx = processors::x86_without_avx(root, &target, &mut report);
     let of_python = python::test(root, &tools, &mut report);
     tell(&report);
-    tests.and(on_others).and(of_python)
+    tests.and(without_avx).and(of_python)
 }
 
-/// `cargo xtask processors`: of that, the golden digests on other processors.
+/// `cargo xtask processors`: the golden digests on a processor without AVX, and on aarch64.
 ///
 /// # Errors
 /// If they differ there, or do not build.
 pub fn run_on_processors(root: &Path) -> Result<(), Failure> {
     let mut report = Report::default();
-    let on_others = processors::test(root, &mut report);
+    let target = Metadata::of_workspace(root)?.target_directory;
+    let without_avx = processors::x86_without_avx(root, &target, &mut report);
+    let aarch64 = processors::aarch64(root, &target, &mut report);
     tell(&report);
-    on_others
+    without_avx.and(aarch64)
 }
 
 fn tell(report: &Report) {
