@@ -13,8 +13,12 @@ const USAGE: &str = "\
 usage: cargo xtask <task>
   test            cargo test --workspace with doctests and the replay of the fuzz corpus, the wheel
                   of the Python package and its tests; its tools (Python packages, ffmpeg,
-                  maturin) come from PyPI into target/test-venv, a missing Chromium from Debian's
-                  packages into target/test-browser
+                  maturin) come from PyPI into target/test-venv, a missing Chromium and QEMU from
+                  Debian's packages into target/test-browser and target/test-emulator
+  processors      the golden digests on emulated processors: x86-64 without AVX, which test runs,
+                  too, and aarch64; QEMU and a cross compiler come from Debian's packages into
+                  target/test-emulator and target/test-cross-compiler, the standard library of
+                  aarch64 from rustup
   lint            fmt, clippy, rustdoc, licences, deps --check, refs
   licences        every package's licence is on the allow-list and every source is crates.io
   deps [--check]  writes the dependency graph into ARCHITECTURE.md, or says that it is stale
@@ -26,6 +30,7 @@ fn main() -> ExitCode {
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let result = match args.as_slice() {
         ["test"] => test::run(root()),
+        ["processors"] => test::run_on_processors(root()),
         ["lint"] => lint::run(root()),
         ["licences"] => licences::run(root()),
         ["deps"] => deps::run(root(), deps::Mode::Write),

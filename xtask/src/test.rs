@@ -6,8 +6,11 @@ use std::process::Stdio;
 
 use crate::Failure;
 use crate::command::{cargo, line_of};
+use crate::metadata::Metadata;
 
 mod browser;
+mod debian;
+mod processors;
 mod python;
 mod report;
 mod tools;
@@ -16,20 +19,40 @@ use report::Report;
 use tools::Tools;
 
 /// `cargo xtask test`: the tools of the tests, all tests and doctests with the replay of the fuzz
-/// corpus, then those of the Python package in its wheel.
+/// corpus, the golden digests on a processor without AVX, then the tests of the Python package in
+/// its wheel.
 ///
 /// # Errors
 /// If the tools or the wheel cannot be made, or a test fails.
 pub fn run(root: &Path) -> Result<(), Failure> {
     let tools = Tools::prepare(root)?;
     let (mut report, tests) = run_tests(root, &tools)?;
+    let target = Metadata::of_workspace(root)?.target_directory;
+    let without_avx = processors::x86_without_avx(root, &target, &mut report);
     let of_python = python::test(root, &tools, &mut report);
+    tell(&report);
+    tests.and(without_avx).and(of_python)
+}
+
+/// `cargo xtask processors`: the golden digests on a processor without AVX, and on aarch64.
+///
+/// # Errors
+/// If they differ there, or do not build.
+pub fn run_on_processors(root: &Path) -> Result<(), Failure> {
+    let mut report = Report::default();
+    let target = Metadata::of_workspace(root)?.target_directory;
+    let without_avx = processors::x86_without_avx(root, &target, &mut report);
+    let aarch64 = processors::aarch64(root, &target, &mut report);
+    tell(&report);
+    without_avx.and(aarch64)
+}
+
+fn tell(report: &Report) {
     println!();
     for skipped in report.skipped() {
         println!("skipped: {skipped}");
     }
     println!("{report}");
-    tests.and(of_python)
 }
 
 /// Runs cargo test, passes on what a reader wants to see, and counts.

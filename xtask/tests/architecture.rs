@@ -196,6 +196,11 @@ const LIBRARY_USES: &[(Use, &[&str], &str)] = &[
         "iteration is unordered; this one is only looked up in, never walked",
     ),
     (Use::Word("HashSet"), &[], "iteration is unordered"),
+    (
+        Use::Word("mul_add"),
+        &[],
+        "`wide` fuses it or not by the processor, and results do not depend on that",
+    ),
 ];
 
 /// What no code uses, tests included: word, reason.

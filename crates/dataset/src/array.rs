@@ -185,10 +185,10 @@ fn half(bits: u16) -> f64 {
     let exponent = i32::from((bits >> 10) & 0x1f);
     let fraction = f64::from(bits & 0x3ff) / 1024.0;
     sign * match exponent {
-        0 => fraction * 2_f64.powi(-14),
+        0 => libm::scalbn(fraction, -14),
         31 if fraction > 0.0 => f64::NAN,
         31 => f64::INFINITY,
-        _ => (1.0 + fraction) * 2_f64.powi(exponent - 15),
+        _ => libm::scalbn(1.0 + fraction, exponent - 15),
     }
 }
 

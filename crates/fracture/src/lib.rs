@@ -19,6 +19,7 @@
 //! broken.network.check_invariants()?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod arrangement;
 pub mod contact;

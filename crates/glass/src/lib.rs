@@ -18,6 +18,7 @@
 //! assert_eq!(network.summary().n_segments, 1);
 //! # Ok::<(), starbreak_glass::NetworkError>(())
 //! ```
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod crack_network;
 mod impact;

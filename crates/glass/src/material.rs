@@ -125,7 +125,8 @@ impl Material {
     /// Fracture energy Γ = `K_IC`²/E, J/m² \[Irwin1957\].
     #[must_use]
     pub fn fracture_energy_j_m2(&self) -> f64 {
-        self.fracture_toughness_pa_sqrt_m.value.powi(2) / self.young_modulus_pa.value
+        let toughness = self.fracture_toughness_pa_sqrt_m.value;
+        toughness * toughness / self.young_modulus_pa.value
     }
 
     /// Speed of longitudinal waves in a thin bar, √(E/ρ), m/s.

@@ -13,7 +13,8 @@ impl Kernel {
     /// normalized to sum 1, as OpenCV's `getGaussianKernel` makes it.
     pub(crate) fn gaussian(radius: usize, sigma_px: f64) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a kernel radius")]
-        let tap = |k: usize| libm::exp(-0.5 * (k as f64 / sigma_px).powi(2));
+        let in_sigmas = |k: usize| k as f64 / sigma_px;
+        let tap = |k: usize| libm::exp(-0.5 * (in_sigmas(k) * in_sigmas(k)));
         let sum: f64 = 1.0 + 2.0 * (1..=radius).map(tap).sum::<f64>();
         #[expect(clippy::cast_possible_truncation, reason = "taps as f32")]
         let half = (0..=radius).map(|k| (tap(k) / sum) as f32).collect();

@@ -32,6 +32,7 @@
 //! assert_eq!(masks.region.get_pixel(24, 27).0, [255]);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod before;
 mod bit_rows;

@@ -18,6 +18,7 @@
 //! assert!(cracked.network.n_segments() > 0);
 //! # Ok::<(), starbreak::Error>(())
 //! ```
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod bank;
 pub mod clip;

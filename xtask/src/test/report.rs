@@ -69,6 +69,11 @@ impl Report {
         self.n_failed += n("failed") + n("error") + n("errors");
     }
 
+    /// Notes what was skipped and why.
+    pub(super) fn skip(&mut self, what: &str, why: &str) {
+        self.skipped.push(format!("{what}: {why}"));
+    }
+
     /// What was skipped and why, one line each.
     pub(super) fn skipped(&self) -> &[String] {
         &self.skipped

@@ -86,10 +86,12 @@ impl Tools {
 pub(super) fn answer(command: &mut Command) -> Result<String, Failure> {
     let program = command.get_program().to_string_lossy().into_owned();
     let output = command.output().map_err(|cause| {
-        Failure::new(format!(
-            "the tests need Python 3.10 or newer with venv: {program} did not start: {cause}; install python3 and \
-             python3-venv"
-        ))
+        let way_out = if program.starts_with("python") {
+            "; the tests need Python 3.10 or newer with venv: install python3 and python3-venv"
+        } else {
+            ""
+        };
+        Failure::new(format!("{program} did not start: {cause}{way_out}"))
     })?;
     if output.status.success() {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());

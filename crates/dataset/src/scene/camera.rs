@@ -89,9 +89,9 @@ impl Board {
     pub(super) fn at(&self, [across_m, up_m]: [f32; 2]) -> Point3 {
         let across_m = across_m * self.mirror;
         point3(
-            self.foot.right_m + across_m * self.yaw_rad.cos(),
+            self.foot.right_m + across_m * libm::cosf(self.yaw_rad),
             self.foot.up_m + up_m,
-            self.foot.ahead_m + across_m * self.yaw_rad.sin(),
+            self.foot.ahead_m + across_m * libm::sinf(self.yaw_rad),
         )
     }
 }

@@ -87,8 +87,8 @@ pub(super) fn paint_cyclist(painter: &mut Painter, board: &Board) {
         for spoke in 0..10_u8 {
             let angle_rad = TAU * f32::from(spoke) / 10.0 + 0.2;
             let rim = [
-                hub[0] + 0.32 * angle_rad.cos(),
-                hub[1] + 0.32 * angle_rad.sin(),
+                hub[0] + 0.32 * libm::cosf(angle_rad),
+                hub[1] + 0.32 * libm::sinf(angle_rad),
             ];
             fill(
                 &Shape::line(&[hub, rim], 0.007),

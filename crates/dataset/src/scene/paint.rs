@@ -115,7 +115,7 @@ impl Painter {
 
     /// From now on, draws as seen through the air over a distance.
     pub(super) fn set_distance(&mut self, ahead_m: f32) {
-        self.haze = 1.0 - (-(ahead_m - 8.0).max(0.0) / HAZE_REACH_M).exp();
+        self.haze = 1.0 - libm::expf(-(ahead_m - 8.0).max(0.0) / HAZE_REACH_M);
     }
 
     /// From now on, what is filled belongs to one labelled object.

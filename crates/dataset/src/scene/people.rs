@@ -42,8 +42,8 @@ pub(super) struct Person {
 /// The end of a bone that hangs from a joint, swung forward by an angle.
 pub(super) fn swing(joint: [f32; 2], length_m: f32, forward_rad: f32) -> [f32; 2] {
     [
-        joint[0] + length_m * forward_rad.sin(),
-        joint[1] - length_m * forward_rad.cos(),
+        joint[0] + length_m * libm::sinf(forward_rad),
+        joint[1] - length_m * libm::cosf(forward_rad),
     ]
 }
 

@@ -97,8 +97,8 @@ impl Shape {
             .map(|piece| {
                 let angle_rad = TAU * f32::from(piece) / f32::from(ROUND_PIECES);
                 [
-                    center[0] + radius_x * angle_rad.cos(),
-                    center[1] + radius_y * angle_rad.sin(),
+                    center[0] + radius_x * libm::cosf(angle_rad),
+                    center[1] + radius_y * libm::sinf(angle_rad),
                 ]
             })
             .collect();
@@ -123,7 +123,7 @@ impl Shape {
 
     /// A limb: a bar with round ends that may taper.
     pub(super) fn limb(from: [f32; 2], to: [f32; 2], from_radius: f32, to_radius: f32) -> Self {
-        let heading_rad = (to[1] - from[1]).atan2(to[0] - from[0]);
+        let heading_rad = libm::atan2f(to[1] - from[1], to[0] - from[0]);
         let mut contour = Vec::with_capacity(14);
         for (center, radius, start_rad) in [
             (from, from_radius, heading_rad + TAU / 4.0),
@@ -132,8 +132,8 @@ impl Shape {
             for piece in 0..=6_u8 {
                 let angle_rad = start_rad + TAU / 12.0 * f32::from(piece);
                 contour.push([
-                    center[0] + radius * angle_rad.cos(),
-                    center[1] + radius * angle_rad.sin(),
+                    center[0] + radius * libm::cosf(angle_rad),
+                    center[1] + radius * libm::sinf(angle_rad),
                 ]);
             }
         }
@@ -172,7 +172,7 @@ impl Shape {
                 let mut fine = Vec::with_capacity(contour.len() * 2);
                 for (index, &from) in contour.iter().enumerate() {
                     let to = contour[(index + 1) % contour.len()];
-                    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+                    let length = libm::hypotf(to[0] - from[0], to[1] - from[1]);
                     let mut done = 0.0;
                     while done < length {
                         fine.push(toward(from, to, done));
@@ -205,7 +205,7 @@ impl Shape {
 }
 
 fn toward(from: [f32; 2], to: [f32; 2], distance: f32) -> [f32; 2] {
-    let length = (to[0] - from[0]).hypot(to[1] - from[1]).max(1e-6);
+    let length = libm::hypotf(to[0] - from[0], to[1] - from[1]).max(1e-6);
     let share = distance / length;
     [
         from[0] + (to[0] - from[0]) * share,

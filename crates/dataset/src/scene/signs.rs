@@ -44,8 +44,8 @@ fn corners(count: u8, radius_m: f32, turn_rad: f32) -> Vec<[f32; 3]> {
         .map(|corner| {
             let angle_rad = turn_rad + TAU * f32::from(corner) / f32::from(count);
             [
-                radius_m * angle_rad.cos(),
-                radius_m * angle_rad.sin(),
+                radius_m * libm::cosf(angle_rad),
+                radius_m * libm::sinf(angle_rad),
                 radius_m * 0.06,
             ]
         })

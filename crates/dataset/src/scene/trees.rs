@@ -67,8 +67,8 @@ impl Tree {
             let angle_rad = between(rng, 0.0, TAU);
             let out = between(rng, 0.2, 0.62);
             let center = [
-                out * angle_rad.cos() * radius_m,
-                top_m + out * angle_rad.sin() * 0.9 * radius_m,
+                out * libm::cosf(angle_rad) * radius_m,
+                top_m + out * libm::sinf(angle_rad) * 0.9 * radius_m,
             ];
             self.paint_tuft(painter, rng, center, 0.36 * radius_m, -0.46);
         }
@@ -97,8 +97,8 @@ impl Tree {
                     let angle_rad = between(rng, 0.0, TAU);
                     let out = between(rng, 0.0, 1.0).sqrt() * spread * size * radius_m;
                     let center = [
-                        middle[0] + out * angle_rad.cos() - lift * size * radius_m,
-                        middle[1] + out * angle_rad.sin() * 0.8 + lift * size * radius_m,
+                        middle[0] + out * libm::cosf(angle_rad) - lift * size * radius_m,
+                        middle[1] + out * libm::sinf(angle_rad) * 0.8 + lift * size * radius_m,
                     ];
                     let light = light + extra + between(rng, -0.05, 0.05);
                     self.paint_tuft(painter, rng, center, share * size * radius_m, light);
@@ -133,8 +133,8 @@ fn tuft(rng: &mut ChaCha8Rng, center: [f32; 2], radius: f32) -> Shape {
             let angle_rad = TAU * f32::from(corner) / 7.0;
             let reach = radius * between(rng, 0.75, 1.2);
             [
-                center[0] + reach * angle_rad.cos(),
-                center[1] + reach * angle_rad.sin(),
+                center[0] + reach * libm::cosf(angle_rad),
+                center[1] + reach * libm::sinf(angle_rad),
             ]
         })
         .collect();

@@ -46,7 +46,7 @@ impl Vehicle {
         point3(
             self.right_m + across * self.half_width_m(up_m),
             up_m,
-            self.near_m + look_up(table, up_m) + 0.16 * across.powi(4),
+            self.near_m + look_up(table, up_m) + 0.16 * (across * across * across * across),
         )
     }
 
@@ -69,7 +69,8 @@ impl Vehicle {
             from_rear_m
         };
         let end_m = from_near_m.min(length_m - from_near_m);
-        let tuck = 0.07 * (1.0 - end_m / 0.4).clamp(0.0, 1.0).powi(2);
+        let close = (1.0 - end_m / 0.4).clamp(0.0, 1.0);
+        let tuck = 0.07 * (close * close);
         point3(
             self.right_m + self.seen_side() * self.half_width_m(up_m) * (1.0 - tuck),
             up_m,
@@ -267,8 +268,8 @@ impl Vehicle {
             let angle_rad = f32::from(spoke) * std::f32::consts::TAU / 5.0 + 0.3;
             let reach = |angle_rad: f32, share: f32| {
                 [
-                    hub[0] + angle_rad.cos() * radius_m * share,
-                    hub[1] + angle_rad.sin() * radius_m * share,
+                    hub[0] + libm::cosf(angle_rad) * radius_m * share,
+                    hub[1] + libm::sinf(angle_rad) * radius_m * share,
                 ]
             };
             let hole = Shape::polygon(&[

@@ -37,13 +37,14 @@ struct Unloading {
 
 impl Indentation {
     pub(super) fn new(stone: &StoneImpact, material: &Material) -> Self {
-        let glass_pa =
-            material.young_modulus_pa.value / (1.0 - material.poisson_ratio.value.powi(2));
-        let stone_pa = stone.young_modulus_pa / (1.0 - stone.poisson_ratio.powi(2));
+        let in_plane = |poisson_ratio: f64| 1.0 - poisson_ratio * poisson_ratio;
+        let glass_pa = material.young_modulus_pa.value / in_plane(material.poisson_ratio.value);
+        let stone_pa = stone.young_modulus_pa / in_plane(stone.poisson_ratio);
         let modulus_pa = 1.0 / (1.0 / glass_pa + 1.0 / stone_pa);
         let limit_pa = GLASS_HARDNESS_PA.min(stone.crushing_pa);
         // Hertz: p0 = (2 E*/π) √(δ/R).
-        let crush_m = stone.tip_radius_m * (PI * limit_pa / (2.0 * modulus_pa)).powi(2);
+        let slope = PI * limit_pa / (2.0 * modulus_pa);
+        let crush_m = stone.tip_radius_m * (slope * slope);
         Self {
             modulus_pa,
             tip_radius_m: stone.tip_radius_m,
@@ -127,7 +128,7 @@ impl Indentation {
     pub(super) fn unload_from(&mut self, deepest_m: f64) -> f64 {
         let (force_n, _) = self.force(deepest_m);
         let radius_m = self.radius_m(deepest_m);
-        let curvature_m = 4.0 / 3.0 * self.modulus_pa * radius_m.powi(3) / force_n;
+        let curvature_m = 4.0 / 3.0 * self.modulus_pa * (radius_m * radius_m * radius_m) / force_n;
         let rebound_m = radius_m * radius_m / curvature_m;
         let kept_j = self.work_j(deepest_m) - 0.4 * force_n * rebound_m;
         self.unloading = Some(Unloading {

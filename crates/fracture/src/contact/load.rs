@@ -60,8 +60,9 @@ impl ContactLoad {
 
 /// Bending stiffness D = E h³/12(1 − ν²), N·m.
 fn bending_stiffness_n_m(material: &Material, thickness_m: f64) -> f64 {
-    material.young_modulus_pa.value * thickness_m.powi(3)
-        / (12.0 * (1.0 - material.poisson_ratio.value.powi(2)))
+    let poisson_ratio = material.poisson_ratio.value;
+    material.young_modulus_pa.value * (thickness_m * thickness_m * thickness_m)
+        / (12.0 * (1.0 - poisson_ratio * poisson_ratio))
 }
 
 /// Force over time of a stone that hits a plate, by Hertz's law \[Hertz1882\] on a plate that gives

@@ -82,7 +82,11 @@ pub fn dice_cascade(
     }
     // The parabola σ_m (1 − 3ζ²), σ_m = σ_s/2, over the part of the thickness that is in tension.
     let tension_pa = 2.0 / 3.0 * 0.5 * surface_compression_pa;
-    let fork_m = (BRANCHING_PA_SQRT_M / tension_pa).powi(2);
+    let length_m = |toughness_pa_sqrt_m: f64| {
+        let root = toughness_pa_sqrt_m / tension_pa;
+        root * root
+    };
+    let fork_m = length_m(BRANCHING_PA_SQRT_M);
     let [width, height] = outline.size_m();
     let too_many = |expected: f64| FractureError::TooManyDice {
         expected,
@@ -102,7 +106,7 @@ pub fn dice_cascade(
         is_met: Vec::new(),
         rng: seed.stream(Stream::Dice, 2),
         fork_m,
-        strip_m: 2.0 * (TOUGHNESS_PA_SQRT_M / tension_pa).powi(2),
+        strip_m: 2.0 * length_m(TOUGHNESS_PA_SQRT_M),
     };
     for &hit in impacts_m {
         cascade.start(hit);

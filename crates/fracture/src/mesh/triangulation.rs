@@ -153,7 +153,8 @@ impl PaneMesh {
         self.mesh_neighbors(from)
             .map(|node| {
                 let [other_x, other_y] = self.particles.position(node);
-                (node, (other_x - x).powi(2) + (other_y - y).powi(2))
+                let (dx, dy) = (other_x - x, other_y - y);
+                (node, dx * dx + dy * dy)
             })
             .min_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)))
             .map_or(to, |(node, _)| node)

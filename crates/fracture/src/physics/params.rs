@@ -126,7 +126,8 @@ impl StoneImpact {
     /// Mass (4/3)π R³ ρ, kg.
     #[must_use]
     pub fn mass_kg(&self) -> f64 {
-        4.0 / 3.0 * std::f64::consts::PI * self.radius_m.powi(3) * self.density_kg_m3
+        let r = self.radius_m;
+        4.0 / 3.0 * std::f64::consts::PI * (r * r * r) * self.density_kg_m3
     }
 
     /// Speed along the normal of the pane, m/s.

@@ -1,5 +1,6 @@
 //! Load to stress: plates and membranes by finite elements.
 
+mod cholesky;
 mod dkt;
 mod load;
 mod membrane;

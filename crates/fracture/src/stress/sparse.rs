@@ -4,16 +4,15 @@
 //! The sides of a node share its deflection, which is the first unknown of its first side. That of
 //! the others is held and stands for nothing.
 
+use faer::Side;
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
-    factorize_symbolic_cholesky,
+    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::{SupernodalThreshold, amd};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side, Spec};
 
+use super::cholesky::{Cholesky, Lower};
 use super::dkt::{N_LOCAL, N_PACKED};
 use crate::FractureError;
 use crate::mesh::{PlateMesh, to_u32};
@@ -29,10 +28,8 @@ pub(super) struct System {
     rows: Vec<u32>,
     /// Where the packed entries of each element are added.
     scatter: Vec<[u32; N_PACKED]>,
-    symbolic: SymbolicCholesky<u32>,
     values: Vec<f64>,
-    factor: Vec<f64>,
-    scratch: MemBuffer,
+    factor: Cholesky,
 }
 
 /// The nodes of a triangle, then their sides.
@@ -90,23 +87,20 @@ impl System {
             },
         )
         .map_err(failed)?;
-        let scratch = MemBuffer::try_new(
-            symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default()),
-        )
-        .map_err(failed)?;
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else {
+            return Err(failed("no supernodes"));
+        };
         let scatter = placed
             .iter()
             .map(|triangle| scatter(triangle, &columns, &later))
             .collect();
         Ok(Self {
             values: vec![0.0; rows.len()],
-            factor: vec![0.0; symbolic.len_val()],
+            factor: Cholesky::new(symbolic),
             place,
             columns,
             rows,
             scatter,
-            symbolic,
-            scratch,
         })
     }
 
@@ -131,20 +125,11 @@ impl System {
             self.values[self.columns[3 * place as usize] as usize] += value;
         }
         self.hold(is_fixed);
-        let n = self.columns.len() - 1;
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.columns, None, &self.rows);
-        self.symbolic
-            .factorize_numeric_llt(
-                &mut self.factor,
-                SparseColMatRef::new(pattern, &self.values),
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut self.scratch),
-                Spec::default(),
-            )
-            .map_err(failed)?;
-        Ok(())
+        self.factor.factor(&Lower {
+            columns: &self.columns,
+            rows: &self.rows,
+            values: &self.values,
+        })
     }
 
     /// Replaces rows and columns of held unknowns by those of the unit matrix.
@@ -167,7 +152,7 @@ impl System {
 
     /// The solution for a load with three entries per node, zero where unknowns are held, and the
     /// residual of its equations.
-    pub(super) fn solve(&self, load: &[[f64; 3]]) -> Result<Solution, FractureError> {
+    pub(super) fn solve(&self, load: &[[f64; 3]]) -> Solution {
         let n = self.columns.len() - 1;
         let mut right = vec![0.0; n];
         for (load, &place) in load.iter().zip(&self.place) {
@@ -175,25 +160,17 @@ impl System {
             right[at..at + 3].copy_from_slice(load);
         }
         let mut unknowns = right.clone();
-        let mut scratch =
-            MemBuffer::try_new(self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq))
-                .map_err(failed)?;
-        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(&mut unknowns, n, 1),
-            Par::Seq,
-            MemStack::new(&mut scratch),
-        );
+        self.factor.solve(&mut unknowns);
         let relative_residual = self.relative_residual(&unknowns, &right);
         let by_node = self
             .place
             .iter()
             .map(|&place| [0, 1, 2].map(|c| unknowns[3 * place as usize + c]))
             .collect();
-        Ok(Solution {
+        Solution {
             by_node,
             relative_residual,
-        })
+        }
     }
 
     /// ‖K u − f‖ / ‖ |K| |u| + |f| ‖, each unknown measured in units of the root of its stiffness,

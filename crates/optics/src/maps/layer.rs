@@ -144,7 +144,7 @@ impl Level {
         let exponent = fine.max(coarse.min(0));
         Self {
             exponent,
-            is_halved: radius_px.abs() * f64::exp2(f64::from(exponent)) >= FEW_CELLS,
+            is_halved: libm::scalbn(radius_px.abs(), exponent) >= FEW_CELLS,
         }
     }
 
@@ -196,7 +196,7 @@ impl<const L: usize> Layer<L> {
         (width, height): (usize, usize),
     ) -> Self {
         let exponent = level.exponent;
-        let scale = f64::exp2(f64::from(exponent));
+        let scale = libm::scalbn(1.0, exponent);
         let (kernels, kernel_of) = kernels_of(scale, facets, pupil);
         let reach = kernels.iter().map(Kernel::reach).max().unwrap_or(0);
         // A whole number of px, and of cells.
@@ -467,11 +467,11 @@ fn kernels_of<const L: usize>(
         .map(|facet| {
             let radius = facet.radius_px * scale;
             #[expect(clippy::cast_possible_truncation, reason = "logarithms")]
-            let key = (libm::log(radius.abs().max(1e-3)) / RADIUS_RATIO.ln()).round() as i32;
+            let key = (libm::log(radius.abs().max(1e-3)) / libm::log(RADIUS_RATIO)).round() as i32;
             *known
                 .entry(2 * key + i32::from(radius < 0.0))
                 .or_insert_with(|| {
-                    let rounded = libm::exp(f64::from(key) * RADIUS_RATIO.ln());
+                    let rounded = libm::exp(f64::from(key) * libm::log(RADIUS_RATIO));
                     kernels.push(Kernel::new(pupil, rounded.copysign(radius)));
                     #[expect(clippy::cast_possible_truncation, reason = "some hundreds")]
                     let place = (kernels.len() - 1) as u32;

@@ -159,7 +159,8 @@ impl Patch<'_, '_> {
             .max(least_px / px_per_mm.max(1e-9))
             .max(2.0 * outermost / MOST_CELLS)
             .min(radius);
-        let n_drawn = (size / grain).powi(2).clamp(1.0, MOST_DRAWN).round();
+        let in_grains = size / grain;
+        let n_drawn = (in_grains * in_grains).clamp(1.0, MOST_DRAWN).round();
         let rim = self.ragged();
         let n = (2.0 * outermost / size).ceil().max(2.0);
         // Grains are as deep as they are wide: a pane that is seen from the side does not make them

@@ -20,6 +20,6 @@ pub fn crack_geometry(network: &CrackNetwork) -> Result<CrackGeometry, EvalError
     let place = |node: &u32| usize::try_from(*node).unwrap_or(usize::MAX);
     let ends = data.segments.from.iter().zip(&data.segments.to);
     let segments: Vec<[usize; 2]> = ends.map(|(from, to)| [place(from), place(to)]).collect();
-    let diagonal = data.pane.width.hypot(data.pane.height);
+    let diagonal = libm::hypot(data.pane.width, data.pane.height);
     CrackGeometry::of_network(&nodes, &segments, diagonal)
 }
