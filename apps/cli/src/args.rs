@@ -69,6 +69,10 @@ pub(crate) struct Global {
     /// Threads to use; 0 stands for one per processor
     #[arg(long, global = true, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub(crate) threads: u16,
+    /// Most memory that one picture may take, e.g. 800MiB or 16GiB; what would take more is refused
+    /// before the work. Each thread makes a picture of its own
+    #[arg(long, global = true, value_name = "SIZE", default_value = "4GiB", value_parser = parse_memory)]
+    pub(crate) max_memory: u64,
     /// One machine-readable result on standard output, everything else on standard error
     #[arg(long, global = true)]
     pub(crate) json: bool,
@@ -342,8 +346,9 @@ impl Global {
         Ok(recipe)
     }
 
-    /// Lays the camera over a recipe, then sets single parameters.
+    /// Lays the camera over a recipe, then sets single parameters; and the limit of its memory.
     pub(crate) fn adjust(&self, recipe: &mut Recipe) -> Result<(), RecipeError> {
+        recipe.set_max_memory(self.max_memory);
         let set = self.set.iter().map(|text| Assignment::parse(text));
         recipe.adjust(self.camera.as_deref(), &set.collect::<Result<Vec<_>, _>>()?)
     }
@@ -374,6 +379,34 @@ impl Global {
     /// The seed.
     pub(crate) fn seed(&self) -> Seed {
         Seed(self.seed)
+    }
+}
+
+/// Units of memory and their bytes.
+const MEMORY_UNITS: [(&str, f64); 4] = [
+    ("MiB", 1_048_576.0),
+    ("GiB", 1_073_741_824.0),
+    ("MB", 1e6),
+    ("GB", 1e9),
+];
+
+fn parse_memory(text: &str) -> Result<u64, String> {
+    let number = |(unit, bytes): &(&str, f64)| {
+        let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
+        Some(number * bytes)
+    };
+    let bytes = MEMORY_UNITS.iter().find_map(number);
+    match bytes.filter(|bytes| (1e6..=1e15).contains(bytes)) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "in range"
+        )]
+        Some(bytes) => Ok(bytes as u64),
+        None => Err(
+            "expected a size with its unit, MiB, GiB, MB or GB, from 1 MB, e.g. 800MiB or 16GiB"
+                .to_owned(),
+        ),
     }
 }
 

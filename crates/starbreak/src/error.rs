@@ -8,6 +8,9 @@ use starbreak_optics::OpticsError;
 use crate::clip::ClipError;
 use crate::{ImportError, RecipeError};
 
+/// Bytes of a GiB.
+const GIB: f64 = 1_073_741_824.0;
+
 /// Why a run or one of its items failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -37,6 +40,22 @@ pub enum Error {
         "impact.position = \"object\" needs labels; break a labeled dataset with generate or study, or give the place as [x, y], fractions of the frame"
     )]
     NoObjects,
+    /// A picture that takes more memory than it may.
+    #[error(
+        "{what} may take {:.1} GiB of memory, more than the {:.1} GiB that one picture may take; {way_out}, or raise \
+         that limit (--max-memory; max_memory in Python)",
+        .needs_bytes / GIB, .limit_bytes / GIB
+    )]
+    TooCostly {
+        /// What would be done.
+        what: &'static str,
+        /// Memory that it takes, bytes.
+        needs_bytes: f64,
+        /// The limit, bytes.
+        limit_bytes: f64,
+        /// What to change.
+        way_out: &'static str,
+    },
     /// A file could not be read or written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),

@@ -21,6 +21,7 @@
 
 pub mod bank;
 pub mod clip;
+mod cost;
 pub mod divergence;
 mod error;
 pub mod evaluation;
@@ -32,6 +33,7 @@ mod plain_words;
 mod recipe;
 pub mod study;
 
+pub use cost::{Cost, DEFAULT_MAX_MEMORY_BYTES};
 pub use error::Error;
 pub use import::ImportError;
 pub use recipe::{
