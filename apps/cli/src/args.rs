@@ -16,7 +16,7 @@ use detect::DetectArgs;
 use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
 use starbreak::dataset::same_file;
-use starbreak::{Assignment, DEFAULT_PRESET, Recipe, RecipeError, Seed};
+use starbreak::{Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, Recipe, RecipeError, Seed};
 
 use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
@@ -396,18 +396,18 @@ fn parse_memory(text: &str) -> Result<u64, String> {
         Some(number * bytes)
     };
     let bytes = MEMORY_UNITS.iter().find_map(number);
-    match bytes.filter(|bytes| (1e6..=1e15).contains(bytes)) {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "in range"
-        )]
-        Some(bytes) => Ok(bytes as u64),
-        None => Err(
-            "expected a size with its unit, MiB, GiB, MB or GB, from 1 MB, e.g. 800MiB or 16GiB"
-                .to_owned(),
-        ),
-    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "`as` saturates"
+    )]
+    let bytes = bytes.map(|bytes| bytes as u64);
+    bytes
+        .filter(|bytes| *bytes >= LEAST_MAX_MEMORY_BYTES)
+        .ok_or_else(|| {
+            "expected a size with its unit, MiB, GiB, MB or GB, from 64MiB on, e.g. 800MiB or 16GiB"
+                .to_owned()
+        })
 }
 
 /// Longest side of a simulated frame, px; that of the largest image that can be read.

@@ -7,7 +7,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString};
 use starbreak::dataset::{read_text, sha256_hex};
-use starbreak::{Assignment, DEFAULT_PRESET, PRESETS, Settings};
+use starbreak::{Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, PRESETS, Settings};
 
 use crate::arguments::{Given, NameArg, Whole, shown};
 use crate::errors::{of_recipe, raised};
@@ -15,9 +15,6 @@ use crate::values::{python_of, value_of};
 
 /// Longest recipe file, bytes.
 const MAX_RECIPE_FILE_BYTES: u64 = 1 << 20;
-
-/// Least limit of the memory of a picture, bytes.
-const LEAST_MEMORY: u64 = 1_000_000;
 
 /// All parameters of a run, complete and checked; it does not change.
 ///
@@ -27,7 +24,7 @@ const LEAST_MEMORY: u64 = 1_000_000;
 /// recipe have, which for the preset `paper` is `camera.f_px` alone.
 /// set: keys to change, as {"table.key": value} or ["table.key=value"]; `impact.key` sets the key
 /// in every impact, `impact.0.key` in one.
-/// max_memory: most memory that one picture may take, bytes, from a million; what would take more
+/// max_memory: most memory that one picture may take, bytes, from 64 << 20 on; what would take more
 /// raises `ValueError` before the work. It is no part of the recipe's text. 4 GiB.
 ///
 /// Raises `ValueError` for a name, key or value that does not exist: of `set`, which key it is, then
@@ -88,7 +85,9 @@ impl Recipe {
         max_memory: Option<&Whole>,
     ) -> PyResult<Self> {
         if let Some(max_memory) = max_memory {
-            recipe.set_max_memory(max_memory.within("max_memory", LEAST_MEMORY..=u64::MAX)?);
+            recipe.set_max_memory(
+                max_memory.within("max_memory", LEAST_MAX_MEMORY_BYTES..=u64::MAX)?,
+            );
         }
         let camera = Given::if_given(camera, "camera")?;
         let assignments = set.map(assignments).transpose()?.unwrap_or_default();

@@ -8,9 +8,6 @@ use starbreak_optics::OpticsError;
 use crate::clip::ClipError;
 use crate::{ImportError, RecipeError};
 
-/// Bytes of a GiB.
-const GIB: f64 = 1_073_741_824.0;
-
 /// Why a run or one of its items failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -42,9 +39,9 @@ pub enum Error {
     NoObjects,
     /// A picture that takes more memory than it may.
     #[error(
-        "{what} may take {:.1} GiB of memory, more than the {:.1} GiB that one picture may take; {way_out}, or raise \
-         that limit (--max-memory; max_memory in Python)",
-        .needs_bytes / GIB, .limit_bytes / GIB
+        "{what} may take {} of memory, more than the {} that one picture may take; {way_out}, or raise that limit \
+         (--max-memory; max_memory in Python)",
+        memory(*.needs_bytes), memory(*.limit_bytes)
     )]
     TooCostly {
         /// What would be done.
@@ -249,6 +246,16 @@ pub enum Error {
         /// What the system said.
         cause: String,
     },
+}
+
+/// Some memory with its unit.
+fn memory(bytes: f64) -> String {
+    let mib = bytes / 1_048_576.0;
+    if mib < 1024.0 {
+        format!("{mib:.0} MiB")
+    } else {
+        format!("{:.1} GiB", mib / 1024.0)
+    }
 }
 
 impl Error {

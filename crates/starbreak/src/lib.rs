@@ -33,7 +33,7 @@ mod plain_words;
 mod recipe;
 pub mod study;
 
-pub use cost::{Cost, DEFAULT_MAX_MEMORY_BYTES};
+pub use cost::{Cost, DEFAULT_MAX_MEMORY_BYTES, LEAST_MAX_MEMORY_BYTES};
 pub use error::Error;
 pub use import::ImportError;
 pub use recipe::{

@@ -137,7 +137,7 @@ fn what_takes_too_much_is_refused_with_the_key_to_change() {
         ),
         (
             refusal("lens-cover-star", &[], (64, 48), 64 * mib),
-            "lower impact.count",
+            "set fracture.mesh = \"fast\"",
         ),
         (
             refusal(

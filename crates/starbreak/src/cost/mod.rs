@@ -18,6 +18,9 @@ use crate::{Error, FractureSettings, PaperSettings, PhysicsSettings, Settings};
 /// Most memory of one picture, bytes, unless a recipe is given another limit: 4 GiB.
 pub const DEFAULT_MAX_MEMORY_BYTES: u64 = 4 << 30;
 
+/// Least limit of that, bytes, within which the least pane breaks.
+pub const LEAST_MAX_MEMORY_BYTES: u64 = 64 << 20;
+
 /// What the program holds besides.
 const BASE_BYTES: f64 = 1e7;
 
@@ -65,13 +68,14 @@ impl Settings {
     /// What it takes to break the glass before a frame of this size, px.
     #[must_use]
     pub fn cost_of_breaking(&self, (width_px, height_px): (u32, u32)) -> Cost {
-        let part = match &self.fracture {
+        let what = "breaking the glass";
+        match &self.fracture {
             FractureSettings::Paper(paper) => {
-                of_particles(paper, f64::from(width_px) * f64::from(height_px))
+                let area_px = f64::from(width_px) * f64::from(height_px);
+                Cost::of(what, &[of_particles(paper, area_px)])
             }
-            FractureSettings::Physics(physics) => of_pane(physics),
-        };
-        Cost::of("breaking the glass", &[part])
+            FractureSettings::Physics(physics) => Cost::of(what, &of_pane(physics)),
+        }
     }
 
     /// The memory to break the glass is within the limit.
@@ -128,20 +132,22 @@ const PLATES_BYTES: [f64; 2] = [3e7, 1e8];
 const HIT_BYTES: f64 = 3e5;
 const DIE_BYTES: f64 = 6000.0;
 
-fn of_pane(physics: &PhysicsSettings) -> Part {
-    let hits: u32 = physics.stones.iter().map(|stone| stone.count).sum();
+fn of_pane(physics: &PhysicsSettings) -> [Part; 3] {
+    let n_hits: u32 = physics.stones.iter().map(|stone| stone.count).sum();
     let plates = match physics.params.mesh {
         MeshResolution::Fast => PLATES_BYTES[0],
         MeshResolution::Default => PLATES_BYTES[1],
     };
     let dice = DIE_BYTES * n_dice(&physics.pane);
-    if dice > plates {
-        return (
+    [
+        // A pane that goes to dice bends no more.
+        ((plates - dice).max(0.0), "set fracture.mesh = \"fast\""),
+        (HIT_BYTES * f64::from(n_hits), "lower impact.count"),
+        (
             dice,
             "lower glass.surface_compression_mpa or glass.width_mm",
-        );
-    }
-    (plates + HIT_BYTES * f64::from(hits), "lower impact.count")
+        ),
+    ]
 }
 
 fn n_dice(pane: &GlassPane) -> f64 {

@@ -120,7 +120,8 @@ impl Recipe {
     }
 
     /// Sets the most memory that one picture may take, bytes, in place of
-    /// [`DEFAULT_MAX_MEMORY_BYTES`]. It decides what is refused, and nothing of what is made.
+    /// [`DEFAULT_MAX_MEMORY_BYTES`]; from [`LEAST_MAX_MEMORY_BYTES`](crate::LEAST_MAX_MEMORY_BYTES) on
+    /// it makes sense. It decides what is refused, and nothing of what is made.
     pub fn set_max_memory(&mut self, bytes: u64) {
         self.max_memory_bytes = bytes;
     }
