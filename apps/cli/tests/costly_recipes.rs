@@ -140,7 +140,7 @@ fn every_verb_refuses_what_takes_more_memory_than_it_may() {
         )
     });
     // The stress of its plate takes more than it may.
-    let breaking = vec!["simulate", "-o", "network.json"];
+    let breaking = ["simulate", "-o", "network.json"];
     let mut cases = cases.to_vec();
     cases.push((
         [&breaking[..], &laminate].concat(),

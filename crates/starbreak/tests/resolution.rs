@@ -84,7 +84,7 @@ fn lost((width, height): (u32, u32), f_px: f64) -> Vec<f64> {
 
 /// Greatest difference over the greatest value.
 fn difference(got: &[f64], expected: &[f64]) -> f64 {
-    assert_eq!(got.len(), expected.len());
+    assert_eq!(got.len(), expected.len(), "pixels");
     let most = expected.iter().copied().fold(0.0, f64::max);
     assert!(most > 0.01, "something is seen: {most}");
     let pairs = got.iter().zip(expected);
