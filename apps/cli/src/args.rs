@@ -16,7 +16,7 @@ use detect::DetectArgs;
 use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
 use starbreak::dataset::{DatasetError, OutputBatch, SourceSpec, same_file};
-use starbreak::{Assignment, DEFAULT_PRESET, Recipe, RecipeError, Seed};
+use starbreak::{Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, Recipe, RecipeError, Seed};
 
 use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
@@ -77,6 +77,10 @@ pub(crate) struct Global {
     /// Read also what links in a plain folder (folder:DIR) lead to outside of it
     #[arg(long, global = true)]
     pub(crate) follow_links: bool,
+    /// Most memory that one picture may take, e.g. 800MiB or 16GiB; what would take more is refused
+    /// before the work. Each thread makes a picture of its own
+    #[arg(long, global = true, value_name = "SIZE", default_value = "4GiB", value_parser = parse_memory)]
+    pub(crate) max_memory: u64,
     /// One machine-readable result on standard output, everything else on standard error
     #[arg(long, global = true)]
     pub(crate) json: bool,
@@ -347,8 +351,9 @@ impl Global {
         Ok(recipe)
     }
 
-    /// Lays the camera over a recipe, then sets single parameters.
+    /// Lays the camera over a recipe, then sets single parameters; and the limit of its memory.
     pub(crate) fn adjust(&self, recipe: &mut Recipe) -> Result<(), RecipeError> {
+        recipe.set_max_memory(self.max_memory);
         let set = self.set.iter().map(|text| Assignment::parse(text));
         recipe.adjust(self.camera.as_deref(), &set.collect::<Result<Vec<_>, _>>()?)
     }
@@ -406,6 +411,34 @@ fn toml_of(text: String) -> String {
     };
     let recipe = record.and_then(|record| record["recipe"].as_str().map(str::to_owned));
     recipe.unwrap_or(text)
+}
+
+/// Units of memory and their bytes.
+const MEMORY_UNITS: [(&str, f64); 4] = [
+    ("MiB", 1_048_576.0),
+    ("GiB", 1_073_741_824.0),
+    ("MB", 1e6),
+    ("GB", 1e9),
+];
+
+fn parse_memory(text: &str) -> Result<u64, String> {
+    let number = |(unit, bytes): &(&str, f64)| {
+        let number: f64 = text.strip_suffix(unit)?.trim().parse().ok()?;
+        Some(number * bytes)
+    };
+    let bytes = MEMORY_UNITS.iter().find_map(number);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "`as` saturates"
+    )]
+    let bytes = bytes.map(|bytes| bytes as u64);
+    bytes
+        .filter(|bytes| *bytes >= LEAST_MAX_MEMORY_BYTES)
+        .ok_or_else(|| {
+            "expected a size with its unit, MiB, GiB, MB or GB, from 64MiB on, e.g. 800MiB or 16GiB"
+                .to_owned()
+        })
 }
 
 /// Longest side of a simulated frame, px; that of the largest image that can be read.

@@ -7,7 +7,7 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString};
 use starbreak::dataset::{read_text, sha256_hex};
-use starbreak::{Assignment, DEFAULT_PRESET, PRESETS, Settings};
+use starbreak::{Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, PRESETS, Settings};
 
 use crate::arguments::{Given, NameArg, Whole, shown};
 use crate::errors::{of_recipe, raised};
@@ -24,6 +24,8 @@ const MAX_RECIPE_FILE_BYTES: u64 = 1 << 20;
 /// recipe have, which for the preset `paper` is `camera.f_px` alone.
 /// set: keys to change, as {"table.key": value} or ["table.key=value"]; `impact.key` sets the key
 /// in every impact, `impact.0.key` in one.
+/// max_memory: most memory that one picture may take, bytes, from 64 << 20 on; what would take more
+/// raises `ValueError` before the work. It is no part of the recipe's text. 4 GiB.
 ///
 /// Raises `ValueError` for a name, key or value that does not exist: of `set`, which key it is, then
 /// the words of the command.
@@ -80,7 +82,13 @@ impl Recipe {
         mut recipe: starbreak::Recipe,
         camera: Option<Given<String>>,
         set: Option<&Bound<'_, PyAny>>,
+        max_memory: Option<&Whole>,
     ) -> PyResult<Self> {
+        if let Some(max_memory) = max_memory {
+            recipe.set_max_memory(
+                max_memory.within("max_memory", LEAST_MAX_MEMORY_BYTES..=u64::MAX)?,
+            );
+        }
         let camera = Given::if_given(camera, "camera")?;
         let assignments = set.map(assignments).transpose()?.unwrap_or_default();
         recipe
@@ -94,17 +102,18 @@ impl Recipe {
 impl Recipe {
     #[new]
     #[pyo3(
-    signature = (preset = Given::of(DEFAULT_PRESET.to_owned()), *, severity = None, camera = None, set = None),
-    text_signature = "(preset='windshield-spiderweb', *, severity=None, camera=None, set=None)"
+    signature = (preset = Given::of(DEFAULT_PRESET.to_owned()), *, severity = None, camera = None, set = None, max_memory = None),
+    text_signature = "(preset='windshield-spiderweb', *, severity=None, camera=None, set=None, max_memory=None)"
 )]
     fn new(
         preset: Given<String>,
         severity: Option<Whole>,
         camera: Option<Given<String>>,
         set: Option<&Bound<'_, PyAny>>,
+        max_memory: Option<Whole>,
     ) -> PyResult<Self> {
         let base = Self::named(&preset.named("preset")?, severity.as_ref())?;
-        Self::adjusted(base.recipe, camera, set)
+        Self::adjusted(base.recipe, camera, set, max_memory.as_ref())
     }
 
     /// A recipe from TOML text, as a recipe file has it; what it leaves out comes from a preset.
@@ -148,18 +157,20 @@ impl Recipe {
         Self::of(starbreak::Recipe::from_json("recipe", &value).map_err(|error| of_recipe(&error))?)
     }
 
-    /// The recipe with other values of some keys, as `set` and `camera` of the constructor.
+    /// The recipe with other values of some keys, as `set`, `camera` and `max_memory` of the
+    /// constructor.
     ///
     /// >>> import starbreak
     /// >>> starbreak.Recipe().replace({"fracture.mesh": "fast"}).to_dict()["fracture"]["mesh"]
     /// 'fast'
-    #[pyo3(signature = (set = None, *, camera = None))]
+    #[pyo3(signature = (set = None, *, camera = None, max_memory = None))]
     fn replace(
         &self,
         set: Option<&Bound<'_, PyAny>>,
         camera: Option<Given<String>>,
+        max_memory: Option<Whole>,
     ) -> PyResult<Self> {
-        Self::adjusted(self.recipe.clone(), camera, set)
+        Self::adjusted(self.recipe.clone(), camera, set, max_memory.as_ref())
     }
 
     /// The complete recipe as TOML: the same text for the same recipe; on demand with comments.
@@ -193,9 +204,17 @@ impl Recipe {
         u64::from_str_radix(&self.sha256()[..15], 16).unwrap_or(0)
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
-        let from_toml = py.get_type::<Self>().getattr("from_toml")?;
-        Ok((from_toml, (self.recipe.to_toml(),)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, u64))> {
+        let restored = py.get_type::<Self>().getattr("_restored")?;
+        let max_memory = self.settings.max_memory_bytes;
+        Ok((restored, (self.recipe.to_toml(), max_memory)))
+    }
+
+    /// The recipe of such a text and limit, for `pickle`.
+    #[staticmethod]
+    fn _restored(text: Given<String>, max_memory: Whole) -> PyResult<Self> {
+        let recipe = Self::from_toml(text, None)?.recipe;
+        Self::adjusted(recipe, None, None, Some(&max_memory))
     }
 }
 

@@ -2,13 +2,20 @@
 
 use std::collections::HashMap;
 
-use starbreak_glass::{ContactKind, Nodes, Pane, SegmentKind, find_contacts, find_contacts_of};
+use starbreak_glass::{
+    ContactKind, Nodes, Pane, SegmentKind, find_contacts_of, find_contacts_up_to,
+};
 
 use crate::lattice::Lattice;
 use crate::mesh::to_u32;
 
-/// Most contacts that are sorted out; far above any picture's needs.
-pub(crate) const MAX_CONTACTS: usize = 8_000_000;
+/// Most contacts that are sorted out, in some seconds; five times what the paper's particles give on
+/// a frame that is smaller than their radius, and far above any picture's needs.
+pub(crate) const MAX_CONTACTS: usize = 1_000_000;
+
+/// A search that would find so many, or so many pairs that may meet, is given up on the way; long
+/// strokes come near each other more often than they meet.
+const MAX_FOUND: usize = 8 * MAX_CONTACTS;
 
 /// Up to this many strokes are looked at one by one.
 const FEW: usize = 64;
@@ -64,7 +71,7 @@ pub(crate) fn arrange(
             .filter(|&idx| strokes[idx as usize].is_suspect)
             .collect();
         let contacts = if suspects.len() > FEW {
-            find_contacts(&nodes, &from, &to)
+            find_contacts_up_to(&nodes, &from, &to, MAX_FOUND).ok_or(MAX_CONTACTS)?
         } else {
             find_contacts_of(&nodes, &from, &to, &suspects)
         };

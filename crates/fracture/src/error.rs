@@ -40,8 +40,8 @@ pub enum FractureError {
     /// A radius that spans so many particles that the work explodes.
     #[error(
         "neighbour_radius_px = {radius} spans about {neighbors:.0} of the {particles} particles, which with \
-         branches = {branches} is more than {limit} to look at from each; scale it with the mesh, about \
-         {suggested:.1}"
+         branches = {branches} is more than {limit:.0} to look at from each; take fewer particles, or scale the radius \
+         with the mesh, about {suggested:.1}"
     )]
     TooManyNeighbors {
         /// Expected number of neighbors.
@@ -49,7 +49,7 @@ pub enum FractureError {
         /// Number of branches.
         branches: u32,
         /// The bound.
-        limit: u32,
+        limit: f64,
         /// Radius of the neighborhood.
         radius: f64,
         /// Number of particles.

@@ -37,6 +37,22 @@ pub enum Error {
         "impact.position = \"object\" needs labels; break a labeled dataset with generate or study, or give the place as [x, y], fractions of the frame"
     )]
     NoObjects,
+    /// A picture that takes more memory than it may.
+    #[error(
+        "{what} may take {} of memory, more than the {} that one picture may take; {way_out}, or raise that limit \
+         (--max-memory; max_memory in Python)",
+        memory(*.needs_bytes), memory(*.limit_bytes)
+    )]
+    TooCostly {
+        /// What would be done.
+        what: &'static str,
+        /// Memory that it takes, bytes.
+        needs_bytes: f64,
+        /// The limit, bytes.
+        limit_bytes: f64,
+        /// What to change.
+        way_out: &'static str,
+    },
     /// A file could not be read or written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
@@ -230,6 +246,16 @@ pub enum Error {
         /// What the system said.
         cause: String,
     },
+}
+
+/// Some memory with its unit.
+fn memory(bytes: f64) -> String {
+    let mib = bytes / 1_048_576.0;
+    if mib < 1024.0 {
+        format!("{mib:.0} MiB")
+    } else {
+        format!("{:.1} GiB", mib / 1024.0)
+    }
 }
 
 impl Error {

@@ -22,6 +22,7 @@
 
 pub mod bank;
 pub mod clip;
+mod cost;
 pub mod divergence;
 mod error;
 pub mod evaluation;
@@ -33,6 +34,7 @@ mod plain_words;
 mod recipe;
 pub mod study;
 
+pub use cost::{Cost, DEFAULT_MAX_MEMORY_BYTES, LEAST_MAX_MEMORY_BYTES};
 pub use error::Error;
 pub use import::ImportError;
 pub use recipe::{

@@ -45,7 +45,11 @@ pub(crate) fn run(
         .into());
     }
     let photos = args.overlay.read_folder(args.overlays.as_deref())?;
-    let patterns = patterns(args.bank.as_deref(), args.network.as_deref(), photos)?;
+    let patterns = patterns(
+        (args.bank.as_deref(), global.max_memory),
+        args.network.as_deref(),
+        photos,
+    )?;
     let recipe = match &patterns {
         Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
         _ => global.recipe()?,
@@ -117,7 +121,7 @@ pub(crate) fn run(
 
 /// Where the cracks come from.
 pub(super) fn patterns(
-    bank: Option<&Path>,
+    (bank, max_memory): (Option<&Path>, u64),
     network: Option<&Path>,
     photos: Option<Patterns>,
 ) -> Result<Patterns, Failure> {
@@ -125,7 +129,9 @@ pub(super) fn patterns(
         return Ok(photos);
     }
     if let Some(bank) = bank {
-        return Ok(Patterns::Bank(PatternBank::open(bank)?));
+        let mut bank = PatternBank::open(bank)?;
+        bank.set_max_memory(max_memory);
+        return Ok(Patterns::Bank(bank));
     }
     Ok(match network_file::read(network, &[])? {
         Some(imported) => Patterns::Network(imported),
@@ -136,6 +142,7 @@ pub(super) fn patterns(
 /// The recipe that the patterns were made with, with what is said of the output.
 fn recipe_of_bank(bank: &PatternBank, global: &Global) -> Result<Recipe, Failure> {
     let mut recipe = bank.header().parse_recipe()?;
+    recipe.set_max_memory(global.max_memory);
     for assignment in &global.set {
         if !assignment.trim_start().starts_with("output.") {
             return Err(Failure::wrong_input(format!(

@@ -40,7 +40,11 @@ pub(crate) fn run(
         (Some(source), Some(how_many)) => {
             let source = Source::open(&global.spec(source)?)?;
             let photos = args.overlay.read_folder(args.overlays.as_deref())?;
-            let patterns = patterns(args.bank.as_deref(), args.network.as_deref(), photos)?;
+            let patterns = patterns(
+                (args.bank.as_deref(), global.max_memory),
+                args.network.as_deref(),
+                photos,
+            )?;
             let n = match how_many {
                 HowMany::All => None,
                 HowMany::Only(n) => Some(n),
@@ -52,7 +56,7 @@ pub(crate) fn run(
                     &args.folder,
                     &source,
                     &patterns,
-                    n,
+                    (n, global.max_memory),
                     interrupt.flag(),
                     &|| {
                         progress.step();

@@ -122,7 +122,12 @@ impl PaperParams {
     pub const MAX_PARTICLES: u32 = 10_000_000;
     /// Most neighbors of a particle on average, times branches, times two for a two-sided fan;
     /// the paper has 285.
-    pub const MAX_NEIGHBORS: u32 = 20_000;
+    pub const MAX_NEIGHBORS: f64 = 20_000.0;
+    /// Most of them by themselves. The paper's 10⁴ particles may all be neighbors, as on a frame
+    /// smaller than its radius, but with many more of them cracks cross each other everywhere.
+    pub const MAX_CROWD: f64 = 12_000.0;
+    /// Most of the first over all particles: some ten seconds. Of 10⁷ particles it leaves 400 each.
+    pub const MAX_PAIRS: f64 = 4e9;
     /// Most branches per node.
     pub const MAX_BRANCHES: u32 = 64;
 
@@ -158,13 +163,18 @@ impl PaperParams {
     pub(crate) fn check_neighbors(&self, pane: &Pane) -> Result<(), FractureError> {
         let neighbors = self.expected_neighbors(pane);
         let work = neighbors * f64::from(self.branches) * if self.two_sided { 2.0 } else { 1.0 };
-        if self.neighborhood == Neighborhood::MeshEdges || work <= f64::from(Self::MAX_NEIGHBORS) {
+        let limit = if neighbors > Self::MAX_CROWD {
+            Self::MAX_CROWD
+        } else {
+            (Self::MAX_PAIRS / f64::from(self.particles)).min(Self::MAX_NEIGHBORS)
+        };
+        if self.neighborhood == Neighborhood::MeshEdges || work <= limit {
             return Ok(());
         }
         Err(FractureError::TooManyNeighbors {
             neighbors,
             branches: self.branches,
-            limit: Self::MAX_NEIGHBORS,
+            limit,
             radius: self.neighbor_radius,
             particles: self.particles,
             suggested: self.customary_radius(pane),

@@ -1,7 +1,8 @@
 //! Facets that reach the present rows, and how much of their cells they cover.
 
 use super::cells::Row;
-use super::layer::{Facet, Layer, Level, Placed, add_scaled};
+use super::layer::{Facet, Layer, Placed, add_scaled};
+use super::level::Level;
 use super::raster::{Edge, cover_row};
 
 /// Cells covered by less are not covered.

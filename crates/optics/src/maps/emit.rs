@@ -145,14 +145,11 @@ impl<const L: usize> Emitter<L> {
             // Pixels whose centres lie between the centres of the rows `row − 2` and `row − 1`.
             let half = per_cell / 2;
             let above = (self.margin + 2) * per_cell;
-            for k in 0..per_cell {
-                let Some(y) = (row * per_cell + half + k).checked_sub(above) else {
-                    continue;
-                };
-                if y >= height {
-                    break;
-                }
-                #[expect(clippy::cast_precision_loss, reason = "1 to 8")]
+            let begin = row * per_cell + half;
+            let rows = begin.max(above)..(begin + per_cell).min(above + height);
+            for y in rows.map(|at| at - above) {
+                let k = y + above - begin;
+                #[expect(clippy::cast_precision_loss, reason = "a part of a cell")]
                 let t = (k as f32 + 0.5) / per_cell as f32;
                 self.coarse_line([first, last], t, y, width, frame);
             }
@@ -196,7 +193,7 @@ impl<const L: usize> Emitter<L> {
         self.pixels.clear();
         for x in start..end {
             let at = x + self.margin * per_cell - half;
-            #[expect(clippy::cast_precision_loss, reason = "below 8")]
+            #[expect(clippy::cast_precision_loss, reason = "a part of a cell")]
             let s = ((at % per_cell) as f32 + 0.5) / per_cell as f32;
             // The cell to the left of the pixel, and the first of the four, in `blended`.
             let left = (at / per_cell + 3).saturating_sub(first + 1);

@@ -3,9 +3,9 @@
 //! Cracks are thin and their blur is wide, so each *covered* cell is scattered over the image of
 //! the pupil that its own depth has; a running sum along each row turns the few steps per row of
 //! a disc into the disc. Cells are of the size that suits the disc: four to twelve of them per
-//! radius, between four per pixel and one per eight pixels across. Coverage is found on cells of
-//! half that size, which are then shared among the four nearest cells, so that a facet keeps its
-//! place to a fraction of a cell.
+//! radius, four of them per pixel at most; of large discs 24 to 48, so that neither time
+//! nor room grows with the disc. Coverage is found on cells of half that size, which are then shared
+//! among the four nearest cells, so that a facet keeps its place to a fraction of a cell.
 
 use std::collections::BTreeMap;
 
@@ -14,6 +14,7 @@ use super::cells::Row;
 use super::chunks::Chunks;
 use super::emit::Emitter;
 use super::kernel::{Kernel, Pupil};
+use super::level::{Level, MOST_RADIUS_PX};
 use super::raster::Polygon;
 
 /// A flat piece of something, as it lies in the frame.
@@ -29,19 +30,6 @@ pub(crate) struct Facet<const L: usize> {
     pub(crate) radius_px: f64,
 }
 
-/// Fewest cells per radius of a disc where cells are no larger than pixels, and where they are.
-const CELLS_PER_RADIUS: [f64; 2] = [4.0, 6.0];
-
-/// Exponents of two of the finest and the coarsest number of cells per pixel.
-const LEVELS: std::ops::RangeInclusive<i32> = -3..=2;
-
-/// Discs of fewer cells are scattered from the cells that were covered, not from shared ones:
-/// sharing would blur more than the disc.
-const FEW_CELLS: f64 = 0.5;
-
-/// A disc of a smaller radius, px, is a point.
-const IN_FOCUS_PX: f64 = 0.02;
-
 /// Radii within this ratio share a kernel.
 const RADIUS_RATIO: f64 = 1.005;
 
@@ -56,12 +44,23 @@ pub(crate) fn spread<const L: usize>(
     facets: &[Facet<L>],
     n_shares: usize,
     pupil: Pupil,
+    size: (usize, usize),
+) -> Chunks<L> {
+    spread_on(Level::of, facets, n_shares, pupil, size)
+}
+
+/// The same on the cells that `level_of` chooses for a radius, px.
+fn spread_on<const L: usize>(
+    level_of: impl Fn(f64) -> Level,
+    facets: &[Facet<L>],
+    n_shares: usize,
+    pupil: Pupil,
     (width, height): (usize, usize),
 ) -> Chunks<L> {
     let mut frame = Chunks::new(width, height);
     let mut levels: BTreeMap<Level, Vec<&Facet<L>>> = BTreeMap::new();
     for facet in facets {
-        let level = Level::of(facet.radius_px);
+        let level = level_of(facet.radius_px);
         levels.entry(level).or_default().push(facet);
     }
     for (level, facets) in levels {
@@ -114,51 +113,6 @@ pub(super) fn add_arrays<const L: usize>(a: [f32; L], b: [f32; L]) -> [f32; L] {
         l += 1;
     }
     sum
-}
-
-/// A size of cells, and whether coverage is found on halves of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Level {
-    /// Cells per px as a power of two.
-    exponent: i32,
-    pub(super) is_halved: bool,
-}
-
-impl Level {
-    fn of(radius_px: f64) -> Self {
-        if radius_px.abs() < IN_FOCUS_PX {
-            // Exact coverage of the pixels themselves.
-            return Self {
-                exponent: 0,
-                is_halved: false,
-            };
-        }
-        let exponent_for = |cells: f64| -> i32 {
-            // Also right for a radius of 0, whose logarithm is −∞.
-            let exact = libm::log2(cells / radius_px.abs()).clamp(-9.0, 9.0);
-            #[expect(clippy::cast_possible_truncation, reason = "clamped")]
-            let exponent = exact.ceil() as i32;
-            exponent.clamp(*LEVELS.start(), *LEVELS.end())
-        };
-        let [fine, coarse] = CELLS_PER_RADIUS.map(exponent_for);
-        let exponent = fine.max(coarse.min(0));
-        Self {
-            exponent,
-            is_halved: libm::scalbn(radius_px.abs(), exponent) >= FEW_CELLS,
-        }
-    }
-
-    /// Weights by which a half of a cell, a quarter of a cell off its middle, is shared along one
-    /// axis: with the cell on its far side, its own, the one on its near side.
-    ///
-    /// They keep sum and mean, and their second moment, cells², makes up for all that blurs
-    /// besides the disc and the pixel itself: the half's own width, and for coarse cells the
-    /// kernel's cells.
-    pub(super) fn weights(self) -> [f32; 3] {
-        let kernel = if self.exponent >= 0 { 0.0 } else { 1.0 / 12.0 };
-        let second = 1.0 / 16.0 - 1.0 / 48.0 - kernel;
-        [0.5 * (second - 0.25), 1.0 - second, 0.5 * (second + 0.25)]
-    }
 }
 
 /// One size of cells.
@@ -465,7 +419,7 @@ fn kernels_of<const L: usize>(
     let kernel_of = facets
         .iter()
         .map(|facet| {
-            let radius = facet.radius_px * scale;
+            let radius = facet.radius_px.clamp(-MOST_RADIUS_PX, MOST_RADIUS_PX) * scale;
             #[expect(clippy::cast_possible_truncation, reason = "logarithms")]
             let key = (libm::log(radius.abs().max(1e-3)) / libm::log(RADIUS_RATIO)).round() as i32;
             *known

@@ -11,6 +11,7 @@ mod emit;
 mod kernel;
 mod lane_runs;
 mod layer;
+mod level;
 mod raster;
 mod sharp;
 

@@ -229,8 +229,11 @@ fn reach_px(sheet: &SheetView) -> f64 {
             reach = reach.max(radius.abs() + parallax);
         }
     }
+    let axis = sheet.view().unproject([0.5 * width, 0.5 * height]);
+    let axis_px = axis.and_then(|point| sheet.blur_radius_px(point, 0.0));
     // The rim of the frame is not its corners' equal where the sheet leaves the view.
-    (1.1 * reach + 4.0).min(width + height)
+    let most = (width + height).max(2.0 * axis_px.unwrap_or(0.0).abs());
+    (1.1 * reach + 4.0).min(most)
 }
 
 /// The table of an index; the last one is kept.

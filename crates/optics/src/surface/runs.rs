@@ -3,8 +3,10 @@
 use super::SheetView;
 use super::chains::{Chain, End, Piece, distance};
 
-/// Longest piece of a straight crack, px, that one facet stands for.
+/// Longest piece of a straight crack, px, that one facet stands for, or this part of the radius of
+/// a large disc.
 const LONGEST_PX: f64 = 48.0;
+const LONGEST_OF_BLUR: f64 = 0.125;
 
 /// Most pieces of one segment.
 const MOST_PIECES: f64 = 4096.0;
@@ -138,9 +140,10 @@ impl Tolerance {
             .unwrap_or(0.0)
             .abs();
         let off_line_px = (OFF_LINE * blur_px).clamp(OFF_LINE_PX[0], OFF_LINE_PX[1]);
+        let longest_px = LONGEST_RUN_PX.max(0.5 * LONGEST_OF_BLUR * blur_px);
         Self {
             off_line_mm: off_line_px / px_per_mm,
-            longest_mm: LONGEST_RUN_PX / px_per_mm,
+            longest_mm: longest_px / px_per_mm,
             longest_mixed_mm: blur_px.clamp(LONGEST_MIXED_PX, LONGEST_RUN_PX) / px_per_mm,
             thickness_mm: chain.thickness_mm(),
         }
@@ -221,7 +224,9 @@ pub(super) fn each_run(sheet: &SheetView, chain: &Chain, reach_px: f64, mut each
         let [u0, v0, u1, v1] = visible;
         let length_px = ((u1 - u0) * (u1 - u0) + (v1 - v0) * (v1 - v0)).sqrt();
         if length_px > LONGEST_PX {
-            each_part(sheet, piece, visible, &mut each);
+            let blur_px = sheet.blur_radius_px(a.at, chain.ply_mm[0]).unwrap_or(0.0);
+            let longest_px = LONGEST_PX.max(LONGEST_OF_BLUR * blur_px.abs());
+            each_part(sheet, piece, (visible, longest_px), &mut each);
             continue;
         }
         points.clear();
@@ -265,11 +270,11 @@ fn smooth_parts(sheet: &SheetView, chain: &Chain, piece: &Piece) -> impl Iterato
     })
 }
 
-/// The visible part of a long segment, in parts.
+/// The visible part of a long segment, px, in parts of at most some length, px.
 fn each_part(
     sheet: &SheetView,
     piece: &Piece,
-    [u0, v0, u1, v1]: [f64; 4],
+    ([u0, v0, u1, v1], longest_px): ([f64; 4], f64),
     each: &mut impl FnMut(Run),
 ) {
     let [a, b] = &piece.ends;
@@ -281,7 +286,7 @@ fn each_part(
         return;
     };
     let length_px = ((u1 - u0) * (u1 - u0) + (v1 - v0) * (v1 - v0)).sqrt();
-    let n = (length_px / LONGEST_PX).ceil().clamp(1.0, MOST_PIECES);
+    let n = (length_px / longest_px).ceil().clamp(1.0, MOST_PIECES);
     let mut k = 0.0;
     while k < n {
         let at = |k: f64| a.to(b, start + (end - start) * k / n);

@@ -26,6 +26,7 @@ pub(super) fn bake_record(
     seed: Seed,
 ) -> Result<(BakedRecord, GrayImage), Error> {
     let view = view_of_network(settings, network, size)?;
+    settings.may_show(network, &view)?;
     let (packed, mask) = match &settings.optics {
         OpticsSettings::Paper(optics) => {
             let packed = draw(network, &view, f64::INFINITY, optics).to_packed();

@@ -67,6 +67,11 @@ impl PatternBank {
         })
     }
 
+    /// Sets the most memory that a pattern may take that is baked anew, bytes.
+    pub fn set_max_memory(&mut self, bytes: u64) {
+        self.settings.max_memory_bytes = bytes;
+    }
+
     /// Number of patterns.
     #[must_use]
     pub fn len(&self) -> usize {

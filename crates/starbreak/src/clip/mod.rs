@@ -325,6 +325,7 @@ impl Clip {
             Details::Imported(_) => view_of_network(settings, network, size)?,
             _ => own_view(settings, size)?,
         };
+        settings.may_show(network, &view)?;
         let frame_s = 1.0 / source.rate().value();
         let pane = Pane {
             network,

@@ -30,7 +30,8 @@ pub struct RegenerateReport {
 }
 
 /// Makes `n` evenly spread samples of a finished set again, or all of them, and compares them with
-/// the hashes of its list; where these differ, with the pixels on the disk.
+/// the hashes of its list; where these differ, with the pixels on the disk. An image may take so much
+/// memory, bytes.
 ///
 /// # Errors
 /// [`Error::Dataset`] where there is no finished set, or where the source or the patterns are not
@@ -39,13 +40,14 @@ pub fn regenerate(
     root: &Path,
     source: &Source,
     patterns: &Patterns,
-    n: Option<u64>,
+    (n, max_memory_bytes): (Option<u64>, u64),
     stop: &AtomicBool,
     tell: &(dyn Fn() + Sync),
 ) -> Result<RegenerateReport, Error> {
     let checker = SetChecker::open(root)?;
     let identity = checker.identity();
-    let (seed, recipe) = set_seed_and_recipe(identity)?;
+    let (seed, mut recipe) = set_seed_and_recipe(identity)?;
+    recipe.set_max_memory(max_memory_bytes);
     let context = RunContext::new(&recipe, seed, root)?;
     let options = options_of(identity);
     let survey = survey(source, options.selection, seed);

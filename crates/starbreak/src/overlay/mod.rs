@@ -152,8 +152,9 @@ impl PlacedPhoto {
     /// Bakes it for a frame of this size, by the optics of the settings.
     ///
     /// # Errors
-    /// [`Error::Optics`].
+    /// [`Error::Optics`], [`Error::TooCostly`].
     pub fn bake(&self, settings: &Settings, size: (u32, u32)) -> Result<Baked, Error> {
+        settings.may_show_photo(size)?;
         let photo = &self.glass.photo;
         Ok(match &settings.optics {
             OpticsSettings::Paper(_) => Baked::Paper(draw(photo, &self.placement, size)?),

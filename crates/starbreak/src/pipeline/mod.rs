@@ -90,6 +90,7 @@ pub fn simulate(
     if settings.fracture.is_aimed() {
         return Err(Error::NoObjects);
     }
+    settings.may_break((width_px, height_px))?;
     match &settings.fracture {
         FractureSettings::Paper(paper) => paper_network(paper, width_px, height_px, seed),
         FractureSettings::Physics(physics) => {

@@ -140,13 +140,14 @@ pub(crate) fn own_view(settings: &Settings, (width, height): (u32, u32)) -> Resu
 /// Bakes cracks as they are at a time.
 ///
 /// # Errors
-/// [`Error::Optics`].
+/// [`Error::Optics`], [`Error::TooCostly`].
 pub fn bake_network(
     settings: &Settings,
     (network, time): (&CrackNetwork, f64),
     view: &View,
     seed: Seed,
 ) -> Result<Baked, Error> {
+    settings.may_show(network, view)?;
     Ok(match &settings.optics {
         OpticsSettings::Paper(optics) => Baked::Paper(draw(network, view, time, optics)),
         OpticsSettings::Physical(optics) => {

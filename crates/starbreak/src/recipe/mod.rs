@@ -27,6 +27,7 @@ pub use settings::{
     OutputSettings, PaperSettings, PhysicsSettings, Settings, StoneSettings,
 };
 
+use crate::DEFAULT_MAX_MEMORY_BYTES;
 use crate::plain_words::in_plain_words;
 use error::{Place, printable};
 use presets::{KEYS_OF_KINDS, Preset};
@@ -53,6 +54,8 @@ pub const SCHEMA_VERSION: i64 = 1;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recipe {
     table: Table,
+    /// Most memory of one picture, bytes, which no text says.
+    max_memory_bytes: u64,
 }
 
 impl Recipe {
@@ -61,8 +64,7 @@ impl Recipe {
     /// # Errors
     /// [`RecipeError::UnknownPreset`] with the names that exist.
     pub fn preset(name: &str) -> Result<Self, RecipeError> {
-        let table = Preset::named(name)?.table;
-        Ok(Self { table })
+        Ok(Self::of(Preset::named(name)?.table))
     }
 
     /// A preset scaled to a severity from 1 (mild) to 5 (severe); 3 is the preset itself. Each
@@ -73,9 +75,7 @@ impl Recipe {
     pub fn preset_at(name: &str, severity: u8) -> Result<Self, RecipeError> {
         let place = Place::preset(name);
         let preset = Preset::named(name)?;
-        let mut recipe = Self {
-            table: preset.table.clone(),
-        };
+        let mut recipe = Self::of(preset.table.clone());
         for (key, value) in preset.at(severity)? {
             recipe.edit(&place, key, value)?;
         }
@@ -112,8 +112,22 @@ impl Recipe {
         Self::of_table(place, table)
     }
 
+    fn of(table: Table) -> Self {
+        Self {
+            table,
+            max_memory_bytes: DEFAULT_MAX_MEMORY_BYTES,
+        }
+    }
+
+    /// Sets the most memory that one picture may take, bytes, in place of
+    /// [`DEFAULT_MAX_MEMORY_BYTES`]; from [`LEAST_MAX_MEMORY_BYTES`](crate::LEAST_MAX_MEMORY_BYTES) on
+    /// it makes sense. It decides what is refused, and nothing of what is made.
+    pub fn set_max_memory(&mut self, bytes: u64) {
+        self.max_memory_bytes = bytes;
+    }
+
     fn of_table(place: Place, table: Table) -> Result<Self, RecipeError> {
-        let mut recipe = Self { table };
+        let mut recipe = Self::of(table);
         match recipe.table.get("schema") {
             None => return Err(RecipeError::NoSchema { place }),
             Some(Value::Integer(SCHEMA_VERSION)) => {}
@@ -344,7 +358,11 @@ impl Recipe {
     }
 
     fn settings_of(&self, place: &Place) -> Result<Settings, RecipeError> {
-        settings::of(place, &self.table, self.choice(place)?)
+        let settings = settings::of(place, &self.table, self.choice(place)?)?;
+        Ok(Settings {
+            max_memory_bytes: self.max_memory_bytes,
+            ..settings
+        })
     }
 
     fn impacts(&mut self) -> &mut [Value] {

@@ -21,6 +21,7 @@ use super::tables::{
     Choice, CommonTables, DirectionEntry, FocalEntry, FormatWord, ModelWord, OpticsWord,
     OutputTable, PositionEntry, PositionWord, from_table,
 };
+use crate::DEFAULT_MAX_MEMORY_BYTES;
 
 /// Most impacts on one pane.
 const MAX_IMPACTS: usize = 1000;
@@ -39,6 +40,8 @@ pub struct Settings {
     pub optics: OpticsSettings,
     /// What is written.
     pub output: OutputSettings,
+    /// Most memory of one picture, bytes; no part of the recipe's text.
+    pub max_memory_bytes: u64,
 }
 
 /// How the glass breaks.
@@ -185,6 +188,7 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
         fracture,
         camera,
         optics,
+        max_memory_bytes: DEFAULT_MAX_MEMORY_BYTES,
     })
 }
 

@@ -110,6 +110,10 @@ pub(super) fn settings(
     recipe: &PhysicsFractureTables,
 ) -> Result<PhysicsSettings, RecipeError> {
     let pane = pane(place, &recipe.glass)?;
+    let stones = impacts(place, &recipe.impact, |k, stone| {
+        stone_settings(place, k, stone)
+    })?;
+    check_hits(place, &stones, recipe.glass.kind)?;
     Ok(PhysicsSettings {
         pane,
         kind: match recipe.glass.kind {
@@ -124,9 +128,7 @@ pub(super) fn settings(
             recipe.glass.rake_deg,
             recipe.glass.axis_at,
         )?,
-        stones: impacts(place, &recipe.impact, |k, stone| {
-            stone_settings(place, k, stone)
-        })?,
+        stones,
         long_crack: recipe
             .long_crack
             .as_ref()
@@ -238,6 +240,28 @@ pub(super) fn mount(
     })
 }
 
+/// Most hits of one pane, of a laminate and of another: some minute of work, since each hit solves
+/// the pane anew that the ones before have cracked. The severest preset has 48.
+const MAX_HITS: [u32; 2] = [600, 120];
+
+fn check_hits(place: &Place, stones: &[StoneSettings], kind: KindWord) -> Result<(), RecipeError> {
+    let n_hits: u32 = stones.iter().map(|stone| stone.count).sum();
+    let [laminated, other] = MAX_HITS;
+    let most = if kind == KindWord::Laminated {
+        laminated
+    } else {
+        other
+    };
+    if n_hits <= most {
+        return Ok(());
+    }
+    let expected = format!(
+        "at most {laminated} hits in all on laminated glass and {other} on other kinds, which take a minute already; \
+         lower it"
+    );
+    Err(out_of_range(place, "impact.count", n_hits, &expected))
+}
+
 fn stone_settings(
     place: &Place,
     k: usize,
@@ -255,7 +279,7 @@ fn stone_settings(
         &format!("{table}.count"),
         count,
         1.0,
-        1000.0,
+        f64::from(MAX_HITS[0]),
         "stones",
     )?;
     let key = format!("{table}.radius_spread");

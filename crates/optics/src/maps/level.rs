@@ -1,0 +1,70 @@
+//! How large the cells are on which a disc is spread.
+
+/// Fewest cells per radius of a disc where cells are no larger than pixels, and where they are.
+const CELLS_PER_RADIUS: [f64; 2] = [4.0, 6.0];
+
+/// Exponents of two of the finest and the coarsest number of cells per pixel, but for large discs.
+const LEVELS: std::ops::RangeInclusive<i32> = -3..=2;
+
+/// Fewest cells per radius of a large disc, whose cells are coarser than that: a disc is as smooth
+/// as it is large, so that more would show nothing more. It begins at 384 px.
+const CELLS_PER_LARGE_RADIUS: f64 = 24.0;
+
+/// Exponent of the coarsest cells of all, of which some dozens are still counted in 32 bits of px.
+const COARSEST: i32 = -24;
+
+/// A larger disc, px, counts as one of this size; it is far beyond any lens.
+pub(super) const MOST_RADIUS_PX: f64 = 4e8;
+
+/// Discs of fewer cells are scattered from the cells that were covered, not from shared ones:
+/// sharing would blur more than the disc.
+const FEW_CELLS: f64 = 0.5;
+
+/// A disc of a smaller radius, px, is a point.
+const IN_FOCUS_PX: f64 = 0.02;
+
+/// A size of cells, and whether coverage is found on halves of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Level {
+    /// Cells per px as a power of two.
+    pub(super) exponent: i32,
+    pub(super) is_halved: bool,
+}
+
+impl Level {
+    pub(super) fn of(radius_px: f64) -> Self {
+        if radius_px.abs() < IN_FOCUS_PX {
+            // Exact coverage of the pixels themselves.
+            return Self {
+                exponent: 0,
+                is_halved: false,
+            };
+        }
+        let exponent_for = |cells: f64| -> i32 {
+            // Also right for a radius of 0, whose logarithm is −∞.
+            let exact = libm::log2(cells / radius_px.abs());
+            #[expect(clippy::cast_possible_truncation, reason = "clamped")]
+            let exponent = exact.ceil().clamp(f64::from(COARSEST), 9.0) as i32;
+            exponent
+        };
+        let [fine, coarse] =
+            CELLS_PER_RADIUS.map(|cells| exponent_for(cells).clamp(*LEVELS.start(), *LEVELS.end()));
+        let exponent = (fine.max(coarse.min(0))).min(exponent_for(CELLS_PER_LARGE_RADIUS));
+        Self {
+            exponent,
+            is_halved: libm::scalbn(radius_px.abs(), exponent) >= FEW_CELLS,
+        }
+    }
+
+    /// Weights by which a half of a cell, a quarter of a cell off its middle, is shared along one
+    /// axis: with the cell on its far side, its own, the one on its near side.
+    ///
+    /// They keep sum and mean, and their second moment, cells², makes up for all that blurs
+    /// besides the disc and the pixel itself: the half's own width, and for coarse cells the
+    /// kernel's cells.
+    pub(super) fn weights(self) -> [f32; 3] {
+        let kernel = if self.exponent >= 0 { 0.0 } else { 1.0 / 12.0 };
+        let second = 1.0 / 16.0 - 1.0 / 48.0 - kernel;
+        [0.5 * (second - 0.25), 1.0 - second, 0.5 * (second + 0.25)]
+    }
+}

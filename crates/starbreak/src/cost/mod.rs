@@ -1,0 +1,167 @@
+//! What a picture takes, estimated before it is made, and refused above a limit.
+//!
+//! The glass breaks first and is shown then, so that each of the two is asked about when its size
+//! is known: of breaking the settings and the frame tell it, of showing also what has broken.
+//! Time has its bounds where the models have theirs: a recipe has only so many hits, and the paper's
+//! model so many neighbors of its particles.
+
+mod showing;
+mod touched;
+
+use starbreak_fracture::mesh::Outline;
+use starbreak_fracture::physics::{GlassBuild, GlassPane, MeshResolution};
+use starbreak_glass::CrackNetwork;
+use starbreak_optics::View;
+
+use crate::{Error, FractureSettings, PaperSettings, PhysicsSettings, Settings};
+
+/// Most memory of one picture, bytes, unless a recipe is given another limit: 4 GiB.
+pub const DEFAULT_MAX_MEMORY_BYTES: u64 = 4 << 30;
+
+/// Least limit of that, bytes, within which the least pane breaks.
+pub const LEAST_MAX_MEMORY_BYTES: u64 = 64 << 20;
+
+/// What the program holds besides.
+const BASE_BYTES: f64 = 1e7;
+
+/// What one picture takes at most, about: more than is measured, up to some three times as much.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// What is done.
+    what: &'static str,
+    /// Memory, bytes.
+    pub memory_bytes: f64,
+    /// What to change so that it takes less.
+    way_out: &'static str,
+}
+
+/// A part of a cost, bytes, and what makes it smaller.
+type Part = (f64, &'static str);
+
+impl Cost {
+    /// The way out is that of the largest part.
+    fn of(what: &'static str, parts: &[Part]) -> Self {
+        let way_out = parts.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        Self {
+            what,
+            memory_bytes: BASE_BYTES + parts.iter().map(|(bytes, _)| bytes).sum::<f64>(),
+            way_out: way_out.map_or("", |(_, way_out)| way_out),
+        }
+    }
+
+    fn within(&self, limit_bytes: u64) -> Result<(), Error> {
+        #[expect(clippy::cast_precision_loss, reason = "bytes, about")]
+        let limit_bytes = limit_bytes as f64;
+        if self.memory_bytes <= limit_bytes {
+            return Ok(());
+        }
+        Err(Error::TooCostly {
+            what: self.what,
+            needs_bytes: self.memory_bytes,
+            limit_bytes,
+            way_out: self.way_out,
+        })
+    }
+}
+
+impl Settings {
+    /// What it takes to break the glass before a frame of this size, px.
+    #[must_use]
+    pub fn cost_of_breaking(&self, (width_px, height_px): (u32, u32)) -> Cost {
+        let what = "breaking the glass";
+        match &self.fracture {
+            FractureSettings::Paper(paper) => {
+                let area_px = f64::from(width_px) * f64::from(height_px);
+                Cost::of(what, &[of_particles(paper, area_px)])
+            }
+            FractureSettings::Physics(physics) => Cost::of(what, &of_pane(physics)),
+        }
+    }
+
+    /// The memory to break the glass is within the limit.
+    ///
+    /// # Errors
+    /// [`Error::TooCostly`] with what to change.
+    pub fn may_break(&self, size: (u32, u32)) -> Result<(), Error> {
+        self.cost_of_breaking(size).within(self.max_memory_bytes)
+    }
+
+    /// The memory to show a network is within the limit.
+    ///
+    /// # Errors
+    /// [`Error::TooCostly`] with what to change.
+    pub fn may_show(&self, network: &CrackNetwork, view: &View) -> Result<(), Error> {
+        self.cost_of_showing(network, view)
+            .within(self.max_memory_bytes)
+    }
+
+    /// The memory to show a photograph of broken glass is within the limit.
+    ///
+    /// # Errors
+    /// [`Error::TooCostly`] with what to change.
+    pub fn may_show_photo(&self, size: (u32, u32)) -> Result<(), Error> {
+        self.cost_of_photo(size).within(self.max_memory_bytes)
+    }
+}
+
+/// Bytes of a particle in its mesh, and of a piece of crack on its way into the network.
+const PARTICLE_BYTES: f64 = 240.0;
+const SEGMENT_BYTES: f64 = 200.0;
+
+/// Pieces per particle where none cross, how many more per neighbor where they do, and the most that
+/// the model takes.
+const PIECES: f64 = 3.0;
+const CROSSINGS: f64 = 0.004;
+const MOST_PIECES: f64 = 2e6;
+
+fn of_particles(paper: &PaperSettings, area_px: f64) -> Part {
+    let params = &paper.params;
+    let particles = f64::from(params.particles);
+    let around = std::f64::consts::PI * params.neighbor_radius * params.neighbor_radius;
+    let neighbors = particles * (around / area_px).min(1.0);
+    let pieces = (particles * (PIECES + CROSSINGS * neighbors)).min(MOST_PIECES);
+    (
+        PARTICLE_BYTES * particles + SEGMENT_BYTES * pieces,
+        "lower fracture.particles",
+    )
+}
+
+/// Bytes of the plates that a hit solves, by their mesh; of what it leaves; and of one of the dice
+/// into which tempered glass breaks.
+const PLATES_BYTES: [f64; 2] = [3e7, 1e8];
+const HIT_BYTES: f64 = 3e5;
+const DIE_BYTES: f64 = 6000.0;
+
+fn of_pane(physics: &PhysicsSettings) -> [Part; 3] {
+    let n_hits: u32 = physics.stones.iter().map(|stone| stone.count).sum();
+    let plates = match physics.params.mesh {
+        MeshResolution::Fast => PLATES_BYTES[0],
+        MeshResolution::Default => PLATES_BYTES[1],
+    };
+    let dice = DIE_BYTES * n_dice(&physics.pane);
+    [
+        // A pane that goes to dice bends no more.
+        ((plates - dice).max(0.0), "set fracture.mesh = \"fast\""),
+        (HIT_BYTES * f64::from(n_hits), "lower impact.count"),
+        (
+            dice,
+            "lower glass.surface_compression_mpa or glass.width_mm",
+        ),
+    ]
+}
+
+fn n_dice(pane: &GlassPane) -> f64 {
+    let GlassBuild::Tempered {
+        surface_compression_pa,
+    } = pane.build
+    else {
+        return 0.0;
+    };
+    let per_m2 =
+        starbreak_fracture::dice::fragment_density_per_m2(surface_compression_pa, pane.thickness_m);
+    let area_m2 = match pane.outline {
+        Outline::Rectangle { width_m, height_m } => width_m * height_m,
+        Outline::Disc { diameter_m } => diameter_m * diameter_m,
+    };
+    per_m2.unwrap_or(0.0) * area_m2
+}

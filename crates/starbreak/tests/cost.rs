@@ -1,0 +1,163 @@
+//! The memory that a recipe is said to take, against what it takes.
+#![cfg(target_os = "linux")]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::env;
+use std::fs;
+use std::process::Command;
+
+use image::{DynamicImage, Rgb, RgbImage};
+use starbreak::{Error, Recipe, Seed, pipeline};
+
+/// The child's recipe, in this variable: preset, frame, and what is set.
+const RECIPE: &str = "STARBREAK_TEST_RECIPE";
+
+/// What is said of the child, and what it found, bytes.
+#[derive(Debug)]
+struct Found {
+    said: f64,
+    taken: f64,
+}
+
+/// Estimated and greatest memory of a process of its own that makes one picture.
+fn cost_of(recipe: &str) -> Found {
+    let output = Command::new(env::current_exe().unwrap())
+        .args(["--exact", "one_picture", "--nocapture"])
+        .env(RECIPE, recipe)
+        .output()
+        .unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let number = |name: &str| -> f64 {
+        let (_, rest) = text
+            .split_once(name)
+            .unwrap_or_else(|| panic!("{recipe}: {output:?}"));
+        rest.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    Found {
+        said: number("said "),
+        taken: number("taken "),
+    }
+}
+
+/// Makes the picture that the variable asks for; without it there is nothing to do.
+#[test]
+#[expect(clippy::print_stdout, reason = "to the process that asks")]
+fn one_picture() {
+    let Ok(text) = env::var(RECIPE) else {
+        return;
+    };
+    let mut words = text.split(' ');
+    let mut recipe = Recipe::preset(words.next().unwrap()).unwrap();
+    let (width, height) = words.next().unwrap().split_once('x').unwrap();
+    let size: (u32, u32) = (width.parse().unwrap(), height.parse().unwrap());
+    for word in words {
+        match word.strip_prefix("camera:") {
+            Some(camera) => recipe.set_camera(camera).unwrap(),
+            None => recipe.set(word).unwrap(),
+        }
+    }
+    let settings = recipe.settings().unwrap();
+    let gray = RgbImage::from_pixel(size.0, size.1, Rgb([90, 110, 140]));
+    let mut image = DynamicImage::ImageRgb8(gray);
+    let simulated = pipeline::simulate(&settings, size.0, size.1, Seed(1)).unwrap();
+    let view = pipeline::view_of_network(&settings, &simulated.network, size).unwrap();
+    let showing = settings.cost_of_showing(&simulated.network, &view);
+    let breaking = settings.cost_of_breaking(size);
+    pipeline::show_cracks(&settings, &mut image, simulated, Seed(1)).unwrap();
+    let status = fs::read_to_string("/proc/self/status").unwrap();
+    let (_, peak) = status.split_once("VmHWM:").unwrap();
+    let peak_kib: f64 = peak.split_whitespace().next().unwrap().parse().unwrap();
+    println!(
+        "said {} taken {}",
+        showing.memory_bytes.max(breaking.memory_bytes),
+        1024.0 * peak_kib
+    );
+}
+
+#[test]
+fn a_picture_takes_no_more_than_is_said_and_no_less_than_a_third_of_it() {
+    let recipes = [
+        "windshield-star 1242x375",
+        "windshield-gravel 1242x375 impact.count=40",
+        "windshield-spiderweb 4000x3000",
+        "windshield-star 2000x1500 camera:phone",
+        "windshield-spiderweb 2000x1500 camera:adas-1080p",
+        "lens-cover-star 1242x375",
+        "lens-cover-star 3000x2000 camera.f_number=0.8",
+        "lens-cover-shattered 4000x3000 camera.focus_distance_m=short",
+        "lens-cover-star 1242x375 camera.focal_length_mm=300 camera.f_px=75000",
+        "tempered-cover 3000x2000",
+        "tempered-cover 1242x375 glass.kind=tempered glass.width_mm=1400 glass.height_mm=900",
+        "windshield-gravel 4000x3000 optics.veiling_glare=0.1",
+        "paper 4000x3000 fracture.neighbour_radius_px=330",
+        "paper 4000x3000 fracture.neighbour_radius_px=330 optics.model=physical",
+        "paper 1242x375 fracture.particles=1000000 fracture.neighbour_radius_px=6.5",
+    ];
+    let mut wrong = Vec::new();
+    for recipe in recipes {
+        let Found { said, taken } = cost_of(recipe);
+        let ratio = said / taken;
+        if !(1.0..=3.1).contains(&ratio) {
+            wrong.push(format!(
+                "{recipe}: {said:.0} bytes said, {taken:.0} taken: {ratio:.2}"
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn what_takes_too_much_is_refused_with_the_key_to_change() {
+    let refusal = |preset: &str, set: &[&str], size: (u32, u32), limit: u64| {
+        let mut recipe = Recipe::preset(preset).unwrap();
+        for set in set {
+            recipe.set(set).unwrap();
+        }
+        recipe.set_max_memory(limit);
+        let settings = recipe.settings().unwrap();
+        let mut image = DynamicImage::new_rgb8(size.0, size.1);
+        match pipeline::crack_image(&settings, &mut image, Seed(1)) {
+            Err(error @ Error::TooCostly { .. }) => error.to_string(),
+            other => panic!("{preset}: {other:?}"),
+        }
+    };
+    let mib = 1 << 20;
+    for (said, named) in [
+        (
+            refusal(
+                "paper",
+                &[
+                    "fracture.particles=10000000",
+                    "fracture.neighbour_radius_px=2",
+                ],
+                (1242, 375),
+                1 << 30,
+            ),
+            "breaking the glass may take 2.6 GiB of memory, more than the 1.0 GiB that one picture may take; lower fracture.particles",
+        ),
+        (
+            refusal("lens-cover-star", &[], (64, 48), 64 * mib),
+            "set fracture.mesh = \"fast\"",
+        ),
+        (
+            refusal(
+                "windshield-spiderweb",
+                &["camera.f_number=0.5", "glass.distance_m=0.01"],
+                (2000, 1500),
+                256 * mib,
+            ),
+            "raise camera.f_number or glass.distance_m",
+        ),
+        (
+            refusal(
+                "windshield-spiderweb",
+                &["output.maps=true"],
+                (2000, 1500),
+                256 * mib,
+            ),
+            "set output.maps = false",
+        ),
+    ] {
+        assert!(said.contains(named), "{said}");
+    }
+}
