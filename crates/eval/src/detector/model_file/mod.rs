@@ -4,9 +4,8 @@ mod limits;
 mod names;
 mod wire;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use rten_onnx::onnx::{DataLocation, DataType, GraphProto, ModelProto, ValueInfoProto};
+use starbreak_dataset::fence;
 
 pub use limits::ModelLimits;
 pub use names::{ModelFacts, Side, TensorFacts, TensorType};
@@ -39,11 +38,11 @@ pub(super) fn read_facts(
     };
     wire::check(bytes).map_err(not_onnx)?;
     // The parser is another's: should it ever panic, that is a refusal like any other.
-    let parsed = catch_unwind(AssertUnwindSafe(|| ModelProto::parse_buf(bytes)));
+    let parsed = fence(|| ModelProto::parse_buf(bytes));
     let model = match parsed {
-        Ok(Ok(model)) => model,
-        Ok(Err(error)) => return Err(not_onnx(one_line(&error.to_string()))),
-        Err(_) => return Err(not_onnx("its structure breaks the parser".to_owned())),
+        Some(Ok(model)) => model,
+        Some(Err(error)) => return Err(not_onnx(one_line(&error.to_string()))),
+        None => return Err(not_onnx("its structure breaks the parser".to_owned())),
     };
     let Some(graph) = &model.graph else {
         return Err(not_onnx("there is no graph in it".to_owned()));

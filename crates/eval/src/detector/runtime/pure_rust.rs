@@ -1,11 +1,11 @@
 //! The default: rten, in Rust.
 
 use std::fmt;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex};
 
 use rten::{LoadErrorKind, Model, ModelOptions, RunOptions, ThreadPool, Value, ValueOrView};
 use rten_tensor::{AsView as _, Layout as _, Tensor};
+use starbreak_dataset::fence;
 
 use super::{InputTensor, InputValues, RawOutput, Runtime};
 use crate::detector::model_file::one_line;
@@ -36,10 +36,10 @@ impl PureRust {
             }
             options.load(bytes)
         };
-        let loaded = catch_unwind(AssertUnwindSafe(load));
+        let loaded = fence(load);
         let model = match loaded {
-            Ok(Ok(model)) => model,
-            Ok(Err(error)) => {
+            Some(Ok(model)) => model,
+            Some(Err(error)) => {
                 let text = one_line(&error.to_string());
                 let way_out = match error.kind() {
                     LoadErrorKind::OperatorInvalid => {
@@ -53,7 +53,7 @@ impl PureRust {
                 };
                 return Err(format!("cannot be loaded: {text}{way_out}"));
             }
-            Err(_) => {
+            None => {
                 return Err(
                     "cannot be loaded: its graph breaks the runtime; run it with ONNX Runtime: \
                      --onnxruntime PATH"
@@ -99,11 +99,11 @@ impl Runtime for PureRust {
         // One thread per run: sums come in one order, and images are what is done side by side.
         let pool = self.idle.lock().ok().and_then(|mut idle| idle.pop());
         let pool = pool.unwrap_or_else(|| Arc::new(ThreadPool::with_num_threads(1)));
-        let ran = catch_unwind(AssertUnwindSafe(|| self.run_in(&pool, inputs, outputs)));
+        let ran = fence(|| self.run_in(&pool, inputs, outputs));
         if let Ok(mut idle) = self.idle.lock() {
             idle.push(pool);
         }
-        ran.unwrap_or_else(|_| {
+        ran.unwrap_or_else(|| {
             Err(
                 "its graph breaks the runtime; run it with ONNX Runtime: --onnxruntime PATH"
                     .to_owned(),
