@@ -9,14 +9,16 @@ pub(crate) mod study;
 pub(crate) mod timeline;
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use detect::DetectArgs;
 use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
 use starbreak::dataset::same_file;
-use starbreak::{Assignment, DEFAULT_PRESET, Recipe, RecipeError, Seed};
+use starbreak::{Assignment, DEFAULT_PRESET, MAX_RECIPE_BYTES, Recipe, RecipeError, Seed};
 
 use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
@@ -311,6 +313,23 @@ pub(crate) enum BenchModel {
     Optics,
 }
 
+/// The recipe in a file, or in what a pipe gives.
+pub(crate) fn read_recipe(path: &Path) -> Result<Recipe, Failure> {
+    let mut text = String::new();
+    // One byte more than a recipe may have is known to be too long.
+    let longest = u64::try_from(MAX_RECIPE_BYTES).unwrap_or(u64::MAX);
+    let read = File::open(path).and_then(|file| {
+        let mut start = file.take(longest.saturating_add(1));
+        start.read_to_string(&mut text)
+    });
+    read.map_err(|cause| {
+        Failure::wrong_input(format!(
+            "recipe {path:?} cannot be read as UTF-8 text: {cause}"
+        ))
+    })?;
+    Ok(Recipe::parse(&path.to_string_lossy(), &text)?)
+}
+
 impl Global {
     /// The recipe that the flags ask for.
     pub(crate) fn recipe(&self) -> Result<Recipe, Failure> {
@@ -327,14 +346,7 @@ impl Global {
                      out, or begin a recipe with `starbreak recipe --preset NAME --severity N`"
                 )));
             }
-            (Some(path), None) => {
-                let text = std::fs::read_to_string(path).map_err(|cause| {
-                    Failure::wrong_input(format!(
-                        "recipe {path:?} cannot be read as UTF-8 text: {cause}"
-                    ))
-                })?;
-                Recipe::parse(&path.to_string_lossy(), &text)?
-            }
+            (Some(path), None) => read_recipe(path)?,
             (None, Some(severity)) => Recipe::preset_at(preset, severity)?,
             (None, None) => Recipe::preset(preset)?,
         };

@@ -15,6 +15,14 @@ pub struct TextFile {
 }
 
 impl TextFile {
+    /// Its lines, without the mark of UTF-8 that some editors put before the first.
+    pub fn lines(&self) -> std::str::Lines<'_> {
+        self.text
+            .strip_prefix('\u{feff}')
+            .unwrap_or(&self.text)
+            .lines()
+    }
+
     /// SHA-256 of the bytes of the file, 64 lowercase hexadecimal digits.
     #[must_use]
     pub fn sha256(&self) -> String {

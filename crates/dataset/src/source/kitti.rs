@@ -100,6 +100,8 @@ impl Kitti {
         }
         match read_label(&path_below(root, &label), &label) {
             Ok(text) => {
+                // Some editors mark UTF-8 so.
+                let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
                 for (line_idx, line) in text.lines().enumerate() {
                     let record = format!("{label}:{}", line_idx + 1);
                     match object_of_line(line, &record) {

@@ -82,6 +82,7 @@ impl KittiLabels {
             for line in lines(&path)? {
                 let line = line?;
                 let category = category_of(&mut labels.set, &line.name);
+                labels.set.check_categories(&path)?;
                 let [truncation, occlusion, _, x0, y0, x1, y1, ..] = line.numbers;
                 let corners_px = [x0, y0, x1, y1];
                 if x1 < x0 || y1 < y0 {
@@ -222,13 +223,13 @@ pub(crate) struct Line {
 pub(crate) fn lines(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<Line, EvalError>> + use<'_>, EvalError> {
-    let text = match read_text(path, MAX_FILE_BYTES) {
-        Ok(file) => file.text,
+    let file = match read_text(path, MAX_FILE_BYTES) {
         // A frame without objects.
-        Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
-        Err(error) => return Err(error.into()),
+        Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => None,
+        file => Some(file?),
     };
-    let rows: Vec<(usize, String)> = (1..).zip(text.lines().map(str::to_owned)).collect();
+    let rows = file.iter().flat_map(|file| file.lines());
+    let rows: Vec<(usize, String)> = (1..).zip(rows.map(str::to_owned)).collect();
     Ok(rows
         .into_iter()
         .filter(|(_, row)| !row.trim().is_empty())

@@ -1,8 +1,11 @@
 //! What an ONNX file says of itself, before it is run.
 
+mod growth;
 mod limits;
 mod names;
 mod wire;
+
+use std::collections::BTreeSet;
 
 use rten_onnx::onnx::{DataLocation, DataType, GraphProto, ModelProto, ValueInfoProto};
 use starbreak_dataset::fence;
@@ -51,17 +54,16 @@ pub(super) fn read_facts(
         return Err(not_onnx("its graph computes nothing".to_owned()));
     }
     limits::check(name, &model, graph, limits)?;
-    let initializers: Vec<&str> = graph
+    let initializers: BTreeSet<&str> = graph
         .initializer
         .iter()
         .filter_map(|tensor| tensor.name.as_deref())
         .collect();
     let is_given = |value: &&ValueInfoProto| {
         let name = value.name.as_deref().unwrap_or_default();
-        !initializers.contains(&name)
+        !initializers.contains(name)
     };
-    let mut operators: Vec<String> = Vec::new();
-    let mut external_files: Vec<String> = Vec::new();
+    let (mut operators, mut external_files) = (BTreeSet::new(), BTreeSet::new());
     walk(graph, &mut operators, &mut external_files);
     let metadata = model
         .metadata_props
@@ -76,7 +78,7 @@ pub(super) fn read_facts(
             .map(tensor_facts)
             .collect(),
         outputs: graph.output.iter().map(tensor_facts).collect(),
-        operators,
+        operators: operators.into_iter().collect(),
         values: graph
             .node
             .iter()
@@ -84,14 +86,14 @@ pub(super) fn read_facts(
             .filter(|name| !name.is_empty())
             .cloned()
             .collect(),
-        external_files,
+        external_files: external_files.into_iter().collect(),
         metadata,
         producer: model.producer_name.clone().unwrap_or_default(),
     })
 }
 
 /// Operators and files of weights, also of graphs inside of operators.
-fn walk(graph: &GraphProto, operators: &mut Vec<String>, files: &mut Vec<String>) {
+fn walk(graph: &GraphProto, operators: &mut BTreeSet<String>, files: &mut BTreeSet<String>) {
     for tensor in &graph.initializer {
         if tensor.data_location != Some(DataLocation::EXTERNAL) {
             continue;
@@ -101,21 +103,15 @@ fn walk(graph: &GraphProto, operators: &mut Vec<String>, files: &mut Vec<String>
             .iter()
             .find(|entry| entry.key.as_deref() == Some("location"))
             .and_then(|entry| entry.value.clone());
-        insert(files, location.unwrap_or_default());
+        files.insert(location.unwrap_or_default());
     }
     for node in &graph.node {
-        insert(operators, node.op_type.clone().unwrap_or_default());
+        operators.insert(node.op_type.clone().unwrap_or_default());
         for attribute in &node.attribute {
             if let Some(inside) = &attribute.g {
                 walk(inside, operators, files);
             }
         }
-    }
-}
-
-fn insert(sorted: &mut Vec<String>, text: String) {
-    if let Err(place) = sorted.binary_search(&text) {
-        sorted.insert(place, text);
     }
 }
 

@@ -3,7 +3,9 @@
 use std::fmt;
 use std::sync::{Arc, Mutex};
 
-use rten::{LoadErrorKind, Model, ModelOptions, RunOptions, ThreadPool, Value, ValueOrView};
+use rten::{
+    Dimension, LoadErrorKind, Model, ModelOptions, RunOptions, ThreadPool, Value, ValueOrView,
+};
 use rten_tensor::{AsView as _, Layout as _, Tensor};
 use starbreak_dataset::fence;
 
@@ -24,10 +26,13 @@ impl fmt::Debug for PureRust {
 }
 
 impl PureRust {
-    /// The model in the bytes of a file, with the files of weights beside it.
+    /// The model in the bytes of a file, with the files of weights beside it, of which none of
+    /// these values may become longer than so many bytes.
     pub(in super::super) fn load(
         bytes: Vec<u8>,
         external: Vec<(String, Vec<u8>)>,
+        values: &[String],
+        max_tensor_bytes: u64,
     ) -> Result<Self, String> {
         let load = || {
             let mut options = ModelOptions::with_all_ops();
@@ -61,6 +66,13 @@ impl PureRust {
                 );
             }
         };
+        let sizes = values.iter().map(|name| (name, bytes_of(&model, name)));
+        if let Some((name, n_bytes)) = sizes.into_iter().find(|(_, n)| *n > max_tensor_bytes) {
+            return Err(format!(
+                "asks for {n_bytes} bytes or more: the value {name:?}; at most {max_tensor_bytes} are allowed for one \
+                 tensor; export it for smaller images or batches"
+            ));
+        }
         Ok(Self {
             model,
             idle: Mutex::new(Vec::new()),
@@ -110,6 +122,18 @@ impl Runtime for PureRust {
             )
         })
     }
+}
+
+/// How long a value becomes by what the runtime knows of its shape, in bytes; sides that it does not
+/// know count as 1.
+fn bytes_of(model: &Model, name: &str) -> u64 {
+    let node = model.find_node(name).and_then(|node| model.node_info(node));
+    let shape = node.and_then(|node| node.shape()).unwrap_or_default();
+    let sides = shape.iter().filter_map(|side| match side {
+        Dimension::Fixed(side) => u64::try_from(*side).ok(),
+        Dimension::Symbolic(_) => None,
+    });
+    sides.fold(4, u64::saturating_mul)
 }
 
 fn value_of(shape: &[usize], values: InputValues) -> Result<Value, String> {

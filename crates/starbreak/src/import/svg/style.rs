@@ -80,8 +80,15 @@ impl<'a> Styles<'a> {
             left: &self.questions_left,
         };
         for rule in &self.sheet.rules {
+            // Each rule is a question, too, and so is what it declares.
+            if !asked.is_answered() {
+                break;
+            }
             if rule.selector.matches(&asked) {
                 for one in &rule.declarations {
+                    if !asked.is_answered() {
+                        break;
+                    }
                     declared.declare(one.name, one.value, one.important);
                 }
             }
