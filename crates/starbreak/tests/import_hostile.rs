@@ -58,13 +58,26 @@ fn attributes_take_little_time() {
 
 #[test]
 fn rules_for_everything_are_questions_too() {
-    let rules = "*{stroke:red}".repeat(20_000);
+    let rules = "*{stroke:red}".repeat(5000);
     let paths = "<path d=\"M0 0h1\"/>".repeat(20_000);
     let said = refusal(&drawn("", &format!("<style>{rules}</style>{paths}")));
     assert!(said.contains("questions of style rules"), "{said}");
-    let values = "stroke:red;".repeat(100_000);
+    let values = "stroke:red;".repeat(8000);
     let said = refusal(&drawn("", &format!("<style>*{{{values}}}</style>{paths}")));
     assert!(said.contains("questions of style rules"), "{said}");
+}
+
+#[test]
+fn long_styles_are_not_parsed_by_the_square() {
+    let rules = "*{stroke:red}".repeat(100_000);
+    let said = refusal(&drawn("", &format!("<style>{rules}</style>")));
+    assert!(
+        said.contains("more than 131072 bytes of style sheets"),
+        "{said}"
+    );
+    let values = "stroke:red;".repeat(100_000);
+    let said = refusal(&drawn("", &format!("<path d=\"M0 0h1\" style=\"{values}\"/>")));
+    assert!(said.contains("more than 4096 bytes in the style of one element"), "{said}");
 }
 
 #[test]

@@ -15,6 +15,18 @@ pub use names::{ModelFacts, Side, TensorFacts, TensorType};
 
 use crate::EvalError;
 
+impl ModelFacts {
+    /// What the bytes of an ONNX file say of it; `name` serves only for messages.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError::Model`] where they are no ONNX model, are cut short, or ask for more memory than
+    /// the limits allow.
+    pub fn of_bytes(name: &str, bytes: &[u8], limits: &ModelLimits) -> Result<Self, EvalError> {
+        read_facts(name, bytes, limits)
+    }
+}
+
 /// What an ONNX file says of itself.
 ///
 /// # Errors

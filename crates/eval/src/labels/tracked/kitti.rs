@@ -78,18 +78,9 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
         for line in lines {
             by_frame.entry(line.frame).or_default().push(line);
         }
-        let n_frames = by_frame.keys().next_back().map_or(0, |last| last + 1);
-        if labels.images.len() as u64 + n_frames > MOST_FRAMES {
-            return Err(refuse_file(
-                path,
-                format!(
-                    "its clips have more than {MOST_FRAMES} frames together; give fewer of them, or say with \
-                     --first-frame what the labels' first number is"
-                ),
-            ));
-        }
+        // Frames without a line hold no object: they are those of the clip, not of the highest number.
         let mut frames = Vec::new();
-        for idx in 0..n_frames {
+        for (idx, lines) in by_frame {
             let image = u32::try_from(labels.images.len()).unwrap_or(u32::MAX);
             labels.images.push(LabeledImage {
                 id: i64::from(image) + 1,
@@ -99,7 +90,7 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
                 cluster: Some(name.clone()),
             });
             frames.push((image, Some(idx)));
-            for line in by_frame.remove(&idx).into_iter().flatten() {
+            for line in lines {
                 let (categories, kind) = match line.track {
                     Some(_) => (
                         vec![category_of(&mut labels, &line.name)],
