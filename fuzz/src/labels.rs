@@ -150,12 +150,16 @@ pub fn timeline(bytes: &[u8]) {
         Err(error) => return check_message(&error),
     };
     let labels = &tracked.truth.labels;
-    assert_eq!(tracked.tracks.len(), labels.objects.len(), "a track for each object");
+    assert_eq!(
+        tracked.tracks.len(),
+        labels.objects.len(),
+        "a track for each object"
+    );
     for clip in &tracked.clips {
         let highest = clip.frames.iter().filter_map(|(_, idx)| *idx).max();
         let n_frames = highest.map_or(clip.frames.len() as u64, |last| last + 1);
-        let laid = ClipTrack::plain(n_frames, 30.0, None)
-            .and_then(|track| tracked.of_clip(clip, &track));
+        let laid =
+            ClipTrack::plain(n_frames, 30.0, None).and_then(|track| tracked.of_clip(clip, &track));
         match laid {
             Ok(laid) => assert!(laid.labels.objects.len() <= labels.objects.len(), "no more"),
             Err(error) => check_message(&error),
@@ -197,7 +201,10 @@ fn check_labels(read: Result<LabelSet, EvalError>) {
         assert!(is_there, "{object:?}");
         let corners = object.box_px.corners();
         let is_box = corners[0] <= corners[2] && corners[1] <= corners[3];
-        assert!(is_box && corners.iter().all(|v| v.is_finite()), "{object:?}");
+        assert!(
+            is_box && corners.iter().all(|v| v.is_finite()),
+            "{object:?}"
+        );
     }
     for name in labels.categories.iter().map(|category| &category.name) {
         assert!(!name.starts_with('\u{feff}'), "{name:?}");

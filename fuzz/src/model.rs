@@ -61,7 +61,10 @@ pub fn model(bytes: &[u8]) {
         Err(error) => {
             let message = error.to_string();
             is_one_line(&message);
-            assert!(!message.contains("breaks the parser"), "the parser panicked");
+            assert!(
+                !message.contains("breaks the parser"),
+                "the parser panicked"
+            );
         }
     }
 }

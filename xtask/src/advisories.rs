@@ -73,7 +73,9 @@ impl Withdrawn {
             }
             Answer::Found(what) => format!("withdrawn by crates.io on {today}: {what}"),
             Answer::Unknown(why) => {
-                format!("NOT CHECKED whether versions are withdrawn: crates.io did not answer: {why}")
+                format!(
+                    "NOT CHECKED whether versions are withdrawn: crates.io did not answer: {why}"
+                )
             }
         }
     }
@@ -162,7 +164,9 @@ fn of_audit(is_good: bool, said: &str) -> Answer {
     let n = &database["advisory-count"];
     let date = database["last-updated"].as_str().unwrap_or("?");
     let data = format!("RustSec's database of {date}, {n} advisories");
-    let list = json.get("vulnerabilities").and_then(|all| all["list"].as_array());
+    let list = json
+        .get("vulnerabilities")
+        .and_then(|all| all["list"].as_array());
     let ids = list.into_iter().flatten().map(|one| {
         let (package, id) = (&one["package"], &one["advisory"]["id"]);
         format!("{} {}: {}", package["name"], package["version"], id).replace('"', "")
@@ -202,7 +206,9 @@ fn today() -> String {
 
 /// The date of a day, counted from 1970-01-01.
 fn date_of_day(mut day: u64) -> String {
-    let is_leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    let is_leap = |year: u64| {
+        year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400))
+    };
     let mut year = 1970;
     while day >= 365 + u64::from(is_leap(year)) {
         day -= 365 + u64::from(is_leap(year));
@@ -237,7 +243,9 @@ mod tests {
         let unknown = of_resolver(false, offline);
         assert_eq!(unknown, Answer::Unknown("no network".to_owned()), "offline");
         assert!(
-            Withdrawn(unknown).said(3, "2026-01-01").contains("NOT CHECKED"),
+            Withdrawn(unknown)
+                .said(3, "2026-01-01")
+                .contains("NOT CHECKED"),
             "said aloud"
         );
         let good = Withdrawn(of_resolver(true, "     Locking 3 packages"));
@@ -249,7 +257,10 @@ mod tests {
         let clean = r#"{"database":{"advisory-count":900,"last-updated":"2026-10-02T11:00:00Z"},
             "vulnerabilities":{"found":false,"count":0,"list":[]}}"#;
         let said = Audited(of_audit(true, clean)).said();
-        assert!(said.contains("2026-10-02") && said.contains("900"), "{said}");
+        assert!(
+            said.contains("2026-10-02") && said.contains("900"),
+            "{said}"
+        );
         let bad = clean.replace(
             "\"list\":[]",
             r#""list":[{"advisory":{"id":"RUSTSEC-2020-0001"},"package":{"name":"png","version":"0.1.0"}}]"#,

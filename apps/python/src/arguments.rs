@@ -127,8 +127,8 @@ pub(crate) fn entries<'py>(
     given: &Bound<'py, PyAny>,
 ) -> Option<impl Iterator<Item = PyResult<Bound<'py, PyAny>>> + use<'py>> {
     let n = given.len().ok()?;
-    let is_sequence = given.hasattr("__getitem__").unwrap_or(false)
-        && given.cast::<PyMapping>().is_err();
+    let is_sequence =
+        given.hasattr("__getitem__").unwrap_or(false) && given.cast::<PyMapping>().is_err();
     let all = given.try_iter().ok().filter(|_| is_sequence)?;
     Some(all.take(n))
 }

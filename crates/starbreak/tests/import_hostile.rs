@@ -76,8 +76,14 @@ fn long_styles_are_not_parsed_by_the_square() {
         "{said}"
     );
     let values = "stroke:red;".repeat(100_000);
-    let said = refusal(&drawn("", &format!("<path d=\"M0 0h1\" style=\"{values}\"/>")));
-    assert!(said.contains("more than 4096 bytes in the style of one element"), "{said}");
+    let said = refusal(&drawn(
+        "",
+        &format!("<path d=\"M0 0h1\" style=\"{values}\"/>"),
+    ));
+    assert!(
+        said.contains("more than 4096 bytes in the style of one element"),
+        "{said}"
+    );
 }
 
 #[test]

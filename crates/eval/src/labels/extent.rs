@@ -48,7 +48,7 @@ impl LabelSet {
                 return Err(refuse_file(
                     path,
                     format!(
-                        "more than {MOST_IN_IMAGE} {what} in the image {:?}; keep those of the highest scores, or cut \
+                        "more than {MOST_IN_IMAGE} {what} in the image {:?}; leave the others out, or cut \
                          the image into tiles",
                         name.map_or("", String::as_str)
                     ),

@@ -82,10 +82,7 @@ pub(super) struct Walk<'a, 'input> {
 }
 
 impl<'a, 'input> Walk<'a, 'input> {
-    pub(super) fn new(
-        document: &'a Document<'input>,
-        page: [f64; 2],
-    ) -> Result<Self, ImportError> {
+    pub(super) fn new(document: &'a Document<'input>, page: [f64; 2]) -> Result<Self, ImportError> {
         let mut ids = BTreeMap::new();
         for node in document.descendants() {
             if let Some(id) = node.attribute("id") {
