@@ -86,7 +86,11 @@ pub fn labels(bytes: &[u8]) {
         b"kitti" => {
             dir.put("label_2/a.txt", bytes);
             let folder = dir.0.path().join("label_2");
-            check_labels(KittiLabels::read(&folder, "").map(|labels| labels.set));
+            let read = KittiLabels::read(&folder, "").map(|labels| labels.set);
+            for category in read.iter().flat_map(|labels| &labels.categories) {
+                assert!(!category.name.contains('\u{feff}'), "{category:?}");
+            }
+            check_labels(read);
         }
         b"coco-dt" | b"bdd-dt" | b"kitti-dt" => {
             let path = match kind {
@@ -114,6 +118,10 @@ pub fn labels(bytes: &[u8]) {
         _ => {}
     }
 }
+
+/// Longest clip that labels are laid over, frames: more take no other way, only the time of many
+/// inputs.
+const MAX_FRAMES: u64 = 10_000;
 
 /// A file of a clip is refused with one printable line, or its frames are in order and its labels
 /// lie over them.
@@ -158,6 +166,9 @@ pub fn timeline(bytes: &[u8]) {
     for clip in &tracked.clips {
         let highest = clip.frames.iter().filter_map(|(_, idx)| *idx).max();
         let n_frames = highest.map_or(clip.frames.len() as u64, |last| last + 1);
+        if n_frames > MAX_FRAMES {
+            continue;
+        }
         let laid =
             ClipTrack::plain(n_frames, 30.0, None).and_then(|track| tracked.of_clip(clip, &track));
         match laid {
@@ -205,9 +216,6 @@ fn check_labels(read: Result<LabelSet, EvalError>) {
             is_box && corners.iter().all(|v| v.is_finite()),
             "{object:?}"
         );
-    }
-    for name in labels.categories.iter().map(|category| &category.name) {
-        assert!(!name.starts_with('\u{feff}'), "{name:?}");
     }
 }
 

@@ -15,12 +15,11 @@ pub struct TextFile {
 }
 
 impl TextFile {
-    /// Its lines, without the mark of UTF-8 that some editors put before the first.
-    pub fn lines(&self) -> std::str::Lines<'_> {
-        self.text
-            .strip_prefix('\u{feff}')
-            .unwrap_or(&self.text)
-            .lines()
+    /// Its lines, without the marks of UTF-8 that some editors put at the beginning, and that files
+    /// which were joined have anywhere.
+    #[must_use]
+    pub fn unmarked(&self) -> String {
+        self.text.replace('\u{feff}', "")
     }
 
     /// SHA-256 of the bytes of the file, 64 lowercase hexadecimal digits.

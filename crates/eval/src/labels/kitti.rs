@@ -223,13 +223,12 @@ pub(crate) struct Line {
 pub(crate) fn lines(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<Line, EvalError>> + use<'_>, EvalError> {
-    let file = match read_text(path, MAX_FILE_BYTES) {
+    let text = match read_text(path, MAX_FILE_BYTES) {
         // A frame without objects.
-        Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => None,
-        file => Some(file?),
+        Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
+        file => file?.unmarked(),
     };
-    let rows = file.iter().flat_map(|file| file.lines());
-    let rows: Vec<(usize, String)> = (1..).zip(rows.map(str::to_owned)).collect();
+    let rows: Vec<(usize, String)> = (1..).zip(text.lines().map(str::to_owned)).collect();
     Ok(rows
         .into_iter()
         .filter(|(_, row)| !row.trim().is_empty())

@@ -155,13 +155,13 @@ fn category_of(labels: &mut LabelSet, name: &str) -> u32 {
 }
 
 fn lines(path: &Path, first_idx: u64) -> Result<Vec<Line>, EvalError> {
-    let file = match read_text(path, MAX_FILE_BYTES) {
+    let text = match read_text(path, MAX_FILE_BYTES) {
         // A clip without objects.
-        Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => None,
-        file => Some(file?),
+        Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
+        file => file?.unmarked(),
     };
     let mut lines = Vec::new();
-    for (number, row) in (1..).zip(file.iter().flat_map(|file| file.lines())) {
+    for (number, row) in (1..).zip(text.lines()) {
         if !row.trim().is_empty() {
             let read = line(row, first_idx);
             lines.push(read.map_err(|reason| refuse(path, format!("line {number}"), reason))?);
