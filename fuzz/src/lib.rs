@@ -6,6 +6,9 @@
 #![forbid(unsafe_code)]
 
 mod bank;
+mod image;
+mod labels;
+mod model;
 mod mutation;
 mod network;
 mod recipe;
@@ -13,6 +16,9 @@ mod source;
 mod svg;
 
 pub use bank::{bank, coverage, pattern};
+pub use image::image;
+pub use labels::{labels, timeline};
+pub use model::model;
 pub use mutation::{Mutator, Vocabulary};
 pub use network::network;
 pub use recipe::recipe;
@@ -33,7 +39,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 7] = [
+pub const TARGETS: [Target; 11] = [
     Target {
         name: "bank",
         check: bank,
@@ -51,6 +57,30 @@ pub const TARGETS: [Target; 7] = [
         check: pattern,
         vocabulary: bank::VOCABULARY,
         n_mutations: 4000,
+    },
+    Target {
+        name: "image",
+        check: image,
+        vocabulary: image::VOCABULARY,
+        n_mutations: 20_000,
+    },
+    Target {
+        name: "labels",
+        check: labels,
+        vocabulary: labels::VOCABULARY,
+        n_mutations: 10_000,
+    },
+    Target {
+        name: "model",
+        check: model,
+        vocabulary: model::VOCABULARY,
+        n_mutations: 20_000,
+    },
+    Target {
+        name: "timeline",
+        check: timeline,
+        vocabulary: labels::VOCABULARY,
+        n_mutations: 10_000,
     },
     Target {
         name: "recipe",

@@ -3,7 +3,8 @@
 //!
 //! `STARBREAK_FUZZ_MUTATIONS=100000 cargo test --package starbreak-fuzz --test replay`: so many
 //! mutations per target (default: the target's own number). A finding is written to
-//! `artifacts/<target>/` and makes the test fail.
+//! `artifacts/<target>/` and makes the test fail; so does an input that takes more than
+//! [`MAX_BYTES`] of memory. `STARBREAK_FUZZ_TARGET=image` runs one target alone.
 #![expect(clippy::print_stdout, reason = "a report is what this program is for")]
 
 use std::fs;
@@ -12,10 +13,18 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use peak_alloc::PeakAlloc;
 use starbreak_fuzz::{Mutator, TARGETS, Target};
 
 /// Findings of one target that are reported; one bug is often found many times.
 const MAX_FINDINGS: usize = 10;
+
+/// Counts what is allocated.
+#[global_allocator]
+static ALLOCATED: PeakAlloc = PeakAlloc;
+
+/// Memory that an input of some kilobytes may take, bytes.
+const MAX_BYTES: usize = 128 << 20;
 
 /// Characters of a message that are printed.
 const MAX_MESSAGE: usize = 400;
@@ -37,7 +46,9 @@ fn main() -> ExitCode {
         }
     };
     let mut n_findings = 0;
-    for target in &TARGETS {
+    let only = std::env::var("STARBREAK_FUZZ_TARGET").ok();
+    let is_wanted = |target: &&Target| only.as_ref().is_none_or(|name| name == target.name);
+    for target in TARGETS.iter().filter(is_wanted) {
         match replay(target, n_mutations.unwrap_or(target.n_mutations)) {
             Ok(n) => n_findings += n,
             Err(cause) => {
@@ -105,8 +116,14 @@ fn replay(target: &Target, n_mutations: usize) -> std::io::Result<usize> {
 fn finding(target: &Target, input: &[u8]) -> Option<String> {
     let hook = panic::take_hook();
     panic::set_hook(Box::new(|_| {}));
+    let before = ALLOCATED.current_usage();
+    ALLOCATED.reset_peak_usage();
     let result = panic::catch_unwind(AssertUnwindSafe(|| (target.check)(input)));
     panic::set_hook(hook);
+    let taken = ALLOCATED.peak_usage().saturating_sub(before);
+    if taken > MAX_BYTES {
+        return Some(format!("it took {} MiB of memory", taken >> 20));
+    }
     let what = result.err()?;
     let message = what
         .downcast_ref::<String>()

@@ -6,6 +6,7 @@
     reason = "a report is what a chore is for"
 )]
 
+pub mod advisories;
 pub mod command;
 pub mod deps;
 pub mod failure;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::command::{cargo, run as run_command};
 use crate::deps::{self, Mode};
-use crate::{Failure, licences, refs};
+use crate::{Failure, advisories, licences, refs};
 
 /// `cargo xtask lint`: all checks, also after one has failed.
 ///
@@ -32,6 +32,7 @@ pub fn run(root: &Path) -> Result<(), Failure> {
         )),
         run_command(rustdoc),
         section("licences", licences::run(root)),
+        section("advisories", advisories::run(root)),
         section("deps --check", deps::run(root, Mode::Check)),
         section("refs", refs::run(root)),
     ];

@@ -9,14 +9,18 @@ pub(crate) mod study;
 pub(crate) mod timeline;
 
 use std::ffi::{OsStr, OsString};
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use detect::DetectArgs;
 use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
-use starbreak::dataset::{DatasetError, OutputBatch, SourceSpec, same_file};
-use starbreak::{Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, Recipe, RecipeError, Seed};
+use starbreak::dataset::{DatasetError, MAX_ITEM_BYTES, OutputBatch, SourceSpec, same_file};
+use starbreak::{
+    Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, MAX_RECIPE_BYTES, Recipe, RecipeError, Seed,
+};
 
 use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
@@ -320,6 +324,27 @@ pub(crate) enum BenchModel {
     Optics,
 }
 
+/// The recipe in a file, or in what a pipe gives.
+pub(crate) fn read_recipe(path: &Path) -> Result<Recipe, Failure> {
+    let mut text = String::new();
+    // One byte more than a recipe may have is known to be too long; a record is longer.
+    let longest = u64::try_from(MAX_RECIPE_BYTES).unwrap_or(u64::MAX);
+    let read = File::open(path).and_then(|file| {
+        let mut start = (&file).take(longest.saturating_add(1));
+        start.read_to_string(&mut text)?;
+        match text.starts_with('{') {
+            true => (&file).take(MAX_ITEM_BYTES).read_to_string(&mut text),
+            false => Ok(0),
+        }
+    });
+    read.map_err(|cause| {
+        Failure::wrong_input(format!(
+            "recipe {path:?} cannot be read as UTF-8 text: {cause}"
+        ))
+    })?;
+    Ok(Recipe::parse(&path.to_string_lossy(), &toml_of(text))?)
+}
+
 impl Global {
     /// The recipe that the flags ask for.
     pub(crate) fn recipe(&self) -> Result<Recipe, Failure> {
@@ -336,14 +361,7 @@ impl Global {
                      out, or begin a recipe with `starbreak recipe --preset NAME --severity N`"
                 )));
             }
-            (Some(path), None) => {
-                let text = std::fs::read_to_string(path).map_err(|cause| {
-                    Failure::wrong_input(format!(
-                        "recipe {path:?} cannot be read as UTF-8 text: {cause}"
-                    ))
-                })?;
-                Recipe::parse(&path.to_string_lossy(), &toml_of(text))?
-            }
+            (Some(path), None) => read_recipe(path)?,
             (None, Some(severity)) => Recipe::preset_at(preset, severity)?,
             (None, None) => Recipe::preset(preset)?,
         };

@@ -71,6 +71,41 @@ fn unreadable_images_are_named() {
 }
 
 #[test]
+fn an_image_that_breaks_a_decoder_is_one_failure_of_a_set() {
+    let dir = folder();
+    fs::create_dir(dir.path().join("in")).unwrap();
+    for name in ["a.png", "c.png"] {
+        write_photo(&dir.path().join("in").join(name));
+    }
+    // One pixel, and a palette of one color and a third.
+    let chunk = |kind: &[u8], data: &[u8]| {
+        let body = [kind, data].concat();
+        let length = u32::try_from(data.len()).unwrap().to_be_bytes();
+        [&length[..], &body, &crc32(&body).to_be_bytes()].concat()
+    };
+    let pixels = b"\x78\x01\x01\x02\x00\xfd\xff\x00\x00\x00\x02\x00\x01";
+    let broken = [
+        b"\x89PNG\r\n\x1a\n".to_vec(),
+        chunk(b"IHDR", b"\0\0\0\x01\0\0\0\x01\x08\x03\0\0\0"),
+        chunk(b"PLTE", b"\x01\x02\x03\x04"),
+        chunk(b"IDAT", pixels),
+        chunk(b"IEND", b""),
+    ]
+    .concat();
+    assert_eq!(broken.len(), 86, "a small file");
+    fs::write(dir.path().join("in/b.png"), broken).unwrap();
+    let words = ["generate", "folder:in", "-o", "out", "--preset", "paper"];
+    let outcome = starbreak(dir.path(), &words);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(!outcome.stderr.contains("panicked"), "{outcome:?}");
+    let failures = fs::read_to_string(dir.path().join("out/starbreak/failures.jsonl")).unwrap();
+    assert!(
+        failures.contains("b.png") && failures.contains("its palette has 4 bytes"),
+        "{failures}"
+    );
+}
+
+#[test]
 fn header_is_what_is_refused() {
     let dir = folder();
     fs::write(dir.path().join("ok.png"), png_header((8, 8))).unwrap();

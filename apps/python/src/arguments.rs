@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyIterator, PyMapping, PyString};
+use pyo3::types::{PyBytes, PyMapping, PyString};
 use starbreak::Seed;
 use starbreak::dataset::ImageLimits;
 
@@ -55,11 +55,11 @@ impl Kind for Real {
     const EXPECTED: &'static str = "a number";
 }
 
-impl Kind for Vec<Real> {
+impl Kind for List<Real> {
     const EXPECTED: &'static str = "a list of numbers";
 }
 
-impl Kind for Vec<Whole> {
+impl Kind for List<Whole> {
     const EXPECTED: &'static str = "a list of whole numbers";
 }
 
@@ -121,12 +121,43 @@ impl<'a, 'py, T: FromPyObjectOwned<'py>> FromPyObject<'a, 'py> for Given<T> {
 }
 
 /// The entries of a sequence, such as a list, a tuple or an array: of what has a length and places;
-/// a set has no places, an iterator no length.
-pub(crate) fn entries<'py>(given: &Bound<'py, PyAny>) -> Option<Bound<'py, PyIterator>> {
-    let is_sequence = given.len().is_ok()
-        && given.hasattr("__getitem__").unwrap_or(false)
-        && given.cast::<PyMapping>().is_err();
-    given.try_iter().ok().filter(|_| is_sequence)
+/// a set has no places, an iterator no length. No more than its length says, for places may go on
+/// for ever.
+pub(crate) fn entries<'py>(
+    given: &Bound<'py, PyAny>,
+) -> Option<impl Iterator<Item = PyResult<Bound<'py, PyAny>>> + use<'py>> {
+    let n = given.len().ok()?;
+    let is_sequence =
+        given.hasattr("__getitem__").unwrap_or(false) && given.cast::<PyMapping>().is_err();
+    let all = given.try_iter().ok().filter(|_| is_sequence)?;
+    Some(all.take(n))
+}
+
+/// Most entries of a list of settings.
+const MAX_ENTRIES: usize = 10_000;
+
+/// A sequence of a kind of argument. What it says of its length is not believed: no memory is taken
+/// for entries before they have come.
+#[derive(Debug)]
+pub(crate) struct List<T>(pub(crate) Vec<T>);
+
+impl<'a, 'py, T: FromPyObjectOwned<'py>> FromPyObject<'a, 'py> for List<T> {
+    type Error = PyErr;
+
+    fn extract(given: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
+        let all = entries(&given).filter(|_| given.cast::<PyString>().is_err());
+        let Some(all) = all else {
+            return Err(PyTypeError::new_err("no sequence"));
+        };
+        let mut list = Vec::new();
+        for entry in all {
+            if list.len() == MAX_ENTRIES {
+                return Err(PyValueError::new_err("too many entries"));
+            }
+            list.push(entry?.extract().map_err(Into::into)?);
+        }
+        Ok(Self(list))
+    }
 }
 
 /// The bytes of a file: `bytes`, or anything with a buffer, of which it is a copy.

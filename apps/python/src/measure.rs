@@ -19,7 +19,7 @@ use starbreak::eval::{AreaRange, Protocol};
 use starbreak::evaluation::{EvaluateRequest, MAX_WORST, REPLICATES, evaluate_files};
 use starbreak::pipeline::with_threads;
 
-use crate::arguments::{Given, Real, SeedArg, Whole};
+use crate::arguments::{Given, List, Real, SeedArg, Whole};
 use crate::errors::raised;
 use crate::values::python_of;
 
@@ -64,7 +64,7 @@ const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
 /// 1.0
 #[pyfunction]
 #[pyo3(
-    signature = (source = None, *, clean, cracked = None, ground_truth = None, regions = None, cracked_set = None, protocol = None, tau = Given::of(Vec::new()), iou_thresholds = Given::of(Vec::new()), max_dets = Given::of(Vec::new()), area_ranges = Given::of(BTreeMap::new()), class_agnostic = Given::of(false), gt_id_zero_quirk = Given::of(false), output = None, detector = None, condition = None, replicates = Whole::of(1000), score_threshold = Given::of(Real(0.3)), worst = Whole::of(6), seed = SeedArg::ZERO, threads = Whole::of(0)),
+    signature = (source = None, *, clean, cracked = None, ground_truth = None, regions = None, cracked_set = None, protocol = None, tau = Given::of(List(Vec::new())), iou_thresholds = Given::of(List(Vec::new())), max_dets = Given::of(List(Vec::new())), area_ranges = Given::of(BTreeMap::new()), class_agnostic = Given::of(false), gt_id_zero_quirk = Given::of(false), output = None, detector = None, condition = None, replicates = Whole::of(1000), score_threshold = Given::of(Real(0.3)), worst = Whole::of(6), seed = SeedArg::ZERO, threads = Whole::of(0)),
     text_signature = "(source=None, *, clean, cracked=None, ground_truth=None, regions=None, cracked_set=None, protocol=None, tau=(), iou_thresholds=(), max_dets=(), area_ranges={}, class_agnostic=False, gt_id_zero_quirk=False, output=None, detector=None, condition=None, replicates=1000, score_threshold=0.3, worst=6, seed=0, threads=0)"
 )]
 #[expect(
@@ -80,9 +80,9 @@ pub(crate) fn evaluate<'py>(
     regions: Option<Given<PathBuf>>,
     cracked_set: Option<Given<PathBuf>>,
     protocol: Option<Given<String>>,
-    tau: Given<Vec<Real>>,
-    iou_thresholds: Given<Vec<Real>>,
-    max_dets: Given<Vec<Whole>>,
+    tau: Given<List<Real>>,
+    iou_thresholds: Given<List<Real>>,
+    max_dets: Given<List<Whole>>,
     area_ranges: Given<BTreeMap<String, [Real; 2]>>,
     class_agnostic: Given<bool>,
     gt_id_zero_quirk: Given<bool>,
@@ -100,13 +100,14 @@ pub(crate) fn evaluate<'py>(
         let known = all.into_iter().find(|protocol| protocol.name() == name);
         known.ok_or_else(|| one_of("protocol", &name, &all.map(Protocol::name)))
     });
-    let shares = |given: Given<Vec<Real>>, name: &str| -> PyResult<Vec<f64>> {
-        Ok(given.named(name)?.iter().map(|share| share.0).collect())
+    let shares = |given: Given<List<Real>>, name: &str| -> PyResult<Vec<f64>> {
+        Ok(given.named(name)?.0.iter().map(|share| share.0).collect())
     };
     let output = Given::if_given(output, "output")?;
     let ranges = area_ranges.named("area_ranges")?.into_iter();
     let max_dets = max_dets
         .named("max_dets")?
+        .0
         .iter()
         .map(|n| n.within("max_dets", 1..=u32::MAX))
         .collect::<PyResult<_>>()?;

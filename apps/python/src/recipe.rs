@@ -9,7 +9,7 @@ use pyo3::types::{PyDict, PyMapping, PyString};
 use starbreak::dataset::{read_text, sha256_hex};
 use starbreak::{Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, PRESETS, Settings};
 
-use crate::arguments::{Given, NameArg, Whole, shown};
+use crate::arguments::{Given, List, NameArg, Whole, shown};
 use crate::errors::{of_recipe, raised};
 use crate::values::{python_of, value_of};
 
@@ -221,13 +221,13 @@ impl Recipe {
 /// What is to be set, from a mapping of keys to values or from a list of texts `table.key=value`.
 fn assignments(set: &Bound<'_, PyAny>) -> PyResult<Vec<Assignment>> {
     let Ok(mapping) = set.cast::<PyMapping>() else {
-        let texts: Vec<String> = set.extract().map_err(|_| {
+        let texts: List<String> = set.extract().map_err(|_| {
             PyTypeError::new_err(format!(
                 "set = {}; expected a dict {{\"table.key\": value}} or a list [\"table.key=value\"]",
                 shown(set)
             ))
         })?;
-        let each = texts.iter().map(|text| Assignment::parse(text));
+        let each = texts.0.iter().map(|text| Assignment::parse(text));
         return each
             .collect::<Result<_, _>>()
             .map_err(|error| of_recipe(&error));

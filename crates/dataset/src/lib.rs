@@ -30,6 +30,7 @@
 
 mod error;
 mod error_words;
+mod fence;
 mod image_file;
 mod line_log;
 
@@ -61,6 +62,7 @@ pub use encode::{
     Encoding, JpegQuality, encode_image, encode_image_as, encode_mask, encode_mask_as,
 };
 pub use error::DatasetError;
+pub use fence::{fence, silence_fenced_panics};
 pub use generated::{
     CarriedFile, Carry, Finding, GeneratedSet, ItemRecord, MAX_ITEM_BYTES, Manifest, MergeReport,
     SET_SCHEMA, STATE_FOLDER, SampleFiles, SetChecker, SetLayout, compare_identity, file_len,

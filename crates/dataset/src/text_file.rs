@@ -15,6 +15,13 @@ pub struct TextFile {
 }
 
 impl TextFile {
+    /// Its lines, without the marks of UTF-8 that some editors put at the beginning, and that files
+    /// which were joined have anywhere.
+    #[must_use]
+    pub fn unmarked(&self) -> String {
+        self.text.replace('\u{feff}', "")
+    }
+
     /// SHA-256 of the bytes of the file, 64 lowercase hexadecimal digits.
     #[must_use]
     pub fn sha256(&self) -> String {

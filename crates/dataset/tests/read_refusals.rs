@@ -129,6 +129,62 @@ fn every_cut_of_a_valid_file_is_an_error() {
 }
 
 #[test]
+fn a_jpeg_that_ends_early_behind_an_end_marker_is_refused() {
+    let image = ramp(100, 60);
+    let sampled = |factor| jpeg_with(&image, |e| e.set_sampling_factor(factor));
+    let files = [
+        jpeg_with(&image, |_| {}),
+        jpeg_with(&image, |e| e.set_progressive(true)),
+        jpeg_with(&image, |e| {
+            e.set_progressive(true);
+            e.set_sampling_factor(jpeg_encoder::SamplingFactor::F_2_2);
+        }),
+        jpeg_with(&image, |e| e.set_restart_interval(2)),
+        sampled(jpeg_encoder::SamplingFactor::F_2_1),
+        sampled(jpeg_encoder::SamplingFactor::F_2_2),
+        sampled(jpeg_encoder::SamplingFactor::F_4_1),
+    ];
+    for (idx, file) in files.iter().enumerate() {
+        let whole = decode_image("x", file, &ImageLimits::default());
+        assert!(whole.is_ok(), "file {idx} is whole: {whole:?}");
+        let scan = file.windows(2).position(|w| w == [0xff, 0xda]).unwrap();
+        let mut n_read = 0;
+        for end in scan + 14..file.len() - 2 {
+            // What follows the marker is read by nobody.
+            let bytes = [&file[..end], &b"\xff\xd9"[..], &file[end..]].concat();
+            let result = decode_image("in.jpg", &bytes, &ImageLimits::default());
+            n_read += usize::from(result.is_ok());
+        }
+        assert_eq!(
+            n_read,
+            0,
+            "file {idx}: read as whole, of {} cuts",
+            file.len() - scan
+        );
+    }
+    let bytes = [&files[0][..files[0].len() / 2], b"\xff\xd9"].concat();
+    let message = refusal(&bytes).to_string();
+    assert!(
+        message.contains("its pixels end after") && message.contains(" blocks of 8 x 8"),
+        "{message}"
+    );
+}
+
+#[test]
+fn arithmetic_coding_is_named() {
+    for marker in [0xc9, 0xca] {
+        let mut bytes = jpeg_with(&ramp(40, 24), |_| {});
+        let frame = bytes.windows(2).position(|w| w == [0xff, 0xc0]).unwrap();
+        bytes[frame + 1] = marker;
+        let message = refusal(&bytes).to_string();
+        assert!(
+            message.contains("not supported: arithmetic coding"),
+            "{marker:#x}: {message}"
+        );
+    }
+}
+
+#[test]
 fn a_flipped_bit_in_png_pixels_is_found() {
     let file = encode_image(&DynamicImage::ImageRgb8(ramp(40, 24)), &Encoding::Png, None).unwrap();
     for at in 41..file.len() - 12 {
@@ -242,4 +298,28 @@ fn text_named_png() {
         message.contains("notes.png\" is neither PNG nor JPEG, it looks like text"),
         "{message}"
     );
+}
+
+#[test]
+fn a_palette_with_a_color_cut_short_is_refused() {
+    let mut info = png_info((1, 1), png::ColorType::Indexed, png::BitDepth::Eight);
+    info.palette = Some(vec![1, 2, 3, 4, 5, 6].into());
+    let whole = png_with(info, &[0]);
+    let place = whole.windows(4).position(|w| w == b"PLTE").unwrap();
+    assert!(
+        decode_image("x", &whole, &ImageLimits::default()).is_ok(),
+        "two whole colors"
+    );
+    for n_bytes in [4, 5] {
+        let palette = [b"PLTE", &[1, 2, 3, 4, 5, 6][..n_bytes]].concat();
+        let length = u32::try_from(n_bytes).unwrap().to_be_bytes();
+        let checksum = crc32fast::hash(&palette).to_be_bytes();
+        let chunk = [&length[..], &palette, &checksum].concat();
+        let bytes = [&whole[..place - 4], &chunk, &whole[place + 14..]].concat();
+        let message = refusal(&bytes).to_string();
+        assert!(
+            message.contains("palette") && message.contains("in.png"),
+            "{n_bytes} bytes: {message}"
+        );
+    }
 }

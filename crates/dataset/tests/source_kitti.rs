@@ -56,6 +56,21 @@ fn real_frames_have_the_boxes_of_their_label_files() {
 }
 
 #[test]
+fn a_mark_of_utf_8_is_no_part_of_a_type() {
+    let dir = tempfile::tempdir().unwrap();
+    put(dir.path(), "image_2/000000.png", png(8, 4));
+    let label = format!("\u{feff}{CAR}\n");
+    put(dir.path(), "label_2/000000.txt", label);
+    let found = contents(&open("kitti", dir.path()));
+    assert_eq!(
+        found.objects,
+        ["label_2/000000.txt:1 Car Regular 657.39 190.13 700.07 223.39"],
+        "objects"
+    );
+    assert_eq!(found.problems, [""; 0], "problems");
+}
+
+#[test]
 fn both_parts_and_all_cameras_are_read() {
     let dir = tempfile::tempdir().unwrap();
     for name in [

@@ -33,8 +33,8 @@ pub(crate) fn parse<T: DeserializeOwned>(
 /// Where a record stands: `annotations[7]`, or `[7]` in a file that is one list.
 pub(crate) fn place(record: &JsonRecord<'_>) -> String {
     match record.idx {
-        Some(idx) => format!("{}[{idx}]", record.key),
-        None => record.key.to_owned(),
+        Some(idx) => format!("{}[{idx}]", record.key.escape_debug()),
+        None => record.key.escape_debug().to_string(),
     }
 }
 

@@ -10,7 +10,7 @@ use std::fs;
 
 use image::RgbImage;
 use onnx_graph::{Builder, Dim, fixed, seen};
-use rten_onnx::onnx::{DataLocation, DataType, StringStringEntryProto};
+use rten_onnx::onnx::{DataLocation, DataType, NodeProto, StringStringEntryProto, TensorProto};
 use starbreak_eval::detector::{Contract, Detector, DetectorOptions};
 
 /// The message of a model that cannot be opened.
@@ -141,6 +141,75 @@ fn a_model_that_wants_a_hundred_gigabytes_is_refused_before_it_gets_them() {
         graph.initializer.last_mut().unwrap().dims = vec![-4];
     });
     assert_says(&refusal(&negative.bytes(), None), &["negative side"]);
+}
+
+/// The graph of YOLOX after one more operator on the image, whose input is a constant of these
+/// whole numbers or of these.
+fn grown(operator: &'static str, numbers: &[i64], scales: &[f32]) -> Vec<u8> {
+    let (numbers, scales) = (numbers.to_vec(), scales.to_vec());
+    let graph = yolox().edit(move |graph| {
+        let whole = TensorProto {
+            name: Some("numbers".to_owned()),
+            dims: vec![numbers.len() as i64],
+            data_type: Some(DataType::INT64),
+            int64_data: numbers,
+            ..TensorProto::default()
+        };
+        let floats = TensorProto {
+            name: Some("scales".to_owned()),
+            dims: vec![scales.len() as i64],
+            data_type: Some(DataType::FLOAT),
+            float_data: scales,
+            ..TensorProto::default()
+        };
+        let input = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+        let node = |operator: &str, from: &[&str], to: &str| NodeProto {
+            input: input(from),
+            output: vec![to.to_owned()],
+            op_type: Some(operator.to_owned()),
+            ..NodeProto::default()
+        };
+        let from: &[&str] = match operator {
+            "Resize" => &["handed_on", "", "scales"],
+            _ => &["handed_on", "numbers"],
+        };
+        graph.initializer.extend([whole, floats]);
+        graph.node.push(node("Relu", &["images"], "handed_on"));
+        graph.node.push(node(operator, from, "grown"));
+    });
+    graph.bytes()
+}
+
+#[test]
+fn an_operator_that_makes_much_of_a_frame_is_refused_before_it_runs() {
+    for (operator, numbers, scales) in [
+        ("Tile", &[1, 1, 1000, 1000][..], &[][..]),
+        ("Pad", &[0, 0, 0, 0, 0, 0, 60_000, 60_000], &[]),
+        ("Resize", &[], &[1.0, 1.0, 1000.0, 1000.0]),
+        ("Expand", &[1, 3, 60_000, 60_000], &[]),
+    ] {
+        let error = refusal(&grown(operator, numbers, scales), None);
+        assert_says(&error, &["asks for", operator, "4.0 GiB"]);
+    }
+    // Two columns make a table.
+    let folded = yolox().edit(|graph| {
+        for (name, dims) in [("a", [100_000, 1]), ("b", [1, 100_000])] {
+            graph.initializer.push(TensorProto {
+                name: Some(name.to_owned()),
+                dims: dims.to_vec(),
+                data_type: Some(DataType::FLOAT),
+                float_data: vec![0.0; 100_000],
+                ..TensorProto::default()
+            });
+        }
+        graph.node.push(NodeProto {
+            input: vec!["a".to_owned(), "b".to_owned()],
+            output: vec!["table".to_owned()],
+            op_type: Some("Add".to_owned()),
+            ..NodeProto::default()
+        });
+    });
+    assert_says(&refusal(&folded.bytes(), None), &["37.3 GiB", "Add"]);
 }
 
 #[test]

@@ -27,7 +27,7 @@ mod pane;
 mod seed;
 
 pub use crack_network::{
-    Contact, ContactKind, CrackNetwork, Face, Fragment, Generator, MAX_NODES, Model,
+    Contact, ContactKind, CrackNetwork, Face, Fragment, Generator, MAX_IMPACTS, MAX_NODES, Model,
     NETWORK_SCHEMA, NetworkData, NetworkError, Nodes, SegmentKind, Segments, Summary, Zone,
     find_contacts, find_contacts_of, find_contacts_up_to,
 };

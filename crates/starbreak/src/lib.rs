@@ -38,9 +38,9 @@ pub use cost::{Cost, DEFAULT_MAX_MEMORY_BYTES, LEAST_MAX_MEMORY_BYTES};
 pub use error::Error;
 pub use import::ImportError;
 pub use recipe::{
-    Assignment, CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, Mount,
-    OpticsSettings, OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe,
-    RecipeError, SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
+    Assignment, CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, MAX_RECIPE_BYTES,
+    Mount, OpticsSettings, OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings,
+    Recipe, RecipeError, SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
 };
 pub use starbreak_dataset as dataset;
 pub use starbreak_eval as eval;

@@ -34,7 +34,7 @@ pub(crate) struct TimelineArgs {
     #[arg(long, value_name = "N", conflicts_with = "track")]
     pub(crate) fps: Option<f64>,
     /// Number of frames of a clip without a track; that of the labels unless given
-    #[arg(long, value_name = "N", requires = "fps", value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    #[arg(long, value_name = "N", requires = "fps", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     pub(crate) frames: Option<u64>,
     /// The detections number frames by their place in the clip, from 1, as `detect clip:FILE` does,
     /// and not images as the labels do; always so with KITTI and without labels

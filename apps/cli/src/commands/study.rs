@@ -18,8 +18,8 @@ use starbreak_eval::detector::{Detector, DetectorOptions, ImageToSee, LabelMap, 
 use super::detect::{contract_of, say_contract, say_unmapped};
 use super::generate::mind_bad_records;
 use super::study_report::StudyReport;
-use crate::args::Global;
 use crate::args::study::{DivergenceWord, StudyArgs};
+use crate::args::{Global, read_recipe};
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Progress, Screen};
@@ -151,12 +151,7 @@ fn conditions_of(global: &Global, args: &StudyArgs) -> Result<Vec<Condition>, Fa
 }
 
 fn recipe_family(path: &Path) -> Result<Family, Failure> {
-    let text = std::fs::read_to_string(path).map_err(|cause| {
-        Failure::wrong_input(format!(
-            "recipe {path:?} cannot be read as UTF-8 text: {cause}"
-        ))
-    })?;
-    let recipe = Recipe::parse(&path.to_string_lossy(), &text)?;
+    let recipe = read_recipe(path)?;
     let stem = path.file_stem().unwrap_or(path.as_os_str());
     Ok(Family::Recipe(
         stem.to_string_lossy().into_owned(),

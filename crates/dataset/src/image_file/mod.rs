@@ -14,6 +14,7 @@ use image::DynamicImage;
 use image::metadata::Orientation;
 
 use crate::error::DatasetError;
+use crate::fence::fence;
 use crate::provenance::blake3_hex;
 pub use size::image_size;
 
@@ -145,8 +146,8 @@ pub fn read_bytes(path: &Path, max_bytes: u64) -> Result<Vec<u8>, DatasetError> 
 /// # Limits
 ///
 /// PNG checksums are verified, so that damage is always found. JPEG has none: a file that is cut
-/// short is refused, but damage inside the compressed data, also an end marker in its midst, may come
-/// out as wrong pixels, as it does from other readers.
+/// short, whatever stands behind the cut, is refused by the count of its blocks, but other damage
+/// inside the compressed data may come out as wrong pixels, as it does from other readers.
 pub fn decode_image(
     name: &str,
     bytes: &[u8],
@@ -154,10 +155,17 @@ pub fn decode_image(
 ) -> Result<ImageFile, DatasetError> {
     check_file_len(name, bytes.len() as u64, limits.max_file_bytes)?;
     let format = sniff::format_from_bytes(name, bytes)?;
-    let decoded = match format {
-        ImageFormat::Png => png::decode(name, bytes, limits)?,
-        ImageFormat::Jpeg => jpeg::decode(name, bytes, limits)?,
-    };
+    let decoded = fence(|| match format {
+        ImageFormat::Png => png::decode(name, bytes, limits),
+        ImageFormat::Jpeg => jpeg::decode(name, bytes, limits),
+    });
+    let decoded = decoded.unwrap_or_else(|| {
+        Err(DatasetError::Corrupt {
+            name: name.to_owned(),
+            format,
+            reason: "it breaks the decoder".to_owned(),
+        })
+    })?;
     let mut pixels = decoded.pixels;
     pixels.apply_orientation(decoded.orientation);
     Ok(ImageFile {

@@ -38,6 +38,16 @@ pub(super) fn decode(
     limits.check_size(name, width_px, height_px)?;
 
     let mut reader = decoder.read_info().map_err(error)?;
+    let info = reader.info();
+    let n_palette = info.palette.as_deref().map_or(0, <[u8]>::len);
+    // On a color cut short the decoder panics (version 0.18.1).
+    if info.color_type == ColorType::Indexed
+        && !(n_palette.is_multiple_of(3) && (3..=3 * 256).contains(&n_palette))
+    {
+        return Err(corrupt(&format!(
+            "its palette has {n_palette} bytes; expected three for each of 1 to 256 colors"
+        )));
+    }
     let n_bytes = reader
         .output_buffer_size()
         .ok_or_else(|| error(DecodingError::LimitsExceeded))?;

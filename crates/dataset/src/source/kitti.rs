@@ -100,6 +100,8 @@ impl Kitti {
         }
         match read_label(&path_below(root, &label), &label) {
             Ok(text) => {
+                // Some editors mark UTF-8 so, and files that were joined have it anywhere.
+                let text = text.replace('\u{feff}', "");
                 for (line_idx, line) in text.lines().enumerate() {
                     let record = format!("{label}:{}", line_idx + 1);
                     match object_of_line(line, &record) {

@@ -1,5 +1,7 @@
 //! A model's classes to a dataset's categories, by name.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use toml::{Table, Value};
 
 use super::contract::{ClassNames, did_you_mean};
@@ -115,18 +117,18 @@ impl LabelMap {
             map: rules.name.clone(),
             reason,
         };
-        let place = |name: &str| {
-            let found = categories
-                .iter()
-                .position(|category| plain(&category.name) == plain(name));
-            found.and_then(|place| u32::try_from(place).ok())
-        };
+        let mut places = BTreeMap::new();
+        for (at, category) in (0_u32..).zip(categories) {
+            places.entry(plain(&category.name)).or_insert(at);
+        }
+        let place = |name: &str| places.get(&plain(name)).copied();
         if rules.is_strict {
             let class_names: Vec<&str> =
                 classes.names.iter().flatten().map(String::as_str).collect();
             let category_names: Vec<&str> = categories.iter().map(|c| c.name.as_str()).collect();
+            let known: BTreeSet<String> = class_names.iter().copied().map(plain).collect();
             for (class, category) in &rules.rules {
-                if !class_names.iter().any(|name| plain(name) == plain(class)) {
+                if !known.contains(&plain(class)) {
                     return Err(wrong(format!(
                         "the model has no class {class:?}{}",
                         did_you_mean(class, &class_names)
@@ -145,17 +147,17 @@ impl LabelMap {
             unmapped_classes: Vec::new(),
             unmapped_categories: Vec::new(),
         };
+        let mut by_rule = BTreeMap::new();
+        for (class, category) in &rules.rules {
+            by_rule.entry(plain(class)).or_insert(category);
+        }
         for class in &classes.names {
             let Some(class) = class else {
                 map.category_of_class.push(None);
                 continue;
             };
-            let rule = rules
-                .rules
-                .iter()
-                .find(|(known, _)| plain(known) == plain(class));
-            let category = match rule {
-                Some((_, category)) => category.as_deref().and_then(place),
+            let category = match by_rule.get(&plain(class)) {
+                Some(category) => category.as_deref().and_then(place),
                 None => place(class),
             };
             if category.is_none() {
@@ -163,13 +165,9 @@ impl LabelMap {
             }
             map.category_of_class.push(category);
         }
-        for (at, category) in categories.iter().enumerate() {
-            let is_reached = map
-                .category_of_class
-                .iter()
-                .flatten()
-                .any(|&reached| reached as usize == at);
-            if !is_reached {
+        let reached: BTreeSet<u32> = map.category_of_class.iter().flatten().copied().collect();
+        for (at, category) in (0..).zip(categories) {
+            if !reached.contains(&at) {
                 map.unmapped_categories.push(category.name.clone());
             }
         }

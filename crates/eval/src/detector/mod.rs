@@ -163,7 +163,15 @@ impl Detector {
         let plan = InputPlan::new(&contract, &facts).map_err(wrong)?;
         let outputs = outputs_of(&contract, &facts).map_err(wrong)?;
         let runtime: Box<dyn Runtime> = match &options.backend {
-            Backend::PureRust => Box::new(PureRust::load(bytes, external).map_err(wrong)?),
+            Backend::PureRust => Box::new(
+                PureRust::load(
+                    bytes,
+                    external,
+                    &facts.values,
+                    options.limits.max_tensor_bytes,
+                )
+                .map_err(wrong)?,
+            ),
             #[cfg(feature = "ort")]
             Backend::OnnxRuntime { library, device } => {
                 Box::new(runtime::OnnxRuntime::load(library, *device, path, &facts).map_err(wrong)?)

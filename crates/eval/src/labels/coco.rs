@@ -160,11 +160,12 @@ impl Reader {
                 kind: row.kind,
             });
         }
-        Ok(LabelSet {
+        let labels = LabelSet {
             images: self.images,
             categories: self.categories,
             objects,
-        })
+        };
+        labels.within_limits(path)
     }
 }
 

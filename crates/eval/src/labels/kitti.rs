@@ -82,6 +82,7 @@ impl KittiLabels {
             for line in lines(&path)? {
                 let line = line?;
                 let category = category_of(&mut labels.set, &line.name);
+                labels.set.check_categories(&path)?;
                 let [truncation, occlusion, _, x0, y0, x1, y1, ..] = line.numbers;
                 let corners_px = [x0, y0, x1, y1];
                 if x1 < x0 || y1 < y0 {
@@ -223,10 +224,9 @@ pub(crate) fn lines(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<Line, EvalError>> + use<'_>, EvalError> {
     let text = match read_text(path, MAX_FILE_BYTES) {
-        Ok(file) => file.text,
         // A frame without objects.
         Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
-        Err(error) => return Err(error.into()),
+        file => file?.unmarked(),
     };
     let rows: Vec<(usize, String)> = (1..).zip(text.lines().map(str::to_owned)).collect();
     Ok(rows

@@ -2,6 +2,7 @@
 
 mod clusters;
 mod coco;
+mod extent;
 mod kept;
 pub(crate) mod kitti;
 mod open;

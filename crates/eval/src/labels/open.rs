@@ -219,6 +219,7 @@ impl GroundTruth {
             true => Detections::read_scalabel(path, &self.labels)?,
             false => Detections::read_coco(path, &self.labels)?,
         };
+        let detections = detections.within_limits(path, &self.labels)?;
         let detections = match self.protocol {
             Protocol::Bdd => bdd_detections(&detections),
             Protocol::Coco | Protocol::Kitti => detections,
@@ -238,7 +239,8 @@ impl GroundTruth {
                 "{path:?}: a folder of results is of KITTI, and so must the labels be; give kitti:DIR, or results as one JSON file"
             )));
         };
-        let said = KittiDetections::read(path, labels)?;
+        let mut said = KittiDetections::read(path, labels)?;
+        said.set = said.set.within_limits(path, &labels.set)?;
         if self.protocol == Protocol::Kitti {
             return Ok(SaidDetections {
                 detections: said.set.clone(),

@@ -299,7 +299,7 @@ impl Reader {
             }
         }
         Ok(Tracked {
-            labels,
+            labels: labels.within_limits(path)?,
             tracks,
             frame_idx,
         })

@@ -17,6 +17,10 @@ const SCHEMA: &str = "starbreak.track/1";
 /// Highest rate of frames that is believed, 1/s; the fastest cameras are a little below.
 const MOST_PER_S: f64 = 1e6;
 
+/// Longest clip that is taken, frames, nine hours of 30 per second: a wrong number must not fill the
+/// memory.
+pub(crate) const MOST_FRAMES: u64 = 1_000_000;
+
 /// A clip with its frames, times and the onset of its damage.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ClipTrack {
@@ -165,7 +169,8 @@ impl ClipTrack {
     /// A clip of which only the number of frames, their rate, 1/s, and the onset are known.
     ///
     /// # Errors
-    /// [`EvalError::StatisticSetting`] for a rate that is none.
+    /// [`EvalError::StatisticSetting`] for a rate that is none, [`EvalError::Rule`] for more than a
+    /// million frames.
     pub fn plain(
         n_frames: u64,
         frames_per_s: f64,
@@ -177,6 +182,12 @@ impl ClipTrack {
                 value: frames_per_s,
                 range: "above 0, at most 1000000",
             });
+        }
+        if n_frames > MOST_FRAMES {
+            return Err(EvalError::Rule(format!(
+                "a clip of {n_frames} frames, by its number or by the highest in its labels; at most {MOST_FRAMES} are \
+                 taken: give the number with --frames, and with --first-frame what the labels' first number is"
+            )));
         }
         let frame = |frame_idx: u64| {
             #[expect(

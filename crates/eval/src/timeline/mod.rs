@@ -15,6 +15,7 @@ mod survival;
 use serde::{Deserialize, Serialize};
 
 use crate::EvalError;
+pub(crate) use clip_track::MOST_FRAMES;
 pub use clip_track::{ClipTrack, TrackedFrame};
 pub use follow::{FollowSettings, Followed, track_detections};
 pub use sightings::{Sighting, Track, TrackFate, TrackRow, tracks_of};

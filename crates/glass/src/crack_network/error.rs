@@ -1,6 +1,6 @@
 //! Why something is not a crack network.
 
-use super::NETWORK_SCHEMA;
+use super::{MAX_IMPACTS, NETWORK_SCHEMA};
 use crate::PaneError;
 
 /// Why something is not a crack network.
@@ -28,6 +28,12 @@ pub enum NetworkError {
         found: usize,
         /// The length of the others.
         expected: usize,
+    },
+    /// More impacts than a pane may have.
+    #[error("{found} impacts; expected {MAX_IMPACTS} at most")]
+    TooManyImpacts {
+        /// How many there are.
+        found: usize,
     },
     /// A number that is not finite, or not in its range.
     #[error("{column}[{index}] = {value}; expected {expected}")]

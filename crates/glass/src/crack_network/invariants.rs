@@ -1,6 +1,6 @@
 //! What a crack network promises, one check each.
 
-use super::{MAX_NODES, NETWORK_SCHEMA, NetworkData, NetworkError};
+use super::{MAX_IMPACTS, MAX_NODES, NETWORK_SCHEMA, NetworkData, NetworkError};
 use crate::Impact;
 
 /// Every invariant but planarity, in linear time (and a sort for the duplicates).
@@ -45,6 +45,11 @@ fn check_lengths(data: &NetworkData) -> Result<(), NetworkError> {
     }
     if segments.departure_us.is_some() && segments.arrival_us.is_none() {
         check_length("segments.arrival_us", 0, n_segments)?;
+    }
+    if data.impacts.len() > MAX_IMPACTS {
+        return Err(NetworkError::TooManyImpacts {
+            found: data.impacts.len(),
+        });
     }
     if n_nodes > MAX_NODES {
         check_length("nodes.x", n_nodes, MAX_NODES)?;

@@ -29,6 +29,9 @@ pub const NETWORK_SCHEMA: &str = "starbreak.crack-network/1";
 /// Most nodes that a network may have: node ids fit in 32 bits with room for splitting.
 pub const MAX_NODES: usize = 1 << 30;
 
+/// Most impacts that a network may have: the glass around each is drawn by itself.
+pub const MAX_IMPACTS: usize = 1000;
+
 /// Who wrote a network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Generator {

@@ -3,7 +3,7 @@ use std::fmt;
 use starbreak_fracture::FractureError;
 use starbreak_optics::OpticsError;
 
-use super::{PRESETS, SCHEMA_VERSION};
+use super::{MAX_RECIPE_BYTES, PRESETS, SCHEMA_VERSION};
 
 /// Where a recipe text came from, for messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -57,6 +57,12 @@ pub enum RecipeError {
     Twice {
         /// Its name.
         what: String,
+    },
+    /// More text than any recipe has.
+    #[error("{place} is longer than {MAX_RECIPE_BYTES} bytes; a recipe has some thousand")]
+    TooLong {
+        /// Where the text came from.
+        place: Place,
     },
     /// Not TOML.
     #[error("{place}:{line}:{column}: {what}")]

@@ -36,6 +36,9 @@ use tables::{Choice, KindWord, ModelWord, OpticsWord};
 /// Version of the recipe format, the value of its `schema` key.
 pub const SCHEMA_VERSION: i64 = 1;
 
+/// Longest text of a recipe, bytes: the parser takes some two hundred times as many.
+pub const MAX_RECIPE_BYTES: usize = 1 << 20;
+
 /// All parameters of a run, complete and checked.
 ///
 /// # Example
@@ -93,6 +96,9 @@ impl Recipe {
     /// known one, a key of the other model, a value of the wrong type or out of range.
     pub fn parse(name: &str, text: &str) -> Result<Self, RecipeError> {
         let place = Place::file(name);
+        if text.len() > MAX_RECIPE_BYTES {
+            return Err(RecipeError::TooLong { place });
+        }
         let table = parse_table(&place, text)?;
         Self::of_table(place, table)
     }

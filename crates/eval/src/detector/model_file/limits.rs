@@ -1,9 +1,11 @@
 //! How much memory a model may ask for, before any of it is taken.
 
-use std::collections::BTreeMap;
+use rten_onnx::onnx::{
+    DataType, GraphProto, ModelProto, NodeProto, TensorProto, TensorShapeProto, TypeProtoTensor,
+    ValueInfoProto,
+};
 
-use rten_onnx::onnx::{DataType, GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto};
-
+use super::growth::Shapes;
 use crate::EvalError;
 
 /// How much memory a model may ask for.
@@ -61,11 +63,11 @@ impl Check<'_> {
                 self.limits.max_depth
             )));
         }
-        let mut constants: BTreeMap<&str, &TensorProto> = BTreeMap::new();
+        let mut shapes = Shapes::default();
         for tensor in &graph.initializer {
             let name = tensor.name.as_deref().unwrap_or_default();
             self.tensor("its weights", name, tensor)?;
-            constants.insert(name, tensor);
+            shapes.constant(name, tensor);
         }
         for value in graph
             .input
@@ -75,20 +77,27 @@ impl Check<'_> {
         {
             self.declared(value)?;
         }
+        for value in &graph.input {
+            let name = value.name.as_deref().unwrap_or_default();
+            if let Some(shape) = shape_of(value) {
+                let sides: Vec<_> = shape.dim.iter().map(|dim| dim.dim_value).collect();
+                shapes.declared(name, &sides);
+            }
+        }
         for node in &graph.node {
             for attribute in &node.attribute {
                 if let Some(tensor) = &attribute.t {
                     let name = node.output.first().map_or("", String::as_str);
                     self.tensor("a constant", name, tensor)?;
                     if node.op_type.as_deref() == Some("Constant") {
-                        constants.insert(name, tensor);
+                        shapes.constant(name, tensor);
                     }
                 }
                 if let Some(inside) = &attribute.g {
                     self.graph(inside, depth + 1)?;
                 }
             }
-            self.grown(node, &constants)?;
+            self.grown(node, &mut shapes)?;
         }
         Ok(())
     }
@@ -106,41 +115,26 @@ impl Check<'_> {
     }
 
     fn declared(&self, value: &ValueInfoProto) -> Result<(), EvalError> {
-        let tensor = value
-            .r#type
-            .as_ref()
-            .and_then(|kind| kind.tensor_type.as_ref());
-        let Some((tensor, shape)) = tensor.and_then(|t| Some((t, t.shape.as_ref()?))) else {
+        let Some(shape) = shape_of(value) else {
             return Ok(());
         };
         let sides = shape.dim.iter().filter_map(|dim| dim.dim_value);
         let sides = sides.filter(|&side| side > 0);
         let name = value.name.as_deref().unwrap_or_default();
-        self.size("the value", name, sides, bytes_of(tensor.elem_type))
+        let kind = tensor_of(value).and_then(|tensor| tensor.elem_type);
+        self.size("the value", name, sides, bytes_of(kind))
     }
 
-    /// Operators that make a tensor out of a shape that is a constant.
-    fn grown(
-        &self,
-        node: &NodeProto,
-        constants: &BTreeMap<&str, &TensorProto>,
-    ) -> Result<(), EvalError> {
-        let operator = node.op_type.as_deref().unwrap_or_default();
-        let place = match operator {
-            "ConstantOfShape" => 0,
-            "Expand" | "Tile" => 1,
-            "Resize" => 3,
-            _ => return Ok(()),
-        };
-        let shape = node
-            .input
-            .get(place)
-            .and_then(|input| constants.get(input.as_str()));
-        let Some(sides) = shape.and_then(|tensor| whole_numbers(tensor)) else {
+    /// What an operator gives, as far as it is known.
+    fn grown<'a>(&self, node: &'a NodeProto, shapes: &mut Shapes<'a>) -> Result<(), EvalError> {
+        let Some(sides) = shapes.compute(node) else {
             return Ok(());
         };
+        let operator = node.op_type.as_deref().unwrap_or_default();
         let name = node.output.first().map_or("", String::as_str);
-        let sides = sides.into_iter().filter(|&side| side > 0);
+        let sides = sides
+            .iter()
+            .map(|side| i64::try_from(*side).unwrap_or(i64::MAX));
         self.size(&format!("{operator} makes"), name, sides, 4)
     }
 
@@ -172,6 +166,14 @@ impl Check<'_> {
     }
 }
 
+fn tensor_of(value: &ValueInfoProto) -> Option<&TypeProtoTensor> {
+    value.r#type.as_ref()?.tensor_type.as_ref()
+}
+
+fn shape_of(value: &ValueInfoProto) -> Option<&TensorShapeProto> {
+    tensor_of(value)?.shape.as_ref()
+}
+
 fn bytes_of(kind: Option<DataType>) -> u64 {
     match kind {
         Some(DataType::INT64 | DataType::DOUBLE) => 8,
@@ -179,21 +181,4 @@ fn bytes_of(kind: Option<DataType>) -> u64 {
         Some(DataType::UINT8 | DataType::INT8 | DataType::BOOL) => 1,
         _ => 4,
     }
-}
-
-/// The numbers of a constant that may be a shape.
-fn whole_numbers(tensor: &TensorProto) -> Option<Vec<i64>> {
-    if tensor.data_type != Some(DataType::INT64) {
-        return None;
-    }
-    if !tensor.int64_data.is_empty() {
-        return Some(tensor.int64_data.clone());
-    }
-    let raw = tensor.raw_data.as_ref()?.try_borrow().ok()?;
-    let numbers = raw.chunks_exact(8).map(|bytes| {
-        let mut number = [0; 8];
-        number.copy_from_slice(bytes);
-        i64::from_le_bytes(number)
-    });
-    Some(numbers.collect())
 }

@@ -1,17 +1,31 @@
 //! What an ONNX file says of itself, before it is run.
 
+mod growth;
 mod limits;
 mod names;
 mod wire;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::collections::BTreeSet;
 
 use rten_onnx::onnx::{DataLocation, DataType, GraphProto, ModelProto, ValueInfoProto};
+use starbreak_dataset::fence;
 
 pub use limits::ModelLimits;
 pub use names::{ModelFacts, Side, TensorFacts, TensorType};
 
 use crate::EvalError;
+
+impl ModelFacts {
+    /// What the bytes of an ONNX file say of it; `name` serves only for messages.
+    ///
+    /// # Errors
+    ///
+    /// [`EvalError::Model`] where they are no ONNX model, are cut short, or ask for more memory than
+    /// the limits allow.
+    pub fn of_bytes(name: &str, bytes: &[u8], limits: &ModelLimits) -> Result<Self, EvalError> {
+        read_facts(name, bytes, limits)
+    }
+}
 
 /// What an ONNX file says of itself.
 ///
@@ -39,11 +53,11 @@ pub(super) fn read_facts(
     };
     wire::check(bytes).map_err(not_onnx)?;
     // The parser is another's: should it ever panic, that is a refusal like any other.
-    let parsed = catch_unwind(AssertUnwindSafe(|| ModelProto::parse_buf(bytes)));
+    let parsed = fence(|| ModelProto::parse_buf(bytes));
     let model = match parsed {
-        Ok(Ok(model)) => model,
-        Ok(Err(error)) => return Err(not_onnx(one_line(&error.to_string()))),
-        Err(_) => return Err(not_onnx("its structure breaks the parser".to_owned())),
+        Some(Ok(model)) => model,
+        Some(Err(error)) => return Err(not_onnx(one_line(&error.to_string()))),
+        None => return Err(not_onnx("its structure breaks the parser".to_owned())),
     };
     let Some(graph) = &model.graph else {
         return Err(not_onnx("there is no graph in it".to_owned()));
@@ -52,17 +66,16 @@ pub(super) fn read_facts(
         return Err(not_onnx("its graph computes nothing".to_owned()));
     }
     limits::check(name, &model, graph, limits)?;
-    let initializers: Vec<&str> = graph
+    let initializers: BTreeSet<&str> = graph
         .initializer
         .iter()
         .filter_map(|tensor| tensor.name.as_deref())
         .collect();
     let is_given = |value: &&ValueInfoProto| {
         let name = value.name.as_deref().unwrap_or_default();
-        !initializers.contains(&name)
+        !initializers.contains(name)
     };
-    let mut operators: Vec<String> = Vec::new();
-    let mut external_files: Vec<String> = Vec::new();
+    let (mut operators, mut external_files) = (BTreeSet::new(), BTreeSet::new());
     walk(graph, &mut operators, &mut external_files);
     let metadata = model
         .metadata_props
@@ -77,7 +90,7 @@ pub(super) fn read_facts(
             .map(tensor_facts)
             .collect(),
         outputs: graph.output.iter().map(tensor_facts).collect(),
-        operators,
+        operators: operators.into_iter().collect(),
         values: graph
             .node
             .iter()
@@ -85,14 +98,14 @@ pub(super) fn read_facts(
             .filter(|name| !name.is_empty())
             .cloned()
             .collect(),
-        external_files,
+        external_files: external_files.into_iter().collect(),
         metadata,
         producer: model.producer_name.clone().unwrap_or_default(),
     })
 }
 
 /// Operators and files of weights, also of graphs inside of operators.
-fn walk(graph: &GraphProto, operators: &mut Vec<String>, files: &mut Vec<String>) {
+fn walk(graph: &GraphProto, operators: &mut BTreeSet<String>, files: &mut BTreeSet<String>) {
     for tensor in &graph.initializer {
         if tensor.data_location != Some(DataLocation::EXTERNAL) {
             continue;
@@ -102,21 +115,15 @@ fn walk(graph: &GraphProto, operators: &mut Vec<String>, files: &mut Vec<String>
             .iter()
             .find(|entry| entry.key.as_deref() == Some("location"))
             .and_then(|entry| entry.value.clone());
-        insert(files, location.unwrap_or_default());
+        files.insert(location.unwrap_or_default());
     }
     for node in &graph.node {
-        insert(operators, node.op_type.clone().unwrap_or_default());
+        operators.insert(node.op_type.clone().unwrap_or_default());
         for attribute in &node.attribute {
             if let Some(inside) = &attribute.g {
                 walk(inside, operators, files);
             }
         }
-    }
-}
-
-fn insert(sorted: &mut Vec<String>, text: String) {
-    if let Err(place) = sorted.binary_search(&text) {
-        sorted.insert(place, text);
     }
 }
 

@@ -107,19 +107,20 @@ impl TensorFacts {
 }
 
 impl fmt::Display for TensorFacts {
-    /// Writes `images [1, 3, 640, 640]`, with the names of open sides.
+    /// Writes `images [1, 3, 640, 640]`, with the names of open sides; control characters in names
+    /// are escaped.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(sides) = &self.sides else {
-            return write!(f, "{} of unknown shape", self.name);
+            return write!(f, "{} of unknown shape", self.name.escape_debug());
         };
         let sides: Vec<String> = sides
             .iter()
             .map(|side| match side {
                 Side::Fixed(length) => length.to_string(),
-                Side::Open(name) => name.clone(),
+                Side::Open(name) => name.escape_debug().to_string(),
             })
             .collect();
-        write!(f, "{} [{}]", self.name, sides.join(", "))
+        write!(f, "{} [{}]", self.name.escape_debug(), sides.join(", "))
     }
 }
 

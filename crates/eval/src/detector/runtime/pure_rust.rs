@@ -1,11 +1,13 @@
 //! The default: rten, in Rust.
 
 use std::fmt;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex};
 
-use rten::{LoadErrorKind, Model, ModelOptions, RunOptions, ThreadPool, Value, ValueOrView};
+use rten::{
+    Dimension, LoadErrorKind, Model, ModelOptions, RunOptions, ThreadPool, Value, ValueOrView,
+};
 use rten_tensor::{AsView as _, Layout as _, Tensor};
+use starbreak_dataset::fence;
 
 use super::{InputTensor, InputValues, RawOutput, Runtime};
 use crate::detector::model_file::one_line;
@@ -24,10 +26,13 @@ impl fmt::Debug for PureRust {
 }
 
 impl PureRust {
-    /// The model in the bytes of a file, with the files of weights beside it.
+    /// The model in the bytes of a file, with the files of weights beside it, of which none of
+    /// these values may become longer than so many bytes.
     pub(in super::super) fn load(
         bytes: Vec<u8>,
         external: Vec<(String, Vec<u8>)>,
+        values: &[String],
+        max_tensor_bytes: u64,
     ) -> Result<Self, String> {
         let load = || {
             let mut options = ModelOptions::with_all_ops();
@@ -36,10 +41,10 @@ impl PureRust {
             }
             options.load(bytes)
         };
-        let loaded = catch_unwind(AssertUnwindSafe(load));
+        let loaded = fence(load);
         let model = match loaded {
-            Ok(Ok(model)) => model,
-            Ok(Err(error)) => {
+            Some(Ok(model)) => model,
+            Some(Err(error)) => {
                 let text = one_line(&error.to_string());
                 let way_out = match error.kind() {
                     LoadErrorKind::OperatorInvalid => {
@@ -53,7 +58,7 @@ impl PureRust {
                 };
                 return Err(format!("cannot be loaded: {text}{way_out}"));
             }
-            Err(_) => {
+            None => {
                 return Err(
                     "cannot be loaded: its graph breaks the runtime; run it with ONNX Runtime: \
                      --onnxruntime PATH"
@@ -61,6 +66,13 @@ impl PureRust {
                 );
             }
         };
+        let sizes = values.iter().map(|name| (name, bytes_of(&model, name)));
+        if let Some((name, n_bytes)) = sizes.into_iter().find(|(_, n)| *n > max_tensor_bytes) {
+            return Err(format!(
+                "asks for {n_bytes} bytes or more: the value {name:?}; at most {max_tensor_bytes} are allowed for one \
+                 tensor; export it for smaller images or batches"
+            ));
+        }
         Ok(Self {
             model,
             idle: Mutex::new(Vec::new()),
@@ -99,17 +111,29 @@ impl Runtime for PureRust {
         // One thread per run: sums come in one order, and images are what is done side by side.
         let pool = self.idle.lock().ok().and_then(|mut idle| idle.pop());
         let pool = pool.unwrap_or_else(|| Arc::new(ThreadPool::with_num_threads(1)));
-        let ran = catch_unwind(AssertUnwindSafe(|| self.run_in(&pool, inputs, outputs)));
+        let ran = fence(|| self.run_in(&pool, inputs, outputs));
         if let Ok(mut idle) = self.idle.lock() {
             idle.push(pool);
         }
-        ran.unwrap_or_else(|_| {
+        ran.unwrap_or_else(|| {
             Err(
                 "its graph breaks the runtime; run it with ONNX Runtime: --onnxruntime PATH"
                     .to_owned(),
             )
         })
     }
+}
+
+/// How long a value becomes by what the runtime knows of its shape, in bytes; sides that it does not
+/// know count as 1.
+fn bytes_of(model: &Model, name: &str) -> u64 {
+    let node = model.find_node(name).and_then(|node| model.node_info(node));
+    let shape = node.and_then(|node| node.shape()).unwrap_or_default();
+    let sides = shape.iter().filter_map(|side| match side {
+        Dimension::Fixed(side) => u64::try_from(*side).ok(),
+        Dimension::Symbolic(_) => None,
+    });
+    sides.fold(4, u64::saturating_mul)
 }
 
 fn value_of(shape: &[usize], values: InputValues) -> Result<Value, String> {

@@ -102,7 +102,11 @@ impl TrackedLabels {
             frames.push(frame.frame);
             labels.images.push(LabeledImage {
                 id: i64::from(place) + 1,
-                name: old.map_or_else(|| idx.to_string(), |old| old.name.clone()),
+                name: match (old, named) {
+                    (Some(old), _) => old.name.clone(),
+                    (None, Some(clip)) => format!("{clip}/{idx:06}.png"),
+                    (None, None) => idx.to_string(),
+                },
                 width_px: None,
                 height_px: None,
                 cluster: clip.name.clone(),

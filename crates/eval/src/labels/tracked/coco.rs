@@ -47,6 +47,8 @@ struct Beyond {
     tracks: BTreeMap<i64, i64>,
     /// Names of clips.
     videos: BTreeMap<i64, String>,
+    /// The clip of each name.
+    named: BTreeMap<String, i64>,
 }
 
 impl Beyond {
@@ -67,9 +69,8 @@ impl Beyond {
             ("videos", Some(_)) => {
                 let video: VideoRecord = parse(path, record)?;
                 let name = video.name.unwrap_or_else(|| video.id.0.to_string());
-                let mut others = self.videos.iter();
-                let is_same = |(id, other): &(&i64, &String)| **id != video.id.0 && **other == name;
-                if let Some((id, _)) = others.find(is_same) {
+                let id = self.named.entry(name.clone()).or_insert(video.id.0);
+                if *id != video.id.0 {
                     let place = format!("video {}", video.id.0);
                     let reason = format!(
                         "its name {name:?} is that of video {id}, too; give each video its own name"

@@ -8,6 +8,7 @@ use starbreak_dataset::{files_in, read_text};
 use super::{LabeledClip, TrackedLabels};
 use crate::json_record::{refuse, refuse_file};
 use crate::labels::kitti::MAX_FILE_BYTES;
+use crate::timeline::MOST_FRAMES;
 use crate::{
     BoxPx, Category, EvalError, GroundTruth, LabelSet, LabeledImage, Object, ObjectKind, Protocol,
 };
@@ -24,6 +25,9 @@ const TYPES: [&str; 8] = [
     "Tram",
     "Misc",
 ];
+
+/// Most objects of all clips.
+const MOST_OBJECTS: usize = 10_000_000;
 
 /// A line of a file.
 struct Line {
@@ -58,6 +62,7 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
         for line in &lines {
             if line.track.is_some() {
                 category_of(&mut labels, &line.name);
+                labels.check_categories(&file)?;
             }
         }
         read.push((name, lines));
@@ -73,9 +78,9 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
         for line in lines {
             by_frame.entry(line.frame).or_default().push(line);
         }
-        let n_frames = by_frame.keys().next_back().map_or(0, |last| last + 1);
+        // Frames without a line hold no object: they are those of the clip, not of the highest number.
         let mut frames = Vec::new();
-        for idx in 0..n_frames {
+        for (idx, lines) in by_frame {
             let image = u32::try_from(labels.images.len()).unwrap_or(u32::MAX);
             labels.images.push(LabeledImage {
                 id: i64::from(image) + 1,
@@ -85,7 +90,7 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
                 cluster: Some(name.clone()),
             });
             frames.push((image, Some(idx)));
-            for line in by_frame.remove(&idx).into_iter().flatten() {
+            for line in lines {
                 let (categories, kind) = match line.track {
                     Some(_) => (
                         vec![category_of(&mut labels, &line.name)],
@@ -93,6 +98,12 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
                     ),
                     None => (all.clone(), ObjectKind::Crowd),
                 };
+                if labels.objects.len() + categories.len() > MOST_OBJECTS {
+                    let reason = format!(
+                        "more than {MOST_OBJECTS} objects, DontCare counted once for each type; give fewer clips"
+                    );
+                    return Err(refuse_file(path, reason));
+                }
                 for category in categories {
                     let id = i64::try_from(labels.objects.len() + 1).unwrap_or(i64::MAX);
                     labels.objects.push(Object {
@@ -145,10 +156,9 @@ fn category_of(labels: &mut LabelSet, name: &str) -> u32 {
 
 fn lines(path: &Path, first_idx: u64) -> Result<Vec<Line>, EvalError> {
     let text = match read_text(path, MAX_FILE_BYTES) {
-        Ok(file) => file.text,
         // A clip without objects.
         Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
-        Err(error) => return Err(error.into()),
+        file => file?.unmarked(),
     };
     let mut lines = Vec::new();
     for (number, row) in (1..).zip(text.lines()) {
@@ -159,9 +169,6 @@ fn lines(path: &Path, first_idx: u64) -> Result<Vec<Line>, EvalError> {
     }
     Ok(lines)
 }
-
-/// Longest clip that is taken, frames: a wrong number must not fill the memory.
-const MOST_FRAMES: u64 = 1_000_000;
 
 /// `frame track type truncated occluded alpha x0 y0 x1 y1 …`, 17 fields.
 fn line(row: &str, first_idx: u64) -> Result<Line, String> {

@@ -2,6 +2,7 @@
 
 mod clip;
 mod label;
+mod limits;
 mod outline;
 mod shape;
 mod style;
@@ -43,12 +44,13 @@ const MAX_XML_NODES: u32 = 4_000_000;
 /// [`ImportError`], with the line where there is one.
 ///
 /// # Limits
-/// 10⁶ elements (`use` expanded), 64 levels, 2²⁰ points and as many contacts, 2·10⁷ questions of
-/// style rules, 10⁸ pairs of line and clip edge. Lengths in em and ex, clip paths by bounding box,
+/// 256 attributes of an element, 2²⁴ bytes out of entities, 10⁶ elements (`use` expanded), 64 levels, 2²⁰ points and as many contacts, 2¹⁷ bytes of style sheets and 2·10⁷
+/// questions of their rules, 10⁸ pairs of line and clip edge. Lengths in em and ex, clip paths by bounding box,
 /// CSS shapes and `transform-origin` are refused.
 pub(super) fn network(text: &str) -> Result<CrackNetwork, ImportError> {
+    limits::check(text)?;
     let options = ParsingOptions {
-        // Illustrator keeps its namespaces there; the parser bounds the expansion of entities.
+        // Illustrator keeps its namespaces there.
         allow_dtd: true,
         nodes_limit: MAX_XML_NODES,
         ..ParsingOptions::default()
@@ -74,7 +76,7 @@ pub(super) fn network(text: &str) -> Result<CrackNetwork, ImportError> {
     pane.check().map_err(|error| ImportError::Size {
         what: error.to_string(),
     })?;
-    let mut walk = Walk::new(&document, page.size);
+    let mut walk = Walk::new(&document, page.size)?;
     walk.root(root, &Around::page(page.to_page, page.viewport))?;
     if walk.traces.is_empty() && walk.impacts.is_empty() {
         return Err(ImportError::NoCracks);

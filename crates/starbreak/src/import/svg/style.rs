@@ -5,8 +5,15 @@ use std::cell::Cell;
 use roxmltree::Node;
 use simplecss::{AttributeOperator, DeclarationTokenizer, Element, PseudoClass, StyleSheet};
 
+use crate::ImportError;
+
 /// Most questions that style rules may ask of elements.
 pub(super) const MAX_QUESTIONS: u64 = 20_000_000;
+
+/// Longest style sheets together and longest `style` of an element, bytes: the time that the parser
+/// of CSS takes grows with the square.
+const MAX_SHEET_BYTES: usize = 1 << 17;
+const MAX_STYLE_BYTES: usize = 1 << 12;
 
 /// The properties.
 pub(super) const PROPERTIES: [&str; 7] = [
@@ -51,20 +58,33 @@ pub(super) struct Styles<'a> {
 
 impl<'a> Styles<'a> {
     /// Of all `<style>` elements.
-    pub(super) fn of(document: &'a roxmltree::Document<'_>) -> Self {
+    pub(super) fn of(document: &'a roxmltree::Document<'_>) -> Result<Self, ImportError> {
         let mut sheet = StyleSheet::new();
+        let mut bytes_left = MAX_SHEET_BYTES;
         for node in document.descendants() {
+            let own = node.attribute("style").unwrap_or_default();
+            if own.len() > MAX_STYLE_BYTES {
+                return Err(ImportError::TooMuch {
+                    what: "bytes in the style of one element",
+                    limit: MAX_STYLE_BYTES as u64,
+                });
+            }
             if node.has_tag_name("style") || node.tag_name().name() == "style" {
                 let is_css = matches!(node.attribute("type"), None | Some("" | "text/css"));
                 if let (true, Some(text)) = (is_css, node.text()) {
+                    let left = bytes_left.checked_sub(text.len());
+                    bytes_left = left.ok_or(ImportError::TooMuch {
+                        what: "bytes of style sheets",
+                        limit: MAX_SHEET_BYTES as u64,
+                    })?;
                     sheet.parse_more(text);
                 }
             }
         }
-        Self {
+        Ok(Self {
             sheet,
             questions_left: Cell::new(MAX_QUESTIONS),
-        }
+        })
     }
 
     /// Attributes, then rules by specificity, then `style`. None once the questions ran out.
@@ -80,8 +100,15 @@ impl<'a> Styles<'a> {
             left: &self.questions_left,
         };
         for rule in &self.sheet.rules {
+            // Each rule is a question, too, and so is what it declares.
+            if !asked.is_answered() {
+                break;
+            }
             if rule.selector.matches(&asked) {
                 for one in &rule.declarations {
+                    if !asked.is_answered() {
+                        break;
+                    }
                     declared.declare(one.name, one.value, one.important);
                 }
             }

@@ -82,16 +82,16 @@ pub(super) struct Walk<'a, 'input> {
 }
 
 impl<'a, 'input> Walk<'a, 'input> {
-    pub(super) fn new(document: &'a Document<'input>, page: [f64; 2]) -> Self {
+    pub(super) fn new(document: &'a Document<'input>, page: [f64; 2]) -> Result<Self, ImportError> {
         let mut ids = BTreeMap::new();
         for node in document.descendants() {
             if let Some(id) = node.attribute("id") {
                 ids.entry(id).or_insert(node);
             }
         }
-        Self {
+        Ok(Self {
             document,
-            styles: Styles::of(document),
+            styles: Styles::of(document)?,
             ids,
             page,
             points_left: MAX_POINTS,
@@ -99,7 +99,7 @@ impl<'a, 'input> Walk<'a, 'input> {
             pairs_left: MAX_PAIRS,
             traces: Vec::new(),
             impacts: Vec::new(),
-        }
+        })
     }
 
     /// What the root shows.

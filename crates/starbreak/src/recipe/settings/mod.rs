@@ -8,7 +8,7 @@ mod physics;
 use rand_chacha::rand_core::Rng;
 use starbreak_dataset::JpegQuality;
 use starbreak_fracture::paper::{Direction, Position};
-use starbreak_glass::{Seed, Stream};
+use starbreak_glass::{MAX_IMPACTS, Seed, Stream};
 use starbreak_optics::paper::PaperOptics;
 use starbreak_optics::physical::PhysicalOptics;
 use toml::Table;
@@ -22,9 +22,6 @@ use super::tables::{
     OutputTable, PositionEntry, PositionWord, from_table,
 };
 use crate::DEFAULT_MAX_MEMORY_BYTES;
-
-/// Most impacts on one pane.
-const MAX_IMPACTS: usize = 1000;
 
 /// Longest focal length, px.
 const MAX_F_PX: f64 = 1e6;

@@ -1,4 +1,9 @@
-//! JPEG. The decoder paints what is missing in gray; so the end is looked for before.
+//! JPEG. The decoder paints what is missing in gray; so the end is looked for before, and the
+//! blocks are counted after.
+
+mod bits;
+mod blocks;
+mod segments;
 
 use image::metadata::Orientation;
 use image::{DynamicImage, GrayImage, RgbImage};
@@ -7,6 +12,8 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::errors::DecodeErrors;
+
+use segments::Segments;
 
 use super::{Decoded, ImageFormat, ImageLimits};
 use crate::error::{DatasetError, one_line};
@@ -32,6 +39,13 @@ pub(super) fn decode(
         format: ImageFormat::Jpeg,
         reason: reason.to_owned(),
     };
+    if structure.is_arithmetic {
+        return Err(DatasetError::UnsupportedFeature {
+            name: name.to_owned(),
+            format: ImageFormat::Jpeg,
+            reason: "arithmetic coding, which hardly any program reads".to_owned(),
+        });
+    }
     let size_px = structure
         .size_px
         .filter(|_| structure.has_scan)
@@ -62,6 +76,9 @@ pub(super) fn decode(
         .unwrap_or(Orientation::NoTransforms);
     let icc_profile = decoder.icc_profile();
     let samples = decoder.decode().map_err(error)?;
+    if let Some(what) = blocks::missing(bytes) {
+        return Err(corrupt(&what));
+    }
     let pixels = if is_gray {
         GrayImage::from_raw(width_px, height_px, samples).map(DynamicImage::ImageLuma8)
     } else {
@@ -80,43 +97,20 @@ struct Structure {
     /// Width and height in the first frame header.
     size_px: Option<(u32, u32)>,
     has_scan: bool,
+    /// The frame is in arithmetic codes instead of Huffman's.
+    is_arithmetic: bool,
     /// An end-of-image marker stands outside all segments (thumbnails lie inside of one).
     has_end: bool,
 }
 
 fn structure_of(bytes: &[u8]) -> Structure {
     let mut structure = Structure::default();
-    let mut rest = bytes.get(2..).unwrap_or_default();
-    loop {
-        // Compressed data, fill bytes and stray bytes between segments: up to the next marker.
-        let Some(start) = marker_at(rest) else {
-            return structure;
-        };
-        rest = &rest[start + 1..];
-        let Some(&marker) = rest.first() else {
-            return structure;
-        };
-        match marker {
-            0xff => continue,
-            0xd9 => {
-                structure.has_end = true;
-                return structure;
-            }
-            // An escaped 0xff, TEM, the restart markers and SOI have no segment.
-            0x00 | 0x01 | 0xd0..=0xd8 => {
-                rest = &rest[1..];
-                continue;
-            }
-            _ => {}
-        }
-        let length = match rest {
-            [_, high, low, ..] => usize::from(u16::from_be_bytes([*high, *low])),
-            _ => return structure,
-        };
-        let Some(segment) = rest.get(1..1 + length) else {
-            return structure;
-        };
+    for (marker, segment) in Segments::new(bytes) {
         match (marker, segment) {
+            (0xd9, _) => {
+                structure.has_end = true;
+                break;
+            }
             (0xda, _) => structure.has_scan = true,
             // All frame headers; the three others in the row are tables.
             (0xc0..=0xcf, [_, _, _, h0, h1, w0, w1, ..])
@@ -124,21 +118,12 @@ fn structure_of(bytes: &[u8]) -> Structure {
             {
                 let side = |high: &u8, low: &u8| u32::from(u16::from_be_bytes([*high, *low]));
                 structure.size_px = Some((side(w0, w1), side(h0, h1)));
+                structure.is_arithmetic = marker > 0xc8;
             }
             _ => {}
         }
-        rest = &rest[1 + length..];
     }
-}
-
-/// Place of the first 0xff.
-fn marker_at(bytes: &[u8]) -> Option<usize> {
-    // Whole chunks without an early end, of which the compiler makes vectors.
-    let (chunks, _) = bytes.as_chunks::<32>();
-    let has_marker = |chunk: &[u8; 32]| chunk.iter().fold(false, |is, b| is | (*b == 0xff));
-    let start = 32 * chunks.iter().take_while(|chunk| !has_marker(chunk)).count();
-    let rest = bytes.get(start..)?;
-    rest.iter().position(|b| *b == 0xff).map(|at| start + at)
+    structure
 }
 
 fn dataset_error(name: &str, error: &DecodeErrors) -> DatasetError {
@@ -180,6 +165,7 @@ mod tests {
         let expected = Structure {
             size_px: Some((5, 7)),
             has_scan: true,
+            is_arithmetic: false,
             has_end: true,
         };
         assert_eq!(structure_of(bytes), expected, "5 x 7 px");
@@ -188,18 +174,6 @@ mod tests {
                 !structure_of(&bytes[..end]).has_end,
                 "cut after {end} bytes"
             );
-        }
-    }
-
-    #[test]
-    fn markers_are_found_wherever_they_lie() {
-        for length in [0, 1, 31, 32, 33, 64, 100] {
-            assert_eq!(marker_at(&vec![7; length]), None, "none in {length} bytes");
-            for at in 0..length {
-                let mut bytes = vec![0xfe; length];
-                bytes[at..].fill(0xff);
-                assert_eq!(marker_at(&bytes), Some(at), "{at} of {length} bytes");
-            }
         }
     }
 
