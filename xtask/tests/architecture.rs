@@ -35,7 +35,10 @@ const OURS: &[(&str, &[&str])] = &[
         &["starbreak", "starbreak-dataset", "starbreak-eval"],
     ),
     ("starbreak-python", &["starbreak"]),
-    ("starbreak-fuzz", &["starbreak", "starbreak-dataset"]),
+    (
+        "starbreak-fuzz",
+        &["starbreak", "starbreak-dataset", "starbreak-eval"],
+    ),
     ("xtask", &[]),
 ];
 

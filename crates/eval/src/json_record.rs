@@ -46,15 +46,24 @@ pub(crate) fn refuse(
     EvalError::Record {
         path: path.to_owned(),
         place: place.into(),
-        reason: reason.into(),
+        reason: printable(&reason.into()),
     }
 }
 
 pub(crate) fn refuse_file(path: &Path, reason: impl Into<String>) -> EvalError {
     EvalError::File {
         path: path.to_owned(),
-        reason: reason.into(),
+        reason: printable(&reason.into()),
     }
+}
+
+/// What a parser says may repeat what it read, control characters and all.
+fn printable(text: &str) -> String {
+    let escaped = |c: char| match c.is_control() {
+        true => c.escape_default().to_string(),
+        false => c.to_string(),
+    };
+    text.chars().map(escaped).collect()
 }
 
 /// Bytes before a line and column, which both count from 1.

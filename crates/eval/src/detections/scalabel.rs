@@ -95,7 +95,7 @@ pub(super) fn read(path: &Path, labels: &LabelSet) -> Result<ReadDetections, Eva
         }
         match image {
             None => {
-                first.get_or_insert(frame.name);
+                first.get_or_insert_with(|| frame.name.escape_debug().to_string());
             }
             Some(image) => {
                 let idx = usize::try_from(image).unwrap_or(usize::MAX);
