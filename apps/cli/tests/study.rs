@@ -246,7 +246,7 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
     assert_eq!(first.code, Some(0), "{}", first.stderr);
     let study = json(&dir.path().join("out/evaluation.json"));
     assert_eq!(study["divergence"], Value::Null, "off");
-    assert_eq!(study["pooled"], Value::Null, "one seed");
+    assert_eq!(study["over_seeds"], Value::Null, "one seed");
     let before = snapshot(dir.path());
 
     let others: [(Vec<String>, &str); 5] = [
@@ -315,7 +315,7 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
         none,
         "each number once, also of seeds taken together"
     );
-    let pooled = study["pooled"].as_array().unwrap();
+    let pooled = study["over_seeds"].as_array().unwrap();
     assert_eq!(pooled.len(), 1, "both seeds");
     assert_eq!(pooled[0]["seeds"], serde_json::json!([1, 2]), "named");
     let lost = |one: &Value| -> u64 {

@@ -128,7 +128,7 @@ fn of_particles(paper: &PaperSettings, area_px: f64) -> Part {
 
 /// Bytes of the plates that a hit solves, by their mesh; of what it leaves; and of one of the dice
 /// into which tempered glass breaks.
-const PLATES_BYTES: [f64; 2] = [3e7, 1e8];
+const PLATES_BYTES: [f64; 2] = [3.5e7, 1.2e8];
 const HIT_BYTES: f64 = 3e5;
 const DIE_BYTES: f64 = 6000.0;
 

@@ -12,7 +12,7 @@ use crate::{OpticsSettings, Settings};
 /// Bytes of a pixel: image and masks; what a layer of the physical optics and the paper's hold of one
 /// that a crack touches; what an image out of focus as a whole takes, and the maps.
 const FRAME_BYTES: f64 = 12.0;
-const TOUCHED_BYTES: f64 = 150.0;
+const TOUCHED_BYTES: f64 = 160.0;
 const DRAWN_BYTES: f64 = 40.0;
 const WHOLE_BYTES: f64 = 30.0;
 const MAP_BYTES: f64 = 80.0;
