@@ -159,9 +159,9 @@ fn the_objects_of_all_clips_are_in_one_curve_that_counts_from_each_damage() {
     let none: [String; 0] = [];
     assert_eq!(repeated_keys(&csv), none, "each number once");
     for row in [
-        ",at_risk_cracked,24,",
-        ",lost_cracked,12,",
-        ",not_lost_cracked_after_0.200000_s,0.625,",
+        ",at_risk_cracked,,,24,",
+        ",lost_cracked,,,12,",
+        ",not_lost_cracked_after_0.200000_s,,,0.625,",
         "between clips (Williams)",
     ] {
         assert!(csv.contains(row), "{row}: {csv}");

@@ -32,7 +32,7 @@ fn frames_rate_and_audio_are_kept_in_every_container() {
         ("a.mkv", 6e-4),
         ("a.avi", 1e-3),
     ] {
-        studio.succeed(&["in.mp4", "-o", output]);
+        studio.succeed(&["in.mp4", "-o", output, "--replace"]);
         let (found, found_sound_s) = studio.times(output);
         same_times(&found, &times, tolerance_s, output);
         assert_eq!(
@@ -121,7 +121,7 @@ fn a_variable_rate_is_kept() {
     let (times, _) = studio.times("in.mp4");
     assert_eq!(times.len(), 48, "frames of the input");
     for (output, tolerance_s) in [("a.mp4", 1e-9), ("a.mkv", 6e-4)] {
-        studio.succeed(&["in.mp4", "-o", output]);
+        studio.succeed(&["in.mp4", "-o", output, "--replace"]);
         same_times(&studio.times(output).0, &times, tolerance_s, output);
         assert_eq!(
             studio.track(output)["constant_rate"],
@@ -247,7 +247,7 @@ fn color_tags_are_kept_and_the_matrix_is_the_same() {
             &format!("{tags} -c:v libx264 -crf 4"),
             "in.mp4",
         );
-        studio.succeed(&["in.mp4", "-o", "a.mp4", "--impact-at", "0.36"]);
+        studio.succeed(&["in.mp4", "-o", "a.mp4", "--impact-at", "0.36", "--replace"]);
         let described = studio.described("a.mp4");
         assert!(described.contains(said), "{tags}: {described}");
         let (before, after) = (
@@ -290,14 +290,14 @@ fn primaries_and_transfer_are_kept() {
             studio.described("in.mp4")
         );
         for output in ["a.mp4", "a.mkv", "a.mov"] {
-            let outcome = studio.succeed(&["in.mp4", "-o", output]);
+            let outcome = studio.succeed(&["in.mp4", "-o", output, "--replace"]);
             let described = studio.described(output);
             let said = format!(" {said}, ");
             assert!(described.contains(&said), "{output}: {described}");
             let has_note = outcome.stderr.contains("8 bits are few");
             assert_eq!(has_note, is_hdr, "{transfer}: {outcome:?}");
         }
-        studio.succeed(&["in.mp4", "-o", "l.mkv", "--lossless"]);
+        studio.succeed(&["in.mp4", "-o", "l.mkv", "--lossless", "--replace"]);
         let described = studio.described("l.mkv");
         let said = format!("gbr/{primaries}/{transfer}");
         assert!(described.contains(&said), "lossless: {described}");
@@ -318,7 +318,9 @@ fn more_than_eight_bits_and_alpha_are_said_once() {
         let args = format!("-pix_fmt {pixels} -c:v {codec}");
         studio.make("s=160x120:r=5:d=0.4", &args, "in.mkv");
         for output in [&["-o", "a.mkv", "--lossless"][..], &["-o", "a.mp4"]] {
-            let stderr = studio.succeed(&[&["in.mkv"], output].concat()).stderr;
+            let stderr = studio
+                .succeed(&[&["in.mkv", "--replace"], output].concat())
+                .stderr;
             let n_said = stderr.matches("8-bit RGB").count();
             assert_eq!(n_said, usize::from(!named.is_empty()), "{pixels}: {stderr}");
             assert!(stderr.contains(named), "{pixels}: {stderr}");
