@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use tempfile::NamedTempFile;
 
 /// How the temporary names of all outputs begin.
-const TEMPORARY: &str = ".starbreak-";
+pub(crate) const TEMPORARY: &str = ".starbreak-";
 
 /// Whether a file has a temporary name, as one that a killed run has left.
 pub(crate) fn is_temporary(path: &Path) -> bool {
@@ -31,17 +31,19 @@ pub(crate) struct KnownFolders {
 }
 
 impl KnownFolders {
-    /// A new file in a folder, under a temporary name, and the folder without links.
+    /// A new file in a folder, under a temporary name that begins with `prefix`, and the folder
+    /// without links.
     ///
     /// `create_missing` makes the folder if it is not there; it is called again where others
     /// remove it in the meantime. The path of the folder is absolute.
     pub(crate) fn temporary_in(
         &self,
         folder: &Path,
+        prefix: &str,
         mut create_missing: impl FnMut() -> io::Result<()>,
     ) -> io::Result<(PathBuf, NamedTempFile)> {
         if let Some(known) = self.get(folder)
-            && let Ok(temporary) = create_temporary(&known)
+            && let Ok(temporary) = temporary_named(prefix, "", &known)
         {
             return Ok((known, temporary));
         }
@@ -49,7 +51,7 @@ impl KnownFolders {
         loop {
             let attempt = create_missing()
                 .and_then(|()| fs::canonicalize(folder))
-                .and_then(|resolved| Ok((create_temporary(&resolved)?, resolved)));
+                .and_then(|resolved| Ok((temporary_named(prefix, "", &resolved)?, resolved)));
             match attempt {
                 Ok((temporary, resolved)) => {
                     self.remember(folder, &resolved);
@@ -83,9 +85,14 @@ pub(crate) fn absolute_folder_of(path: &Path) -> io::Result<PathBuf> {
     folder.ok_or_else(|| io::ErrorKind::InvalidInput.into())
 }
 
-fn create_temporary(folder: &Path) -> io::Result<NamedTempFile> {
+/// A new file in a folder under a temporary name.
+pub(crate) fn temporary_named(
+    prefix: &str,
+    suffix: &str,
+    folder: &Path,
+) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY);
+    builder.prefix(prefix).suffix(suffix);
     // Less the umask, as for any new file; the default would be private to the user.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
@@ -101,7 +108,7 @@ mod tests {
     fn place_of(known: &KnownFolders, folder: &Path) -> (PathBuf, u32) {
         let mut n_made = 0;
         let (resolved, temporary) = known
-            .temporary_in(folder, || {
+            .temporary_in(folder, TEMPORARY, || {
                 n_made += 1;
                 fs::create_dir_all(folder)
             })
@@ -126,7 +133,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let mut n_made = 0;
         let known = KnownFolders::default();
-        let made = known.temporary_in(&dir.path().join("never"), || {
+        let made = known.temporary_in(&dir.path().join("never"), TEMPORARY, || {
             n_made += 1;
             Ok(())
         });

@@ -28,6 +28,7 @@
 //! ```
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod batch_lock;
 mod error;
 mod error_words;
 mod fence;

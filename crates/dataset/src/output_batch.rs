@@ -1,4 +1,4 @@
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
@@ -7,9 +7,10 @@ use std::sync::Arc;
 
 use tempfile::TempPath;
 
+use crate::batch_lock::{BatchLock, clear_left};
 use crate::error::DatasetError;
 use crate::image_file::not_a_file;
-use crate::known_folders::{KnownFolders, absolute_folder_of};
+use crate::known_folders::{KnownFolders, TEMPORARY, absolute_folder_of};
 use crate::paths::FileSet;
 use crate::replacing::{Replacing, WrittenList, is_record};
 
@@ -32,8 +33,9 @@ use crate::replacing::{Replacing, WrittenList, is_record};
 ///
 /// A rename cannot be taken back: if a commit fails half way, files that were new when they were
 /// staged are removed again, but files that were there and are already replaced keep their new content
-/// ([`DatasetError::Commit`] lists them). A process that is killed leaves its `.starbreak-*`
-/// files behind. Of batches that share a new folder at one time, none may be the one to remove it,
+/// ([`DatasetError::Commit`] lists them). What a process that is killed leaves behind, the next one that
+/// writes into the folder removes: its `.starbreak-*` files, and those of an output that had got their
+/// names only in part (of a generated set, the set does). Of batches that share a new folder at one time, none may be the one to remove it,
 /// so that it stays, empty. After a loss of power a committed file is whole or absent, never half.
 /// Where a link leads to a folder, files go where it led when the batch, or one before of the same
 /// [set](crate::GeneratedSet::batch), first used it, as long as that folder is there.
@@ -45,6 +47,8 @@ pub struct OutputBatch {
     folders: Arc<KnownFolders>,
     rule: Replacing,
     list: Option<WrittenList>,
+    /// By the folder; none of a set, which has a lock of its own.
+    locks: Option<BTreeMap<PathBuf, BatchLock>>,
     /// Folders created by this batch, parents first.
     created_folders: Vec<PathBuf>,
 }
@@ -72,6 +76,7 @@ impl OutputBatch {
             folders: Arc::default(),
             rule: Replacing::default(),
             list: None,
+            locks: Some(BTreeMap::new()),
             created_folders: Vec::new(),
         }
     }
@@ -98,6 +103,7 @@ impl OutputBatch {
     /// The same, whose files are those of a generated set.
     pub(crate) fn of_set(mut self) -> Self {
         self.rule.allow_set();
+        self.locks = None;
         self
     }
 
@@ -137,6 +143,7 @@ impl OutputBatch {
     /// # Errors
     /// [`DatasetError::Taken`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
     pub fn may_write(&self, path: &Path) -> Result<(), DatasetError> {
+        self.clear_left_beside(path);
         match self.rule.check(path, None) {
             Err(DatasetError::Taken { .. }) if is_record(path) => Ok(()),
             checked => checked,
@@ -148,7 +155,15 @@ impl OutputBatch {
     /// # Errors
     /// [`DatasetError::Taken`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
     pub(crate) fn may_fill(&self, path: &Path) -> Result<(), DatasetError> {
+        self.clear_left_beside(path);
         self.rule.check(path, None)
+    }
+
+    /// Removes what killed runs have left in the folder of an output.
+    fn clear_left_beside(&self, path: &Path) {
+        if let (Some(_), Ok(folder)) = (&self.locks, absolute_folder_of(path)) {
+            clear_left(&folder);
+        }
     }
 
     /// Writes `bytes` beside `path`, under a temporary name, creating missing folders.
@@ -162,6 +177,7 @@ impl OutputBatch {
     /// [`DatasetError::Write`] where the file system refuses. The batch stays as it was, apart
     /// from folders, and may be used further.
     pub fn stage(&mut self, path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
+        self.clear_left_beside(path);
         self.rule.check(path, Some(bytes))?;
         let (mut file, staged) = self.begin(path)?;
         file.write_all(bytes)
@@ -220,9 +236,13 @@ impl OutputBatch {
         };
         let folder = absolute_folder_of(path).map_err(write_error)?;
         let created = &mut self.created_folders;
+        let prefix = match &mut self.locks {
+            Some(locks) => prefix_in(&folder, locks, created).map_err(write_error)?,
+            None => TEMPORARY.to_owned(),
+        };
         let (folder, temporary) = self
             .folders
-            .temporary_in(&folder, || create_folders(&folder, created))
+            .temporary_in(&folder, &prefix, || create_folders(&folder, created))
             .map_err(write_error)?;
         let destination = folder.join(file_name);
         if self.destinations.contains(&destination) {
@@ -269,6 +289,10 @@ impl OutputBatch {
                     })?;
             }
         }
+        for lock in self.locks.iter_mut().flat_map(BTreeMap::values_mut) {
+            let staged = self.staged.iter();
+            lock.note(staged.map(|one| (&*one.temporary, one.destination.as_path())));
+        }
         let mut new_files = Vec::new();
         let mut replaced = Vec::new();
         for staged in std::mem::take(&mut self.staged) {
@@ -309,9 +333,34 @@ impl Default for OutputBatch {
 impl Drop for OutputBatch {
     fn drop(&mut self) {
         self.staged.clear();
+        self.locks = None;
         for folder in self.created_folders.iter().rev() {
             // Fails where another batch has put a file into it, and then it is to stay.
             let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+/// How temporary names begin in a folder, which is made if it is not there; its lock is held from now on.
+fn prefix_in(
+    folder: &Path,
+    locks: &mut BTreeMap<PathBuf, BatchLock>,
+    created: &mut Vec<PathBuf>,
+) -> io::Result<String> {
+    if let Some(lock) = locks.get(folder) {
+        return Ok(lock.prefix().to_owned());
+    }
+    let mut n_retries = 20;
+    loop {
+        match create_folders(folder, created).and_then(|()| BatchLock::new(folder)) {
+            Ok(lock) => {
+                let prefix = lock.prefix().to_owned();
+                locks.insert(folder.to_owned(), lock);
+                return Ok(prefix);
+            }
+            // Another batch may have removed a folder which it had created.
+            Err(e) if e.kind() == io::ErrorKind::NotFound && n_retries > 0 => n_retries -= 1,
+            Err(e) => return Err(e),
         }
     }
 }

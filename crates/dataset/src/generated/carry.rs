@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::GeneratedSet;
 use crate::error::DatasetError;
-use crate::known_folders::absolute_folder_of;
+use crate::known_folders::{TEMPORARY, absolute_folder_of};
 use crate::paths::same_file;
 use crate::provenance::blake3_file;
 
@@ -92,7 +92,7 @@ impl GeneratedSet {
         let folder = absolute_folder_of(&to).map_err(write_error)?;
         let (folder, temporary) = self
             .folders
-            .temporary_in(&folder, || fs::create_dir_all(&folder))
+            .temporary_in(&folder, TEMPORARY, || fs::create_dir_all(&folder))
             .map_err(write_error)?;
         let mut hashing = Hashing {
             file: io::BufWriter::new(temporary),
