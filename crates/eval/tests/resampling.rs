@@ -363,15 +363,19 @@ fn p_of_few_units_is_exact_and_that_of_many_close_to_it() {
     let plan = Plan::of_images(8);
     let tests = permutation_test(&plan, mean_difference(few)).unwrap_or_default();
     assert_eq!(
-        tests[0].method,
+        tests[0].test.method,
         Method::PermutationExact,
         "2^8 are gone through"
     );
-    assert_eq!(tests[0].p, Some(enumerated(few)), "exact p");
+    assert_eq!(tests[0].test.p, Some(enumerated(few)), "exact p");
     let plan = Plan::of_images(12).with(20_000, 1, 0.95);
     let tests = permutation_test(&plan, mean_difference(&differences)).unwrap_or_default();
-    let (found, exact) = (tests[0].p.unwrap_or(-1.0), enumerated(&differences));
-    assert_eq!(tests[0].method, Method::PermutationSampled, "2^12 are not");
+    let (found, exact) = (tests[0].test.p.unwrap_or(-1.0), enumerated(&differences));
+    assert_eq!(
+        tests[0].test.method,
+        Method::PermutationSampled,
+        "2^12 are not"
+    );
     let error = (exact * (1.0 - exact) / 20_000.0).sqrt();
     assert!((found - exact).abs() < 4.0 * error, "p {found} of {exact}");
 }
@@ -386,7 +390,7 @@ fn p_is_uniform_where_nothing_differs() {
             .collect();
         let plan = Plan::of_images(20).with(199, trial, 0.95);
         let tests = permutation_test(&plan, mean_difference(&differences)).unwrap_or_default();
-        n_below += u32::from(tests[0].p.is_some_and(|p| p <= 0.1));
+        n_below += u32::from(tests[0].test.p.is_some_and(|p| p <= 0.1));
     }
     // 40 expected, standard deviation 6.
     assert!((22..=58).contains(&n_below), "{n_below} of 400 below 0.1");

@@ -125,16 +125,3 @@ pub struct PairedRow {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ceiling: Option<f64>,
 }
-
-impl PairedRow {
-    /// Whether interval and test of the difference say otherwise about 0: one excludes it at 5 % and the other does
-    /// not. Such a difference is undecided.
-    #[must_use]
-    pub fn disagrees(&self) -> bool {
-        let Some((interval, p)) = self.delta.interval().zip(self.p) else {
-            return false;
-        };
-        let excludes = interval[0] > 0.0 || interval[1] < 0.0;
-        excludes != (p < 0.05)
-    }
-}

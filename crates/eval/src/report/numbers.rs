@@ -42,6 +42,7 @@ pub struct Number {
 
 /// How a number that only counts came about.
 pub(super) const COUNT: &str = "count";
+const DIFFERENCE: &str = words::DIFFERENCE_INTERVAL;
 const AP: &str = words::AP_INTERVAL;
 const RATE: &str = words::RATE_INTERVAL;
 const SHIFT: &str = words::SHIFT_INTERVAL;
@@ -250,7 +251,8 @@ fn of_pairs(adder: &mut Adder<'_>, rows: &[PairedRow], own_tau: Option<f64>) {
             p_holm: row.p_holm,
             ..adder.about.clone()
         };
-        adder.push(number, words::metric_key(row.metric), &row.delta, AP);
+        let metric = words::metric_key(row.metric);
+        adder.push(number, metric, &row.delta, DIFFERENCE);
     }
 }
 

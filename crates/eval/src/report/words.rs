@@ -2,7 +2,9 @@
 
 use crate::evaluation::{GroupKind, PairedMetric, Scope, ScopeKind};
 
-/// How intervals of AP and of what is counted per area come about: the words of tables, files and the glossary.
+/// How intervals of differences of AP come about: the words of files.
+pub(super) const DIFFERENCE_INTERVAL: &str = "as far as permutations reach, 95 %";
+/// Those of AP alone, of mPC and rPC and of what is counted per area.
 pub(super) const AP_INTERVAL: &str = "expanded percentile bootstrap, 95 %";
 /// Those of shares of objects.
 pub(super) const RATE_INTERVAL: &str = "Wilson between images, 95 %";
@@ -10,19 +12,20 @@ pub(super) const RATE_INTERVAL: &str = "Wilson between images, 95 %";
 pub(super) const SHIFT_INTERVAL: &str = "t between images, 95 %";
 
 /// What intervals are, for a reader; of the methods that [`crate::resampling`] and [`crate::statistic`] take.
-pub(super) const INTERVALS: &str = "Of AP and its differences, of rPC, and of what is counted per area: the images (or clips and drives, where frames \
-     belong together) are drawn anew with replacement, clean and cracked together and with all seeds; the interval \
-     holds the middle of the values of the draws, 95 % of them and a little more, for how few images a number rests \
-     on (the expanded percentile interval). Of rates: Wilson's interval with the variance between images in place of \
-     that of single objects. Of mean changes of score and overlap, and of slopes: by the same variance. Intervals are \
-     for other images behind other cracks of the same kind, not for another detector.";
+pub(super) const INTERVALS: &str = "Of a difference of AP: as far on either side of it as random exchanges of clean and cracked images (or clips \
+     and drives, where frames belong together) reach from 0 in 95 % of the exchanges, so that it holds 0 exactly where \
+     p is 0.05 or more. Of AP alone, of mPC and rPC, and of what is counted per area: the images are drawn anew with \
+     replacement, with all seeds; the interval holds the middle of the values of the draws, 95 % of them and a little \
+     more, for how few images a number rests on (the expanded percentile interval). Of rates: Wilson's interval with \
+     the variance between images in place of that of single objects. Of mean changes of score and overlap, and of \
+     slopes: by the same variance. Intervals are for other images behind other cracks of the same kind, not for \
+     another detector.";
 /// What tests are, for a reader.
 pub(super) const TESTS: &str = "How often chance alone gives a difference as large, two-sided: clean and cracked are exchanged in random images (or \
      clips and drives), with all seeds; for lost against recovered objects, in all combinations of images. Holm's \
      correction raises p so that a false alarm stays as rare in all tests of one metric of one detector over all \
      conditions together: once for all classes, and once for the supercategories and classes. A class that is all of \
-     its supercategory is one test with it. Where an interval excludes 0 and p is 0.05 or more, or the other way \
-     round, the table says so: such a difference is undecided.";
+     its supercategory is one test with it.";
 
 /// What stands where there is no number.
 pub(super) const NOTHING: &str = "–";

@@ -20,6 +20,6 @@ pub use intervals::{Basis, expanded_interval, percentile_interval};
 pub use kitti::{KittiRecalls, paired_kitti_precision};
 pub(crate) use paired::harmonic_mean;
 pub use paired::{PairedPrecision, PairedPrecisions, paired_average_precision};
-pub use permutation::permutation_test;
+pub use permutation::{Permuted, permutation_test};
 pub use ranked::{RankedCategory, rank_by_category};
 pub use replicates::{Replicates, bootstrap};

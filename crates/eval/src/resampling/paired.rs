@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::ranked::Ranked;
-use super::{Basis, Plan, RankedCategory, Replicates, bootstrap, permutation_test};
+use super::{Basis, Permuted, Plan, RankedCategory, Replicates, bootstrap, permutation_test};
 use crate::EvalError;
 use crate::matching::ImageMatches;
 use crate::statistic::{Measured, Method, TestOutcome};
@@ -51,10 +51,10 @@ const N_VALUES: usize = 3;
 /// ones interleave. Images are drawn, and exchanged, with all their seeds.
 ///
 /// Replicates use the matches as they are, which is exact: matching never crosses images.
-/// Intervals are [`expanded`](super::expanded_interval): those of a class by the units that its
-/// objects lie in; the difference of the mean over classes by all units with objects, and either
-/// side of it by the harmonic mean of the classes' units, since AP of classes in few images leans to
-/// above, on both sides alike.
+/// The interval of a difference reaches as far as permutations do from 0, so that it and the test say the same
+/// ([`Permuted`]). Those of either side are [`expanded`](super::expanded_interval): of a class by the
+/// units that its objects lie in, of the mean over classes by all units and the harmonic mean of the
+/// classes' own, since AP of classes in few images leans to above.
 ///
 /// # Errors
 /// If both sides have not as many seeds, or none; if an image is beyond those of the plan, or the
@@ -132,17 +132,14 @@ pub(super) fn paired_of_ranked<R: Ranked>(
     let mut rows = Vec::with_capacity(tests.len());
     for (at, test) in tests.into_iter().enumerate() {
         let category = first.get(at).map(Ranked::category);
-        let [side, difference] = match n_units.get(at) {
-            Some(n) => [Basis::Units(*n); 2],
-            None => [
-                Basis::Groups {
-                    n_units: plan.n_units(),
-                    each: harmonic_mean(&n_units),
-                },
-                Basis::Units(plan.n_units()),
-            ],
+        let side = match n_units.get(at) {
+            Some(n) => Basis::Units(*n),
+            None => Basis::Groups {
+                n_units: plan.n_units(),
+                each: harmonic_mean(&n_units),
+            },
         };
-        rows.push(row(&replicates, at, category, [side, difference], test));
+        rows.push(row(&replicates, at, category, side, test));
     }
     let mean = rows.pop().ok_or(EvalError::StatisticLength {
         what: "rankings",
@@ -162,15 +159,20 @@ fn row(
     replicates: &Replicates,
     at: usize,
     category: Option<u32>,
-    [side, difference]: [Basis; 2],
-    test: TestOutcome,
+    side: Basis,
+    Permuted { test, interval }: Permuted,
 ) -> PairedPrecision {
     let place = at * N_VALUES;
+    // Its own draws say whether there is an interval at all, and why there is none.
+    let difference = replicates.expanded(place + 2, Method::Difference, side);
     PairedPrecision {
         category,
         clean: replicates.expanded(place, Method::AveragePrecision, side),
         cracked: replicates.expanded(place + 1, Method::AveragePrecision, side),
-        difference: replicates.expanded(place + 2, Method::Difference, difference),
+        difference: match difference.interval {
+            Some(_) => difference.within(interval),
+            None => difference,
+        },
         test,
     }
 }

@@ -3,11 +3,23 @@
 use rayon::prelude::*;
 
 use super::Plan;
+use super::replicates::MIN_UNITS;
 use crate::EvalError;
-use crate::statistic::{Method, TestOutcome};
+use crate::statistic::{Interval, Method, TestOutcome};
 
 /// Permutations up to which all of them are gone through rather than drawn.
 const EXACT_UP_TO: u32 = 1024;
+
+/// What a permutation test says of a difference.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Permuted {
+    /// The test itself.
+    pub test: TestOutcome,
+    /// The differences that a test of this kind would not reject, taken as far on either side of what
+    /// was seen as permutations reach from 0: it holds 0 exactly where p is 1 − level or more. Where
+    /// there is a difference its images add to the reach, so that it errs on the wide side.
+    pub interval: Option<Interval>,
+}
 
 /// Whether each of several differences is more than chance makes them, two-sided: per difference,
 /// how often permutations of clean and cracked give one as far from 0 as what was seen.
@@ -23,7 +35,7 @@ const EXACT_UP_TO: u32 = 1024;
 ///
 /// # Errors
 /// If the plan has no replicates or no proper level.
-pub fn permutation_test<F>(plan: &Plan, difference: F) -> Result<Vec<TestOutcome>, EvalError>
+pub fn permutation_test<F>(plan: &Plan, difference: F) -> Result<Vec<Permuted>, EvalError>
 where
     F: Fn(&[u32]) -> Vec<Option<f64>> + Sync,
 {
@@ -47,25 +59,37 @@ where
     let observed = difference(&vec![0; plan.n_images()]);
     let n = u64::from(plan.n_units());
     let outcome = |(place, observed): (usize, &Option<f64>)| {
-        let Some(observed) = observed.filter(|it| it.is_finite()) else {
-            return TestOutcome::none(n, method, "undefined in the sample itself");
+        let none = |why| Permuted {
+            test: TestOutcome::none(n, method, why),
+            interval: None,
         };
+        let Some(observed) = observed.filter(|it| it.is_finite()) else {
+            return none("undefined in the sample itself");
+        };
+        let values = rows.iter().filter_map(|row| *row.get(place)?);
+        let mut sizes: Vec<f64> = values.map(f64::abs).collect();
+        if sizes.is_empty() {
+            return none("undefined under all permutations");
+        }
+        sizes.sort_by(|a, b| b.total_cmp(a));
         // Differences that are equal but for rounding are as far off.
         let far = observed.abs() * (1.0 - 1e-12);
-        let (mut n_far, mut n_defined) = (0_u32, 0_u32);
-        for value in rows
-            .iter()
-            .filter_map(|row| row.get(place).copied().flatten())
-        {
-            n_defined += 1;
-            n_far += u32::from(value.abs() >= far);
+        let n_far = sizes.partition_point(|size| *size >= far);
+        let more = usize::from(n_all.is_none());
+        let p_of = |n_far: usize| (n_far + more) as f64 / (sizes.len() + more) as f64;
+        // The largest size that would not be rejected; none where all of them are, or none varies.
+        let n_rejected = (0..sizes.len()).find(|k| p_of(k + 1) >= 1.0 - plan.level);
+        let reach = n_rejected.and_then(|k| sizes.get(k)).copied();
+        let reach = reach.filter(|reach| *reach > 0.0 && plan.n_units() >= MIN_UNITS);
+        Permuted {
+            test: TestOutcome::of(p_of(n_far), n, method),
+            interval: reach.map(|reach| Interval {
+                low: observed - reach,
+                high: observed + reach,
+                level: plan.level,
+                method: Method::PermutationReach,
+            }),
         }
-        if n_defined == 0 {
-            return TestOutcome::none(n, method, "undefined under all permutations");
-        }
-        let more = u32::from(n_all.is_none());
-        let p = f64::from(n_far + more) / f64::from(n_defined + more);
-        TestOutcome::of(p, n, method)
     };
     Ok(observed.iter().enumerate().map(outcome).collect())
 }

@@ -8,7 +8,7 @@ use crate::EvalError;
 use crate::statistic::{Interval, Measured, Method};
 
 /// Fewer units than these, and their draws are no picture of other units.
-const MIN_UNITS: u32 = 5;
+pub(super) const MIN_UNITS: u32 = 5;
 
 /// Values of several statistics: of the sample, and of all bootstrap replicates.
 #[derive(Debug, Clone, PartialEq)]

@@ -161,6 +161,8 @@ pub enum Method {
     PermutationExact,
     /// Random ways to swap clean and cracked.
     PermutationSampled,
+    /// As far on either side as such ways reach from 0.
+    PermutationReach,
 }
 
 #[cfg(test)]

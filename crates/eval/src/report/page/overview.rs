@@ -278,20 +278,6 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
         }
         table.push(row);
     }
-    let undecided: Vec<String> = all
-        .iter()
-        .filter(|one| {
-            let row = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50);
-            row.is_some_and(PairedRow::disagrees)
-        })
-        .map(|one| format!("{}, {}", one.detector, one.condition.name))
-        .collect();
-    if !undecided.is_empty() {
-        table.remark(&format!(
-            "Interval and p say otherwise about a difference of 0 at 5 %, so it is undecided: {}.",
-            undecided.join("; ")
-        ));
-    }
     let n_seeds = all.iter().map(|one| one.n_seeds).max().unwrap_or(1);
     let units = units(study);
     table.remark(&match n_seeds {

@@ -264,7 +264,6 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
     let place = words::scope(scope);
     let mut table = Table::new("", &columns);
     let mut left_out: Vec<String> = Vec::new();
-    let mut undecided: Vec<String> = Vec::new();
     for (group, n_objects) in groups(paired, scope) {
         let rows: Vec<Option<&PairedRow>> = metrics
             .iter()
@@ -296,13 +295,6 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
                 cells.push(Cell::probability(row.p));
                 cells.push(Cell::probability(row.p_holm));
             }
-            if row.disagrees() {
-                undecided.push(format!(
-                    "{} of {}",
-                    words::metric(row.metric),
-                    group_name(&group)
-                ));
-            }
         }
         table.push(cells);
     }
@@ -310,15 +302,7 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
         true => "; p of the permutation test, alone and corrected by Holm's method",
         false => "",
     };
-    if !undecided.is_empty() {
-        table.remark(&format!(
-            "Interval and p say otherwise about a difference of 0 at 5 %, so it is undecided: {}.",
-            undecided.join(", ")
-        ));
-    }
-    table.caption = format!(
-        "Average precision {place}, percent, with 95 % intervals of the paired bootstrap{tests}."
-    );
+    table.caption = format!("Average precision {place}, percent, with 95 % intervals{tests}.");
     if !left_out.is_empty() {
         table.remark(&format!(
             "Classes with too few objects for a number of their own, and how many they have: {}.",
