@@ -4,7 +4,6 @@
 mod common;
 
 use std::ffi::OsStr;
-use std::fs;
 
 use common::{contents, open, png, put, subset, try_open};
 use starbreak_dataset::SourceSpec;
