@@ -3,9 +3,8 @@
 use rayon::prelude::*;
 
 use super::Plan;
-use super::replicates::MIN_UNITS;
 use crate::EvalError;
-use crate::statistic::{Interval, Method, TestOutcome};
+use crate::statistic::{Interval, MIN_UNITS, Method, TestOutcome};
 
 /// Permutations up to which all of them are gone through rather than drawn.
 const EXACT_UP_TO: u32 = 1024;

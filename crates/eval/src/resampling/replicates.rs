@@ -5,10 +5,7 @@ use rayon::prelude::*;
 use super::intervals::{expanded_interval, percentile_interval};
 use super::{Basis, Plan};
 use crate::EvalError;
-use crate::statistic::{Interval, Measured, Method};
-
-/// Fewer units than these, and their draws are no picture of other units.
-pub(super) const MIN_UNITS: u32 = 5;
+use crate::statistic::{Interval, MIN_UNITS, Measured, Method};
 
 /// Values of several statistics: of the sample, and of all bootstrap replicates.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,12 @@
-use super::{Interval, Measured, Method, TestOutcome, student_quantile, two_sided_student_p};
+use super::{
+    Interval, MIN_UNITS, Measured, Method, TestOutcome, student_quantile, two_sided_student_p,
+};
 
 /// The mean of values that come in clusters (images, drives), with a t interval by the variance
 /// between clusters and the test of 0 that goes with it.
 ///
 /// Of clusters with sums sᵢ of nᵢ values: mean m = Σsᵢ/Σnᵢ, standard error
-/// √(g/(g−1) Σ(sᵢ − m nᵢ)²)/Σnᵢ over g clusters, t with g − 1 degrees of freedom. Fewer than two
+/// √(g/(g−1) Σ(sᵢ − m nᵢ)²)/Σnᵢ over g clusters, t with g − 1 degrees of freedom. Fewer than five
 /// clusters, or such that are all alike, have neither.
 #[must_use]
 pub(crate) fn clustered_mean(clusters: &[(f64, u64)], level: f64) -> (Measured, TestOutcome) {
@@ -21,8 +23,8 @@ pub(crate) fn clustered_mean(clusters: &[(f64, u64)], level: f64) -> (Measured, 
     }
     let mean = with.iter().map(|(sum, _)| sum).sum::<f64>() / n as f64;
     let measured = Measured::of(mean, n, Method::Mean);
-    if with.len() < 2 {
-        return (measured, none("the pairs are in one unit"));
+    if with.len() < MIN_UNITS as usize {
+        return (measured, none("the pairs are in too few units"));
     }
     let g = with.len() as f64;
     let squares: f64 = with.iter().map(|(sum, n)| (sum - mean * n).powi(2)).sum();
@@ -63,12 +65,25 @@ mod tests {
 
     #[test]
     fn values_of_one_cluster_are_one() {
-        let (one, _) = clustered_mean(&[(1.0, 10), (-0.2, 10), (0.4, 10)], 0.95);
-        let (ten, _) = clustered_mean(&[(0.1, 1), (-0.02, 1), (0.04, 1)], 0.95);
+        let (one, _) = clustered_mean(
+            &[(1.0, 10), (-0.2, 10), (0.4, 10), (0.1, 10), (0.3, 10)],
+            0.95,
+        );
+        let (ten, _) = clustered_mean(
+            &[(0.1, 1), (-0.02, 1), (0.04, 1), (0.01, 1), (0.03, 1)],
+            0.95,
+        );
         let width = |it: &crate::statistic::Measured| {
             it.interval
                 .map_or(-1.0, |interval| interval.high - interval.low)
         };
         assert!((width(&one) - width(&ten)).abs() < 1e-12, "{one:?} {ten:?}");
+    }
+
+    #[test]
+    fn four_clusters_are_too_few() {
+        let (mean, test) = clustered_mean(&[(1.0, 10), (-0.2, 10), (0.4, 10), (0.1, 10)], 0.95);
+        assert_eq!((mean.interval, test.p), (None, None), "{mean:?}");
+        assert!(mean.value.is_some(), "but the mean is there");
     }
 }

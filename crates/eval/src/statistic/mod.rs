@@ -3,6 +3,9 @@
 //! All tests are two-sided. A number that cannot be given is absent, with the reason; NaN does not
 //! occur.
 
+/// Fewer units than these, and their spread is no picture of other units.
+pub(crate) const MIN_UNITS: u32 = 5;
+
 mod clustered_mean;
 mod holm;
 mod measured;

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Interval, Measured, Method, TestOutcome, normal_quantile, student_quantile};
+use super::{
+    Interval, MIN_UNITS, Measured, Method, TestOutcome, normal_quantile, student_quantile,
+};
 
 /// The share `k / n` with Wilson's interval; without a value where `n` is 0.
 ///
@@ -42,7 +44,7 @@ pub fn wilson_interval(k: u64, n: u64, level: f64) -> Option<Interval> {
 /// freedom for z, m being the clusters with objects.
 ///
 /// D = m/(m−1) Σᵢ (kᵢ − p nᵢ)² / (n p (1 − p)); where all or none count it is not known and taken as 1.
-/// There is no interval of one cluster.
+/// There is no interval of fewer than 5 clusters.
 #[must_use]
 pub(crate) fn clustered_share(clusters: &[[u64; 2]], level: f64) -> Measured {
     let with: Vec<[u64; 2]> = clusters.iter().copied().filter(|it| it[1] > 0).collect();
@@ -54,9 +56,12 @@ pub(crate) fn clustered_share(clusters: &[[u64; 2]], level: f64) -> Measured {
     }
     let share = as_f64(k) / as_f64(n);
     let measured = Measured::of(share, n, Method::Share);
-    if with.len() < 2 {
+    if with.len() < MIN_UNITS as usize {
         let mut without = measured;
-        without.reason = Some("no interval: its objects are in one unit".to_owned());
+        without.reason = Some(format!(
+            "no interval: its objects are in {} units, fewer than {MIN_UNITS}",
+            with.len()
+        ));
         return without;
     }
     let m = with.len() as f64;

@@ -124,8 +124,8 @@ impl EvaluateSettings {
     }
 }
 
-/// Fewer clusters than these draw too narrow an interval.
-const FEW_CLUSTERS: u32 = 20;
+/// Fewer images or clusters than these draw too narrow an interval.
+const FEW_UNITS: u32 = 20;
 
 fn has_clusters(labels: &LabelSet) -> bool {
     labels.images.iter().any(|image| image.cluster.is_some())
@@ -231,7 +231,7 @@ fn with_coverages(
     }
     warnings.extend(small_samples(&evaluation, settings));
     warnings.extend(coverages.as_ref().and_then(small_damage));
-    evaluation.warnings = warnings;
+    evaluation.warnings.extend(warnings);
     Ok((evaluation, coverages))
 }
 
@@ -293,11 +293,15 @@ fn with_plain(
     let Some(cracked) = &cracked else {
         return Ok(None);
     };
-    if has_clusters(&plain.labels) && plan.n_units() < FEW_CLUSTERS {
+    if plan.n_units() < FEW_UNITS {
+        let units = match has_clusters(&plain.labels) {
+            true => "clips or drives",
+            false => "images",
+        };
         evaluation.warnings.push(Warning {
             kind: WarningKind::SmallSample,
             text: format!(
-                "intervals draw {} clips or drives; of fewer than {FEW_CLUSTERS} they come out too narrow",
+                "intervals are over {} {units}; over fewer than {FEW_UNITS} they come out too narrow",
                 plan.n_units()
             ),
         });

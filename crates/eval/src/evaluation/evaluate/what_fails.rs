@@ -10,7 +10,9 @@ use crate::failure::{
     self, FalsePositiveAreas, ObjectPair, Where, class_flips, failure_rates, failure_table,
     new_false_positives, pair_objects, quantile_edges, shifts,
 };
-use crate::statistic::Measured;
+use crate::statistic::{
+    Interval, MIN_UNITS, Measured, Method, student_quantile, two_sided_student_p,
+};
 use crate::{COVERAGE_BINS, EvalError, ImageMatches, MatchRule, match_images};
 
 /// Bins of a damage fact.
@@ -292,6 +294,11 @@ fn dose<'a>(
     pairs: impl IntoIterator<Item = (&'a ObjectPair, f64)>,
     edges: &[f64],
 ) -> Result<DoseResponse, EvalError> {
+    let pairs: Vec<(&ObjectPair, f64)> = pairs.into_iter().collect();
+    let fitted = pairs
+        .iter()
+        .filter(|(pair, dose)| pair.clean.is_some() && dose.is_finite());
+    let n_units = all.plan.units_of(fitted.map(|(pair, _)| pair.image));
     let found = failure::dose_response(fact, pairs, edges, all.plan)?;
     let bin = |bin: &failure::DoseBin| DoseBin {
         low: bin.low,
@@ -303,20 +310,48 @@ fn dose<'a>(
     };
     let fit = &found.fit;
     let intercept = fit.intercept.estimate.value;
-    let has_fit = fit.slope.estimate.value.is_some();
+    let slope = unless_few(all, &slope_of(&fit.slope, n_units, all.plan.level));
     Ok(DoseResponse {
         fact: fact.to_owned(),
         unit: unit.to_owned(),
         group: Group::all(),
         bins: found.bins.iter().map(bin).collect(),
         note: None,
-        fit: intercept.filter(|_| has_fit).map(|intercept| LogisticFit {
-            intercept,
-            slope: estimate(&fit.slope.estimate),
-            p: fit.slope.test.p,
-            p_holm: None,
-        }),
+        fit: intercept
+            .filter(|_| slope.value.is_some())
+            .map(|intercept| LogisticFit {
+                intercept,
+                p: slope.interval().and(slope_p(&fit.slope, n_units)),
+                p_holm: None,
+                slope,
+            }),
     })
+}
+
+/// A slope with its interval by the variance between units, and t of as many degrees of freedom as they leave; without
+/// one of fewer than 5.
+fn slope_of(slope: &failure::Coefficient, n_units: u32, level: f64) -> Measured {
+    let mut measured = slope.estimate.clone();
+    measured.interval = None;
+    let error = slope
+        .standard_error_clustered
+        .filter(|_| n_units >= MIN_UNITS);
+    let (Some(value), Some(error)) = (measured.value, error) else {
+        return measured;
+    };
+    let reach = student_quantile(0.5 + level / 2.0, f64::from(n_units - 1)) * error;
+    measured.within(Some(Interval {
+        low: value - reach,
+        high: value + reach,
+        level,
+        method: Method::ClusteredT,
+    }))
+}
+
+/// The p that goes with it.
+fn slope_p(slope: &failure::Coefficient, n_units: u32) -> Option<f64> {
+    let t = slope.estimate.value? / slope.standard_error_clustered?;
+    Some(two_sided_student_p(t, f64::from(n_units.checked_sub(1)?)))
 }
 
 fn appeared(
