@@ -351,7 +351,8 @@ fn a_flip_is_a_lost_object_under_a_wrong_class() {
         0.3,
         0.5,
         &Plan::of_images(1),
-    );
+    )
+    .unwrap();
     assert_eq!(
         (flips.n_found_clean, flips.n_flipped),
         (4, 1),

@@ -3,12 +3,9 @@
 use std::path::Path;
 
 use serde::Deserialize;
-use starbreak_dataset::{DatasetError, read_text};
+use starbreak_dataset::{DatasetError, MAX_ITEM_BYTES, read_text};
 
 use crate::{BoxPx, EvalError, KittiLabels, LabelSet};
-
-/// Longest record that is read, bytes.
-const MAX_BYTES: u64 = 64 << 20;
 
 /// How far a box of a record may lie from that of its label, px: BDD100K's convention makes boxes one
 /// pixel wider.
@@ -84,7 +81,7 @@ impl DamageFacts {
                 stem
             };
             let path = folder.join(format!("{stem}.json"));
-            let text = match read_text(&path, MAX_BYTES) {
+            let text = match read_text(&path, MAX_ITEM_BYTES) {
                 Ok(file) => file.text,
                 Err(DatasetError::Read { source, .. })
                     if source.kind() == std::io::ErrorKind::NotFound =>

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{LogisticFit, ObjectPair, fit_logistic};
 use crate::EvalError;
 use crate::resampling::{Plan, quantile};
-use crate::statistic::{Measured, clustered_share};
+use crate::statistic::{Measured, TestOutcome, clustered_share};
 
 /// The failure rate of objects over a dose: coverage, displacement, blur, contrast lost.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,6 +18,10 @@ pub struct DoseResponse {
     pub bins: Vec<DoseBin>,
     /// A curve through the single objects.
     pub fit: LogisticFit,
+    /// Its slope, with an interval by the variance between units.
+    pub slope: Measured,
+    /// Whether that is other than 0, by the same variance.
+    pub test: TestOutcome,
     /// Objects found clean whose dose is not known.
     pub n_without_dose: u64,
 }
@@ -46,7 +50,7 @@ pub struct DoseBin {
 /// edges count for the curve alone.
 ///
 /// # Errors
-/// If the edges do not rise.
+/// If the edges do not rise, or an image is not in the plan.
 pub fn dose_response<'a>(
     name: &str,
     pairs: impl IntoIterator<Item = (&'a ObjectPair, f64)>,
@@ -66,9 +70,7 @@ pub fn dose_response<'a>(
         if dose.is_finite() {
             doses.push(dose);
             failed.push(pair.is_lost());
-            // An image that the plan does not have is one of its own.
-            let unit = plan.unit_of_image().get(pair.image as usize);
-            units.push(unit.copied().unwrap_or(pair.image));
+            units.push(plan.unit(pair.image)?);
         } else {
             n_without_dose += 1;
         }
@@ -97,10 +99,17 @@ pub fn dose_response<'a>(
             failure_rate: clustered_share(&clusters, plan.level),
         }
     };
+    let bins = edges.windows(2).enumerate().map(bin).collect();
+    let fit = fit_logistic(&doses, &failed, &units, plan.level);
+    units.sort_unstable();
+    units.dedup();
+    let (slope, test) = fit.slope.between_units(units.len(), plan.level);
     Ok(DoseResponse {
         dose: name.to_owned(),
-        bins: edges.windows(2).enumerate().map(bin).collect(),
-        fit: fit_logistic(&doses, &failed, &units, plan.level),
+        bins,
+        fit,
+        slope,
+        test,
         n_without_dose,
     })
 }

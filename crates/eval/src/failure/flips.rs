@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::ObjectPair;
+use crate::EvalError;
 use crate::detections::Detections;
 use crate::labels::LabelSet;
 use crate::matching::{ImageMatches, Outcome};
@@ -38,7 +39,9 @@ pub struct ClassFlip {
 /// Objects found clean and lost cracked that a false positive of another class of at least
 /// `score_threshold` overlaps by at least `iou` in the cracked image; of several the one of the
 /// highest score counts. A detection that rightly finds a neighbor of the other class is no flip.
-#[must_use]
+///
+/// # Errors
+/// If an image is not in the plan.
 pub fn class_flips(
     pairs: &[ObjectPair],
     cracked: &[ImageMatches],
@@ -47,7 +50,7 @@ pub fn class_flips(
     score_threshold: f64,
     iou: f64,
     plan: &Plan,
-) -> ClassFlips {
+) -> Result<ClassFlips, EvalError> {
     let mut false_by_image = BTreeMap::<u32, Vec<usize>>::new();
     for item in cracked {
         for matched in &item.detections {
@@ -57,14 +60,11 @@ pub fn class_flips(
             }
         }
     }
-    // Per unit: flipped and found clean; an image that the plan does not have is one of its own.
+    // Per unit: flipped and found clean.
     let mut units = BTreeMap::<u32, [u64; 2]>::new();
     let mut flips = BTreeMap::<(u32, u32), u64>::new();
     for pair in pairs.iter().filter(|pair| pair.clean.is_some()) {
-        let unit = plan.unit_of_image().get(pair.image as usize);
-        let counts = units
-            .entry(unit.copied().unwrap_or(pair.image))
-            .or_default();
+        let counts = units.entry(plan.unit(pair.image)?).or_default();
         counts[1] += 1;
         let Some(object) = labels.objects.get(pair.object as usize) else {
             continue;
@@ -93,10 +93,10 @@ pub fn class_flips(
             taken_for,
             n,
         });
-    ClassFlips {
+    Ok(ClassFlips {
         n_found_clean: clusters.iter().map(|it| it[1]).sum(),
         n_flipped: clusters.iter().map(|it| it[0]).sum(),
         flip_rate: clustered_share(&clusters, plan.level),
         table: table.collect(),
-    }
+    })
 }

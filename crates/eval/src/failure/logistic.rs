@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::statistic::{
-    Interval, Measured, Method, TestOutcome, normal_quantile, two_sided_normal_p,
+    Interval, MIN_UNITS, Measured, Method, TestOutcome, normal_quantile, student_quantile,
+    two_sided_normal_p, two_sided_student_p,
 };
 
 /// Rounds after which a fit that has not settled is given up.
@@ -110,6 +111,32 @@ struct Row {
 }
 
 impl Coefficient {
+    /// The coefficient over so many units with their variance alone: an interval and a test by t of
+    /// as many degrees of freedom as they leave, and neither of fewer than 5 units, where z and the
+    /// sandwich would claim what they cannot know.
+    pub(super) fn between_units(&self, n_units: usize, level: f64) -> (Measured, TestOutcome) {
+        let mut estimate = self.estimate.clone();
+        estimate.interval = None;
+        let none = |why: &str| TestOutcome::none(estimate.n, Method::ClusteredT, why);
+        let error = self.standard_error_clustered;
+        let error = error.filter(|_| n_units >= MIN_UNITS as usize);
+        let (Some(value), Some(error)) = (estimate.value, error) else {
+            let test = none("there is no curve, or the objects are in too few units");
+            return (estimate, test);
+        };
+        let n_degrees = (n_units - 1) as f64;
+        let reach = student_quantile(0.5 + level / 2.0, n_degrees) * error;
+        let p = two_sided_student_p(value / error, n_degrees);
+        let test = TestOutcome::of(p, estimate.n, Method::ClusteredT);
+        let interval = Interval {
+            low: value - reach,
+            high: value + reach,
+            level,
+            method: Method::ClusteredT,
+        };
+        (estimate.within(Some(interval)), test)
+    }
+
     fn none(n: u64, reason: &str) -> Self {
         Self {
             estimate: Measured::none(n, Method::Logistic, reason),

@@ -98,17 +98,8 @@ pub fn failure_rates<'a>(
     let mut units = vec![[0_u64; 4]; plan.n_units() as usize];
     let mut images = Vec::new();
     for pair in pairs {
-        let unit = plan.unit_of_image().get(pair.image as usize);
-        let Some(counts) = unit.and_then(|unit| units.get_mut(*unit as usize)) else {
-            return Err(EvalError::StatisticLength {
-                what: "images with objects",
-                found: pair.image as usize + 1,
-                expected: plan.n_images(),
-                of: "images of the plan",
-            });
-        };
         let place = usize::from(pair.clean.is_some()) * 2 + usize::from(pair.cracked.is_some());
-        counts[place] += 1;
+        units[plan.unit(pair.image)? as usize][place] += 1;
         images.push(pair.image);
     }
     images.sort_unstable();

@@ -45,15 +45,7 @@ pub fn shifts<'a>(
         let (Some(clean), Some(cracked)) = (pair.clean, pair.cracked) else {
             continue;
         };
-        let unit = plan.unit_of_image().get(pair.image as usize);
-        let Some(unit) = unit.and_then(|unit| units.get_mut(*unit as usize)) else {
-            return Err(EvalError::StatisticLength {
-                what: "images with objects",
-                found: pair.image as usize + 1,
-                expected: plan.n_images(),
-                of: "images of the plan",
-            });
-        };
+        let unit = &mut units[plan.unit(pair.image)? as usize];
         unit.0 += cracked.score - clean.score;
         unit.1 += cracked.iou - clean.iou;
         unit.2 += 1;

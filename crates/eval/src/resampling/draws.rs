@@ -127,6 +127,20 @@ impl Plan {
         Ok(())
     }
 
+    /// The unit of an image.
+    ///
+    /// # Errors
+    /// [`EvalError::StatisticLength`] for one that the plan does not have.
+    pub fn unit(&self, image: u32) -> Result<u32, EvalError> {
+        let unit = self.unit_of_image.get(image as usize).copied();
+        unit.ok_or(EvalError::StatisticLength {
+            what: "images with objects",
+            found: image as usize + 1,
+            expected: self.n_images(),
+            of: "images of the plan",
+        })
+    }
+
     /// In how many units these images are.
     #[must_use]
     pub fn units_of(&self, images: impl IntoIterator<Item = u32>) -> u32 {

@@ -1,5 +1,6 @@
 //! Intervals from replicates.
 
+use super::Plan;
 use crate::statistic::{Interval, Method, normal_cdf, student_quantile};
 
 /// Percentiles (1 ∓ level)/2 of replicates, interpolated between the two nearest as by default in
@@ -37,6 +38,19 @@ pub enum Basis {
 }
 
 impl Basis {
+    /// Of the mean over classes, of which these are the units with objects of each.
+    pub(crate) fn of_classes(units: &[u32], plan: &Plan) -> Self {
+        let (mut sum, mut n) = (0.0, 0.0);
+        for n_units in units.iter().filter(|n_units| **n_units > 0) {
+            sum += 1.0 / f64::from(*n_units);
+            n += 1.0;
+        }
+        Self::Groups {
+            n_units: plan.n_units(),
+            each: if n > 0.0 { n / sum } else { 0.0 },
+        }
+    }
+
     /// How many standard errors an interval reaches, so that after the draws it holds the truth as
     /// often as `level` says: t of n − 1 degrees of freedom times √(n/(n − 1)), for groups of m units
     /// times √(m/(m − 1)) in its place. `None` for fewer than two units.

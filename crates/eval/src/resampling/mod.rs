@@ -18,7 +18,7 @@ pub use draws::Plan;
 pub(crate) use intervals::quantile;
 pub use intervals::{Basis, expanded_interval, percentile_interval};
 pub use kitti::{KittiRecalls, paired_kitti_precision};
-pub(crate) use paired::harmonic_mean;
+pub(crate) use paired::units_of_classes;
 pub use paired::{PairedPrecision, PairedPrecisions, paired_average_precision};
 pub use permutation::{Permuted, permutation_test};
 pub use ranked::{RankedCategory, rank_by_category};

@@ -126,18 +126,16 @@ pub(super) fn paired_of_ranked<R: Ranked>(
         pairs.into_iter().map(difference).collect()
     })?;
     let first = seeds.first().map_or(&[][..], |one| one.clean.as_slice());
-    let n_units: Vec<u32> = (0..first.len())
-        .map(|at| units_of(seeds, at, plan))
-        .collect();
+    let n_units = units_of_classes(first.len(), plan, |at| {
+        let of_class = seeds.iter().filter_map(move |one| one.clean.get(at));
+        of_class.flat_map(Ranked::cells_with_objects)
+    });
     let mut rows = Vec::with_capacity(tests.len());
     for (at, test) in tests.into_iter().enumerate() {
         let category = first.get(at).map(Ranked::category);
         let side = match n_units.get(at) {
             Some(n) => Basis::Units(*n),
-            None => Basis::Groups {
-                n_units: plan.n_units(),
-                each: harmonic_mean(&n_units),
-            },
+            None => Basis::of_classes(&n_units, plan),
         };
         rows.push(row(&replicates, at, category, side, test));
     }
@@ -163,16 +161,11 @@ fn row(
     Permuted { test, interval }: Permuted,
 ) -> PairedPrecision {
     let place = at * N_VALUES;
-    // Its own draws say whether there is an interval at all, and why there is none.
-    let difference = replicates.expanded(place + 2, Method::Difference, side);
     PairedPrecision {
         category,
         clean: replicates.expanded(place, Method::AveragePrecision, side),
         cracked: replicates.expanded(place + 1, Method::AveragePrecision, side),
-        difference: match difference.interval {
-            Some(_) => difference.within(interval),
-            None => difference,
-        },
+        difference: replicates.with_interval(place + 2, Method::Difference, side, interval),
         test,
     }
 }
@@ -208,20 +201,15 @@ where
     sums
 }
 
-/// In how many units a category has objects, under whatever seed.
-fn units_of<R: Ranked>(seeds: &[Sides<R>], at: usize, plan: &Plan) -> u32 {
-    let of_category = seeds.iter().filter_map(|one| one.clean.get(at));
-    plan.units_of(of_category.flat_map(Ranked::cells_with_objects))
-}
-
-/// Of the numbers above 0; nothing of it where there is none.
-pub(crate) fn harmonic_mean(counts: &[u32]) -> f64 {
-    let (mut sum, mut n) = (0.0, 0.0);
-    for count in counts.iter().filter(|count| **count > 0) {
-        sum += 1.0 / f64::from(*count);
-        n += 1.0;
-    }
-    if n > 0.0 { n / sum } else { 0.0 }
+/// In how many units each class has objects, by the images that it has them in.
+pub(crate) fn units_of_classes<I: Iterator<Item = u32>>(
+    n_classes: usize,
+    plan: &Plan,
+    images_of: impl Fn(usize) -> I,
+) -> Vec<u32> {
+    (0..n_classes)
+        .map(|at| plan.units_of(images_of(at)))
+        .collect()
 }
 
 /// Refuses images that the plan does not have, and more than cells can be counted.

@@ -14,9 +14,9 @@ const EXACT_UP_TO: u32 = 1024;
 pub struct Permuted {
     /// The test itself.
     pub test: TestOutcome,
-    /// The differences that a test of this kind would not reject, taken as far on either side of what
-    /// was seen as permutations reach from 0: it holds 0 exactly where p is 1 − level or more. Where
-    /// there is a difference its images add to the reach, so that it errs on the wide side.
+    /// The difference ± the largest size, among those of the permutations, that the test would not
+    /// reject. So it holds 0 exactly where p is 1 − level or more. Permutations of images that do differ
+    /// spread more than other images would, so with a large effect the interval errs on the wide side.
     pub interval: Option<Interval>,
 }
 

@@ -68,16 +68,34 @@ impl Replicates {
     /// A statistic with its expanded percentile interval; n are the units drawn.
     #[must_use]
     pub fn expanded(&self, place: usize, method: Method, basis: Basis) -> Measured {
-        if let Basis::Units(n @ ..MIN_UNITS) = basis {
-            return self.measured(place, method, |_| {
-                Err(format!(
-                    "its objects are in {n} units, fewer than {MIN_UNITS}"
-                ))
-            });
-        }
-        self.measured(place, method, |values| {
+        self.based(place, method, basis, |values| {
             expanded_interval(values, self.level, basis)
-                .ok_or_else(|| "there are too few replicates".to_owned())
+        })
+    }
+
+    /// A statistic with an interval that is known otherwise, where its own draws would have one.
+    pub(super) fn with_interval(
+        &self,
+        place: usize,
+        method: Method,
+        basis: Basis,
+        interval: Option<Interval>,
+    ) -> Measured {
+        self.based(place, method, basis, |_| interval)
+    }
+
+    fn based(
+        &self,
+        place: usize,
+        method: Method,
+        basis: Basis,
+        interval: impl Fn(&[f64]) -> Option<Interval>,
+    ) -> Measured {
+        self.measured(place, method, |values| match basis {
+            Basis::Units(n @ ..MIN_UNITS) => Err(format!(
+                "its objects are in {n} units, fewer than {MIN_UNITS}"
+            )),
+            _ => interval(values).ok_or_else(|| "there are too few replicates".to_owned()),
         })
     }
 

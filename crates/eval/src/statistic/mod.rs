@@ -3,9 +3,6 @@
 //! All tests are two-sided. A number that cannot be given is absent, with the reason; NaN does not
 //! occur.
 
-/// Fewer units than these, and their spread is no picture of other units.
-pub(crate) const MIN_UNITS: u32 = 5;
-
 mod clustered_mean;
 mod holm;
 mod measured;
@@ -22,3 +19,6 @@ pub(crate) use normal::{
 pub(crate) use proportion::clustered_share;
 pub use proportion::{McNemar, mcnemar, proportion, wilson_interval};
 pub(crate) use signs::sign_exchange_test;
+
+/// Fewer units than these, and their spread is no picture of other units.
+pub(crate) const MIN_UNITS: u32 = 5;

@@ -141,8 +141,7 @@ impl Sample {
             if category.is_none() {
                 let doses = members().map(|pair| (pair, pair.coverage));
                 if let Ok(dose) = dose_response("coverage", doses, &[0.0, 1.0], &self.plan) {
-                    let slope = &dose.fit.slope;
-                    put("slope over coverage", &slope.estimate, Some(&slope.test));
+                    put("slope over coverage", &dose.slope, Some(&dose.test));
                 }
             }
         }

@@ -8,7 +8,7 @@ use crate::evaluation::{
     Condition, Estimate, Evaluation, PairedMetric, RobustnessRow, Scope, ScopeKind,
 };
 use crate::failure::Where;
-use crate::resampling::{Basis, RankedCategory, bootstrap, harmonic_mean, rank_by_category};
+use crate::resampling::{Basis, RankedCategory, bootstrap, rank_by_category, units_of_classes};
 use crate::statistic::{Measured, Method};
 use crate::{Coverages, Detections, EvalError, Object};
 
@@ -156,15 +156,11 @@ fn put_intervals(
             vec![of_clean, of_cracked, ratio]
         })?;
         // As of one condition: either side leans with the few images of a class, their ratio does not.
-        let units = |at: usize| {
-            let of_class = clean.iter().filter_map(|set| set.get(at));
-            plan.units_of(of_class.flat_map(RankedCategory::cells_with_objects))
-        };
-        let units: Vec<u32> = (0..n_categories).map(units).collect();
-        let side = Basis::Groups {
-            n_units: plan.n_units(),
-            each: harmonic_mean(&units),
-        };
+        let units = units_of_classes(n_categories, &plan, |at| {
+            let of_class = clean.iter().filter_map(move |set| set.get(at));
+            of_class.flat_map(RankedCategory::cells_with_objects)
+        });
+        let side = Basis::of_classes(&units, &plan);
         let ap = Method::AveragePrecision;
         put(&mut row.clean, &replicates.expanded(0, ap, side));
         put(&mut row.mpc, &replicates.expanded(1, ap, side));

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::intervals::{Place, coverage_of, max_detections};
 use super::side_results::estimate;
-use super::what_fails::scope_of;
+use super::what_fails::{failure_row, scope_of};
 use super::{EvaluateSettings, as_plain, nothing_covered, plan_of};
 use crate::evaluation::{
     Condition, Estimate, FailureRow, Group, GroupKind, OverSeeds, PairedMetric, PairedRow, Scope,
@@ -384,32 +384,14 @@ fn rates_of(
                 .collect();
             u64::try_from(objects.len()).unwrap_or(u64::MAX)
         };
-        let n_found_clean = found.n_kept + found.n_lost;
-        let n_missed_clean = found.n_objects - n_found_clean;
-        let failure_rate = given(
-            &found.failure_rate,
-            n_found_clean,
-            different(true),
-            settings,
-        );
-        Some(FailureRow {
-            scope: scope_of(found.group.place),
-            group,
-            n_objects: found.n_objects,
-            n_found_clean,
-            n_found_cracked: found.n_kept + found.n_recovered,
-            n_lost: found.n_lost,
-            n_recovered: found.n_recovered,
-            p: found.test.p.filter(|_| failure_rate.value.is_some()),
-            p_holm: None,
-            failure_rate,
-            recovery_rate: given(
-                &found.recovery_rate,
-                n_missed_clean,
-                different(false),
-                settings,
-            ),
-        })
+        let given = |rate: &Measured, is_found_clean| {
+            given(rate, rate.n, different(is_found_clean), settings)
+        };
+        let rates = [
+            given(&found.failure_rate, true),
+            given(&found.recovery_rate, false),
+        ];
+        Some(failure_row(found, group, rates))
     };
     Ok(table.iter().filter_map(row).collect())
 }

@@ -10,9 +10,7 @@ use crate::failure::{
     self, FalsePositiveAreas, ObjectPair, Where, class_flips, failure_rates, failure_table,
     new_false_positives, pair_objects, quantile_edges, shifts,
 };
-use crate::statistic::{
-    Interval, MIN_UNITS, Measured, Method, student_quantile, two_sided_student_p,
-};
+use crate::statistic::Measured;
 use crate::{COVERAGE_BINS, EvalError, ImageMatches, MatchRule, match_images};
 
 /// Bins of a damage fact.
@@ -64,7 +62,7 @@ pub(super) fn failures(
     for place in &places {
         let here: Vec<ObjectPair> = here(&pairs, *place);
         results.shifts.extend(shift_rows(all, &here, *place)?);
-        results.flips.push(flip_row(all, &here, &matches, *place));
+        results.flips.push(flip_row(all, &here, &matches, *place)?);
     }
     if has_regions {
         results.dose_responses = doses(all, &pairs, facts)?;
@@ -150,20 +148,28 @@ fn rates(
 }
 
 fn row_of(all: &Plain<'_>, found: &failure::FailureRates, group: Group) -> FailureRow {
-    let n_found_clean = found.n_kept + found.n_lost;
-    let failure_rate = unless_few(all, &found.failure_rate);
+    let rates = [&found.failure_rate, &found.recovery_rate];
+    failure_row(found, group, rates.map(|rate| unless_few(all, rate)))
+}
+
+/// The row of what was counted, with its rates of failure and recovery as far as they are given.
+pub(super) fn failure_row(
+    found: &failure::FailureRates,
+    group: Group,
+    [failure_rate, recovery_rate]: [Estimate; 2],
+) -> FailureRow {
     FailureRow {
         scope: scope_of(found.group.place),
         group,
         n_objects: found.n_objects,
-        n_found_clean,
+        n_found_clean: found.n_kept + found.n_lost,
         n_found_cracked: found.n_kept + found.n_recovered,
         n_lost: found.n_lost,
         n_recovered: found.n_recovered,
         p: found.test.p.filter(|_| failure_rate.value.is_some()),
         p_holm: None,
         failure_rate,
-        recovery_rate: unless_few(all, &found.recovery_rate),
+        recovery_rate,
     }
 }
 
@@ -203,7 +209,12 @@ fn shift_rows(
     groups.map(row).collect()
 }
 
-fn flip_row(all: &Plain<'_>, pairs: &[ObjectPair], matches: &Matches, place: Where) -> FlipRow {
+fn flip_row(
+    all: &Plain<'_>,
+    pairs: &[ObjectPair],
+    matches: &Matches,
+    place: Where,
+) -> Result<FlipRow, EvalError> {
     let settings = all.settings;
     let found = class_flips(
         pairs,
@@ -213,7 +224,7 @@ fn flip_row(all: &Plain<'_>, pairs: &[ObjectPair], matches: &Matches, place: Whe
         settings.score_threshold,
         settings.iou_threshold,
         all.plan,
-    );
+    )?;
     let mut commonest: Vec<ClassFlip> = found
         .table
         .iter()
@@ -224,13 +235,13 @@ fn flip_row(all: &Plain<'_>, pairs: &[ObjectPair], matches: &Matches, place: Whe
         })
         .collect();
     commonest.sort_by(|a, b| (b.n, &a.from, &a.to).cmp(&(a.n, &b.from, &b.to)));
-    FlipRow {
+    Ok(FlipRow {
         scope: scope_of(place),
         n: found.n_found_clean,
         n_flipped: found.n_flipped,
         rate: unless_few(all, &found.flip_rate),
         commonest,
-    }
+    })
 }
 
 /// Over coverage, and over each fact of the damage.
@@ -294,11 +305,6 @@ fn dose<'a>(
     pairs: impl IntoIterator<Item = (&'a ObjectPair, f64)>,
     edges: &[f64],
 ) -> Result<DoseResponse, EvalError> {
-    let pairs: Vec<(&ObjectPair, f64)> = pairs.into_iter().collect();
-    let fitted = pairs
-        .iter()
-        .filter(|(pair, dose)| pair.clean.is_some() && dose.is_finite());
-    let n_units = all.plan.units_of(fitted.map(|(pair, _)| pair.image));
     let found = failure::dose_response(fact, pairs, edges, all.plan)?;
     let bin = |bin: &failure::DoseBin| DoseBin {
         low: bin.low,
@@ -308,9 +314,8 @@ fn dose<'a>(
         n_lost: bin.n_lost,
         rate: unless_few(all, &bin.failure_rate),
     };
-    let fit = &found.fit;
-    let intercept = fit.intercept.estimate.value;
-    let slope = unless_few(all, &slope_of(&fit.slope, n_units, all.plan.level));
+    let slope = unless_few(all, &found.slope);
+    let intercept = found.fit.intercept.estimate.value;
     Ok(DoseResponse {
         fact: fact.to_owned(),
         unit: unit.to_owned(),
@@ -321,37 +326,11 @@ fn dose<'a>(
             .filter(|_| slope.value.is_some())
             .map(|intercept| LogisticFit {
                 intercept,
-                p: slope.interval().and(slope_p(&fit.slope, n_units)),
-                p_holm: None,
                 slope,
+                p: found.test.p,
+                p_holm: None,
             }),
     })
-}
-
-/// A slope with its interval by the variance between units, and t of as many degrees of freedom as they leave; without
-/// one of fewer than 5.
-fn slope_of(slope: &failure::Coefficient, n_units: u32, level: f64) -> Measured {
-    let mut measured = slope.estimate.clone();
-    measured.interval = None;
-    let error = slope
-        .standard_error_clustered
-        .filter(|_| n_units >= MIN_UNITS);
-    let (Some(value), Some(error)) = (measured.value, error) else {
-        return measured;
-    };
-    let reach = student_quantile(0.5 + level / 2.0, f64::from(n_units - 1)) * error;
-    measured.within(Some(Interval {
-        low: value - reach,
-        high: value + reach,
-        level,
-        method: Method::ClusteredT,
-    }))
-}
-
-/// The p that goes with it.
-fn slope_p(slope: &failure::Coefficient, n_units: u32) -> Option<f64> {
-    let t = slope.estimate.value? / slope.standard_error_clustered?;
-    Some(two_sided_student_p(t, f64::from(n_units.checked_sub(1)?)))
 }
 
 fn appeared(
