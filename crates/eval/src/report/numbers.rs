@@ -82,6 +82,11 @@ pub fn numbers(study: &Study) -> Vec<Number> {
     for row in &study.robustness {
         of_robustness(row, &mut Adder::new(&row.detector, "all", &mut list));
     }
+    if study.draws_clusters() {
+        for number in &mut list {
+            number.method = words::over_clusters(number.method);
+        }
+    }
     of_sets(study, &mut list);
     list
 }
@@ -327,8 +332,8 @@ fn of_dose(adder: &mut Adder<'_>, dose: &DoseResponse) {
     adder.group(&dose.group);
     if let Some(fit) = &dose.fit {
         let metric = format!("logistic_slope_{}", dose.fact.replace(' ', "_"));
-        let method = "maximum likelihood, Wald between images, 95 %";
-        adder.add_tested(metric, &fit.slope, method, [fit.p, fit.p_holm]);
+        let p = [fit.p, fit.p_holm];
+        adder.add_tested(metric, &fit.slope, words::SLOPE_INTERVAL, p);
     }
 }
 

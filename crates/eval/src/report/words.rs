@@ -10,6 +10,18 @@ pub(super) const AP_INTERVAL: &str = "expanded percentile bootstrap, 95 %";
 pub(super) const RATE_INTERVAL: &str = "Wilson between images, 95 %";
 /// Those of mean changes.
 pub(super) const SHIFT_INTERVAL: &str = "t between images, 95 %";
+/// Those of slopes over a dose.
+pub(super) const SLOPE_INTERVAL: &str = "maximum likelihood, t between images, 95 %";
+
+/// The same method where clusters of images are drawn in the place of images.
+pub(super) fn over_clusters(method: &'static str) -> &'static str {
+    match method {
+        RATE_INTERVAL => "Wilson between clusters of images, 95 %",
+        SHIFT_INTERVAL => "t between clusters of images, 95 %",
+        SLOPE_INTERVAL => "maximum likelihood, t between clusters of images, 95 %",
+        other => other,
+    }
+}
 
 /// What intervals are, for a reader; of the methods that [`crate::resampling`] and [`crate::statistic`] take.
 pub(super) const INTERVALS: &str = "Of a difference of AP: as far on either side of it as random exchanges of clean and cracked images (or clips \

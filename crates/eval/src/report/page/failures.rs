@@ -61,8 +61,8 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
                 units = units(study),
                 unit = unit(study),
             ),
-            "Where",
-            all.map(|row| (words::scope(&row.scope), row)),
+            &["Where"],
+            all.map(|row| (vec![words::scope(&row.scope)], row)),
         ),
     }];
     for scope in scopes {
@@ -81,8 +81,10 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
         );
         let table = rate_table(
             &caption,
-            "Class",
-            groups.into_iter().map(|row| (group_name(&row.group), row)),
+            &["Class"],
+            groups
+                .into_iter()
+                .map(|row| (vec![group_name(&row.group)], row)),
         );
         let is_main = scope.kind == ScopeKind::InRegion && is_own_tau(study, scope.tau);
         blocks.push(match is_main {
@@ -96,27 +98,35 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
     blocks
 }
 
-fn rate_table<'a>(
+/// What is lost and recovered. Each row says what it is about in as many cells as `about` has heads.
+pub(super) fn rate_table<'a>(
     caption: &str,
-    what: &'static str,
-    rows: impl Iterator<Item = (String, &'a FailureRow)>,
+    about: &[&'static str],
+    rows: impl Iterator<Item = (Vec<String>, &'a FailureRow)>,
 ) -> Table {
-    let columns = [
-        (what, false),
-        ("Objects", true),
-        ("Found clean", true),
-        ("Found cracked", true),
-        ("Lost", true),
-        ("Recovered", true),
-        ("Failure rate, %", true),
-        ("p", true),
-        ("p (Holm)", true),
+    let counted = [
+        "Objects",
+        "Found clean",
+        "Found cracked",
+        "Lost",
+        "Recovered",
+        "Failure rate, %",
+        "p",
+        "p (Holm)",
     ];
+    let columns: Vec<(&'static str, bool)> = about
+        .iter()
+        .map(|head| (*head, false))
+        .chain(counted.map(|head| (head, true)))
+        .collect();
     let mut table = Table::new(caption, &columns);
-    for (name, row) in rows {
+    for (names, row) in rows {
         let rate = table.estimate(&row.failure_rate, words::percent);
-        table.push(vec![
-            Cell::head(name),
+        let mut cells: Vec<Cell> = names.iter().map(Cell::text).collect();
+        if let (Some(first), Some(name)) = (cells.first_mut(), names.first()) {
+            *first = Cell::head(name);
+        }
+        cells.extend([
             Cell::count(row.n_objects),
             Cell::count(row.n_found_clean),
             Cell::count(row.n_found_cracked),
@@ -126,6 +136,7 @@ fn rate_table<'a>(
             Cell::probability(row.p),
             Cell::probability(row.p_holm),
         ]);
+        table.push(cells);
     }
     table
 }
