@@ -133,40 +133,36 @@ impl<'a> Shapes<'a> {
 
     /// The whole numbers of an input that is a constant.
     fn numbers(&self, node: &NodeProto, place: usize) -> Option<Vec<i64>> {
-        let tensor = self.constants.get(node.input.get(place)?.as_str())?;
-        if tensor.data_type != Some(DataType::INT64) {
-            return None;
-        }
-        if !tensor.int64_data.is_empty() {
-            return Some(tensor.int64_data.clone());
-        }
-        let raw = tensor.raw_data.as_ref()?.try_borrow().ok()?;
-        let (numbers, _) = raw.as_chunks();
-        Some(
-            numbers
-                .iter()
-                .map(|&bytes| i64::from_le_bytes(bytes))
-                .collect(),
-        )
+        let stored = |tensor: &TensorProto| tensor.int64_data.clone();
+        self.constant_of(node, place, DataType::INT64, stored, i64::from_le_bytes)
     }
 
     /// The numbers of an input that is a constant.
     fn floats(&self, node: &NodeProto, place: usize) -> Option<Vec<f32>> {
+        let stored = |tensor: &TensorProto| tensor.float_data.clone();
+        self.constant_of(node, place, DataType::FLOAT, stored, f32::from_le_bytes)
+    }
+
+    /// The values of an input that is a constant of this type, from their list or from raw bytes.
+    fn constant_of<T, const N: usize>(
+        &self,
+        node: &NodeProto,
+        place: usize,
+        data_type: DataType,
+        stored: impl Fn(&TensorProto) -> Vec<T>,
+        of_bytes: fn([u8; N]) -> T,
+    ) -> Option<Vec<T>> {
         let tensor = self.constants.get(node.input.get(place)?.as_str())?;
-        if tensor.data_type != Some(DataType::FLOAT) {
+        if tensor.data_type != Some(data_type) {
             return None;
         }
-        if !tensor.float_data.is_empty() {
-            return Some(tensor.float_data.clone());
+        let stored = stored(tensor);
+        if !stored.is_empty() {
+            return Some(stored);
         }
         let raw = tensor.raw_data.as_ref()?.try_borrow().ok()?;
-        let (numbers, _) = raw.as_chunks();
-        Some(
-            numbers
-                .iter()
-                .map(|&bytes| f32::from_le_bytes(bytes))
-                .collect(),
-        )
+        let (values, _) = raw.as_chunks::<N>();
+        Some(values.iter().map(|bytes| of_bytes(*bytes)).collect())
     }
 }
 
