@@ -324,25 +324,28 @@ pub(crate) enum BenchModel {
     Optics,
 }
 
-/// The recipe in a file, or in what a pipe gives.
+/// The recipe in a file, or in what a pipe gives: its text, or what a record of ours has under `recipe`.
 pub(crate) fn read_recipe(path: &Path) -> Result<Recipe, Failure> {
-    let mut text = String::new();
     // One byte more than a recipe may have is known to be too long; a record is longer.
     let longest = u64::try_from(MAX_RECIPE_BYTES).unwrap_or(u64::MAX);
-    let read = File::open(path).and_then(|file| {
-        let mut start = (&file).take(longest.saturating_add(1));
+    let read = File::open(path).and_then(|mut file| {
+        let mut text = String::new();
+        let mut start = file.by_ref().take(longest.saturating_add(1));
         start.read_to_string(&mut text)?;
-        match text.starts_with('{') {
-            true => (&file).take(MAX_ITEM_BYTES).read_to_string(&mut text),
-            false => Ok(0),
+        if text.starts_with('{') {
+            file.take(MAX_ITEM_BYTES).read_to_string(&mut text)?;
+            let record: Option<serde_json::Value> = serde_json::from_str(&text).ok();
+            let recipe = record.and_then(|record| record["recipe"].as_str().map(str::to_owned));
+            text = recipe.unwrap_or(text);
         }
+        Ok(text)
     });
-    read.map_err(|cause| {
+    let text = read.map_err(|cause| {
         Failure::wrong_input(format!(
             "recipe {path:?} cannot be read as UTF-8 text: {cause}"
         ))
     })?;
-    Ok(Recipe::parse(&path.to_string_lossy(), &toml_of(text))?)
+    Ok(Recipe::parse(&path.to_string_lossy(), &text)?)
 }
 
 impl Global {
@@ -419,16 +422,6 @@ impl Global {
     pub(crate) fn seed(&self) -> Seed {
         Seed(self.seed)
     }
-}
-
-/// The recipe in a file: its text, or what a record of ours has under `recipe`.
-fn toml_of(text: String) -> String {
-    let record = match text.starts_with('{') {
-        true => serde_json::from_str::<serde_json::Value>(&text).ok(),
-        false => None,
-    };
-    let recipe = record.and_then(|record| record["recipe"].as_str().map(str::to_owned));
-    recipe.unwrap_or(text)
 }
 
 /// Units of memory and their bytes.

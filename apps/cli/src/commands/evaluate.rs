@@ -21,7 +21,7 @@ pub(crate) fn run(
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     if let Some(folder) = &args.output {
-        refuse_taken(folder)?;
+        refuse_study_or_set(folder)?;
     }
     let batch = match &args.output {
         Some(folder) => report_batch(global, folder, &REPORT_FILES)?,
@@ -99,7 +99,7 @@ fn inputs(global: &Global, args: &EvaluateArgs) -> Result<Vec<PathBuf>, Failure>
 
 /// The report of a study is not to be replaced by that of something else, and a generated set holds no
 /// files but its own.
-pub(super) fn refuse_taken(folder: &Path) -> Result<(), Failure> {
+pub(super) fn refuse_study_or_set(folder: &Path) -> Result<(), Failure> {
     let taken = [
         ("study.json", "a study, whose report would be replaced"),
         (

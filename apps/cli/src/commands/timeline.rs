@@ -17,7 +17,7 @@ use starbreak_eval::{
     LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
 };
 
-use super::evaluate::{command, refuse_taken, report_batch};
+use super::evaluate::{command, refuse_study_or_set, report_batch};
 use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
@@ -42,7 +42,7 @@ pub(crate) fn run(
 fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
     let batch = match &args.output {
         Some(folder) => {
-            refuse_taken(folder)?;
+            refuse_study_or_set(folder)?;
             report_batch(global, folder, &FILES)?
         }
         None => global.batch(),
