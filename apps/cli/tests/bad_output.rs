@@ -7,8 +7,8 @@ use std::fs;
 use std::path::Path;
 
 use common::{
-    SMALL, SmallDisk, all_refused, folder, names, skipped, snapshot, starbreak, starbreak_small,
-    write_photo,
+    QUICK_BENCH, SMALL, SmallDisk, all_refused, folder, names, skipped, snapshot, starbreak,
+    starbreak_small, write_photo,
 };
 
 /// Every verb that writes, onto this folder.
@@ -46,17 +46,7 @@ fn writers(to: &str) -> Vec<(Vec<String>, String)> {
         ),
         (words(&["man", "-o", to]), to.to_owned()),
         (
-            words(&[
-                "bench",
-                "--model",
-                "paper",
-                "--runs",
-                "1",
-                "--particles",
-                "50",
-                "-o",
-                to,
-            ]),
+            words(&[&QUICK_BENCH[..], &["-o", to]].concat()),
             to.to_owned(),
         ),
     ]

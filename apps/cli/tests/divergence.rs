@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use common::skipped;
+use common::{NO_DRAWS, skipped};
 use serde_json::Value;
 
 fn run(folder: &Path, args: &[&str]) -> Output {
@@ -245,15 +245,7 @@ fn a_bank_counts_with_its_patterns_and_a_few_pictures_not_at_all() {
         "fracture.neighbour_radius_px=20",
     ];
     common::succeed(dir.path(), &patterns);
-    let cheap = [
-        "--json",
-        "--bootstrap",
-        "0",
-        "--permutations",
-        "0",
-        "--splits",
-        "0",
-    ];
+    let cheap = [&["--json"][..], &NO_DRAWS].concat();
     let args = [
         "--experiment",
         "paper",

@@ -10,6 +10,16 @@ use std::path::Path;
 use common::{folder, json, starbreak, succeed};
 use serde_json::Value;
 
+/// Breaks the made-up set.
+const GENERATE: [&str; 6] = [
+    "generate",
+    "kitti:kitti",
+    "--preset",
+    "paper",
+    "-o",
+    "broken",
+];
+
 const N: usize = 48;
 
 /// 48 frames with a car each that is plain to see, of six drives; broken, with detections in both. Clean
@@ -70,17 +80,7 @@ fn kitti_has_intervals_drives_and_damage() {
     let root = folder();
     let root = root.path();
     write_set(root);
-    succeed(
-        root,
-        &[
-            "generate",
-            "kitti:kitti",
-            "--preset",
-            "paper",
-            "-o",
-            "broken",
-        ],
-    );
+    succeed(root, &GENERATE);
     let study = evaluate(root, "images", &[]);
     let row = |study: &Value, metric: &str| {
         let rows = study["evaluations"][0]["paired"].as_array().unwrap();
@@ -159,15 +159,7 @@ fn a_set_that_is_not_as_its_lists_say_gives_no_numbers() {
     let root = folder();
     let root = root.path();
     write_set(root);
-    let generate = [
-        "generate",
-        "kitti:kitti",
-        "--preset",
-        "paper",
-        "-o",
-        "broken",
-    ];
-    succeed(root, &generate);
+    succeed(root, &GENERATE);
     let refused = |more: &[&str], what: &str, word: &str| {
         let plain = [
             "evaluate",
@@ -223,6 +215,6 @@ fn a_set_that_is_not_as_its_lists_say_gives_no_numbers() {
         refused(more, "no manifest", "manifest.json");
     }
     assert!(!root.join("report").exists(), "nothing is written");
-    succeed(root, &generate);
+    succeed(root, &GENERATE);
     succeed(root, &[&EVALUATE[..], &["-o", "report"]].concat());
 }

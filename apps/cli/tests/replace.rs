@@ -8,8 +8,8 @@ use std::fs;
 use std::path::Path;
 
 use common::{
-    SMALL, all_refused, folder, names, photo, png_bytes, snapshot, starbreak, succeed,
-    succeed_small, write_photo,
+    NO_DRAWS, QUICK_BENCH, SMALL, all_refused, folder, names, photo, png_bytes, snapshot,
+    starbreak, succeed, succeed_small, write_photo,
 };
 use serde_json::json;
 
@@ -63,30 +63,13 @@ fn writers() -> Vec<(Vec<&'static str>, &'static str)> {
         "n.json",
     ]);
     let evaluate = [&EVALUATE, &["-o", "out", "--curves", "curves"][..]].concat();
-    let divergence = vec![
-        "divergence",
-        "folder:in",
-        "b=folder:in",
-        "--bootstrap",
-        "0",
-        "--permutations",
-        "0",
-        "--splits",
-        "0",
-        "-o",
-        "out",
-    ];
-    let bench = vec![
-        "bench",
-        "--model",
-        "paper",
-        "--runs",
-        "1",
-        "--particles",
-        "50",
-        "-o",
-        "out",
-    ];
+    let divergence = [
+        &["divergence", "folder:in", "b=folder:in"][..],
+        &NO_DRAWS,
+        &["-o", "out"],
+    ]
+    .concat();
+    let bench = [&QUICK_BENCH[..], &["-o", "out"]].concat();
     vec![
         (crack.clone(), "out/a.png"),
         (crack.clone(), "out/a.json"),

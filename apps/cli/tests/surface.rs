@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use common::{Outcome, folder, names, raw_png, succeed};
+use common::{Outcome, QUICK_BENCH, folder, names, raw_png, succeed};
 use serde_json::Value;
 
 const VERBS: [&str; 18] = [
@@ -236,17 +236,7 @@ fn every_verb_bears_a_closed_pipe() {
         &["man", "-o", "m"],
         &["demo", "-o", "d", "--preset", "paper"],
         &["crack", "a.png", "-o", "o", "--preset", "paper"],
-        &[
-            "bench",
-            "--model",
-            "paper",
-            "--runs",
-            "1",
-            "--particles",
-            "50",
-            "-o",
-            "b",
-        ],
+        &[&QUICK_BENCH[..], &["-o", "b"]].concat(),
         &["--help"],
         &["crack", "--help"],
         &["--version"],

@@ -29,6 +29,20 @@ pub(crate) const SMALL: [&str; 10] = [
 /// The same for a recipe that names its model and hits itself: only the size of the mesh.
 pub(crate) const SMALL_MESH: [&str; 4] = [SMALL[2], SMALL[3], SMALL[4], SMALL[5]];
 
+/// The model of the paper, measured once over a few particles.
+pub(crate) const QUICK_BENCH: [&str; 7] = [
+    "bench",
+    "--model",
+    "paper",
+    "--runs",
+    "1",
+    "--particles",
+    "50",
+];
+
+/// Divergences without the draws that take time.
+pub(crate) const NO_DRAWS: [&str; 6] = ["--bootstrap", "0", "--permutations", "0", "--splits", "0"];
+
 /// How a run of the command ended.
 #[derive(Debug)]
 pub(crate) struct Outcome {
