@@ -343,6 +343,8 @@ fn a_shard_that_was_altered_is_not_merged() {
         let refused = starbreak(dir.path(), &merge);
         let complaint = refused.complaint("is not what the lists of its shard say");
         assert_eq!(complaint, None, "{folder:?}");
+        let begun = dir.path().join("merged").exists();
+        assert!(!begun, "refused before anything is written: {folder:?}");
         shard(2);
     }
     succeed(dir.path(), &merge);

@@ -1,4 +1,5 @@
-//! `starbreak generate` from folders with links in them: what is read is known by its real path.
+//! Links and pipes in the folders that `starbreak generate` and `verify` read: what is read is known by its
+//! real path, and for a pipe nothing waits.
 #![cfg(unix)]
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -7,8 +8,10 @@ mod common;
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
-use common::{Outcome, SMALL, folder, names, starbreak, write_photo};
+use common::{Outcome, SMALL, command, folder, names, skipped, snapshot, starbreak, write_photo};
 
 /// The command, which a link must not keep from ending.
 fn generate(dir: &Path, source: &str, out: &str, more: &[&str]) -> Outcome {
@@ -162,4 +165,48 @@ fn an_index_that_leads_into_the_output_is_refused() {
     }
     let outcome = generate(dir.path(), "coco:coco", "out", &[]);
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
+}
+
+#[test]
+fn a_pipe_in_the_place_of_a_file_of_a_set_is_named_and_not_waited_for() {
+    let dir = folder();
+    write_photos(&dir.path().join("in"), 2);
+    let made = generate(dir.path(), "folder:in", "out", &[]);
+    assert_eq!(made.code, Some(0), "{made:?}");
+    let whole = snapshot(&dir.path().join("out"));
+    let files = whole.iter().filter(|(_, bytes)| bytes.is_some());
+    // The lock is no part of the set.
+    let names: Vec<_> = files
+        .map(|(path, _)| path.clone())
+        .filter(|path| path != Path::new("starbreak/lock"))
+        .collect();
+    assert!(names.len() > 8, "{names:?}");
+    for name in names {
+        let path = dir.path().join("out").join(&name);
+        let bytes = fs::read(&path).unwrap();
+        fs::remove_file(&path).unwrap();
+        let is_pipe = Command::new("mkfifo").arg(&path).status();
+        if !is_pipe.is_ok_and(|status| status.success()) {
+            return skipped("there is no mkfifo");
+        }
+        for verb in [
+            &["verify", "out"][..],
+            &["verify", "out", "--regenerate", "1"],
+        ] {
+            let mut child = command(dir.path(), verb)
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .unwrap();
+            let ended = (0..1200).find_map(|_| {
+                std::thread::sleep(Duration::from_millis(50));
+                child.try_wait().unwrap()
+            });
+            let _ = child.kill();
+            let ended = ended.unwrap_or_else(|| panic!("{verb:?} waits for {name:?}"));
+            assert!(!ended.success(), "{verb:?}, {name:?}");
+        }
+        fs::remove_file(&path).unwrap();
+        fs::write(&path, bytes).unwrap();
+    }
 }

@@ -498,7 +498,7 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
             ),
             (
                 with("labels.json", "clean.json", "negative.track.json"),
-                "fps = -5e0; expected frames per second above 0",
+                "fps = -5e0; expected frames per second from 1e-6 to 1e6",
             ),
             (
                 with("labels.json", "clean.json", "zero.track.json"),

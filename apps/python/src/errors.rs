@@ -71,6 +71,10 @@ fn of_file(error: &DatasetError, message: String) -> PyErr {
             };
             of_system(source, path, &done, message)
         }
+        DatasetError::Taken { path } => {
+            let way_out = "; choose another name or folder, or give replace=True";
+            of_system(&io::ErrorKind::AlreadyExists.into(), path, way_out, message)
+        }
         DatasetError::NotAFile { path, what }
         | DatasetError::DestinationNotAFile { path, what }
             if what.ends_with("folder") =>
@@ -109,6 +113,7 @@ fn code_of(kind: io::ErrorKind) -> Option<i32> {
     match kind {
         io::ErrorKind::NotFound => Some(2),
         io::ErrorKind::PermissionDenied => Some(13),
+        io::ErrorKind::AlreadyExists => Some(17),
         io::ErrorKind::NotADirectory => Some(20),
         io::ErrorKind::IsADirectory => Some(21),
         io::ErrorKind::StorageFull => Some(28),

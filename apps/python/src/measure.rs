@@ -10,13 +10,15 @@ use std::time::Duration;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use starbreak::Error;
-use starbreak::dataset::OutputBatch;
+use starbreak::dataset::SourceSpec;
 use starbreak::divergence::{
     Eye, MAX_DRAWS, MAX_SIDE_PX, NamedSet, check_settings, compare_read_sets,
 };
 use starbreak::eval::divergence::{AnalysisSize, Background, CompareSettings, ReadSettings};
 use starbreak::eval::{AreaRange, Protocol};
-use starbreak::evaluation::{EvaluateRequest, MAX_WORST, REPLICATES, evaluate_files};
+use starbreak::evaluation::{
+    EvaluateRequest, MAX_WORST, REPLICATES, REPORT_FILES, evaluate_files, report_batch,
+};
 use starbreak::pipeline::with_threads;
 
 use crate::arguments::{Given, List, Real, SeedArg, Whole};
@@ -43,12 +45,13 @@ const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
 /// iou_thresholds, max_dets, area_ranges (name to least and most px²), class_agnostic,
 /// gt_id_zero_quirk: other rules than the protocol's, for whole images alone.
 /// output: folder for report.html, evaluation.json, numbers.csv, table.tex and failures.jsonl,
-/// with intervals and tests; detector, condition (their names), replicates (20 to 1000000),
+/// with intervals and tests, and the list written.json. They take the place of an earlier report, and of other
+/// files only with replace; what is read is never replaced. detector, condition (their names), replicates (20 to 1000000),
 /// score_threshold (0 to 1), worst (0 to 100) and seed are about these.
 /// threads: 0 for one per processor.
 ///
 /// Raises `ValueError` for a request or files that make no sense, `OSError` for files that cannot
-/// be read or written.
+/// be read or written, of these `FileExistsError` for one that is there already.
 ///
 /// >>> import json, pathlib, starbreak, tempfile
 /// >>> folder = pathlib.Path(tempfile.mkdtemp())
@@ -64,8 +67,8 @@ const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
 /// 1.0
 #[pyfunction]
 #[pyo3(
-    signature = (source = None, *, clean, cracked = None, ground_truth = None, regions = None, cracked_set = None, protocol = None, tau = Given::of(List(Vec::new())), iou_thresholds = Given::of(List(Vec::new())), max_dets = Given::of(List(Vec::new())), area_ranges = Given::of(BTreeMap::new()), class_agnostic = Given::of(false), gt_id_zero_quirk = Given::of(false), output = None, detector = None, condition = None, replicates = Whole::of(1000), score_threshold = Given::of(Real(0.3)), worst = Whole::of(6), seed = SeedArg::ZERO, threads = Whole::of(0)),
-    text_signature = "(source=None, *, clean, cracked=None, ground_truth=None, regions=None, cracked_set=None, protocol=None, tau=(), iou_thresholds=(), max_dets=(), area_ranges={}, class_agnostic=False, gt_id_zero_quirk=False, output=None, detector=None, condition=None, replicates=1000, score_threshold=0.3, worst=6, seed=0, threads=0)"
+    signature = (source = None, *, clean, cracked = None, ground_truth = None, regions = None, cracked_set = None, protocol = None, tau = Given::of(List(Vec::new())), iou_thresholds = Given::of(List(Vec::new())), max_dets = Given::of(List(Vec::new())), area_ranges = Given::of(BTreeMap::new()), class_agnostic = Given::of(false), gt_id_zero_quirk = Given::of(false), output = None, replace = Given::of(false), detector = None, condition = None, replicates = Whole::of(1000), score_threshold = Given::of(Real(0.3)), worst = Whole::of(6), seed = SeedArg::ZERO, threads = Whole::of(0)),
+    text_signature = "(source=None, *, clean, cracked=None, ground_truth=None, regions=None, cracked_set=None, protocol=None, tau=(), iou_thresholds=(), max_dets=(), area_ranges={}, class_agnostic=False, gt_id_zero_quirk=False, output=None, replace=False, detector=None, condition=None, replicates=1000, score_threshold=0.3, worst=6, seed=0, threads=0)"
 )]
 #[expect(
     clippy::too_many_arguments,
@@ -87,6 +90,7 @@ pub(crate) fn evaluate<'py>(
     class_agnostic: Given<bool>,
     gt_id_zero_quirk: Given<bool>,
     output: Option<Given<PathBuf>>,
+    replace: Given<bool>,
     detector: Option<Given<String>>,
     condition: Option<Given<String>>,
     replicates: Whole,
@@ -104,6 +108,7 @@ pub(crate) fn evaluate<'py>(
         Ok(given.named(name)?.0.iter().map(|share| share.0).collect())
     };
     let output = Given::if_given(output, "output")?;
+    let replaces = replace.named("replace")?;
     let ranges = area_ranges.named("area_ranges")?.into_iter();
     let max_dets = max_dets
         .named("max_dets")?
@@ -136,9 +141,14 @@ pub(crate) fn evaluate<'py>(
         ..EvaluateRequest::of_clean(clean.named("clean")?)
     };
     let answer = watched(py, &threads, |_| -> Result<_, Error> {
+        let batch = output
+            .as_ref()
+            .map(|folder| report_batch(folder, &REPORT_FILES, replaces));
+        let batch = batch.transpose()?;
         let answer = evaluate_files(&request)?;
-        if let Some(folder) = &output {
-            let mut batch = OutputBatch::new().replacing(true);
+        if let (Some(folder), Some(batch)) = (&output, batch) {
+            let source = request.source.as_deref().map(SourceSpec::parse);
+            let mut batch = batch.never_over(request.read_files(source.transpose()?.as_ref()));
             for (name, text) in &answer.report {
                 batch.stage(&folder.join(name), text.as_bytes())?;
             }

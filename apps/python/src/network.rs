@@ -94,11 +94,14 @@ impl CrackNetwork {
     }
 
     /// Writes its file, JSON, whole or not at all, into a folder that is there: under another name
-    /// first, then renamed. A file or a link that was there is replaced by a new file with the mode of
-    /// one; what the link led to stays. Raises `OSError` if it cannot be written, `ValueError` for a
-    /// name that ends in .svg.
-    fn save(&self, py: Python<'_>, path: Given<PathBuf>) -> PyResult<()> {
+    /// first, then renamed. The file of a network that was there is replaced by a new file with the mode of
+    /// one, any other file or link only with `replace`; what the link led to stays. Raises
+    /// `FileExistsError` for such a file, `OSError` if it cannot be written, `ValueError` for a name that
+    /// ends in .svg.
+    #[pyo3(signature = (path, *, replace = Given::of(false)), text_signature = "(self, path, *, replace=False)")]
+    fn save(&self, py: Python<'_>, path: Given<PathBuf>, replace: Given<bool>) -> PyResult<()> {
         let path = path.named("path")?;
+        let replaces = replace.named("replace")?;
         if path
             .extension()
             .is_some_and(|ending| ending.eq_ignore_ascii_case("svg"))
@@ -115,7 +118,7 @@ impl CrackNetwork {
                 path: path.clone(),
                 source,
             })?;
-            let mut batch = OutputBatch::new().replacing(true);
+            let mut batch = OutputBatch::new().replacing(replaces);
             batch.stage(&path, self.network.to_json().as_bytes())?;
             batch.commit()
         });

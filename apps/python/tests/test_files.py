@@ -44,6 +44,22 @@ def test_a_network_is_saved_into_a_folder_that_is_there(tmp_path, monkeypatch):
     assert starbreak.CrackNetwork.from_file("network.json") == network
 
 
+def test_a_network_takes_the_place_of_a_network_alone_unless_it_is_to_replace(tmp_path):
+    one, two = (starbreak.simulate(PAPER, seed, (12, 9)) for seed in (1, 2))
+    path = tmp_path / "network.json"
+    one.save(path)
+    two.save(path)
+    assert starbreak.CrackNetwork.from_file(path) == two
+    for theirs in ("mine", '{"schema": "starbreak.provenance/2"}'):
+        path.write_text(theirs)
+        with pytest.raises(FileExistsError, match="replace=True") as raised:
+            one.save(path)
+        assert (raised.value.errno, raised.value.filename) == (17, str(path))
+        assert path.read_text() == theirs
+    one.save(path, replace=True)
+    assert starbreak.CrackNetwork.from_file(path) == one
+
+
 def test_a_folder_is_no_file(tmp_path):
     network = starbreak.simulate(PAPER, 1, (12, 9))
     for call in (starbreak.Recipe.from_file, starbreak.CrackNetwork.from_file, network.save):
@@ -79,7 +95,7 @@ def test_a_saved_network_is_a_new_file(tmp_path):
     (tmp_path / "private.json").touch(0o600)
     (tmp_path / "plain.json").touch()
     for name in ("link.json", "private.json"):
-        network.save(tmp_path / name)
+        network.save(tmp_path / name, replace=True)
         assert not (tmp_path / name).is_symlink()
         assert stat.S_IMODE((tmp_path / name).stat().st_mode) == stat.S_IMODE((tmp_path / "plain.json").stat().st_mode)
     assert (tmp_path / "target.json").read_text() == "here"

@@ -97,8 +97,7 @@ def test_evaluate_writes_the_report_of_the_command(command, labeled, tmp_path):
         threads=1,
     )
     assert ours == json.loads(said.stdout)
-    # The command alone keeps a list of what it has written.
-    names = sorted(set(os.listdir(tmp_path / "theirs")) - {"written.json"})
+    names = sorted(os.listdir(tmp_path / "theirs"))
     assert sorted(os.listdir(tmp_path / "ours")) == names and "report.html" in names
     for name in ("numbers.csv", "table.tex", "failures.jsonl"):
         assert (tmp_path / "ours" / name).read_text() == (tmp_path / "theirs" / name).read_text(), name
@@ -173,6 +172,25 @@ def test_folders_that_are_not_there_are_os_errors(labeled, tmp_path):
     with pytest.raises(NotADirectoryError) as raised:
         of(labeled, output=labeled / "labels.json", replicates=20)
     assert raised.value.errno == 20 and "labels.json" in raised.value.filename
+
+
+def test_a_report_takes_the_place_of_a_report_alone(labeled, tmp_path):
+    out = tmp_path / "out"
+    for seed in (1, 2):
+        of(labeled, output=out, replicates=20, seed=seed)
+    (out / "numbers.csv").write_text("mine")
+    with pytest.raises(FileExistsError, match="replace=True"):
+        of(labeled, output=out, replicates=20)
+    assert (out / "numbers.csv").read_text() == "mine"
+    of(labeled, output=out, replicates=20, replace=True)
+    assert (out / "numbers.csv").read_text() != "mine"
+    found = tmp_path / "own" / "evaluation.json"
+    found.parent.mkdir()
+    found.write_bytes((labeled / "clean.json").read_bytes())
+    for replace in (False, True):
+        with pytest.raises(OSError):
+            of(labeled, clean=found, output=found.parent, replicates=20, replace=replace)
+    assert found.read_bytes() == (labeled / "clean.json").read_bytes() and os.listdir(found.parent) == ["evaluation.json"]
 
 
 def test_files_that_are_not_there_are_os_errors(labeled, tmp_path):

@@ -3,6 +3,7 @@ use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::error::DatasetError;
+use crate::image_file::{not_a_file, open_file};
 
 /// A line that is longer is not one of ours, bytes.
 const MAX_LINE_BYTES: usize = 1 << 26;
@@ -22,7 +23,7 @@ impl LineLog {
     /// the lines that are there. The first that `is_good` refuses is cut off with all after it.
     ///
     /// # Errors
-    /// [`DatasetError::Read`], [`DatasetError::Write`].
+    /// [`DatasetError::Read`], [`DatasetError::Write`], [`DatasetError::NotAFile`].
     pub fn open(
         path: &Path,
         identity: &str,
@@ -34,6 +35,13 @@ impl LineLog {
         };
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(write_error)?;
+        }
+        // To open a pipe would wait for its reader.
+        if let Some(what) = fs::metadata(path).ok().as_ref().and_then(not_a_file) {
+            return Err(DatasetError::NotAFile {
+                path: path.to_owned(),
+                what,
+            });
         }
         let mut file = OpenOptions::new()
             .read(true)
@@ -61,21 +69,23 @@ impl LineLog {
     /// not there has none.
     ///
     /// # Errors
-    /// [`DatasetError::Read`].
+    /// [`DatasetError::Read`], [`DatasetError::NotAFile`].
     pub fn read(path: &Path, take: &mut dyn FnMut(&str)) -> Result<(), DatasetError> {
-        let n_bytes = File::open(path).and_then(|file| {
-            n_good_bytes(&file, None, &mut |line| {
-                take(line);
-                true
-            })
-        });
-        match n_bytes {
-            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(DatasetError::Read {
-                path: path.to_owned(),
-                source,
-            }),
-            _ => Ok(()),
-        }
+        let file = match open_file(path) {
+            Err(DatasetError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+                return Ok(());
+            }
+            file => file?,
+        };
+        n_good_bytes(&file, None, &mut |line| {
+            take(line);
+            true
+        })
+        .map(|_| ())
+        .map_err(|source| DatasetError::Read {
+            path: path.to_owned(),
+            source,
+        })
     }
 
     /// Adds a line, given without its end.
@@ -190,5 +200,25 @@ mod tests {
             "b\n",
             "of something else"
         );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_is_refused_without_opening_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("log");
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        if !made.is_ok_and(|status| status.success()) {
+            eprintln!("SKIPPED: there is no mkfifo");
+            return;
+        }
+        let opened = LineLog::open(&path, "a", &mut |_| true).map(|_| ());
+        let read = LineLog::read(&path, &mut |_| {});
+        for refused in [opened, read] {
+            let Err(error) = refused else {
+                panic!("a pipe is no log")
+            };
+            assert!(error.to_string().contains("a pipe"), "{error}");
+        }
     }
 }

@@ -1,4 +1,3 @@
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -6,6 +5,7 @@ use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
 use crate::error::{DatasetError, one_line};
+use crate::image_file::open_file;
 
 /// SHA-256 of `bytes`, as 64 lowercase hexadecimal digits.
 #[must_use]
@@ -17,13 +17,14 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
 ///
 /// # Errors
 ///
-/// [`DatasetError::Read`] where the file cannot be read.
+/// [`DatasetError::Read`] where the file cannot be read, [`DatasetError::NotAFile`] where it is a
+/// folder, a pipe or a device.
 pub fn sha256_file(path: &Path) -> Result<String, DatasetError> {
     let read_error = |source| DatasetError::Read {
         path: path.to_owned(),
         source,
     };
-    let mut file = File::open(path).map_err(read_error)?;
+    let mut file = open_file(path)?;
     let mut digest = Sha256::new();
     let mut buffer = vec![0; 1 << 16];
     loop {
@@ -48,13 +49,13 @@ pub fn blake3_hex(bytes: &[u8]) -> String {
 ///
 /// # Errors
 ///
-/// [`DatasetError::Read`] where the file cannot be read.
+/// As for [`sha256_file`].
 pub fn blake3_file(path: &Path) -> Result<String, DatasetError> {
     let read_error = |source| DatasetError::Read {
         path: path.to_owned(),
         source,
     };
-    let file = File::open(path).map_err(read_error)?;
+    let file = open_file(path)?;
     let mut digest = blake3::Hasher::new();
     digest.update_reader(file).map_err(read_error)?;
     Ok(digest.finalize().to_string())

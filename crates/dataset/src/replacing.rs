@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use crate::error::DatasetError;
 use crate::generated::{refuse_inside_set, safe_path};
+use crate::image_file::read_bytes;
 use crate::paths::{FileSet, resolved};
 use crate::provenance::{blake3_file, blake3_hex};
 
@@ -137,7 +138,7 @@ impl Replacing {
             return true;
         }
         let Some(bytes) = bytes else { return false };
-        let Ok(found) = fs::read(path) else {
+        let Ok(found) = read_bytes(path, u64::MAX) else {
             return false;
         };
         found == bytes || Purpose::of(bytes).is_some_and(|own| Purpose::of(&found) == Some(own))
@@ -175,7 +176,7 @@ impl Purpose {
 /// Whether a file is a JSON record of ours, for whatever purpose.
 pub(crate) fn is_record(path: &Path) -> bool {
     let is_link = fs::symlink_metadata(path).is_ok_and(|found| found.is_symlink());
-    !is_link && fs::read(path).is_ok_and(|bytes| Purpose::of(&bytes).is_some())
+    !is_link && read_bytes(path, u64::MAX).is_ok_and(|bytes| Purpose::of(&bytes).is_some())
 }
 
 /// What in a record is about files that were written.
@@ -185,7 +186,7 @@ const LISTS: [&str; 5] = ["output", "region", "crack", "maps", "files"];
 /// record of this schema and input. A record that cannot be read lists none.
 #[must_use]
 pub fn listed_files(record: &Path, schema: &str, input: Option<&str>) -> Vec<(PathBuf, String)> {
-    let Ok(bytes) = fs::read(record) else {
+    let Ok(bytes) = read_bytes(record, u64::MAX) else {
         return Vec::new();
     };
     let purpose = Purpose {

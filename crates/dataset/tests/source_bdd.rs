@@ -124,7 +124,7 @@ fn bad_frames_and_labels_are_named_and_good_ones_stay() {
     assert_eq!(
         found.problems,
         [
-            "frame a.jpg, label 1: the box2d 9 2 3 4 px ends before it begins",
+            "frame a.jpg, label 1: the box2d [9.0, 2.0, 3.0, 4.0] px ends before it begins, or reaches beyond 1e9 px",
             "frame a.jpg, label [2]: missing field `y2`",
             "frame a.jpg, label 3: it has a box but no category",
             "frame a.jpg, label [4]: invalid type: integer `7`, expected struct LabelRecord",

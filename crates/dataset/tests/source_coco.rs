@@ -172,7 +172,7 @@ fn bad_annotations_are_named_and_good_ones_stay() {
         "annotations[5]: it has no id",
         "annotation 6: it has no category_id",
         "annotation 6: it has no bbox",
-        "annotation 8: the bbox [1, 2, -3, 4] px is not finite or has a negative side",
+        "annotation 8: the bbox [1.0, 2.0, -3.0, 4.0] px is not finite within 1e9 px, or has a negative side",
         "annotations[10]: invalid length 3, expected an array of length 4",
         "annotations[11]: invalid type: string \"3\", expected f64",
         "annotations[13]: the id 1.5 is not a whole number",

@@ -65,6 +65,20 @@ fn labels_stand_in_the_same_tree_and_are_scaled_by_the_size() {
 }
 
 #[test]
+fn a_number_of_classes_that_the_names_belie_is_refused() {
+    for (nc, is_good) in [("2", true), ("3", false), ("two", false), ("[2]", false)] {
+        let dir = tempfile::tempdir().unwrap();
+        put(dir.path(), "data.yaml", format!("nc: {nc}\n{DATA}"));
+        put(dir.path(), "images/train/a.png", png(10, 10));
+        let opened = try_open("yolo", dir.path());
+        assert_eq!(opened.is_ok(), is_good, "nc: {nc}");
+        if let Err(error) = opened {
+            assert!(error.to_string().contains("nc "), "{error}");
+        }
+    }
+}
+
+#[test]
 fn bad_labels_are_named_by_line_and_good_ones_stay() {
     let dir = tempfile::tempdir().unwrap();
     put(dir.path(), "data.yaml", DATA);

@@ -91,7 +91,9 @@ fn of_study(
                 for place in [Subset::InRegion { tau: TAU }, Subset::WholeImage] {
                     for is_clustered in [false, true] {
                         let whole = sides(&truth, &folder, study, &clean, seeds, &place)?;
-                        let zero = whole.said().into_keys().map(|name| (name, 0.0)).collect();
+                        // Of clean and cracked of one law the ratio is 1.
+                        let none = |name| (name, if name == "rPC" { 1.0 } else { 0.0 });
+                        let zero = whole.said().into_keys().map(none).collect();
                         let plan = plan(&truth.labels, is_clustered);
                         let found =
                             wrong(n_samples, &zero, |number| exchanged(&whole, &plan, number));
@@ -168,6 +170,7 @@ fn sides(
         pairs: Vec::new(),
         n_categories: labels.categories.len(),
         plan: plan(labels, false),
+        boxes: None,
     };
     for seed in seeds {
         let cracked = truth
@@ -242,6 +245,7 @@ fn exchanged(whole: &Sample, plan: &Plan, number: u64) -> Sample {
         pairs: whole.pairs.iter().map(exchange).collect(),
         n_categories: whole.n_categories,
         plan: plan.clone().with(400, number, 0.95),
+        boxes: None,
     }
 }
 

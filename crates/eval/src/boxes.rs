@@ -17,6 +17,9 @@ pub struct BoxPx {
     pub height: f64,
 }
 
+/// The farthest from 0 that a number of a box is believed, px.
+const MOST_PX: f64 = 1e9;
+
 impl BoxPx {
     /// The box between two corners.
     #[must_use]
@@ -35,11 +38,14 @@ impl BoxPx {
         [self.x, self.y, self.x + self.width, self.y + self.height]
     }
 
-    /// Whether all its numbers are finite and no side is negative.
+    /// Whether no side is negative and all its numbers lie within a thousand million pixels of 0: areas of
+    /// wilder ones end in infinity, and overlaps in no number.
     #[must_use]
     pub fn is_sound(&self) -> bool {
         let numbers = [self.x, self.y, self.width, self.height];
-        numbers.iter().all(|number| number.is_finite()) && self.width >= 0.0 && self.height >= 0.0
+        numbers.iter().all(|number| number.abs() <= MOST_PX)
+            && self.width >= 0.0
+            && self.height >= 0.0
     }
 
     /// Width times height, px².

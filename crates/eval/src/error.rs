@@ -164,7 +164,7 @@ pub enum EvalError {
         n_q: usize,
     },
     /// A count that is none.
-    #[error("{which}[{bin}] = {value}; a count is finite and not negative")]
+    #[error("{which}[{bin}] = {value:e}; a count is from 0 to 2^53 = 9.007e15")]
     HistogramCount {
         /// `p` or `q`.
         which: &'static str,
@@ -180,7 +180,7 @@ pub enum EvalError {
         which: &'static str,
     },
     /// A smoothing that is none.
-    #[error("alpha = {alpha} counts per bin; expected a finite number from 0 on, usually 0.5")]
+    #[error("alpha = {alpha:e} counts per bin; expected 0 to 2^53, usually 0.5")]
     Smoothing {
         /// The value.
         alpha: f64,

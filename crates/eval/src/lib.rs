@@ -45,7 +45,9 @@ pub use labels::{
     frames_of, said_categories,
 };
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
-pub use mean_performance::{CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance};
+pub use mean_performance::{
+    CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance, measured_performance,
+};
 pub use protocol::{
     AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, KittiRanking,
     MatchRule, N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision,

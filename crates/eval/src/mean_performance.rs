@@ -2,6 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::EvalError;
+use crate::resampling::{Basis, Plan, RankedCategory, bootstrap, units_of_classes};
+use crate::statistic::{Measured, Method};
+
 /// AP of one set of cracked images.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CrackedPrecision {
@@ -102,6 +106,72 @@ pub fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) -> MeanPe
         cells,
         reason,
     }
+}
+
+/// Clean AP, mPC and rPC with their intervals, over the classes of each set of images: `clean` is one set for all,
+/// or one per set of `cracked`, whose places among the kinds and severities are `cells`; each has the same
+/// number of seeds. Nothing is given where an AP is not defined.
+///
+/// Each replicate draws images (or clusters) once for all sets, and averages as mPC is averaged; rPC is of the
+/// same replicate. The intervals are expanded percentiles: of clean AP and mPC by the images of the classes, of
+/// rPC by all units, since either side leans with the few images of a class, and their ratio does not.
+///
+/// # Errors
+/// If the plan cannot be carried out.
+pub fn measured_performance(
+    clean: &[Vec<RankedCategory>],
+    cracked: &[Vec<RankedCategory>],
+    cells: &[usize],
+    plan: &Plan,
+) -> Result<[Measured; 3], EvalError> {
+    let replicates = bootstrap(plan, |weights| {
+        let ap = |sets: &[Vec<RankedCategory>]| -> Vec<Option<f64>> {
+            let of_set = |set: &Vec<RankedCategory>| mean_precision(set, weights);
+            sets.iter().map(of_set).collect()
+        };
+        let of_clean = match ap(clean).as_slice() {
+            [alone] => *alone,
+            all => mean_of_cells(cells, all),
+        };
+        let of_cracked = mean_of_cells(cells, &ap(cracked));
+        let ratio = of_cracked
+            .zip(of_clean.filter(|clean| *clean > 0.0))
+            .map(|(cracked, clean)| cracked / clean);
+        vec![of_clean, of_cracked, ratio]
+    })?;
+    let n_categories = clean.iter().map(Vec::len).max().unwrap_or_default();
+    let units = units_of_classes(n_categories, plan, |at| {
+        let of_class = clean.iter().filter_map(move |set| set.get(at));
+        of_class.flat_map(RankedCategory::cells_with_objects)
+    });
+    let side = Basis::of_classes(&units, plan);
+    let ap = Method::AveragePrecision;
+    Ok([
+        replicates.expanded(0, ap, side),
+        replicates.expanded(1, ap, side),
+        replicates.expanded(2, Method::Ratio, Basis::Units(plan.n_units())),
+    ])
+}
+
+/// Mean over the categories with objects.
+fn mean_precision(set: &[RankedCategory], weights: &[u32]) -> Option<f64> {
+    let (mut sum, mut n) = (0.0, 0_u32);
+    for ap in set.iter().filter_map(|one| one.average_precision(weights)) {
+        sum += ap;
+        n += 1;
+    }
+    (n > 0).then(|| sum / f64::from(n))
+}
+
+/// Mean over cells of the mean over seeds; nothing where a value is missing.
+fn mean_of_cells(place: &[usize], values: &[Option<f64>]) -> Option<f64> {
+    let n_cells = place.iter().max()? + 1;
+    let mut cells = vec![(0.0_f64, 0.0_f64); n_cells];
+    for (cell, value) in place.iter().zip(values) {
+        let cell = cells.get_mut(*cell)?;
+        *cell = (cell.0 + (*value)?, cell.1 + 1.0);
+    }
+    Some(cells.iter().map(|(sum, n)| sum / n).sum::<f64>() / n_cells as f64)
 }
 
 fn cell(family: &str, severity: u32, sets: &[CrackedPrecision]) -> PerformanceCell {

@@ -125,6 +125,12 @@ fn detections_that_make_no_sense_are_refused_with_place_and_byte() {
             "[1, 2, 3, -4]",
             "[1]: the bbox [1.0, 2.0, 3.0, -4.0] px has a negative side",
         ),
+        // Its area would be infinite, and overlaps no number.
+        (
+            "[1, 2, 3, 4]",
+            "[1, 2, 1e300, 4]",
+            "[1]: the bbox [1.0, 2.0, 1e300, 4.0] px has a negative side, or reaches beyond 1e9 px",
+        ),
         ("[1, 2, 3, 4]", "[1, 2, 3]", "[1], byte"),
         ("[1, 2, 3, 4]", "[1, 2, 3, 4, 5]", "[1], byte"),
         (
@@ -200,6 +206,10 @@ fn kitti_files_that_make_no_sense_are_refused_with_their_line() {
         (
             "Car 0 0 0 1 nan 30 40 1 1 1 1 1 1 0",
             "field 6 = \"nan\" is not a finite number",
+        ),
+        (
+            "Car 0 0 0 1 2 30 1e300 1 1 1 1 1 1 0",
+            "field 8 = \"1e300\" is not a finite number within 1e9 of 0",
         ),
         (
             "Car 0 0 0 100 2 30 40 1 1 1 1 1 1 0",

@@ -94,6 +94,10 @@ fn a_wrong_number_of_a_frame_does_not_fill_the_memory() {
         ClipTrack::plain(1_000_000, 30.0, None).is_ok(),
         "nine hours"
     );
+    for rate in [1e-300, 0.0, -1.0, f64::INFINITY, f64::NAN] {
+        let error = ClipTrack::plain(10, rate, None).unwrap_err();
+        assert!(error.to_string().contains("from 1e-6 to 1e6"), "{error}");
+    }
     let error = ClipTrack::plain(u64::MAX, 30.0, None).unwrap_err();
     let error = error.to_string();
     assert!(error.contains("18446744073709551615 frames"), "{error}");

@@ -236,7 +236,7 @@ fn the_files_of_the_paper_stay_as_they_were() {
 #[test]
 fn each_broken_promise_of_the_physics_is_named() {
     type Change = fn(&mut NetworkData);
-    let cases: [(Change, &str); 20] = [
+    let cases: [(Change, &str); 21] = [
         (|d| d.segments.zone = Some(vec![]), "segments.zone"),
         (
             |d| d.segments.face = Some(vec![Face::Outer]),
@@ -290,6 +290,10 @@ fn each_broken_promise_of_the_physics_is_named() {
             "impacts.azimuth_deg[0]",
         ),
         (|d| d.impacts[0].force = Some(f64::NAN), "impacts.force[0]"),
+        (
+            |d| d.impacts[0].radius_mm = Some(1e300),
+            "impacts.radius_mm[0] = 1e300; expected a finite number ≥ 0, within 1e12 of 0",
+        ),
         (
             |d| d.impacts[0].crushed_radius_mm = Some(-1.0),
             "impacts.crushed_radius_mm[0]",

@@ -1,11 +1,10 @@
 //! `starbreak evaluate`: labels and detections to numbers.
 
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use starbreak::dataset::{FileSet, OutputBatch, file_len};
-use starbreak::evaluation::{EvaluateRequest, evaluate_files, files_of, label_files};
+use starbreak::dataset::OutputBatch;
+use starbreak::evaluation::{EvaluateRequest, REPORT_FILES, evaluate_files, report_batch};
 use starbreak::pipeline::with_threads;
 use starbreak_eval::evaluation::{Estimate, PairedMetric, PairedRow, ScopeKind};
 use starbreak_eval::{AreaRange, CocoEvaluation, Evaluated, KittiCurve, Protocol};
@@ -20,19 +19,17 @@ pub(crate) fn run(
     args: &EvaluateArgs,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    if let Some(folder) = &args.output {
-        refuse_study_or_set(folder)?;
-    }
     let batch = match &args.output {
-        Some(folder) => report_batch(global, folder, &REPORT_FILES)?,
+        Some(folder) => report_batch(folder, &REPORT_FILES, global.replace)?,
         None => global.batch(),
     };
-    let mut batch = batch.never_over(FileSet::of(&inputs(global, args)?));
+    let request = request(global, args);
+    let source = args.source.as_deref().map(|source| global.spec(source));
+    let mut batch = batch.never_over(request.read_files(source.transpose()?.as_ref()));
     for folder in args.output.iter().chain(&args.curves) {
         // A folder that cannot be written to is known before the work.
         OutputBatch::new().reserve(&folder.join("trial"))?;
     }
-    let request = request(global, args);
     let answer = with_threads(usize::from(global.threads), || evaluate_files(&request))??;
     if let Some(folder) = &args.curves {
         for (path, bytes) in &answer.curves {
@@ -59,62 +56,6 @@ pub(crate) fn run(
     }
     screen.result(|| answer.json)?;
     Ok(ExitCode::SUCCESS)
-}
-
-/// The files of a report of images.
-const REPORT_FILES: [&str; 5] = [
-    "report.html",
-    "evaluation.json",
-    "numbers.csv",
-    "table.tex",
-    "failures.jsonl",
-];
-
-/// The batch for a report of these files, none of which may be of somebody else. One list is of both
-/// kinds of reports: that of images and that of clips replace each other.
-pub(super) fn report_batch(
-    global: &Global,
-    folder: &Path,
-    names: &[&str],
-) -> Result<OutputBatch, Failure> {
-    let list = folder.join("written.json");
-    let batch = global.batch().with_list(&list, "report");
-    for name in names {
-        batch.may_write(&folder.join(name))?;
-    }
-    Ok(batch)
-}
-
-/// The files that are read.
-fn inputs(global: &Global, args: &EvaluateArgs) -> Result<Vec<PathBuf>, Failure> {
-    let mut inputs = match &args.source {
-        Some(source) => label_files(&global.spec(source)?),
-        None => Vec::new(),
-    };
-    let others = [&args.ground_truth, &args.cracked, &args.clusters];
-    let others = others.into_iter().flatten().chain([&args.clean]);
-    inputs.extend(others.flat_map(|path| files_of(path)));
-    Ok(inputs)
-}
-
-/// The report of a study is not to be replaced by that of something else, and a generated set holds no
-/// files but its own.
-pub(super) fn refuse_study_or_set(folder: &Path) -> Result<(), Failure> {
-    let taken = [
-        ("study.json", "a study, whose report would be replaced"),
-        (
-            "starbreak/run.json",
-            "a generated set, to which no report belongs",
-        ),
-    ];
-    let is_there = |(name, _): &&(&str, &str)| file_len(&folder.join(name)).is_ok();
-    match taken.iter().find(is_there) {
-        None => Ok(()),
-        Some((_, what)) => Err(Failure::wrong_input(format!(
-            "{}: is the folder of {what}; give another",
-            folder.display()
-        ))),
-    }
 }
 
 /// What the flags ask for.

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use serde_json::json;
 use starbreak::dataset::same_file;
-use starbreak::evaluation::{files_of, stem_of};
+use starbreak::evaluation::{files_of, report_batch, stem_of};
 use starbreak::pipeline::with_threads;
 use starbreak_eval::evaluation::{
     ClipInput, ClipSettings, Condition, Counts, Evaluation, InputFile, ProtocolResults, Provenance,
@@ -17,7 +17,7 @@ use starbreak_eval::{
     LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
 };
 
-use super::evaluate::{command, refuse_study_or_set, report_batch};
+use super::evaluate::command;
 use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
@@ -41,10 +41,7 @@ pub(crate) fn run(
 
 fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
     let batch = match &args.output {
-        Some(folder) => {
-            refuse_study_or_set(folder)?;
-            report_batch(global, folder, &FILES)?
-        }
+        Some(folder) => report_batch(folder, &FILES, global.replace)?,
         None => global.batch(),
     };
     let tracks = Tracks::read(args)?;

@@ -1,6 +1,6 @@
 //! Labels and other files of the source, carried over as they are.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, BufRead as _, BufReader, Write};
 use std::path::Path;
 
@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::GeneratedSet;
 use crate::error::DatasetError;
+use crate::image_file::open_file;
 use crate::known_folders::{TEMPORARY, absolute_folder_of};
 use crate::paths::same_file;
 use crate::provenance::blake3_file;
@@ -53,7 +54,7 @@ impl GeneratedSet {
         if how == Carry::HardLink && self.link(from, &to)? {
             return Ok(carried(name, file_len(from)?, &blake3_file(from)?));
         }
-        let source = File::open(from).map_err(read_error(from))?;
+        let source = open_file(from)?;
         let mut source = BufReader::new(source);
         self.put_with(name, &mut |out| {
             loop {

@@ -1,6 +1,5 @@
 //! The lists of a set, and the manifest that says it is whole.
 
-use std::fs::File;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{CarriedFile, GeneratedSet, ItemRecord, SetLayout, read_json};
 use crate::error::{DatasetError, one_line};
+use crate::image_file::open_file;
 use crate::provenance::blake3_file;
 
 /// What a finished run says of its set: `manifest.json`.
@@ -152,11 +152,7 @@ pub(super) fn read_list<T: DeserializeOwned>(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<T, DatasetError>> + use<T>, DatasetError> {
     let path = path.to_owned();
-    let file = File::open(&path).map_err(|source| DatasetError::Read {
-        path: path.clone(),
-        source,
-    })?;
-    let lines = BufReader::new(file).lines();
+    let lines = BufReader::new(open_file(&path)?).lines();
     Ok((1..).zip(lines).map(move |(k, line): (u64, _)| {
         let line = line.map_err(|source| DatasetError::Read {
             path: path.clone(),

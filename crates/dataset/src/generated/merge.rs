@@ -12,6 +12,7 @@ use super::{
 };
 use crate::error::DatasetError;
 use crate::paths::is_inside;
+use crate::provenance::blake3_file;
 
 /// What a merge has done.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,32 +49,18 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
         }
     }
     let files = other_files(&parts)?;
+    // Before anything is written: a file that is not as it was made ends the merge.
+    each_file(&parts, &files, &mut Part::check)?;
     let set = GeneratedSet::begin(out, n_samples, &identity)?;
-
-    for (name, (part, file)) in &files {
-        part.give(&set, name, &file.blake3)?;
-    }
+    each_file(&parts, &files, &mut |part, name, blake3| {
+        part.give(&set, name, blake3)
+    })?;
     let (mut n_taken, mut n_failed, mut n_skipped) = (0, 0, 0);
     for part in parts.values() {
         n_taken += part.manifest.n_items + part.manifest.n_failed;
         n_failed += part.manifest.n_failed;
         // Each shard has seen the whole source.
         n_skipped = n_skipped.max(part.manifest.n_skipped);
-        for item in read_list::<ItemRecord>(&part.layout.state("items.jsonl"))? {
-            let item = item?;
-            let named = part.layout.files_of(&item.name, item.sample);
-            let images = [
-                (&named.image, Some(&item.image_blake3)),
-                (&named.region, item.region_blake3.as_ref()),
-                (&named.crack, item.crack_blake3.as_ref()),
-                (&named.provenance, Some(&item.provenance_blake3)),
-            ];
-            for (name, blake3) in images {
-                if let Some(blake3) = blake3 {
-                    part.give(&set, name, blake3)?;
-                }
-            }
-        }
     }
     for name in ["failures.jsonl", "skipped.jsonl"] {
         set.put_state(name, joined(&parts, name)?.as_deref())?;
@@ -93,18 +80,60 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
     Ok(MergeReport { manifest, n_shards })
 }
 
+/// Hands over each file of the parts by its name, with the hash that the lists say.
+fn each_file(
+    parts: &BTreeMap<u64, Part>,
+    others: &BTreeMap<String, (&Part, CarriedFile)>,
+    take: &mut dyn FnMut(&Part, &str, &str) -> Result<(), DatasetError>,
+) -> Result<(), DatasetError> {
+    for (name, (part, file)) in others {
+        take(part, name, &file.blake3)?;
+    }
+    for part in parts.values() {
+        for item in read_list::<ItemRecord>(&part.layout.state("items.jsonl"))? {
+            let item = item?;
+            let named = part.layout.files_of(&item.name, item.sample);
+            let images = [
+                (&named.image, Some(&item.image_blake3)),
+                (&named.region, item.region_blake3.as_ref()),
+                (&named.crack, item.crack_blake3.as_ref()),
+                (&named.provenance, Some(&item.provenance_blake3)),
+            ];
+            for (name, blake3) in images {
+                if let Some(blake3) = blake3 {
+                    take(part, name, blake3)?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
 impl Part {
+    /// Refuses a file that is not what the part's lists say.
+    fn check(&self, name: &str, blake3: &str) -> Result<(), DatasetError> {
+        let from = self.layout.safe(name)?;
+        match blake3_file(&from)? == blake3 {
+            true => Ok(()),
+            false => Err(is_altered(&from)),
+        }
+    }
+
     /// Gives a set a file, if it is still what the part's lists say.
     fn give(&self, set: &GeneratedSet, name: &str, blake3: &str) -> Result<(), DatasetError> {
         let from = self.layout.safe(name)?;
-        if set.carry(&from, name, Carry::HardLink)?.blake3 == blake3 {
-            return Ok(());
+        match set.carry(&from, name, Carry::HardLink)?.blake3 == blake3 {
+            true => Ok(()),
+            false => Err(is_altered(&from)),
         }
-        Err(DatasetError::Shards {
-            reason: format!(
-                "{from:?} is not what the lists of its shard say; run its generate again, then merge"
-            ),
-        })
+    }
+}
+
+fn is_altered(from: &Path) -> DatasetError {
+    DatasetError::Shards {
+        reason: format!(
+            "{from:?} is not what the lists of its shard say; run its generate again, then merge"
+        ),
     }
 }
 

@@ -46,6 +46,7 @@ use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
 use crate::error::DatasetError;
+use crate::image_file::{not_a_file, read_bytes};
 use crate::known_folders::{KnownFolders, is_temporary};
 use crate::output_batch::OutputBatch;
 use crate::paths::resolved;
@@ -91,7 +92,7 @@ impl GeneratedSet {
         refuse_other(&layout, identity)?;
         let (run_file, run_text) = (layout.state("run.json"), identity::text(identity));
         // What is there says the same, but may be damaged.
-        if !fs::read(&run_file).is_ok_and(|found| found == run_text.as_bytes()) {
+        if !read_bytes(&run_file, u64::MAX).is_ok_and(|found| found == run_text.as_bytes()) {
             let mut batch = OutputBatch::new().of_set();
             batch.stage(&run_file, run_text.as_bytes())?;
             batch.commit()?;
@@ -279,6 +280,10 @@ fn lock(layout: &SetLayout) -> Result<File, DatasetError> {
         source,
     };
     fs::create_dir_all(layout.state_folder()).map_err(write_error)?;
+    // To open a pipe would wait for its reader.
+    if let Some(what) = fs::metadata(&path).ok().as_ref().and_then(not_a_file) {
+        return Err(DatasetError::NotAFile { path, what });
+    }
     let file = File::options()
         .create(true)
         .truncate(false)

@@ -276,8 +276,12 @@ impl Reader {
         let Some(Box2d { x1, y1, x2, y2 }) = record.box2d else {
             return Ok(None);
         };
-        let box_px = checked_box([x1, y1, x2, y2])
-            .ok_or_else(|| format!("the box2d {x1} {y1} {x2} {y2} px ends before it begins"))?;
+        let box_px = checked_box([x1, y1, x2, y2]).ok_or_else(|| {
+            format!(
+                "the box2d {:?} px ends before it begins, or reaches beyond 1e9 px",
+                [x1, y1, x2, y2]
+            )
+        })?;
         let category = record.category.ok_or("it has a box but no category")?;
         let attributes = record.attributes.unwrap_or_default();
         let (class, is_ignored) = bdd_class(&category);

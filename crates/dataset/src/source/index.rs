@@ -348,9 +348,10 @@ pub(super) fn image_name(text: &str) -> Result<String, String> {
     }
 }
 
-/// A box that is finite and does not end before it begins.
+/// A box that does not end before it begins, within a thousand million pixels of 0: areas of wilder ones
+/// end in infinity.
 pub(super) fn checked_box(box_px: [f64; 4]) -> Option<[f64; 4]> {
     let [x0, y0, x1, y1] = box_px;
-    let is_good = box_px.iter().all(|v| v.is_finite()) && x0 <= x1 && y0 <= y1;
+    let is_good = box_px.iter().all(|v| v.abs() <= 1e9) && x0 <= x1 && y0 <= y1;
     is_good.then_some(box_px)
 }

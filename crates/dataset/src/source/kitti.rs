@@ -243,8 +243,13 @@ fn object_of_line(line: &str, record: &str) -> Result<Option<LabeledObject>, Str
         *value = text
             .parse()
             .ok()
-            .filter(|value: &f64| value.is_finite())
-            .ok_or_else(|| format!("field {} = {text:?} is not a finite number", idx + 2))?;
+            .filter(|value: &f64| value.abs() <= 1e9)
+            .ok_or_else(|| {
+                format!(
+                    "field {} = {text:?} is not a finite number within 1e9 of 0",
+                    idx + 2
+                )
+            })?;
     }
     let [_, _, _, x0, y0, x1, y1, ..] = values;
     if x1 < x0 || y1 < y0 {

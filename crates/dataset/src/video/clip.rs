@@ -1,7 +1,6 @@
 //! Reading a clip: what it is, then its frames one by one.
 
 use std::ffi::OsString;
-use std::fs::File;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::{Path, PathBuf};
 use std::process::ChildStdout;
@@ -13,6 +12,7 @@ use super::pixel_format::{bits_per_channel, has_alpha};
 use super::program::{Ended, Running, file_arg};
 use super::showinfo::{Color, FrameInfo};
 use super::{Ffmpeg, Fraction, VideoError};
+use crate::image_file::open_file;
 use crate::{DatasetError, ImageLimits};
 
 /// What a clip is, apart from its frames.
@@ -232,19 +232,13 @@ fn check_file(path: &Path) -> Result<(), DatasetError> {
         path: path.to_owned(),
         source,
     };
-    let metadata = std::fs::metadata(path).map_err(read_error)?;
-    if let Some(what) = crate::image_file::not_a_file(&metadata) {
-        return Err(DatasetError::NotAFile {
-            path: path.to_owned(),
-            what,
-        });
-    }
-    if metadata.len() == 0 {
+    let mut file = open_file(path)?;
+    let n_file_bytes = file.metadata().map_err(read_error)?.len();
+    if n_file_bytes == 0 {
         return Err(DatasetError::EmptyFile {
             name: path.to_string_lossy().into_owned(),
         });
     }
-    let mut file = File::open(path).map_err(read_error)?;
     let mut head = Vec::new();
     file.by_ref()
         .take(12)
@@ -252,12 +246,9 @@ fn check_file(path: &Path) -> Result<(), DatasetError> {
         .map_err(read_error)?;
     // A cut between two packets is nothing to ffmpeg.
     if let Some(n_bytes) = riff_len(&head)
-        && metadata.len() < n_bytes
+        && n_file_bytes < n_bytes
     {
-        let said = format!(
-            "it has {} of the {n_bytes} bytes that its header tells of",
-            metadata.len()
-        );
+        let said = format!("it has {n_file_bytes} of the {n_bytes} bytes that its header tells of");
         return Err(clip_error(path, said).into());
     }
     Ok(())

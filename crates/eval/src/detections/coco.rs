@@ -71,7 +71,10 @@ impl Reader<'_> {
             height,
         };
         if !box_px.is_sound() {
-            let reason = format!("the bbox {:?} px has a negative side", result.bbox);
+            let reason = format!(
+                "the bbox {:?} px has a negative side, or reaches beyond 1e9 px",
+                result.bbox
+            );
             return Err(refuse(path, place(record), reason));
         }
         let Some(image) = self.labels.image_of_id(result.image_id.0) else {

@@ -186,7 +186,10 @@ fn row_of(
         height,
     };
     if !box_px.is_sound() {
-        let reason = format!("the bbox {:?} px has a negative side", annotation.bbox);
+        let reason = format!(
+            "the bbox {:?} px has a negative side, or reaches beyond 1e9 px",
+            annotation.bbox
+        );
         return Err(wrong(reason));
     }
     Ok(Row {

@@ -251,9 +251,13 @@ fn line(row: &str, place: String) -> Result<Line, String> {
     };
     let mut numbers = [f64::NAN; 15];
     for ((idx, number), text) in numbers.iter_mut().enumerate().zip(rest) {
-        let parsed = text.parse().ok().filter(|value: &f64| value.is_finite());
-        *number =
-            parsed.ok_or_else(|| format!("field {} = {text:?} is not a finite number", idx + 2))?;
+        let parsed = text.parse().ok().filter(|value: &f64| value.abs() <= 1e9);
+        *number = parsed.ok_or_else(|| {
+            format!(
+                "field {} = {text:?} is not a finite number within 1e9 of 0",
+                idx + 2
+            )
+        })?;
     }
     Ok(Line {
         name: (*name).to_owned(),

@@ -260,7 +260,7 @@ impl GroundTruth {
         }
         if let Some(flat) = said.set.items.iter().find(|d| !d.box_px.is_sound()) {
             let reason = format!(
-                "the box {:?} px ends before it begins",
+                "the box {:?} px ends before it begins, or reaches beyond 1e9 px",
                 flat.box_px.corners()
             );
             return Err(refuse_file(path, reason));

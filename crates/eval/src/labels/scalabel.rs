@@ -85,7 +85,8 @@ impl Label {
         match box_px.is_sound() {
             true => Ok(Some(box_px)),
             false => Err(format!(
-                "the box2d {x1} {y1} {x2} {y2} px ends before it begins"
+                "the box2d {:?} px ends before it begins, or reaches beyond 1e9 px",
+                [x1, y1, x2, y2]
             )),
         }
     }

@@ -14,8 +14,8 @@ const MAX_BYTES: u64 = 1 << 30;
 
 const SCHEMA: &str = "starbreak.track/1";
 
-/// Highest rate of frames that is believed, 1/s; the fastest cameras are a little below.
-const MOST_PER_S: f64 = 1e6;
+/// Rates of frames that are believed, 1/s: from one in twelve days to a little above the fastest cameras.
+const RATES_PER_S: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
 /// Longest clip that is taken, frames, nine hours of 30 per second: a wrong number must not fill the
 /// memory.
@@ -105,9 +105,9 @@ impl ClipTrack {
             let reason = format!("its schema is {:?}; expected {SCHEMA:?}", file.schema);
             return Err(refuse_file(path, reason));
         }
-        if !(file.fps > 0.0 && file.fps <= MOST_PER_S) {
+        if !RATES_PER_S.contains(&file.fps) {
             let reason = format!(
-                "fps = {:e}; expected frames per second above 0, at most {MOST_PER_S}",
+                "fps = {:e}; expected frames per second from 1e-6 to 1e6",
                 file.fps
             );
             return Err(refuse_file(path, reason));
@@ -176,11 +176,11 @@ impl ClipTrack {
         frames_per_s: f64,
         onset_idx: Option<u64>,
     ) -> Result<Self, EvalError> {
-        if !(frames_per_s > 0.0 && frames_per_s <= MOST_PER_S) {
+        if !RATES_PER_S.contains(&frames_per_s) {
             return Err(EvalError::StatisticSetting {
                 what: "number of frames per second",
                 value: frames_per_s,
-                range: "above 0, at most 1000000",
+                range: "from 1e-6 to 1e6",
             });
         }
         if n_frames > MOST_FRAMES {

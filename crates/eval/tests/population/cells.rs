@@ -3,14 +3,19 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
-use starbreak_eval::ImageMatches;
-use starbreak_eval::failure::{Group, ObjectPair, Where, dose_response, failure_rates, shifts};
+use starbreak_eval::failure::{
+    FalsePositiveAreas, FalsePositives, Group, ObjectPair, Where, class_flips, dose_response,
+    failure_rates, new_false_positives, shifts,
+};
 use starbreak_eval::resampling::{
     Plan, RankedCategory, paired_average_precision, rank_by_category,
 };
 use starbreak_eval::statistic::{Measured, TestOutcome};
+use starbreak_eval::{EvalError, ImageMatches, LabelSet, measured_performance};
 
-use super::{Image, Law, N_CATEGORIES, image, matches, pairs};
+use super::{
+    FoundSet, Image, Law, N_CATEGORIES, areas_px, found_set, image, labels, matches, pairs,
+};
 
 /// Detections from this score on count as found.
 const SCORE: f64 = 0.3;
@@ -45,6 +50,58 @@ pub(crate) struct Sample {
     pub(crate) n_categories: usize,
     /// What is drawn.
     pub(crate) plan: Plan,
+    /// What was found clean and under the first seed, where it is known in boxes.
+    pub(crate) boxes: Option<Boxes>,
+}
+
+/// Labels and detections of some images with their boxes.
+pub(crate) struct Boxes {
+    labels: LabelSet,
+    clean: FoundSet,
+    cracked: FoundSet,
+    region_px: Vec<f64>,
+    image_px: Vec<f64>,
+}
+
+impl Boxes {
+    fn of(images: &[Image]) -> Self {
+        let (region_px, image_px) = areas_px(images);
+        Self {
+            labels: labels(images),
+            clean: found_set(images, 0),
+            cracked: found_set(images, 1),
+            region_px,
+            image_px,
+        }
+    }
+
+    /// Share of the objects taken for others.
+    fn flips(&self, pairs: &[ObjectPair], plan: &Plan) -> Result<Measured, EvalError> {
+        let FoundSet {
+            matches,
+            detections,
+            ..
+        } = &self.cracked;
+        let flips = class_flips(pairs, matches, detections, &self.labels, SCORE, 0.5, plan)?;
+        Ok(flips.flip_rate)
+    }
+
+    /// False positives of whole images and of the region.
+    fn false_positives(&self, plan: &Plan) -> Result<Vec<FalsePositives>, EvalError> {
+        new_false_positives(
+            (&self.clean.matches, &self.clean.detections),
+            (&self.cracked.matches, &self.cracked.detections),
+            FalsePositiveAreas {
+                clean_coverage: &self.clean.coverage,
+                cracked_coverage: &self.cracked.coverage,
+                region_px: &self.region_px,
+                image_px: &self.image_px,
+                tau: 0.05,
+            },
+            SCORE,
+            plan,
+        )
+    }
 }
 
 /// A sample of a law from a number on.
@@ -67,6 +124,7 @@ pub(crate) fn sample(law: Law, n_images: u32, number: u64) -> Sample {
             .collect(),
         n_categories: N_CATEGORIES as usize,
         plan: Plan::of_clusters(&names).with(400, number, 0.95),
+        boxes: Some(Boxes::of(&images)),
     }
 }
 
@@ -109,6 +167,35 @@ impl Sample {
                     Some(&class.test),
                 );
                 put("AP50, one class: clean", &class.clean, None);
+            }
+        }
+        let ranked = |sets: &[Vec<ImageMatches>]| -> Vec<Vec<RankedCategory>> {
+            let rank = |set: &Vec<ImageMatches>| rank_by_category(set, self.n_categories);
+            sets.iter().map(rank).collect()
+        };
+        // Each seed as if it were a kind of crack of its own.
+        let cells: Vec<usize> = (0..self.cracked.len()).collect();
+        let (clean, cracked) = (ranked(&self.clean), ranked(&self.cracked));
+        let means = measured_performance(&clean, &cracked, &cells, &self.plan);
+        if let Ok([_, mpc, rpc]) = means
+            && is_enough(None)
+        {
+            put("mPC: cracked", &mpc, None);
+            put("rPC", &rpc, None);
+        }
+        if let Some(boxes) = &self.boxes {
+            let of_seed = self.pairs.get(..boxes.labels.objects.len());
+            if let Ok(rate) = boxes.flips(of_seed.unwrap_or_default(), &self.plan) {
+                put("flip rate", &rate, None);
+            }
+            if let Ok([whole, region, ..]) = boxes.false_positives(&self.plan).as_deref() {
+                put("new false positives per Mpx", &whole.new_per_mpx, None);
+                put(
+                    "new false positives per Mpx, region",
+                    &region.new_per_mpx,
+                    None,
+                );
+                put("more false positives", &whole.more_per_image, None);
             }
         }
         let tau = 0.05;
@@ -176,6 +263,10 @@ pub(crate) fn truth(law: Law, n_images: u64) -> BTreeMap<&'static str, f64> {
     truth.insert("AP50, one class: clean", first(&clean));
     let difference = unless_null(first(&cracked) - first(&clean));
     truth.insert("AP50, one class: difference", difference);
+    // All versions are of one law.
+    truth.insert("mPC: cracked", mean(&cracked));
+    let rpc = mean(&cracked) / mean(&clean);
+    truth.insert("rPC", if is_null { 1.0 } else { rpc });
     let all = pairs(&images, 0, SCORE);
     let plan = Plan::of_images(u32::try_from(n_images).unwrap_or(u32::MAX));
     let members: Vec<&ObjectPair> = all.iter().filter(|pair| pair.coverage >= 0.05).collect();
@@ -184,6 +275,18 @@ pub(crate) fn truth(law: Law, n_images: u64) -> BTreeMap<&'static str, f64> {
         place: Where::Image,
     };
     let value = |measured: &Measured| measured.value.unwrap_or(f64::NAN);
+    let boxes = Boxes::of(&images);
+    if let Ok(rate) = boxes.flips(&all, &plan) {
+        truth.insert("flip rate", value(&rate));
+    }
+    if let Ok([whole, region, ..]) = boxes.false_positives(&plan).as_deref() {
+        let per_mpx = value(&whole.new_per_mpx);
+        truth.insert("new false positives per Mpx", per_mpx);
+        let per_mpx = value(&region.new_per_mpx);
+        truth.insert("new false positives per Mpx, region", per_mpx);
+        let more = unless_null(value(&whole.more_per_image));
+        truth.insert("more false positives", more);
+    }
     if let Ok(rates) = failure_rates(group.clone(), members.iter().copied(), &plan) {
         // Nothing tells the classes apart but how common they are.
         truth.insert("failure rate, all classes", value(&rates.failure_rate));

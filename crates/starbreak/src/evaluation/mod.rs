@@ -2,6 +2,7 @@
 
 mod join;
 mod plain;
+mod report_folder;
 mod set;
 
 use std::ffi::OsString;
@@ -21,6 +22,7 @@ use crate::Error;
 use join::Join;
 pub use join::{files_of, label_files, stem_of};
 use plain::{curve_files, side};
+pub use report_folder::{REPORT_FILES, report_batch};
 
 /// Name and version of the result, the value of its `schema`.
 pub const EVALUATION_SCHEMA: &str = "starbreak.evaluation-plain/1";

@@ -224,7 +224,10 @@ impl Reader {
         let category_id = record.category_id.ok_or("it has no category_id")?;
         let [x, y, w, h] = record.bbox.ok_or("it has no bbox")?;
         let box_px = checked_box([x, y, x + w, y + h]).ok_or_else(|| {
-            format!("the bbox [{x}, {y}, {w}, {h}] px is not finite or has a negative side")
+            format!(
+                "the bbox {:?} px is not finite within 1e9 px, or has a negative side",
+                [x, y, w, h]
+            )
         })?;
         let kind = match record.iscrowd.0 {
             Some(false) => ObjectKind::Regular,

@@ -72,6 +72,7 @@ impl DataFile {
             text,
         };
         let mut seen: Vec<String> = Vec::new();
+        let mut n_classes = None;
         for (key, node) in entries {
             if seen.contains(&key.text) {
                 return Err(format!("the key {:?} occurs twice", key.text));
@@ -89,6 +90,11 @@ impl DataFile {
                 return Err(
                     "it has kpt_shape: labels of poses are not read; give the boxes alone, or folder:DIR".to_owned(),
                 );
+            } else if key.text == "nc" {
+                let Node::Scalar { value, .. } = node else {
+                    return Err("nc is no number of classes".to_owned());
+                };
+                n_classes = Some(value.text);
             } else if key.text == "names" {
                 file.names = names_of(node)?;
             }
@@ -99,6 +105,11 @@ impl DataFile {
         }
         if file.names.is_empty() {
             return Err("it has no names of classes".to_owned());
+        }
+        // As its trainer asks.
+        let n_names = file.names.len();
+        if let Some(n) = n_classes.filter(|n| n.parse() != Ok(n_names)) {
+            return Err(format!("nc = {n:?}, and it names {n_names} classes"));
         }
         Ok(file)
     }

@@ -37,8 +37,8 @@ pub struct HistogramDivergence {
 ///
 /// # Errors
 /// [`EvalError::HistogramBins`] for different or no bins, [`EvalError::HistogramCount`] for counts
-/// that are negative or not finite, [`EvalError::HistogramEmpty`] where nothing was counted, whatever
-/// alpha is, [`EvalError::Smoothing`] for an alpha that is negative or not finite.
+/// that are negative or above 2⁵³, [`EvalError::HistogramEmpty`] where nothing was counted, whatever
+/// alpha is, [`EvalError::Smoothing`] for an alpha that is negative or above 2⁵³.
 ///
 /// # Example
 /// ```
@@ -103,6 +103,10 @@ pub fn circular_w1_bins(p: &[f64], q: &[f64], alpha: f64) -> Result<f64, EvalErr
     Ok(pairwise_sum(&steps))
 }
 
+/// More counts than a bin can have: above it a number no longer tells one more, and sums of such end in
+/// infinity, of which every share is 0.
+const MOST_COUNTS: f64 = 9_007_199_254_740_992.0;
+
 /// Both as shares that sum to 1.
 fn shares(p: &[f64], q: &[f64], alpha: f64) -> Result<(Vec<f64>, Vec<f64>), EvalError> {
     if p.len() != q.len() || p.is_empty() {
@@ -111,14 +115,14 @@ fn shares(p: &[f64], q: &[f64], alpha: f64) -> Result<(Vec<f64>, Vec<f64>), Eval
             n_q: q.len(),
         });
     }
-    if !(alpha.is_finite() && alpha >= 0.0) {
+    if !(0.0..=MOST_COUNTS).contains(&alpha) {
         return Err(EvalError::Smoothing { alpha });
     }
     Ok((share("p", p, alpha)?, share("q", q, alpha)?))
 }
 
 fn share(which: &'static str, counts: &[f64], alpha: f64) -> Result<Vec<f64>, EvalError> {
-    let is_count = |count: &f64| count.is_finite() && *count >= 0.0;
+    let is_count = |count: &f64| (0.0..=MOST_COUNTS).contains(count);
     if let Some(bin) = counts.iter().position(|count| !is_count(count)) {
         let value = counts.get(bin).copied().unwrap_or(f64::NAN);
         return Err(EvalError::HistogramCount { which, bin, value });
@@ -181,6 +185,19 @@ mod tests {
     }
 
     #[test]
+    fn counts_whose_sum_would_be_infinite_are_refused() {
+        let wild = [[1e308, 1e308], [1.0, f64::INFINITY]];
+        for counts in wild {
+            let error = histogram_divergence(&counts, &[1.0, 1.0], 0.5).unwrap_err();
+            assert!(error.to_string().contains("from 0 to 2^53"), "{error}");
+        }
+        let error = histogram_divergence(&[1.0, 2.0], &[1.0, 1.0], 1e308).unwrap_err();
+        assert!(error.to_string().contains("alpha = 1e308"), "{error}");
+        let most = histogram_divergence(&[MOST_COUNTS; 2], &[0.0, 1.0], 0.0).unwrap();
+        assert!((most.tv - 0.5).abs() < 1e-15, "{most:?}");
+    }
+
+    #[test]
     fn disjoint_histograms_are_as_far_as_a_measure_goes() {
         let d = histogram_divergence(&[1.0, 0.0], &[0.0, 1.0], 0.0).unwrap();
         assert!(d.kl_pq.is_infinite() && d.kl_qp.is_infinite(), "{d:?}");
@@ -218,15 +235,15 @@ mod tests {
             ),
             (
                 said(&[1.0, 0.0], &[1.0, -2.0], 0.5),
-                "q[1] = -2; a count is finite and not negative",
+                "q[1] = -2e0; a count is from 0 to 2^53 = 9.007e15",
             ),
             (
                 said(&[f64::NAN], &[1.0], 0.5),
-                "p[0] = NaN; a count is finite and not negative",
+                "p[0] = NaN; a count is from 0 to 2^53 = 9.007e15",
             ),
             (
                 said(&[1.0], &[1.0], -0.5),
-                "alpha = -0.5 counts per bin; expected a finite number from 0 on, usually 0.5",
+                "alpha = -5e-1 counts per bin; expected 0 to 2^53, usually 0.5",
             ),
         ];
         for (got, expected) in cases {

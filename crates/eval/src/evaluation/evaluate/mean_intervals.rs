@@ -8,15 +8,15 @@ use crate::evaluation::{
     Condition, Estimate, Evaluation, PairedMetric, RobustnessRow, Scope, ScopeKind,
 };
 use crate::failure::Where;
-use crate::resampling::{Basis, RankedCategory, bootstrap, rank_by_category, units_of_classes};
-use crate::statistic::{Measured, Method};
+use crate::mean_performance::measured_performance;
+use crate::resampling::{RankedCategory, rank_by_category};
+use crate::statistic::Measured;
 use crate::{Coverages, Detections, EvalError, Object};
 
 /// Families with severities, and the seeds that all of them have.
 struct Grid {
     /// In the order of the conditions: place of the cell of family and severity, and of the seed.
     place: Vec<(usize, usize)>,
-    n_cells: usize,
     n_seeds: usize,
 }
 
@@ -38,7 +38,6 @@ impl Grid {
         let is_full = unique.len() == place.len() && place.len() == cells.len() * seeds.len();
         is_full.then_some(Self {
             place,
-            n_cells: cells.len(),
             n_seeds: seeds.len(),
         })
     }
@@ -111,6 +110,7 @@ fn put_intervals(
     let n_seeds = u32::try_from(grid.n_seeds).unwrap_or(u32::MAX);
     let plan = plan_of(&patterns.labels, input.settings);
     let n_categories = patterns.labels.categories.len();
+    let cells: Vec<usize> = grid.place.iter().map(|(cell, _)| *cell).collect();
     for row in rows {
         row.n_seeds = Some(n_seeds.into());
         let iou_threshold = match row.metric {
@@ -140,55 +140,12 @@ fn put_intervals(
             let matches = place.matches(&patterns.labels, found, coverage)?;
             cracked.push(rank_by_category(&matches, n_categories));
         }
-        let replicates = bootstrap(&plan, |weights| {
-            let ap = |sets: &[Vec<RankedCategory>]| -> Vec<Option<f64>> {
-                let of_set = |set: &Vec<RankedCategory>| mean_precision(set, weights);
-                sets.iter().map(of_set).collect()
-            };
-            let of_clean = match ap(&clean).as_slice() {
-                [alone] if is_whole => *alone,
-                all => mean_of_cells(grid, all),
-            };
-            let of_cracked = mean_of_cells(grid, &ap(&cracked));
-            let ratio = of_cracked
-                .zip(of_clean.filter(|clean| *clean > 0.0))
-                .map(|(cracked, clean)| cracked / clean);
-            vec![of_clean, of_cracked, ratio]
-        })?;
-        // As of one condition: either side leans with the few images of a class, their ratio does not.
-        let units = units_of_classes(n_categories, &plan, |at| {
-            let of_class = clean.iter().filter_map(move |set| set.get(at));
-            of_class.flat_map(RankedCategory::cells_with_objects)
-        });
-        let side = Basis::of_classes(&units, &plan);
-        let ap = Method::AveragePrecision;
-        put(&mut row.clean, &replicates.expanded(0, ap, side));
-        put(&mut row.mpc, &replicates.expanded(1, ap, side));
-        let whole = Basis::Units(plan.n_units());
-        put(&mut row.rpc, &replicates.expanded(2, Method::Ratio, whole));
+        let [of_clean, mpc, rpc] = measured_performance(&clean, &cracked, &cells, &plan)?;
+        put(&mut row.clean, &of_clean);
+        put(&mut row.mpc, &mpc);
+        put(&mut row.rpc, &rpc);
     }
     Ok(())
-}
-
-/// Mean over the categories with objects.
-fn mean_precision(set: &[RankedCategory], weights: &[u32]) -> Option<f64> {
-    let (mut sum, mut n) = (0.0, 0_u32);
-    for ap in set.iter().filter_map(|one| one.average_precision(weights)) {
-        sum += ap;
-        n += 1;
-    }
-    (n > 0).then(|| sum / f64::from(n))
-}
-
-/// Mean over cells of the mean over seeds; nothing where a value is missing.
-fn mean_of_cells(grid: &Grid, values: &[Option<f64>]) -> Option<f64> {
-    let mut cells = vec![(0.0_f64, 0.0_f64); grid.n_cells];
-    for ((cell, _), value) in grid.place.iter().zip(values) {
-        let cell = cells.get_mut(*cell)?;
-        *cell = (cell.0 + (*value)?, cell.1 + 1.0);
-    }
-    let n = f64::from(u32::try_from(grid.n_cells).ok()?);
-    Some(cells.iter().map(|(sum, n)| sum / n).sum::<f64>() / n)
 }
 
 /// The interval of the number that is there: both are the same but for the order of sums.

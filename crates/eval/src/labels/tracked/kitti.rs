@@ -197,7 +197,9 @@ fn line(row: &str, first_idx: u64) -> Result<Line, String> {
     }
     let box_px = BoxPx::from_corners(corners_px);
     if !box_px.is_sound() {
-        return Err(format!("the box {corners_px:?} px ends before it begins"));
+        return Err(format!(
+            "the box {corners_px:?} px ends before it begins, or reaches beyond 1e9 px"
+        ));
     }
     let is_area = name.eq_ignore_ascii_case("DontCare");
     let track = match (track.parse::<i64>(), is_area) {
