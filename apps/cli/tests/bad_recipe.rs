@@ -408,6 +408,26 @@ fn the_message_repeats_the_value_given() {
 }
 
 #[test]
+fn no_message_has_hundreds_of_digits() {
+    let dir = folder();
+    let cases = [
+        "camera.f_px=1e300",
+        "optics.sun_irradiance=1e308",
+        "glass.thickness_mm=1e-300",
+    ];
+    let cases = cases.map(|set| {
+        let args = vec!["crack", "photo.png", "-o", "out", "--set", set];
+        let (_, value) = set.split_once('=').unwrap();
+        (args, value)
+    });
+    all_refused(dir.path(), &cases);
+    for (args, _) in cases {
+        let said = starbreak(dir.path(), &args).stderr;
+        assert!(said.len() < 200, "{said}");
+    }
+}
+
+#[test]
 fn wrong_overrides_are_refused() {
     let dir = folder();
     let set = |assignment, named| (vec!["simulate", "-o", "out/n", "--set", assignment], named);

@@ -415,6 +415,17 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
     let mut backwards = track_file(N, "drive.mp4");
     backwards["frames"][4]["time_s"] = json!(0.0);
     write(at, "backwards.track.json", &backwards);
+    for (name, frame, key, value) in [
+        ("healed", 14, "state", json!("intact")),
+        ("endless", 19, "time_s", json!(1e300)),
+    ] {
+        let mut track = track_file(N, "drive.mp4");
+        track["frames"][frame][key] = value;
+        write(at, &format!("{name}.track.json"), &track);
+    }
+    let mut torn = track_file(N, "drive.mp4");
+    torn["damage_onset"]["time_s"] = json!(0.2);
+    write(at, "torn.track.json", &torn);
     fs::write(at.join("text.track.json"), "no json\nat all").unwrap();
     let change = |name: &str, change: fn(&mut Value)| {
         let mut labels = coco("drive");
@@ -499,6 +510,18 @@ fn what_does_not_belong_together_is_refused_in_one_line() {
             (
                 with("labels.json", "clean.json", "negative.track.json"),
                 "fps = -5e0; expected frames per second from 1e-6 to 1e6",
+            ),
+            (
+                with("labels.json", "clean.json", "healed.track.json"),
+                "the glass is intact after it was Still",
+            ),
+            (
+                with("labels.json", "clean.json", "endless.track.json"),
+                "at 1e300 s is out of order",
+            ),
+            (
+                with("labels.json", "clean.json", "torn.track.json"),
+                "its damage_onset is at 0.2 s, but that frame at",
             ),
             (
                 with("labels.json", "clean.json", "zero.track.json"),

@@ -26,7 +26,7 @@ use crate::errors::raised;
 use crate::values::python_of;
 
 /// Most threads that can be asked for.
-const MAX_THREADS: usize = 65_535;
+const MAX_THREADS: usize = 1024;
 
 /// How often a signal, such as Ctrl-C, is looked for while others work.
 const SIGNAL_PERIOD: Duration = Duration::from_millis(50);

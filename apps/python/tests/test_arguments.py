@@ -37,14 +37,14 @@ WHOLE = {
     "height in size": (lambda n: starbreak.ReadyCrack(PAPER, size=(9, n)), 1, 32768),
     "replicates": (lambda n: evaluated(replicates=n), 20, 10**6),
     "worst": (lambda n: evaluated(worst=n), 0, 100),
-    "threads": (lambda n: evaluated(threads=n), 0, 65535),
+    "threads": (lambda n: evaluated(threads=n), 0, 1024),
     "max_dets": (lambda n: evaluated(max_dets=[n]), 1, 2**32 - 1),
     "limit": (lambda n: compared(limit=n), 1, 2**64 - 1),
     "bootstrap": (lambda n: compared(bootstrap=n), 0, 10**6),
     "permutations": (lambda n: compared(permutations=n), 0, 10**6),
     "splits": (lambda n: compared(splits=n), 0, 10**6),
     "side": (lambda n: compared(side=n), 0, 8192),
-    "threads of divergence": (lambda n: compared(threads=n), 0, 65535),
+    "threads of divergence": (lambda n: compared(threads=n), 0, 1024),
 }
 
 

@@ -58,7 +58,7 @@ fn of_population(n_samples: u64, table: &mut Table) {
                     n_seeds,
                     drive,
                 };
-                let truth = truth(law, 20_000);
+                let truth = truth(law, 400_000);
                 let found = wrong(n_samples, &truth, |number| sample(law, n_images, number));
                 let about = format!("{n_images} images, effect {effect}, {kind}");
                 table.add(&about, effect == 0.0, &found);

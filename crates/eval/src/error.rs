@@ -72,7 +72,7 @@ pub enum EvalError {
         of: &'static str,
     },
     /// A setting that makes no sense.
-    #[error("{what} is {value}; give one {range}")]
+    #[error("{what} is {value:?}; give one {range}")]
     StatisticSetting {
         /// Which.
         what: &'static str,

@@ -3,8 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::EvalError;
-use crate::resampling::{Basis, Plan, RankedCategory, bootstrap, units_of_classes};
-use crate::statistic::{Measured, Method};
+use crate::resampling::{
+    Basis, Plan, RankedCategory, bootstrap, permutation_test, role_weights, units_of_classes,
+};
+use crate::statistic::{Interval, Measured, Method};
 
 /// AP of one set of cracked images.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -109,36 +111,53 @@ pub fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) -> MeanPe
 }
 
 /// Clean AP, mPC and rPC with their intervals, over the classes of each set of images: `clean` is one set for all,
-/// or one per set of `cracked`, whose places among the kinds and severities are `cells`; each has the same
-/// number of seeds. Nothing is given where an AP is not defined.
+/// or one per set of `cracked`, `both` are clean and cracked of each in one ranking ([`rank_versions`](crate::resampling::rank_versions)), and `cells`
+/// the places of the sets among the kinds and severities, each with the same number of seeds. Nothing is given
+/// where an AP is not defined.
 ///
-/// Each replicate draws images (or clusters) once for all sets, and averages as mPC is averaged; rPC is of the
-/// same replicate. The intervals are expanded percentiles: of clean AP and mPC by the images of the classes, of
-/// rPC by all units, since either side leans with the few images of a class, and their ratio does not.
+/// Each replicate draws images (or clusters) once for all sets, and averages as mPC is averaged. The intervals of clean
+/// AP and mPC are expanded percentiles by the images of the classes, and lower by what AP of few images leans to
+/// above. That of rPC reaches as far, by factors, as exchanges of clean and cracked do from 1
+/// ([`Permuted`](crate::resampling::Permuted)), as does the interval of a difference from 0.
 ///
 /// # Errors
 /// If the plan cannot be carried out.
 pub fn measured_performance(
     clean: &[Vec<RankedCategory>],
     cracked: &[Vec<RankedCategory>],
+    both: &[Vec<RankedCategory>],
     cells: &[usize],
     plan: &Plan,
 ) -> Result<[Measured; 3], EvalError> {
-    let replicates = bootstrap(plan, |weights| {
-        let ap = |sets: &[Vec<RankedCategory>]| -> Vec<Option<f64>> {
-            let of_set = |set: &Vec<RankedCategory>| mean_precision(set, weights);
-            sets.iter().map(of_set).collect()
-        };
-        let of_clean = match ap(clean).as_slice() {
-            [alone] => *alone,
-            all => mean_of_cells(cells, all),
-        };
-        let of_cracked = mean_of_cells(cells, &ap(cracked));
-        let ratio = of_cracked
-            .zip(of_clean.filter(|clean| *clean > 0.0))
-            .map(|(cracked, clean)| cracked / clean);
-        vec![of_clean, of_cracked, ratio]
+    let mean = |sets: &[Vec<RankedCategory>], weights: &[u32]| match sets {
+        [alone] => mean_precision(alone, weights),
+        all => {
+            let aps: Vec<Option<f64>> =
+                all.iter().map(|set| mean_precision(set, weights)).collect();
+            mean_of_cells(cells, &aps)
+        }
+    };
+    let ratio = |cracked: Option<f64>, clean: Option<f64>| {
+        cracked
+            .zip(clean.filter(|clean| *clean > 0.0))
+            .map(|(cracked, clean)| cracked / clean)
+    };
+    let values = |weights: &[u32]| -> Vec<Option<f64>> {
+        let (clean, cracked) = (mean(clean, weights), mean(cracked, weights));
+        vec![clean, cracked, ratio(cracked, clean)]
+    };
+    let replicates = bootstrap(plan, values)?.leaning(plan, values);
+    let exchanged = permutation_test(plan, |swaps| {
+        let (as_clean, as_cracked) = role_weights(swaps);
+        let ratio = ratio(mean(both, &as_cracked), mean(both, &as_clean));
+        vec![ratio.map(f64::ln)]
     })?;
+    let of_ratio = exchanged.first().and_then(|one| one.interval);
+    let of_ratio = of_ratio.map(|of_log| Interval {
+        low: of_log.low.exp(),
+        high: of_log.high.exp(),
+        ..of_log
+    });
     let n_categories = clean.iter().map(Vec::len).max().unwrap_or_default();
     let units = units_of_classes(n_categories, plan, |at| {
         let of_class = clean.iter().filter_map(move |set| set.get(at));
@@ -149,7 +168,7 @@ pub fn measured_performance(
     Ok([
         replicates.expanded(0, ap, side),
         replicates.expanded(1, ap, side),
-        replicates.expanded(2, Method::Ratio, Basis::Units(plan.n_units())),
+        replicates.with_interval(2, Method::Ratio, side, of_ratio),
     ])
 }
 

@@ -30,7 +30,7 @@ fn intervals_and_tests_are_wrong_as_rarely_as_they_say() {
             n_seeds: *n_seeds,
             drive: *drive,
         };
-        let truth = truth(law, 6000);
+        let truth = truth(law, 30_000);
         let table = wrong(40, &truth, |number| sample(law, 120, number + 40 * place));
         assert!(table.len() >= 10, "{what}: {table:?}");
         for (name, row) in table {

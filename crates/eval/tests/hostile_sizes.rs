@@ -7,7 +7,10 @@ use std::time::{Duration, Instant};
 
 use starbreak_eval::detector::{ClassNames, LabelMap, LabelRules};
 use starbreak_eval::timeline::ClipTrack;
-use starbreak_eval::{Category, GroundTruth, KittiLabels, LabelSet, Protocol, TrackedLabels};
+use starbreak_eval::{
+    AreaRange, Category, CocoParams, Detections, GroundTruth, KittiLabels, LabelSet, Protocol,
+    TrackedLabels, evaluate_coco,
+};
 
 fn put(dir: &Path, name: &str, text: &str) -> PathBuf {
     let path = dir.join(name);
@@ -83,6 +86,77 @@ fn more_detections_in_an_image_than_can_be_compared_are_refused() {
                 let error = error.to_string();
                 let expected = "more than 10000 detections in the image \"a.jpg\"";
                 assert!(n == 10_001 && error.contains(expected), "{n}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rules_that_ask_for_gigabytes_of_curves_are_refused() {
+    let labels = LabelSet {
+        categories: (0..80)
+            .map(|id| Category {
+                id,
+                name: id.to_string(),
+                supercategory: None,
+            })
+            .collect(),
+        ..LabelSet::default()
+    };
+    let usual = CocoParams::default();
+    let shares = |n: u32| (1..=n).map(|k| f64::from(k) / f64::from(n)).collect();
+    let areas = |n: u32| {
+        (1..=n)
+            .map(|k| AreaRange::new(&k.to_string(), [0.0, f64::from(k)]))
+            .collect()
+    };
+    for (params, is_good) in [
+        (
+            CocoParams {
+                max_detections: (1..=100).collect(),
+                ..usual.clone()
+            },
+            true,
+        ),
+        (
+            CocoParams {
+                max_detections: (1..=300).collect(),
+                ..usual.clone()
+            },
+            false,
+        ),
+        (
+            CocoParams {
+                iou_thresholds: shares(1000),
+                ..usual.clone()
+            },
+            false,
+        ),
+        (
+            CocoParams {
+                iou_thresholds: shares(1001),
+                by_category: false,
+                ..usual.clone()
+            },
+            false,
+        ),
+        (
+            CocoParams {
+                area_ranges: areas(500),
+                ..usual.clone()
+            },
+            false,
+        ),
+        (usual, true),
+    ] {
+        match evaluate_coco(&labels, &Detections::default(), &params, None) {
+            Ok(_) => assert!(is_good, "refused"),
+            Err(error) => {
+                let error = error.to_string();
+                assert!(
+                    !is_good && error.contains("curves; expected 400000 at most"),
+                    "{error}"
+                );
             }
         }
     }

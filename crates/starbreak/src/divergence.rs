@@ -172,9 +172,8 @@ impl NamedSet {
             if let Some(other) = named.iter().find(|other| other.name == set.name) {
                 return Err(Error::Divergence {
                     why: format!(
-                        "two sets are called {:?}; name them: a={} b={}",
+                        "two sets are called {:?}, the second {}; give each a name of its own: a=folder:DIR b=folder:DIR",
                         other.name,
-                        text.to_string_lossy(),
                         text.to_string_lossy()
                     ),
                 });

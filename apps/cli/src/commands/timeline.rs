@@ -285,6 +285,12 @@ fn without_labels(
         max_gap_frames: args.follow_gap,
         min_frames: args.follow_frames,
     };
+    if !(0.0..=1.0).contains(&args.score_threshold) {
+        return Err(Failure::wrong_input(format!(
+            "--score-threshold {:?}: expected a score from 0 to 1",
+            args.score_threshold
+        )));
+    }
     if !(args.follow_score >= args.score_threshold && args.follow_score <= 1.0) {
         return Err(Failure::wrong_input(format!(
             "--follow-score {}: expected a score from --score-threshold {} to 1, since what is followed must count \

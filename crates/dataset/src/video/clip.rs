@@ -7,6 +7,7 @@ use std::process::ChildStdout;
 
 use image::RgbImage;
 
+use super::container_length::missing_end;
 use super::packet_times::PacketTimes;
 use super::pixel_format::{bits_per_channel, has_alpha};
 use super::program::{Ended, Running, file_arg};
@@ -239,27 +240,11 @@ fn check_file(path: &Path) -> Result<(), DatasetError> {
             name: path.to_string_lossy().into_owned(),
         });
     }
-    let mut head = Vec::new();
-    file.by_ref()
-        .take(12)
-        .read_to_end(&mut head)
-        .map_err(read_error)?;
-    // A cut between two packets is nothing to ffmpeg.
-    if let Some(n_bytes) = riff_len(&head)
-        && n_file_bytes < n_bytes
-    {
+    if let Some(n_bytes) = missing_end(&mut file, n_file_bytes).map_err(read_error)? {
         let said = format!("it has {n_file_bytes} of the {n_bytes} bytes that its header tells of");
         return Err(clip_error(path, said).into());
     }
     Ok(())
-}
-
-/// How long an AVI file says that it is, bytes, by its first twelve.
-fn riff_len(head: &[u8]) -> Option<u64> {
-    let (name, rest) = head.split_first_chunk::<4>()?;
-    let (n_bytes, kind) = rest.split_first_chunk::<4>()?;
-    let is_avi = name == b"RIFF" && kind.starts_with(b"AVI ");
-    is_avi.then(|| u64::from(u32::from_le_bytes(*n_bytes)) + 8)
 }
 
 impl ClipReader {
@@ -350,17 +335,5 @@ impl ClipReader {
             &self.path,
             format!("after {} frames: {said}", self.n_read),
         ))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_avi_says_how_long_it_is() {
-        assert_eq!(riff_len(b"RIFF\x08\x01\0\0AVI LIST"), Some(272), "an AVI");
-        assert_eq!(riff_len(b"RIFF\x08\x01\0\0WAVE"), None, "a sound");
-        assert_eq!(riff_len(b"RIFF\x08"), None, "a stump");
     }
 }

@@ -10,6 +10,7 @@
 //! docs/decisions/0016-video-through-ffmpeg.md says why it is done this way.
 
 mod clip;
+mod container_length;
 mod error;
 mod folder;
 mod matroska;

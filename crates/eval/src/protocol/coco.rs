@@ -67,9 +67,33 @@ impl Default for CocoParams {
     }
 }
 
+/// Most curves of precision over recall, of which each takes some 4 kB: thresholds times categories times ranges
+/// of areas times numbers of detections.
+const MOST_CURVES: usize = 400_000;
+
+/// Most thresholds, ranges of areas, or numbers of detections: each is gone through for each detection.
+const MOST_OF_A_KIND: usize = 1000;
+
 impl CocoParams {
-    fn check(&self) -> Result<(), EvalError> {
+    fn check(&self, n_categories: usize) -> Result<(), EvalError> {
         let refuse = |reason: String| Err(EvalError::Rule(reason));
+        let numbers = [
+            self.iou_thresholds.len(),
+            self.area_ranges.len(),
+            self.max_detections.len(),
+        ];
+        let n_categories = if self.by_category { n_categories } else { 1 };
+        let n_curves = numbers
+            .iter()
+            .fold(n_categories, |all, n| all.saturating_mul(*n));
+        if numbers.iter().any(|n| *n > MOST_OF_A_KIND) || n_curves > MOST_CURVES {
+            let [thresholds, ranges, most] = numbers;
+            return refuse(format!(
+                "{thresholds} thresholds of overlap, {ranges} ranges of areas, {most} numbers of detections and \
+                 {n_categories} categories make {n_curves} curves; expected {MOST_CURVES} at most, and \
+                 {MOST_OF_A_KIND} of a kind: ask for fewer"
+            ));
+        }
         let is_share = |t: &f64| (0.0..=1.0).contains(t);
         if self.iou_thresholds.is_empty() || !self.iou_thresholds.iter().all(is_share) {
             return refuse(format!(
@@ -131,8 +155,8 @@ pub fn evaluate_coco(
     params: &CocoParams,
     values: Option<&Restriction<'_>>,
 ) -> Result<CocoEvaluation, EvalError> {
-    params.check()?;
     let n_categories = labels.categories.len();
+    params.check(n_categories)?;
     if !params.by_category {
         return evaluate_run(labels, detections, params, values, &(0..n_categories));
     }

@@ -364,7 +364,12 @@ fn of_robustness(row: &RobustnessRow, adder: &mut Adder<'_>) {
         cracked: row.mpc.value,
         ..adder.about.clone()
     };
-    adder.push(number, format!("rpc_{metric}"), &row.rpc, AP);
+    adder.push(
+        number,
+        format!("rpc_{metric}"),
+        &row.rpc,
+        words::DIFFERENCE_INTERVAL,
+    );
     adder.add(format!("mpc_{metric}"), &row.mpc, AP);
 }
 

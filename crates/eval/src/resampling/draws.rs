@@ -32,6 +32,8 @@ enum Factor {
     Units,
     /// Which units swap clean and cracked.
     Swaps,
+    /// Which units are in the first half.
+    Halves,
 }
 
 impl Factor {
@@ -40,6 +42,7 @@ impl Factor {
         match self {
             Self::Units => b"bootstrap-units",
             Self::Swaps => b"swap-units",
+            Self::Halves => b"half-units",
         }
     }
 }
@@ -176,6 +179,22 @@ impl Plan {
             .map(|unit| k.checked_shr(unit).unwrap_or(0) & 1)
             .collect();
         self.per_image(&units)
+    }
+
+    /// All units in two halves at random: per image 1 in its half, else 0. Of an odd number the second has one
+    /// more.
+    pub(super) fn halves(&self, pair: u32) -> [Vec<u32>; 2] {
+        let mut stream = stream(self.seed, Factor::Halves, pair);
+        let mut order: Vec<u32> = (0..self.n_units).collect();
+        for left in (1..self.n_units).rev() {
+            order.swap(left as usize, below(&mut stream, left + 1) as usize);
+        }
+        let mut first = vec![0_u32; order.len()];
+        for unit in order.iter().take(order.len() / 2) {
+            first[*unit as usize] = 1;
+        }
+        let second: Vec<u32> = first.iter().map(|unit| 1 - unit).collect();
+        [self.per_image(&first), self.per_image(&second)]
     }
 
     fn per_image(&self, units: &[u32]) -> Vec<u32> {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::ranked::Ranked;
+use super::ranked::{Ranked, rank_by_category, rank_versions};
 use super::{Basis, Permuted, Plan, RankedCategory, Replicates, bootstrap, permutation_test};
 use crate::EvalError;
 use crate::matching::ImageMatches;
@@ -54,7 +54,8 @@ const N_VALUES: usize = 3;
 /// The interval of a difference reaches as far as permutations do from 0, so that it and the test say the same
 /// ([`Permuted`]). Those of either side are [`expanded`](super::expanded_interval): of a class by the
 /// units that its objects lie in, of the mean over classes by all units and the harmonic mean of the
-/// classes' own, since AP of classes in few images leans to above.
+/// classes' own, since drawn images are fewer; and lower by what AP of few images leans to above, as halves of
+/// the images tell.
 ///
 /// # Errors
 /// If both sides have not as many seeds, or none; if an image is beyond those of the plan, or the
@@ -80,9 +81,9 @@ pub fn paired_average_precision(
         .map(|(clean, cracked)| {
             check_images(&[clean, cracked], plan)?;
             Ok(Sides {
-                clean: rank(&[clean], n_categories),
-                cracked: rank(&[cracked], n_categories),
-                both: rank(&[clean, cracked], n_categories),
+                clean: rank_by_category(clean, n_categories),
+                cracked: rank_by_category(cracked, n_categories),
+                both: rank_versions(&[clean, cracked], n_categories),
             })
         })
         .collect();
@@ -104,7 +105,7 @@ pub(super) fn paired_of_ranked<R: Ranked>(
     seeds: &[Sides<R>],
     plan: &Plan,
 ) -> Result<PairedPrecisions, EvalError> {
-    let replicates = bootstrap(plan, |weights| {
+    let values = |weights: &[u32]| -> Vec<Option<f64>> {
         let pairs = mean_of_seeds(seeds.iter().map(|one| {
             let sides = one.clean.iter().zip(&one.cracked);
             sides.map(|(clean, cracked)| {
@@ -113,7 +114,8 @@ pub(super) fn paired_of_ranked<R: Ranked>(
             })
         }));
         pairs.into_iter().flat_map(three_values).collect()
-    })?;
+    };
+    let replicates = bootstrap(plan, values)?.leaning(plan, values);
     let tests = permutation_test(plan, |swaps| {
         let (as_clean, as_cracked) = role_weights(swaps);
         let pairs = mean_of_seeds(seeds.iter().map(|one| {
@@ -235,26 +237,8 @@ fn check_images(sides: &[&[ImageMatches]], plan: &Plan) -> Result<(), EvalError>
     Ok(())
 }
 
-/// Categories over cells: image times versions plus version.
-fn rank(versions: &[&[ImageMatches]], n_categories: usize) -> Vec<RankedCategory> {
-    let n_versions = u32::try_from(versions.len()).unwrap_or(u32::MAX);
-    let mut by_category: Vec<Vec<(&ImageMatches, u32)>> = vec![Vec::new(); n_categories];
-    for (matches, version) in versions.iter().zip(0..) {
-        for item in *matches {
-            if let Some(list) = by_category.get_mut(item.category as usize) {
-                list.push((item, item.image * n_versions + version));
-            }
-        }
-    }
-    by_category
-        .into_iter()
-        .zip(0..)
-        .map(|(cells, category)| RankedCategory::new(category, cells))
-        .collect()
-}
-
 /// Weights of the cells that play the clean and the cracked images.
-fn role_weights(swaps: &[u32]) -> (Vec<u32>, Vec<u32>) {
+pub(crate) fn role_weights(swaps: &[u32]) -> (Vec<u32>, Vec<u32>) {
     swaps
         .iter()
         .flat_map(|swap| [(1 - swap, *swap), (*swap, 1 - swap)])

@@ -50,10 +50,20 @@ pub struct RankedCategory {
 /// `n_categories`. Cells are the images.
 #[must_use]
 pub fn rank_by_category(matches: &[ImageMatches], n_categories: usize) -> Vec<RankedCategory> {
+    rank_versions(&[matches], n_categories)
+}
+
+/// The same of several versions of the images in one ranking, such as clean and cracked: the cell of an image is its
+/// number times the number of versions, plus that of its version.
+#[must_use]
+pub fn rank_versions(versions: &[&[ImageMatches]], n_categories: usize) -> Vec<RankedCategory> {
+    let n_versions = u32::try_from(versions.len()).unwrap_or(u32::MAX);
     let mut by_category: Vec<Vec<(&ImageMatches, u32)>> = vec![Vec::new(); n_categories];
-    for item in matches {
-        if let Some(list) = by_category.get_mut(item.category as usize) {
-            list.push((item, item.image));
+    for (matches, version) in versions.iter().zip(0..) {
+        for item in *matches {
+            if let Some(list) = by_category.get_mut(item.category as usize) {
+                list.push((item, item.image * n_versions + version));
+            }
         }
     }
     by_category

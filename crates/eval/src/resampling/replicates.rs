@@ -7,6 +7,9 @@ use super::{Basis, Plan};
 use crate::EvalError;
 use crate::statistic::{Interval, MIN_UNITS, Measured, Method};
 
+/// Pairs of halves that tell how much a statistic leans.
+const N_PAIRS_OF_HALVES: u32 = 50;
+
 /// Values of several statistics: of the sample, and of all bootstrap replicates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replicates {
@@ -16,6 +19,9 @@ pub struct Replicates {
     pub whole: Vec<Option<f64>>,
     /// Per statistic, one value per replicate; `None` where a draw leaves the statistic undefined.
     pub values: Vec<Vec<Option<f64>>>,
+    /// Per statistic, by how much halves of the images have more of it than all; empty where it is not
+    /// known.
+    leans: Vec<f64>,
 }
 
 /// Replicates of `statistic`, which gives for weights one value per statistic, always in the same
@@ -30,14 +36,10 @@ where
     F: Fn(&[u32]) -> Vec<Option<f64>> + Sync,
 {
     plan.check()?;
-    let clean = |values: Vec<Option<f64>>| -> Vec<Option<f64>> {
-        let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
-        values.into_iter().map(finite).collect()
-    };
-    let whole = clean(statistic(&vec![1; plan.n_images()]));
+    let whole = finite(statistic(&vec![1; plan.n_images()]));
     let rows: Vec<Vec<Option<f64>>> = (0..plan.n_replicates)
         .into_par_iter()
-        .map(|replicate| clean(statistic(&plan.weights(replicate))))
+        .map(|replicate| finite(statistic(&plan.weights(replicate))))
         .collect();
     let column = |rows: &[Vec<Option<f64>>], place: usize| -> Vec<Option<f64>> {
         rows.iter()
@@ -52,10 +54,46 @@ where
             .map(|place| column(&rows, place))
             .collect(),
         whole,
+        leans: Vec::new(),
     })
 }
 
+fn finite(values: Vec<Option<f64>>) -> Vec<Option<f64>> {
+    let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
+    values.into_iter().map(finite).collect()
+}
+
 impl Replicates {
+    /// The same with how much each statistic leans to above in few images: as much as halves of the images, in
+    /// random pairs, have more of it than all have. What leans by c/n over n images leans by 2c/n over n/2, so
+    /// that the step from half to all is what is left at n.
+    ///
+    /// Intervals of [`expanded`](Self::expanded) average precisions reach lower by it.
+    pub(crate) fn leaning<F>(mut self, plan: &Plan, statistic: F) -> Self
+    where
+        F: Fn(&[u32]) -> Vec<Option<f64>> + Sync,
+    {
+        let pairs: Vec<[Vec<Option<f64>>; 2]> = (0..N_PAIRS_OF_HALVES)
+            .into_par_iter()
+            .map(|pair| plan.halves(pair).map(|half| finite(statistic(&half))))
+            .collect();
+        let lean = |(place, whole): (usize, &Option<f64>)| {
+            let value = |half: &Vec<Option<f64>>| half.get(place).copied().flatten();
+            let means: Vec<f64> = pairs
+                .iter()
+                .filter_map(|[one, other]| Some(0.5 * (value(one)? + value(other)?)))
+                .collect();
+            match whole {
+                Some(whole) if !means.is_empty() => {
+                    means.iter().sum::<f64>() / means.len() as f64 - whole
+                }
+                _ => 0.0,
+            }
+        };
+        self.leans = self.whole.iter().enumerate().map(lean).collect();
+        self
+    }
+
     /// A statistic with its percentile interval; n are the units drawn.
     #[must_use]
     pub fn percentile(&self, place: usize, method: Method) -> Measured {
@@ -65,16 +103,28 @@ impl Replicates {
         })
     }
 
-    /// A statistic with its expanded percentile interval; n are the units drawn.
+    /// A statistic with its expanded percentile interval, from which the low end of an average precision is
+    /// lower by what it [leans](Self::leaning); n are the units drawn.
     #[must_use]
     pub fn expanded(&self, place: usize, method: Method, basis: Basis) -> Measured {
+        let lean = match method {
+            Method::AveragePrecision => self.leans.get(place).copied().unwrap_or(0.0).max(0.0),
+            _ => 0.0,
+        };
         self.based(place, method, basis, |values| {
-            expanded_interval(values, self.level, basis)
+            let found = expanded_interval(values, self.level, basis)?;
+            // No precision is below 0.
+            let low = if lean > 0.0 {
+                (found.low - lean).max(0.0)
+            } else {
+                found.low
+            };
+            Some(Interval { low, ..found })
         })
     }
 
     /// A statistic with an interval that is known otherwise, where its own draws would have one.
-    pub(super) fn with_interval(
+    pub(crate) fn with_interval(
         &self,
         place: usize,
         method: Method,

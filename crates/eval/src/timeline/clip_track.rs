@@ -17,6 +17,9 @@ const SCHEMA: &str = "starbreak.track/1";
 /// Rates of frames that are believed, 1/s: from one in twelve days to a little above the fastest cameras.
 const RATES_PER_S: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
 
+/// Latest time of a frame that is believed, s.
+const MOST_S: f64 = 1e9;
+
 /// Longest clip that is taken, frames, nine hours of 30 per second: a wrong number must not fill the
 /// memory.
 pub(crate) const MOST_FRAMES: u64 = 1_000_000;
@@ -75,6 +78,7 @@ struct Output {
 #[derive(Deserialize)]
 struct Onset {
     frame_idx: u64,
+    time_s: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -122,18 +126,28 @@ impl ClipTrack {
         }
         let mut before_s = f64::NEG_INFINITY;
         for (idx, line) in (0..).zip(&file.frames) {
-            if line.frame_idx != idx || line.time_s <= before_s || !line.time_s.is_finite() {
+            let is_time = line.time_s > before_s && line.time_s <= MOST_S;
+            if line.frame_idx != idx || !is_time {
                 let reason = format!(
-                    "frame {} at {} s is out of order; numbers count from 0 and times rise",
+                    "frame {} at {:?} s is out of order; numbers count from 0 and times rise to 1e9 s at most",
                     line.frame_idx, line.time_s
                 );
                 return Err(refuse(path, format!("frames[{idx}]"), reason));
             }
             before_s = line.time_s;
         }
-        let broken = |line: &&Line| line.state != GlassState::Intact;
+        let is_intact = |line: &Line| line.state == GlassState::Intact;
+        let is_back = |pair: &&[Line]| is_intact(&pair[1]) && !is_intact(&pair[0]);
+        if let Some([before, line]) = file.frames.windows(2).find(is_back) {
+            let reason = format!(
+                "the glass is intact after it was {:?}; it does not heal: write the clip again with `video`",
+                before.state
+            );
+            return Err(refuse(path, format!("frames[{}]", line.frame_idx), reason));
+        }
+        let broken = |line: &&Line| !is_intact(line);
         let of_states = file.frames.iter().find(broken).map(|line| line.frame_idx);
-        let onset_idx = file.damage_onset.map(|onset| onset.frame_idx);
+        let onset_idx = file.damage_onset.as_ref().map(|onset| onset.frame_idx);
         if of_states != onset_idx {
             let said =
                 |idx: Option<u64>| idx.map_or("none".to_owned(), |idx| format!("frame {idx}"));
@@ -141,6 +155,17 @@ impl ClipTrack {
                 "its damage_onset is {}, but the first frame that is not intact is {}; write the clip again with `video`",
                 said(onset_idx),
                 said(of_states)
+            );
+            return Err(refuse_file(path, reason));
+        }
+        let onset_s = file.damage_onset.and_then(|onset| onset.time_s);
+        let frame_s = onset_idx.and_then(|idx| file.frames.get(usize::try_from(idx).ok()?));
+        if let Some((said, frame)) = onset_s.zip(frame_s)
+            && (said - frame.time_s).abs() > 1e-6
+        {
+            let reason = format!(
+                "its damage_onset is at {said:?} s, but that frame at {:?} s; write the clip again with `video`",
+                frame.time_s
             );
             return Err(refuse_file(path, reason));
         }

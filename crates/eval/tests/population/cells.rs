@@ -8,7 +8,7 @@ use starbreak_eval::failure::{
     failure_rates, new_false_positives, shifts,
 };
 use starbreak_eval::resampling::{
-    Plan, RankedCategory, paired_average_precision, rank_by_category,
+    Plan, RankedCategory, paired_average_precision, rank_by_category, rank_versions,
 };
 use starbreak_eval::statistic::{Measured, TestOutcome};
 use starbreak_eval::{EvalError, ImageMatches, LabelSet, measured_performance};
@@ -176,7 +176,11 @@ impl Sample {
         // Each seed as if it were a kind of crack of its own.
         let cells: Vec<usize> = (0..self.cracked.len()).collect();
         let (clean, cracked) = (ranked(&self.clean), ranked(&self.cracked));
-        let means = measured_performance(&clean, &cracked, &cells, &self.plan);
+        let sides = self.clean.iter().zip(&self.cracked);
+        let both: Vec<Vec<RankedCategory>> = sides
+            .map(|(clean, cracked)| rank_versions(&[clean, cracked], self.n_categories))
+            .collect();
+        let means = measured_performance(&clean, &cracked, &both, &cells, &self.plan);
         if let Ok([_, mpc, rpc]) = means
             && is_enough(None)
         {
@@ -236,7 +240,8 @@ impl Sample {
     }
 }
 
-/// The same of a population as large as `n_images`: the truth.
+/// The same of a population as large as `n_images`: the truth, as far as so many images know it. Where they come in
+/// drives of four, AP of 20,000 is off by 0.004 to 0.01, a fifth of the standard error of 300 images.
 pub(crate) fn truth(law: Law, n_images: u64) -> BTreeMap<&'static str, f64> {
     let images: Vec<Image> = (0..n_images)
         .into_par_iter()

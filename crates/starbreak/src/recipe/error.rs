@@ -206,6 +206,14 @@ pub(super) fn printable(text: &str) -> String {
         .collect()
 }
 
+/// A number with so many digits that nobody counts them, by its power of ten.
+pub(super) fn short_number(text: String) -> String {
+    match text.parse::<f64>() {
+        Ok(value) if text.len() > 24 => format!("{value:e}"),
+        _ => text,
+    }
+}
+
 /// A value that went to SI and back, or through single precision, without the last digits that
 /// this costs.
 fn as_given(value: f64) -> f64 {
@@ -259,7 +267,7 @@ impl RecipeError {
             } => Self::Range {
                 place: place.clone(),
                 key: format!("{table}.{}", name.trim_start_matches("impact.")),
-                value: as_given(value).to_string(),
+                value: short_number(as_given(value).to_string()),
                 expected: expected.to_owned(),
             },
             other => Self::Type {
@@ -280,7 +288,7 @@ impl RecipeError {
             } => Self::Range {
                 place: place.clone(),
                 key: format!("{}.{name}", table_of_optics(name)),
-                value: as_given(value).to_string(),
+                value: short_number(as_given(value).to_string()),
                 expected: expected.to_owned(),
             },
             other => Self::Type {

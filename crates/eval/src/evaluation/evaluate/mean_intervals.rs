@@ -9,7 +9,7 @@ use crate::evaluation::{
 };
 use crate::failure::Where;
 use crate::mean_performance::measured_performance;
-use crate::resampling::{RankedCategory, rank_by_category};
+use crate::resampling::{RankedCategory, rank_by_category, rank_versions};
 use crate::statistic::Measured;
 use crate::{Coverages, Detections, EvalError, Object};
 
@@ -57,8 +57,7 @@ fn place_of<T: PartialEq>(known: &mut Vec<T>, one: T) -> usize {
 /// no part of the grid that is averaged over. `evaluations` are what [`evaluate`](super::evaluate) gives for them. The n is
 /// that of the different objects: one that lies in the region of several conditions is one.
 ///
-/// AP50 and AP75 have intervals. Each replicate draws images (or clusters) once for all conditions, and averages as mPC
-/// is averaged; rPC is of the same replicate. Where not every family and severity has the same seeds, there is no
+/// AP50 and AP75 have intervals ([`measured_performance`]). Where not every family and severity has the same seeds, there is no
 /// interval.
 ///
 /// # Errors
@@ -129,18 +128,20 @@ fn put_intervals(
         let is_whole = row.scope.kind == ScopeKind::WholeImage;
         let mut clean: Vec<Vec<RankedCategory>> = Vec::new();
         let mut cracked: Vec<Vec<RankedCategory>> = Vec::new();
+        let mut both: Vec<Vec<RankedCategory>> = Vec::new();
         for (_, found, coverages) in &patterns.cracked {
+            let coverage = coverage_of(coverages, 0);
+            let of_clean = place.matches(&patterns.labels, &patterns.clean, coverage)?;
             // On whole images the clean ones are the same for all conditions.
             if !is_whole || clean.is_empty() {
-                let coverage = coverage_of(coverages, 0);
-                let matches = place.matches(&patterns.labels, &patterns.clean, coverage)?;
-                clean.push(rank_by_category(&matches, n_categories));
+                clean.push(rank_by_category(&of_clean, n_categories));
             }
             let coverage = coverage_of(coverages, 1);
             let matches = place.matches(&patterns.labels, found, coverage)?;
             cracked.push(rank_by_category(&matches, n_categories));
+            both.push(rank_versions(&[&of_clean, &matches], n_categories));
         }
-        let [of_clean, mpc, rpc] = measured_performance(&clean, &cracked, &cells, &plan)?;
+        let [of_clean, mpc, rpc] = measured_performance(&clean, &cracked, &both, &cells, &plan)?;
         put(&mut row.clean, &of_clean);
         put(&mut row.mpc, &mpc);
         put(&mut row.rpc, &rpc);

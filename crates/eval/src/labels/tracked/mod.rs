@@ -89,6 +89,9 @@ impl TrackedLabels {
         };
         match (name, self.clips.as_slice()) {
             (None, [only]) => Ok(only),
+            (None, []) => Err(EvalError::Rule(
+                "the labels are of no clip: they have no images".to_owned(),
+            )),
             (None, _) => Err(EvalError::Rule(format!(
                 "the labels are of {} clips; choose one with --clip: {}",
                 self.clips.len(),

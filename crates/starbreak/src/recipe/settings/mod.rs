@@ -16,7 +16,7 @@ use toml::Table;
 pub use paper::PaperSettings;
 pub use physics::{Mount, PhysicsSettings, StoneSettings};
 
-use super::error::{Place, RecipeError};
+use super::error::{Place, RecipeError, short_number};
 use super::tables::{
     Choice, CommonTables, DirectionEntry, FocalEntry, FormatWord, ModelWord, OpticsWord,
     OutputTable, PositionEntry, PositionWord, from_table,
@@ -193,7 +193,7 @@ fn out_of_range(place: &Place, key: &str, value: impl ToString, expected: &str) 
     RecipeError::Range {
         place: place.clone(),
         key: key.to_owned(),
-        value: value.to_string(),
+        value: short_number(value.to_string()),
         expected: expected.to_owned(),
     }
 }
