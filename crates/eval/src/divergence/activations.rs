@@ -16,7 +16,7 @@ use crate::EvalError;
 const MOST_RESAMPLED: usize = 4000;
 
 /// Operations that may go into resampling Fréchet distances, in each of three ways.
-const FRECHET_BUDGET: usize = 30_000_000_000;
+const FRECHET_BUDGET: u64 = 30_000_000_000;
 
 /// Two sets of feature vectors compared: Fréchet distance (plain and shrunk), KID, MMD with an RBF
 /// kernel. `sets` are their places, which the draws depend on, `origin` says where they come from.
@@ -40,15 +40,16 @@ pub fn compare_vectors(
     let kid = kernel_inception_distance(a, b)?;
     let rbf = mmd_rbf_biased(a, b, sigma)?;
     let d = a.n_dimensions();
-    let work = d.saturating_pow(3).saturating_mul(60).saturating_add(
-        a.n()
-            .saturating_add(b.n())
-            .saturating_mul(d * d)
+    let (n_vectors, side) = (a.n() as u64 + b.n() as u64, d as u64);
+    let work = side.saturating_pow(3).saturating_mul(60).saturating_add(
+        n_vectors
+            .saturating_mul(side.saturating_pow(2))
             .saturating_mul(2),
     );
-    let n_frechet_resamples = match FRECHET_BUDGET / work.max(1) {
-        0..FEWEST_RESAMPLES => 0,
-        n => n,
+    let n_frechet_resamples = match usize::try_from(FRECHET_BUDGET / work.max(1)) {
+        Ok(..FEWEST_RESAMPLES) => 0,
+        Ok(n) => n,
+        Err(_) => usize::MAX,
     };
     let mut measures = BTreeMap::new();
 

@@ -36,7 +36,7 @@ pub enum NetworkError {
         found: usize,
     },
     /// A number that is not finite, or not in its range.
-    #[error("{column}[{index}] = {value:?}; expected {expected}, within 1e12 of 0")]
+    #[error("{column}[{index}] = {value:?}; expected {expected}, within 1e18 of 0")]
     Value {
         /// Name of the column.
         column: &'static str,
