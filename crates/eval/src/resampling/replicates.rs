@@ -104,7 +104,7 @@ impl Replicates {
     }
 
     /// A statistic with its expanded percentile interval, from which the low end of an average precision is
-    /// lower by what it [leans](Self::leaning); n are the units drawn.
+    /// lower by what it leans to above where that is known; n are the units drawn.
     #[must_use]
     pub fn expanded(&self, place: usize, method: Method, basis: Basis) -> Measured {
         let lean = match method {
