@@ -294,8 +294,6 @@ fn of_rates(adder: &mut Adder<'_>, rates: &[FailureRow], own_tau: Option<f64>) {
         adder.add_tested("failure_rate", &row.failure_rate, RATE, p);
         if row.group.kind == GroupKind::All {
             adder.add("recovery_rate", &row.recovery_rate, RATE);
-            adder.add_count("lost", row.n_lost);
-            adder.add_count("recovered", row.n_recovered);
         }
     }
 }
@@ -307,7 +305,6 @@ fn of_failures(adder: &mut Adder<'_>, failures: &FailureResults, own_tau: Option
         adder.scope(&row.scope);
         let per_mpx = "new_false_positives_per_mpx";
         adder.add(per_mpx, &row.new_per_mpx, AP);
-        adder.add_count("new_false_positives", row.n_new);
     }
     let of_all = |row: &&crate::evaluation::ShiftRow| row.group.kind == GroupKind::All;
     for row in failures.shifts.iter().filter(of_all) {
