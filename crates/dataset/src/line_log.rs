@@ -3,7 +3,7 @@ use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::error::DatasetError;
-use crate::image_file::{not_a_file, open_file};
+use crate::image_file::{open_file, refuse_no_file};
 
 /// A line that is longer is not one of ours, bytes.
 const MAX_LINE_BYTES: usize = 1 << 26;
@@ -36,13 +36,7 @@ impl LineLog {
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder).map_err(write_error)?;
         }
-        // To open a pipe would wait for its reader.
-        if let Some(what) = fs::metadata(path).ok().as_ref().and_then(not_a_file) {
-            return Err(DatasetError::NotAFile {
-                path: path.to_owned(),
-                what,
-            });
-        }
+        refuse_no_file(path)?;
         let mut file = OpenOptions::new()
             .read(true)
             .append(true)

@@ -113,28 +113,26 @@ impl Part {
     /// Refuses a file that is not what the part's lists say.
     fn check(&self, name: &str, blake3: &str) -> Result<(), DatasetError> {
         let from = self.layout.safe(name)?;
-        match blake3_file(&from)? == blake3 {
-            true => Ok(()),
-            false => Err(is_altered(&from)),
-        }
+        expect_listed(&from, &blake3_file(&from)?, blake3)
     }
 
     /// Gives a set a file, if it is still what the part's lists say.
     fn give(&self, set: &GeneratedSet, name: &str, blake3: &str) -> Result<(), DatasetError> {
         let from = self.layout.safe(name)?;
-        match set.carry(&from, name, Carry::HardLink)?.blake3 == blake3 {
-            true => Ok(()),
-            false => Err(is_altered(&from)),
-        }
+        let carried = set.carry(&from, name, Carry::HardLink)?;
+        expect_listed(&from, &carried.blake3, blake3)
     }
 }
 
-fn is_altered(from: &Path) -> DatasetError {
-    DatasetError::Shards {
+fn expect_listed(from: &Path, found: &str, listed: &str) -> Result<(), DatasetError> {
+    if found == listed {
+        return Ok(());
+    }
+    Err(DatasetError::Shards {
         reason: format!(
             "{from:?} is not what the lists of its shard say; run its generate again, then merge"
         ),
-    }
+    })
 }
 
 /// The files beside the images by their names, each with the first part that has it.

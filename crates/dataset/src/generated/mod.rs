@@ -46,7 +46,7 @@ use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
 use crate::error::DatasetError;
-use crate::image_file::{not_a_file, read_bytes};
+use crate::image_file::{read_bytes, refuse_no_file};
 use crate::known_folders::{KnownFolders, is_temporary};
 use crate::output_batch::OutputBatch;
 use crate::paths::resolved;
@@ -280,10 +280,7 @@ fn lock(layout: &SetLayout) -> Result<File, DatasetError> {
         source,
     };
     fs::create_dir_all(layout.state_folder()).map_err(write_error)?;
-    // To open a pipe would wait for its reader.
-    if let Some(what) = fs::metadata(&path).ok().as_ref().and_then(not_a_file) {
-        return Err(DatasetError::NotAFile { path, what });
-    }
+    refuse_no_file(&path)?;
     let file = File::options()
         .create(true)
         .truncate(false)

@@ -222,19 +222,22 @@ pub(crate) fn check_file_len(name: &str, n_bytes: u64, max_bytes: u64) -> Result
 
 /// An ordinary file, open for reading.
 pub(crate) fn open_file(path: &Path) -> Result<File, DatasetError> {
-    let read_error = |source| DatasetError::Read {
+    refuse_no_file(path)?;
+    File::open(path).map_err(|source| DatasetError::Read {
         path: path.to_owned(),
         source,
-    };
-    // Before the open: to open a pipe waits for its writer.
-    let metadata = fs::metadata(path).map_err(read_error)?;
-    if let Some(what) = not_a_file(&metadata) {
-        return Err(DatasetError::NotAFile {
+    })
+}
+
+/// Refuses what is there and no ordinary file, before it is opened: to open a pipe waits for its other end.
+pub(crate) fn refuse_no_file(path: &Path) -> Result<(), DatasetError> {
+    match fs::metadata(path).ok().as_ref().and_then(not_a_file) {
+        None => Ok(()),
+        Some(what) => Err(DatasetError::NotAFile {
             path: path.to_owned(),
             what,
-        });
+        }),
     }
-    File::open(path).map_err(read_error)
 }
 
 /// What the thing is when it is not an ordinary file, with its article.

@@ -16,14 +16,14 @@ pub(super) fn missing_end(file: &mut (impl Read + Seek), n_bytes: u64) -> io::Re
         file.seek(SeekFrom::Start(at))?;
         let mut head = Vec::new();
         file.by_ref().take(16).read_to_end(&mut head)?;
-        let end = match at {
-            0 => riff_end(&head).or_else(|| box_end(&head, at)),
-            _ => box_end(&head, at),
-        };
-        match end {
+        match riff_end(&head)
+            .filter(|_| at == 0)
+            .or_else(|| box_end(&head, at))
+        {
             Some(end) if end > n_bytes => return Ok(Some(end)),
-            Some(end) if end > at && end < n_bytes && riff_end(&head).is_none() => at = end,
-            _ => return Ok(None),
+            // Behind an AVI file stands no box, and behind the last box nothing.
+            Some(end) => at = end,
+            None => return Ok(None),
         }
     }
 }

@@ -129,11 +129,12 @@ fn put_intervals(
         let mut clean: Vec<Vec<RankedCategory>> = Vec::new();
         let mut cracked: Vec<Vec<RankedCategory>> = Vec::new();
         let mut both: Vec<Vec<RankedCategory>> = Vec::new();
+        let mut of_clean = Vec::new();
         for (_, found, coverages) in &patterns.cracked {
-            let coverage = coverage_of(coverages, 0);
-            let of_clean = place.matches(&patterns.labels, &patterns.clean, coverage)?;
             // On whole images the clean ones are the same for all conditions.
             if !is_whole || clean.is_empty() {
+                let coverage = coverage_of(coverages, 0);
+                of_clean = place.matches(&patterns.labels, &patterns.clean, coverage)?;
                 clean.push(rank_by_category(&of_clean, n_categories));
             }
             let coverage = coverage_of(coverages, 1);
