@@ -15,14 +15,16 @@ use xtask::rust_source::{code_only, files_below, has_word, uses_std, without_tes
 
 /// Which of our crates each of them may use.
 const OURS: &[(&str, &[&str])] = &[
-    ("starbreak-glass", &[]),
-    ("starbreak-fracture", &["starbreak-glass"]),
-    ("starbreak-optics", &["starbreak-glass"]),
+    ("starbreak-seed", &[]),
+    ("starbreak-glass", &["starbreak-seed"]),
+    ("starbreak-fracture", &["starbreak-seed", "starbreak-glass"]),
+    ("starbreak-optics", &["starbreak-seed", "starbreak-glass"]),
     ("starbreak-dataset", &[]),
     ("starbreak-eval", &["starbreak-dataset"]),
     (
         "starbreak",
         &[
+            "starbreak-seed",
             "starbreak-glass",
             "starbreak-fracture",
             "starbreak-optics",
@@ -95,6 +97,7 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     (
         "serde",
         &[
+            "starbreak-seed",
             "starbreak-glass",
             "starbreak-dataset",
             "starbreak-eval",
@@ -106,6 +109,7 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     (
         "serde_json",
         &[
+            "starbreak-seed",
             "starbreak-glass",
             "starbreak-dataset",
             "starbreak-eval",

@@ -5,12 +5,13 @@
 //! docs/theory/paper-fracture.md gives its equations and what the paper leaves open.
 //!
 //! What it is not: it knows no pixels, no image and no file; it draws every random number from
-//! the [`starbreak_glass::Seed`] that it is given; it keeps no clock.
+//! the [`starbreak_seed::Seed`] that it is given; it keeps no clock.
 //!
 //! # Example
 //! ```
 //! use starbreak_fracture::paper::{PaperImpact, PaperParams, simulate};
-//! use starbreak_glass::{Pane, Seed};
+//! use starbreak_glass::Pane;
+//! use starbreak_seed::Seed;
 //!
 //! let pane = Pane::from_frame_px(1242, 375);
 //! let params = PaperParams { particles: 2000, ..PaperParams::default() };

@@ -7,7 +7,7 @@ use starbreak_fracture::dice::{
     fragment_density_per_m2,
 };
 use starbreak_fracture::mesh::Outline;
-use starbreak_glass::Seed;
+use starbreak_seed::Seed;
 
 #[path = "measures/dice.rs"]
 mod measures;

@@ -5,7 +5,8 @@ use starbreak_fracture::paper::{
     Direction, Fracture, Neighborhood, PaperImpact, PaperParams, Position, Rule,
     euclidean_spanning_tree, simulate,
 };
-use starbreak_glass::{Pane, Seed, SegmentKind};
+use starbreak_glass::{Pane, SegmentKind};
+use starbreak_seed::Seed;
 
 fn pane() -> Pane {
     Pane::from_frame_px(1242, 375)

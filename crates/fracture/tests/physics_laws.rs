@@ -17,7 +17,7 @@ use starbreak_fracture::physics::{
     Broken, DamageClass, GlassBuild, GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin,
     MembraneLoad, MeshResolution, PhysicsParams, StoneImpact, Support, simulate,
 };
-use starbreak_glass::Seed;
+use starbreak_seed::Seed;
 
 const TEMPERED: GlassBuild = GlassBuild::Tempered {
     surface_compression_pa: 100e6,

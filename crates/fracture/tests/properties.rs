@@ -5,7 +5,8 @@ use proptest::prelude::*;
 use starbreak_fracture::paper::{
     Direction, Neighborhood, PaperImpact, PaperParams, Position, Rule, simulate,
 };
-use starbreak_glass::{CrackNetwork, Pane, Seed};
+use starbreak_glass::{CrackNetwork, Pane};
+use starbreak_seed::Seed;
 
 fn impacts() -> impl Strategy<Value = Vec<(Option<[f64; 2]>, f64, f64)>> {
     let position = prop_oneof![

@@ -1,4 +1,4 @@
-//! The nouns of starbreak: [`Material`], [`Pane`], [`Impact`], [`Seed`] and, above all, the
+//! The nouns of starbreak: [`Material`], [`Pane`], [`Impact`] and, above all, the
 //! [`CrackNetwork`], the one thing that the physics hands to the optics.
 //!
 //! What it is not: it solves nothing, draws no random number, touches no file and no pixel.
@@ -24,7 +24,6 @@ mod crack_network;
 mod impact;
 mod material;
 mod pane;
-mod seed;
 
 pub use crack_network::{
     Contact, ContactKind, CrackNetwork, Face, Fragment, Generator, MAX_IMPACTS, MAX_NODES, Model,
@@ -34,4 +33,3 @@ pub use crack_network::{
 pub use impact::Impact;
 pub use material::{Material, MaterialError, Property};
 pub use pane::{GlassKind, LengthUnit, Pane, PaneError};
-pub use seed::{Seed, Stream};

@@ -8,9 +8,10 @@
 use proptest::prelude::*;
 use starbreak_glass::{
     CrackNetwork, Face, Generator, GlassKind, Impact, LengthUnit, Model, NETWORK_SCHEMA,
-    NetworkData, NetworkError, Nodes, Pane, Seed, SegmentKind, Segments, Summary, Zone,
-    find_contacts, find_contacts_of, find_contacts_up_to,
+    NetworkData, NetworkError, Nodes, Pane, SegmentKind, Segments, Summary, Zone, find_contacts,
+    find_contacts_of, find_contacts_up_to,
 };
+use starbreak_seed::Seed;
 
 /// A star of three arms, the last in two pieces.
 fn star() -> NetworkData {

@@ -16,12 +16,13 @@ use std::process::ExitCode;
 
 use image::{DynamicImage, ImageBuffer, Luma};
 use serde_json::{Value, json};
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::{Environment, EnvironmentParams, Horizon};
 use starbreak_optics::interface::fresnel::{slab_reflectance, slab_transmittance};
 use starbreak_optics::lens::Lens;
 use starbreak_optics::physical::{Glass, PhysicalOptics, SurfaceParams, bake};
 use starbreak_optics::{Camera, View};
+use starbreak_seed::Seed;
 
 /// Where the optical axis meets the pane, mm from its corner.
 const AXIS_MM: f64 = 1000.0;

@@ -174,7 +174,7 @@ mod tests {
     use crate::environment::Environment;
     use crate::physical::{Overlay, PhysicalOptics};
     use image::{GenericImageView, RgbImage};
-    use starbreak_glass::Seed;
+    use starbreak_seed::Seed;
 
     /// Stripes that darken the frame, also where its last run is cut off.
     fn stripes(size: (u32, u32)) -> Overlay {

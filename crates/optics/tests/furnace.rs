@@ -3,11 +3,12 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use image::{DynamicImage, ImageBuffer, Rgb};
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::Environment;
 use starbreak_optics::lens::Lens;
 use starbreak_optics::physical::{Glass, Overlay, PhysicalOptics, SurfaceParams, bake};
 use starbreak_optics::{Camera, View};
+use starbreak_seed::Seed;
 
 const SIZE: (u32, u32) = (160, 100);
 

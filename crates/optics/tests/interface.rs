@@ -7,7 +7,6 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 use rand_chacha::rand_core::Rng;
 use serde_json::Value;
-use starbreak_glass::{Seed, Stream};
 use starbreak_optics::interface::fresnel::{
     reflect, reflectance, refract, slab_reflectance, slab_transmittance,
 };
@@ -15,6 +14,7 @@ use starbreak_optics::interface::gap::{GapTable, gap_reflectance};
 use starbreak_optics::interface::ggx::{
     Glint, distribution, g1, rough_dielectric, sample_visible_normal,
 };
+use starbreak_seed::{Seed, Stream};
 
 const N: f64 = 1.52;
 

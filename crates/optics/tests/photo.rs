@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage, Rgba, RgbaImage};
-use starbreak_glass::{Pane, Seed};
+use starbreak_glass::Pane;
 use starbreak_optics::environment::Environment;
 use starbreak_optics::lens::Lens;
 use starbreak_optics::paper::{Focus, Light, PaperOptics, composite};
@@ -12,6 +12,7 @@ use starbreak_optics::photo::{
 };
 use starbreak_optics::physical::{Glass, Overlay, PhysicalOptics};
 use starbreak_optics::{Camera, OpticsError, View};
+use starbreak_seed::Seed;
 
 const SIZE: (u32, u32) = (150, 110);
 

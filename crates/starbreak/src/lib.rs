@@ -46,5 +46,5 @@ pub use starbreak_dataset as dataset;
 pub use starbreak_eval as eval;
 pub use starbreak_fracture as fracture;
 pub use starbreak_glass as glass;
-pub use starbreak_glass::Seed;
 pub use starbreak_optics as optics;
+pub use starbreak_seed::Seed;

@@ -6,7 +6,8 @@ use std::thread;
 use starbreak_fracture::physics::{
     DamageClass, GlassPane, ImpactReport, MeshResolution, PhysicsParams, simulate,
 };
-use starbreak_glass::{CrackNetwork, Seed, SegmentKind};
+use starbreak_glass::{CrackNetwork, SegmentKind};
+use starbreak_seed::Seed;
 
 use crate::measures::network::{
     Joint, euler_defect, fastest_tip_m_s, mean, ring_joints, stored_j, surface_j,

@@ -1,7 +1,7 @@
 //! V10, V11: number and areas of dice.
 
 use starbreak_fracture::dice::{count_law_empirical, count_law_energy, dice_cascade, dice_cells};
-use starbreak_glass::Seed;
+use starbreak_seed::Seed;
 
 use crate::areas::{faces, gamma_cdf, kolmogorov_smirnov, window_counts};
 use crate::measures::network::mean;

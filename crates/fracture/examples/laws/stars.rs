@@ -5,7 +5,7 @@ use std::error::Error;
 use starbreak_fracture::physics::{
     GlassPane, MeshResolution, PhysicsParams, StoneImpact, simulate,
 };
-use starbreak_glass::Seed;
+use starbreak_seed::Seed;
 
 use crate::measures::network::{leg_reach_m, mean};
 use crate::measures::panes::windscreen;

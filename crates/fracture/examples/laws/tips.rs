@@ -7,7 +7,8 @@ use starbreak_fracture::physics::{
     Broken, GlassBuild, GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad,
     MeshResolution, PhysicsParams, StoneImpact, Support, mean_radial_count, simulate,
 };
-use starbreak_glass::{Material, Seed, SegmentKind};
+use starbreak_glass::{Material, SegmentKind};
+use starbreak_seed::Seed;
 
 use crate::measures::network::{fastest_tip_m_s, mean};
 use crate::measures::panes::{pane, rectangle};

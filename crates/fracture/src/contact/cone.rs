@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use starbreak_glass::{Material, Seed, Stream};
+use starbreak_glass::Material;
+use starbreak_seed::{Seed, Stream};
 
 use super::ContactLoad;
 use crate::draw::{normal, uniform};

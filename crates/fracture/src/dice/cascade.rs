@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 
 use rand_chacha::ChaCha8Rng;
-use starbreak_glass::{Seed, Stream};
+use starbreak_seed::{Seed, Stream};
 
 use super::count::ONSET_PA;
 use super::graph::Diced;

@@ -1,7 +1,7 @@
 //! Middles of dice to the cracks between them: a Voronoi diagram that ends at the rim.
 
 use spade::{DelaunayTriangulation, Point2, Triangulation};
-use starbreak_glass::{Seed, Stream};
+use starbreak_seed::{Seed, Stream};
 
 use super::count::fragment_density_per_m2;
 use super::graph::Diced;

@@ -1,6 +1,7 @@
 //! Uniform particles over a pane, sorted into the cells of a grid.
 
-use starbreak_glass::{Pane, Seed, Stream};
+use starbreak_glass::Pane;
+use starbreak_seed::{Seed, Stream};
 
 use crate::draw::uniform;
 use crate::lattice::Lattice;

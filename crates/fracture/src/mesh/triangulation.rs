@@ -2,7 +2,8 @@
 
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
-use starbreak_glass::{Pane, Seed};
+use starbreak_glass::Pane;
+use starbreak_seed::Seed;
 
 use super::Particles;
 use super::particles::to_u32;

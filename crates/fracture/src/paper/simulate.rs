@@ -1,9 +1,10 @@
 //! The whole model: impacts in, crack network out.
 
 use starbreak_glass::{
-    CrackNetwork, Generator, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData, Pane, Seed,
-    SegmentKind, Stream,
+    CrackNetwork, Generator, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData, Pane,
+    SegmentKind,
 };
+use starbreak_seed::{Seed, Stream};
 
 use super::params::{Direction, PaperImpact, PaperParams, Position};
 use super::propagation::{ConvergenceReport, Propagation, ResolvedImpact, propagate};

@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use starbreak_glass::{SegmentKind, Stream};
+use starbreak_glass::SegmentKind;
+use starbreak_seed::Stream;
 
 use super::impact::{Breaking, Hit};
 use crate::contact::ConeOutcome;

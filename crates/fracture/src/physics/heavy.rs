@@ -10,7 +10,8 @@
 use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
-use starbreak_glass::{Seed, SegmentKind, Stream};
+use starbreak_glass::SegmentKind;
+use starbreak_seed::{Seed, Stream};
 
 use super::impact::{Breaking, Facts};
 use super::outcome::{ImpactReport, Stage};

@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use starbreak_glass::{Seed, SegmentKind};
+use starbreak_glass::SegmentKind;
+use starbreak_seed::Seed;
 
 use super::long_crack::{Driven, PaneStress, grow_long_crack};
 use super::outcome::{DamageClass, ImpactReport, LongCrackReport, Stage};

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use starbreak_glass::{Seed, SegmentKind, Stream};
+use starbreak_glass::SegmentKind;
+use starbreak_seed::{Seed, Stream};
 
 use super::outcome::LongCrackReport;
 use super::params::{

@@ -2,8 +2,9 @@
 
 use starbreak_glass::{
     CrackNetwork, Generator, GlassKind, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData,
-    Nodes, Pane, Seed, SegmentKind, Segments, Summary, Zone,
+    Nodes, Pane, SegmentKind, Segments, Summary, Zone,
 };
+use starbreak_seed::Seed;
 
 use super::outcome::{ImpactReport, LongCrackReport};
 use super::params::{GlassBuild, GlassPane, StoneImpact};

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
-use starbreak_glass::{Seed, SegmentKind};
+use starbreak_glass::SegmentKind;
+use starbreak_seed::Seed;
 
 use crate::draw::{uniform, weibull_factor};
 use crate::stress::StressField;

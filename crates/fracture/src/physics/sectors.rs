@@ -1,6 +1,7 @@
 //! The sectors between radial cracks, and when they are looked at for rings.
 
-use starbreak_glass::{SegmentKind, Stream};
+use starbreak_glass::SegmentKind;
+use starbreak_seed::Stream;
 
 use super::impact::{Breaking, Hit};
 use super::plate::Carrying;

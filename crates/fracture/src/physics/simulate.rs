@@ -1,6 +1,7 @@
 //! Pane, stones and loads to a broken pane.
 
-use starbreak_glass::{CrackNetwork, Fragment, NetworkData, Seed, SegmentKind};
+use starbreak_glass::{CrackNetwork, Fragment, NetworkData, SegmentKind};
+use starbreak_seed::Seed;
 
 use super::fallen::loose_pieces;
 use super::impact::Breaking;

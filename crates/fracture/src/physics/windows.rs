@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
-use starbreak_glass::{SegmentKind, Stream};
+use starbreak_glass::SegmentKind;
+use starbreak_seed::Stream;
 
 use super::impact::{Breaking, Hit};
 use super::outcome::Stage;

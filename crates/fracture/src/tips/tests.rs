@@ -3,7 +3,8 @@
 
 use std::f64::consts::PI;
 
-use starbreak_glass::{Material, Seed, SegmentKind};
+use starbreak_glass::{Material, SegmentKind};
+use starbreak_seed::Seed;
 
 use super::*;
 use crate::mesh::Outline;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
-use starbreak_glass::{Seed, Stream};
+use starbreak_seed::{Seed, Stream};
 
 use crate::draw::normal;
 

@@ -5,7 +5,8 @@ use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
-use starbreak_glass::{Seed, SegmentKind, Stream};
+use starbreak_glass::SegmentKind;
+use starbreak_seed::{Seed, Stream};
 
 use super::gaps::{finite_width, gaps_beside, way_to_rim};
 use super::law::{BRANCHING_SCATTER, Gaps, TipLaw, WANDER_RAD, crack_direction, fork_angle_rad};

@@ -6,7 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
 use starbreak_fracture::mesh::Outline;
 use starbreak_fracture::physics::{GlassBuild, GlassPane, StoneImpact, Support};
-use starbreak_glass::{Material, MaterialError, Seed, Stream};
+use starbreak_glass::{Material, MaterialError};
+use starbreak_seed::{Seed, Stream};
 
 pub(crate) fn rectangle(width_m: f64, height_m: f64) -> Outline {
     Outline::Rectangle { width_m, height_m }

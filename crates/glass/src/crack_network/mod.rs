@@ -14,8 +14,9 @@ mod summary;
 mod svg;
 
 use serde::{Deserialize, Serialize};
+use starbreak_seed::Seed;
 
-use crate::{Impact, LengthUnit, Pane, Seed};
+use crate::{Impact, LengthUnit, Pane};
 
 pub use columns::{Face, Nodes, SegmentKind, Segments, Zone};
 pub use contact::{Contact, ContactKind, find_contacts, find_contacts_of, find_contacts_up_to};

@@ -2,7 +2,7 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
-use starbreak_glass::{Seed, Stream};
+use starbreak_seed::{Seed, Stream};
 
 use crate::OpticsError;
 

@@ -1,7 +1,7 @@
 //! The noise of the sensor, where the crack has changed the light.
 
 use rand_chacha::rand_core::Rng;
-use starbreak_glass::{Seed, Stream};
+use starbreak_seed::{Seed, Stream};
 
 use super::SensorNoise;
 use super::overlay::Run;

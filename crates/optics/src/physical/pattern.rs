@@ -3,7 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use image::GrayImage;
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
+use starbreak_seed::Seed;
 
 use super::layer::PatternLayer;
 use super::{Overlay, PhysicalOptics};

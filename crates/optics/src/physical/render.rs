@@ -2,7 +2,8 @@
 //! the scene is out of focus too.
 
 use image::DynamicImage;
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
+use starbreak_seed::Seed;
 
 use super::defocus::defocus;
 use super::elsewhere::side_by_side;

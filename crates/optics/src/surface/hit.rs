@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
-use starbreak_glass::{CrackNetwork, LengthUnit, Seed, Stream};
+use starbreak_glass::{CrackNetwork, LengthUnit};
+use starbreak_seed::{Seed, Stream};
 
 use super::chains::Fallen;
 use super::cracks::Facets;

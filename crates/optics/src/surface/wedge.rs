@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use rand_chacha::rand_core::Rng;
-use starbreak_glass::{CrackNetwork, Seed, Stream};
+use starbreak_glass::CrackNetwork;
+use starbreak_seed::{Seed, Stream};
 
 use super::cracks::Facets;
 use super::lobe::{LightFrom, Sent};

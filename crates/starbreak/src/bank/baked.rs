@@ -2,10 +2,11 @@
 
 use image::GrayImage;
 use starbreak_dataset::encode_mask;
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
 use starbreak_optics::paper::draw;
 use starbreak_optics::physical::{PackedPattern, bake};
 use starbreak_optics::{Coverage, OpticsError};
+use starbreak_seed::Seed;
 
 use super::PatternFacts;
 use crate::pipeline::{Baked, view_of_network};

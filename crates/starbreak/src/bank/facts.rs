@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_PI_4;
 
 use image::GrayImage;
 use serde::{Deserialize, Serialize};
-use starbreak_glass::{CrackNetwork, LengthUnit, Model, Seed, Summary};
+use starbreak_glass::{CrackNetwork, LengthUnit, Model, Summary};
+use starbreak_seed::Seed;
 
 /// What provenance says of a pattern's network.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,7 +4,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use starbreak_dataset::BankFile;
-use starbreak_glass::{Generator, Seed};
+use starbreak_glass::Generator;
+use starbreak_seed::Seed;
 
 use crate::{Error, Recipe, RecipeError};
 

@@ -10,8 +10,9 @@ use starbreak_dataset::{
     BankFile, BankRecord, BankWriter, ImageLimits, OutputBatch, WrittenBank, file_in, read_bytes,
     refuse_inside_set,
 };
-use starbreak_glass::{Generator, Seed};
+use starbreak_glass::Generator;
 use starbreak_optics::photo::{Background, PhotoParams, Placement, PlacementRange, covered_share};
+use starbreak_seed::Seed;
 
 use super::header::read_header;
 use crate::Error;

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use image::GrayImage;
 use starbreak_dataset::{BankFile, ImageLimits, decode_image, file_in};
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
 use starbreak_optics::OpticsError;
+use starbreak_seed::Seed;
 
 use super::baked::{BakedRecord, bake_record};
 use super::header::{BANK_SCHEMA, BankHeader, read_header};

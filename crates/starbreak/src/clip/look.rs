@@ -5,11 +5,12 @@ use std::sync::Arc;
 use image::metadata::Orientation;
 use image::{DynamicImage, GrayImage};
 use starbreak_dataset::{ImageFile, encode_mask, encode_mask_as};
-use starbreak_glass::{CrackNetwork, LengthUnit, Seed};
+use starbreak_glass::{CrackNetwork, LengthUnit};
 use starbreak_optics::environment::Environment;
 use starbreak_optics::paper::{Focus, PaperOptics, composite, draw};
 use starbreak_optics::physical::{Overlay, Pattern, PhysicalOptics, bake};
 use starbreak_optics::{Coverage, Masks, View};
+use starbreak_seed::Seed;
 
 use crate::{Error, OpticsSettings};
 

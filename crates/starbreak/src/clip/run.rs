@@ -6,8 +6,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
 use rayon::prelude::*;
-use starbreak_glass::Seed;
 use starbreak_optics::environment::Environment;
+use starbreak_seed::Seed;
 
 use super::light::ClipLight;
 use super::look::{Drawn, Lit, Pane, StageFacts};

@@ -9,7 +9,8 @@ use std::fmt::Write as _;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use starbreak_dataset::video::Fraction;
-use starbreak_glass::{LengthUnit, Seed};
+use starbreak_glass::LengthUnit;
+use starbreak_seed::Seed;
 
 use super::{ClipRequest, GlassState, Growth, Light};
 use crate::pipeline::{RunContext, Simulated};

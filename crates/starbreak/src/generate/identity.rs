@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use starbreak_dataset::{Carry, SET_SCHEMA};
-use starbreak_glass::Seed;
+use starbreak_seed::Seed;
 
 use super::{Patterns, Plan};
 use crate::{Error, Recipe};

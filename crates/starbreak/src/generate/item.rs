@@ -8,7 +8,7 @@ use starbreak_dataset::{
     LabeledObject, MAX_ITEM_BYTES, Provenance, SampleFiles, SourceImage, blake3_hex,
     encode_image_as, encode_mask_as, read_image,
 };
-use starbreak_glass::Seed;
+use starbreak_seed::Seed;
 
 use super::Plan;
 use super::damage::damage_of;

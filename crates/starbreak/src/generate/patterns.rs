@@ -2,7 +2,7 @@
 
 use serde_json::json;
 use starbreak_dataset::{LabeledObject, ObjectKind};
-use starbreak_glass::Seed;
+use starbreak_seed::Seed;
 
 use crate::bank::{OverlayBank, PatternBank};
 use crate::import::ImportedNetwork;

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 use starbreak_dataset::{
     BadRecord, FileRole, STATE_FOLDER, SetLayout, Source, SourceFile, SourceImage, sha256_hex,
 };
-use starbreak_glass::Seed;
+use starbreak_seed::Seed;
 
 use super::Selection;
 

@@ -11,10 +11,11 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use starbreak_dataset::{ImageFile, ImageLimits, decode_image, read_image};
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
 use starbreak_optics::photo::{
     Photo, PhotoParams, Placement, PlacementRange, bake, check_gain, draw,
 };
+use starbreak_seed::Seed;
 
 use crate::pipeline::{Baked, Details, Simulated, Timings, sheet_view};
 use crate::{Error, OpticsSettings, Settings};

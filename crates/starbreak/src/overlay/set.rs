@@ -7,8 +7,8 @@ use rand_chacha::rand_core::Rng;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use starbreak_dataset::{Source, SourceFormat, SourceImage, SourceSpec, sha256_hex};
-use starbreak_glass::{Seed, Stream};
 use starbreak_optics::photo::Background;
+use starbreak_seed::{Seed, Stream};
 
 use super::{GlassPhoto, OverlayOptions, PlacedPhoto};
 use crate::Error;

@@ -6,8 +6,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::Rng;
 use starbreak_fracture::paper::{Direction, Position};
 use starbreak_fracture::physics::{Stage, StoneImpact, simulate};
-use starbreak_glass::{Seed, Stream};
 use starbreak_optics::{Camera, View};
+use starbreak_seed::{Seed, Stream};
 
 use super::{Details, PhysicsDetails, Simulated, Stopwatch};
 use crate::{CameraSettings, Error, Mount, PhysicsSettings};

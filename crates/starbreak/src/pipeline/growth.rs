@@ -1,8 +1,9 @@
 //! The crack as it grows, frame by frame.
 
 use image::{DynamicImage, GrayImage};
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
 use starbreak_optics::{Coverage, Line, View};
+use starbreak_seed::Seed;
 
 use super::Stopwatch;
 use super::show::{bake_network, own_view};

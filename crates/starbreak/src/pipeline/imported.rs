@@ -1,8 +1,9 @@
 //! A network from a file in the place of a simulated one.
 
 use image::DynamicImage;
-use starbreak_glass::{CrackNetwork, LengthUnit, Seed};
+use starbreak_glass::{CrackNetwork, LengthUnit};
 use starbreak_optics::View;
+use starbreak_seed::Seed;
 
 use super::broken_pane::view_of;
 use super::{Cracked, Details, ImportedDetails, Simulated, Stopwatch, sheet_view, show_cracks};

@@ -12,9 +12,10 @@ mod timings;
 
 use image::DynamicImage;
 use starbreak_fracture::paper::{Stage, simulate as simulate_paper};
-use starbreak_glass::{CrackNetwork, Pane, Seed};
+use starbreak_glass::{CrackNetwork, Pane};
 use starbreak_optics::physical::OpticalMaps;
 use starbreak_optics::{Camera, Masks, View};
+use starbreak_seed::Seed;
 
 use broken_pane::{own_view as own_pane_view, physics_network};
 

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::json;
 use starbreak_dataset::{Provenance, blake3_hex, sha256_hex};
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
+use starbreak_seed::Seed;
 
 use super::details::Details;
 use super::show::OpticsReport;

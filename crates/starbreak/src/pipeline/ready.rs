@@ -2,8 +2,9 @@
 
 use image::{DynamicImage, GrayImage};
 use serde_json::{Map, Value, json};
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
 use starbreak_optics::{Before, Damage, DamageReader};
+use starbreak_seed::Seed;
 
 use super::{
     Baked, OpticsReport, Shown, Simulated, Stopwatch, bake_network, network_view, region_fraction,

@@ -2,12 +2,13 @@
 
 use image::{DynamicImage, GrayImage};
 use serde_json::{Value, json};
-use starbreak_glass::{CrackNetwork, Seed};
+use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::paper::{composite, draw};
 use starbreak_optics::photo::PhotoPattern;
 use starbreak_optics::physical::{Overlay, PackedPattern, Pattern, PhysicalOptics, bake};
 use starbreak_optics::{Before, Contrast, Coverage, Masks, View};
+use starbreak_seed::Seed;
 
 use super::{Cracked, Details, Simulated, Stopwatch, sheet_view, view, view_of_network};
 use crate::{Error, OpticsSettings, Settings};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use starbreak_glass::Seed;
+use starbreak_seed::Seed;
 
 use crate::{Recipe, RecipeError};
 

@@ -45,7 +45,7 @@ mod tests {
     use std::path::PathBuf;
 
     use starbreak_dataset::SourceSpec;
-    use starbreak_glass::Seed;
+    use starbreak_seed::Seed;
 
     use super::*;
     use crate::Recipe;

@@ -8,9 +8,10 @@ mod physics;
 use rand_chacha::rand_core::Rng;
 use starbreak_dataset::JpegQuality;
 use starbreak_fracture::paper::{Direction, Position};
-use starbreak_glass::{MAX_IMPACTS, Seed, Stream};
+use starbreak_glass::MAX_IMPACTS;
 use starbreak_optics::paper::PaperOptics;
 use starbreak_optics::physical::PhysicalOptics;
+use starbreak_seed::{Seed, Stream};
 use toml::Table;
 
 pub use paper::PaperSettings;

@@ -1,4 +1,4 @@
-//! Randomness without ambience: a seed, named streams, and seeds of items.
+//! Randomness without ambience: the [`Seed`] of a run, named [`Stream`]s of random numbers, and seeds of items.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 ///
 /// # Example
 /// ```
-/// use starbreak_glass::Seed;
+/// use starbreak_seed::Seed;
 /// let dataset = Seed(7);
 /// let frame = dataset.of_item("image_2/000001.png", 0);
 /// assert_eq!(frame, dataset.of_item("image_2/000001.png", 0));
