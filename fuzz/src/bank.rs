@@ -1,7 +1,7 @@
-use starbreak::dataset::BankFile;
 use starbreak::optics::Coverage;
 use starbreak::optics::environment::Environment;
 use starbreak::optics::physical::{PackedPattern, PhysicalOptics};
+use starbreak_dataset::BankFile;
 
 use crate::Vocabulary;
 

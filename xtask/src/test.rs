@@ -15,6 +15,8 @@ mod python;
 mod report;
 mod tools;
 
+pub(crate) use processors::standard_library;
+
 use report::Report;
 use tools::Tools;
 

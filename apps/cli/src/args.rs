@@ -17,10 +17,10 @@ use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use detect::DetectArgs;
 use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
-use starbreak::dataset::{DatasetError, MAX_ITEM_BYTES, OutputBatch, SourceSpec, same_file};
 use starbreak::{
     Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, MAX_RECIPE_BYTES, Recipe, RecipeError, Seed,
 };
+use starbreak_dataset::{DatasetError, MAX_ITEM_BYTES, OutputBatch, SourceSpec, same_file};
 
 use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
@@ -282,9 +282,21 @@ pub(crate) struct VideoArgs {
     /// Folder, new or empty, for a region mask and a crack mask of each frame
     #[arg(long, value_name = "DIR")]
     pub(crate) masks: Option<PathBuf>,
+    /// A bank that `starbreak patterns` has made: one of its cracks, by the seed, and its recipe; of
+    /// the recipe only output.… can be set then
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera"])]
+    pub(crate) bank: Option<PathBuf>,
     /// Crack network (JSON or SVG) to use instead of simulating one
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "bank")]
     pub(crate) network: Option<PathBuf>,
+    /// Photo of broken glass (PNG or JPEG) to use instead of simulated cracks
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["network", "bank", "grow"])]
+    pub(crate) overlay: Option<PathBuf>,
+    /// A random part of the photo, by the seed, instead of all of it
+    #[arg(long, requires = "overlay")]
+    pub(crate) overlay_random: bool,
+    #[command(flatten)]
+    pub(crate) overlay_args: OverlayArgs,
     /// Frames per second of a folder of frames, e.g. 10, 29.97 or 30000/1001
     #[arg(long, value_name = "N")]
     pub(crate) fps: Option<String>,

@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use starbreak::dataset::DatasetError;
+use starbreak_dataset::DatasetError;
 
 /// The work or some items failed.
 pub(crate) const SOME_FAILED: u8 = 1;
@@ -38,7 +38,13 @@ impl Failure {
 
 impl From<starbreak::Error> for Failure {
     fn from(error: starbreak::Error) -> Self {
-        if let starbreak::Error::Dataset(DatasetError::Video(video)) = &error
+        Self::wrong_input(error)
+    }
+}
+
+impl From<starbreak_runs::Error> for Failure {
+    fn from(error: starbreak_runs::Error) -> Self {
+        if let starbreak_runs::Error::Dataset(DatasetError::Video(video)) = &error
             && video.is_failure_of_work()
         {
             return Self {

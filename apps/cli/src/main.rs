@@ -20,7 +20,7 @@ use screen::Screen;
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    starbreak::dataset::silence_fenced_panics();
+    starbreak_dataset::silence_fenced_panics();
     let args = match args::Args::try_parse() {
         Ok(args) => args,
         Err(error) => return usage(&error),

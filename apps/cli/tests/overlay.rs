@@ -13,11 +13,12 @@ use common::{
 };
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgba, RgbaImage};
 use serde_json::Value;
-use starbreak::dataset::{ImageLimits, blake3_hex, read_image};
 use starbreak::optics::photo::{PhotoParams, Placement};
-use starbreak::overlay::{GlassPhoto, OverlayOptions, PlacedPhoto};
-use starbreak::pipeline::Stopwatch;
+use starbreak::photo::{OverlayOptions, PlacedPhoto};
+use starbreak::{Chain, Stopwatch};
 use starbreak::{Recipe, Seed};
+use starbreak_dataset::{ImageLimits, blake3_hex, read_image};
+use starbreak_runs::overlay::read_photo;
 
 /// White rays on black.
 fn star(width: u32, height: u32) -> DynamicImage {
@@ -122,7 +123,7 @@ fn an_image_is_made_again_from_its_record() {
         ..PhotoParams::default()
     };
     let placed = PlacedPhoto {
-        glass: Arc::new(GlassPhoto::read(&dir.path().join("star.png"), &params).unwrap()),
+        glass: Arc::new(read_photo(&dir.path().join("star.png"), &params).unwrap()),
         placement: Placement {
             left_px: number(&place["left_px"]),
             top_px: number(&place["top_px"]),
@@ -144,11 +145,10 @@ fn an_image_is_made_again_from_its_record() {
             .pixels
     };
     let mut image = read("a.png");
-    let baked = placed.bake(&settings, (160, 100)).unwrap();
+    let mut watch = Stopwatch::start();
+    let chain = Chain::of_photo(&settings, placed, (160, 100), &mut watch).unwrap();
     let seed = Seed(record["item"]["seed"].as_u64().unwrap());
-    baked
-        .over(&settings, &mut image, seed, &mut Stopwatch::start())
-        .unwrap();
+    chain.over(&mut image, seed).unwrap();
     assert!(image == read("o/a.png"), "the same pixels");
 }
 

@@ -274,7 +274,7 @@ fn growth_frames_grow_to_the_full_drawing() {
     let network = fs::read_to_string(dir.path().join("n.json")).unwrap();
     let network = starbreak::glass::CrackNetwork::from_json(&network).unwrap();
     let view = starbreak::optics::View::stretched(&network.data().pane, (160, 100));
-    let full = starbreak::pipeline::growth_drawing(&network, &view, f64::INFINITY, 1.0);
+    let full = starbreak::growth_drawing(&network, &view, f64::INFINITY, 1.0);
     assert!(
         single[6].data == full.into_raw(),
         "the last frame is not all"

@@ -11,7 +11,7 @@ use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyMapping, PyString};
 use starbreak::Seed;
-use starbreak::dataset::ImageLimits;
+use starbreak_runs::dataset::ImageLimits;
 
 /// Longest value that a message writes out, characters.
 const MAX_SHOWN_CHARS: usize = 60;

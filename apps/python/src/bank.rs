@@ -1,12 +1,10 @@
 //! `PatternBank`: cracks that were made beforehand.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
-use starbreak::Settings;
-use starbreak::pipeline::{self, Stopwatch};
+use starbreak::Stopwatch;
 
 use crate::arguments::{BoxesArg, Given, Kind, NameArg, SeedArg, SizeArg, Whole, seed_of};
 use crate::crack::{Origin, ReadyCrack};
@@ -27,14 +25,13 @@ use crate::recipe::Recipe;
 #[pyclass(frozen, module = "starbreak")]
 #[derive(Debug)]
 pub(crate) struct PatternBank {
-    bank: starbreak::bank::PatternBank,
-    settings: Arc<Settings>,
+    bank: starbreak_runs::bank::PatternBank,
     path: PathBuf,
 }
 
 impl PatternBank {
     /// The library's.
-    pub(crate) fn bank(&self) -> &starbreak::bank::PatternBank {
+    pub(crate) fn bank(&self) -> &starbreak_runs::bank::PatternBank {
         &self.bank
     }
 
@@ -59,15 +56,15 @@ impl PatternBank {
 
     fn ready(slf: &Bound<'_, Self>, idx: usize, size: (u32, u32)) -> PyResult<ReadyCrack> {
         let bank = slf.get();
-        let crack = slf.py().detach(|| {
-            pipeline::ReadyCrack::of_bank(&bank.bank, idx, size, &mut Stopwatch::start())
-        });
-        let crack = crack.map_err(|error| raised(&error))?;
+        let pattern = slf
+            .py()
+            .detach(|| bank.bank.pattern(idx, size, &mut Stopwatch::start()));
+        let chain = pattern.map_err(|error| raised(&error))?.chain;
         let origin = Origin::Bank {
             bank: slf.clone().unbind(),
             idx,
         };
-        Ok(ReadyCrack::of(crack, Arc::clone(&bank.settings), origin))
+        Ok(ReadyCrack::of(chain, origin))
     }
 }
 
@@ -76,14 +73,13 @@ impl PatternBank {
     #[new]
     fn new(py: Python<'_>, path: Given<PathBuf>) -> PyResult<Self> {
         let path = path.named("path")?;
-        let bank = py.detach(|| starbreak::bank::PatternBank::open(&path));
+        let bank = py.detach(|| starbreak_runs::bank::PatternBank::open(&path));
         let bank = bank.map_err(|error| raised(&error))?;
         if bank.is_empty() {
             let message = format!("the bank {path:?} has no patterns");
             return Err(PyValueError::new_err(message));
         }
         Ok(Self {
-            settings: Arc::new(bank.settings().clone()),
             path: std::path::absolute(&path)?,
             bank,
         })

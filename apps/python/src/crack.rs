@@ -1,18 +1,15 @@
 //! `simulate`, `crack`, `corrupt`, and a crack that is ready for many frames.
 
-use std::sync::Arc;
-
 use image::DynamicImage;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use serde_json::{Value, json};
-use starbreak::pipeline::{self, Stopwatch, damage_to_json, use_network};
-use starbreak::{Error, Seed, Settings};
+use starbreak::{Chain, Error, Seed, Settings, Simulated, Stopwatch, damage_to_json};
 
 use crate::arguments::{BoxesArg, Given, NameArg, SeedArg, SizeArg, Whole, seed_of};
 use crate::bank::PatternBank;
-use crate::errors::raised;
+use crate::errors::raised_in_memory;
 use crate::images::{array_of, image_of, mask_of, size_of};
 use crate::network::CrackNetwork;
 use crate::recipe::{Recipe, RecipeArg};
@@ -45,10 +42,9 @@ pub(crate) fn simulate(
     size: SizeArg,
 ) -> PyResult<CrackNetwork> {
     let settings = RecipeArg::or_default(recipe)?.settings();
-    let (width, height) = size.0;
-    let simulated = py.detach(|| pipeline::simulate(&settings, width, height, seed.0));
+    let simulated = py.detach(|| starbreak::simulate(&settings, size.0, seed.0));
     Ok(CrackNetwork::of(
-        simulated.map_err(|error| raised(&error))?.network,
+        simulated.map_err(|error| raised_in_memory(&error))?.network,
     ))
 }
 
@@ -175,12 +171,12 @@ fn ready(
     size: (u32, u32),
     seed: Seed,
     network: Option<&CrackNetwork>,
-) -> Result<pipeline::ReadyCrack, Error> {
+) -> Result<Chain, Error> {
     let simulated = match network {
-        Some(network) => use_network(&network.imported()),
-        None => pipeline::simulate(settings, size.0, size.1, seed)?,
+        Some(network) => Simulated::from(&network.imported()),
+        None => starbreak::simulate(settings, size, seed)?,
     };
-    pipeline::ReadyCrack::of_simulated(settings, simulated, size, seed, &mut Stopwatch::start())
+    Chain::of_simulated(settings, simulated, size, seed, &mut Stopwatch::start())
 }
 
 /// A crack that is ready for any number of frames of one size, as of one video: simulated and
@@ -199,8 +195,7 @@ fn ready(
 #[pyclass(frozen, module = "starbreak")]
 #[derive(Debug)]
 pub(crate) struct ReadyCrack {
-    crack: pipeline::ReadyCrack,
-    settings: Arc<Settings>,
+    chain: Chain,
     origin: Origin,
 }
 
@@ -219,12 +214,8 @@ pub(crate) enum Origin {
 }
 
 impl ReadyCrack {
-    pub(crate) fn of(crack: pipeline::ReadyCrack, settings: Arc<Settings>, origin: Origin) -> Self {
-        Self {
-            crack,
-            settings,
-            origin,
-        }
+    pub(crate) fn of(chain: Chain, origin: Origin) -> Self {
+        Self { chain, origin }
     }
 
     fn fresh(
@@ -235,15 +226,14 @@ impl ReadyCrack {
         network: Option<CrackNetwork>,
     ) -> PyResult<Self> {
         let settings = recipe.settings();
-        let crack = py.detach(|| ready(&settings, size, seed, network.as_ref()));
+        let chain = py.detach(|| ready(&settings, size, seed, network.as_ref()));
         let origin = Origin::Recipe {
             recipe,
             seed,
             network,
         };
         Ok(Self::of(
-            crack.map_err(|error| raised(&error))?,
-            settings,
+            chain.map_err(|error| raised_in_memory(&error))?,
             origin,
         ))
     }
@@ -259,32 +249,33 @@ impl ReadyCrack {
     ) -> PyResult<Bound<'py, PyAny>> {
         if !full && boxes.is_none() {
             let image = py.detach(|| {
-                self.crack.over(&self.settings, &mut pixels, seed)?;
+                self.chain.over(&mut pixels, seed)?;
                 Ok(pixels)
             });
-            return array_of(py, image.map_err(|error: Error| raised(&error))?);
+            return array_of(py, image.map_err(|error: Error| raised_in_memory(&error))?);
         }
         let boxes = boxes.map(|boxes| boxes.0).unwrap_or_default();
         let made = py.detach(|| {
-            let crack = &self.crack;
-            let report = crack.over_and_report(&self.settings, &mut pixels, seed, &boxes)?;
-            Ok((pixels, report, crack.baked.crack_mask()?))
+            let chain = &self.chain;
+            let mut watch = Stopwatch::start();
+            let shown = chain.over_and_report(&mut pixels, seed, &boxes, &mut watch)?;
+            Ok((pixels, shown, chain.crack_mask()?))
         });
-        let (pixels, report, crack_mask) = made.map_err(|error: Error| raised(&error))?;
-        let mut facts = self.crack.facts.clone();
-        facts.insert("optics".to_owned(), report.optics.to_json());
-        facts.insert("region_fraction".to_owned(), json!(report.region_fraction));
-        let damage = report.damage.iter();
+        let (pixels, shown, crack_mask) = made.map_err(|error: Error| raised_in_memory(&error))?;
+        let mut facts = self.chain.facts().clone();
+        facts.insert("optics".to_owned(), shown.optics.to_json());
+        facts.insert("region_fraction".to_owned(), json!(shown.region_fraction));
+        let damage = shown.damage.iter();
         let damage = damage.map(|damage| damage.as_ref().map_or(Value::Null, damage_to_json));
-        let network = self.crack.network.clone().map(CrackNetwork::of);
+        let network = self.chain.network().cloned().map(CrackNetwork::of);
         let cracked = Cracked {
             image: array_of(py, pixels)?.unbind(),
-            region: mask_of(py, report.region)?.into_any().unbind(),
+            region: mask_of(py, shown.region)?.into_any().unbind(),
             crack: mask_of(py, crack_mask)?.into_any().unbind(),
             network: network.map(|network| Py::new(py, network)).transpose()?,
             facts: python_of(py, &Value::Object(facts))?.unbind(),
             damage: python_of(py, &damage.collect())?.unbind(),
-            intact: self.crack.is_intact,
+            intact: self.chain.is_intact(),
         };
         Ok(Bound::new(py, cracked)?.into_any())
     }
@@ -312,31 +303,31 @@ impl ReadyCrack {
     /// Width and height of the frames, px.
     #[getter]
     fn size(&self) -> (u32, u32) {
-        self.crack.baked.size()
+        self.chain.size()
     }
 
     /// Whether nothing is broken.
     #[getter]
     fn intact(&self) -> bool {
-        self.crack.is_intact
+        self.chain.is_intact()
     }
 
     /// Its cracks; None for a pattern of a bank, which keeps them: `bank[index]`.
     #[getter]
     fn network(&self) -> Option<CrackNetwork> {
-        self.crack.network.clone().map(CrackNetwork::of)
+        self.chain.network().cloned().map(CrackNetwork::of)
     }
 
     /// What a provenance record says of the cracks: `network`, and `pattern` for one of a bank.
     #[getter]
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        python_of(py, &Value::Object(self.crack.facts.clone()))
+        python_of(py, &Value::Object(self.chain.facts().clone()))
     }
 
     /// The crack mask: uint8, H x W, coverage by cracks as they would be in focus, 255 = in full.
     fn crack_mask<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let mask = py.detach(|| self.crack.baked.crack_mask());
-        Ok(mask_of(py, mask.map_err(|error| raised(&error))?)?.into_any())
+        let mask = py.detach(|| self.chain.crack_mask());
+        Ok(mask_of(py, mask.map_err(|error| raised_in_memory(&error))?)?.into_any())
     }
 
     /// The crack over an image of its size: a new array, or a `Cracked` with `boxes` or `full`.

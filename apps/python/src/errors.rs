@@ -6,11 +6,12 @@ use std::path::Path;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::types::PyAnyMethods as _;
 use pyo3::{PyErr, PyResult, Python, create_exception};
-use starbreak::dataset::DatasetError;
-use starbreak::eval::EvalError;
+use starbreak::RecipeError;
 use starbreak::fracture::FractureError;
 use starbreak::optics::OpticsError;
-use starbreak::{Error, RecipeError};
+use starbreak_runs::Error;
+use starbreak_runs::dataset::DatasetError;
+use starbreak_runs::eval::EvalError;
 
 create_exception!(
     starbreak,
@@ -25,17 +26,30 @@ pub(crate) fn raised(error: &Error) -> PyErr {
     let message = error.to_string();
     match root(error) {
         Error::Dataset(cause) | Error::Eval(EvalError::Dataset(cause)) => of_file(cause, message),
-        Error::Fracture(FractureError::Parameter { .. } | FractureError::Pane(_))
-        | Error::Optics(
+        Error::Chain(cause) => of_chain(cause, message),
+        Error::Threads { .. } => SimulationError::new_err(message),
+        Error::Bank { .. } => PyOSError::new_err(message),
+        _ => PyValueError::new_err(message),
+    }
+}
+
+/// An error of breaking and showing glass.
+pub(crate) fn raised_in_memory(error: &starbreak::Error) -> PyErr {
+    of_chain(error, error.to_string())
+}
+
+fn of_chain(error: &starbreak::Error, message: String) -> PyErr {
+    match error {
+        starbreak::Error::Fracture(FractureError::Parameter { .. } | FractureError::Pane(_))
+        | starbreak::Error::Optics(
             OpticsError::Parameter { .. }
             | OpticsError::ImageMode { .. }
             | OpticsError::EmptyImage { .. }
             | OpticsError::SizeMismatch { .. },
         ) => PyValueError::new_err(message),
-        Error::Fracture(_) | Error::Optics(_) | Error::OffGlass { .. } | Error::Threads { .. } => {
-            SimulationError::new_err(message)
-        }
-        Error::Bank { .. } => PyOSError::new_err(message),
+        starbreak::Error::Fracture(_)
+        | starbreak::Error::Optics(_)
+        | starbreak::Error::OffGlass { .. } => SimulationError::new_err(message),
         _ => PyValueError::new_err(message),
     }
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use starbreak::generate::{CrackedFiles, crack_file as cracked_files};
-use starbreak::pipeline::RunContext;
+use starbreak_runs::RunContext;
+use starbreak_runs::generate::{CrackedFiles, crack_file as cracked_files};
 
 use crate::arguments::{BytesArg, Given, NameArg, SeedArg, Whole};
 use crate::bank::PatternBank;
@@ -79,7 +79,7 @@ pub(crate) fn crack_file<'py>(
         }
         None => RecipeArg::or_default(recipe)?.recipe().clone(),
     };
-    let made: Result<CrackedFiles, starbreak::Error> = py.detach(|| {
+    let made: Result<CrackedFiles, starbreak_runs::Error> = py.detach(|| {
         let context = RunContext::new(&recipe, seed.0, Path::new(""))?;
         let bank = bank.map(PatternBank::bank);
         cracked_files(&context, bank, &name.0, (sample_index, n_samples), data)
@@ -101,5 +101,5 @@ pub(crate) fn crack_file<'py>(
 #[pyfunction]
 #[pyo3(text_signature = "(data)")]
 pub(crate) fn blake3_hex(py: Python<'_>, data: BytesArg) -> String {
-    starbreak::dataset::blake3_hex(data.0.as_bytes(py))
+    starbreak_runs::dataset::blake3_hex(data.0.as_bytes(py))
 }

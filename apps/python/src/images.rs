@@ -139,7 +139,7 @@ pub(crate) fn mask_of(py: Python<'_>, mask: GrayImage) -> PyResult<Bound<'_, PyA
 /// ((375, 1242, 3), True)
 #[pyfunction]
 pub(crate) fn street_scene(py: Python<'_>) -> PyResult<(Bound<'_, PyAny>, Bound<'_, PyAny>)> {
-    let scene = py.detach(starbreak::dataset::street_scene);
+    let scene = py.detach(starbreak_runs::dataset::street_scene);
     let objects: Vec<Value> = scene
         .objects
         .iter()

@@ -41,7 +41,7 @@ mod _starbreak {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        starbreak::dataset::silence_fenced_panics();
+        starbreak_runs::dataset::silence_fenced_panics();
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -9,17 +9,17 @@ use std::time::Duration;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use starbreak::Error;
-use starbreak::dataset::SourceSpec;
-use starbreak::divergence::{
+use starbreak_runs::Error;
+use starbreak_runs::dataset::SourceSpec;
+use starbreak_runs::divergence::{
     Eye, MAX_DRAWS, MAX_SIDE_PX, NamedSet, check_settings, compare_read_sets,
 };
-use starbreak::eval::divergence::{AnalysisSize, Background, CompareSettings, ReadSettings};
-use starbreak::eval::{AreaRange, Protocol};
-use starbreak::evaluation::{
+use starbreak_runs::eval::divergence::{AnalysisSize, Background, CompareSettings, ReadSettings};
+use starbreak_runs::eval::{AreaRange, Protocol};
+use starbreak_runs::evaluation::{
     EvaluateRequest, MAX_WORST, REPLICATES, REPORT_FILES, evaluate_files, report_batch,
 };
-use starbreak::pipeline::with_threads;
+use starbreak_runs::with_threads;
 
 use crate::arguments::{Given, List, Real, SeedArg, Whole};
 use crate::errors::raised;

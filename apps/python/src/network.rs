@@ -10,9 +10,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use starbreak::dataset::{DatasetError, OutputBatch, sha256_hex};
 use starbreak::glass::{Nodes, SegmentKind, Segments};
-use starbreak::import::{ImportedNetwork, parse_network, read_network};
+use starbreak::import::{ImportedNetwork, parse_network};
+use starbreak_runs::dataset::{DatasetError, OutputBatch, sha256_hex};
+use starbreak_runs::read_network;
 
 use crate::arguments::{Given, Kind};
 use crate::errors::raised;

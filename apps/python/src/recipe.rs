@@ -6,8 +6,8 @@ use std::sync::Arc;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString};
-use starbreak::dataset::{read_text, sha256_hex};
 use starbreak::{Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, PRESETS, Settings};
+use starbreak_runs::dataset::{read_text, sha256_hex};
 
 use crate::arguments::{Given, List, NameArg, Whole, shown};
 use crate::errors::{of_recipe, raised};

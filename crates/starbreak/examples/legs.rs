@@ -11,7 +11,7 @@ use std::process::ExitCode;
 
 use image::{DynamicImage, GrayImage, Luma, RgbImage};
 use rayon::prelude::*;
-use starbreak::pipeline::{crack_image, view};
+use starbreak::{Chain, Scene};
 use starbreak::{Recipe, Seed, Settings};
 use starbreak_glass::SegmentKind;
 use starbreak_optics::View;
@@ -119,15 +119,18 @@ fn star(settings: &Settings, seed: Seed) -> Result<Star, Box<dyn Error>> {
         [code; 3].into()
     });
     let mut after = DynamicImage::ImageRgb8(scene.clone());
-    let cracked = crack_image(settings, &mut after, seed)?;
-    let view = view(settings, SIDE_PX, SIDE_PX)?;
+    let size = (SIDE_PX, SIDE_PX);
+    let chain = Chain::of(settings, size, seed)?;
+    chain.over(&mut after, seed)?;
+    let crack = chain.crack_mask()?;
+    let view = Scene::of(settings, size).pane()?;
     let seen = Seen {
         before: &scene,
         after: &after.to_rgb8(),
-        crack: &cracked.masks.crack,
+        crack: &crack,
         view: &view,
     };
-    let network = &cracked.network;
+    let network = chain.network().ok_or("no network")?;
     let data = network.data();
     let hit = data.impacts.first().ok_or("no hit")?;
     let segments = &data.segments;

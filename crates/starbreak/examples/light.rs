@@ -9,8 +9,8 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-use starbreak::dataset::{ImageLimits, read_image};
 use starbreak::optics::environment::{Environment, EnvironmentParams, HemisphereWeights, Rgb};
+use starbreak_dataset::{ImageLimits, read_image};
 
 /// Focal length over width: 721.5 px for the 1242 px of KITTI.
 const F_OVER_WIDTH: f64 = 721.5377 / 1242.0;

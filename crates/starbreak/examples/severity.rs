@@ -11,9 +11,9 @@ use std::error::Error;
 use image::DynamicImage;
 use image::imageops::FilterType;
 use rayon::prelude::*;
-use starbreak::dataset::street_scene;
-use starbreak::pipeline::crack_image;
+use starbreak::{Chain, Stopwatch};
 use starbreak::{PRESETS, Recipe, Seed};
+use starbreak_dataset::street_scene;
 
 /// Severities of a preset.
 pub(crate) const SEVERITIES: [u8; 5] = [1, 2, 3, 4, 5];
@@ -54,8 +54,10 @@ fn share_of(
     for assignment in set {
         recipe.set(assignment)?;
     }
-    let cracked = crack_image(&recipe.settings()?, &mut scene.clone(), seed)?;
-    let region = &cracked.masks.region;
+    let chain = Chain::of(&recipe.settings()?, (scene.width(), scene.height()), seed)?;
+    let mut watch = Stopwatch::start();
+    let shown = chain.over_and_report(&mut scene.clone(), seed, &[], &mut watch)?;
+    let region = &shown.region;
     let n_hit = region.iter().filter(|code| **code > 0).count();
     #[expect(clippy::cast_precision_loss, reason = "counts of pixels")]
     Ok(n_hit as f64 / region.len() as f64)

@@ -1,50 +1,54 @@
-//! Recipe to settings to pictures: the place where physics, optics and samples on disk meet.
+//! Recipe to settings to pictures, in memory: the place where physics and optics meet.
 //!
-//! [`Recipe`] is what a user writes; [`Recipe::settings`] makes it valid and SI;
-//! [`pipeline`] runs it. This crate contains no formula of its own, and it never prints.
+//! [`Recipe`] is what a user writes; [`Recipe::settings`] makes it valid and SI; a [`Chain`] breaks the
+//! glass and puts it over images. This crate contains no formula of its own, never prints, touches no
+//! file and starts no thread, so that it runs in a browser, too.
 //!
 //! # Example
 //! ```
 //! use image::{DynamicImage, RgbImage};
-//! use starbreak::{Recipe, Seed, pipeline};
+//! use starbreak::{Chain, Recipe, Seed};
 //!
 //! let mut recipe = Recipe::preset("paper")?;
 //! recipe.set("fracture.particles=2000")?;
 //! recipe.set("impact.position=[0.5, 0.5]")?;
-//! let settings = recipe.settings()?;
+//! let chain = Chain::of(&recipe.settings()?, (320, 200), Seed(7))?;
 //!
 //! let mut image = DynamicImage::ImageRgb8(RgbImage::from_pixel(320, 200, image::Rgb([80, 90, 100])));
-//! let cracked = pipeline::crack_image(&settings, &mut image, Seed(7))?;
-//! assert!(cracked.network.n_segments() > 0);
+//! chain.over(&mut image, Seed(7))?;
+//! assert!(!chain.is_intact());
 //! # Ok::<(), starbreak::Error>(())
 //! ```
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-pub mod bank;
-pub mod clip;
+mod broken;
+mod chain;
 mod cost;
-pub mod divergence;
 mod error;
-pub mod evaluation;
-pub mod generate;
+mod growth;
 pub mod import;
-pub mod overlay;
-pub mod pipeline;
+pub mod photo;
 mod plain_words;
 mod recipe;
-pub mod study;
+mod scene;
+mod timings;
 
+pub use broken::{Details, ImportedDetails, PaperDetails, PhysicsDetails, Simulated, simulate};
+pub use chain::{
+    Chain, Lit, OpticsReport, PaneLayer, SceneReport, Shown, damage_to_json, region_fraction,
+};
 pub use cost::{Cost, DEFAULT_MAX_MEMORY_BYTES, LEAST_MAX_MEMORY_BYTES};
 pub use error::Error;
+pub use growth::{growth_drawing, growth_times};
 pub use import::ImportError;
 pub use recipe::{
     Assignment, CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, MAX_RECIPE_BYTES,
     Mount, OpticsSettings, OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings,
     Recipe, RecipeError, SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
 };
-pub use starbreak_dataset as dataset;
-pub use starbreak_eval as eval;
+pub use scene::Scene;
 pub use starbreak_fracture as fracture;
 pub use starbreak_glass as glass;
 pub use starbreak_optics as optics;
 pub use starbreak_seed::Seed;
+pub use timings::{Stopwatch, Timings};

@@ -7,7 +7,7 @@ use std::fs;
 use std::process::Command;
 
 use image::{DynamicImage, Rgb, RgbImage};
-use starbreak::{Error, Recipe, Seed, pipeline};
+use starbreak::{Chain, Error, Recipe, Scene, Seed, Stopwatch};
 
 /// The child's recipe, in this variable: preset, frame, and what is set.
 const RECIPE: &str = "STARBREAK_TEST_RECIPE";
@@ -59,11 +59,18 @@ fn one_picture() {
     let settings = recipe.settings().unwrap();
     let gray = RgbImage::from_pixel(size.0, size.1, Rgb([90, 110, 140]));
     let mut image = DynamicImage::ImageRgb8(gray);
-    let simulated = pipeline::simulate(&settings, size.0, size.1, Seed(1)).unwrap();
-    let view = pipeline::view_of_network(&settings, &simulated.network, size).unwrap();
+    let simulated = starbreak::simulate(&settings, size, Seed(1)).unwrap();
+    let view = Scene::of(&settings, size)
+        .of_network(&simulated.network)
+        .unwrap();
     let showing = settings.cost_of_showing(&simulated.network, &view);
     let breaking = settings.cost_of_breaking(size);
-    pipeline::show_cracks(&settings, &mut image, simulated, Seed(1)).unwrap();
+    let mut watch = Stopwatch::start();
+    let chain = Chain::of_simulated(&settings, simulated, size, Seed(1), &mut watch).unwrap();
+    chain
+        .over_and_report(&mut image, Seed(1), &[], &mut watch)
+        .unwrap();
+    chain.crack_mask().unwrap();
     let status = fs::read_to_string("/proc/self/status").unwrap();
     let (_, peak) = status.split_once("VmHWM:").unwrap();
     let peak_kib: f64 = peak.split_whitespace().next().unwrap().parse().unwrap();
@@ -115,8 +122,7 @@ fn what_takes_too_much_is_refused_with_the_key_to_change() {
         }
         recipe.set_max_memory(limit);
         let settings = recipe.settings().unwrap();
-        let mut image = DynamicImage::new_rgb8(size.0, size.1);
-        match pipeline::crack_image(&settings, &mut image, Seed(1)) {
+        match Chain::of(&settings, size, Seed(1)) {
             Err(error @ Error::TooCostly { .. }) => error.to_string(),
             other => panic!("{preset}: {other:?}"),
         }

@@ -8,8 +8,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use image::{DynamicImage, Rgb, RgbImage};
-use starbreak::dataset::sha256_hex;
-use starbreak::{Recipe, Seed, pipeline};
+use starbreak::{Chain, Recipe, Seed};
+use starbreak_dataset::sha256_hex;
 
 const CASES: [(&str, &[&str]); 7] = [
     ("paper-far", &[]),
@@ -55,10 +55,11 @@ fn output_is_what_it_was() {
             recipe.set(assignment).unwrap();
         }
         let mut image = scene();
-        let cracked =
-            pipeline::crack_image(&recipe.settings().unwrap(), &mut image, Seed(11)).unwrap();
-        assert!(cracked.network.n_segments() > 0, "{name} shows a crack");
-        let network = sha256_hex(cracked.network.to_json().as_bytes());
+        let size = (image.width(), image.height());
+        let chain = Chain::of(&recipe.settings().unwrap(), size, Seed(11)).unwrap();
+        chain.over(&mut image, Seed(11)).unwrap();
+        assert!(!chain.is_intact(), "{name} shows a crack");
+        let network = sha256_hex(chain.network().unwrap().to_json().as_bytes());
         writeln!(
             text,
             "{name} network {network} image {}",

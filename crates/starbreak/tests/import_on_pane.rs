@@ -3,7 +3,7 @@
 
 use image::{DynamicImage, Rgb, RgbImage};
 use starbreak::import::{ImportedNetwork, parse_network};
-use starbreak::{Recipe, Seed, pipeline};
+use starbreak::{Chain, Recipe, Seed, Simulated, Stopwatch};
 
 const DRAWING: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" width="621" height="375"><path d="M150 100L310 240M250 200H390" stroke="red"/></svg>"#;
 
@@ -18,8 +18,12 @@ fn what_was_drawn_appears_where_it_was_drawn() {
         sha256: String::new(),
     };
     let mut image = DynamicImage::ImageRgb8(RgbImage::from_pixel(1242, 375, Rgb([90, 100, 110])));
-    let cracked = pipeline::crack_image_with(&settings, &mut image, &imported, Seed(1)).unwrap();
-    let mask = &cracked.masks.crack;
+    let simulated = Simulated::from(&imported);
+    let mut watch = Stopwatch::start();
+    let chain =
+        Chain::of_simulated(&settings, simulated, (1242, 375), Seed(1), &mut watch).unwrap();
+    chain.over(&mut image, Seed(1)).unwrap();
+    let mask = chain.crack_mask().unwrap();
     // The drawing is stretched twofold across. A crack is seen between its trace on the face, and
     // that trace moved by the parallax in the glass, upward here.
     for (x, y) in [(400_u32, 150_u32), (560, 220), (640, 200), (740, 200)] {

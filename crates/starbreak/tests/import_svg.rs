@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use starbreak::glass::{CrackNetwork, LengthUnit, SegmentKind};
 use starbreak::import::parse_network;
-use starbreak::{PRESETS, Recipe, Seed, pipeline};
+use starbreak::{PRESETS, Recipe, Seed};
 
 fn svg(attributes: &str, content: &str) -> String {
     format!(
@@ -62,7 +62,7 @@ fn every_preset_reads_back_from_its_own_drawing() {
     for (name, _) in PRESETS {
         for seed in 0..4 {
             let settings = Recipe::preset(name).unwrap().settings().unwrap();
-            let network = pipeline::simulate(&settings, 1242, 375, Seed(seed))
+            let network = starbreak::simulate(&settings, (1242, 375), Seed(seed))
                 .unwrap()
                 .network;
             let what = format!("{name}, seed {seed}");

@@ -1,7 +1,7 @@
 //! Every preset breaks what it is named after, at every severity.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
-use starbreak::pipeline::{self, Details, PhysicsDetails, Simulated};
+use starbreak::{Details, PhysicsDetails, Simulated};
 use starbreak::{PRESETS, Recipe, Seed};
 
 /// The picture of the paper; what breaks does not depend on it.
@@ -19,14 +19,14 @@ fn simulated(preset: &str, severity: u8, seed: u64) -> Simulated {
         recipe.set("fracture.mesh=fast").unwrap();
     }
     let settings = recipe.settings().unwrap();
-    pipeline::simulate(&settings, SIZE_PX.0, SIZE_PX.1, Seed(seed))
+    starbreak::simulate(&settings, SIZE_PX, Seed(seed))
         .unwrap_or_else(|error| panic!("{preset} at severity {severity}, seed {seed}: {error}"))
 }
 
 fn physics(preset: &str, seed: u64) -> PhysicsDetails {
     match simulated(preset, 3, seed).details {
         Details::Physics(details) => details,
-        Details::Paper(_) | Details::Imported(_) | Details::Photo(_) => {
+        Details::Paper(_) | Details::Imported(_) => {
             panic!("{preset} is a preset of the physics")
         }
     }

@@ -3,16 +3,16 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use image::DynamicImage;
+use starbreak::Details;
 use starbreak::glass::CrackNetwork;
-use starbreak::pipeline::{self, Details};
-use starbreak::{Recipe, Seed};
+use starbreak::{Chain, Recipe, Seed, Stopwatch};
 
 /// One view in three resolutions, all of them of one shape.
 const SIZES_PX: [(u32, u32); 3] = [(828, 250), (1242, 375), (2484, 750)];
 
 fn seen(recipe: &Recipe, (width, height): (u32, u32), seed: u64) -> (CrackNetwork, Vec<usize>) {
     let settings = recipe.settings().unwrap();
-    let simulated = pipeline::simulate(&settings, width, height, Seed(seed)).unwrap();
+    let simulated = starbreak::simulate(&settings, (width, height), Seed(seed)).unwrap();
     let Details::Physics(details) = simulated.details else {
         panic!("a physics preset");
     };
@@ -77,8 +77,10 @@ fn lost((width, height): (u32, u32), f_px: f64) -> Vec<f64> {
     }
     let mut image = DynamicImage::new_rgb8(width, height);
     let settings = recipe.settings().unwrap();
-    let cracked = pipeline::crack_image(&settings, &mut image, Seed(3)).unwrap();
-    let maps = cracked.maps.unwrap();
+    let chain = Chain::of(&settings, (width, height), Seed(3)).unwrap();
+    let mut watch = Stopwatch::start();
+    let shown = chain.over_and_report(&mut image, Seed(3), &[], &mut watch);
+    let maps = shown.unwrap().maps.unwrap();
     maps.attenuation.iter().copied().map(f64::from).collect()
 }
 

@@ -6,7 +6,7 @@
 mod severity;
 
 use severity::{median, shares_of};
-use starbreak::{Recipe, Seed, pipeline};
+use starbreak::{Recipe, Seed};
 
 /// Seeds of this test; `docs/severity.md` has 32.
 const N_SEEDS: u64 = 4;
@@ -58,7 +58,7 @@ fn what_is_there_of_a_web_hangs_together() {
         for seed in 0..6 {
             let recipe = Recipe::preset_at("windshield-spiderweb", severity).unwrap();
             let settings = recipe.settings().unwrap();
-            let broken = pipeline::simulate(&settings, 1242, 375, Seed(seed)).unwrap();
+            let broken = starbreak::simulate(&settings, (1242, 375), Seed(seed)).unwrap();
             let data = broken.network.data();
             let mut n_at = vec![0; data.nodes.x.len()];
             for node in data.segments.from.iter().chain(&data.segments.to) {

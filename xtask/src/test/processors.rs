@@ -17,7 +17,7 @@ use crate::Failure;
 use crate::command::{cargo, line_of};
 
 /// The tests whose digests hold everywhere.
-const TESTS: [&str; 2] = ["golden", "golden_physics"];
+const TESTS: [&str; 3] = ["golden", "golden_physics", "golden_sets"];
 
 /// The folder of the emulator and that of the compiler, in the target folder.
 const EMULATOR: &str = "test-emulator";
@@ -67,8 +67,8 @@ pub(super) fn aarch64(root: &Path, target: &Path, report: &mut Report) -> Result
         report.skip(what, "it is cross-built on x86-64 Linux alone");
         return Ok(());
     }
-    let tools =
-        standard_library().and_then(|()| Ok((emulator(target, "aarch64")?, compiler(target)?)));
+    let tools = standard_library(AARCH64)
+        .and_then(|()| Ok((emulator(target, "aarch64")?, compiler(target)?)));
     match tools {
         Ok((emulator, compiler)) => {
             let tests = build(root, Some(&compiler))?;
@@ -111,16 +111,19 @@ fn emulator(target: &Path, processor: &str) -> Result<PathBuf, Failure> {
     }
 }
 
-/// Sees that Rust's own library is there for aarch64; rustup is asked for it if it is not.
-fn standard_library() -> Result<(), Failure> {
+/// Sees that Rust's own library is there for a target; rustup is asked for it if it is not.
+///
+/// # Errors
+/// If rustup does not have it, or is not there.
+pub(crate) fn standard_library(of: &str) -> Result<(), Failure> {
     let mut ask = Command::new("rustc");
-    ask.args(["--print", "target-libdir", "--target", AARCH64]);
+    ask.args(["--print", "target-libdir", "--target", of]);
     let folder = answer(&mut ask)?;
     if Path::new(folder.trim()).is_dir() {
         return Ok(());
     }
-    println!("== rustup target add {AARCH64}");
-    answer(Command::new("rustup").args(["target", "add", AARCH64]))?;
+    println!("== rustup target add {of}");
+    answer(Command::new("rustup").args(["target", "add", of]))?;
     Ok(())
 }
 

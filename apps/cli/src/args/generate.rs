@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use starbreak::generate::Shard;
+use starbreak_runs::generate::Shard;
 
 use super::overlay::OverlayArgs;
 

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args as ClapArgs, ValueEnum};
-use starbreak::bank::{BANK_FILE, OVERLAY_BANK_FILE, OverlayBank};
-use starbreak::dataset::same_file;
-use starbreak::generate::Patterns;
 use starbreak::optics::photo::{Background, PhotoParams, PlacementRange};
-use starbreak::overlay::{GlassPhoto, OverlayOptions, OverlaySet};
+use starbreak::photo::OverlayOptions;
+use starbreak_dataset::same_file;
+use starbreak_runs::Patterns;
+use starbreak_runs::bank::{BANK_FILE, OVERLAY_BANK_FILE, OverlayBank};
+use starbreak_runs::overlay::{OverlaySet, read_photo};
 
 use crate::failure::Failure;
 
@@ -139,7 +140,7 @@ impl OverlayArgs {
             )));
         }
         let options = self.options(is_random)?;
-        let glass = GlassPhoto::read(file, &options.params)?;
+        let glass = read_photo(file, &options.params)?;
         Ok(OverlaySet::of(glass, &options))
     }
 }

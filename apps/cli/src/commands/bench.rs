@@ -6,10 +6,11 @@ use std::process::ExitCode;
 
 use image::DynamicImage;
 use serde_json::{Value, json};
-use starbreak::dataset::street_scene;
 use starbreak::fracture::paper::PaperParams;
-use starbreak::pipeline::{Timings, crack_image, with_threads};
+use starbreak::{Chain, Stopwatch, Timings, simulate};
 use starbreak::{FractureSettings, Recipe, Seed, Settings};
+use starbreak_dataset::street_scene;
+use starbreak_runs::with_threads;
 
 use super::{bench_optics, bench_physics, plot};
 use crate::args::{BenchModel, Global};
@@ -191,7 +192,7 @@ fn measure(
     let mut all = Vec::new();
     for (particles, settings) in plan {
         // Once without counting: caches, page tables, clock of the processor.
-        crack_image(settings, &mut scene.clone(), seed)?;
+        damaged(settings, &mut scene.clone(), seed)?;
         let mut series = Series {
             particles: *particles,
             radius_px: match &settings.fracture {
@@ -205,11 +206,10 @@ fn measure(
             interrupt.check()?;
             let seed = seed.of_item("bench", u64::from(k));
             let mut image = scene.clone();
-            let cracked = crack_image(settings, &mut image, seed)?;
-            let n_segments = cracked.network.n_segments();
+            let (n_segments, timings) = damaged(settings, &mut image, seed)?;
             series.runs.push(Run {
                 seed,
-                timings: cracked.timings,
+                timings,
                 n_segments,
             });
             progress.step();
@@ -218,6 +218,23 @@ fn measure(
         all.push(series);
     }
     Ok(all)
+}
+
+/// Breaks the glass before an image and shows it there: how many segments, and how long it took.
+fn damaged(
+    settings: &Settings,
+    image: &mut DynamicImage,
+    seed: Seed,
+) -> Result<(usize, Timings), Failure> {
+    let size = (image.width(), image.height());
+    let simulated = simulate(settings, size, seed)?;
+    let n_segments = simulated.network.n_segments();
+    let mut watch = Stopwatch::start();
+    let chain = Chain::of_simulated(settings, simulated, size, seed, &mut watch)?;
+    chain.over_and_report(image, seed, &[], &mut watch)?;
+    chain.crack_mask()?;
+    watch.lap("masks");
+    Ok((n_segments, watch.stop()))
 }
 
 /// Largest resident set of this process so far; only Linux tells.

@@ -5,12 +5,12 @@ use std::fmt::Write as _;
 use image::DynamicImage;
 use image::imageops::FilterType;
 use serde_json::{Value, json};
-use starbreak::dataset::street_scene;
 use starbreak::glass::CrackNetwork;
 use starbreak::optics::environment::Environment;
 use starbreak::optics::physical::{PhysicalOptics, bake};
-use starbreak::pipeline::{self, Stopwatch, Timings};
 use starbreak::{DEFAULT_PRESET, Error, FractureSettings, Recipe, Seed, Settings};
+use starbreak::{Scene, Stopwatch, Timings};
+use starbreak_dataset::street_scene;
 
 use super::bench::{Spread, spread, spread_json};
 use crate::failure::Failure;
@@ -78,7 +78,7 @@ pub(super) fn measure(
                 interrupt.check()?;
                 let seed = seed.of_item("bench", k);
                 k += 1;
-                let network = pipeline::simulate(&settings, size.0, size.1, seed)?.network;
+                let network = starbreak::simulate(&settings, size, seed)?.network;
                 if network.n_segments() == 0 {
                     continue;
                 }
@@ -115,7 +115,7 @@ fn run_of(
     scene: &DynamicImage,
     seed: Seed,
 ) -> Result<Run, Error> {
-    let view = pipeline::view(settings, scene.width(), scene.height())?;
+    let view = Scene::of(settings, (scene.width(), scene.height())).pane()?;
     let mut still = scene.clone();
     let mut watch = Stopwatch::start();
     let pattern = bake(network, f64::INFINITY, &view, optics, seed)?;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use starbreak::fracture::physics::{StoneImpact, simulate};
-use starbreak::pipeline::{self, Details, Stopwatch, Timings};
+use starbreak::{Details, Stopwatch, Timings};
 use starbreak::{Error, FractureSettings, PhysicsSettings, Recipe, Seed, Settings};
 
 use super::bench::{Spread, spread, spread_json};
@@ -143,10 +143,10 @@ pub(super) fn measure(
 }
 
 fn run_of(settings: &Settings, seed: Seed) -> Result<Run, Error> {
-    let simulated = pipeline::simulate(settings, FRAME.0, FRAME.1, seed)?;
+    let simulated = starbreak::simulate(settings, FRAME, seed)?;
     let damage = match &simulated.details {
         Details::Physics(physics) => physics.impacts.first().map_or("", |hit| hit.damage.name()),
-        Details::Paper(_) | Details::Imported(_) | Details::Photo(_) => "",
+        Details::Paper(_) | Details::Imported(_) => "",
     };
     Ok(Run {
         seed,

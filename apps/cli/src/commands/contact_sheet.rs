@@ -4,7 +4,7 @@ use image::RgbImage;
 use image::imageops::{FilterType, replace, resize};
 use kuva::RasterBackend;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
-use starbreak::dataset::{ImageLimits, decode_image};
+use starbreak_dataset::{ImageLimits, decode_image};
 
 use crate::failure::Failure;
 

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
-use starbreak::dataset::OutputBatch;
-use starbreak::pipeline::{
-    Details, Failure as ItemFailure, ImageJob, JobResult, RunContext, Written, crack_files,
-    plan_images, with_threads,
+use starbreak::glass::CrackNetwork;
+use starbreak_dataset::OutputBatch;
+use starbreak_runs::images::{
+    Failure as ItemFailure, ImageJob, JobResult, Written, damage_files, plan_images,
 };
+use starbreak_runs::{Patterns, RunContext, with_threads};
 
 use super::network_file;
 use crate::args::Global;
@@ -56,17 +57,20 @@ pub(crate) fn run(
         .map(|name| out.join(name))
         .collect();
     global.refuse_recipe_among(&outputs)?;
-    context.imported = network_file::read(request.network.as_deref(), &outputs)?;
-    if let Some(photo) = &request.overlay {
-        let photos = request
-            .overlay_args
-            .read_one(photo, request.overlay_random, &outputs)?;
-        context.overlay = Some(photos);
-    }
+    let imported = network_file::read(request.network.as_deref(), &outputs)?;
+    let patterns = match (&request.overlay, imported) {
+        (Some(photo), _) => Patterns::Overlays(request.overlay_args.read_one(
+            photo,
+            request.overlay_random,
+            &outputs,
+        )?),
+        (None, Some(imported)) => Patterns::Network(imported),
+        (None, None) => Patterns::Fresh,
+    };
     let interrupt = Interrupt::listen();
     let progress = screen.progress(jobs.len() as u64, "images");
     let results = with_threads(usize::from(global.threads), || {
-        crack_files(&jobs, &context, interrupt.flag(), |_, result| {
+        damage_files(&jobs, &context, &patterns, interrupt.flag(), |_, result| {
             if let Err(failure) = result
                 && jobs.len() > 1
             {
@@ -76,13 +80,13 @@ pub(crate) fn run(
         })
     })?;
     progress.finish();
-    finish(results, &context, &interrupt, screen)
+    finish(results, (&context, &patterns), &interrupt, screen)
 }
 
 /// Says how it went, and with which exit code.
 fn finish(
     results: Vec<JobResult>,
-    context: &RunContext,
+    (context, patterns): (&RunContext, &Patterns),
     interrupt: &Interrupt,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
@@ -103,11 +107,8 @@ fn finish(
     for item in &written {
         screen.say(&describe(item));
     }
-    let sizes = written
-        .iter()
-        .map(|item| item.cracked.masks.region.dimensions());
-    if context.imported.is_none()
-        && context.overlay.is_none()
+    let sizes = written.iter().map(|item| item.shown.region.dimensions());
+    if matches!(patterns, Patterns::Fresh)
         && let Some(hint) = sizes
             .into_iter()
             .find_map(|size| super::simulate::radius_hint(settings, size))
@@ -173,28 +174,31 @@ fn is_list_of_failures(path: &Path) -> bool {
 }
 
 pub(super) fn describe(item: &Written) -> String {
-    let network = &item.cracked.network;
     let name = item.image.display();
-    if let Details::Photo(placed) = &item.cracked.details {
+    let affected = format!(
+        "{:.1} % of the frame affected, {:.1} ms",
+        item.shown.region_fraction * 100.0,
+        item.timings.total_ms(),
+    );
+    if let Some(placed) = item.chain.photo() {
         return format!(
-            "{name}: {} before {}, {:.1} % of the frame influenced, {:.1} ms",
+            "{name}: {} before {}, {affected}",
             placed.glass.name,
             placed.glass.photo.background().name(),
-            item.region_fraction * 100.0,
-            item.cracked.timings.total_ms(),
         );
     }
-    if let Some(why) = super::simulate::why_intact(network, &item.cracked.details) {
+    if let Some(why) = super::simulate::why_no_damage(&item.chain) {
         return format!("{name}: {why}");
     }
-    format!(
-        "{name}: {} segments, {:.0} {} of cracks, {:.1} % of the frame influenced, {:.1} ms",
-        network.n_segments(),
-        network.summary().total_length,
-        network.data().unit.symbol(),
-        item.region_fraction * 100.0,
-        item.cracked.timings.total_ms(),
-    )
+    let cracks = item.chain.network().map_or_else(String::new, |network| {
+        format!(
+            "{} segments, {:.0} {} of cracks, ",
+            network.n_segments(),
+            network.summary().total_length,
+            network.data().unit.symbol(),
+        )
+    });
+    format!("{name}: {cracks}{affected}")
 }
 
 pub(super) fn item_json(item: &Written) -> Value {
@@ -204,10 +208,10 @@ pub(super) fn item_json(item: &Written) -> Value {
         "crack": item.crack.as_ref().map(path_text),
         "maps": item.maps.iter().map(path_text).collect::<Vec<_>>(),
         "provenance": path_text(&item.provenance),
-        "region_fraction": item.region_fraction,
-        "optics": item.cracked.optics.to_json(),
-        "intact": item.cracked.is_intact(),
-        "summary": item.cracked.network.summary(),
+        "region_fraction": item.shown.region_fraction,
+        "optics": item.shown.optics.to_json(),
+        "intact": item.chain.is_intact(),
+        "summary": item.chain.network().map(CrackNetwork::summary),
         "timings_ms": item.timings.to_json(),
     })
 }

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use serde_json::json;
-use starbreak::dataset::{
+use serde_json::{Map, json};
+use starbreak::{Chain, PaneLayer, Stopwatch, growth_times};
+use starbreak_dataset::{
     AnimationParams, Encoding, FileSet, ImageLimits, StreetScene, decode_image, encode_animation,
     encode_image, street_scene,
 };
-use starbreak::pipeline::{
-    ImageJob, RunContext, Stopwatch, Written, growth_over, growth_times, stage_cracked,
-};
+use starbreak_runs::images::{ImageJob, Written, chain_for, stage_shown};
+use starbreak_runs::{Patterns, RunContext};
 
 use super::crack::item_json;
 use crate::args::Global;
@@ -49,20 +49,25 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
         let mut focused = recipe.clone();
         focused.set(&format!("camera.focus_distance_m={focus}"))?;
         let context = RunContext::new(&focused, global.seed(), out)?;
-        let watch = Stopwatch::start();
-        let file = decode_image(SCENE, &scene_png, &ImageLimits::default())?;
+        let mut watch = Stopwatch::start();
+        let mut file = decode_image(SCENE, &scene_png, &ImageLimits::default())?;
         let job = ImageJob {
             input: PathBuf::from(SCENE),
             name: SCENE.to_owned(),
             stem: format!("{focus}-focus"),
         };
-        Ok(stage_cracked(&job, file, watch, &context, &mut batch)?)
+        let chain = chain_for(&job, &file, &context, &Patterns::Fresh, &mut watch)?;
+        Ok(stage_shown(
+            &job, &mut file, chain, watch, &context, &mut batch,
+        )?)
     };
     let written = [stage("far")?, stage("short")?];
 
     let settings = recipe.settings()?;
     // Both pictures show the same glass: focus is no part of its breaking.
-    let network = &written[0].cracked.network;
+    let Some(network) = written[0].chain.network() else {
+        return Err(Failure::wrong_input("the demo shows no network"));
+    };
     batch.stage(&out.join("network.json"), network.to_json().as_bytes())?;
     batch.stage(&out.join("network.svg"), network.to_svg().as_bytes())?;
     // A recipe that was edited there and given again stays as its author wrote it.
@@ -75,9 +80,13 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
     }
     let mut frames = Vec::new();
     let seed = global.seed().of_item(SCENE, 0);
+    let size = (pixels.width(), pixels.height());
     for time in growth_times(network, GROWTH_FRAMES) {
         interrupt.check()?;
-        frames.push(growth_over(&settings, &pixels, network, time, seed)?.into_rgb8());
+        let mut frame = pixels.clone();
+        let grown = PaneLayer::of_network(&settings, (network, time), size, seed)?;
+        Chain::of_layer(&settings, grown, Map::new(), false).over(&mut frame, seed)?;
+        frames.push(frame.into_rgb8());
     }
     let delays = AnimationParams {
         delay_ms: 80,

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::dataset::{
+use starbreak_dataset::{
     DatasetError, OutputBatch, Source, files_in, is_inside, read_text, same_file,
 };
 use starbreak_eval::detector::{

@@ -7,8 +7,8 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use starbreak::dataset::DatasetError;
-use starbreak::dataset::video::{Ffmpeg, check_frame_sizes, frame_files, is_folder};
+use starbreak_dataset::DatasetError;
+use starbreak_dataset::video::{Ffmpeg, check_frame_sizes, frame_files, is_folder};
 use starbreak_eval::LabelSet;
 use starbreak_eval::detector::ImageToSee;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use starbreak::dataset::{SourceFormat, SourceSpec};
+use starbreak_dataset::{SourceFormat, SourceSpec};
 use starbreak_eval::detector::{ClassNames, ImageToSee};
 use starbreak_eval::{Category, GroundTruth, LabelSet, LabeledImage};
 

@@ -8,12 +8,12 @@ mod show;
 use std::process::ExitCode;
 
 use serde_json::Value;
-use starbreak::divergence::compare_read_sets;
-use starbreak::pipeline::with_threads;
 use starbreak_eval::divergence::{
     AnalysisSize, Background, CompareSettings, DivergenceReport, ReadSettings, divergence_csv,
     divergence_svg,
 };
+use starbreak_runs::divergence::compare_read_sets;
+use starbreak_runs::with_threads;
 
 use crate::args::Global;
 use crate::args::divergence::{BackgroundWord, DivergenceArgs};

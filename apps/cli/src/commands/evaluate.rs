@@ -3,11 +3,11 @@
 use std::ffi::OsStr;
 use std::process::ExitCode;
 
-use starbreak::dataset::OutputBatch;
-use starbreak::evaluation::{EvaluateRequest, REPORT_FILES, evaluate_files, report_batch};
-use starbreak::pipeline::with_threads;
+use starbreak_dataset::OutputBatch;
 use starbreak_eval::evaluation::{Estimate, PairedMetric, PairedRow, ScopeKind};
 use starbreak_eval::{AreaRange, CocoEvaluation, Evaluated, KittiCurve, Protocol};
+use starbreak_runs::evaluation::{EvaluateRequest, REPORT_FILES, evaluate_files, report_batch};
+use starbreak_runs::with_threads;
 
 use crate::args::Global;
 use crate::args::evaluate::EvaluateArgs;

@@ -6,15 +6,15 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use starbreak::Recipe;
-use starbreak::bank::PatternBank;
-use starbreak::dataset::{
+use starbreak_dataset::{
     BadRecord, Carry, DatasetError, Encoding, Source, encode_image, is_inside,
 };
-use starbreak::generate::{
-    Event, GenerateOptions, GenerateReport, Patterns, Plan, Preview, Selection, Survey, generate,
-    preview, refuse_outputs, survey,
+use starbreak_runs::bank::PatternBank;
+use starbreak_runs::generate::{
+    Event, GenerateOptions, GenerateReport, Plan, Preview, Selection, Survey, generate, preview,
+    refuse_outputs, survey,
 };
-use starbreak::pipeline::{RunContext, with_threads};
+use starbreak_runs::{Patterns, RunContext, with_threads};
 
 use super::contact_sheet::{Cell, contact_sheet};
 use super::network_file;
@@ -140,7 +140,7 @@ pub(super) fn patterns(
 }
 
 /// The recipe that the patterns were made with, with what is said of the output.
-fn recipe_of_bank(bank: &PatternBank, global: &Global) -> Result<Recipe, Failure> {
+pub(super) fn recipe_of_bank(bank: &PatternBank, global: &Global) -> Result<Recipe, Failure> {
     let mut recipe = bank.header().parse_recipe()?;
     recipe.set_max_memory(global.max_memory);
     for assignment in &global.set {
@@ -376,7 +376,7 @@ fn summary(plan: &Plan<'_>, report: &GenerateReport, seconds: f64) -> String {
         report.n_made,
         bytes_text(report.n_bytes),
         how_carried(plan),
-        plan.context.settings.output.quality.get(),
+        plan.context.settings.output.quality,
     )
 }
 

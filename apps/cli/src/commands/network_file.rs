@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use starbreak::dataset::same_file;
-use starbreak::import::{ImportedNetwork, read_network};
+use starbreak::import::ImportedNetwork;
+use starbreak_dataset::same_file;
+use starbreak_runs::read_network;
 
 use crate::failure::Failure;
 

@@ -6,11 +6,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::bank::{
+use starbreak::photo::OverlayOptions;
+use starbreak_runs::bank::{
     OVERLAY_BANK_FILE, OverlayBank, OverlayBankHeader, OverlayRow, write_overlay_bank,
 };
-use starbreak::overlay::OverlayOptions;
-use starbreak::pipeline::with_threads;
+use starbreak_runs::with_threads;
 
 use super::patterns::bytes_text;
 use crate::args::Global;
@@ -59,7 +59,7 @@ pub(crate) fn run(
     })?;
     progress.finish();
     let draft = draft.map_err(|error| match error {
-        starbreak::Error::Interrupted => Failure::interrupted(
+        starbreak_runs::Error::Interrupted => Failure::interrupted(
             "interrupted: a bank is written as a whole or not at all, so nothing was written; run the command again",
         ),
         error => error.into(),

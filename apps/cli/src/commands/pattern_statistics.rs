@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 
 use kuva::prelude::{BarPlot, Figure, Histogram, Layout, Plot, PngBackend, SvgBackend};
 use serde_json::{Value, json};
-use starbreak::bank::{BankReport, PatternRow};
 use starbreak::glass::{LengthUnit, Model};
+use starbreak_runs::bank::{BankReport, PatternRow};
 
 /// Color of the bars (Okabe and Ito).
 const COLOR: &str = "#0072b2";

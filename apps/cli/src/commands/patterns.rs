@@ -6,9 +6,11 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::bank::{BANK_FILE, BankHeader, BankReport, FrameSizes, PatternBank, write_bank};
-use starbreak::dataset::Source;
-use starbreak::pipeline::{RunContext, with_threads};
+use starbreak_dataset::Source;
+use starbreak_runs::bank::{
+    BANK_FILE, BankHeader, BankReport, FrameSizes, PatternBank, write_bank,
+};
+use starbreak_runs::{RunContext, with_threads};
 
 use super::pattern_statistics::{Statistics, csv, figure};
 use crate::args::Global;
@@ -87,7 +89,7 @@ pub(crate) fn run(
     })?;
     progress.finish();
     let draft = draft.map_err(|error| match error {
-        starbreak::Error::Interrupted => Failure::interrupted(
+        starbreak_runs::Error::Interrupted => Failure::interrupted(
             "interrupted: a bank is written as a whole or not at all, so nothing was written; run the command again",
         ),
         error => error.into(),

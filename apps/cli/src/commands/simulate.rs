@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::{Map, Value, json};
-use starbreak::dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
 use starbreak::fracture::physics::ImpactReport;
 use starbreak::glass::{CrackNetwork, Pane};
-use starbreak::pipeline::{self, Details, Simulated, growth_drawing, growth_times};
+use starbreak::{Chain, Details, Scene, Simulated, growth_drawing, growth_times};
 use starbreak::{FractureSettings, PaperSettings, Settings};
+use starbreak_dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
 
 use super::network_file;
 use crate::args::Global;
@@ -16,15 +16,22 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
+/// What to tell of a chain that shows no crack; nothing where there is one, or a photograph.
+pub(super) fn why_no_damage(chain: &Chain) -> Option<&'static str> {
+    match chain.network().zip(chain.details()) {
+        Some((network, details)) => why_intact(network, details),
+        None => (chain.is_intact() && chain.photo().is_none()).then_some("nothing is broken"),
+    }
+}
+
 /// What to tell when there is no crack; nothing where there is one.
-pub(super) fn why_intact(network: &CrackNetwork, details: &Details) -> Option<&'static str> {
+fn why_intact(network: &CrackNetwork, details: &Details) -> Option<&'static str> {
     if network.n_segments() > 0 {
         return None;
     }
     let paper = match details {
         Details::Paper(paper) => paper,
         Details::Imported(_) => return Some("the network has no cracks"),
-        Details::Photo(_) => return None,
         Details::Physics(_) => {
             return Some(
                 "nothing broke: the stone is too slow or too blunt for this glass; raise impact.speed_m_s or \
@@ -102,12 +109,11 @@ pub(crate) fn run(
 ) -> Result<ExitCode, Failure> {
     let settings = global.recipe()?.settings()?;
     let interrupt = Interrupt::listen();
-    let (width_px, height_px) = request.size;
     global.refuse_recipe_among(&request.outputs())?;
     let imported = network_file::read(request.network.as_deref(), &request.outputs())?;
     let simulated = match &imported {
-        Some(imported) => pipeline::use_network(imported),
-        None => pipeline::simulate(&settings, width_px, height_px, global.seed())?,
+        Some(imported) => Simulated::from(imported),
+        None => starbreak::simulate(&settings, request.size, global.seed())?,
     };
     interrupt.check()?;
     let network = &simulated.network;
@@ -177,9 +183,10 @@ fn stage_frames(
 ) -> Result<(), Failure> {
     let network = &simulated.network;
     let times = growth_times(network, n_frames).take_while(|_| !interrupt.is_set());
+    let scene = Scene::of(settings, size);
     let view = match simulated.details {
-        Details::Imported(_) => pipeline::view_of_network(settings, network, size)?,
-        _ => pipeline::view(settings, size.0, size.1)?,
+        Details::Imported(_) => scene.of_network(network)?,
+        _ => scene.pane()?,
     };
     let drawings = times.map(|time| growth_drawing(network, &view, time, 1.0));
     let extension = extension(to);
@@ -233,7 +240,6 @@ fn describe(simulated: &Simulated) -> String {
             network.data().impacts.len(),
             summary.n_fragments.unwrap_or(1),
         ),
-        Details::Photo(placed) => placed.glass.name.clone(),
         Details::Paper(paper) => {
             let report = &paper.convergence;
             format!(

@@ -5,15 +5,15 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Mutex;
 
-use starbreak::dataset::{Source, sha256_file};
-use starbreak::generate::{Selection, Survey, refuse_outputs, survey};
-use starbreak::pipeline::with_threads;
-use starbreak::study::{
-    Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns, conditions,
-};
 use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
+use starbreak_dataset::{Source, sha256_file};
 use starbreak_eval::GroundTruth;
 use starbreak_eval::detector::{Detector, DetectorOptions, ImageToSee, LabelMap, LabelRules};
+use starbreak_runs::generate::{Selection, Survey, refuse_outputs, survey};
+use starbreak_runs::study::{
+    Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns, conditions,
+};
+use starbreak_runs::with_threads;
 
 use super::detect::{contract_of, say_contract, say_unmapped};
 use super::generate::mind_bad_records;
@@ -227,7 +227,7 @@ fn detectors_of(
         };
         let detector = Detector::open(path, &options)?;
         let stem = path.file_stem().unwrap_or(path.as_os_str());
-        let mut name = starbreak::study::folder_name(&stem.to_string_lossy());
+        let mut name = starbreak_runs::study::folder_name(&stem.to_string_lossy());
         if detectors.iter().any(|other| other.name == name) {
             name = format!("{name}-{}", place + 1);
         }

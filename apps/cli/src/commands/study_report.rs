@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use starbreak::dataset::{FileSet, OutputBatch, SourceSpec};
-use starbreak::evaluation::{files_of, label_files};
-use starbreak::study::{StudyPlan, StudyRuns};
+use starbreak_dataset::{FileSet, OutputBatch, SourceSpec};
 use starbreak_eval::GroundTruth;
 use starbreak_eval::evaluation::{
     DivergenceResults, Estimate, EvaluateSettings, GroupKind, InputFile, PairedMetric, Provenance,
     ScopeKind, Study, Versions, WarningKind,
 };
 use starbreak_eval::report::report_files;
+use starbreak_runs::evaluation::{files_of, label_files};
+use starbreak_runs::study::{StudyPlan, StudyRuns};
 
 use super::evaluate::command;
 use crate::args::study::StudyArgs;

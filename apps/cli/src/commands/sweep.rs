@@ -5,15 +5,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
-use starbreak::dataset::{
+use starbreak::{CameraSettings, FractureSettings};
+use starbreak::{Chain, Simulated, Stopwatch, simulate};
+use starbreak_dataset::{
     Encoding, FileSet, ImageFile, ImageLimits, blake3_file, encode_image, files_in, listed_files,
     read_image, same_file,
 };
-use starbreak::pipeline::{
-    ImageJob, PROVENANCE_SCHEMA, RunContext, Simulated, Stopwatch, Written, plan_images, simulate,
-    stage_shown,
-};
-use starbreak::{CameraSettings, FractureSettings};
+use starbreak_runs::images::{ImageJob, Written, plan_images, stage_shown};
+use starbreak_runs::{PROVENANCE_SCHEMA, RunContext};
 
 use super::contact_sheet::{Cell, contact_sheet};
 use super::crack::item_json;
@@ -106,8 +105,11 @@ pub(crate) fn run(
             ..job.clone()
         };
         let mut file = file.clone();
-        let watch = Stopwatch::start();
-        let written = stage_shown(&job, &mut file, simulated, watch, &context, &mut batch)?;
+        let mut watch = Stopwatch::start();
+        let seed = context.seed.of_item(&job.name, 0);
+        let size = (file.pixels.width(), file.pixels.height());
+        let chain = Chain::of_simulated(&context.settings, simulated, size, seed, &mut watch)?;
+        let written = stage_shown(&job, &mut file, chain, watch, &context, &mut batch)?;
         let caption = [format!("{key} = {value}"), figures(&written)];
         cells.push(Cell::new(&file.pixels.to_rgb8(), caption));
         steps.push(Step {
@@ -127,10 +129,7 @@ pub(crate) fn run(
     batch.commit()?;
 
     for step in &steps {
-        let why = super::simulate::why_intact(
-            &step.written.cracked.network,
-            &step.written.cracked.details,
-        );
+        let why = super::simulate::why_no_damage(&step.written.chain);
         let what = why.map_or_else(|| figures(&step.written), str::to_owned);
         screen.say(&format!("{key} = {}: {what}", step.value));
     }
@@ -215,8 +214,8 @@ fn cracks_for(
         return Ok(cracks.simulated.clone());
     }
     let seed = context.seed.of_item(&job.name, 0);
-    let (width, height) = (file.pixels.width(), file.pixels.height());
-    let simulated = simulate(settings, width, height, seed)?;
+    let size = (file.pixels.width(), file.pixels.height());
+    let simulated = simulate(settings, size, seed)?;
     *last = Some(Cracks {
         fracture: settings.fracture.clone(),
         camera: settings.camera,
@@ -237,7 +236,7 @@ fn file_part(value: &str) -> String {
 
 /// What a caption says of a picture.
 fn figures(written: &Written) -> String {
-    let optics = &written.cracked.optics;
+    let optics = &written.shown.optics;
     let contrast = format!("contrast {:.3}", optics.contrast.mean);
     optics.scene.map_or_else(
         || contrast.clone(),
@@ -256,7 +255,7 @@ fn csv(key: &str, steps: &[Step]) -> String {
          contrast_darker,contrast_rms_code,region_fraction\n"
     );
     for step in steps {
-        let optics = &step.written.cracked.optics;
+        let optics = &step.written.shown.optics;
         let contrast = &optics.contrast;
         let scene = optics.scene.map_or_else(
             || ",,".to_owned(),
@@ -278,7 +277,7 @@ fn csv(key: &str, steps: &[Step]) -> String {
             contrast.brighter,
             contrast.darker,
             contrast.rms_code,
-            step.written.region_fraction
+            step.written.shown.region_fraction
         );
     }
     text

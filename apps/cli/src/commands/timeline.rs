@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::json;
-use starbreak::dataset::same_file;
-use starbreak::evaluation::{files_of, report_batch, stem_of};
-use starbreak::pipeline::with_threads;
+use starbreak_dataset::same_file;
 use starbreak_eval::evaluation::{
     ClipInput, ClipSettings, Condition, Counts, Evaluation, InputFile, ProtocolResults, Provenance,
     Settings, Study, TimelineResults, Versions, Warning, check_end, check_sides, pool_clips,
@@ -16,6 +14,8 @@ use starbreak_eval::timeline::{FollowSettings, Frame, Survival, TimelineSettings
 use starbreak_eval::{
     LabeledClip, Protocol, SaidDetections, TrackedLabels, frames_of, said_categories,
 };
+use starbreak_runs::evaluation::{files_of, report_batch, stem_of};
+use starbreak_runs::with_threads;
 
 use super::evaluate::command;
 use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use starbreak::dataset::files_in;
-use starbreak::evaluation::files_of;
+use starbreak_dataset::files_in;
 use starbreak_eval::evaluation::{ClipSide, Warning, WarningKind};
 use starbreak_eval::{Detections, EvalError, GroundTruth, LabeledImage, SaidDetections, Unused};
+use starbreak_runs::evaluation::files_of;
 
 use crate::failure::Failure;
 

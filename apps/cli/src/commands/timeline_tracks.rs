@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use starbreak::dataset::files_in;
+use starbreak_dataset::files_in;
 use starbreak_eval::timeline::ClipTrack;
 use starbreak_eval::{LabeledClip, TrackedLabels};
 

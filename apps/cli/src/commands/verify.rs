@@ -3,9 +3,9 @@
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
-use starbreak::dataset::{Finding, Source, merge_sets};
-use starbreak::generate::{RegenerateReport, VerifyReport, regenerate, verify};
-use starbreak::pipeline::with_threads;
+use starbreak_dataset::{Finding, Source, merge_sets};
+use starbreak_runs::generate::{RegenerateReport, VerifyReport, regenerate, verify};
+use starbreak_runs::with_threads;
 
 use super::evaluate::shell_word;
 use super::generate::patterns;

@@ -1,33 +1,37 @@
 //! `starbreak video`: a clip or a folder of frames to the same behind broken glass.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
-use starbreak::clip::{Clip, ClipReport, ClipRequest, Growth, Light};
-use starbreak::dataset::DatasetError;
-use starbreak::pipeline::{RunContext, with_threads};
+use starbreak::glass::CrackNetwork;
+use starbreak_dataset::DatasetError;
+use starbreak_runs::bank::PatternBank;
+use starbreak_runs::clip::{Clip, ClipReport, ClipRequest, Growth, Light};
+use starbreak_runs::{Patterns, RunContext, with_threads};
 
+use super::generate::recipe_of_bank;
 use super::network_file;
-use super::simulate::{radius_hint, why_intact};
+use super::simulate::{radius_hint, why_no_damage};
 use crate::args::{Global, LightWord, VideoArgs};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
 pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<ExitCode, Failure> {
-    let recipe = global.recipe()?;
-    let network = args.network.clone();
-    let request = request_of(args)?;
-    let context = RunContext::new(&recipe, global.seed(), &request.output)?;
+    args.overlay_args
+        .refuse_idle(args.overlay.is_some(), args.overlay_random)?;
+    let request = request_of(&args)?;
     let outputs = [request.output.clone(), request.track(), request.network()];
     global.refuse_recipe_among(&outputs)?;
-    let imported = network_file::read(network.as_deref(), &outputs)?;
-    let context = RunContext {
-        imported,
-        replaces: global.replace,
-        ..context
+    let patterns = patterns(&args, global.max_memory, &outputs)?;
+    let recipe = match &patterns {
+        Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
+        _ => global.recipe()?,
     };
+    let mut context = RunContext::new(&recipe, global.seed(), &request.output)?;
+    context.replaces = global.replace;
     let interrupt = Interrupt::listen();
     let clip = Clip::open(request.clone())?;
     if clip.has_rare_pixels() {
@@ -40,7 +44,7 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
     for note in notes(&clip) {
         screen.note(&note);
     }
-    if context.imported.is_none()
+    if matches!(patterns, Patterns::Fresh)
         && let Some(hint) = radius_hint(&context.settings, clip.size())
     {
         screen.note(&hint);
@@ -48,7 +52,7 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
     let progress = screen.progress(clip.n_frames(), "frames");
     let started = Instant::now();
     let report = with_threads(usize::from(global.threads), || {
-        clip.run(&context, interrupt.flag(), || progress.step())
+        clip.run(&context, &patterns, interrupt.flag(), || progress.step())
     })?;
     progress.finish();
     let Some(report) = report? else {
@@ -82,25 +86,42 @@ fn notes(clip: &Clip) -> Vec<String> {
     notes
 }
 
-fn request_of(args: VideoArgs) -> Result<ClipRequest, Failure> {
+/// Where the damage comes from.
+fn patterns(args: &VideoArgs, max_memory: u64, outputs: &[PathBuf]) -> Result<Patterns, Failure> {
+    if let Some(photo) = &args.overlay {
+        let photos = args
+            .overlay_args
+            .read_one(photo, args.overlay_random, outputs)?;
+        return Ok(Patterns::Overlays(photos));
+    }
+    if let Some(bank) = &args.bank {
+        let mut bank = PatternBank::open(bank)?;
+        bank.set_max_memory(max_memory);
+        return Ok(Patterns::Bank(bank));
+    }
+    let imported = network_file::read(args.network.as_deref(), outputs)?;
+    Ok(imported.map_or(Patterns::Fresh, Patterns::Network))
+}
+
+fn request_of(args: &VideoArgs) -> Result<ClipRequest, Failure> {
     let fps = args.fps.as_deref().map(str::parse).transpose();
     Ok(ClipRequest {
-        input: args.input,
-        output: args.output,
+        input: args.input.clone(),
+        output: args.output.clone(),
         impact_at_s: args.impact_at,
         growth: match (args.grow, args.growth_time) {
             (false, _) => Growth::Whole,
             (true, None) => Growth::OwnSpeed,
             (true, Some(time_s)) => Growth::Stretched { time_s },
         },
-        masks: args.masks,
+        masks: args.masks.clone(),
         fps: fps.map_err(|error| Failure::from(DatasetError::Video(error)))?,
         is_lossless: args.lossless,
         light: match args.light {
             LightWord::First => Light::First,
             LightWord::Follow => Light::Follow,
         },
-        ffmpeg: args.ffmpeg,
+        ffmpeg: args.ffmpeg.clone(),
     })
 }
 
@@ -112,8 +133,7 @@ fn describe(request: &ClipRequest, report: &ClipReport, elapsed_s: f64) -> Strin
         "{} frames in {elapsed_s:.1} s ({rate:.1} per second)",
         report.n_frames
     );
-    let network = &report.simulated.network;
-    if let Some(why) = why_intact(network, &report.simulated.details) {
+    if let Some(why) = why_no_damage(&report.chain) {
         return format!("{name}: {why}; {frames}");
     }
     let onset = report
@@ -125,9 +145,11 @@ fn describe(request: &ClipRequest, report: &ClipReport, elapsed_s: f64) -> Strin
         0 => String::new(),
         n => format!(", growing for {n}"),
     };
+    let cracks = report.chain.network().map_or_else(String::new, |network| {
+        format!("{} segments, ", network.n_segments())
+    });
     format!(
-        "{name}: {frames}{onset}{growth}; {} segments, {:.1} % of the last frame influenced",
-        network.n_segments(),
+        "{name}: {frames}{onset}{growth}; {cracks}{:.1} % of the last frame affected",
         report.region_fraction * 100.0
     )
 }
@@ -142,7 +164,10 @@ fn result_json(request: &ClipRequest, clip: &Clip, report: &ClipReport, elapsed_
         [
             ("output", json!(path_text(&request.output))),
             ("track", json!(path_text(request.track()))),
-            ("network", json!(path_text(request.network()))),
+            (
+                "network",
+                json!(report.chain.network().map(|_| path_text(request.network()))),
+            ),
             ("masks", json!(request.masks.as_ref().map(path_text))),
             ("n_frames", json!(report.n_frames)),
             ("fps", json!(rate.value())),
@@ -157,8 +182,11 @@ fn result_json(request: &ClipRequest, clip: &Clip, report: &ClipReport, elapsed_
             ("n_growing", json!(report.n_growing)),
             ("n_lights", json!(report.n_lights)),
             ("region_fraction", json!(report.region_fraction)),
-            ("intact", json!(report.simulated.network.n_segments() == 0)),
-            ("summary", json!(report.simulated.network.summary())),
+            ("intact", json!(report.chain.is_intact())),
+            (
+                "summary",
+                json!(report.chain.network().map(CrackNetwork::summary)),
+            ),
             ("elapsed_s", json!(elapsed_s)),
         ]
         .map(|(key, value)| (key.to_owned(), value)),

@@ -11,13 +11,13 @@ use std::path::{Path, PathBuf};
 
 use image::imageops::{FilterType, crop_imm, replace, resize};
 use image::{DynamicImage, GrayImage, Rgb, RgbImage};
-use starbreak::dataset::{
-    Encoding, JpegQuality, OutputBatch, encode_image, encode_mask, street_scene,
-};
 use starbreak::glass::{GlassKind, Pane};
 use starbreak::optics::{Camera, Coverage, Line, View};
-use starbreak::pipeline::{Details, crack_image, growth_drawing, simulate};
+use starbreak::{Chain, Details, growth_drawing, simulate};
 use starbreak::{FractureSettings, PRESETS, Recipe, Seed};
+use starbreak_dataset::{
+    Encoding, JpegQuality, OutputBatch, encode_image, encode_mask, street_scene,
+};
 
 mod series;
 
@@ -201,7 +201,8 @@ fn cracked(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
 /// The frame through broken glass.
 fn shown(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
     let mut image = DynamicImage::ImageRgb8(scene.clone());
-    crack_image(&recipe.settings()?, &mut image, Seed(seed))?;
+    let size = (image.width(), image.height());
+    Chain::of(&recipe.settings()?, size, Seed(seed))?.over(&mut image, Seed(seed))?;
     Ok(image.into_rgb8())
 }
 
@@ -275,9 +276,9 @@ fn drawing(
     }
     let settings = recipe.settings()?;
     for seed in 1..=TRIES {
-        let simulated = simulate(&settings, FRAME.0, FRAME.1, Seed(seed))?;
+        let simulated = simulate(&settings, FRAME, Seed(seed))?;
         let is_found = match &simulated.details {
-            Details::Paper(_) | Details::Imported(_) | Details::Photo(_) => true,
+            Details::Paper(_) | Details::Imported(_) => true,
             Details::Physics(physics) => {
                 let long = physics.long_crack.iter().map(|report| report.class);
                 let mut all = physics

@@ -3,12 +3,12 @@
 use std::process::ExitCode;
 
 use serde_json::json;
-use starbreak::dataset::SourceFormat;
-use starbreak::divergence::NamedSet;
+use starbreak_dataset::SourceFormat;
 use starbreak_eval::divergence::{
     CompareSettings, ImageSet, Measure, PaperComparison, PaperExperiment, PaperRole, ReadSettings,
     paper_experiment,
 };
+use starbreak_runs::divergence::NamedSet;
 
 use super::{digits, finish, sets, show};
 use crate::args::Global;

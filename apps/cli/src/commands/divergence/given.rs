@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
-use starbreak::dataset::{decode_array, read_bytes, read_text};
+use starbreak_dataset::{decode_array, read_bytes, read_text};
 use starbreak_eval::divergence::{
     CompareSettings, DEFINITION, FeatureVectors, compare_vectors, measure_given,
 };

@@ -1,7 +1,7 @@
 //! Sets of the command line, read with a progress bar.
 
-use starbreak::divergence::{Eye, NamedSet};
 use starbreak_eval::divergence::{ImageSet, ReadSettings};
+use starbreak_runs::divergence::{Eye, NamedSet};
 
 use super::wide;
 use crate::args::Global;

@@ -6,7 +6,6 @@ mod physical;
 mod physics;
 
 use rand_chacha::rand_core::Rng;
-use starbreak_dataset::JpegQuality;
 use starbreak_fracture::paper::{Direction, Position};
 use starbreak_glass::MAX_IMPACTS;
 use starbreak_optics::paper::PaperOptics;
@@ -136,8 +135,8 @@ impl FocalLength {
 pub struct OutputSettings {
     /// Format of cracked images.
     pub format: OutputFormat,
-    /// JPEG quality.
-    pub quality: JpegQuality,
+    /// JPEG quality, 1 to 100.
+    pub quality: u8,
     /// Whether the region mask and the crack mask are written.
     pub masks: bool,
     /// Whether the maps of the physical optics are written.
@@ -283,8 +282,14 @@ fn output(
                     .to_owned(),
         });
     }
-    let quality = JpegQuality::new(given.quality)
-        .map_err(|_| out_of_range(place, "output.quality", given.quality, "1 to 100"))?;
+    if !(1..=100).contains(&given.quality) {
+        return Err(out_of_range(
+            place,
+            "output.quality",
+            given.quality,
+            "1 to 100",
+        ));
+    }
     let format = match given.format {
         FormatWord::Same => OutputFormat::Same,
         FormatWord::Png => OutputFormat::Png,
@@ -292,7 +297,7 @@ fn output(
     };
     Ok(OutputSettings {
         format,
-        quality,
+        quality: given.quality,
         masks: given.masks,
         maps: given.maps,
     })

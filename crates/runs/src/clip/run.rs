@@ -1,0 +1,306 @@
+//! The frames of a clip through the glass: read, shown and written at the same time.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::time::Duration;
+
+use rayon::prelude::*;
+use starbreak::{Chain, Lit, PaneLayer, Scene};
+use starbreak_optics::environment::Environment;
+use starbreak_seed::Seed;
+
+use super::light::ClipLight;
+use super::sink::{Ready, Sink, Target};
+use super::source::{Frame, Source};
+use super::stage::StageFacts;
+use super::timeline::{GlassState, Timeline};
+use super::track::TrackFrame;
+use crate::Error;
+
+/// How often a run that waits for a frame looks whether it is to stop.
+const LOOK_AROUND: Duration = Duration::from_millis(100);
+
+/// Everything that a frame needs to know.
+pub(super) struct Show<'a> {
+    /// The damage in full.
+    pub(super) chain: &'a Chain,
+    /// The pane before the impact.
+    pub(super) bare: &'a PaneLayer,
+    pub(super) timeline: Timeline,
+    pub(super) target: Target,
+    /// Seed of the run and name of the clip, for what differs from frame to frame.
+    pub(super) seed: Seed,
+    pub(super) name: &'a str,
+    pub(super) with_masks: bool,
+}
+
+/// What is kept from batch to batch.
+struct Kept<'a> {
+    light: ClipLight,
+    /// The light in the first frame with a crack, by which regions are told: those of still
+    /// frames are then the same.
+    onset_light: Option<Environment>,
+    still: Option<Arc<StageFacts>>,
+    /// The full cracks under the last light.
+    lit: Option<(Option<Environment>, Arc<Lit<'a>>)>,
+    intact: Arc<StageFacts>,
+}
+
+/// One frame's glass.
+struct Plan<'a> {
+    state: GlassState,
+    grown: f64,
+    light: Option<Environment>,
+    /// For still cracks.
+    lit: Option<Arc<Lit<'a>>>,
+}
+
+/// A frame that has been shown.
+struct Shown {
+    ready: Ready,
+    facts: Arc<StageFacts>,
+    line: TrackFrame,
+}
+
+/// What comes out of a run that was not interrupted.
+pub(super) struct Finished {
+    pub(super) sink: Sink,
+    pub(super) frames: Vec<TrackFrame>,
+    pub(super) n_lights: u64,
+}
+
+/// Runs all frames of a source into a sink; `None` if it was stopped.
+///
+/// One thread reads, one writes, and the pool between them takes frames by the batch. Nobody
+/// waits for more than a batch, so that memory holds three of them.
+pub(super) fn run<'a>(
+    show: &'a Show<'a>,
+    light: ClipLight,
+    source: &Source,
+    sink: Sink,
+    stop: &AtomicBool,
+    done: &(impl Fn() + Sync),
+) -> Result<Option<Finished>, Error> {
+    let n_batch = (2 * rayon::current_num_threads()).clamp(2, 16);
+    let mut kept = Kept {
+        light,
+        onset_light: None,
+        still: None,
+        lit: None,
+        intact: StageFacts::intact(show.chain.size(), show.with_masks)?,
+    };
+    let frames = source.frames()?;
+    std::thread::scope(|scope| {
+        let (to_pool, from_reader) = sync_channel(n_batch);
+        let (to_writer, from_pool) = sync_channel(n_batch);
+        scope.spawn(move || read_all(frames, &to_pool));
+        let writer = scope.spawn(move || write_all(sink, &from_pool, done));
+        let mut lines = Vec::new();
+        let mut failure = None;
+        let mut is_whole = false;
+        while !stop.load(Ordering::Relaxed) {
+            let batch = match next_batch(&from_reader, n_batch, stop) {
+                Ok(batch) => batch,
+                Err(error) => {
+                    failure = Some(error);
+                    break;
+                }
+            };
+            if batch.is_empty() {
+                is_whole = !stop.load(Ordering::Relaxed);
+                break;
+            }
+            let shown = match show.batch(&mut kept, batch) {
+                Ok(shown) => shown,
+                Err(error) => {
+                    failure = Some(error);
+                    break;
+                }
+            };
+            let mut has_writer = true;
+            for Shown { ready, facts, line } in shown {
+                lines.push(line);
+                has_writer &= to_writer.send((ready, facts)).is_ok();
+            }
+            if !has_writer {
+                break;
+            }
+        }
+        // The reader and the writer end when nobody listens or speaks any more.
+        drop(from_reader);
+        drop(to_writer);
+        let sink = match writer.join() {
+            Ok(sink) => sink?,
+            Err(panic) => std::panic::resume_unwind(panic),
+        };
+        match failure {
+            Some(error) => Err(error),
+            None if !is_whole => Ok(None),
+            None => Ok(Some(Finished {
+                sink,
+                frames: lines,
+                n_lights: kept.light.n_lights(),
+            })),
+        }
+    })
+}
+
+fn read_all(
+    frames: impl Iterator<Item = Result<Frame, Error>>,
+    to: &SyncSender<Result<Frame, Error>>,
+) {
+    for frame in frames {
+        let is_last = frame.is_err();
+        if to.send(frame).is_err() || is_last {
+            return;
+        }
+    }
+}
+
+fn write_all(
+    mut sink: Sink,
+    from: &Receiver<(Ready, Arc<StageFacts>)>,
+    done: &impl Fn(),
+) -> Result<Sink, Error> {
+    for (ready, facts) in from {
+        sink.write(&ready, &facts)?;
+        done();
+    }
+    Ok(sink)
+}
+
+/// The next frames; fewer at the end, none after it or when the run is to stop.
+fn next_batch(
+    from: &Receiver<Result<Frame, Error>>,
+    n_batch: usize,
+    stop: &AtomicBool,
+) -> Result<Vec<Frame>, Error> {
+    let mut batch = Vec::with_capacity(n_batch);
+    while batch.len() < n_batch && !stop.load(Ordering::Relaxed) {
+        match from.recv_timeout(LOOK_AROUND) {
+            Ok(frame) => batch.push(frame?),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break,
+        }
+    }
+    Ok(batch)
+}
+
+impl<'a> Show<'a> {
+    /// Shows the cracks in some frames, in parallel; the result does not depend on how many.
+    fn batch(&'a self, kept: &mut Kept<'a>, batch: Vec<Frame>) -> Result<Vec<Shown>, Error> {
+        let own_light: Vec<Option<Environment>> = batch
+            .par_iter()
+            .map(|frame| match kept.light.wants(frame.idx) {
+                true => self.chain.light_of(&frame.pixels),
+                false => None,
+            })
+            .collect();
+        let mut plans = Vec::with_capacity(batch.len());
+        for (frame, own) in batch.iter().zip(own_light) {
+            let (state, grown) = self.timeline.at(frame.time_s);
+            let light = kept.light.next(own);
+            if state != GlassState::Intact && kept.onset_light.is_none() {
+                kept.onset_light = light;
+            }
+            let is_still = state == GlassState::Still;
+            let lit = is_still.then(|| self.still_under(kept, light));
+            let lit = lit.transpose()?;
+            plans.push(Plan {
+                state,
+                grown,
+                light,
+                lit,
+            });
+        }
+        if kept.still.is_none() && plans.iter().any(|plan| plan.state == GlassState::Still) {
+            let lit = self.still_under(kept, kept.onset_light)?;
+            kept.still = Some(self.facts(self.chain.layer(), &lit, f64::INFINITY)?);
+        }
+        let kept = &*kept;
+        batch
+            .into_par_iter()
+            .zip(plans)
+            .with_max_len(1)
+            .map(|(frame, plan)| self.one(kept, frame, &plan))
+            .collect()
+    }
+
+    /// The full cracks under a light.
+    fn still_under(
+        &'a self,
+        kept: &mut Kept<'a>,
+        light: Option<Environment>,
+    ) -> Result<Arc<Lit<'a>>, Error> {
+        if let Some((of, lit)) = &kept.lit
+            && *of == light
+        {
+            return Ok(Arc::clone(lit));
+        }
+        let lit = Arc::new(self.chain.under(light.as_ref())?);
+        kept.lit = Some((light, Arc::clone(&lit)));
+        Ok(lit)
+    }
+
+    fn facts(
+        &self,
+        layer: &PaneLayer,
+        lit: &Lit<'_>,
+        grown: f64,
+    ) -> Result<Arc<StageFacts>, Error> {
+        let scene = Scene::of(self.chain.settings(), self.chain.size());
+        let network = self.chain.network();
+        let length_px = network.map(|network| scene.crack_length_px(network, grown));
+        StageFacts::of(layer, lit, length_px.transpose()?, self.with_masks)
+    }
+
+    fn one(&self, kept: &Kept<'a>, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {
+        let noise = self.seed.of_item(self.name, frame.idx);
+        let mut is_untouched = false;
+        let facts = match (plan.state, &plan.lit, &kept.still) {
+            (GlassState::Still, Some(lit), Some(facts)) => {
+                lit.over(&mut frame.pixels, noise)?;
+                Arc::clone(facts)
+            }
+            (GlassState::Growing, ..) => {
+                let grown = self.chain.grown_at(plan.grown)?;
+                let lit = self.chain.layer_under(&grown, plan.light.as_ref())?;
+                lit.over(&mut frame.pixels, noise)?;
+                if plan.light == kept.onset_light {
+                    self.facts(&grown, &lit, plan.grown)?
+                } else {
+                    let lit = self.chain.layer_under(&grown, kept.onset_light.as_ref())?;
+                    self.facts(&grown, &lit, plan.grown)?
+                }
+            }
+            _ => {
+                let lit = self.chain.layer_under(self.bare, None)?;
+                is_untouched = lit.changes_nothing();
+                if !is_untouched {
+                    lit.over(&mut frame.pixels, noise)?;
+                }
+                Arc::clone(&kept.intact)
+            }
+        };
+        let (frame_idx, time_s) = (frame.idx, frame.time_s);
+        let own_masks = match &frame.file {
+            Some(file) => facts.masks_as(&file.image)?,
+            None => None,
+        };
+        let mut ready = self
+            .target
+            .prepare(frame, is_untouched, self.chain.settings())?;
+        ready.own_masks = own_masks;
+        let line = TrackFrame {
+            frame_idx,
+            time_s,
+            state: plan.state,
+            growth: self.timeline.reached(plan.grown),
+            crack_length_px: facts.crack_length_px,
+            region_fraction: facts.region_fraction,
+            file: ready.file_name().map(str::to_owned),
+        };
+        Ok(Shown { ready, facts, line })
+    }
+}

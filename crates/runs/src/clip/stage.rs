@@ -1,0 +1,92 @@
+//! What a stage of the growth says of its frames.
+
+use std::sync::Arc;
+
+use image::GrayImage;
+use image::metadata::Orientation;
+use starbreak::{Lit, PaneLayer, region_fraction};
+use starbreak_dataset::{ImageFile, encode_mask, encode_mask_as};
+
+use crate::Error;
+
+/// What a stage of the growth says of its frames.
+#[derive(Debug)]
+pub(super) struct StageFacts {
+    /// Share of the frame that the damage affects.
+    pub(super) region_fraction: f64,
+    /// Length of the cracks inside the frame, px; none for a photograph.
+    pub(super) crack_length_px: Option<f64>,
+    /// Region and crack mask, if asked for.
+    pub(super) masks: Option<[StageMask; 2]>,
+}
+
+/// A mask of a stage.
+#[derive(Debug)]
+pub(super) struct StageMask {
+    upright: GrayImage,
+    /// As PNG, for all frames that are stored upright.
+    png: Vec<u8>,
+}
+
+impl StageMask {
+    fn of(upright: GrayImage) -> Result<Self, Error> {
+        let png = encode_mask(&upright)?;
+        Ok(Self { upright, png })
+    }
+
+    pub(super) fn png(&self) -> &[u8] {
+        &self.png
+    }
+}
+
+impl StageFacts {
+    /// The masks of a frame whose file does not store its pixels upright, laid as they lie there.
+    pub(super) fn masks_as(&self, file: &ImageFile) -> Result<Option<[Vec<u8>; 2]>, Error> {
+        match &self.masks {
+            Some([region, crack]) if file.orientation != Orientation::NoTransforms => Ok(Some([
+                encode_mask_as(&region.upright, file)?,
+                encode_mask_as(&crack.upright, file)?,
+            ])),
+            _ => Ok(None),
+        }
+    }
+
+    pub(super) fn of(
+        layer: &PaneLayer,
+        lit: &Lit<'_>,
+        crack_length_px: Option<f64>,
+        with_masks: bool,
+    ) -> Result<Arc<Self>, Error> {
+        let region = lit.region(layer.size())?;
+        let masks = if with_masks {
+            Some([
+                StageMask::of(region.clone())?,
+                StageMask::of(layer.crack_mask()?)?,
+            ])
+        } else {
+            None
+        };
+        Ok(Arc::new(Self {
+            region_fraction: region_fraction(&region),
+            crack_length_px,
+            masks,
+        }))
+    }
+
+    pub(super) fn intact(
+        (width, height): (u32, u32),
+        with_masks: bool,
+    ) -> Result<Arc<Self>, Error> {
+        let masks = if with_masks {
+            let black = || StageMask::of(GrayImage::new(width, height));
+            Some([black()?, black()?])
+        } else {
+            None
+        };
+        Ok(Arc::new(Self {
+            region_fraction: 0.0,
+            crack_length_px: Some(0.0),
+            masks,
+        }))
+    }
+}

@@ -1,0 +1,239 @@
+use std::path::{Path, PathBuf};
+
+use starbreak::{ImportError, RecipeError};
+use starbreak_dataset::DatasetError;
+use starbreak_eval::EvalError;
+use starbreak_fracture::FractureError;
+use starbreak_optics::OpticsError;
+
+use crate::clip::ClipError;
+
+/// Why a run or one of its items failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Glass could not be broken or shown.
+    #[error(transparent)]
+    Chain(#[from] starbreak::Error),
+    /// A file could not be read or written.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// A request for a clip that makes no sense.
+    #[error(transparent)]
+    Clip(#[from] ClipError),
+    /// A network file that holds no network.
+    #[error("{path:?} {cause}")]
+    Import {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        cause: ImportError,
+    },
+    /// A folder in which no photograph of glass is.
+    #[error("{folder:?} holds no photographs of broken glass; expected PNG or JPEG files in it")]
+    NoPhotos {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A photograph of glass that cannot be used, in a folder of them.
+    #[error("photographs of broken glass in {folder:?}: {reason}")]
+    BadPhoto {
+        /// The folder.
+        folder: PathBuf,
+        /// Which file, and why.
+        reason: String,
+    },
+    /// An output of a recipe that the images of a set do not have.
+    #[error("{why}")]
+    SetOutput {
+        /// Why not, and what to set.
+        why: &'static str,
+    },
+    /// Labels, detections, a model or a question of the evaluation.
+    #[error(transparent)]
+    Eval(#[from] EvalError),
+    /// A comparison of sets that makes no sense.
+    #[error("{why}")]
+    Divergence {
+        /// Why not.
+        why: String,
+    },
+    /// A request for an evaluation that makes no sense.
+    #[error("{why}")]
+    Evaluation {
+        /// Why not.
+        why: String,
+    },
+    /// What was found in an image cannot be written down.
+    #[error("what was found in {image:?} cannot be written down: {reason}")]
+    StudyLine {
+        /// The image.
+        image: String,
+        /// Why.
+        reason: String,
+    },
+    /// Conditions whose images are not written alike.
+    #[error(
+        "condition {} writes JPEG at quality {}, {} at {}; the clean images pass the same codec, so set one \
+         output.quality for all, as with --set output.quality={}",
+        .conditions[0], .qualities[0], .conditions[1], .qualities[1], .qualities[0]
+    )]
+    StudyQuality {
+        /// Two conditions.
+        conditions: [String; 2],
+        /// Their qualities.
+        qualities: [u8; 2],
+    },
+    /// The folder of a study holds another one.
+    #[error(
+        "{folder:?} holds another study: {what}; choose another folder, or name all that it has and what is to be added"
+    )]
+    AnotherStudy {
+        /// The folder.
+        folder: PathBuf,
+        /// What differs.
+        what: String,
+    },
+    /// Labels that give an image another size than its file has.
+    #[error(
+        "image {id}, {name:?}, is {} x {} px by the labels, its file {path:?} {} x {} px; mend the labels, or give the \
+         images that they are of",
+        .said.0, .said.1, .found.0, .found.1
+    )]
+    LabeledSize {
+        /// Its number in the labels.
+        id: i64,
+        /// Its name in the labels.
+        name: String,
+        /// Width and height by the labels, px.
+        said: (u32, u32),
+        /// Its file.
+        path: PathBuf,
+        /// Width and height of the file, upright, px.
+        found: (u32, u32),
+    },
+    /// A detector or a condition of a study without results.
+    #[error("the study has no results of detector {detector}, condition {condition}; run it again")]
+    StudyCell {
+        /// Which detector, from 0.
+        detector: usize,
+        /// Which condition, from 0.
+        condition: usize,
+    },
+    /// An image that was there when the source was surveyed.
+    #[error("{record}; it was good when the run began")]
+    Gone {
+        /// What is wrong with it now.
+        record: String,
+    },
+    /// A bank whose content is not what this version knows, or a pattern that it does not have.
+    #[error(
+        "the bank {path:?}{}: {why}; make it again from its recipe and seed, with this version",
+        .idx.map(|idx| format!(", pattern {idx}")).unwrap_or_default()
+    )]
+    Bank {
+        /// The file.
+        path: PathBuf,
+        /// The pattern, from 0, if it is one.
+        idx: Option<usize>,
+        /// What is wrong.
+        why: String,
+    },
+    /// A pattern of a bank that cannot be made.
+    #[error("pattern {idx}: {cause}")]
+    OfPattern {
+        /// Which one, from 0.
+        idx: usize,
+        /// Why.
+        cause: Box<Error>,
+    },
+    /// A bank without frame sizes.
+    #[error("a bank needs at least one frame size")]
+    NoSize,
+    /// What is done as a whole or not at all was interrupted.
+    #[error("interrupted; nothing was written")]
+    Interrupted,
+    /// Two inputs would write the same file.
+    #[error(
+        "{first:?} and {second:?} would both write {name:?}; give them different names or run them apart"
+    )]
+    OutputCollision {
+        /// The earlier input.
+        first: PathBuf,
+        /// The later one.
+        second: PathBuf,
+        /// The name they share.
+        name: String,
+    },
+    /// An image was read, but could not be cracked or encoded.
+    #[error("{input:?}: {cause}")]
+    OfImage {
+        /// The image file.
+        input: PathBuf,
+        /// Why.
+        cause: Box<Error>,
+    },
+    /// An output would replace an input.
+    #[error(
+        "the output {output:?} would replace the input {input:?}; choose another output folder"
+    )]
+    OutputIsInput {
+        /// The file that would be replaced.
+        input: PathBuf,
+        /// The file that would be written.
+        output: PathBuf,
+    },
+    /// A path without a file name.
+    #[error("{input:?} is not a file name")]
+    NoFileName {
+        /// What was given.
+        input: PathBuf,
+    },
+    /// The library that runs threads could not start them.
+    #[error("{n_threads} threads could not be started: {cause}")]
+    Threads {
+        /// How many were asked for.
+        n_threads: usize,
+        /// What the system said.
+        cause: String,
+    },
+}
+
+impl Error {
+    /// Whether it would meet every other file, too: the disk is full, or nothing can be written
+    /// there.
+    #[must_use]
+    pub fn is_of_the_disk(&self) -> bool {
+        match self {
+            Self::Dataset(error) => error.is_of_the_disk(),
+            Self::OfImage { cause, .. } => cause.is_of_the_disk(),
+            _ => false,
+        }
+    }
+
+    /// An error that came up with this image.
+    pub(crate) fn of_image(input: &Path, error: Self) -> Self {
+        Self::OfImage {
+            input: input.to_owned(),
+            cause: Box::new(error),
+        }
+    }
+}
+
+impl From<RecipeError> for Error {
+    fn from(error: RecipeError) -> Self {
+        Self::Chain(error.into())
+    }
+}
+
+impl From<FractureError> for Error {
+    fn from(error: FractureError) -> Self {
+        Self::Chain(error.into())
+    }
+}
+
+impl From<OpticsError> for Error {
+    fn from(error: OpticsError) -> Self {
+        Self::Chain(error.into())
+    }
+}

@@ -1,0 +1,319 @@
+//! All arms of a study: each detector over the clean images and over each condition's.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use serde_json::json;
+use starbreak::{DEFAULT_PRESET, Recipe};
+use starbreak_dataset::{
+    Encoding, ImageFormat, ImageLimits, JpegQuality, SetLayout, Source, blake3_file, decode_image,
+    encode_image_as, read_image, refuse_inside_set,
+};
+use starbreak_eval::detector::{Detector, ImageToSee, LabelMap};
+use starbreak_eval::{Detection, Detections, GroundTruth};
+
+use super::Condition;
+use super::arm::{Arm, ArmRun, UnseenImage};
+use super::identity::Identity;
+use super::set::make_set;
+use crate::Error;
+use crate::generate::{Event, GenerateReport, Selection, Survey};
+
+/// A detector of a study.
+#[derive(Debug)]
+pub struct StudyDetector {
+    /// Its name, which is that of its folder.
+    pub name: String,
+    /// SHA-256 of its file, hexadecimal.
+    pub sha256: String,
+    /// What finds boxes.
+    pub detector: Detector,
+    /// Its classes to the categories of the labels.
+    pub map: LabelMap,
+}
+
+/// What a study is made of.
+#[derive(Debug)]
+pub struct StudyPlan<'a> {
+    /// The dataset.
+    pub source: &'a Source,
+    /// Which images there are.
+    pub survey: &'a Survey,
+    /// Which of them are taken.
+    pub selection: Selection,
+    /// The images in the order of the labels, to which detections refer.
+    pub images: &'a [ImageToSee],
+    /// The detectors.
+    pub detectors: &'a [StudyDetector],
+    /// What is done to the glass.
+    pub conditions: &'a [Condition],
+    /// The folder that everything is written into.
+    pub out: &'a Path,
+    /// Threads to use, 1 or more.
+    pub n_threads: usize,
+}
+
+/// What a study does at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Step<'a> {
+    /// The images of a condition are broken.
+    Breaking(&'a Condition),
+    /// A detector looks at the images, clean or under a condition.
+    Detecting(&'a str, Option<&'a Condition>),
+    /// The sets of images are compared.
+    Comparing,
+}
+
+/// Something that a study tells as it happens.
+#[derive(Debug)]
+pub enum StudyEvent<'a> {
+    /// A step begins; it has so many images.
+    Begun(Step<'a>, u64),
+    /// An image of the step is done.
+    Image,
+    /// An image cannot be broken or looked at.
+    Failed(String),
+}
+
+/// The detections of one detector.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DetectorRuns {
+    /// On the clean images.
+    pub clean: Detections,
+    /// On the cracked ones, in the order of the conditions.
+    pub cracked: Vec<Detections>,
+}
+
+/// All that was made and found.
+#[derive(Debug)]
+pub struct StudyRuns {
+    /// In the order of the detectors.
+    pub detectors: Vec<DetectorRuns>,
+    /// The cracked sets, in the order of the conditions.
+    pub sets: Vec<SetLayout>,
+    /// Images that some detector could not look at in some arm, by their names, in order.
+    pub unseen: Vec<UnseenImage>,
+}
+
+/// Where the file of an image is.
+type PathOf<'a> = dyn Fn(&ImageToSee) -> PathBuf + Sync + 'a;
+
+/// The pixels in a file.
+type Read<'a> = dyn Fn(&Path) -> Result<image::RgbImage, Error> + Sync + 'a;
+
+impl StudyPlan<'_> {
+    /// Breaks all images, and looks at all of them; goes on where an earlier run was interrupted.
+    /// None where `stop` was set on the way.
+    ///
+    /// A clean image that is a JPEG is written and read again as its cracked twins are, so that the
+    /// glass is all that differs.
+    ///
+    /// `truth` are the labels of the images. The folder may be that of an earlier run of this study, or of one
+    /// with fewer detectors or conditions.
+    ///
+    /// # Errors
+    /// [`Error::AnotherStudy`] for the folder of another study, [`Error::LabeledSize`] for labels of images of
+    /// another size, both before anything is written.
+    /// [`Error`] for folders that cannot be used and for what would fail every image. An image that
+    /// fails alone is in [`StudyRuns::unseen`].
+    pub fn run(
+        &self,
+        truth: &GroundTruth,
+        stop: &AtomicBool,
+        tell: &(dyn Fn(StudyEvent<'_>) + Sync),
+    ) -> Result<Option<StudyRuns>, Error> {
+        refuse_inside_set(self.out)?;
+        self.source.refuse_output_at(self.out)?;
+        let identity = Identity::of(self, truth);
+        identity.check(self.out)?;
+        self.check_files()?;
+        self.check_sizes(truth)?;
+        let quality = self.quality()?;
+        self.try_detectors(quality)?;
+        identity.write(self.out)?;
+        let mut unseen: Vec<UnseenImage> = Vec::new();
+        let mut sets = Vec::new();
+        for condition in self.conditions {
+            tell(StudyEvent::Begun(
+                Step::Breaking(condition),
+                self.survey.n_selected,
+            ));
+            let folder = self.set_folder(condition);
+            let report = self.break_all(condition, &folder, stop, tell)?;
+            if report.manifest.is_none() {
+                return Ok(None);
+            }
+            unseen.extend(report.failures.iter().map(|failure| UnseenImage {
+                name: failure.name.clone(),
+                reason: format!("{}: {}", condition.name, failure.error),
+            }));
+            sets.push(SetLayout::new(&folder, 1));
+        }
+        let mut detectors = Vec::new();
+        for detector in self.detectors {
+            let of_source = |image: &ImageToSee| image.path.clone();
+            let clean = |path: &Path| clean_image(path, quality);
+            let Some(arm) = self.look(detector, None, (&of_source, &clean), stop, tell)? else {
+                return Ok(None);
+            };
+            unseen.extend(arm.unseen);
+            let mut runs = DetectorRuns {
+                clean: arm.detections,
+                cracked: Vec::new(),
+            };
+            for (condition, layout) in self.conditions.iter().zip(&sets) {
+                let of_set = |image: &ImageToSee| layout.path(&image.name);
+                let arm = self.look(
+                    detector,
+                    Some(condition),
+                    (&of_set, &cracked_image),
+                    stop,
+                    tell,
+                )?;
+                let Some(arm) = arm else {
+                    return Ok(None);
+                };
+                unseen.extend(arm.unseen);
+                runs.cracked.push(arm.detections);
+            }
+            detectors.push(runs);
+        }
+        unseen.sort_by(|a, b| a.name.cmp(&b.name));
+        unseen.dedup_by(|a, b| a.name == b.name);
+        Ok(Some(StudyRuns {
+            detectors,
+            sets,
+            unseen,
+        }))
+    }
+
+    /// Lets each detector look at one image, before anything is broken: a model or a contract that
+    /// does not work at all is no matter of single images.
+    fn try_detectors(&self, quality: JpegQuality) -> Result<(), Error> {
+        let readable = self.images.iter().find_map(|image| {
+            let pixels = clean_image(&image.path, quality).ok()?;
+            Some((&image.name, pixels))
+        });
+        if let Some((name, pixels)) = readable {
+            for detector in self.detectors {
+                detector.detector.detect(name, &pixels)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the cracked images of a condition lie.
+    #[must_use]
+    pub fn set_folder(&self, condition: &Condition) -> PathBuf {
+        self.out.join("sets").join(&condition.name)
+    }
+
+    /// Where it is noted what a detector found, image by image.
+    pub(super) fn log(&self, detector: &StudyDetector, condition: Option<&Condition>) -> PathBuf {
+        let arm_name = condition.map_or("clean", |condition| &condition.name);
+        let folder = self.out.join("detections").join(&detector.name);
+        folder.join(format!("{arm_name}.jsonl"))
+    }
+
+    fn break_all(
+        &self,
+        condition: &Condition,
+        folder: &Path,
+        stop: &AtomicBool,
+        tell: &(dyn Fn(StudyEvent<'_>) + Sync),
+    ) -> Result<GenerateReport, Error> {
+        make_set(
+            (self.source, self.survey),
+            self.selection,
+            condition,
+            folder,
+            stop,
+            &|event| match event {
+                Event::Done => tell(StudyEvent::Image),
+                Event::Failed(failure) => tell(StudyEvent::Failed(failure.error.to_string())),
+            },
+        )
+    }
+
+    fn look(
+        &self,
+        detector: &StudyDetector,
+        condition: Option<&Condition>,
+        (path_of, read): (&PathOf<'_>, &Read<'_>),
+        stop: &AtomicBool,
+        tell: &(dyn Fn(StudyEvent<'_>) + Sync),
+    ) -> Result<Option<Arm>, Error> {
+        let step = Step::Detecting(&detector.name, condition);
+        tell(StudyEvent::Begun(step, self.images.len() as u64));
+        let log = self.log(detector, condition);
+        let identity = json!({
+            "schema": "starbreak.detections/1",
+            "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
+            "model_sha256": detector.sha256,
+            "contract": format!("{:?}", detector.detector.contract()),
+            "label_map": format!("{:?}", detector.map),
+            "images": self.survey.names_sha256,
+            "recipe": condition.map(|condition| condition.recipe.to_toml()),
+            "seed": condition.map(|condition| condition.seed.0),
+            "jpeg_quality": self.quality()?.get(),
+        });
+        ArmRun {
+            log: &log,
+            identity,
+            images: self.images,
+            blake3: &|image| Ok(blake3_file(&path_of(image))?),
+            find: &|place, image| {
+                let found = detector
+                    .detector
+                    .detect(&image.name, &read(&path_of(image))?)?;
+                let of_labels = |raw: &starbreak_eval::detector::RawDetection| {
+                    Some(Detection {
+                        image: place,
+                        category: detector.map.category(raw.class)?,
+                        box_px: raw.box_px,
+                        score: raw.score,
+                    })
+                };
+                Ok(found.detections.iter().filter_map(of_labels).collect())
+            },
+            n_threads: self.n_threads,
+            stop,
+            tell: &|| tell(StudyEvent::Image),
+        }
+        .run()
+    }
+
+    /// The quality of JPEG that all conditions share.
+    pub(super) fn quality(&self) -> Result<JpegQuality, Error> {
+        let mut qualities = Vec::new();
+        for condition in self.conditions {
+            qualities.push((condition, condition.recipe.settings()?.output.quality));
+        }
+        let Some((first, quality)) = qualities.first().copied() else {
+            let default = Recipe::preset(DEFAULT_PRESET)?.settings()?;
+            return Ok(JpegQuality::new(default.output.quality)?);
+        };
+        match qualities.iter().find(|(_, other)| *other != quality) {
+            None => Ok(JpegQuality::new(quality)?),
+            Some((other, other_quality)) => Err(Error::StudyQuality {
+                conditions: [first.name.clone(), other.name.clone()],
+                qualities: [quality, *other_quality],
+            }),
+        }
+    }
+}
+
+/// The pixels of a source's image after the codec that its cracked twins pass.
+pub(super) fn clean_image(path: &Path, quality: JpegQuality) -> Result<image::RgbImage, Error> {
+    let file = read_image(path, &ImageLimits::default())?;
+    if file.format == ImageFormat::Png {
+        return Ok(file.pixels.to_rgb8());
+    }
+    let bytes = encode_image_as(&file, &Encoding::Jpeg { quality })?;
+    let again = decode_image(&path.to_string_lossy(), &bytes, &ImageLimits::default())?;
+    Ok(again.pixels.to_rgb8())
+}
+
+pub(super) fn cracked_image(path: &Path) -> Result<image::RgbImage, Error> {
+    Ok(read_image(path, &ImageLimits::default())?.pixels.to_rgb8())
+}

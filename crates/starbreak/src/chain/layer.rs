@@ -1,0 +1,108 @@
+//! What the optics made of the glass, before any light.
+
+use image::GrayImage;
+use starbreak_glass::CrackNetwork;
+use starbreak_optics::Coverage;
+use starbreak_optics::paper::draw;
+use starbreak_optics::photo::PhotoPattern;
+use starbreak_optics::physical::{PackedPattern, Pattern, bake};
+use starbreak_seed::Seed;
+
+use crate::{Error, OpticsSettings, Scene, Settings};
+
+/// Broken glass before one camera as the optics baked it.
+#[derive(Debug, Clone)]
+pub enum PaneLayer {
+    /// The paper's: lines of the frame.
+    Paper(Coverage),
+    /// The physical optics': shares of light.
+    Baked(Pattern),
+    /// The same out of a bank: unpacked as it is given light, for each image anew.
+    Packed(PackedPattern),
+    /// The physical optics' of a photograph: opacity and light.
+    Photo {
+        /// The photograph as the lens shows it.
+        pattern: PhotoPattern,
+        /// Light of its white over what a white sheet in the place of the glass would show.
+        gain: f64,
+    },
+}
+
+impl PaneLayer {
+    /// Bakes a network as it is at a time, in the unit of its arrivals, for frames of a size, px. The
+    /// seed places what it leaves open: grains of crushed glass.
+    ///
+    /// # Errors
+    /// [`Error::NoMount`], [`Error::Optics`], [`Error::TooCostly`].
+    pub fn of_network(
+        settings: &Settings,
+        (network, time): (&CrackNetwork, f64),
+        size_px: (u32, u32),
+        seed: Seed,
+    ) -> Result<Self, Error> {
+        let view = Scene::of(settings, size_px).of_network(network)?;
+        settings.may_show(network, &view)?;
+        Ok(match &settings.optics {
+            OpticsSettings::Paper(optics) => Self::Paper(draw(network, &view, time, optics)),
+            OpticsSettings::Physical(optics) => {
+                Self::Baked(bake(network, time, &view, optics, seed)?)
+            }
+        })
+    }
+
+    /// Name of the stage that made it.
+    pub(super) fn stage(&self) -> &'static str {
+        match self {
+            Self::Paper(_) => "draw",
+            Self::Baked(_) | Self::Packed(_) | Self::Photo { .. } => "bake",
+        }
+    }
+
+    /// Whether nothing of the damage is in the frame.
+    pub(super) fn is_intact(&self) -> bool {
+        match self {
+            Self::Paper(drawn) => drawn.is_empty(),
+            Self::Baked(pattern) => pattern.is_intact(),
+            Self::Packed(pattern) => pattern.is_intact(),
+            Self::Photo { pattern, .. } => pattern.is_intact(),
+        }
+    }
+
+    /// Width and height of the frame, px.
+    #[must_use]
+    pub fn size(&self) -> (u32, u32) {
+        match self {
+            Self::Baked(pattern) => pattern.size(),
+            Self::Packed(pattern) => pattern.size(),
+            Self::Photo { pattern, .. } => pattern.size(),
+            Self::Paper(drawn) => {
+                let (width, height) = drawn.size();
+                let side = |n| u32::try_from(n).unwrap_or(u32::MAX);
+                (side(width), side(height))
+            }
+        }
+    }
+
+    /// Focal length of the camera, px; the paper's optics have none.
+    pub(super) fn f_px(&self) -> Option<f64> {
+        match self {
+            Self::Paper(_) => None,
+            Self::Baked(pattern) => Some(pattern.f_px()),
+            Self::Packed(pattern) => Some(pattern.f_px()),
+            Self::Photo { pattern, .. } => Some(pattern.f_px()),
+        }
+    }
+
+    /// Coverage of the frame by cracks as they would be in focus, 255 = in full.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for a packed pattern whose bytes are wrong.
+    pub fn crack_mask(&self) -> Result<GrayImage, Error> {
+        Ok(match self {
+            Self::Paper(drawn) => drawn.to_mask(),
+            Self::Baked(pattern) => pattern.coverage(),
+            Self::Packed(pattern) => pattern.coverage()?,
+            Self::Photo { pattern, .. } => pattern.coverage(),
+        })
+    }
+}

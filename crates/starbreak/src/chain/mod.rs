@@ -1,0 +1,395 @@
+//! The chain: all that light meets between the world and the pixels, ready for frame after frame.
+//!
+//! [`Chain::of`] breaks the glass before a camera and bakes what the optics make of it;
+//! [`Chain::over`] puts that over any image of its size. There is no other way from settings to
+//! pixels: networks from files, photographs of glass and patterns out of a bank become chains, too.
+
+mod layer;
+mod lit;
+mod report;
+
+use image::{DynamicImage, GrayImage};
+use serde_json::{Map, Value};
+use starbreak_glass::CrackNetwork;
+use starbreak_optics::environment::Environment;
+use starbreak_optics::paper::draw;
+use starbreak_optics::physical::bake;
+use starbreak_seed::Seed;
+
+use crate::photo::PlacedPhoto;
+use crate::{Details, Error, OpticsSettings, Scene, Settings, Simulated, Stopwatch, simulate};
+
+pub use layer::PaneLayer;
+pub use lit::Lit;
+pub use report::{OpticsReport, SceneReport, Shown, damage_to_json, region_fraction};
+
+/// Broken glass before one camera, ready to be put over any image of its size.
+///
+/// # Example
+/// ```
+/// use image::{DynamicImage, RgbImage};
+/// use starbreak::{Chain, Recipe, Seed};
+///
+/// let settings = Recipe::preset("windshield-star")?.settings()?;
+/// let chain = Chain::of(&settings, (320, 200), Seed(7))?;
+/// for code in [60, 128] {
+///     let mut frame = DynamicImage::ImageRgb8(RgbImage::from_pixel(320, 200, image::Rgb([code; 3])));
+///     chain.over(&mut frame, Seed(7))?;
+/// }
+/// assert!(!chain.is_intact());
+/// # Ok::<(), starbreak::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Chain {
+    settings: Settings,
+    layer: PaneLayer,
+    origin: Origin,
+    facts: Map<String, Value>,
+    is_intact: bool,
+}
+
+/// What a layer was made from.
+#[derive(Debug, Clone)]
+enum Origin {
+    Network(Box<Cracks>),
+    Photo(Box<PlacedPhoto>),
+    /// What is kept elsewhere.
+    Stored,
+}
+
+#[derive(Debug, Clone)]
+struct Cracks {
+    network: CrackNetwork,
+    /// None where the network was kept without them.
+    details: Option<Details>,
+    /// It places what the network leaves open.
+    seed: Seed,
+}
+
+/// No light at all.
+const DARK: Environment = Environment {
+    horizon_rgb: [0.0; 3],
+    zenith_rgb: [0.0; 3],
+    ground_rgb: [0.0; 3],
+    cabin_low_rgb: [0.0; 3],
+    cabin_high_rgb: [0.0; 3],
+    sun_rgb: [0.0; 3],
+};
+
+impl Chain {
+    /// Breaks the glass before frames of a width and height, px, and bakes it. Everything random is
+    /// drawn from the seed.
+    ///
+    /// # Errors
+    /// As for [`simulate`](fn@simulate) and [`Chain::of_simulated`].
+    pub fn of(settings: &Settings, size_px: (u32, u32), seed: Seed) -> Result<Self, Error> {
+        let simulated = simulate(settings, size_px, seed)?;
+        Self::of_simulated(settings, simulated, size_px, seed, &mut Stopwatch::start())
+    }
+
+    /// Bakes a network that was simulated for frames of this size, or read from a file. The seed
+    /// places what it leaves open: grains of crushed glass.
+    ///
+    /// # Errors
+    /// [`Error::NoMount`], [`Error::Optics`] for a camera that sees nothing, [`Error::TooCostly`].
+    pub fn of_simulated(
+        settings: &Settings,
+        simulated: Simulated,
+        size_px: (u32, u32),
+        seed: Seed,
+        watch: &mut Stopwatch,
+    ) -> Result<Self, Error> {
+        let Simulated {
+            network,
+            details,
+            timings,
+        } = simulated;
+        watch.append(timings);
+        let layer = PaneLayer::of_network(settings, (&network, f64::INFINITY), size_px, seed)?;
+        watch.lap(layer.stage());
+        Ok(Self {
+            settings: settings.clone(),
+            layer,
+            is_intact: network.n_segments() == 0,
+            facts: Map::from_iter([("network".to_owned(), details.facts_of(&network))]),
+            origin: Origin::Network(Box::new(Cracks {
+                network,
+                details: Some(details),
+                seed,
+            })),
+        })
+    }
+
+    /// Bakes a part of a photograph of broken glass for frames of this size.
+    ///
+    /// # Errors
+    /// [`Error::Optics`], [`Error::TooCostly`].
+    pub fn of_photo(
+        settings: &Settings,
+        placed: PlacedPhoto,
+        size_px: (u32, u32),
+        watch: &mut Stopwatch,
+    ) -> Result<Self, Error> {
+        let layer = placed.bake(settings, size_px)?;
+        watch.lap(layer.stage());
+        Ok(Self {
+            settings: settings.clone(),
+            is_intact: layer.is_intact(),
+            layer,
+            facts: Map::from_iter([("overlay".to_owned(), placed.facts())]),
+            origin: Origin::Photo(Box::new(placed)),
+        })
+    }
+
+    /// What was baked before and kept elsewhere, as in a bank: with what a record says of it, by key,
+    /// and whether nothing is broken.
+    #[must_use]
+    pub fn of_layer(
+        settings: &Settings,
+        layer: PaneLayer,
+        facts: Map<String, Value>,
+        is_intact: bool,
+    ) -> Self {
+        Self {
+            settings: settings.clone(),
+            layer,
+            origin: Origin::Stored,
+            facts,
+            is_intact,
+        }
+    }
+
+    /// With the network that a layer from elsewhere shows, so that it can grow, and the seed that placed
+    /// what the network leaves open.
+    #[must_use]
+    pub fn with_network(self, network: CrackNetwork, seed: Seed) -> Self {
+        let cracks = Cracks {
+            network,
+            details: None,
+            seed,
+        };
+        Self {
+            origin: Origin::Network(Box::new(cracks)),
+            ..self
+        }
+    }
+
+    /// The same network as it is at a time, in the unit of its arrivals. A photograph, and what is kept
+    /// elsewhere, is the same at all times.
+    ///
+    /// # Errors
+    /// [`Error::Optics`], [`Error::TooCostly`].
+    pub fn grown_at(&self, time: f64) -> Result<PaneLayer, Error> {
+        match &self.origin {
+            Origin::Network(cracks) => {
+                let network = (&cracks.network, time);
+                PaneLayer::of_network(&self.settings, network, self.size(), cracks.seed)
+            }
+            Origin::Photo(_) | Origin::Stored => Ok(self.layer.clone()),
+        }
+    }
+
+    /// The glass before it breaks: what the lens does to the frame remains.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for a camera that sees nothing.
+    pub fn before_impact(&self) -> Result<PaneLayer, Error> {
+        let (width, height) = self.size();
+        let none = CrackNetwork::without_cracks(width, height);
+        let scene = Scene::of(&self.settings, self.size());
+        Ok(match &self.settings.optics {
+            OpticsSettings::Paper(optics) => {
+                let view = scene.of_network(&none)?;
+                PaneLayer::Paper(draw(&none, &view, f64::INFINITY, optics))
+            }
+            OpticsSettings::Physical(optics) => {
+                let view = scene.sheet()?;
+                PaneLayer::Baked(bake(&none, f64::INFINITY, &view, optics, Seed(0))?)
+            }
+        })
+    }
+
+    /// Camera, optics and output.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Width and height of the frames, px.
+    #[must_use]
+    pub fn size(&self) -> (u32, u32) {
+        self.layer.size()
+    }
+
+    /// Whether nothing is broken: no crack in the network, or nothing of a photograph in the frame.
+    #[must_use]
+    pub fn is_intact(&self) -> bool {
+        self.is_intact
+    }
+
+    /// What a record says of the damage, by key.
+    #[must_use]
+    pub fn facts(&self) -> &Map<String, Value> {
+        &self.facts
+    }
+
+    /// Adds to what a record says of the damage.
+    pub fn add_fact(&mut self, key: &str, value: Value) {
+        self.facts.insert(key.to_owned(), value);
+    }
+
+    /// The cracks; a photograph has none, and those of a bank stay there.
+    #[must_use]
+    pub fn network(&self) -> Option<&CrackNetwork> {
+        match &self.origin {
+            Origin::Network(cracks) => Some(&cracks.network),
+            Origin::Photo(_) | Origin::Stored => None,
+        }
+    }
+
+    /// What the model of fracture says of the cracks, where there is a network.
+    #[must_use]
+    pub fn details(&self) -> Option<&Details> {
+        match &self.origin {
+            Origin::Network(cracks) => cracks.details.as_ref(),
+            Origin::Photo(_) | Origin::Stored => None,
+        }
+    }
+
+    /// The photograph, if it is one.
+    #[must_use]
+    pub fn photo(&self) -> Option<&PlacedPhoto> {
+        match &self.origin {
+            Origin::Photo(placed) => Some(placed),
+            Origin::Network(_) | Origin::Stored => None,
+        }
+    }
+
+    /// What the optics baked.
+    #[must_use]
+    pub fn layer(&self) -> &PaneLayer {
+        &self.layer
+    }
+
+    /// Coverage of the frame by cracks as they would be in focus, 255 = in full.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for a packed pattern whose bytes are wrong.
+    pub fn crack_mask(&self) -> Result<GrayImage, Error> {
+        self.layer.crack_mask()
+    }
+
+    /// The light around the camera that an image tells of; the paper's optics do not ask.
+    #[must_use]
+    pub fn light_of(&self, image: &DynamicImage) -> Option<Environment> {
+        match (&self.settings.optics, self.layer.f_px()) {
+            (OpticsSettings::Physical(optics), Some(f_px)) => {
+                Some(Environment::estimate(image, &optics.environment, f_px))
+            }
+            _ => None,
+        }
+    }
+
+    /// The glass under a light, which the physical optics need; without one it is dark around the camera.
+    ///
+    /// # Errors
+    /// As for [`Chain::layer_under`].
+    pub fn under(&self, light: Option<&Environment>) -> Result<Lit<'_>, Error> {
+        self.layer_under(&self.layer, light)
+    }
+
+    /// A layer of this chain at another time under a light.
+    ///
+    /// # Errors
+    /// [`Error::OtherOptics`] for a layer that was baked for another model than that of the settings,
+    /// [`Error::Optics`] for a packed pattern whose bytes are wrong.
+    pub fn layer_under<'a>(
+        &'a self,
+        layer: &'a PaneLayer,
+        light: Option<&Environment>,
+    ) -> Result<Lit<'a>, Error> {
+        let light = light.unwrap_or(&DARK);
+        let overlay = match (layer, &self.settings.optics) {
+            (PaneLayer::Paper(drawn), OpticsSettings::Paper(optics)) => {
+                return Ok(Lit::Paper(drawn, optics));
+            }
+            (PaneLayer::Baked(pattern), OpticsSettings::Physical(optics)) => {
+                pattern.light(light, optics)
+            }
+            (PaneLayer::Packed(pattern), OpticsSettings::Physical(optics)) => {
+                pattern.light(light, optics)?
+            }
+            (PaneLayer::Photo { pattern, gain }, OpticsSettings::Physical(optics)) => {
+                pattern.light(light, *gain, optics)?
+            }
+            _ => return Err(Error::OtherOptics),
+        };
+        Ok(Lit::Physical(Box::new(overlay)))
+    }
+
+    /// Puts the glass over an image, in place, under the light of the image, and says nothing of it:
+    /// the fastest way. The seed is that of the sensor's noise.
+    ///
+    /// The pixels are a function of image, settings and seeds alone.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for an image of another size; the image may then be half changed.
+    pub fn over(&self, image: &mut DynamicImage, seed: Seed) -> Result<(), Error> {
+        self.under(self.light_of(image).as_ref())?.over(image, seed)
+    }
+
+    /// Puts the glass over an image as [`Chain::over`] does, and says what that did to it and to boxes
+    /// in it, `[x₀, y₀, x₁, y₁]` in px.
+    ///
+    /// # Errors
+    /// As for [`Chain::over`].
+    pub fn over_and_report(
+        &self,
+        image: &mut DynamicImage,
+        seed: Seed,
+        boxes_px: &[[f64; 4]],
+        watch: &mut Stopwatch,
+    ) -> Result<Shown, Error> {
+        let light = self.light_of(image);
+        let lit = self.under(light.as_ref())?;
+        if light.is_some() {
+            watch.lap("light");
+        }
+        let before = lit.before(image);
+        watch.lap("copy");
+        let region = lit.over_region(image, seed, watch)?;
+        let contrast = before.contrast(image, &region)?;
+        watch.lap("contrast");
+        let reader = lit.damage_reader((&before, image), &region);
+        let damage = boxes_px.iter().map(|at| reader.in_box(*at)).collect();
+        if !boxes_px.is_empty() {
+            watch.lap("damage");
+        }
+        let maps = match &lit {
+            Lit::Physical(overlay) if self.settings.output.maps => Some(overlay.maps()),
+            _ => None,
+        };
+        Ok(Shown {
+            region_fraction: region_fraction(&region),
+            optics: OpticsReport {
+                contrast,
+                scene: self.scene_report(light),
+            },
+            region,
+            damage,
+            maps,
+        })
+    }
+
+    /// Lens and light of a picture, by the physical optics.
+    fn scene_report(&self, light: Option<Environment>) -> Option<SceneReport> {
+        let (environment, f_px) = (light?, self.layer.f_px()?);
+        let scene = Scene::of(&self.settings, self.size());
+        Some(SceneReport {
+            f_px,
+            glass_disc_px: scene.glass_disc_px(f_px),
+            scene_disc_px: scene.world_disc_px(f_px),
+            environment,
+        })
+    }
+}

@@ -1,0 +1,111 @@
+//! What a chain says of what it did to an image.
+
+use image::GrayImage;
+use serde_json::{Value, json};
+use starbreak_optics::environment::{Environment, Rgb};
+use starbreak_optics::physical::OpticalMaps;
+use starbreak_optics::{Contrast, Damage};
+
+/// What the glass did to an image.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    /// 255 where the glass affects the image, else 0.
+    pub region: GrayImage,
+    /// Share of the frame in the region.
+    pub region_fraction: f64,
+    /// What the optics say about the picture.
+    pub optics: OpticsReport,
+    /// The damage in each box that was asked for; none in one without a pixel of the frame.
+    pub damage: Vec<Option<Damage>>,
+    /// What the physical optics did to the light of each pixel, if the settings want maps.
+    pub maps: Option<OpticalMaps>,
+}
+
+/// What the optics say of a picture beside the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OpticsReport {
+    /// How visible the damage is.
+    pub contrast: Contrast,
+    /// Lens and light of the physical optics; the paper's have neither.
+    pub scene: Option<SceneReport>,
+}
+
+/// Lens and light of one picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SceneReport {
+    /// Focal length of the camera, px.
+    pub f_px: f64,
+    /// Diameter of the disc that a point of the glass becomes on the optical axis, px.
+    pub glass_disc_px: f64,
+    /// Diameter of the disc that a point of the scene becomes, px.
+    pub scene_disc_px: f64,
+    /// The light around the camera, as given or estimated from the image.
+    pub environment: Environment,
+}
+
+impl OpticsReport {
+    /// `{contrast: {…}, environment: {…}}`, the second by the physical optics.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let mut report = json!({ "contrast": contrast(&self.contrast) });
+        if let Some(scene) = &self.scene {
+            let light = &scene.environment;
+            report["environment"] = json!({
+                "sky_horizon": rgb(light.horizon_rgb),
+                "sky_zenith": rgb(light.zenith_rgb),
+                "ground": rgb(light.ground_rgb),
+                "cabin": [rgb(light.cabin_low_rgb), rgb(light.cabin_high_rgb)],
+                "sun_irradiance": rgb(light.sun_rgb),
+            });
+        }
+        report
+    }
+}
+
+fn contrast(contrast: &Contrast) -> Value {
+    json!({
+        "mean": contrast.mean,
+        "weber": contrast.weber,
+        "brighter": contrast.brighter,
+        "darker": contrast.darker,
+        "rms_code": contrast.rms_code,
+    })
+}
+
+/// Light without the digits that single precision does not have.
+fn rgb(rgb: Rgb) -> [f64; 3] {
+    rgb.map(|channel| {
+        channel
+            .to_string()
+            .parse()
+            .unwrap_or_else(|_| channel.into())
+    })
+}
+
+/// Share of a mask that is not black.
+#[must_use]
+pub fn region_fraction(region: &GrayImage) -> f64 {
+    let codes = region.as_raw();
+    // In blocks whose count fits a byte, so that many are counted at once.
+    let n_in_block = |block: &[u8]| block.iter().fold(0_u8, |n, code| n + u8::from(*code > 0));
+    let n_affected: u64 = codes
+        .chunks(255)
+        .map(|block| u64::from(n_in_block(block)))
+        .sum();
+    #[expect(clippy::cast_precision_loss, reason = "counts of pixels")]
+    let fraction = n_affected as f64 / codes.len().max(1) as f64;
+    fraction
+}
+
+/// The damage of a box as a record has it: `{region_share, displacement_px, blur_radius_px,
+/// contrast_lost}`, to six decimals, which is more than is known.
+#[must_use]
+pub fn damage_to_json(damage: &Damage) -> Value {
+    let rounded = |value: f64| (value * 1e6).round() / 1e6;
+    json!({
+        "region_share": rounded(damage.region_share),
+        "displacement_px": rounded(damage.displacement_px),
+        "blur_radius_px": rounded(damage.blur_radius_px),
+        "contrast_lost": damage.contrast_lost.map(rounded),
+    })
+}

@@ -1,0 +1,129 @@
+//! What a frame sees of a pane: every question about the view.
+
+use starbreak_glass::{CrackNetwork, LengthUnit, Pane};
+use starbreak_optics::{Camera, View};
+
+use crate::{Error, FractureSettings, Mount, OpticsSettings, Settings};
+
+const MM_PER_M: f64 = 1e3;
+
+/// Camera, lens and mount of some settings, with frames of one size.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    settings: &'a Settings,
+    size_px: (u32, u32),
+}
+
+impl<'a> Scene<'a> {
+    /// The scene of some settings for frames of a width and height, px.
+    #[must_use]
+    pub fn of(settings: &'a Settings, size_px: (u32, u32)) -> Self {
+        Self { settings, size_px }
+    }
+
+    /// How the frame shows the pane that the settings break: the paper's is the frame itself, that
+    /// of the physics stands before the camera.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for a camera that sees nothing.
+    pub fn pane(&self) -> Result<View, Error> {
+        let (width_px, height_px) = self.size_px;
+        match &self.settings.fracture {
+            FractureSettings::Paper(_) => Ok(View::stretched(
+                &Pane::from_frame_px(width_px, height_px),
+                self.size_px,
+            )),
+            FractureSettings::Physics(physics) => {
+                let size_mm = physics.pane.outline.size_m().map(|side| side * MM_PER_M);
+                self.mounted(&physics.mount, size_mm)
+            }
+        }
+    }
+
+    /// How the frame shows a network, simulated or from a file: one in px is stretched over the
+    /// frame, one in mm lies on the pane that it states, which stands where the recipe says
+    /// (`glass.distance_m`, `glass.rake_deg` and `glass.axis_at`, parts of that pane). The physical
+    /// optics put one in px on the sheet of the recipe, each point where its line of sight meets it.
+    ///
+    /// # Errors
+    /// [`Error::NoMount`] for a network in mm and a recipe without a mount, [`Error::Optics`] for a
+    /// camera that sees nothing.
+    pub fn of_network(&self, network: &CrackNetwork) -> Result<View, Error> {
+        let pane = &network.data().pane;
+        match (network.data().unit, &self.settings.optics) {
+            (LengthUnit::Px, OpticsSettings::Paper(_)) => Ok(View::stretched(pane, self.size_px)),
+            (LengthUnit::Px, OpticsSettings::Physical(_)) => self.sheet(),
+            (LengthUnit::Mm, _) => {
+                let mount = self.settings.fracture.mount().ok_or(Error::NoMount)?;
+                self.mounted(&mount, [pane.width, pane.height])
+            }
+        }
+    }
+
+    /// Length of what the frame shows of a network at a time, in the unit of its arrivals, px.
+    ///
+    /// # Errors
+    /// As for [`Scene::of_network`].
+    pub fn crack_length_px(&self, network: &CrackNetwork, time: f64) -> Result<f64, Error> {
+        // Networks in px lie over the frame, also where the optics see glass that is raked.
+        let data = network.data();
+        let view = match data.unit {
+            LengthUnit::Px => View::stretched(&data.pane, self.size_px),
+            LengthUnit::Mm => self.of_network(network)?,
+        };
+        let lengths = network
+            .grown_at(time)
+            .filter_map(|(_, ends)| view.visible(ends, 0.0))
+            .map(|[u0, v0, u1, v1]| libm::hypot(u1 - u0, v1 - v0));
+        // An empty sum is -0.
+        Ok(lengths.sum::<f64>().abs())
+    }
+
+    /// The pane as the physical optics see it: every camera looks through glass, also where the
+    /// cracks are those of the paper, which lie over the frame.
+    pub(crate) fn sheet(&self) -> Result<View, Error> {
+        match (&self.settings.fracture, self.settings.fracture.mount()) {
+            (FractureSettings::Paper(_), Some(mount)) => {
+                // The sheet goes on beyond the frame, so that any of its points will do.
+                self.mounted(&mount, [0.0; 2])
+            }
+            _ => self.pane(),
+        }
+    }
+
+    /// A pane of `[width, height]` mm behind which the camera stands.
+    fn mounted(&self, mount: &Mount, [width_mm, height_mm]: [f64; 2]) -> Result<View, Error> {
+        let [x, y] = mount.axis_at;
+        let camera = Camera {
+            f_px: self.settings.camera.f_px.of_frame(self.size_px.0),
+            distance_m: mount.distance_m,
+            rake_rad: mount.rake_rad,
+            axis_at_mm: [x * width_mm, y * height_mm],
+        };
+        Ok(View::through(&camera, self.size_px)?)
+    }
+
+    /// Diameter of the disc that a point of the glass on the optical axis becomes, px; 0 where no
+    /// glass stands before the camera, or its optics know no lens.
+    pub(crate) fn glass_disc_px(&self, f_px: f64) -> f64 {
+        let mount = self.settings.fracture.mount();
+        mount.map_or(0.0, |mount| self.disc_px(f_px, mount.distance_m))
+    }
+
+    /// Diameter of the disc that a point of the world becomes, px.
+    pub(crate) fn world_disc_px(&self, f_px: f64) -> f64 {
+        match &self.settings.optics {
+            OpticsSettings::Physical(optics) => self.disc_px(f_px, optics.lens.scene_m),
+            OpticsSettings::Paper(_) => 0.0,
+        }
+    }
+
+    fn disc_px(&self, f_px: f64, distance_m: f64) -> f64 {
+        match &self.settings.optics {
+            OpticsSettings::Physical(optics) => {
+                optics.lens.circle_of_confusion_px(f_px, distance_m).abs()
+            }
+            OpticsSettings::Paper(_) => 0.0,
+        }
+    }
+}
