@@ -102,7 +102,7 @@ impl OverlaySet {
     /// A random part of a random photograph for a frame, by the seed.
     ///
     /// # Errors
-    /// [`Error::Optics`] for a range that makes no sense.
+    /// [`Error::Chain`] for a range that makes no sense.
     pub fn draw(&self, frame: (u32, u32), seed: Seed) -> Result<PlacedPhoto, Error> {
         let mut rng = seed.stream(Stream::OverlayPlacement, 1);
         // Of 2^64 numbers, so that the remainder favors none.

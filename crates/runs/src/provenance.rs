@@ -67,7 +67,7 @@ impl RunContext {
     /// The context of a run with this recipe and seed, into this folder.
     ///
     /// # Errors
-    /// [`Error::Recipe`] if the recipe has no valid settings.
+    /// [`Error::Chain`] if the recipe has no valid settings.
     pub fn new(recipe: &Recipe, seed: Seed, out: &Path) -> Result<Self, Error> {
         let text = recipe.to_toml();
         let settings = recipe.settings()?;

@@ -33,7 +33,7 @@ impl PatternBank {
     /// with the physical optics, which show the light of a scene that black has not, its crack mask.
     ///
     /// # Errors
-    /// As for [`PatternBank::pattern`]; [`Error::Optics`].
+    /// As for [`PatternBank::pattern`]; [`Error::Chain`].
     pub fn picture(&self, idx: usize) -> Result<DynamicImage, Error> {
         let size = self.header().sizes.first().copied().ok_or(Error::NoSize)?;
         let chain = self.pattern(idx, size, &mut Stopwatch::start())?.chain;

@@ -43,7 +43,7 @@ impl PatternBank {
     ///
     /// # Errors
     /// [`Error::Dataset`] for a file that cannot be read or is no whole bank, [`Error::Bank`] for
-    /// one whose header this version does not know, [`Error::Recipe`] for its recipe.
+    /// one whose header this version does not know, [`Error::Chain`] for its recipe.
     pub fn open(path: &Path) -> Result<Self, Error> {
         let file = BankFile::open(&file_in(path, BANK_FILE))?;
         let wrong = |why: String| Error::Bank {

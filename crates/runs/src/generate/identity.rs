@@ -92,7 +92,7 @@ pub fn generate_flags(identity: &Value, recipe: &str) -> Vec<String> {
 /// The recipe and the seed that a set was made with.
 ///
 /// # Errors
-/// [`Error::Recipe`] for a recipe that is not valid (any more).
+/// [`Error::Chain`] for a recipe that is not valid (any more).
 pub fn set_seed_and_recipe(identity: &Value) -> Result<(Seed, Recipe), Error> {
     let text = identity["recipe"].as_str().unwrap_or_default();
     let recipe = Recipe::parse("the recipe of the set", text)?;
