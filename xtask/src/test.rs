@@ -21,7 +21,7 @@ use report::Report;
 use tools::Tools;
 
 /// `cargo xtask test`: the tools of the tests, all tests and doctests with the replay of the fuzz
-/// corpus, the golden digests on a processor without AVX, then the tests of the Python package in
+/// corpus, the golden digests on a processor without AVX and on WebAssembly, then the tests of the Python package in
 /// its wheel.
 ///
 /// # Errors
@@ -31,12 +31,13 @@ pub fn run(root: &Path) -> Result<(), Failure> {
     let (mut report, tests) = run_tests(root, &tools)?;
     let target = Metadata::of_workspace(root)?.target_directory;
     let without_avx = processors::x86_without_avx(root, &target, &mut report);
+    let wasm = processors::wasm(root, &mut report);
     let of_python = python::test(root, &tools, &mut report);
     tell(&report);
-    tests.and(without_avx).and(of_python)
+    tests.and(without_avx).and(wasm).and(of_python)
 }
 
-/// `cargo xtask processors`: the golden digests on a processor without AVX, and on aarch64.
+/// `cargo xtask processors`: the golden digests on a processor without AVX, on WebAssembly, and on aarch64.
 ///
 /// # Errors
 /// If they differ there, or do not build.
@@ -44,9 +45,10 @@ pub fn run_on_processors(root: &Path) -> Result<(), Failure> {
     let mut report = Report::default();
     let target = Metadata::of_workspace(root)?.target_directory;
     let without_avx = processors::x86_without_avx(root, &target, &mut report);
+    let wasm = processors::wasm(root, &mut report);
     let aarch64 = processors::aarch64(root, &target, &mut report);
     tell(&report);
-    without_avx.and(aarch64)
+    without_avx.and(wasm).and(aarch64)
 }
 
 fn tell(report: &Report) {

@@ -1,8 +1,9 @@
-//! The golden digests on processors that this machine may not be: QEMU emulates them.
+//! The golden digests on processors that this machine may not be.
 //!
-//! One of x86-64 without AVX, on what the tests have built; one of aarch64, for which they are
+//! One of x86-64 without AVX, on what the tests have built, and one of aarch64, for which they are
 //! built once more, with the compiler of Debian's packages for what is C; that is a job of its own.
-//! What cannot be had is skipped, and said.
+//! QEMU emulates both. WebAssembly, for which the chain is built, runs in Node. What cannot be had is
+//! skipped, and said.
 
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
@@ -16,8 +17,9 @@ use super::tools::answer;
 use crate::Failure;
 use crate::command::{cargo, line_of};
 
-/// The tests whose digests hold everywhere.
-const TESTS: [&str; 3] = ["golden", "golden_physics", "golden_sets"];
+/// The tests whose digests hold everywhere: those of the chain, and those of sets of files.
+const TESTS_OF_CHAIN: [&str; 2] = ["golden", "golden_physics"];
+const TESTS: [&str; 3] = [TESTS_OF_CHAIN[0], TESTS_OF_CHAIN[1], "golden_sets"];
 
 /// The folder of the emulator and that of the compiler, in the target folder.
 const EMULATOR: &str = "test-emulator";
@@ -26,6 +28,12 @@ const COMPILER: &str = "test-cross-compiler";
 /// The other kind of processor, and what Debian calls it.
 const AARCH64: &str = "aarch64-unknown-linux-gnu";
 const AARCH64_DEBIAN: &str = "aarch64-linux-gnu";
+
+/// WebAssembly with a system to read files from.
+const WASI: &str = "wasm32-wasip1";
+
+/// Runs a program of it in Node.
+const WASI_RUNNER: &str = "xtask/src/test/wasi.mjs";
 
 /// The golden digests on x86-64 without AVX.
 ///
@@ -43,7 +51,7 @@ pub(super) fn x86_without_avx(
     }
     match emulator(target, "x86_64") {
         Ok(emulator) => {
-            let tests = build(root, None)?;
+            let tests = build(all_tests(root), &TESTS)?;
             run(&tests, report, || {
                 let mut command = Command::new(&emulator);
                 command.args(["-cpu", "Nehalem"]);
@@ -71,7 +79,13 @@ pub(super) fn aarch64(root: &Path, target: &Path, report: &mut Report) -> Result
         .and_then(|()| Ok((emulator(target, "aarch64")?, compiler(target)?)));
     match tools {
         Ok((emulator, compiler)) => {
-            let tests = build(root, Some(&compiler))?;
+            let mut command = all_tests(root);
+            command.args(["--target", AARCH64]);
+            let name = AARCH64.replace('-', "_");
+            command.env(format!("CC_{name}"), &compiler);
+            let linker = format!("CARGO_TARGET_{}_LINKER", name.to_uppercase());
+            command.env(linker, &compiler);
+            let tests = build(command, &TESTS)?;
             let libraries = target.join(COMPILER).join("root/usr").join(AARCH64_DEBIAN);
             run(&tests, report, || {
                 let mut command = Command::new(&emulator);
@@ -84,6 +98,30 @@ pub(super) fn aarch64(root: &Path, target: &Path, report: &mut Report) -> Result
             Ok(())
         }
     }
+}
+
+/// The golden digests of networks and pictures on WebAssembly. From nothing the build takes two minutes.
+///
+/// # Errors
+/// If they differ there, or do not build.
+pub(super) fn wasm(root: &Path, report: &mut Report) -> Result<(), Failure> {
+    let what = "golden digests on WebAssembly";
+    if !debian::is_on_path("node") {
+        report.skip(what, "there is no node");
+        return Ok(());
+    }
+    if let Err(why) = standard_library(WASI) {
+        report.skip(what, &why.to_string());
+        return Ok(());
+    }
+    let mut command = cargo(root, &["test", "--package", "starbreak", "--locked"]);
+    command.args(["--no-run", "--target", WASI]);
+    let tests = build(command, &TESTS_OF_CHAIN)?;
+    run(&tests, report, || {
+        let mut command = Command::new("node");
+        command.arg("--no-warnings").arg(root.join(WASI_RUNNER));
+        command
+    })
 }
 
 /// QEMU for programs of a kind of processor.
@@ -145,19 +183,14 @@ fn compiler(target: &Path) -> Result<PathBuf, Failure> {
     Ok(starter)
 }
 
-/// Builds the tests as the test command has them, for aarch64 if there is a compiler for it.
-fn build(root: &Path, compiler: Option<&Path>) -> Result<Vec<PathBuf>, Failure> {
-    let args = ["test", "--workspace", "--locked", "--no-run"];
-    let tests = TESTS.iter().flat_map(|test| ["--test", test]);
-    let args: Vec<&str> = args.into_iter().chain(tests).collect();
-    let mut command = cargo(root, &args);
-    if let Some(compiler) = compiler {
-        command.args(["--target", AARCH64]);
-        let name = AARCH64.replace('-', "_");
-        command.env(format!("CC_{name}"), compiler);
-        let linker = format!("CARGO_TARGET_{}_LINKER", name.to_uppercase());
-        command.env(linker, compiler);
-    }
+/// The tests of the workspace as the test command has them, not run.
+fn all_tests(root: &Path) -> Command {
+    cargo(root, &["test", "--workspace", "--locked", "--no-run"])
+}
+
+/// Builds these tests by a command that names none.
+fn build(mut command: Command, tests: &[&str]) -> Result<Vec<PathBuf>, Failure> {
+    command.args(tests.iter().flat_map(|test| ["--test", test]));
     println!("== {}", line_of(&command));
     command.args(["--message-format", "json-render-diagnostics"]);
     let line = line_of(&command);
@@ -167,13 +200,13 @@ fn build(root: &Path, compiler: Option<&Path>) -> Result<Vec<PathBuf>, Failure> 
         return Err(Failure::new(format!("{line}: {}", output.status)));
     }
     let programs = programs_in(&String::from_utf8_lossy(&output.stdout));
-    if programs.len() == TESTS.len() {
+    if programs.len() == tests.len() {
         Ok(programs)
     } else {
         Err(Failure::new(format!(
             "{line}: {} tests, not {}",
             programs.len(),
-            TESTS.len()
+            tests.len()
         )))
     }
 }

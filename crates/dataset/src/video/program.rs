@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{ChildStderr, ExitStatus, Stdio};
+use std::process::{ChildStderr, ExitStatus};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -216,9 +216,9 @@ impl Running {
             let group = format!("-{}", self.child.as_inner().id());
             let mut kill = std::process::Command::new("kill");
             kill.args(["-KILL", "--", &group]);
-            kill.stdin(Stdio::null())
-                .stdout(Stdio::null())
-                .stderr(Stdio::null());
+            kill.stdin(std::process::Stdio::null())
+                .stdout(std::process::Stdio::null())
+                .stderr(std::process::Stdio::null());
             let _ = kill.status();
         }
         // It may have ended by itself.
