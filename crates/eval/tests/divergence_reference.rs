@@ -1,33 +1,19 @@
-//! Measures against those of SciPy and NumPy, where the shared reference is at hand.
+//! Measures against those of SciPy and NumPy.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::path::PathBuf;
+mod common;
 
 use serde_json::Value;
 use starbreak_eval::divergence::measure_given;
 
-/// What `gen_kl_ref.py` made, or none, said loudly.
-fn reference() -> Option<Value> {
-    let path: PathBuf = [
-        env!("CARGO_MANIFEST_DIR"),
-        "../../../shared/reference/eval/kl_ref.json",
-    ]
-    .iter()
-    .collect();
-    if !path.exists() {
-        #[expect(clippy::print_stderr, reason = "a skipped test must be seen")]
-        {
-            eprintln!("SKIPPED: {} is not there", path.display());
-        }
-        return None;
-    }
-    let text = std::fs::read_to_string(path).unwrap();
-    Some(serde_json::from_str(&text).unwrap())
+/// The numbers of NumPy and SciPy.
+fn numbers() -> Value {
+    common::json(&common::reference("kl_ref.json"))
 }
 
 #[test]
 fn every_number_of_the_reference_comes_out() {
-    let Some(reference) = reference() else { return };
+    let reference = numbers();
     let (answer, n_failed) = measure_given(&reference).unwrap();
     assert_eq!(n_failed, 1, "the empty histogram");
     let mut n_compared = 0;
@@ -68,7 +54,7 @@ fn every_number_of_the_reference_comes_out() {
 
 #[test]
 fn the_edges_are_as_the_reference_says() {
-    let Some(reference) = reference() else { return };
+    let reference = numbers();
     let (answer, _) = measure_given(&reference).unwrap();
     for (at, expected) in reference["edge"].as_array().unwrap().iter().enumerate() {
         let (expected, got) = (&expected["kl"], &answer["edge"][at]["kl"]);

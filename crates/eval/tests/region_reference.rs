@@ -59,8 +59,8 @@ impl Case {
 }
 
 /// The region cases, with the areas of the boxes and our own coverages.
-fn case() -> Option<Case> {
-    let folder = reference("coco/region_cov")?;
+fn case() -> Case {
+    let folder = reference("coco/region_cov");
     let mut labels = LabelSet::read_coco(&folder.join("gt.json")).unwrap();
     for object in &mut labels.objects {
         object.area_px2 = object.box_px.area_px2();
@@ -84,18 +84,18 @@ fn case() -> Option<Case> {
         .iter()
         .map(|d| cover(d.image, &d.box_px))
         .collect();
-    Some(Case {
+    Case {
         labels,
         detections,
         objects,
         said,
-    })
+    }
 }
 
 #[test]
 fn coverages_are_those_of_the_reference() {
-    let Some(case) = case() else { return };
-    let folder = reference("coco/region_cov").unwrap();
+    let case = case();
+    let folder = reference("coco/region_cov");
     let areas = LabelSet::read_coco(&folder.join("gt.json")).unwrap();
     let expected: Vec<f64> = areas.objects.iter().map(|o| o.area_px2).collect();
     assert_same(&case.objects, &expected, "coverages of objects");
@@ -107,8 +107,8 @@ fn coverages_are_those_of_the_reference() {
 
 #[test]
 fn curves_in_regions_are_those_of_pycocotools() {
-    let Some(case) = case() else { return };
-    let folder = reference("coco/region_cov/ref").unwrap();
+    let case = case();
+    let folder = reference("coco/region_cov/ref");
     for (a, tau) in [(1, 0.0), (2, 0.05), (3, 0.2)] {
         let subset = Subset::InRegion { tau };
         let curves = subset_curves(
@@ -132,10 +132,8 @@ fn curves_in_regions_are_those_of_pycocotools() {
 
 #[test]
 fn sizes_in_regions_are_those_of_pycocotools() {
-    let Some(case) = case() else { return };
-    let theirs = npy(&reference("coco/region_size_tau05/ref")
-        .unwrap()
-        .join("precision.npy"));
+    let case = case();
+    let theirs = npy(&reference("coco/region_size_tau05/ref").join("precision.npy"));
     for (a, size) in (1..).zip(Size::ALL) {
         let subset = Subset::SizeInRegion { size, tau: 0.05 };
         let curves = subset_curves(
@@ -152,7 +150,7 @@ fn sizes_in_regions_are_those_of_pycocotools() {
 
 #[test]
 fn a_threshold_of_all_coverages_is_the_whole_image_and_one_above_all_is_nothing() {
-    let Some(case) = case() else { return };
+    let case = case();
     let whole =
         evaluate_coco(&case.labels, &case.detections, &CocoParams::default(), None).unwrap();
     let one = CocoParams {
@@ -196,7 +194,7 @@ fn a_threshold_of_all_coverages_is_the_whole_image_and_one_above_all_is_nothing(
 
 #[test]
 fn region_and_control_share_out_the_objects() {
-    let Some(case) = case() else { return };
+    let case = case();
     let n_regular = case
         .labels
         .objects
@@ -230,7 +228,7 @@ fn region_and_control_share_out_the_objects() {
 /// What a detection counts as, by the words of the definition.
 #[test]
 fn objects_out_of_the_region_absorb_one_detection_and_are_not_missed() {
-    let Some(case) = case() else { return };
+    let case = case();
     let rule = MatchRule {
         region: Some(Restriction {
             objects: &case.objects,

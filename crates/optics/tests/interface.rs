@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::f64::consts::PI;
+use std::path::Path;
 
 use proptest::prelude::*;
 use rand_chacha::rand_core::Rng;
@@ -18,21 +19,12 @@ use starbreak_seed::{Seed, Stream};
 
 const N: f64 = 1.52;
 
-/// A table of reference numbers, or `None` with a note on the error output.
-fn reference(name: &str) -> Option<Value> {
-    let path = std::path::Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../../shared/reference/optics"
-    ))
-    .join(name);
-    if let Ok(text) = std::fs::read_to_string(&path) {
-        return Some(serde_json::from_str(&text).unwrap());
-    }
-    #[expect(clippy::print_stderr, reason = "a skipped test must be seen")]
-    {
-        eprintln!("SKIPPED: {} is not there", path.display());
-    }
-    None
+/// A table of reference numbers.
+fn reference(name: &str) -> Value {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data")
+        .join(name);
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
 fn cos_deg(degrees: f64) -> f64 {
@@ -100,9 +92,7 @@ fn fresnel_is_the_sine_and_tangent_law() {
 
 #[test]
 fn fresnel_and_slab_are_the_reference_numbers() {
-    let Some(numbers) = reference("crack_optics_numbers.json") else {
-        return;
-    };
+    let numbers = reference("crack_optics_numbers.json");
     let check = |table: &str, tolerance: f64, f: &dyn Fn(f64) -> f64| {
         for (degrees, expected) in numbers[table].as_object().unwrap() {
             let got = f(cos_deg(degrees.parse().unwrap()));
@@ -267,9 +257,7 @@ fn gap_reflects_what_it_does_not_transmit_in_both_regimes() {
 
 #[test]
 fn gap_of_the_reference_numbers() {
-    let Some(numbers) = reference("crack_optics_numbers.json") else {
-        return;
-    };
+    let numbers = reference("crack_optics_numbers.json");
     for (nm, expected) in numbers["gap_R_normal_incidence_550nm"].as_object().unwrap() {
         let got = gap_reflectance(1.0, 1e-9 * nm.parse::<f64>().unwrap(), 550e-9, N);
         let expected = expected.as_f64().unwrap();
@@ -490,9 +478,7 @@ fn a_rough_face_has_the_values_of_mitsuba() {
 
 #[test]
 fn a_rough_face_keeps_what_mitsuba_keeps() {
-    let Some(numbers) = reference("mitsuba_bsdf.json") else {
-        return;
-    };
+    let numbers = reference("mitsuba_bsdf.json");
     let mut rng = Seed(3).stream(Stream::CrackRelief, 1);
     let mut rows = 0;
     for (name, expected) in numbers["single_scatter_albedo"].as_object().unwrap() {
@@ -592,9 +578,7 @@ fn glint_of_disc(glint: &Glint, view: [f64; 3], sun: [f64; 3], radius_deg: f64) 
 
 #[test]
 fn glints_are_those_of_the_reference() {
-    let Some(numbers) = reference("mitsuba_bsdf.json") else {
-        return;
-    };
+    let numbers = reference("mitsuba_bsdf.json");
     // A plate at 60°, its crack in the slope, seen along z; the sun 3° wide, off the mirrored
     // direction in the plane or beside it.
     let (sin, cos) = 60_f64.to_radians().sin_cos();

@@ -7,22 +7,44 @@
 )]
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-/// A file or folder of the reference cases, or `None` with a note on the error output.
-pub(crate) fn reference(name: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../../shared/reference/eval"
-    ))
-    .join(name);
-    if path.exists() {
-        return Some(path);
+use starbreak_dataset::sha256_hex;
+
+/// A file or folder of the reference cases; `data/pack.py` says what made them.
+pub(crate) fn reference(name: &str) -> PathBuf {
+    static FOLDER: LazyLock<PathBuf> = LazyLock::new(unpacked);
+    let path = FOLDER.join(name);
+    assert!(path.exists(), "the archive has no {name}");
+    path
+}
+
+/// The archive, unpacked once for all tests.
+fn unpacked() -> PathBuf {
+    let archive = include_bytes!("../data/reference.zz");
+    let entries = miniz_oxide::inflate::decompress_to_vec_zlib(archive).unwrap();
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let folder = target.join(format!("reference-{}", sha256_hex(archive)));
+    if folder.exists() {
+        return folder;
     }
-    #[expect(clippy::print_stderr, reason = "a skipped test must be seen")]
-    {
-        eprintln!("SKIPPED: {} is not there", path.display());
+    let made = tempfile::tempdir_in(target).unwrap();
+    let mut rest = entries.as_slice();
+    while let Some((lengths, after)) = rest.split_first_chunk::<8>() {
+        let length = |k: usize| u32::from_le_bytes(lengths[k..k + 4].try_into().unwrap()) as usize;
+        let (name, after) = after.split_at(length(0));
+        let (content, after) = after.split_at(length(4));
+        let path = made.path().join(std::str::from_utf8(name).unwrap());
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, content).unwrap();
+        rest = after;
     }
-    None
+    // Another test may have been faster.
+    let made = made.keep();
+    if std::fs::rename(&made, &folder).is_err() {
+        std::fs::remove_dir_all(&made).unwrap();
+    }
+    folder
 }
 
 pub(crate) fn json(path: &Path) -> serde_json::Value {
