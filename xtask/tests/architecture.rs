@@ -7,6 +7,7 @@
     reason = "a test that cannot read the workspace has failed"
 )]
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
 use xtask::metadata::{Kind, Metadata, Package};
@@ -268,6 +269,9 @@ const MAX_LINES: usize = 500;
 /// Files that may be longer: path, reason.
 const LONG_FILES: &[(&str, &str)] = &[];
 
+/// Crates whose modules still import each other in a circle; the others' do not.
+const CIRCULAR: &[&str] = &["dataset", "eval", "fracture", "optics"];
+
 /// Something that code may use.
 #[derive(Debug, Clone, Copy)]
 enum Use {
@@ -379,6 +383,115 @@ fn edges_not_drawn(packages: &[Package]) -> Vec<String> {
         }
     }
     findings
+}
+
+#[test]
+fn modules_import_each_other_in_no_circle() {
+    let sources = sources();
+    let mut findings = Vec::new();
+    for package in packages() {
+        let Some(name) = package.name.strip_prefix("starbreak") else {
+            continue;
+        };
+        let folder = match name.trim_start_matches('-') {
+            "" => "starbreak",
+            name => name,
+        };
+        let circle = circle_in(&sources, &format!("crates/{folder}/src/"));
+        match (circle, CIRCULAR.contains(&folder)) {
+            (Some(circle), false) => findings.push(format!("{folder}: {}", circle.join(" -> "))),
+            (None, true) => findings.push(format!("{folder} has no circle: take it off the list")),
+            _ => {}
+        }
+    }
+    check(findings);
+}
+
+/// Modules of the root of a crate, each of which imports the next and the last the first; of those that
+/// there are the first by name.
+fn circle_in(sources: &[Source], root: &str) -> Option<Vec<String>> {
+    let library = sources.iter().find(|s| s.path == format!("{root}lib.rs"))?;
+    let code = without_tests(&library.code);
+    let of_item = |line: &str| -> Option<(String, Vec<String>)> {
+        // `pub use module::{A, B};`: A and B stand for the module.
+        let (module, names) = line.split_once("use ")?.1.split_once("::")?;
+        let names = names.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        let names = names.filter(|name| !name.is_empty());
+        Some((module.to_owned(), names.map(str::to_owned).collect()))
+    };
+    let modules: BTreeSet<String> = code
+        .split(';')
+        .filter_map(|item| Some(item.rsplit_once("mod ")?.1.trim().to_owned()))
+        .collect();
+    let exported: BTreeMap<String, String> = code
+        .split(';')
+        .filter_map(of_item)
+        .filter(|(module, _)| modules.contains(module))
+        .flat_map(|(module, names)| names.into_iter().map(move |name| (name, module.clone())))
+        .collect();
+    let mut imports: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    for source in sources.iter().filter(|s| s.is_shipped()) {
+        let Some(path) = source.path.strip_prefix(root) else {
+            continue;
+        };
+        let Some(module) = modules.get(path.trim_end_matches(".rs").split('/').next()?) else {
+            continue;
+        };
+        for word in names_behind_crate(&without_tests(&source.code)) {
+            let used = modules.get(&word).or_else(|| exported.get(&word));
+            if let Some(used) = used.filter(|used| *used != module) {
+                imports.entry(module).or_default().insert(used);
+            }
+        }
+    }
+    let reaches = |from: &str| -> Option<Vec<String>> {
+        let mut ways = vec![vec![from.to_owned()]];
+        let mut seen = BTreeSet::new();
+        while let Some(way) = ways.pop() {
+            for next in imports.get(way.last()?.as_str()).into_iter().flatten() {
+                if *next == from {
+                    return Some(way);
+                }
+                if seen.insert(*next) {
+                    ways.push([&way[..], &[(*next).to_owned()]].concat());
+                }
+            }
+        }
+        None
+    };
+    modules.iter().find_map(|module| reaches(module))
+}
+
+/// The first names of all paths that begin with `crate::`, also in groups.
+fn names_behind_crate(code: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    for part in code.split("crate::").skip(1) {
+        let of = |text: &str| -> String {
+            let is_part = |c: &char| c.is_alphanumeric() || *c == '_';
+            text.trim_start().chars().take_while(is_part).collect()
+        };
+        let Some(group) = part.strip_prefix('{') else {
+            names.push(of(part));
+            continue;
+        };
+        let (mut depth, mut start) = (0_i32, 0);
+        for (at, c) in group.char_indices() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => {
+                    names.push(of(&group[start..]));
+                    break;
+                }
+                '}' => depth -= 1,
+                ',' if depth == 0 => {
+                    names.push(of(&group[start..]));
+                    start = at + 1;
+                }
+                _ => {}
+            }
+        }
+    }
+    names
 }
 
 #[test]
@@ -654,5 +767,26 @@ mod each_rule_can_fail {
         check(empty_names, "apps/cli/tests/common/mod.rs", "", 0);
         check(long_files, library, &"\n".repeat(MAX_LINES + 1), 1);
         check(long_files, library, &"\n".repeat(MAX_LINES), 0);
+    }
+
+    #[test]
+    fn a_circle_of_modules_is_found() {
+        let sources = |b: &str| {
+            [
+                (
+                    "crates/x/src/lib.rs",
+                    "pub mod a;\nmod b;\nmod c;\npub use b::{B, Other};",
+                ),
+                ("crates/x/src/a/mod.rs", "use crate::{c::{C, D}, Other};"),
+                ("crates/x/src/b.rs", b),
+                ("crates/x/src/c.rs", "fn c() {}"),
+            ]
+            .map(|(path, text)| Source::of(path, text))
+        };
+        assert_eq!(circle_in(&sources("use crate::c;"), "crates/x/src/"), None);
+        let circle = circle_in(&sources("fn b() { crate::a::f() }"), "crates/x/src/");
+        assert_eq!(circle, Some(vec!["a".to_owned(), "b".to_owned()]));
+        let in_tests = "#[cfg(test)]\nmod tests { use crate::a; }";
+        assert_eq!(circle_in(&sources(in_tests), "crates/x/src/"), None);
     }
 }

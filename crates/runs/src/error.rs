@@ -6,7 +6,7 @@ use starbreak_eval::EvalError;
 use starbreak_fracture::FractureError;
 use starbreak_optics::OpticsError;
 
-use crate::clip::ClipError;
+use crate::clip_error::ClipError;
 
 /// Why a run or one of its items failed.
 #[derive(Debug, thiserror::Error)]

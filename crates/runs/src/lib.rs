@@ -6,6 +6,7 @@
 
 pub mod bank;
 pub mod clip;
+mod clip_error;
 mod crack_geometry;
 pub mod divergence;
 mod error;

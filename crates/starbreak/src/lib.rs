@@ -37,14 +37,15 @@ pub use broken::{Details, ImportedDetails, PaperDetails, PhysicsDetails, Simulat
 pub use chain::{
     Chain, Lit, OpticsReport, PaneLayer, SceneReport, Shown, damage_to_json, region_fraction,
 };
-pub use cost::{Cost, DEFAULT_MAX_MEMORY_BYTES, LEAST_MAX_MEMORY_BYTES};
+pub use cost::Cost;
 pub use error::Error;
 pub use growth::{growth_drawing, growth_times};
 pub use import::ImportError;
 pub use recipe::{
-    Assignment, CameraSettings, DEFAULT_PRESET, FocalLength, FractureSettings, MAX_RECIPE_BYTES,
-    Mount, OpticsSettings, OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings,
-    Recipe, RecipeError, SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
+    Assignment, CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DEFAULT_PRESET, FocalLength,
+    FractureSettings, LEAST_MAX_MEMORY_BYTES, MAX_RECIPE_BYTES, Mount, OpticsSettings,
+    OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe, RecipeError,
+    SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
 };
 pub use scene::Scene;
 pub use starbreak_fracture as fracture;

@@ -7,12 +7,10 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use starbreak_optics::photo::{
-    Photo, PhotoParams, Placement, PlacementRange, bake, check_gain, draw,
-};
+use starbreak_optics::photo::{Photo, PhotoParams, Placement, PlacementRange, check_gain};
 use starbreak_seed::Seed;
 
-use crate::{Error, OpticsSettings, PaneLayer, Scene, Settings};
+use crate::Error;
 
 /// A photograph of broken glass, and which file.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,25 +96,6 @@ impl GlassPhoto {
 }
 
 impl PlacedPhoto {
-    /// Bakes it for a frame of this size, by the optics of the settings.
-    ///
-    /// # Errors
-    /// [`Error::Optics`], [`Error::TooCostly`].
-    pub(crate) fn bake(&self, settings: &Settings, size: (u32, u32)) -> Result<PaneLayer, Error> {
-        settings.may_show_photo(size)?;
-        let photo = &self.glass.photo;
-        Ok(match &settings.optics {
-            OpticsSettings::Paper(_) => PaneLayer::Paper(draw(photo, &self.placement, size)?),
-            OpticsSettings::Physical(optics) => {
-                let view = Scene::of(settings, size).sheet()?;
-                PaneLayer::Photo {
-                    pattern: bake(photo, &self.placement, &view, optics)?,
-                    gain: self.options.gain,
-                }
-            }
-        })
-    }
-
     /// What a record says of it: file, background, gain, and the part, from which it can be made
     /// again.
     #[must_use]

@@ -4,7 +4,6 @@
 //! cracks grow they are baked for each frame; afterwards only their light changes, with that of
 //! the scene. Beside the clip lies a track, which says for each frame what the glass is like.
 
-mod error;
 mod light;
 mod run;
 mod sink;
@@ -22,7 +21,7 @@ use starbreak_dataset::video::{
 };
 use starbreak_dataset::{DatasetError, OutputBatch, refuse_inside_set, same_file, sha256_hex};
 
-pub use error::ClipError;
+pub use crate::clip_error::ClipError;
 pub use timeline::GlassState;
 pub use track::TRACK_SCHEMA;
 

@@ -4,10 +4,11 @@ use image::GrayImage;
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::Coverage;
 use starbreak_optics::paper::draw;
-use starbreak_optics::photo::PhotoPattern;
+use starbreak_optics::photo::{PhotoPattern, bake as bake_photo, draw as draw_photo};
 use starbreak_optics::physical::{PackedPattern, Pattern, bake};
 use starbreak_seed::Seed;
 
+use crate::photo::PlacedPhoto;
 use crate::{Error, OpticsSettings, Scene, Settings};
 
 /// Broken glass before one camera as the optics baked it.
@@ -46,6 +47,29 @@ impl PaneLayer {
             OpticsSettings::Paper(optics) => Self::Paper(draw(network, &view, time, optics)),
             OpticsSettings::Physical(optics) => {
                 Self::Baked(bake(network, time, &view, optics, seed)?)
+            }
+        })
+    }
+
+    /// Bakes a part of a photograph of broken glass for frames of a size, px.
+    ///
+    /// # Errors
+    /// [`Error::Optics`], [`Error::TooCostly`].
+    pub(super) fn of_photo(
+        settings: &Settings,
+        placed: &PlacedPhoto,
+        size_px: (u32, u32),
+    ) -> Result<Self, Error> {
+        settings.may_show_photo(size_px)?;
+        let photo = &placed.glass.photo;
+        Ok(match &settings.optics {
+            OpticsSettings::Paper(_) => Self::Paper(draw_photo(photo, &placed.placement, size_px)?),
+            OpticsSettings::Physical(optics) => {
+                let view = Scene::of(settings, size_px).sheet()?;
+                Self::Photo {
+                    pattern: bake_photo(photo, &placed.placement, &view, optics)?,
+                    gain: placed.options.gain,
+                }
             }
         })
     }

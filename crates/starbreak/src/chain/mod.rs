@@ -130,7 +130,7 @@ impl Chain {
         size_px: (u32, u32),
         watch: &mut Stopwatch,
     ) -> Result<Self, Error> {
-        let layer = placed.bake(settings, size_px)?;
+        let layer = PaneLayer::of_photo(settings, &placed, size_px)?;
         watch.lap(layer.stage());
         Ok(Self {
             settings: settings.clone(),

@@ -15,12 +15,6 @@ use starbreak_optics::View;
 
 use crate::{Error, FractureSettings, PaperSettings, PhysicsSettings, Settings};
 
-/// Most memory of one picture, bytes, unless a recipe is given another limit: 4 GiB.
-pub const DEFAULT_MAX_MEMORY_BYTES: u64 = 4 << 30;
-
-/// Least limit of that, bytes, within which the least pane breaks.
-pub const LEAST_MAX_MEMORY_BYTES: u64 = 64 << 20;
-
 /// What the program holds besides.
 const BASE_BYTES: f64 = 1e7;
 

@@ -23,11 +23,11 @@ pub use error::RecipeError;
 pub use presets::{DEFAULT_PRESET, PRESETS};
 pub use schema::json_schema;
 pub use settings::{
-    CameraSettings, FocalLength, FractureSettings, Mount, OpticsSettings, OutputFormat,
-    OutputSettings, PaperSettings, PhysicsSettings, Settings, StoneSettings,
+    CameraSettings, DEFAULT_MAX_MEMORY_BYTES, FocalLength, FractureSettings,
+    LEAST_MAX_MEMORY_BYTES, Mount, OpticsSettings, OutputFormat, OutputSettings, PaperSettings,
+    PhysicsSettings, Settings, StoneSettings,
 };
 
-use crate::DEFAULT_MAX_MEMORY_BYTES;
 use crate::plain_words::in_plain_words;
 use error::{Place, printable};
 use presets::{KEYS_OF_KINDS, Preset};
@@ -126,7 +126,7 @@ impl Recipe {
     }
 
     /// Sets the most memory that one picture may take, bytes, in place of
-    /// [`DEFAULT_MAX_MEMORY_BYTES`]; from [`LEAST_MAX_MEMORY_BYTES`](crate::LEAST_MAX_MEMORY_BYTES) on
+    /// [`DEFAULT_MAX_MEMORY_BYTES`]; from [`LEAST_MAX_MEMORY_BYTES`] on
     /// it makes sense. It decides what is refused, and nothing of what is made.
     pub fn set_max_memory(&mut self, bytes: u64) {
         self.max_memory_bytes = bytes;

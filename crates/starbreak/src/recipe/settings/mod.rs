@@ -21,7 +21,12 @@ use super::tables::{
     Choice, CommonTables, DirectionEntry, FocalEntry, FormatWord, ModelWord, OpticsWord,
     OutputTable, PositionEntry, PositionWord, from_table,
 };
-use crate::DEFAULT_MAX_MEMORY_BYTES;
+
+/// Most memory of one picture, bytes, unless a recipe is given another limit: 4 GiB.
+pub const DEFAULT_MAX_MEMORY_BYTES: u64 = 4 << 30;
+
+/// Least limit of that, bytes, within which the least pane breaks.
+pub const LEAST_MAX_MEMORY_BYTES: u64 = 64 << 20;
 
 /// Longest focal length, px.
 const MAX_F_PX: f64 = 1e6;
