@@ -31,6 +31,7 @@ mod growth;
 mod lattice;
 pub mod mesh;
 pub mod paper;
+mod params;
 pub mod physics;
 pub mod stress;
 mod tips;

@@ -48,7 +48,6 @@ pub mod lens;
 mod lit_runs;
 mod maps;
 mod masks;
-mod packed;
 pub mod paper;
 pub mod photo;
 pub mod physical;

@@ -7,7 +7,7 @@ use starbreak_seed::{Seed, Stream};
 
 use super::ContactLoad;
 use crate::draw::{normal, uniform};
-use crate::physics::StoneImpact;
+use crate::params::StoneImpact;
 
 /// Median of Auerbach's constant of soda-lime glass, N/m: critical force over radius of the tip.
 /// **Source** \[FrankLawn1967\]: 1 to 2 × 10⁵ N/m.

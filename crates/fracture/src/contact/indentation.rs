@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use starbreak_glass::Material;
 
-use crate::physics::StoneImpact;
+use crate::params::StoneImpact;
 
 /// Vickers hardness of soda-lime glass, Pa: no contact can press it harder. **Source**
 /// \[LawnMarshall1979\].

@@ -3,7 +3,7 @@
 use starbreak_glass::Material;
 
 use super::indentation::Indentation;
-use crate::physics::StoneImpact;
+use crate::params::StoneImpact;
 
 /// Change of force (of its peak so far) and of speed (of that at touch) in one step.
 const STEP_CHANGE: f64 = 0.003;

@@ -14,6 +14,6 @@ mod walk;
 pub use outline::Outline;
 pub use particles::Particles;
 pub(crate) use particles::to_u32;
-pub use plate_mesh::PlateMesh;
+pub use plate_mesh::{MeshResolution, PlateMesh};
 pub(crate) use triangulation::Indexed;
 pub use triangulation::{PaneMesh, mesh_pane};

@@ -10,7 +10,15 @@ use super::particles::to_u32;
 use super::rim::{BorderNode, border};
 use super::sides::Sides;
 use crate::FractureError;
-use crate::physics::MeshResolution;
+
+/// How fine the plate's mesh is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeshResolution {
+    /// About 1500 nodes.
+    Fast,
+    /// About 6000 nodes.
+    Default,
+}
 
 /// No triangle there: the other side of a border edge.
 pub(super) const NONE: u32 = u32::MAX;

@@ -15,12 +15,12 @@ use starbreak_seed::{Seed, Stream};
 
 use super::impact::{Breaking, Facts};
 use super::outcome::{ImpactReport, Stage};
-use super::params::{GlassBuild, GlassPane, StoneImpact};
 use super::plate::Stiffness;
 use super::radials::{draw_angles, draw_count, mean_radial_count};
 use super::rings;
 use crate::contact::{ContactLoad, contact_load};
 use crate::draw::{normal, uniform};
+use crate::params::{GlassBuild, GlassPane, StoneImpact};
 use crate::tips::{Piece, TERMINAL_SPEED_M_S, Tilt, Tip, TipLaw, Web, unit};
 
 /// A body is heavy where bending has come this far, in thicknesses of the ply, in the time in which

@@ -7,10 +7,10 @@ use starbreak_seed::Seed;
 
 use super::long_crack::{Driven, PaneStress, grow_long_crack};
 use super::outcome::{DamageClass, ImpactReport, LongCrackReport, Stage};
-use super::params::{GlassPane, LongCrack, LongCrackOrigin, PhysicsParams, StoneImpact};
 use super::plate::Plates;
 use crate::FractureError;
 use crate::contact::{ConeOutcome, ContactLoad, HertzianCrack, contact_load, hertzian_crack};
+use crate::params::{GlassPane, LongCrack, LongCrackOrigin, PhysicsParams, StoneImpact};
 use crate::tips::{Ledger, MAX_STEPS, Piece, Tip, TipLaw, TipState, Web};
 
 /// A crack longer than this is not repaired: it is a class of its own, m \[ROLAGS\].

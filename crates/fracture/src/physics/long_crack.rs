@@ -7,13 +7,12 @@ use starbreak_glass::SegmentKind;
 use starbreak_seed::{Seed, Stream};
 
 use super::outcome::LongCrackReport;
-use super::params::{
-    GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad, MeshResolution,
-};
 use super::shadow::Relieved;
 use crate::FractureError;
 use crate::draw::normal;
+use crate::mesh::MeshResolution;
 use crate::mesh::{Outline, PlateMesh};
+use crate::params::{GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad};
 use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, membrane_stress};
 use crate::tips::{
     COMPETITION, Ledger, MAX_STEPS, Motion, Piece, Tip, TipLaw, Tracing, Web, trace, unit,

@@ -9,7 +9,6 @@ mod legs;
 mod long_crack;
 mod network;
 mod outcome;
-mod params;
 mod plate;
 mod radials;
 mod rings;
@@ -19,11 +18,12 @@ mod simulate;
 mod surface;
 mod windows;
 
+pub use crate::mesh::MeshResolution;
+pub use crate::params::{
+    Dicing, GlassBuild, GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad,
+    PhysicsParams, StoneImpact, Support,
+};
 pub use network::network_pane;
 pub use outcome::{Broken, DamageClass, ImpactReport, LongCrackReport, Stage};
-pub use params::{
-    Dicing, GlassBuild, GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad,
-    MeshResolution, PhysicsParams, StoneImpact, Support,
-};
 pub use radials::mean_radial_count;
 pub use simulate::{MAX_IMPACTS, simulate};

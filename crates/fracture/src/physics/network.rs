@@ -7,12 +7,12 @@ use starbreak_glass::{
 use starbreak_seed::Seed;
 
 use super::outcome::{ImpactReport, LongCrackReport};
-use super::params::{GlassBuild, GlassPane, StoneImpact};
 use super::surface::{Surface, relief, surfaces};
 use crate::FractureError;
 use crate::arrangement::{Stroke, arrange};
 use crate::lattice::Lattice;
 use crate::mesh::{Outline, to_u32};
+use crate::params::{GlassBuild, GlassPane, StoneImpact};
 use crate::tips::{Piece, TipLaw, Web};
 
 pub(super) const MM_PER_M: f64 = 1e3;

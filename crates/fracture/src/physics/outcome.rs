@@ -2,7 +2,7 @@
 
 use starbreak_glass::CrackNetwork;
 
-use super::params::StoneImpact;
+use crate::params::StoneImpact;
 
 /// Damage class of one hit, after the windscreen repair trade \[ROLAGS\].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

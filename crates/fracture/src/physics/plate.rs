@@ -8,9 +8,10 @@
 use std::f64::consts::PI;
 use std::rc::Rc;
 
-use super::params::{GlassBuild, GlassPane, MeshResolution, Support};
 use crate::FractureError;
+use crate::mesh::MeshResolution;
 use crate::mesh::{Outline, PlateMesh};
+use crate::params::{GlassBuild, GlassPane, Support};
 use crate::stress::{
     Face, PatchLoad, PlaneStress, PlateField, PlateProperties, PlateSolver, StressField,
 };

@@ -7,13 +7,13 @@ use super::fallen::loose_pieces;
 use super::impact::Breaking;
 use super::network::{AllCracks, History, MM_PER_M, network, network_pane};
 use super::outcome::{Broken, DamageClass, ImpactReport, Stage};
-use super::params::{
-    Dicing, GlassBuild, GlassPane, LongCrack, LongCrackOrigin, PhysicsParams, StoneImpact,
-};
 use super::plate::Plates;
 use crate::FractureError;
 use crate::dice::{dice_cascade, dice_cells, fragment_density_per_m2};
 use crate::mesh::to_u32;
+use crate::params::{
+    Dicing, GlassBuild, GlassPane, LongCrack, LongCrackOrigin, PhysicsParams, StoneImpact,
+};
 use crate::tips::{Piece, TipLaw, Web};
 
 /// Most hits of one pane.

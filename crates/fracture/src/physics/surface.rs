@@ -3,7 +3,7 @@
 use starbreak_glass::{Face, SegmentKind, Zone};
 
 use super::front;
-use super::params::GlassPane;
+use crate::params::GlassPane;
 use crate::tips::{Piece, TipLaw, Web};
 
 /// Ratio of K to that of the mirror's rim above which mist turns to hackle \[Quinn2020\].

@@ -8,10 +8,10 @@ use starbreak_seed::Stream;
 
 use super::impact::{Breaking, Hit};
 use super::outcome::Stage;
-use super::params::GlassBuild;
 use super::plate::{Bending, Carrying, Load};
 use crate::FractureError;
 use crate::draw::weibull_factor;
+use crate::params::GlassBuild;
 use crate::stress::{Face, StressField};
 
 /// Area of a bending test of glass that the strength is measured on, m².

@@ -6,7 +6,7 @@ use super::sparse::System;
 use super::{PlaneStress, load};
 use crate::FractureError;
 use crate::mesh::{Outline, PlateMesh};
-use crate::physics::Support;
+use crate::params::Support;
 
 /// Greatest residual, relative to the terms of the equations, that counts as solved.
 const MAX_RESIDUAL: f64 = 1e-9;

@@ -4,7 +4,7 @@ use starbreak_glass::{CrackNetwork, Face, Fragment, LengthUnit, SegmentKind, Zon
 
 use super::SheetView;
 use super::relief::{FRONT, Relief};
-use crate::physical::SurfaceParams;
+use crate::surface::SurfaceParams;
 use crate::vector::Vector;
 
 /// A cone begins on the face at this part of its lower radius at least.

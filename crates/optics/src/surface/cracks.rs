@@ -13,7 +13,7 @@ use super::walk::Among;
 use super::walls::{Wall, Walls};
 use crate::interface::fresnel::reflectance;
 use crate::maps::Facet;
-use crate::physical::SurfaceParams;
+use crate::surface::SurfaceParams;
 use crate::vector::{Vector, cross, unit};
 
 /// Colors weaker than this are none.

@@ -10,7 +10,7 @@ use starbreak_seed::{Seed, Stream};
 use super::chains::Fallen;
 use super::cracks::Facets;
 use super::lobe::{HELD, LightFrom, Mirror, N_SHARES, SUN, Sent, into_glass};
-use crate::physical::SurfaceParams;
+use crate::surface::SurfaceParams;
 use crate::vector::Vector;
 
 /// Size of a grain over the radius of the crushed zone, and its bounds, mm. FIT to photographs:

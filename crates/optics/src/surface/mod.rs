@@ -10,6 +10,7 @@ mod cracks;
 mod divided;
 mod hit;
 mod lobe;
+mod params;
 mod relief;
 mod roughness;
 mod runs;
@@ -25,5 +26,6 @@ pub(crate) use lobe::{
     CABIN_HIGH, CABIN_LOW, FRAME, FRAME_U, FRAME_V, GROUND, HELD, HORIZON, LANES, LightFrom,
     N_SHARES, SUN, WIDTH, ZENITH,
 };
+pub use params::{Glass, SurfaceParams};
 pub(crate) use sheet::SheetView;
 pub(crate) use wedge::fragment_facets;

@@ -4,7 +4,7 @@ use starbreak_glass::LengthUnit;
 
 use crate::camera::Pinhole;
 use crate::lens::Lens;
-use crate::physical::Glass;
+use crate::surface::Glass;
 use crate::{OpticsError, View};
 
 /// A sheet of glass before a camera with a lens.

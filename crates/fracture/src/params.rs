@@ -3,7 +3,7 @@
 use starbreak_glass::Material;
 
 use crate::FractureError;
-use crate::mesh::Outline;
+use crate::mesh::{MeshResolution, Outline};
 
 /// A pane of glass and how it is held.
 #[derive(Debug, Clone, PartialEq)]
@@ -202,15 +202,6 @@ pub enum Dicing {
     Cells,
     /// Cracks that branch under the core's tension.
     Cascade,
-}
-
-/// How fine the plate's mesh is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MeshResolution {
-    /// About 1500 nodes.
-    Fast,
-    /// About 6000 nodes.
-    Default,
 }
 
 /// Parameters of the model itself.
