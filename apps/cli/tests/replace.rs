@@ -211,6 +211,8 @@ fn inputs_stay_whatever_is_to_be_replaced() {
         args.to_vec()
     };
     let is_input = "would replace the input";
+    // Said before it is read: it holds no labels.
+    fs::write(dir.path().join("mine/table.tex"), "no labels").unwrap();
     let labels = "coco/annotations/instances_val2017.json";
     all_refused(
         dir.path(),
@@ -225,6 +227,7 @@ fn inputs_stay_whatever_is_to_be_replaced() {
             ),
             (detect("text.onnx", &["--replace"]), is_input),
             (evaluate("mine/evaluation.json", "mine"), is_input),
+            (evaluate("mine/table.tex", "mine"), is_input),
         ],
     );
 }

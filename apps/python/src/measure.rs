@@ -141,14 +141,14 @@ pub(crate) fn evaluate<'py>(
         ..EvaluateRequest::of_clean(clean.named("clean")?)
     };
     let answer = watched(py, &threads, |_| -> Result<_, Error> {
+        let source = request.source.as_deref().map(SourceSpec::parse);
+        let read = request.read_files(source.transpose()?.as_ref());
         let batch = output
             .as_ref()
-            .map(|folder| report_batch(folder, &REPORT_FILES, replaces));
+            .map(|folder| report_batch(folder, &REPORT_FILES, replaces, read));
         let batch = batch.transpose()?;
         let answer = evaluate_files(&request)?;
-        if let (Some(folder), Some(batch)) = (&output, batch) {
-            let source = request.source.as_deref().map(SourceSpec::parse);
-            let mut batch = batch.never_over(request.read_files(source.transpose()?.as_ref()));
+        if let (Some(folder), Some(mut batch)) = (&output, batch) {
             for (name, text) in &answer.report {
                 batch.stage(&folder.join(name), text.as_bytes())?;
             }

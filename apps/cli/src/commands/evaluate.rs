@@ -19,13 +19,13 @@ pub(crate) fn run(
     args: &EvaluateArgs,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let batch = match &args.output {
-        Some(folder) => report_batch(folder, &REPORT_FILES, global.replace)?,
-        None => global.batch(),
-    };
     let request = request(global, args);
     let source = args.source.as_deref().map(|source| global.spec(source));
-    let mut batch = batch.never_over(request.read_files(source.transpose()?.as_ref()));
+    let read = request.read_files(source.transpose()?.as_ref());
+    let mut batch = match &args.output {
+        Some(folder) => report_batch(folder, &REPORT_FILES, global.replace, read)?,
+        None => global.batch().never_over(read),
+    };
     for folder in args.output.iter().chain(&args.curves) {
         // A folder that cannot be written to is known before the work.
         OutputBatch::new().reserve(&folder.join("trial"))?;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::json;
-use starbreak_dataset::same_file;
+use starbreak_dataset::{FileSet, same_file};
 use starbreak_eval::evaluation::{
     ClipInput, ClipSettings, Condition, Counts, Evaluation, InputFile, ProtocolResults, Provenance,
     Settings, Study, TimelineResults, Versions, Warning, check_end, check_sides, pool_clips,
@@ -41,7 +41,7 @@ pub(crate) fn run(
 
 fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
     let batch = match &args.output {
-        Some(folder) => report_batch(folder, &FILES, global.replace)?,
+        Some(folder) => report_batch(folder, &FILES, global.replace, FileSet::of(&[]))?,
         None => global.batch(),
     };
     let tracks = Tracks::read(args)?;

@@ -16,14 +16,19 @@ pub const REPORT_FILES: [&str; 5] = [
     "failures.jsonl",
 ];
 
-/// The batch for the files of a report in a folder, where they may take the place of an earlier report, and
-/// of other files only if it `replaces` any. One list, `written.json`, is of both kinds of reports: that
+/// The batch for the files of a report in a folder, where they may take the place of an earlier report, of
+/// other files only if it `replaces` any, and never of what is read. One list, `written.json`, is of both kinds of reports: that
 /// of images and that of clips replace each other.
 ///
 /// # Errors
 /// [`Error::Evaluation`] where the folder is that of a study or of a generated set,
-/// [`Error::Dataset`] where a file is there that is no report's.
-pub fn report_batch(folder: &Path, names: &[&str], replaces: bool) -> Result<OutputBatch, Error> {
+/// [`Error::Dataset`] where a file is there that is no report's, or one that is read.
+pub fn report_batch(
+    folder: &Path,
+    names: &[&str],
+    replaces: bool,
+    read: FileSet,
+) -> Result<OutputBatch, Error> {
     let taken = [
         ("study.json", "a study, whose report would be replaced"),
         (
@@ -41,7 +46,9 @@ pub fn report_batch(folder: &Path, names: &[&str], replaces: bool) -> Result<Out
         });
     }
     let batch = OutputBatch::new().replacing(replaces);
-    let batch = batch.with_list(&folder.join("written.json"), "report");
+    let batch = batch
+        .with_list(&folder.join("written.json"), "report")
+        .never_over(read);
     for name in names {
         batch.may_write(&folder.join(name))?;
     }
