@@ -214,3 +214,20 @@ fn second_frame_of_a_name_in_another_case_is_bad() {
         "the second"
     );
 }
+
+#[test]
+fn areas_without_labels_are_known_in_any_case_of_letters() {
+    let dir = tempfile::tempdir().unwrap();
+    put(dir.path(), "image_2/0.png", png(2, 2));
+    let dont_care = "-1 -1 -10 503.89 169.71 590.61 190.13 -1 -1 -1 -1000 -1000 -1000 -10";
+    let lines = ["dontcare", "DONTCARE", "DontCareful"].map(|name| format!("{name} {dont_care}"));
+    put(dir.path(), "label_2/0.txt", lines.join("\n"));
+    let found = contents(&open("kitti", dir.path()));
+    let kinds = found.objects.iter().map(|o| o.contains(" Ignored "));
+    assert_eq!(
+        kinds.collect::<Vec<_>>(),
+        [true, true, false],
+        "{:?}",
+        found.objects
+    );
+}

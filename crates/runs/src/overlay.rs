@@ -102,7 +102,7 @@ impl OverlaySet {
     /// A random part of a random photograph for a frame, by the seed.
     ///
     /// # Errors
-    /// [`Error::Chain`] for a range that makes no sense.
+    /// [`Error::Chain`] for a range that makes no sense, [`Error::NoPhotos`] for a set without any.
     pub fn draw(&self, frame: (u32, u32), seed: Seed) -> Result<PlacedPhoto, Error> {
         let mut rng = seed.stream(Stream::OverlayPlacement, 1);
         // Of 2^64 numbers, so that the remainder favors none.
@@ -117,7 +117,7 @@ impl OverlaySet {
     }
 }
 
-/// No larger than a set may hold.
+/// Shrunk to [`MOST_SIDE_PX`], if it is larger.
 fn shrunk(mut glass: GlassPhoto) -> Arc<GlassPhoto> {
     glass.photo = glass.photo.shrunk_to(MOST_SIDE_PX);
     Arc::new(glass)

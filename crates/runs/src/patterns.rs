@@ -116,7 +116,7 @@ impl Patterns {
     }
 }
 
-/// Middles of the objects that are to be found, of what the frame shows of them, as fractions of it.
+/// Centers of the objects that are to be found, each clipped to the frame, as fractions of it.
 fn middles(objects: &[LabeledObject], (width, height): (u32, u32)) -> Vec<[f64; 2]> {
     let size = [f64::from(width), f64::from(height)];
     let regular = objects

@@ -81,7 +81,7 @@ impl RunContext {
         })
     }
 
-    /// What the record of a sample says, in any run; `recipe` is for records that stand alone.
+    /// The record of a sample, in any run; with the `recipe` where no list of a set has it.
     pub(crate) fn record(&self, of: Sample<'_>, recipe: Option<&str>) -> Map<String, Value> {
         let optics = &of.shown.optics;
         let mut camera = json!({ "width_px": of.size.0, "height_px": of.size.1 });

@@ -1,7 +1,7 @@
 //! Recipe to settings to pictures, in memory: the place where physics and optics meet.
 //!
 //! [`Recipe`] is what a user writes; [`Recipe::settings`] makes it valid and SI; a [`Chain`] breaks the
-//! glass and puts it over images. This crate contains no formula of its own, never prints, touches no
+//! glass and puts it over images. This crate contains no formula of glass or light, never prints, touches no
 //! file and starts no thread, so that it runs in a browser, too.
 //!
 //! # Example

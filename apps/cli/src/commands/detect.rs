@@ -363,7 +363,9 @@ pub(super) fn say_unmapped(map: &LabelMap, screen: &Screen) {
     }
     // KITTI's areas of no labels are no objects.
     let categories = map.unmapped_categories().iter().map(String::as_str);
-    let categories: Vec<&str> = categories.filter(|name| *name != "DontCare").collect();
+    let categories: Vec<&str> = categories
+        .filter(|name| !name.eq_ignore_ascii_case("dontcare"))
+        .collect();
     if !categories.is_empty() {
         screen.note(&format!(
             "{} categories of the dataset have no class in the model, their objects cannot be found: {}",

@@ -261,9 +261,11 @@ fn object_of_line(line: &str, record: &str) -> Result<Option<LabeledObject>, Str
         record: record.to_owned(),
         category: (*category).to_owned(),
         box_px: [x0, y0, x1, y1],
-        kind: match *category {
-            "DontCare" => ObjectKind::Ignored,
-            _ => ObjectKind::Regular,
+        // In any case of letters, as the development kit has it.
+        kind: if category.eq_ignore_ascii_case("dontcare") {
+            ObjectKind::Ignored
+        } else {
+            ObjectKind::Regular
         },
     }))
 }

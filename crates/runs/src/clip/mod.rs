@@ -1,6 +1,6 @@
 //! Damage over a clip: static, or growing from the impact on.
 //!
-//! The glass is broken once and baked once. Frames before the impact are as the lens shows them. While the
+//! The glass is broken once. Frames before the impact are as the lens shows them. While the
 //! cracks grow they are baked for each frame; afterwards only their light changes, with that of
 //! the scene. Beside the clip lies a track, which says for each frame what the glass is like.
 
@@ -284,8 +284,8 @@ impl Clip {
         }
     }
 
-    /// Breaks the glass and writes the clip, its track and its network; they appear together or
-    /// not at all. `done` is called after each frame. `None` if `stop` was set: nothing is written
+    /// Breaks the glass and writes the clip, its track and its network, if it has one (a photograph has
+    /// none); they appear together or not at all. `done` is called after each frame. `None` if `stop` was set: nothing is written
     /// then.
     ///
     /// Frames and files beside the clip are a function of input, settings and seed alone; the bytes

@@ -1,4 +1,4 @@
-//! What a stage of the growth says of its frames.
+//! Masks and figures of all frames at one stage of the growth.
 
 use std::sync::Arc;
 
@@ -9,12 +9,12 @@ use starbreak_dataset::{ImageFile, encode_mask, encode_mask_as};
 
 use crate::Error;
 
-/// What a stage of the growth says of its frames.
+/// Masks and figures of all frames at one stage of the growth.
 #[derive(Debug)]
 pub(super) struct StageFacts {
     /// Share of the frame that the damage affects.
     pub(super) region_fraction: f64,
-    /// Length of the cracks inside the frame, px; none for a photograph.
+    /// Length of the cracks inside the frame, px; none where a photograph is shown.
     pub(super) crack_length_px: Option<f64>,
     /// Region and crack mask, if asked for.
     pub(super) masks: Option<[StageMask; 2]>,

@@ -29,7 +29,7 @@ pub(super) struct TrackFrame {
     /// In the unit of the header's `growth.unit`; where that is null, because the network keeps no
     /// times, 1 for cracks that are there and 0 for none.
     pub(super) growth: f64,
-    /// Null for a photograph of glass, which says nothing of its cracks.
+    /// Null where a photograph is shown, which says nothing of its cracks.
     pub(super) crack_length_px: Option<f64>,
     pub(super) region_fraction: f64,
     /// File of the frame, in a folder.

@@ -42,7 +42,8 @@ impl From<&ImportedNetwork> for Simulated {
 /// Breaks the glass before a frame of a width and height, px.
 ///
 /// # Errors
-/// [`Error::Fracture`] for parameters that do not fit the frame; [`Error::NoObjects`] for hits that are
+/// [`Error::Fracture`] for parameters that do not fit the frame; [`Error::OffGlass`] for a stone that
+/// misses the pane, [`Error::Optics`] for a camera that sees none of it; [`Error::NoObjects`] for hits that are
 /// to be before objects ([`FractureSettings::aimed_at`]); [`Error::TooCostly`].
 pub fn simulate(settings: &Settings, size_px: (u32, u32), seed: Seed) -> Result<Simulated, Error> {
     if settings.fracture.is_aimed() {

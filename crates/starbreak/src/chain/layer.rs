@@ -24,7 +24,7 @@ pub enum PaneLayer {
     Photo {
         /// The photograph as the lens shows it.
         pattern: PhotoPattern,
-        /// Light of its white over what a white sheet in the place of the glass would show.
+        /// Brightness of the photograph's white, over that of a white sheet in the place of the glass.
         gain: f64,
     },
 }

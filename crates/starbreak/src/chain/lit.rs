@@ -55,7 +55,7 @@ impl Lit<'_> {
         }
     }
 
-    /// Whether frames stay as they are.
+    /// True if [`Lit::over`] would leave every frame as it is.
     #[must_use]
     pub fn changes_nothing(&self) -> bool {
         match self {
@@ -64,10 +64,10 @@ impl Lit<'_> {
         }
     }
 
-    /// 255 where the glass affects frames of a width and height, px, else 0.
+    /// 255 where the glass affects frames of the chain's width and height, px, else 0.
     ///
     /// # Errors
-    /// [`Error::Optics`] for another size than the chain's.
+    /// [`Error::Optics`] where the paper's optics get another size.
     pub fn region(&self, (width, height): (u32, u32)) -> Result<GrayImage, Error> {
         match self {
             Self::Paper(coverage, optics) => {

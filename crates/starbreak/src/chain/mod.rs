@@ -1,8 +1,8 @@
 //! The chain: all that light meets between the world and the pixels, ready for frame after frame.
 //!
 //! [`Chain::of`] breaks the glass before a camera and bakes what the optics make of it;
-//! [`Chain::over`] puts that over any image of its size. There is no other way from settings to
-//! pixels: networks from files, photographs of glass and patterns out of a bank become chains, too.
+//! [`Chain::over`] puts that over any image of its size. Networks from files, photographs of glass
+//! and patterns out of a bank become chains, too.
 
 mod layer;
 mod lit;
@@ -53,7 +53,7 @@ pub struct Chain {
 enum Origin {
     Network(Box<Cracks>),
     Photo(Box<PlacedPhoto>),
-    /// What is kept elsewhere.
+    /// A bank, which keeps the network.
     Stored,
 }
 
@@ -159,8 +159,8 @@ impl Chain {
         }
     }
 
-    /// With the network that a layer from elsewhere shows, so that it can grow, and the seed that placed
-    /// what the network leaves open.
+    /// Gives a stored layer its network, so that it can grow, and the seed that placed what the network
+    /// leaves open.
     #[must_use]
     pub fn with_network(self, network: CrackNetwork, seed: Seed) -> Self {
         let cracks = Cracks {
@@ -174,11 +174,11 @@ impl Chain {
         }
     }
 
-    /// The same network as it is at a time, in the unit of its arrivals. A photograph, and what is kept
-    /// elsewhere, is the same at all times.
+    /// The same network as it is at a time, in the unit of its arrivals. A photograph, and a stored layer
+    /// without its network, is the same at all times.
     ///
     /// # Errors
-    /// [`Error::Optics`], [`Error::TooCostly`].
+    /// [`Error::NoMount`], [`Error::Optics`], [`Error::TooCostly`].
     pub fn grown_at(&self, time: f64) -> Result<PaneLayer, Error> {
         match &self.origin {
             Origin::Network(cracks) => {
@@ -333,7 +333,8 @@ impl Chain {
     /// The pixels are a function of image, settings and seeds alone.
     ///
     /// # Errors
-    /// [`Error::Optics`] for an image of another size; the image may then be half changed.
+    /// [`Error::Optics`] for an image of another size; the image may then be half changed. As for
+    /// [`Chain::layer_under`].
     pub fn over(&self, image: &mut DynamicImage, seed: Seed) -> Result<(), Error> {
         self.under(self.light_of(image).as_ref())?.over(image, seed)
     }
