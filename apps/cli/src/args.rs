@@ -290,7 +290,7 @@ pub(crate) struct VideoArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "bank")]
     pub(crate) network: Option<PathBuf>,
     /// Photo of broken glass (PNG or JPEG) to use instead of simulated cracks
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["network", "bank", "grow"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["network", "bank", "grow", "growth_time"])]
     pub(crate) overlay: Option<PathBuf>,
     /// A random part of the photo, by the seed, instead of all of it
     #[arg(long, requires = "overlay")]

@@ -139,6 +139,10 @@ fn sources_that_exclude_each_other_are_refused() {
     let mut cases = Vec::new();
     for (more, named) in [
         (vec!["m", "--overlay", "star.png", "--grow"], "--grow"),
+        (
+            vec!["m", "--overlay", "star.png", "--growth-time", "1"],
+            "--growth-time",
+        ),
         (vec!["m", "--overlay", "star.png", "--bank", "b"], "--bank"),
         (vec!["m", "--overlay", "none.png"], "none.png"),
         (vec!["m", "--overlay-random"], "--overlay"),
@@ -151,4 +155,45 @@ fn sources_that_exclude_each_other_are_refused() {
     all_refused(dir.path(), &cases);
     let outcome = starbreak(dir.path(), &["video", "--help"]);
     assert!(outcome.stdout.contains("--overlay"), "{outcome:?}");
+}
+
+/// The bank is read, so no output takes its place; and a photograph leaves no network of an earlier run.
+#[test]
+fn banks_stay_and_networks_of_earlier_runs_go() {
+    let dir = folder();
+    write_inputs(dir.path());
+    let size = ["--size", "160x100"];
+    let paper = ["--preset", "paper", "--set", "fracture.particles=1500"];
+    let made = ["patterns", "-n", "1", "-o", "bank"];
+    succeed(dir.path(), &[&made[..], &size, &paper].concat());
+    let bank = dir.path().join("bank/patterns.bank");
+    let mut cases = Vec::new();
+    for name in ["out.network.json", "out.track.json"] {
+        fs::copy(&bank, dir.path().join(name)).unwrap();
+        let more = ["m", "--replace", "--bank", name];
+        cases.push((video("out", &more), "would replace the bank"));
+    }
+    fs::create_dir(dir.path().join("glass")).unwrap();
+    fs::copy(dir.path().join("star.png"), dir.path().join("glass/s.png")).unwrap();
+    let photos = ["patterns", "-n", "1", "-o", "photos", "--overlays", "glass"];
+    succeed(dir.path(), &[&photos[..], &size].concat());
+    cases.push((
+        video("out", &["m", "--bank", "photos"]),
+        "is a bank of photos",
+    ));
+    all_refused(dir.path(), &cases);
+
+    let there = |name: &str| dir.path().join(name).exists();
+    succeed(dir.path(), &video("a", &["ma", "--bank", "bank"]));
+    assert!(there("a.network.json"), "written");
+    for folder in ["a", "ma"] {
+        fs::remove_dir_all(dir.path().join(folder)).unwrap();
+    }
+    succeed(dir.path(), &video("a", &["ma", "--overlay", "star.png"]));
+    assert!(!there("a.network.json"), "of another crack");
+    // A file of somebody else's is in nobody's way.
+    fs::write(dir.path().join("b.network.json"), "mine").unwrap();
+    succeed(dir.path(), &video("b", &["mb", "--overlay", "star.png"]));
+    let mine = fs::read_to_string(dir.path().join("b.network.json"));
+    assert_eq!(mine.unwrap(), "mine", "it stays");
 }

@@ -54,6 +54,14 @@ impl Damaged {
 }
 
 impl Patterns {
+    /// Whether the damage is a network; photographs have none.
+    pub(crate) fn has_networks(&self) -> bool {
+        match self {
+            Self::Fresh | Self::Network(_) | Self::Bank(_) => true,
+            Self::Overlays(_) | Self::OverlayBank(_) => false,
+        }
+    }
+
     /// The damage of a frame, with its objects if it is one of a dataset.
     pub(crate) fn for_frame(
         &self,

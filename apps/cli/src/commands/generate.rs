@@ -9,7 +9,7 @@ use starbreak::Recipe;
 use starbreak_dataset::{
     BadRecord, Carry, DatasetError, Encoding, Source, encode_image, is_inside,
 };
-use starbreak_runs::bank::PatternBank;
+use starbreak_runs::bank::{BANK_FILE, PatternBank};
 use starbreak_runs::generate::{
     Event, GenerateOptions, GenerateReport, Plan, Preview, Selection, Survey, generate, preview,
     refuse_outputs, survey,
@@ -20,6 +20,7 @@ use super::contact_sheet::{Cell, contact_sheet};
 use super::network_file;
 use crate::args::Global;
 use crate::args::generate::{GenerateArgs, OnError, OtherFiles};
+use crate::args::overlay::is_bank;
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
@@ -129,14 +130,24 @@ pub(super) fn patterns(
         return Ok(photos);
     }
     if let Some(bank) = bank {
-        let mut bank = PatternBank::open(bank)?;
-        bank.set_max_memory(max_memory);
-        return Ok(Patterns::Bank(bank));
+        return Ok(Patterns::Bank(open_bank(bank, max_memory)?));
     }
     Ok(match network_file::read(network, &[])? {
         Some(imported) => Patterns::Network(imported),
         None => Patterns::Fresh,
     })
+}
+
+/// A bank of cracks.
+pub(super) fn open_bank(path: &Path, max_memory: u64) -> Result<PatternBank, Failure> {
+    if is_bank(path) && !path.join(BANK_FILE).is_file() {
+        return Err(Failure::wrong_input(format!(
+            "{path:?} is a bank of photos, not of cracks; `generate --overlays` takes it"
+        )));
+    }
+    let mut bank = PatternBank::open(path)?;
+    bank.set_max_memory(max_memory);
+    Ok(bank)
 }
 
 /// The recipe that the patterns were made with, with what is said of the output.

@@ -6,12 +6,12 @@ use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 use starbreak::glass::CrackNetwork;
-use starbreak_dataset::DatasetError;
-use starbreak_runs::bank::PatternBank;
+use starbreak_dataset::{DatasetError, file_in, same_file};
+use starbreak_runs::bank::BANK_FILE;
 use starbreak_runs::clip::{Clip, ClipReport, ClipRequest, Growth, Light};
 use starbreak_runs::{Patterns, RunContext, with_threads};
 
-use super::generate::recipe_of_bank;
+use super::generate::{open_bank, recipe_of_bank};
 use super::network_file;
 use super::simulate::{radius_hint, why_no_damage};
 use crate::args::{Global, LightWord, VideoArgs};
@@ -95,9 +95,13 @@ fn patterns(args: &VideoArgs, max_memory: u64, outputs: &[PathBuf]) -> Result<Pa
         return Ok(Patterns::Overlays(photos));
     }
     if let Some(bank) = &args.bank {
-        let mut bank = PatternBank::open(bank)?;
-        bank.set_max_memory(max_memory);
-        return Ok(Patterns::Bank(bank));
+        let file = file_in(bank, BANK_FILE);
+        if let Some(output) = outputs.iter().find(|output| same_file(&file, output)) {
+            return Err(Failure::wrong_input(format!(
+                "the output {output:?} would replace the bank {bank:?}; choose another name"
+            )));
+        }
+        return Ok(Patterns::Bank(open_bank(bank, max_memory)?));
     }
     let imported = network_file::read(args.network.as_deref(), outputs)?;
     Ok(imported.map_or(Patterns::Fresh, Patterns::Network))

@@ -15,17 +15,20 @@ mod track;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use serde_json::Value;
 use starbreak::Chain;
 use starbreak_dataset::video::{
     Ffmpeg, Fraction, VideoError, holds_anything, is_folder, is_inside,
 };
-use starbreak_dataset::{DatasetError, OutputBatch, refuse_inside_set, same_file, sha256_hex};
+use starbreak_dataset::{
+    DatasetError, OutputBatch, blake3_hex, read_bytes, refuse_inside_set, same_file, sha256_hex,
+};
 
 pub use crate::clip_error::ClipError;
 pub use timeline::GlassState;
 pub use track::TRACK_SCHEMA;
 
-use crate::{Error, Patterns, RunContext};
+use crate::{Error, MAX_NETWORK_FILE_BYTES, Patterns, RunContext};
 use light::ClipLight;
 use run::{Finished, Show, run};
 use sink::{Sink, Target};
@@ -306,7 +309,8 @@ impl Clip {
         // Hours may pass before they are written.
         let batch = OutputBatch::new().replacing(context.replaces);
         let clip = (self.target != Target::Folder).then(|| request.output.clone());
-        for path in [clip, Some(request.track()), Some(request.network())] {
+        let network = patterns.has_networks().then(|| request.network());
+        for path in [clip, Some(request.track()), network] {
             path.map_or(Ok(()), |path| batch.may_write(&path))?;
         }
         let name = name_of(&request.input)?;
@@ -377,7 +381,7 @@ impl Clip {
         let beside: Vec<_> = network_file
             .chain([(track_path.as_path(), track.as_bytes())])
             .collect();
-        sink.finish(&beside)?;
+        sink.finish(&beside, earlier_network(request).into_iter().collect())?;
         let n_growing = frames
             .iter()
             .filter(|frame| frame.state == GlassState::Growing)
@@ -392,6 +396,17 @@ impl Clip {
             chain,
         }))
     }
+}
+
+/// The network that an earlier run has left beside this output, as its track says, with the BLAKE3 of it.
+fn earlier_network(request: &ClipRequest) -> Option<(PathBuf, String)> {
+    let path = request.network();
+    let bytes = read_bytes(&path, MAX_NETWORK_FILE_BYTES).ok()?;
+    let track = read_bytes(&request.track(), u64::MAX).ok()?;
+    let track: Value = serde_json::from_slice(&track).ok()?;
+    let is_its =
+        track["schema"] == TRACK_SCHEMA && track["network"]["sha256"] == sha256_hex(&bytes);
+    is_its.then(|| (path, blake3_hex(&bytes)))
 }
 
 /// The last part of a path.

@@ -219,8 +219,14 @@ impl Sink {
         Ok(())
     }
 
-    /// Ends the clip and puts everything in its place, these files last.
-    pub(super) fn finish(mut self, files: &[(&Path, &[u8])]) -> Result<(), Error> {
+    /// Ends the clip and puts everything in its place, these files last. Files of an earlier run that are
+    /// not among them are removed.
+    pub(super) fn finish(
+        mut self,
+        files: &[(&Path, &[u8])],
+        earlier: Vec<(PathBuf, String)>,
+    ) -> Result<(), Error> {
+        self.batch.take_over(earlier);
         if let Some(clip) = self.clip.take() {
             clip.finish().map_err(DatasetError::from)?;
         }
