@@ -15,8 +15,7 @@ use image::{DynamicImage, GrayImage, ImageBuffer, Luma, Rgba, RgbaImage};
 use serde_json::Value;
 use starbreak::optics::photo::{PhotoParams, Placement};
 use starbreak::photo::{OverlayOptions, PlacedPhoto};
-use starbreak::{Chain, Stopwatch};
-use starbreak::{Recipe, Seed};
+use starbreak::{Chain, Recipe, Seed, Stopwatch};
 use starbreak_dataset::{ImageLimits, blake3_hex, read_image};
 use starbreak_runs::overlay::read_photo;
 

@@ -91,6 +91,14 @@ fn a_pattern_of_a_bank_is_shown_and_grows() {
             read(&still, "f1.png") != read("in", "f1.png"),
             "{preset}: nothing to see"
         );
+        // How frames are written is said by the run, not by the recipe of the bank.
+        let jpeg = [&["mj", "--set", "output.format=jpeg"], &bank[..]].concat();
+        succeed(dir.path(), &video("jpeg", &jpeg));
+        let written = names(&dir.path().join("jpeg"));
+        assert_eq!(written[0], "f1.jpg", "{preset}: {written:?}");
+        for folder in ["jpeg", "mj"] {
+            fs::remove_dir_all(dir.path().join(folder)).unwrap();
+        }
     }
 }
 

@@ -458,7 +458,7 @@ impl Cracked {
         let share = facts.get_item("region_fraction")?;
         let share: f64 = share.map_or(Ok(0.0), |share| share.extract())?;
         Ok(format!(
-            "<starbreak.Cracked: {:.1} % of the frame influenced>",
+            "<starbreak.Cracked: {:.1} % of the frame affected>",
             share * 100.0
         ))
     }

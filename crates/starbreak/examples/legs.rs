@@ -11,8 +11,7 @@ use std::process::ExitCode;
 
 use image::{DynamicImage, GrayImage, Luma, RgbImage};
 use rayon::prelude::*;
-use starbreak::{Chain, Scene};
-use starbreak::{Recipe, Seed, Settings};
+use starbreak::{Chain, Recipe, Scene, Seed, Settings};
 use starbreak_glass::SegmentKind;
 use starbreak_optics::View;
 

@@ -11,8 +11,7 @@ use std::error::Error;
 use image::DynamicImage;
 use image::imageops::FilterType;
 use rayon::prelude::*;
-use starbreak::{Chain, Stopwatch};
-use starbreak::{PRESETS, Recipe, Seed};
+use starbreak::{Chain, PRESETS, Recipe, Seed, Stopwatch};
 use starbreak_dataset::street_scene;
 
 /// Severities of a preset.

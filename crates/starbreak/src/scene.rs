@@ -103,27 +103,16 @@ impl<'a> Scene<'a> {
         Ok(View::through(&camera, self.size_px)?)
     }
 
-    /// Diameter of the disc that a point of the glass on the optical axis becomes, px; 0 where no
-    /// glass stands before the camera, or its optics know no lens.
-    pub(crate) fn glass_disc_px(&self, f_px: f64) -> f64 {
+    /// Diameters, px, of the discs that a point of the glass on the optical axis and one of the world
+    /// become; 0 where no glass stands before the camera, and where its optics know no lens.
+    pub(crate) fn discs_px(&self, f_px: f64) -> [f64; 2] {
+        let OpticsSettings::Physical(optics) = &self.settings.optics else {
+            return [0.0; 2];
+        };
+        let lens = &optics.lens;
+        let disc = |distance_m| lens.circle_of_confusion_px(f_px, distance_m).abs();
         let mount = self.settings.fracture.mount();
-        mount.map_or(0.0, |mount| self.disc_px(f_px, mount.distance_m))
-    }
-
-    /// Diameter of the disc that a point of the world becomes, px.
-    pub(crate) fn world_disc_px(&self, f_px: f64) -> f64 {
-        match &self.settings.optics {
-            OpticsSettings::Physical(optics) => self.disc_px(f_px, optics.lens.scene_m),
-            OpticsSettings::Paper(_) => 0.0,
-        }
-    }
-
-    fn disc_px(&self, f_px: f64, distance_m: f64) -> f64 {
-        match &self.settings.optics {
-            OpticsSettings::Physical(optics) => {
-                optics.lens.circle_of_confusion_px(f_px, distance_m).abs()
-            }
-            OpticsSettings::Paper(_) => 0.0,
-        }
+        let glass = mount.map_or(0.0, |mount| disc(mount.distance_m));
+        [glass, disc(lens.scene_m)]
     }
 }

@@ -1,8 +1,7 @@
 //! Every preset breaks what it is named after, at every severity.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
-use starbreak::{Details, PhysicsDetails, Simulated};
-use starbreak::{PRESETS, Recipe, Seed};
+use starbreak::{Details, PRESETS, PhysicsDetails, Recipe, Seed, Simulated};
 
 /// The picture of the paper; what breaks does not depend on it.
 const SIZE_PX: (u32, u32) = (1242, 375);

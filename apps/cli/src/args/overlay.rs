@@ -127,13 +127,17 @@ impl OverlayArgs {
         given.map(|(flag, _)| flag)
     }
 
-    /// The photograph in a file; none of the outputs is that file.
+    /// The photograph in a file, if one was named; none of the outputs is that file.
     pub(crate) fn read_one(
         &self,
-        file: &Path,
+        file: Option<&Path>,
         is_random: bool,
         outputs: &[PathBuf],
-    ) -> Result<OverlaySet, Failure> {
+    ) -> Result<Option<Patterns>, Failure> {
+        self.refuse_idle(file.is_some(), is_random)?;
+        let Some(file) = file else {
+            return Ok(None);
+        };
         if let Some(output) = outputs.iter().find(|output| same_file(file, output)) {
             return Err(Failure::wrong_input(format!(
                 "the output {output:?} would replace the photo of glass {file:?}; choose another name"
@@ -141,7 +145,7 @@ impl OverlayArgs {
         }
         let options = self.options(is_random)?;
         let glass = read_photo(file, &options.params)?;
-        Ok(OverlaySet::of(glass, &options))
+        Ok(Some(Patterns::Overlays(OverlaySet::of(glass, &options))))
     }
 }
 

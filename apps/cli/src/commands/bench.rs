@@ -7,8 +7,7 @@ use std::process::ExitCode;
 use image::DynamicImage;
 use serde_json::{Value, json};
 use starbreak::fracture::paper::PaperParams;
-use starbreak::{Chain, Stopwatch, Timings, simulate};
-use starbreak::{FractureSettings, Recipe, Seed, Settings};
+use starbreak::{Chain, FractureSettings, Recipe, Seed, Settings, Stopwatch, Timings, simulate};
 use starbreak_dataset::street_scene;
 use starbreak_runs::with_threads;
 

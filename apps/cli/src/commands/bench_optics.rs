@@ -8,8 +8,9 @@ use serde_json::{Value, json};
 use starbreak::glass::CrackNetwork;
 use starbreak::optics::environment::Environment;
 use starbreak::optics::physical::{PhysicalOptics, bake};
-use starbreak::{DEFAULT_PRESET, Error, FractureSettings, Recipe, Seed, Settings};
-use starbreak::{Scene, Stopwatch, Timings};
+use starbreak::{
+    DEFAULT_PRESET, Error, FractureSettings, Recipe, Scene, Seed, Settings, Stopwatch, Timings,
+};
 use starbreak_dataset::street_scene;
 
 use super::bench::{Spread, spread, spread_json};

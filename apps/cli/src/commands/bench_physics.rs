@@ -4,8 +4,9 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use starbreak::fracture::physics::{StoneImpact, simulate};
-use starbreak::{Details, Stopwatch, Timings};
-use starbreak::{Error, FractureSettings, PhysicsSettings, Recipe, Seed, Settings};
+use starbreak::{
+    Details, Error, FractureSettings, PhysicsSettings, Recipe, Seed, Settings, Stopwatch, Timings,
+};
 
 use super::bench::{Spread, spread, spread_json};
 use crate::failure::Failure;

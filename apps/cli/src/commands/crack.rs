@@ -11,7 +11,7 @@ use starbreak_runs::images::{
 };
 use starbreak_runs::{Patterns, RunContext, with_threads};
 
-use super::network_file;
+use super::generate::patterns;
 use crate::args::Global;
 use crate::args::overlay::OverlayArgs;
 use crate::failure::{Failure, SOME_FAILED};
@@ -36,9 +36,6 @@ pub(crate) fn run(
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     let out = request.out.as_path();
-    request
-        .overlay_args
-        .refuse_idle(request.overlay.is_some(), request.overlay_random)?;
     let mut recipe = global.recipe()?;
     if request.maps {
         recipe.set("output.maps=true")?;
@@ -57,16 +54,15 @@ pub(crate) fn run(
         .map(|name| out.join(name))
         .collect();
     global.refuse_recipe_among(&outputs)?;
-    let imported = network_file::read(request.network.as_deref(), &outputs)?;
-    let patterns = match (&request.overlay, imported) {
-        (Some(photo), _) => Patterns::Overlays(request.overlay_args.read_one(
-            photo,
-            request.overlay_random,
-            &outputs,
-        )?),
-        (None, Some(imported)) => Patterns::Network(imported),
-        (None, None) => Patterns::Fresh,
-    };
+    let photo = request.overlay.as_deref();
+    let patterns = patterns(
+        request
+            .overlay_args
+            .read_one(photo, request.overlay_random, &outputs)?,
+        (None, global.max_memory),
+        request.network.as_deref(),
+        &outputs,
+    )?;
     let interrupt = Interrupt::listen();
     let progress = screen.progress(jobs.len() as u64, "images");
     let results = with_threads(usize::from(global.threads), || {

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 use starbreak::Recipe;
 use starbreak_dataset::{
-    BadRecord, Carry, DatasetError, Encoding, Source, encode_image, is_inside,
+    BadRecord, Carry, DatasetError, Encoding, Source, encode_image, file_in, is_inside, same_file,
 };
 use starbreak_runs::bank::{BANK_FILE, PatternBank};
 use starbreak_runs::generate::{
@@ -47,9 +47,10 @@ pub(crate) fn run(
     }
     let photos = args.overlay.read_folder(args.overlays.as_deref())?;
     let patterns = patterns(
+        photos,
         (args.bank.as_deref(), global.max_memory),
         args.network.as_deref(),
-        photos,
+        &[],
     )?;
     let recipe = match &patterns {
         Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
@@ -120,34 +121,35 @@ pub(crate) fn run(
     finish(&plan, &report, seconds, &interrupt, screen)
 }
 
-/// Where the cracks come from.
+/// Where the damage comes from: photographs, a bank of cracks, a network, or fresh breaks. None of the
+/// outputs is a file that is read.
 pub(super) fn patterns(
+    photos: Option<Patterns>,
     (bank, max_memory): (Option<&Path>, u64),
     network: Option<&Path>,
-    photos: Option<Patterns>,
+    outputs: &[PathBuf],
 ) -> Result<Patterns, Failure> {
     if let Some(photos) = photos {
         return Ok(photos);
     }
-    if let Some(bank) = bank {
-        return Ok(Patterns::Bank(open_bank(bank, max_memory)?));
-    }
-    Ok(match network_file::read(network, &[])? {
-        Some(imported) => Patterns::Network(imported),
-        None => Patterns::Fresh,
-    })
-}
-
-/// A bank of cracks.
-pub(super) fn open_bank(path: &Path, max_memory: u64) -> Result<PatternBank, Failure> {
-    if is_bank(path) && !path.join(BANK_FILE).is_file() {
+    let Some(bank) = bank else {
+        let imported = network_file::read(network, outputs)?;
+        return Ok(imported.map_or(Patterns::Fresh, Patterns::Network));
+    };
+    let file = file_in(bank, BANK_FILE);
+    if let Some(output) = outputs.iter().find(|output| same_file(&file, output)) {
         return Err(Failure::wrong_input(format!(
-            "{path:?} is a bank of photos, not of cracks; `generate --overlays` takes it"
+            "the output {output:?} would replace the bank {bank:?}; choose another name"
         )));
     }
-    let mut bank = PatternBank::open(path)?;
+    if is_bank(bank) && !bank.join(BANK_FILE).is_file() {
+        return Err(Failure::wrong_input(format!(
+            "{bank:?} is a bank of photos, not of cracks; `generate --overlays` takes it"
+        )));
+    }
+    let mut bank = PatternBank::open(bank)?;
     bank.set_max_memory(max_memory);
-    Ok(bank)
+    Ok(Patterns::Bank(bank))
 }
 
 /// The recipe that the patterns were made with, with what is said of the output.
@@ -224,7 +226,7 @@ fn dry_run(global: &Global, plan: &Plan<'_>, screen: &Screen) -> Result<ExitCode
         let caption = [
             image.name.clone(),
             format!(
-                "{:.1} % of the frame influenced",
+                "{:.1} % of the frame affected",
                 image.region_fraction * 100.0
             ),
         ];

@@ -6,8 +6,10 @@ use std::process::ExitCode;
 use serde_json::{Map, Value, json};
 use starbreak::fracture::physics::ImpactReport;
 use starbreak::glass::{CrackNetwork, Pane};
-use starbreak::{Chain, Details, Scene, Simulated, growth_drawing, growth_times};
-use starbreak::{FractureSettings, PaperSettings, Settings};
+use starbreak::{
+    Chain, Details, FractureSettings, PaperSettings, Scene, Settings, Simulated, growth_drawing,
+    growth_times,
+};
 use starbreak_dataset::{AnimationParams, OutputBatch, encode_animation, encode_mask};
 
 use super::network_file;

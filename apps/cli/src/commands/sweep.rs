@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
-use starbreak::{CameraSettings, FractureSettings};
-use starbreak::{Chain, Simulated, Stopwatch, simulate};
+use starbreak::{CameraSettings, Chain, FractureSettings, Simulated, Stopwatch, simulate};
 use starbreak_dataset::{
     Encoding, FileSet, ImageFile, ImageLimits, blake3_file, encode_image, files_in, listed_files,
     read_image, same_file,

@@ -41,9 +41,10 @@ pub(crate) fn run(
             let source = Source::open(&global.spec(source)?)?;
             let photos = args.overlay.read_folder(args.overlays.as_deref())?;
             let patterns = patterns(
+                photos,
                 (args.bank.as_deref(), global.max_memory),
                 args.network.as_deref(),
-                photos,
+                &[],
             )?;
             let n = match how_many {
                 HowMany::All => None,

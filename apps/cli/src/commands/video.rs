@@ -1,18 +1,15 @@
 //! `starbreak video`: a clip or a folder of frames to the same behind broken glass.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 use starbreak::glass::CrackNetwork;
-use starbreak_dataset::{DatasetError, file_in, same_file};
-use starbreak_runs::bank::BANK_FILE;
+use starbreak_dataset::DatasetError;
 use starbreak_runs::clip::{Clip, ClipReport, ClipRequest, Growth, Light};
 use starbreak_runs::{Patterns, RunContext, with_threads};
 
-use super::generate::{open_bank, recipe_of_bank};
-use super::network_file;
+use super::generate::{patterns, recipe_of_bank};
 use super::simulate::{radius_hint, why_no_damage};
 use crate::args::{Global, LightWord, VideoArgs};
 use crate::failure::Failure;
@@ -20,12 +17,16 @@ use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
 pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<ExitCode, Failure> {
-    args.overlay_args
-        .refuse_idle(args.overlay.is_some(), args.overlay_random)?;
     let request = request_of(&args)?;
     let outputs = [request.output.clone(), request.track(), request.network()];
     global.refuse_recipe_among(&outputs)?;
-    let patterns = patterns(&args, global.max_memory, &outputs)?;
+    let patterns = patterns(
+        args.overlay_args
+            .read_one(args.overlay.as_deref(), args.overlay_random, &outputs)?,
+        (args.bank.as_deref(), global.max_memory),
+        args.network.as_deref(),
+        &outputs,
+    )?;
     let recipe = match &patterns {
         Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
         _ => global.recipe()?,
@@ -84,27 +85,6 @@ fn notes(clip: &Clip) -> Vec<String> {
         ));
     }
     notes
-}
-
-/// Where the damage comes from.
-fn patterns(args: &VideoArgs, max_memory: u64, outputs: &[PathBuf]) -> Result<Patterns, Failure> {
-    if let Some(photo) = &args.overlay {
-        let photos = args
-            .overlay_args
-            .read_one(photo, args.overlay_random, outputs)?;
-        return Ok(Patterns::Overlays(photos));
-    }
-    if let Some(bank) = &args.bank {
-        let file = file_in(bank, BANK_FILE);
-        if let Some(output) = outputs.iter().find(|output| same_file(&file, output)) {
-            return Err(Failure::wrong_input(format!(
-                "the output {output:?} would replace the bank {bank:?}; choose another name"
-            )));
-        }
-        return Ok(Patterns::Bank(open_bank(bank, max_memory)?));
-    }
-    let imported = network_file::read(args.network.as_deref(), outputs)?;
-    Ok(imported.map_or(Patterns::Fresh, Patterns::Network))
 }
 
 fn request_of(args: &VideoArgs) -> Result<ClipRequest, Failure> {

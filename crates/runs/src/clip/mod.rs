@@ -319,6 +319,7 @@ impl Clip {
         let chain = patterns.for_clip(&context.settings, size, seed)?;
         let frame_s = 1.0 / source.rate().value();
         let bare = chain.before_impact()?;
+        let bare = chain.layer_under(&bare, None)?;
         let (impact_at_s, growth) = (request.impact_at_s, request.growth);
         let show = Show {
             timeline: match chain.network() {
@@ -327,6 +328,7 @@ impl Clip {
             },
             chain: &chain,
             bare: &bare,
+            settings: &context.settings,
             target: self.target,
             seed: context.seed,
             name: &name,

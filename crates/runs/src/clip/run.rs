@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
 use rayon::prelude::*;
-use starbreak::{Chain, Lit, PaneLayer, Scene};
+use starbreak::{Chain, Lit, PaneLayer, Scene, Settings};
 use starbreak_optics::environment::Environment;
 use starbreak_seed::Seed;
 
@@ -26,7 +26,9 @@ pub(super) struct Show<'a> {
     /// The damage in full.
     pub(super) chain: &'a Chain,
     /// The pane before the impact.
-    pub(super) bare: &'a PaneLayer,
+    pub(super) bare: &'a Lit<'a>,
+    /// Of the run, which says how frames are written.
+    pub(super) settings: &'a Settings,
     pub(super) timeline: Timeline,
     pub(super) target: Target,
     /// Seed of the run and name of the clip, for what differs from frame to frame.
@@ -275,10 +277,9 @@ impl<'a> Show<'a> {
                 }
             }
             _ => {
-                let lit = self.chain.layer_under(self.bare, None)?;
-                is_untouched = lit.changes_nothing();
+                is_untouched = self.bare.changes_nothing();
                 if !is_untouched {
-                    lit.over(&mut frame.pixels, noise)?;
+                    self.bare.over(&mut frame.pixels, noise)?;
                 }
                 Arc::clone(&kept.intact)
             }
@@ -288,9 +289,7 @@ impl<'a> Show<'a> {
             Some(file) => facts.masks_as(&file.image)?,
             None => None,
         };
-        let mut ready = self
-            .target
-            .prepare(frame, is_untouched, self.chain.settings())?;
+        let mut ready = self.target.prepare(frame, is_untouched, self.settings)?;
         ready.own_masks = own_masks;
         let line = TrackFrame {
             frame_idx,

@@ -5,14 +5,14 @@ use image::metadata::Orientation;
 use serde_json::json;
 use starbreak::{Stopwatch, Timings};
 use starbreak_dataset::{
-    DatasetError, Encoding, GeneratedSet, ImageFile, ImageFormat, ImageLimits, ItemRecord,
-    JpegQuality, LabeledObject, MAX_ITEM_BYTES, Provenance, SampleFiles, SourceImage, blake3_hex,
-    encode_image_as, encode_mask_as, read_image,
+    DatasetError, GeneratedSet, ImageFile, ImageLimits, ItemRecord, LabeledObject, MAX_ITEM_BYTES,
+    Provenance, SampleFiles, SourceImage, blake3_hex, encode_image_as, encode_mask_as, read_image,
 };
 use starbreak_seed::Seed;
 
 use super::Plan;
 use super::damage::damage_of;
+use crate::images::encoding;
 use crate::patterns::Damaged;
 use crate::provenance::{Sample, WrittenFile};
 use crate::{Error, RunContext};
@@ -88,13 +88,7 @@ impl Item<'_> {
         let boxes_px: Vec<[f64; 4]> = self.objects.iter().map(|object| object.box_px).collect();
         let shown = chain.over_and_report(&mut file.pixels, seed, &boxes_px, &mut watch)?;
 
-        let encoding = match file.format {
-            ImageFormat::Jpeg => Encoding::Jpeg {
-                quality: JpegQuality::new(settings.output.quality)?,
-            },
-            ImageFormat::Png => Encoding::Png,
-        };
-        let image = encode_image_as(&file, &encoding)?;
+        let image = encode_image_as(&file, &encoding(settings, &file)?)?;
         let masks = if settings.output.masks {
             let is_upright = file.orientation == Orientation::NoTransforms;
             let crack = match crack_mask_png {

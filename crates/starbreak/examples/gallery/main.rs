@@ -13,8 +13,9 @@ use image::imageops::{FilterType, crop_imm, replace, resize};
 use image::{DynamicImage, GrayImage, Rgb, RgbImage};
 use starbreak::glass::{GlassKind, Pane};
 use starbreak::optics::{Camera, Coverage, Line, View};
-use starbreak::{Chain, Details, growth_drawing, simulate};
-use starbreak::{FractureSettings, PRESETS, Recipe, Seed};
+use starbreak::{
+    Chain, Details, FractureSettings, PRESETS, Recipe, Seed, growth_drawing, simulate,
+};
 use starbreak_dataset::{
     Encoding, JpegQuality, OutputBatch, encode_image, encode_mask, street_scene,
 };

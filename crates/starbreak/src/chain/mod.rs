@@ -385,11 +385,11 @@ impl Chain {
     /// Lens and light of a picture, by the physical optics.
     fn scene_report(&self, light: Option<Environment>) -> Option<SceneReport> {
         let (environment, f_px) = (light?, self.layer.f_px()?);
-        let scene = Scene::of(&self.settings, self.size());
+        let [glass_disc_px, scene_disc_px] = Scene::of(&self.settings, self.size()).discs_px(f_px);
         Some(SceneReport {
             f_px,
-            glass_disc_px: scene.glass_disc_px(f_px),
-            scene_disc_px: scene.world_disc_px(f_px),
+            glass_disc_px,
+            scene_disc_px,
             environment,
         })
     }
