@@ -63,19 +63,31 @@ impl Incidence {
             libm::sin(c * phase) / c
         } else {
             // Beyond 40 the film lets less than 10⁻³⁰ through.
-            libm::sinh((c * phase).min(40.0)) / c
+            sinh((c * phase).min(40.0)) / c
         };
         let [across, within] = self.factors.map(|f| 1.0 / (1.0 + 1.0 / (f * s * s)));
         0.5 * (across + within)
     }
 }
 
+/// sinh x of x from 0 to 40; relative error below 10⁻¹⁰.
+fn sinh(x: f64) -> f64 {
+    if x < 0.1 {
+        let x2 = x * x;
+        return x * (1.0 + x2 / 6.0 * (1.0 + x2 / 20.0 * (1.0 + x2 / 42.0)));
+    }
+    let exp = libm::exp(x);
+    0.5 * (exp - 1.0 / exp)
+}
+
 /// Wavelengths of the bands: 380 to 780 nm by 2 nm.
 const FIRST_NM: f64 = 380.0;
 const STEP_NM: f64 = 2.0;
 const N_WAVELENGTHS: usize = 201;
-/// Wavelengths of the average where the film has no resonance, 20 nm apart.
-const N_COARSE: usize = 21;
+/// Wavelengths of the average where the film has no resonance, 50 nm apart, and how many of the
+/// others that is.
+const N_COARSE: usize = 9;
+const COARSE_STEP: usize = 25;
 /// Path through the film, µm, from which on its two faces no longer interfere.
 const COHERENCE_UM: f64 = 8.0;
 /// Steps of [`GapTable::coherence`] per µm.
@@ -98,7 +110,7 @@ const MIDDLE_UM: f64 = 0.55;
 /// that the Airy series T = (1 − R)/(1 + R) (1 + 2 Σ R^m ⟨cos 2mβ⟩) is summed per polarization
 /// over the tabulated ⟨cos 2kx⟩ of each band, which is exact for the sharpest resonance, too
 /// (the pre-integration of \[BelcourBarla2017\]); below the first resonance, and above the critical
-/// angle, 21 wavelengths are averaged. Error against 1600 wavelengths: below 10⁻³ everywhere,
+/// angle, a cubic through 9 wavelengths is averaged. Error against 1600 wavelengths: below 10⁻³ everywhere,
 /// below 5·10⁻⁴ outside 1° of the critical angle (tested).
 ///
 /// Built in about 1 ms; a look-up takes up to 1 µs, least for wide gaps, most for gaps that only
@@ -120,7 +132,7 @@ impl GapTable {
         let mut coherence = vec![[0.0; 3]; N_STEPS];
         let mut coarse = vec![(0.0, [0.0; 3]); N_COARSE];
         for (i, entry) in coarse.iter_mut().enumerate() {
-            entry.0 = wave_number(10 * i);
+            entry.0 = wave_number(COARSE_STEP * i);
         }
         for (i, weights) in bands.iter().enumerate() {
             // cos 2kx at the steps x, by turning a unit vector.
@@ -133,14 +145,13 @@ impl GapTable {
                 }
                 (x, y) = (x * cos - y * sin, x * sin + y * cos);
             }
-            // Shared out between the two neighbors of the coarse row.
-            #[expect(clippy::cast_precision_loss, reason = "at most 9")]
-            let upper = (i % 10) as f64 / 10.0;
-            for (at, share) in [(i / 10, 1.0 - upper), (i / 10 + 1, upper)] {
-                if let Some((_, sums)) = coarse.get_mut(at) {
-                    for (sum, weight) in sums.iter_mut().zip(weights) {
-                        *sum += share * weight;
-                    }
+            // Shared out among four neighbors of the coarse row.
+            let first = (i / COARSE_STEP).clamp(1, N_COARSE - 3) - 1;
+            #[expect(clippy::cast_precision_loss, reason = "at most 200")]
+            let t = i as f64 / COARSE_STEP as f64 - (first + 1) as f64;
+            for ((_, sums), share) in coarse[first..].iter_mut().zip(cubic(t)) {
+                for (sum, weight) in sums.iter_mut().zip(weights) {
+                    *sum += share * weight;
                 }
             }
         }
@@ -216,14 +227,19 @@ impl GapTable {
         let Some(four) = self.coherence.get(first..first + 4) else {
             return [0.0; 3];
         };
-        let weights = [
-            -t * (t - 1.0) * (t - 2.0) / 6.0,
-            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-            -(t + 1.0) * t * (t - 2.0) / 2.0,
-            (t + 1.0) * t * (t - 1.0) / 6.0,
-        ];
+        let weights = cubic(t);
         [0, 1, 2].map(|c| four.iter().zip(weights).map(|(d, w)| w * d[c]).sum())
     }
+}
+
+/// Weights of the values at −1, 0, 1 and 2 of the cubic through them at `t`.
+fn cubic(t: f64) -> [f64; 4] {
+    [
+        -t * (t - 1.0) * (t - 2.0) / 6.0,
+        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+        -(t + 1.0) * t * (t - 2.0) / 2.0,
+        (t + 1.0) * t * (t - 1.0) / 6.0,
+    ]
 }
 
 fn wavelength_nm(i: usize) -> f64 {

@@ -46,22 +46,22 @@ impl<const L: usize> Row<L> {
         cell
     }
 
-    /// How many cells are touched.
-    pub(super) fn n_touched(&self) -> usize {
-        self.touched.len()
-    }
-
-    /// Column, lanes and kernel of the k-th touched cell, which is then empty.
+    /// Takes the next touched cells that lie side by side and have one kernel, from the `k`-th on:
+    /// column of the first and kernel; their lanes go into `lanes`, and the cells are then empty.
     #[inline(always)]
-    pub(super) fn take(&mut self, k: usize) -> (usize, [f32; L], u32) {
-        let column = self.touched[k];
-        let cell = &mut self.cells[column];
-        cell.is_touched = false;
-        (
-            column,
-            std::mem::replace(&mut cell.lanes, [0.0; L]),
-            cell.kernel,
-        )
+    pub(super) fn take_run(&mut self, k: usize, lanes: &mut Vec<[f32; L]>) -> Option<(usize, u32)> {
+        lanes.clear();
+        let first = *self.touched.get(k)?;
+        let kernel = self.cells[first].kernel;
+        for (column, touched) in (first..).zip(&self.touched[k..]) {
+            let cell = &mut self.cells[column.min(*touched)];
+            if column != *touched || cell.kernel != kernel {
+                break;
+            }
+            cell.is_touched = false;
+            lanes.push(std::mem::replace(&mut cell.lanes, [0.0; L]));
+        }
+        Some((first, kernel))
     }
 
     /// Forgets which cells were touched; all have been taken.

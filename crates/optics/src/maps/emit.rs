@@ -1,6 +1,6 @@
 //! Rows of cells to rows of pixels, whichever of the two is smaller.
 
-use super::chunks::{CHUNK, Chunks};
+use super::lane_runs::{CHUNK, LaneRuns};
 use super::layer::{add_arrays, add_scaled};
 
 /// Shares below this are none; it is far below a step of an 8-bit image.
@@ -11,12 +11,10 @@ pub(super) struct Emitter<const L: usize> {
     level: i32,
     margin: usize,
     n_shares: usize,
-    /// The present row of cells, and the part of it that is set where cells are no pixels.
-    pub(super) row: Vec<[f32; L]>,
+    /// The present row of cells, of fine cells the sum of the rows of a pixel so far, and the part
+    /// of it that is set where cells are no pixels.
+    row: Vec<[f32; L]>,
     span: [usize; 2],
-    /// Fine cells: the sum of the rows of a pixel so far.
-    other: Vec<[f32; L]>,
-    other_span: [usize; 2],
     /// Coarse cells: the three rows before, and a blend of rows.
     earlier: [Earlier<L>; 3],
     blended: Vec<[f32; L]>,
@@ -31,8 +29,6 @@ impl<const L: usize> Emitter<L> {
             n_shares,
             row: vec![[0.0; L]; columns],
             span: [0, 0],
-            other: vec![[0.0; L]; columns],
-            other_span: [0, 0],
             earlier: [0; 3].map(|_| Earlier {
                 cells: vec![[0.0; L]; columns],
                 span: [0, 0],
@@ -44,14 +40,39 @@ impl<const L: usize> Emitter<L> {
 
     #[inline(always)]
     pub(super) fn begin_row(&mut self) {
-        let [first, last] = self.span;
-        self.row[first..last].fill([0.0; L]);
-        self.span = [0, 0];
+        if self.level < 0 {
+            self.clear();
+        }
     }
 
-    /// Takes the cells of a run that has been written to `row`.
     #[inline(always)]
-    pub(super) fn end_run(&mut self, row: usize, run: [usize; 2], frame: &mut Chunks<L>) {
+    fn clear(&mut self) {
+        let [first, last] = std::mem::take(&mut self.span);
+        self.row[first..last].fill([0.0; L]);
+    }
+
+    /// Takes the cells of a run of the present row.
+    #[inline(always)]
+    pub(super) fn take(
+        &mut self,
+        [first, last]: [usize; 2],
+        cells: impl Iterator<Item = [f32; L]>,
+    ) {
+        let to = &mut self.row[first..last];
+        if self.level > 0 {
+            for (sum, cell) in to.iter_mut().zip(cells) {
+                *sum = add_arrays(*sum, cell);
+            }
+        } else {
+            for (to, cell) in to.iter_mut().zip(cells) {
+                *to = cell;
+            }
+        }
+    }
+
+    /// Ends a run that has been taken.
+    #[inline(always)]
+    pub(super) fn end_run(&mut self, row: usize, run: [usize; 2], frame: &mut LaneRuns<L>) {
         if self.level == 0 {
             self.equal(row, run, frame);
         } else {
@@ -61,7 +82,7 @@ impl<const L: usize> Emitter<L> {
 
     /// Takes a row of which all runs have been.
     #[inline(always)]
-    pub(super) fn end_row(&mut self, row: usize, frame: &mut Chunks<L>) {
+    pub(super) fn end_row(&mut self, row: usize, frame: &mut LaneRuns<L>) {
         match self.level {
             0 => {}
             1.. => self.fine(row, frame),
@@ -70,7 +91,7 @@ impl<const L: usize> Emitter<L> {
     }
 
     #[inline(always)]
-    fn equal(&mut self, row: usize, [first, last]: [usize; 2], frame: &mut Chunks<L>) {
+    fn equal(&mut self, row: usize, [first, last]: [usize; 2], frame: &mut LaneRuns<L>) {
         let (width, height) = frame.size();
         let Some(y) = row.checked_sub(self.margin).filter(|y| *y < height) else {
             return;
@@ -86,28 +107,10 @@ impl<const L: usize> Emitter<L> {
     }
 
     #[inline(always)]
-    fn fine(&mut self, row: usize, frame: &mut Chunks<L>) {
+    fn fine(&mut self, row: usize, frame: &mut LaneRuns<L>) {
         let per_px = 1_usize << self.level;
         let [first, last] = self.span;
-        if first < last {
-            for (sum, value) in self.other[first..last]
-                .iter_mut()
-                .zip(&self.row[first..last])
-            {
-                *sum = add_arrays(*sum, *value);
-            }
-            let [low, high] = self.other_span;
-            self.other_span = if low < high {
-                [low.min(first), high.max(last)]
-            } else {
-                [first, last]
-            };
-        }
-        if !(row + 1).is_multiple_of(per_px) {
-            return;
-        }
-        let [first, last] = std::mem::take(&mut self.other_span);
-        if first >= last {
+        if !(row + 1).is_multiple_of(per_px) || first >= last {
             return;
         }
         let (width, height) = frame.size();
@@ -125,18 +128,18 @@ impl<const L: usize> Emitter<L> {
             self.pixels.clear();
             for x in start..end {
                 let mut sum = [0.0; L];
-                for cell in &self.other[self.margin + x * per_px..][..per_px] {
+                for cell in &self.row[self.margin + x * per_px..][..per_px] {
                     sum = add_scaled(sum, share, *cell);
                 }
                 self.pixels.push(sum);
             }
             hand_on(frame, y, start, &self.pixels, self.n_shares);
         }
-        self.other[first..last].fill([0.0; L]);
+        self.clear();
     }
 
     #[inline(always)]
-    fn coarse(&mut self, row: usize, frame: &mut Chunks<L>) {
+    fn coarse(&mut self, row: usize, frame: &mut LaneRuns<L>) {
         let (width, height) = frame.size();
         let per_cell = 1_usize << -self.level;
         let spans = self.earlier.iter().map(|earlier| earlier.span);
@@ -169,7 +172,7 @@ impl<const L: usize> Emitter<L> {
         t: f32,
         y: usize,
         width: usize,
-        frame: &mut Chunks<L>,
+        frame: &mut LaneRuns<L>,
     ) {
         let per_cell = 1_usize << -self.level;
         let half = per_cell / 2;
@@ -249,7 +252,7 @@ fn union(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
 /// Adds a row of pixels to the frame, without the runs in which there is nothing.
 #[inline(always)]
 fn hand_on<const L: usize>(
-    frame: &mut Chunks<L>,
+    frame: &mut LaneRuns<L>,
     y: usize,
     start: usize,
     values: &[[f32; L]],

@@ -1,12 +1,14 @@
 //! A frame of which only touched runs of pixels exist, lane by lane.
 
-use super::chunks::{CHUNK, Chunks};
+/// Pixels in a run.
+pub(crate) const CHUNK: usize = 32;
 
-/// [`CHUNK`] pixels of a row, all of one lane before those of the next.
+/// [`CHUNK`] pixels of a row, all of one lane before those of the next, so that the same is done to
+/// several of them at once.
 pub(crate) type LaneRun<const L: usize> = [[f32; CHUNK]; L];
 
-/// As [`Chunks`], for reading: the pixels of a lane lie side by side, so that the same is done to
-/// several of them at once, and the runs lie in the order of rows.
+/// A frame of `L` lanes per pixel, kept in runs of pixels in the order of rows; a run that nothing
+/// touched takes four bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LaneRuns<const L: usize> {
     width: usize,
@@ -33,7 +35,7 @@ impl<const L: usize> LaneRuns<L> {
         }
     }
 
-    /// A further run of zeros, beyond the last one in the order of rows: its first pixel and row.
+    /// A further run of zeros, beyond the last one in the order of rows, at its first pixel and row.
     pub(crate) fn push(&mut self, (x, y): (usize, usize)) -> &mut LaneRun<L> {
         let run = self.runs.push_mut([[0.0; CHUNK]; L]);
         self.starts.push((x, y));
@@ -71,35 +73,89 @@ impl<const L: usize> LaneRuns<L> {
         (place > 0).then(|| &self.runs[place - 1])
     }
 
-    /// The runs of some chunks.
-    ///
-    /// `finish` is called for each run by its number, in order, once the row below it is there and
-    /// none after that: while it is at hand.
-    pub(crate) fn of_chunks(chunks: &Chunks<L>, mut finish: impl FnMut(&mut Self, usize)) -> Self {
-        let (width, height) = chunks.size();
-        let mut runs = Self::with_room(width, height, chunks.n_runs());
-        let mut n_finished = 0;
-        for (x, y, pixels) in chunks.iter() {
-            while runs
-                .starts
-                .get(n_finished)
-                .is_some_and(|start| start.1 + 1 < y)
-            {
-                finish(&mut runs, n_finished);
-                n_finished += 1;
+    /// Adds to a row of pixels. Runs may come to be in any order, until [`LaneRuns::sort`].
+    #[inline(always)]
+    pub(super) fn add_row(&mut self, y: usize, start: usize, values: &[[f32; L]]) {
+        let mut x = start;
+        let mut rest = values;
+        while !rest.is_empty() {
+            let at = x % CHUNK;
+            let n = rest.len().min(CHUNK - at);
+            let run = match self.places[y * self.n_across + x / CHUNK] {
+                0 => self.push((x - at, y)),
+                place => &mut self.runs[place as usize - 1],
+            };
+            for (lane, sums) in run.iter_mut().enumerate() {
+                for (sum, value) in sums[at..at + n].iter_mut().zip(rest) {
+                    *sum += value[lane];
+                }
             }
-            for (lane, values) in runs.push((x, y)).iter_mut().enumerate() {
-                *values = std::array::from_fn(|k| pixels[k][lane]);
+            rest = &rest[n..];
+            x += n;
+        }
+    }
+
+    /// Puts the runs in the order of rows, where they are.
+    pub(super) fn sort(&mut self) {
+        let mut next = 0;
+        for at in 0..self.places.len() {
+            let Some(from) = (self.places[at] as usize).checked_sub(1) else {
+                continue;
+            };
+            if from != next {
+                self.runs.swap(from, next);
+                self.starts.swap(from, next);
+                let (x, y) = self.starts[from];
+                self.places[y * self.n_across + x / CHUNK] = self.places[at];
             }
+            next += 1;
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "a frame has fewer than 2^32 runs"
+            )]
+            let place = next as u32;
+            self.places[at] = place;
         }
-        for k in n_finished..runs.n_runs() {
-            finish(&mut runs, k);
-        }
-        runs
+    }
+
+    /// Whether no run exists.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.runs.is_empty()
     }
 
     /// The k-th run that exists, with its first pixel and row.
     pub(crate) fn nth_mut(&mut self, k: usize) -> ((usize, usize), &mut LaneRun<L>) {
         (self.starts[k], &mut self.runs[k])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_come_into_the_order_of_rows_with_their_pixels() {
+        let (width, height) = (4 * CHUNK, 3);
+        let mut frame = LaneRuns::<2>::with_room(width, height, 0);
+        let mut touched = [(2, 2), (0, 1), (3, 0), (1, 2), (0, 0), (3, 2)];
+        for (number, (across, y)) in (1_u8..).zip(touched) {
+            frame.add_row(y, across * CHUNK + 5, &[[f32::from(number), 0.5]; 3]);
+            frame.add_row(y, across * CHUNK + 7, &[[0.0, 1.0]; 2]);
+        }
+
+        frame.sort();
+
+        let of = |(x, y): (usize, usize)| touched.iter().position(|at| *at == (x / CHUNK, y));
+        for (x, y, run) in frame.iter() {
+            let number = of((x, y)).map_or(0.0, |at| at as f32 + 1.0);
+            let mut expected = [[0.0; CHUNK]; 2];
+            expected[0][5..8].fill(number);
+            expected[1][5..9].copy_from_slice(&[0.5, 0.5, 1.5, 1.0]);
+            assert_eq!(*run, expected, "run at {x}, {y}");
+            assert_eq!(frame.run_at(x, y), Some(run), "found at {x}, {y}");
+        }
+        let order: Vec<_> = frame.iter().map(|(x, y, _)| (x / CHUNK, y)).collect();
+        touched.sort_by_key(|(across, y)| (*y, *across));
+        assert_eq!(order, touched, "row by row");
     }
 }

@@ -11,9 +11,9 @@ use std::collections::BTreeMap;
 
 use super::active::{Active, Coverage};
 use super::cells::Row;
-use super::chunks::Chunks;
 use super::emit::Emitter;
 use super::kernel::{Kernel, Pupil};
+use super::lane_runs::{CHUNK, LaneRuns};
 use super::level::{Level, MOST_RADIUS_PX};
 use super::raster::Polygon;
 
@@ -45,7 +45,7 @@ pub(crate) fn spread<const L: usize>(
     n_shares: usize,
     pupil: Pupil,
     size: (usize, usize),
-) -> Chunks<L> {
+) -> LaneRuns<L> {
     spread_on(Level::of, facets, n_shares, pupil, size)
 }
 
@@ -56,8 +56,10 @@ fn spread_on<const L: usize>(
     n_shares: usize,
     pupil: Pupil,
     (width, height): (usize, usize),
-) -> Chunks<L> {
-    let mut frame = Chunks::new(width, height);
+) -> LaneRuns<L> {
+    // Room that is not used is not touched either.
+    let n_runs = width.div_ceil(CHUNK) * height / 8;
+    let mut frame = LaneRuns::with_room(width, height, n_runs);
     let mut levels: BTreeMap<Level, Vec<&Facet<L>>> = BTreeMap::new();
     for facet in facets {
         let level = level_of(facet.radius_px);
@@ -71,6 +73,7 @@ fn spread_on<const L: usize>(
             frame: &mut frame,
         });
     }
+    frame.sort();
     frame
 }
 
@@ -79,7 +82,7 @@ fn spread_on<const L: usize>(
 struct RunLayer<'a, const L: usize> {
     layer: Layer<L>,
     facets: &'a [&'a Facet<L>],
-    frame: &'a mut Chunks<L>,
+    frame: &'a mut LaneRuns<L>,
 }
 
 impl<const L: usize> pulp::WithSimd for RunLayer<'_, L> {
@@ -136,8 +139,9 @@ pub(super) struct Layer<const L: usize> {
     /// Which blocks of each row of the ring are touched, and how many words hold those of a row.
     touched: Vec<u64>,
     n_words: usize,
-    /// Blocks that the present row of cells touches; empty between rows.
+    /// Blocks that the present row of cells touches, and cells side by side; empty between rows.
     scattered: Vec<u64>,
+    run_lanes: Vec<[f32; L]>,
     reach: usize,
 }
 
@@ -180,12 +184,13 @@ impl<const L: usize> Layer<L> {
             touched: vec![0; ring_rows * n_words],
             n_words,
             scattered: vec![0; n_words],
+            run_lanes: Vec::new(),
             reach,
         }
     }
 
     #[inline(always)]
-    fn run(mut self, facets: &[&Facet<L>], frame: &mut Chunks<L>) {
+    fn run(mut self, facets: &[&Facet<L>], frame: &mut LaneRuns<L>) {
         let per_cell = if self.level.is_halved { 2 } else { 1 };
         let fine_rows = self.rows * per_cell;
         let mut waiting = placed(
@@ -252,7 +257,7 @@ impl<const L: usize> Layer<L> {
         row: usize,
         cells: &mut Row<L>,
         emitter: &mut Emitter<L>,
-        frame: &mut Chunks<L>,
+        frame: &mut LaneRuns<L>,
     ) {
         if row < self.rows {
             self.scatter(row, cells);
@@ -266,28 +271,30 @@ impl<const L: usize> Layer<L> {
     fn scatter(&mut self, row: usize, cells: &mut Row<L>) {
         let stride = self.columns + 2 * self.reach;
         let mut touched = std::mem::take(&mut self.scattered);
-        for k in 0..cells.n_touched() {
-            let (column, lanes, kernel) = cells.take(k);
-            let (middle, row) = (column + self.reach, row + self.reach);
+        let (mut next, mut lanes) = (0, std::mem::take(&mut self.run_lanes));
+        while let Some((column, kernel)) = cells.take_run(next, &mut lanes) {
+            next += lanes.len();
+            let (left, row) = (column + self.reach, row + self.reach);
             let kernel = &self.kernels[kernel as usize];
             for stretch in kernel.stretches() {
                 let slot = row.wrapping_add_signed(stretch.dy as isize) & self.ring_mask;
-                let line = slot * stride + middle;
+                let line = slot * stride + left;
                 for end in &stretch.ends {
                     let at = line.wrapping_add_signed(end.dx as isize);
-                    if let Some([one, two]) = self.ring.get_mut(at..at + 2) {
-                        *one = add_scaled(*one, end.steps[0], lanes);
-                        *two = add_scaled(*two, end.steps[1], lanes);
+                    if let Some(steps) = self.ring.get_mut(at..=at + lanes.len()) {
+                        add_run(steps, end.steps, &lanes);
                     }
                 }
             }
             let reach = kernel.reach();
-            for block in (middle - reach) / BLOCK..=(middle + reach) / BLOCK {
+            let right = left + lanes.len() - 1;
+            for block in (left - reach) / BLOCK..=(right + reach) / BLOCK {
                 if let Some(word) = touched.get_mut(block / 64) {
                     *word |= 1 << (block % 64);
                 }
             }
         }
+        self.run_lanes = lanes;
         cells.clear();
         if touched.iter().any(|word| *word > 0) {
             for y in row..=row + 2 * self.reach {
@@ -303,7 +310,7 @@ impl<const L: usize> Layer<L> {
 
     /// Sums up the row of the ring that no later disc reaches, hands it on, and clears it.
     #[inline(always)]
-    fn finish_row(&mut self, ring_row: usize, emitter: &mut Emitter<L>, frame: &mut Chunks<L>) {
+    fn finish_row(&mut self, ring_row: usize, emitter: &mut Emitter<L>, frame: &mut LaneRuns<L>) {
         let slot = ring_row & self.ring_mask;
         let stride = self.columns + 2 * self.reach;
         emitter.begin_row();
@@ -321,11 +328,14 @@ impl<const L: usize> Layer<L> {
             for step in &mut line[first..within[0]] {
                 sum = add_arrays(sum, *step);
             }
-            let steps = &mut line[within[0]..within[1]];
-            for (step, to) in steps.iter_mut().zip(&mut emitter.row[cells[0]..cells[1]]) {
-                sum = add_arrays(sum, *step);
-                *to = sum;
-            }
+            let steps = &line[within[0]..within[1]];
+            emitter.take(
+                cells,
+                steps.iter().map(|step| {
+                    sum = add_arrays(sum, *step);
+                    sum
+                }),
+            );
             line[first..end].fill([0.0; L]);
             if let Some(row) = row {
                 emitter.end_run(row, cells, frame);
@@ -336,6 +346,21 @@ impl<const L: usize> Layer<L> {
             emitter.end_row(row, frame);
         }
     }
+}
+
+/// Adds two steps for each of some cells side by side, each cell's second one where the next cell
+/// has its first.
+#[inline(always)]
+fn add_run<const L: usize>(to: &mut [[f32; L]], [one, two]: [f32; 2], cells: &[[f32; L]]) {
+    let mut before = [0.0; L];
+    let Some((last, to)) = to.split_last_mut() else {
+        return;
+    };
+    for (step, cell) in to.iter_mut().zip(cells) {
+        *step = add_scaled(add_scaled(*step, two, before), one, *cell);
+        before = *cell;
+    }
+    *last = add_scaled(*last, two, before);
 }
 
 /// The next blocks from `start` on of which the bits are set: the first of them and the one after

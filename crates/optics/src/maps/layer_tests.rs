@@ -1,7 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use super::*;
-use crate::maps::CHUNK;
 
 /// Share of a disc of radius ρ left of x.
 fn disc_cdf(x: f64, radius: f64) -> f64 {
@@ -18,10 +17,10 @@ fn strip(corners: [[f64; 2]; 4], radius_px: f64) -> Facet<3> {
     }
 }
 
-fn pixel(frame: &Chunks<3>, x: usize, y: usize) -> f64 {
+fn pixel(frame: &LaneRuns<3>, x: usize, y: usize) -> f64 {
     frame
         .run_at(x, y)
-        .map_or(0.0, |run| f64::from(run[x % CHUNK][0]))
+        .map_or(0.0, |run| f64::from(run[0][x % CHUNK]))
 }
 
 /// Profile across a long strip through the middle of a 256 × 256 frame whose normal points at
@@ -236,11 +235,11 @@ fn star(size: f64, radius_px: f64) -> Vec<Facet<3>> {
 }
 
 /// Greatest and rms difference of a lane over the greatest value of the other picture.
-fn difference(one: &Chunks<3>, other: &Chunks<3>, lane: usize) -> [f64; 2] {
+fn difference(one: &LaneRuns<3>, other: &LaneRuns<3>, lane: usize) -> [f64; 2] {
     let (width, height) = one.size();
-    let at = |of: &Chunks<3>, x: usize, y: usize| {
+    let at = |of: &LaneRuns<3>, x: usize, y: usize| {
         of.run_at(x, y)
-            .map_or(0.0, |run| f64::from(run[x % CHUNK][lane]))
+            .map_or(0.0, |run| f64::from(run[lane][x % CHUNK]))
     };
     let (mut worst, mut square, mut most) = (0.0_f64, 0.0, 0.0_f64);
     for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {

@@ -3,6 +3,9 @@
 /// Fewest cells per radius of a disc where cells are no larger than pixels, and where they are.
 const CELLS_PER_RADIUS: [f64; 2] = [4.0, 6.0];
 
+/// The same where cells are smaller than pixels, each of which is the mean over several.
+const SMALL_CELLS_PER_RADIUS: f64 = 2.6;
+
 /// Exponents of two of the finest and the coarsest number of cells per pixel, but for large discs.
 const LEVELS: std::ops::RangeInclusive<i32> = -3..=2;
 
@@ -47,9 +50,12 @@ impl Level {
             let exponent = exact.ceil().clamp(f64::from(COARSEST), 9.0) as i32;
             exponent
         };
-        let [fine, coarse] =
-            CELLS_PER_RADIUS.map(|cells| exponent_for(cells).clamp(*LEVELS.start(), *LEVELS.end()));
-        let exponent = (fine.max(coarse.min(0))).min(exponent_for(CELLS_PER_LARGE_RADIUS));
+        let [equal, coarse] = CELLS_PER_RADIUS.map(exponent_for);
+        let small = exponent_for(SMALL_CELLS_PER_RADIUS).max(equal.min(1));
+        let exponent = small
+            .max(coarse.min(0))
+            .clamp(*LEVELS.start(), *LEVELS.end())
+            .min(exponent_for(CELLS_PER_LARGE_RADIUS));
         Self {
             exponent,
             is_halved: libm::scalbn(radius_px.abs(), exponent) >= FEW_CELLS,

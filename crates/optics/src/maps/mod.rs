@@ -6,7 +6,6 @@
 
 mod active;
 mod cells;
-mod chunks;
 mod emit;
 mod kernel;
 mod lane_runs;
@@ -15,8 +14,7 @@ mod level;
 mod raster;
 mod sharp;
 
-pub(crate) use chunks::{CHUNK, Chunks};
 pub(crate) use kernel::{Kernel, Pupil};
-pub(crate) use lane_runs::{LaneRun, LaneRuns};
+pub(crate) use lane_runs::{CHUNK, LaneRun, LaneRuns};
 pub(crate) use layer::{Facet, spread};
 pub(crate) use sharp::cover;

@@ -2,7 +2,7 @@
 
 use super::elsewhere::ONE_MIRROR;
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE};
-use crate::maps::{CHUNK, Chunks, LaneRun, LaneRuns};
+use crate::maps::{CHUNK, LaneRun, LaneRuns};
 use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN, WIDTH};
 
 /// By how much more than the mean red, green and blue are reflected, over that mean: −1 where none
@@ -20,11 +20,11 @@ pub(crate) struct PatternLayer {
 impl PatternLayer {
     /// Of sums over facets, of which the places are weighted by their share and the tints by the
     /// light that is tinted; the blur is the mean radius of the discs, px.
-    pub(super) fn of_sums(sums: &Chunks<LANES>, tint: &LaneRuns<4>, blur_px: f32) -> Self {
-        let (width, height) = sums.size();
+    pub(super) fn of_sums(mut light: LaneRuns<LANES>, tint: &LaneRuns<4>, blur_px: f32) -> Self {
+        let (width, height) = light.size();
         let mut tints = LaneRuns::with_room(width, height, tint.n_runs());
-        let light = LaneRuns::of_chunks(sums, |light, k| {
-            find_places(light, k, blur_px);
+        for k in 0..light.n_runs() {
+            find_places(&mut light, k, blur_px);
             let ((x, y), run) = light.nth_mut(k);
             let shares = shares_of(run);
             let over = shares.map(|share| if share > 1.0 { share } else { 1.0 });
@@ -37,7 +37,7 @@ impl PatternLayer {
                     *tints.push((x, y)) = tint;
                 }
             }
-        });
+        }
         Self { light, tint: tints }
     }
 }
@@ -191,9 +191,7 @@ mod tests {
         lanes[FRAME] = frame;
         lanes[FRAME_U] = 40.0 * frame;
         lanes[FRAME_V] = 8.0 * frame;
-        let mut sums = Chunks::new(CHUNK, 1);
-        sums.add_row(0, 0, &[lanes; CHUNK]);
-        PatternLayer::of_sums(&sums, &run_of(tint), 3.0)
+        PatternLayer::of_sums(run_of(lanes), &run_of(tint), 3.0)
     }
 
     fn first<const L: usize>(runs: &LaneRuns<L>) -> Option<[f32; L]> {
@@ -234,15 +232,11 @@ mod tests {
     #[test]
     fn mirrors_that_show_places_far_apart_are_averaged() {
         // From pixel 3 to 4 the place jumps by 10 px to the right.
-        let lanes: [[f32; LANES]; CHUNK] = std::array::from_fn(|k| {
-            let mut lanes = [0.0; LANES];
-            lanes[FRAME] = 0.5;
-            lanes[FRAME_U] = if k > 3 { 0.5 * 30.0 } else { 0.5 * 20.0 };
-            lanes
-        });
-        let mut sums = Chunks::new(CHUNK, 1);
-        sums.add_row(0, 0, &lanes);
-        let layer = PatternLayer::of_sums(&sums, &LaneRuns::with_room(CHUNK, 1, 0), 4.0);
+        let mut sums = run_of([0.0; LANES]);
+        let (_, run) = sums.nth_mut(0);
+        run[FRAME] = [0.5; CHUNK];
+        run[FRAME_U] = std::array::from_fn(|k| if k > 3 { 0.5 * 30.0 } else { 0.5 * 20.0 });
+        let layer = PatternLayer::of_sums(sums, &LaneRuns::with_room(CHUNK, 1, 0), 4.0);
         let width = layer.light.run_at(0, 0).map(|run| run[WIDTH]);
         let expected: [f32; CHUNK] = std::array::from_fn(|k| {
             if k == 3 {

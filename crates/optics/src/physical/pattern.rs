@@ -95,11 +95,10 @@ pub fn bake(
         let light = spread(&facets.light, N_SHARES, pupil, size);
         if !light.is_empty() {
             let tint = spread(&facets.tint, 1, pupil, size);
-            pattern.layers.push(PatternLayer::of_sums(
-                &light,
-                &LaneRuns::of_chunks(&tint, |_, _| ()),
-                mean_blur_px(&facets.light),
-            ));
+            let blur_px = mean_blur_px(&facets.light);
+            pattern
+                .layers
+                .push(PatternLayer::of_sums(light, &tint, blur_px));
         }
     }
     Ok(pattern)
