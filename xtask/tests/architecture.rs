@@ -113,7 +113,6 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
         CODECS,
         "only the records of banks have checksums of our own",
     ),
-    ("tiny-skia", CODECS, "it paints the embedded street"),
     ("saphyr-parser", CODECS, "only data.yaml of YOLO is YAML"),
     (
         "serde",

@@ -50,8 +50,8 @@ mod paths;
 mod provenance;
 mod replacing;
 
-mod scene;
 mod source;
+mod street;
 mod text_file;
 
 pub mod video;
@@ -78,9 +78,9 @@ pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, blake3_file, blake3_hex, sha256_file, sha256_hex};
 pub use replacing::listed_files;
-pub use scene::{SceneObject, StreetScene, street_scene};
 pub use source::{
-    BadRecord, FileRole, IndexFiles, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat,
+    BadRecord, FileRole, IndexFiles, KittiRow, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat,
     SourceImage, SourceSpec, bdd_class, is_set_in_python,
 };
+pub use street::{SceneObject, StreetScene, street_scene};
 pub use text_file::{TextFile, read_text};

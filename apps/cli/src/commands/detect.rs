@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use starbreak_dataset::{
+    ObjectKind,
     DatasetError, OutputBatch, Source, files_in, is_inside, read_text, same_file,
 };
 use starbreak_eval::detector::{
@@ -364,7 +365,7 @@ pub(super) fn say_unmapped(map: &LabelMap, screen: &Screen) {
     // KITTI's areas of no labels are no objects.
     let categories = map.unmapped_categories().iter().map(String::as_str);
     let categories: Vec<&str> = categories
-        .filter(|name| !name.eq_ignore_ascii_case("dontcare"))
+        .filter(|name| ObjectKind::of_kitti_type(name) != ObjectKind::Ignored)
         .collect();
     if !categories.is_empty() {
         screen.note(&format!(

@@ -5,15 +5,13 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::kitti_row::KittiRow;
 use super::name::{is_image_name, path_below, split_extension};
 use super::record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
 use super::tree::{Found, Walk};
 use super::{Images, Layout, Names, SourceFormat, SourceSpec, layout_error, no_index};
 use crate::error::DatasetError;
 use crate::image_file::{check_file_len, read_file};
-
-/// Longest label file, in bytes; real ones have at most a few kilobytes. FIT
-const MAX_LABEL_BYTES: u64 = 16 << 20;
 
 /// The folders with the frames of one part of the data, in the order of their names.
 const PARTS: [&str; 3] = ["", "testing/", "training/"];
@@ -211,9 +209,9 @@ impl Layout for Kitti {
 
 /// The text of a label file, which may be empty.
 fn read_label(path: &Path, name: &str) -> Result<String, String> {
-    let bytes = read_file(path, name, MAX_LABEL_BYTES)
+    let bytes = read_file(path, name, KittiRow::MAX_FILE_BYTES)
         .and_then(|bytes| {
-            check_file_len(name, bytes.len() as u64, MAX_LABEL_BYTES)?;
+            check_file_len(name, bytes.len() as u64, KittiRow::MAX_FILE_BYTES)?;
             Ok(bytes)
         })
         .map_err(|error| match fs::symlink_metadata(path) {
@@ -226,46 +224,15 @@ fn read_label(path: &Path, name: &str) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
 }
 
-/// The object of a line: 15 fields, 16 with a score; nothing for an empty line.
+/// The object of a line; nothing for an empty line.
 fn object_of_line(line: &str, record: &str) -> Result<Option<LabeledObject>, String> {
-    let fields: Vec<&str> = line.split_ascii_whitespace().collect();
-    let Some((category, numbers)) = fields.split_first() else {
+    let Some(row) = KittiRow::parse(line)? else {
         return Ok(None);
     };
-    if !matches!(fields.len(), 15 | 16) {
-        return Err(format!(
-            "{} fields, expected 15, or 16 with a score",
-            fields.len()
-        ));
-    }
-    let mut values = [0.0; 15];
-    for (idx, (value, text)) in values.iter_mut().zip(numbers).enumerate() {
-        *value = text
-            .parse()
-            .ok()
-            .filter(|value: &f64| value.abs() <= 1e9)
-            .ok_or_else(|| {
-                format!(
-                    "field {} = {text:?} is not a finite number within 1e9 of 0",
-                    idx + 2
-                )
-            })?;
-    }
-    let [_, _, _, x0, y0, x1, y1, ..] = values;
-    if x1 < x0 || y1 < y0 {
-        return Err(format!(
-            "the box {x0} {y0} {x1} {y1} px ends before it begins"
-        ));
-    }
     Ok(Some(LabeledObject {
         record: record.to_owned(),
-        category: (*category).to_owned(),
-        box_px: [x0, y0, x1, y1],
-        // In any case of letters, as the development kit has it.
-        kind: if category.eq_ignore_ascii_case("dontcare") {
-            ObjectKind::Ignored
-        } else {
-            ObjectKind::Regular
-        },
+        box_px: row.label_corners_px()?,
+        kind: ObjectKind::of_kitti_type(&row.category),
+        category: row.category,
     }))
 }

@@ -17,6 +17,7 @@ mod bdd;
 mod coco;
 mod folder;
 mod kitti;
+mod kitti_row;
 mod list;
 mod yolo;
 
@@ -26,6 +27,7 @@ use std::path::{Path, PathBuf};
 
 pub use bdd::{bdd_class, is_set_in_python};
 pub use index_files::IndexFiles;
+pub use kitti_row::KittiRow;
 pub use record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
 pub use spec::{SourceFormat, SourceSpec};
 

@@ -42,7 +42,7 @@ pub enum ObjectKind {
     Regular,
     /// A group of objects under one box: COCO `iscrowd`, the BDD attribute `crowd`.
     Crowd,
-    /// Neither to be found nor an error when found: KITTI `DontCare`, BDD's ignored classes.
+    /// Neither to be found nor an error when found once: KITTI `DontCare`, BDD's ignored classes.
     Ignored,
 }
 

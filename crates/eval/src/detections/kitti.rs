@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Detection, Detections, Unused};
 use crate::json_record::refuse;
-use crate::labels::kitti::{frame_files, lines, place_of_type};
+use crate::labels::kitti::{Line, frame_files, lines, place_of_type};
 use crate::{BoxPx, EvalError, KittiLabels, LabelSet};
 
 /// Detections of KITTI frames, with their corners as they were written.
@@ -59,22 +59,22 @@ impl KittiDetections {
                 None => first = first.or(Some(frame)),
             }
             for line in lines(&path)? {
-                let line = line?;
+                let Line { row, place } = line?;
                 n_all += 1;
-                let [_, _, _, x0, y0, x1, y1, .., score] = line.numbers;
+                let [.., score] = row.numbers;
                 if score.is_nan() {
                     let reason = "15 fields; a result has the score as the 16th";
-                    return Err(refuse(&path, line.place, reason));
+                    return Err(refuse(&path, place, reason));
                 }
                 let Some(image) = image else {
                     n_unknown += 1;
                     continue;
                 };
-                let category = match place_of_type(&labels.set, &line.name) {
+                let category = match place_of_type(&labels.set, &row.category) {
                     Some(category) => category,
                     None => {
                         let unused = read.unused.get_or_insert_with(|| Unused {
-                            first: line.name.clone(),
+                            first: row.category.clone(),
                             n_detections: 0,
                         });
                         unused.n_detections += 1;
@@ -82,7 +82,7 @@ impl KittiDetections {
                         place_of_type(&labels.set, "Misc").unwrap_or(0)
                     }
                 };
-                let corners_px = [x0, y0, x1, y1];
+                let corners_px = row.corners_px();
                 read.set.items.push(Detection {
                     image,
                     category,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use starbreak_dataset::{files_in, read_text};
+use starbreak_dataset::{KittiRow, files_in, read_text};
 
 use super::{Category, LabelSet, LabeledImage, Object, ObjectKind};
 use crate::json_record::{refuse, refuse_file};
@@ -20,9 +20,6 @@ const TYPES: [&str; 9] = [
     "Misc",
     "DontCare",
 ];
-
-/// Longest file of a frame, in bytes; real ones have a few kilobytes.
-pub(crate) const MAX_FILE_BYTES: u64 = 16 << 20;
 
 /// Ground truth of KITTI: what every format has, and what only KITTI has.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -80,17 +77,14 @@ impl KittiLabels {
             });
             let image = u32::try_from(number - 1).unwrap_or(u32::MAX);
             for line in lines(&path)? {
-                let line = line?;
-                let category = category_of(&mut labels.set, &line.name);
+                let Line { row, place } = line?;
+                let category = category_of(&mut labels.set, &row.category);
                 labels.set.check_categories(&path)?;
-                let [truncation, occlusion, _, x0, y0, x1, y1, ..] = line.numbers;
-                let corners_px = [x0, y0, x1, y1];
-                if x1 < x0 || y1 < y0 {
-                    let reason = format!("the box {corners_px:?} px ends before it begins");
-                    return Err(refuse(&path, line.place, reason));
-                }
+                let [truncation, occlusion, ..] = row.numbers;
+                let corners_px = row
+                    .label_corners_px()
+                    .map_err(|reason| refuse(&path, place, reason))?;
                 let box_px = BoxPx::from_corners(corners_px);
-                let is_area = line.name.eq_ignore_ascii_case("DontCare");
                 let next = labels.set.objects.len() + 1;
                 labels.set.objects.push(Object {
                     id: i64::try_from(next).unwrap_or(i64::MAX),
@@ -98,10 +92,7 @@ impl KittiLabels {
                     category,
                     box_px,
                     area_px2: box_px.area_px2(),
-                    kind: match is_area {
-                        true => ObjectKind::Ignored,
-                        false => ObjectKind::Regular,
-                    },
+                    kind: ObjectKind::of_kitti_type(&row.category),
                 });
                 labels.facts.push(KittiFacts {
                     corners_px,
@@ -123,7 +114,6 @@ impl KittiLabels {
             ..LabelSet::default()
         };
         let area = self.category_of_areas();
-        let is_area = |category: &Category| category.name.eq_ignore_ascii_case(AREA);
         let kept = self.set.categories.iter().filter(|c| !is_area(c));
         set.categories = kept.cloned().collect();
         let shifted = |category: u32| match area {
@@ -167,17 +157,18 @@ impl KittiLabels {
     }
 
     fn category_of_areas(&self) -> Option<u32> {
-        let is_area = |category: &Category| category.name.eq_ignore_ascii_case(AREA);
         let place = self.set.categories.iter().position(is_area)?;
         u32::try_from(place).ok()
     }
 }
 
-/// The type of areas in which nothing is labeled.
-const AREA: &str = "DontCare";
+/// Whether a category is that of areas in which nothing is labeled.
+fn is_area(category: &Category) -> bool {
+    ObjectKind::of_kitti_type(&category.name) == ObjectKind::Ignored
+}
 
 /// The place of the category of this name, in whatever letters; it is added where it is new.
-fn category_of(set: &mut LabelSet, name: &str) -> u32 {
+pub(super) fn category_of(set: &mut LabelSet, name: &str) -> u32 {
     let known = place_of_type(set, name);
     known.unwrap_or_else(|| {
         let next = set.categories.len();
@@ -209,59 +200,35 @@ pub(crate) fn frame_files(folder: &Path) -> Result<Vec<(String, PathBuf)>, EvalE
     Ok(files)
 }
 
-/// A label or a result.
+/// A row of a file.
 pub(crate) struct Line {
-    /// Its type.
-    pub(crate) name: String,
-    /// The numbers behind it; the last is the score, NaN where there is none.
-    pub(crate) numbers: [f64; 15],
+    pub(crate) row: KittiRow,
     /// Where it stands.
     pub(crate) place: String,
 }
 
-/// The lines of a frame's file, of 15 fields, or 16 with a score.
+/// The rows of a frame's file.
 pub(crate) fn lines(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<Line, EvalError>> + use<'_>, EvalError> {
-    let text = match read_text(path, MAX_FILE_BYTES) {
-        // A frame without objects.
+    let rows = rows(path)?;
+    Ok(rows.into_iter().filter_map(move |(place, row)| {
+        match KittiRow::parse(&row) {
+            Ok(row) => row.map(|row| Ok(Line { row, place })),
+            Err(reason) => Some(Err(refuse(path, place, reason))),
+        }
+    }))
+}
+
+/// The lines of a file that are not empty, each with where it stands. An empty file, of a frame or a
+/// clip without objects, has none.
+pub(super) fn rows(path: &Path) -> Result<Vec<(String, String)>, EvalError> {
+    let text = match read_text(path, KittiRow::MAX_FILE_BYTES) {
         Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
         file => file?.unmarked(),
     };
-    let rows: Vec<(usize, String)> = (1..).zip(text.lines().map(str::to_owned)).collect();
+    let rows = (1..).zip(text.lines()).filter(|(_, row)| !row.trim().is_empty());
     Ok(rows
-        .into_iter()
-        .filter(|(_, row)| !row.trim().is_empty())
-        .map(move |(number, row)| {
-            let place = format!("line {number}");
-            line(&row, place.clone()).map_err(|reason| refuse(path, place, reason))
-        }))
-}
-
-fn line(row: &str, place: String) -> Result<Line, String> {
-    let fields: Vec<&str> = row.split_ascii_whitespace().collect();
-    let Some((name, rest)) = fields
-        .split_first()
-        .filter(|_| matches!(fields.len(), 15 | 16))
-    else {
-        let n_fields = fields.len();
-        return Err(format!(
-            "{n_fields} fields; expected 15, or 16 with a score"
-        ));
-    };
-    let mut numbers = [f64::NAN; 15];
-    for ((idx, number), text) in numbers.iter_mut().enumerate().zip(rest) {
-        let parsed = text.parse().ok().filter(|value: &f64| value.abs() <= 1e9);
-        *number = parsed.ok_or_else(|| {
-            format!(
-                "field {} = {text:?} is not a finite number within 1e9 of 0",
-                idx + 2
-            )
-        })?;
-    }
-    Ok(Line {
-        name: (*name).to_owned(),
-        numbers,
-        place,
-    })
+        .map(|(number, row)| (format!("line {number}"), row.to_owned()))
+        .collect())
 }

@@ -17,6 +17,8 @@ pub use open::{GroundTruth, Protocol, SaidDetections};
 pub use pooled::Pooling;
 pub use tracked::{ClipLabels, LabeledClip, TrackName, TrackedLabels, frames_of, said_categories};
 
+pub use starbreak_dataset::ObjectKind;
+
 use crate::{BoxPx, EvalError};
 
 /// The labels of a dataset, in the order in which its protocol evaluates them.
@@ -80,17 +82,6 @@ impl Object {
     pub(crate) fn is_to_be_found(&self) -> bool {
         self.kind == ObjectKind::Regular && self.area_px2 >= 0.0
     }
-}
-
-/// How evaluation treats an object.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum ObjectKind {
-    /// To be found.
-    Regular,
-    /// A group under one box: any number of detections may lie in it without being errors.
-    Crowd,
-    /// Neither to be found nor an error when found once.
-    Ignored,
 }
 
 impl LabelSet {

@@ -354,14 +354,7 @@ fn boxes_of(source: &Source) -> Result<LabelSet, EvalError> {
         }
         let place = u32::try_from(number - 1).unwrap_or(u32::MAX);
         let objects = image.objects.into_iter();
-        rows.extend(objects.map(|object| {
-            let kind = match object.kind {
-                starbreak_dataset::ObjectKind::Regular => ObjectKind::Regular,
-                starbreak_dataset::ObjectKind::Crowd => ObjectKind::Crowd,
-                starbreak_dataset::ObjectKind::Ignored => ObjectKind::Ignored,
-            };
-            (place, object.category, object.box_px, kind)
-        }));
+        rows.extend(objects.map(|object| (place, object.category, object.box_px, object.kind)));
         labels.images.push(LabeledImage {
             id: number,
             name: image.name,

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use starbreak_dataset::{files_in, read_text};
+use starbreak_dataset::files_in;
 
 use super::{LabeledClip, TrackedLabels};
 use crate::json_record::{refuse, refuse_file};
-use crate::labels::kitti::MAX_FILE_BYTES;
+use crate::labels::kitti::{category_of, rows};
 use crate::timeline::MOST_FRAMES;
 use crate::{
-    BoxPx, Category, EvalError, GroundTruth, LabelSet, LabeledImage, Object, ObjectKind, Protocol,
+    BoxPx, EvalError, GroundTruth, LabelSet, LabeledImage, Object, ObjectKind, Protocol,
 };
 
 /// The types of the benchmark, which has `Person` where object detection has `Person_sitting`; a
@@ -137,37 +137,10 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
     })
 }
 
-fn category_of(labels: &mut LabelSet, name: &str) -> u32 {
-    let known = labels
-        .categories
-        .iter()
-        .position(|category| category.name.eq_ignore_ascii_case(name));
-    let place = known.unwrap_or_else(|| {
-        let place = labels.categories.len();
-        labels.categories.push(Category {
-            id: i64::try_from(place + 1).unwrap_or(i64::MAX),
-            name: name.to_owned(),
-            supercategory: None,
-        });
-        place
-    });
-    u32::try_from(place).unwrap_or(u32::MAX)
-}
-
 fn lines(path: &Path, first_idx: u64) -> Result<Vec<Line>, EvalError> {
-    let text = match read_text(path, MAX_FILE_BYTES) {
-        // A clip without objects.
-        Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
-        file => file?.unmarked(),
-    };
-    let mut lines = Vec::new();
-    for (number, row) in (1..).zip(text.lines()) {
-        if !row.trim().is_empty() {
-            let read = line(row, first_idx);
-            lines.push(read.map_err(|reason| refuse(path, format!("line {number}"), reason))?);
-        }
-    }
-    Ok(lines)
+    let rows = rows(path)?.into_iter();
+    rows.map(|(place, row)| line(&row, first_idx).map_err(|reason| refuse(path, place, reason)))
+        .collect()
 }
 
 /// `frame track type truncated occluded alpha x0 y0 x1 y1 …`, 17 fields.
@@ -201,7 +174,7 @@ fn line(row: &str, first_idx: u64) -> Result<Line, String> {
             "the box {corners_px:?} px ends before it begins, or reaches beyond 1e9 px"
         ));
     }
-    let is_area = name.eq_ignore_ascii_case("DontCare");
+    let is_area = ObjectKind::of_kitti_type(name) == ObjectKind::Ignored;
     let track = match (track.parse::<i64>(), is_area) {
         (Ok(_), true) => None,
         (Ok(number), false) if number >= 0 => Some(number.to_string()),

@@ -30,7 +30,7 @@ pub fn said_categories(paths: &[&Path]) -> Result<Vec<Category>, EvalError> {
             let files = frame_files(&data).or_else(|_| frame_files(path))?;
             for (_, file) in files {
                 for line in lines(&file)? {
-                    names.insert(line?.name);
+                    names.insert(line?.row.category);
                 }
             }
         } else if is_scalabel(path)? {

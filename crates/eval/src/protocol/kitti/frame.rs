@@ -2,7 +2,7 @@
 
 use super::{KittiClass, KittiDifficulty};
 use crate::protocol::engine::Restriction;
-use crate::{KittiDetections, KittiFacts, KittiLabels};
+use crate::{KittiDetections, KittiFacts, KittiLabels, ObjectKind};
 
 /// What is in a frame.
 pub(super) struct Frame<'a> {
@@ -61,7 +61,7 @@ pub(super) fn frames<'a>(
             continue;
         };
         let name = name_of(object.category);
-        if name.eq_ignore_ascii_case("dontcare") {
+        if object.kind == ObjectKind::Ignored {
             frame.areas.push(facts.corners_px);
         }
         frame.objects.push(Thing {
