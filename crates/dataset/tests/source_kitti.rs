@@ -159,7 +159,7 @@ fn bad_labels_are_named_by_line_and_good_ones_stay() {
             "label_2/0.txt:5: 14 fields; expected 15, or 16 with a score",
             r#"label_2/0.txt:6: field 5 = "6x" is not a finite number within 1e9 of 0"#,
             r#"label_2/0.txt:7: field 5 = "inf" is not a finite number within 1e9 of 0"#,
-            "label_2/0.txt:8: the box 757.39 190.13 700.07 223.39 px ends before it begins",
+            "label_2/0.txt:8: the box [757.39, 190.13, 700.07, 223.39] px ends before it begins",
             "label_2/1.txt: it is not UTF-8 text",
             "label_2/3.txt: there is no such file: the image has no label",
         ],
