@@ -79,8 +79,8 @@ pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, blake3_file, blake3_hex, sha256_file, sha256_hex};
 pub use replacing::listed_files;
 pub use source::{
-    BadRecord, FileRole, IndexFiles, KittiRow, LabeledObject, ObjectKind, Source, SourceFile, SourceFormat,
-    SourceImage, SourceSpec, bdd_class, is_set_in_python,
+    BadRecord, FileRole, IndexFiles, KittiRow, LabeledObject, ObjectKind, Source, SourceFile,
+    SourceFormat, SourceImage, SourceSpec, bdd_class, is_set_in_python,
 };
 pub use street::{SceneObject, StreetScene, street_scene};
 pub use text_file::{TextFile, read_text};

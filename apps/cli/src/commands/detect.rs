@@ -7,8 +7,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use starbreak_dataset::{
-    ObjectKind,
-    DatasetError, OutputBatch, Source, files_in, is_inside, read_text, same_file,
+    DatasetError, ObjectKind, OutputBatch, Source, files_in, is_inside, read_text, same_file,
 };
 use starbreak_eval::detector::{
     Backend, Contract, Detector, DetectorOptions, Device, ImageDetections, ImageToSee, LabelMap,

@@ -107,13 +107,20 @@ mod tests {
         assert!(wrong(LABEL.replace("40", "NaN")).starts_with("field 8 = \"NaN\""));
         assert!(wrong(LABEL.replace("40", "2e9")).starts_with("field 8"));
         let turned = KittiRow::parse(&LABEL.replace("30.5", "9")).ok().flatten();
-        assert!(turned.is_some_and(|row| row.label_corners_px().is_err()), "x1 < x0");
+        assert!(
+            turned.is_some_and(|row| row.label_corners_px().is_err()),
+            "x1 < x0"
+        );
     }
 
     #[test]
     fn areas_are_known_in_whatever_letters() {
         for name in ["DontCare", "dontcare", "DONTCARE"] {
-            assert_eq!(ObjectKind::of_kitti_type(name), ObjectKind::Ignored, "{name}");
+            assert_eq!(
+                ObjectKind::of_kitti_type(name),
+                ObjectKind::Ignored,
+                "{name}"
+            );
         }
         assert_eq!(ObjectKind::of_kitti_type("Car"), ObjectKind::Regular);
     }

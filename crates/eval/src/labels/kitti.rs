@@ -212,12 +212,12 @@ pub(crate) fn lines(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<Line, EvalError>> + use<'_>, EvalError> {
     let rows = rows(path)?;
-    Ok(rows.into_iter().filter_map(move |(place, row)| {
-        match KittiRow::parse(&row) {
+    Ok(rows
+        .into_iter()
+        .filter_map(move |(place, row)| match KittiRow::parse(&row) {
             Ok(row) => row.map(|row| Ok(Line { row, place })),
             Err(reason) => Some(Err(refuse(path, place, reason))),
-        }
-    }))
+        }))
 }
 
 /// The lines of a file that are not empty, each with where it stands. An empty file, of a frame or a
@@ -227,7 +227,9 @@ pub(super) fn rows(path: &Path) -> Result<Vec<(String, String)>, EvalError> {
         Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
         file => file?.unmarked(),
     };
-    let rows = (1..).zip(text.lines()).filter(|(_, row)| !row.trim().is_empty());
+    let rows = (1..)
+        .zip(text.lines())
+        .filter(|(_, row)| !row.trim().is_empty());
     Ok(rows
         .map(|(number, row)| (format!("line {number}"), row.to_owned()))
         .collect())

@@ -15,8 +15,11 @@ fn combine(a: f64, x: Vector, b: f64, y: Vector) -> Vector {
     [0, 1, 2].map(|i| a * x[i] + b * y[i])
 }
 
-/// The unit vector along `v`; `None` if `v` has no direction.
-fn unit(v: Vector) -> Option<Vector> {
+/// The unit vector along `v`, or another one if `v` has no direction.
+fn unit_or(v: Vector, other: Vector) -> Vector {
     let length = dot(v, v).sqrt();
-    (length > 0.0 && length.is_finite()).then(|| v.map(|x| x / length))
+    match length > 0.0 && length.is_finite() {
+        true => v.map(|x| x / length),
+        false => other,
+    }
 }

@@ -7,8 +7,8 @@ use super::roughness::{MIRROR_ALPHA, N_SAMPLES_OF_CELL, NARROW_ALPHA, n_samples}
 use crate::environment::{HemisphereWeights, Horizon};
 use crate::interface::fresnel::reflectance;
 use crate::interface::gap::GapTable;
-use crate::interface::ggx::{distribution, g1};
-use crate::vector::{Vector, dot, unit};
+use crate::interface::ggx::Glint;
+use crate::vector::{Vector, dot};
 
 /// Lanes of a facet: shares of the light of the horizon, the zenith, the ground, the cabin as it
 /// is straight down and straight up, of light that the sheet holds, and of another place of the
@@ -161,34 +161,26 @@ impl LightFrom<'_> {
         self.gaps.rgb(cos_in_glass, gap_um).iter().sum::<f64>() / 3.0
     }
 
-    /// The sun in a surface: radiance over irradiance.
-    ///
-    /// L/E = T₁ T₂ (cos θ / cos θ′)/n² F D G₁ G₁ / (4 |v·n|), with T₂ over the transmittance that
-    /// the image already has.
+    /// The sun in a surface: radiance over irradiance. T₂ is that over the transmittance that the
+    /// image already has.
     fn glint(&self, mirror: &Mirror, view: [f64; 3], normal: [f64; 3]) -> f64 {
         let n = self.sheet.index;
         if self.sun[2] <= 0.0 {
             return 0.0;
         }
         let sun = into_glass(self.sun, n);
-        let (cos_v, cos_s) = (dot(view, normal), dot(sun, normal));
-        if cos_v <= 1e-6 || cos_s <= 0.0 {
-            return 0.0;
-        }
-        let half = unit(std::array::from_fn(|k| view[k] + sun[k]));
-        let (cos_h, cos_vh) = (dot(half, normal), dot(half, view));
         // The sun's own width, in the glass, as a width of the lobe.
         let width = SUN_RADIUS_RAD / n;
-        let alpha = (mirror.alpha * mirror.alpha + width * width).sqrt();
-        let fresnel = self.mean_reflectance(cos_vh.abs(), mirror.gap_um);
         let enters = 1.0 - reflectance(self.sun[2], n);
         let leaves = 1.0 + reflectance(mirror.sight[2], n);
-        enters * leaves * self.sun[2] / sun[2] / (n * n)
-            * fresnel
-            * distribution(cos_h, alpha)
-            * g1(cos_v, alpha)
-            * g1(cos_s, alpha)
-            / (4.0 * cos_v)
+        let glint = Glint {
+            normal,
+            alpha: (mirror.alpha * mirror.alpha + width * width).sqrt(),
+            n,
+            cos_light: [self.sun[2], sun[2]],
+            passes: enters * leaves,
+        };
+        glint.radiance(view, sun, |cos| self.mean_reflectance(cos, mirror.gap_um))
     }
 
     /// Follows a share of sight from a surface on, against the way of light. The face towards the

@@ -9,9 +9,7 @@ use super::{LabeledClip, TrackedLabels};
 use crate::json_record::{refuse, refuse_file};
 use crate::labels::kitti::{category_of, rows};
 use crate::timeline::MOST_FRAMES;
-use crate::{
-    BoxPx, EvalError, GroundTruth, LabelSet, LabeledImage, Object, ObjectKind, Protocol,
-};
+use crate::{BoxPx, EvalError, GroundTruth, LabelSet, LabeledImage, Object, ObjectKind, Protocol};
 
 /// The types of the benchmark, which has `Person` where object detection has `Person_sitting`; a
 /// type that is none of them is a category behind these.
