@@ -351,6 +351,22 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
     let kl = of("luma256", "KL");
     assert_ne!(kl[0][1]["value"], kl[1][0]["value"], "both ways");
 
+    // A study of another version of the program is told from this one.
+    let file = dir.path().join("out/study.json");
+    let mut earlier = json(&file);
+    earlier["schema"] = "starbreak.study/1".into();
+    earlier["detectors"]["FastestDet"]["contract"] = "Contract { name: … }".into();
+    fs::write(&file, earlier.to_string()).unwrap();
+    let refused = starbreak(dir.path(), &small(&data, "1,2", &[]));
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    assert!(
+        refused
+            .stderr
+            .contains("its form is \"starbreak.study/1\", not \"starbreak.study/2\""),
+        "{}",
+        refused.stderr
+    );
+
     // A report that is of no study is not replaced either.
     fs::remove_file(dir.path().join("out/study.json")).unwrap();
     let refused = starbreak(dir.path(), &small(&data, "1,2", &[]));

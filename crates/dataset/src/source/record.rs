@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use serde::Serialize;
+
 /// An image of a dataset with its labels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SourceImage {
@@ -36,7 +38,8 @@ pub struct LabeledObject {
 }
 
 /// How evaluation treats an object.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ObjectKind {
     /// An object to be found.
     Regular,

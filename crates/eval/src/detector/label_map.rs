@@ -2,13 +2,14 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use serde::Serialize;
 use toml::{Table, Value};
 
 use super::contract::{ClassNames, did_you_mean};
 use crate::{Category, EvalError};
 
 /// A model's classes to a dataset's categories.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LabelMap {
     /// Of each class of the model the place of its category, where it has one.
     category_of_class: Vec<Option<u32>>,

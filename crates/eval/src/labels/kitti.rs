@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use starbreak_dataset::{KittiRow, files_in, read_text};
 
 use super::{Category, LabelSet, LabeledImage, Object, ObjectKind};
@@ -22,7 +23,7 @@ const TYPES: [&str; 9] = [
 ];
 
 /// Ground truth of KITTI: what every format has, and what only KITTI has.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct KittiLabels {
     /// Frames in the order of their names, types as categories, objects. `DontCare` areas are
     /// objects of that category and [`ObjectKind::Ignored`].
@@ -32,7 +33,7 @@ pub struct KittiLabels {
 }
 
 /// What only KITTI says of an object.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct KittiFacts {
     /// The box `x0, y0, x1, y1` in the numbers of the file, px.
     pub corners_px: [f64; 4],

@@ -12,6 +12,8 @@ mod tracked;
 
 use std::path::Path;
 
+use serde::Serialize;
+
 pub use kitti::{KittiFacts, KittiLabels};
 pub use open::{GroundTruth, Protocol, SaidDetections};
 pub use pooled::Pooling;
@@ -22,7 +24,7 @@ pub use starbreak_dataset::ObjectKind;
 use crate::{BoxPx, EvalError};
 
 /// The labels of a dataset, in the order in which its protocol evaluates them.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct LabelSet {
     /// Images; everything refers to them by their place in here.
     pub images: Vec<LabeledImage>,
@@ -33,7 +35,7 @@ pub struct LabelSet {
 }
 
 /// An image that has been looked through for objects.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LabeledImage {
     /// Its number in the source; of formats without numbers the place of its name, from 1.
     pub id: i64,
@@ -49,7 +51,7 @@ pub struct LabeledImage {
 }
 
 /// A class of objects.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Category {
     /// Its number in the source.
     pub id: i64,
@@ -60,7 +62,7 @@ pub struct Category {
 }
 
 /// A labeled object.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Object {
     /// Its number in the source; of formats without numbers its place, from 1.
     pub id: i64,

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use starbreak_dataset::video::holds_anything;
 use starbreak_dataset::{DatasetError, OutputBatch, file_len, read_text, sha256_hex};
 use starbreak_eval::GroundTruth;
 
-use super::StudyPlan;
+use super::{StudyDetector, StudyPlan};
 use crate::Error;
 
 /// The file in the folder of a study that says which one it is.
@@ -35,10 +36,11 @@ pub(super) struct Identity {
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-struct DetectorIdentity {
+pub(super) struct DetectorIdentity {
     model_sha256: String,
-    contract: String,
-    label_map: String,
+    /// What the contract says, but for its name.
+    contract: Value,
+    label_map: Value,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,18 +49,22 @@ struct ConditionIdentity {
     seed: u64,
 }
 
+impl DetectorIdentity {
+    pub(super) fn of(detector: &StudyDetector) -> Self {
+        Self {
+            model_sha256: detector.sha256.clone(),
+            contract: json!(detector.detector.contract()),
+            label_map: json!(detector.map),
+        }
+    }
+}
+
 impl Identity {
-    const SCHEMA: &str = "starbreak.study/1";
+    const SCHEMA: &str = "starbreak.study/2";
 
     pub(super) fn of(plan: &StudyPlan<'_>, truth: &GroundTruth) -> Self {
-        let detectors = plan.detectors.iter().map(|detector| {
-            let one = DetectorIdentity {
-                model_sha256: detector.sha256.clone(),
-                contract: format!("{:?}", detector.detector.contract()),
-                label_map: format!("{:?}", detector.map),
-            };
-            (detector.name.clone(), one)
-        });
+        let detectors = plan.detectors.iter();
+        let detectors = detectors.map(|one| (one.name.clone(), DetectorIdentity::of(one)));
         let conditions = plan.conditions.iter().map(|condition| {
             let one = ConditionIdentity {
                 recipe: condition.recipe.to_toml(),
@@ -66,7 +72,7 @@ impl Identity {
             };
             (condition.name.clone(), one)
         });
-        let labels = format!("{:?} {:?}", truth.labels, truth.kitti);
+        let labels = json!([truth.labels, truth.kitti]).to_string();
         Self {
             schema: Self::SCHEMA.to_owned(),
             images: plan.survey.names_sha256.clone(),
@@ -114,7 +120,8 @@ impl Identity {
     /// What an earlier study has otherwise, or what it has and this one leaves out. More is no difference.
     fn difference(&self, earlier: &Self) -> Option<String> {
         if self.schema != earlier.schema {
-            return Some(format!("its form is {:?}", earlier.schema));
+            let (own, theirs) = (&self.schema, &earlier.schema);
+            return Some(format!("its form is {theirs:?}, not {own:?}"));
         }
         if self.images != earlier.images {
             return Some(format!(

@@ -14,7 +14,7 @@ use starbreak_eval::{Detection, Detections, GroundTruth};
 
 use super::Condition;
 use super::arm::{Arm, ArmRun, UnseenImage};
-use super::identity::Identity;
+use super::identity::{DetectorIdentity, Identity};
 use super::set::make_set;
 use crate::Error;
 use crate::generate::{Event, GenerateReport, Selection, Survey};
@@ -247,11 +247,9 @@ impl StudyPlan<'_> {
         tell(StudyEvent::Begun(step, self.images.len() as u64));
         let log = self.log(detector, condition);
         let identity = json!({
-            "schema": "starbreak.detections/1",
+            "schema": "starbreak.detections/2",
             "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
-            "model_sha256": detector.sha256,
-            "contract": format!("{:?}", detector.detector.contract()),
-            "label_map": format!("{:?}", detector.map),
+            "detector": DetectorIdentity::of(detector),
             "images": self.survey.names_sha256,
             "recipe": condition.map(|condition| condition.recipe.to_toml()),
             "seed": condition.map(|condition| condition.seed.0),

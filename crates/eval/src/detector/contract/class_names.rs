@@ -1,11 +1,14 @@
 //! The classes of a model.
 
+use serde::Serialize;
+
 use crate::EvalError;
 
 /// The names of a model's classes in the order of the model.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ClassNames {
     /// Where they come from: a list that comes along, a contract, the model itself.
+    #[serde(skip)]
     pub origin: String,
     /// The names; none where a number of the model stands for no class.
     pub names: Vec<Option<String>>,

@@ -6,6 +6,8 @@ mod presets;
 mod reader;
 mod table;
 
+use serde::Serialize;
+
 pub use choice::{Choice, choose};
 pub use class_names::ClassNames;
 pub use presets::preset_names;
@@ -15,11 +17,13 @@ pub(in crate::detector) use table::did_you_mean;
 ///
 /// Read from a small TOML file with [`Contract::parse`], or a preset by [`Contract::preset`]; the
 /// keys are described in `docs/detectors.md`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contract {
     /// The preset or the file.
+    #[serde(skip)]
     pub name: String,
     /// Which models it is for, in a line.
+    #[serde(skip)]
     pub about: String,
     /// How an image becomes the model's input.
     pub input: InputContract,
@@ -40,7 +44,7 @@ pub struct Contract {
 }
 
 /// How an image becomes the model's input: `(byte / divisor - mean) / std` per channel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct InputContract {
     /// Name of the image input; the model's first where it is not said.
     pub image: Option<String>,
@@ -71,7 +75,7 @@ pub struct InputContract {
 }
 
 /// An input that takes the size of the image.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct SizeInput {
     /// Its name.
     pub name: String,
@@ -80,7 +84,7 @@ pub struct SizeInput {
 }
 
 /// Order of the sides of the image input.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Layout {
     /// Image, channel, row, column.
     Nchw,
@@ -91,7 +95,7 @@ pub enum Layout {
 }
 
 /// Order of the channels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum ColorOrder {
     /// Red first.
     Rgb,
@@ -100,7 +104,7 @@ pub enum ColorOrder {
 }
 
 /// How an image comes to the model's size.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Resize {
     /// Not at all: the model does it.
     Keep,
@@ -125,7 +129,7 @@ pub enum Resize {
 }
 
 /// How a side becomes whole.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Rounding {
     /// Python's `round`.
     HalfToEven,
@@ -134,7 +138,7 @@ pub enum Rounding {
 }
 
 /// How pixels are made in another size.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Interpolation {
     /// OpenCV's `INTER_LINEAR`.
     Linear,
@@ -145,7 +149,7 @@ pub enum Interpolation {
 }
 
 /// When the frame around the image is filled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum PadStage {
     /// Before the bytes become numbers: the value is one of pixels.
     Pixels,
@@ -154,7 +158,7 @@ pub enum PadStage {
 }
 
 /// What the model's outputs mean.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OutputContract {
     /// Which outputs there are.
     pub form: OutputForm,
@@ -173,7 +177,7 @@ pub struct OutputContract {
 }
 
 /// Which outputs there are; a name that is not given stands for the model's outputs in their order.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub enum OutputForm {
     /// One output: at each place a box, an objectness where there is one, and a number per class.
     Dense {
@@ -218,7 +222,7 @@ pub enum OutputForm {
 }
 
 /// What the four numbers of a box are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum BoxForm {
     /// Left, top, right, bottom.
     Corners,
@@ -227,7 +231,7 @@ pub enum BoxForm {
 }
 
 /// The unit of a box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum BoxUnit {
     /// Pixels of the frame that the model sees.
     FramePx,
@@ -238,7 +242,7 @@ pub enum BoxUnit {
 }
 
 /// What turns the numbers of classes into scores.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Activation {
     /// Nothing: they are scores.
     None,
@@ -249,7 +253,7 @@ pub enum Activation {
 }
 
 /// Non-maximum suppression.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NmsContract {
     /// A box that overlaps a better one by more than this is left out.
     pub iou: f32,

@@ -290,8 +290,10 @@ impl Products<'_> {
                 }
             }
         }
-        for (c, sums) in sums.iter().enumerate() {
-            with(target + c, row, sums);
+        for (c, sums) in sums.into_iter().enumerate() {
+            // A copy, so that the sums themselves stay in registers wherever this call is not inlined.
+            let sums: [f64; R] = std::array::from_fn(|r| sums[r]);
+            with(target + c, row, &sums);
         }
     }
 }
