@@ -18,7 +18,10 @@ const SIZE: (u32, u32) = (128, 80);
 /// A road under a sky, with a row of houses: enough to be mirrored, little to store.
 fn scene() -> RgbImage {
     RgbImage::from_fn(SIZE.0, SIZE.1, |x, y| match y {
-        0..30 => Rgb([150 + 2 * (y as u8), 185 + y as u8, 235]),
+        0..30 => {
+            let down = u8::try_from(y).unwrap();
+            Rgb([150 + 2 * down, 185 + down, 235])
+        }
         30..48 if x % 32 < 26 => Rgb([[150, 96, 70], [196, 180, 150]][(x / 32 % 2) as usize]),
         30..48 => Rgb([60, 110, 50]),
         _ if x.abs_diff(64) < (y - 46) / 8 => Rgb([235, 235, 230]),

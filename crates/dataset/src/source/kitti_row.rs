@@ -80,6 +80,8 @@ impl ObjectKind {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::float_cmp, reason = "numbers as they are written")]
+
     use super::*;
 
     const LABEL: &str = "Car 0.5 1 -1.57 10 20 30.5 40 1.5 1.6 3.9 1 2 30 0.1";
