@@ -84,9 +84,9 @@ fn sinh(x: f64) -> f64 {
 const FIRST_NM: f64 = 380.0;
 const STEP_NM: f64 = 2.0;
 const N_WAVELENGTHS: usize = 201;
-/// Wavelengths of the average where the film has no resonance, 50 nm apart, and how many of the
-/// others that is.
+/// Wavelengths of the average where the film has no resonance.
 const N_COARSE: usize = 9;
+/// Wavelengths of the bands from one of those to the next, 50 nm.
 const COARSE_STEP: usize = 25;
 /// Path through the film, µm, from which on its two faces no longer interfere.
 const COHERENCE_UM: f64 = 8.0;
@@ -110,8 +110,8 @@ const MIDDLE_UM: f64 = 0.55;
 /// that the Airy series T = (1 − R)/(1 + R) (1 + 2 Σ R^m ⟨cos 2mβ⟩) is summed per polarization
 /// over the tabulated ⟨cos 2kx⟩ of each band, which is exact for the sharpest resonance, too
 /// (the pre-integration of \[BelcourBarla2017\]); below the first resonance, and above the critical
-/// angle, a cubic through 9 wavelengths is averaged. Error against 1600 wavelengths: below 10⁻³ everywhere,
-/// below 5·10⁻⁴ outside 1° of the critical angle (tested).
+/// angle, cubics through 9 wavelengths are averaged. Error against 1600 wavelengths: below 10⁻³
+/// everywhere, below 5·10⁻⁴ outside 1° of the critical angle (tested).
 ///
 /// Built in about 1 ms; a look-up takes up to 1 µs, least for wide gaps, most for gaps that only
 /// just reflect.

@@ -51,12 +51,14 @@ impl<const L: usize> Emitter<L> {
         self.row[first..last].fill([0.0; L]);
     }
 
-    /// Takes the cells of a run of the present row.
+    /// Takes the cells of a run of a row.
     #[inline(always)]
-    pub(super) fn take(
+    pub(super) fn take_run(
         &mut self,
+        row: usize,
         [first, last]: [usize; 2],
         cells: impl Iterator<Item = [f32; L]>,
+        frame: &mut LaneRuns<L>,
     ) {
         let to = &mut self.row[first..last];
         if self.level > 0 {
@@ -68,15 +70,10 @@ impl<const L: usize> Emitter<L> {
                 *to = cell;
             }
         }
-    }
-
-    /// Ends a run that has been taken.
-    #[inline(always)]
-    pub(super) fn end_run(&mut self, row: usize, run: [usize; 2], frame: &mut LaneRuns<L>) {
         if self.level == 0 {
-            self.equal(row, run, frame);
+            self.equal(row, [first, last], frame);
         } else {
-            self.span = union(self.span, run);
+            self.span = union(self.span, [first, last]);
         }
     }
 

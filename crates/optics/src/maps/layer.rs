@@ -2,7 +2,7 @@
 //!
 //! Cracks are thin and their blur is wide, so each *covered* cell is scattered over the image of
 //! the pupil that its own depth has; a running sum along each row turns the few steps per row of
-//! a disc into the disc. Cells are of the size that suits the disc: four to twelve of them per
+//! a disc into the disc. Cells are of the size that suits the disc: three to twelve of them per
 //! radius, four of them per pixel at most; of large discs 24 to 48, so that neither time
 //! nor room grows with the disc. Coverage is found on cells of half that size, which are then shared
 //! among the four nearest cells, so that a facet keeps its place to a fraction of a cell.
@@ -325,21 +325,17 @@ impl<const L: usize> Layer<L> {
             let within = [first, end].map(|at| at.clamp(self.reach, self.reach + self.columns));
             let cells = within.map(|at| at - self.reach);
             let mut sum = [0.0_f32; L];
-            for step in &mut line[first..within[0]] {
+            for step in &line[first..within[0]] {
                 sum = add_arrays(sum, *step);
             }
-            let steps = &line[within[0]..within[1]];
-            emitter.take(
-                cells,
-                steps.iter().map(|step| {
-                    sum = add_arrays(sum, *step);
-                    sum
-                }),
-            );
-            line[first..end].fill([0.0; L]);
+            let sums = line[within[0]..within[1]].iter().map(|step| {
+                sum = add_arrays(sum, *step);
+                sum
+            });
             if let Some(row) = row {
-                emitter.end_run(row, cells, frame);
+                emitter.take_run(row, cells, sums, frame);
             }
+            line[first..end].fill([0.0; L]);
         }
         words.fill(0);
         if let Some(row) = row {

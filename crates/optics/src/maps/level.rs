@@ -1,6 +1,6 @@
 //! How large the cells are on which a disc is spread.
 
-/// Fewest cells per radius of a disc where cells are no larger than pixels, and where they are.
+/// Fewest cells per radius of a disc where cells are pixels, and where they are larger.
 const CELLS_PER_RADIUS: [f64; 2] = [4.0, 6.0];
 
 /// The same where cells are smaller than pixels, each of which is the mean over several.
@@ -51,6 +51,7 @@ impl Level {
             exponent
         };
         let [equal, coarse] = CELLS_PER_RADIUS.map(exponent_for);
+        // Where pixels are too coarse, halves of them at least.
         let small = exponent_for(SMALL_CELLS_PER_RADIUS).max(equal.min(1));
         let exponent = small
             .max(coarse.min(0))

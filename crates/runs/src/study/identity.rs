@@ -62,7 +62,7 @@ impl DetectorIdentity {
 impl Identity {
     const SCHEMA: &str = "starbreak.study/2";
 
-    pub(super) fn of(plan: &StudyPlan<'_>, truth: &GroundTruth) -> Self {
+    pub(super) fn of(plan: &StudyPlan<'_>, truth: &GroundTruth) -> Result<Self, Error> {
         let detectors = plan.detectors.iter();
         let detectors = detectors.map(|one| (one.name.clone(), DetectorIdentity::of(one)));
         let conditions = plan.conditions.iter().map(|condition| {
@@ -72,16 +72,17 @@ impl Identity {
             };
             (condition.name.clone(), one)
         });
-        let labels = json!([truth.labels, truth.kitti]).to_string();
-        Self {
+        let labels =
+            serde_json::to_vec(&(&truth.labels, &truth.kitti)).map_err(cannot_be_written)?;
+        Ok(Self {
             schema: Self::SCHEMA.to_owned(),
             images: plan.survey.names_sha256.clone(),
             n_images: plan.survey.n_selected,
-            labels: sha256_hex(labels.as_bytes()),
+            labels: sha256_hex(&labels),
             protocol: truth.protocol.name().to_owned(),
             detectors: detectors.collect(),
             conditions: conditions.collect(),
-        }
+        })
     }
 
     /// Refuses a folder with another study, or with a report of no study.
@@ -170,13 +171,17 @@ impl Identity {
 
     /// Makes the folder that of this study.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
-        let text = serde_json::to_string_pretty(self).map_err(|cause| Error::StudyLine {
-            image: FILE.to_owned(),
-            reason: cause.to_string(),
-        })?;
+        let text = serde_json::to_string_pretty(self).map_err(cannot_be_written)?;
         let mut batch = OutputBatch::new();
         batch.stage(&folder.join(FILE), (text + "\n").as_bytes())?;
         batch.commit()?;
         Ok(())
+    }
+}
+
+fn cannot_be_written(cause: serde_json::Error) -> Error {
+    Error::StudyLine {
+        image: FILE.to_owned(),
+        reason: cause.to_string(),
     }
 }

@@ -124,7 +124,7 @@ impl StudyPlan<'_> {
     ) -> Result<Option<StudyRuns>, Error> {
         refuse_inside_set(self.out)?;
         self.source.refuse_output_at(self.out)?;
-        let identity = Identity::of(self, truth);
+        let identity = Identity::of(self, truth)?;
         identity.check(self.out)?;
         self.check_files()?;
         self.check_sizes(truth)?;
