@@ -25,7 +25,8 @@ usage: cargo xtask <task>
                   installed, knows nothing against one; says of which day, and what it could not check
   deps [--check]  writes the dependency graph into ARCHITECTURE.md, or says that it is stale
   refs            every [AuthorYear] has an entry in a .bib file
-  gallery         writes docs/figures/gallery: every preset and damage class";
+  gallery         writes docs/figures/gallery: every preset and damage class, and the animation of
+                  the README, for which it takes the ffmpeg of the tests";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();

@@ -1,7 +1,7 @@
 //! The project's test command.
 
 use std::io::{BufRead, BufReader};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 use crate::Failure;
@@ -35,6 +35,14 @@ pub fn run(root: &Path) -> Result<(), Failure> {
     let of_python = python::test(root, &tools, &mut report);
     tell(&report);
     tests.and(without_avx).and(wasm).and(of_python)
+}
+
+/// The ffmpeg of the tests.
+///
+/// # Errors
+/// If the tools of the tests cannot be made.
+pub(crate) fn ffmpeg(root: &Path) -> Result<PathBuf, Failure> {
+    Ok(Tools::prepare(root)?.ffmpeg().to_path_buf())
 }
 
 /// `cargo xtask processors`: the golden digests on a processor without AVX, on WebAssembly, and on aarch64.

@@ -72,6 +72,11 @@ impl Tools {
         &self.python
     }
 
+    /// The ffmpeg of the tests.
+    pub(super) fn ffmpeg(&self) -> &Path {
+        &self.ffmpeg
+    }
+
     /// Names the tools to a command.
     pub(super) fn name_to(&self, command: &mut Command) {
         command.env("STARBREAK_TEST_PYTHON", &self.python);
