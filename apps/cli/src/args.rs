@@ -25,7 +25,7 @@ use starbreak_dataset::{DatasetError, MAX_ITEM_BYTES, OutputBatch, SourceSpec, s
 use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
 
-/// Break the glass in front of a camera, and see what the camera then sees.
+/// Break the glass in front of a camera, render what it then sees, measure how detectors fail.
 #[derive(Debug, Parser)]
 #[command(
     name = "starbreak",
@@ -47,48 +47,49 @@ pub(crate) struct Args {
 /// Flags that every verb takes.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct Global {
-    /// Recipe file (TOML) with all parameters; what it leaves out comes from a preset:
-    /// `windshield-star` without its long crack, or `paper` where it says fracture.model = "paper".
-    /// Or a record with a recipe in it: that of an image that `crack` has written, or the run.json of a set
+    /// Recipe file (TOML) with all parameters. Keys that it leaves out come from
+    /// `windshield-star` without its long crack, or from `paper` if it sets fracture.model =
+    /// "paper". A record that holds a recipe is accepted, too: that of an image written by
+    /// `crack`, or the run.json of a set
     #[arg(long, global = true, value_name = "FILE", conflicts_with = "preset")]
     pub(crate) recipe: Option<PathBuf>,
-    /// Named set of parameters: `windshield-spiderweb` unless given (for bench: `paper`);
-    /// `starbreak recipe --list` shows all
+    /// Preset, a named set of parameters [default: windshield-spiderweb; for bench: paper];
+    /// `starbreak recipe --list` lists them
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) preset: Option<String>,
-    /// Scale the preset: 1 (mild) to 5 (severe), 3 is the preset itself;
-    /// `starbreak recipe --severity N` prints what that sets
+    /// Severity of the preset, 1 (mild) to 5 (severe); 3 is the preset itself. `starbreak
+    /// recipe --severity N` prints what it sets
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=5))]
     pub(crate) severity: Option<u8>,
-    /// Named camera, laid over the recipe: its focal length, lens and pixels, and where it stands
-    /// behind the glass; `starbreak recipe --list` shows all
+    /// Camera, applied over the recipe: focal length, lens, pixels and pose behind the glass;
+    /// `starbreak recipe --list` lists them
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) camera: Option<String>,
     /// Override one parameter, e.g. impact.speed_m_s=30 or impact.0.position=[0.5,0.5];
     /// repeatable, applied in order, after --severity and --camera
     #[arg(long, global = true, value_name = "TABLE.KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Seed of everything random; the same seed gives the same bytes
+    /// Random seed; the same seed gives the same bytes
     #[arg(long, global = true, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
-    /// Threads to use; 0 stands for one per processor
+    /// Number of threads; 0 for one per processor
     #[arg(long, global = true, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub(crate) threads: u16,
-    /// Replace files that are there and that no earlier run of the same kind has written; without it they
-    /// are refused
+    /// Overwrite existing files that no earlier run of the same kind has written; without it
+    /// they are refused
     #[arg(long, global = true)]
     pub(crate) replace: bool,
-    /// Read also what links in a plain folder (folder:DIR) lead to outside of it
+    /// Follow links in a plain folder (folder:DIR) that lead outside of it
     #[arg(long, global = true)]
     pub(crate) follow_links: bool,
-    /// Most memory that one picture may take, e.g. 800MiB or 16GiB; what would take more is refused
-    /// before the work. Each thread makes a picture of its own
+    /// Memory limit of one picture, e.g. 800MiB or 16GiB; a picture that would take more is
+    /// refused before the work. Each thread makes one picture at a time
     #[arg(long, global = true, value_name = "SIZE", default_value = "4GiB", value_parser = parse_memory)]
     pub(crate) max_memory: u64,
-    /// One machine-readable result on standard output, everything else on standard error
+    /// Print one machine-readable result to standard output, everything else to standard error
     #[arg(long, global = true)]
     pub(crate) json: bool,
-    /// Errors only
+    /// Print errors only
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
 }
@@ -96,13 +97,14 @@ pub(crate) struct Global {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Crack an embedded street scene: pictures, masks, network and growth in one folder
+    /// Damage an embedded street scene: pictures, masks, network and growth in one folder
     Demo {
         /// Output folder
         #[arg(short, long, value_name = "DIR", default_value = "starbreak-demo")]
         output: PathBuf,
     },
-    /// Crack photos: the image, its region mask, its crack mask and its provenance
+    /// Damage photos: writes each image, its mask of affected pixels, its crack mask and its
+    /// record
     Crack {
         /// PNG or JPEG files
         #[arg(required = true, value_name = "IMAGE")]
@@ -110,37 +112,40 @@ pub(crate) enum Verb {
         /// Output folder
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
-        /// Write the maps of the optics, too: attenuation, added light, light from elsewhere in the
-        /// frame and its displacement, coverage; NumPy arrays of 32-bit floats
+        /// Also write the maps of the optics as NumPy arrays of 32-bit floats: attenuation,
+        /// added light, light from elsewhere in the frame and its displacement, coverage
         #[arg(long)]
         maps: bool,
-        /// Crack network to use instead of simulating one: JSON, or an SVG drawing whose stroked
-        /// shapes are cracks; in px it is stretched over the frame, in mm it lies on the pane
+        /// Use this crack network instead of simulating one: JSON, or an SVG drawing whose
+        /// stroked shapes are cracks. A drawing in px is stretched over the frame, one in mm
+        /// lies on the pane
         #[arg(long, value_name = "FILE")]
         network: Option<PathBuf>,
-        /// Photo of broken glass to use instead of cracks: PNG or JPEG, cut out (alpha), or on
-        /// black or white. Its largest part of the frame's shape fills the frame
+        /// Use this photo of broken glass instead of cracks: PNG or JPEG, cut out (alpha), or
+        /// on black or white. The largest part that has the frame's shape fills the frame
         #[arg(long, value_name = "PHOTO", conflicts_with = "network")]
         overlay: Option<PathBuf>,
-        /// Take a random part of the photo for each image, and flip it at random, by the seed
+        /// Take a random part of the photo for each image, randomly flipped, by the seed
         #[arg(long, requires = "overlay")]
         overlay_random: bool,
         #[command(flatten)]
         overlay_args: OverlayArgs,
     },
-    /// Crack a whole dataset: the same layout, names and labels, with masks and records beside
+    /// Damage a whole dataset: same layout, names and labels, with masks and records beside
+    /// them
     Generate(GenerateArgs),
-    /// Check that a generated set is whole and unmixed, and that it comes out the same again
+    /// Verify that a generated set is complete, consistent and reproducible
     Verify(VerifyArgs),
-    /// Join the shards of one generated set
+    /// Merge the shards of a generated set
     Merge(MergeArgs),
-    /// Run a detector (ONNX) over a dataset: its boxes as a file
+    /// Run a detector (ONNX) over a dataset and write its detections
     Detect(DetectArgs),
-    /// Measure how far sets of images are apart: K-L and other divergences, with noise floor
+    /// Measure the distance between sets of images: K-L and other divergences, with noise
+    /// floors
     Divergence(DivergenceArgs),
-    /// Show one crack over the values of one parameter: each picture, and all on one sheet
+    /// Render one crack over the values of one parameter, with a contact sheet
     Sweep {
-        /// A PNG or JPEG file
+        /// PNG or JPEG file
         #[arg(value_name = "IMAGE")]
         input: PathBuf,
         /// Output folder
@@ -154,32 +159,32 @@ pub(crate) enum Verb {
         )]
         over: String,
     },
-    /// Simulate only the crack network: JSON, SVG and growth frames
+    /// Simulate the crack network alone: JSON, SVG and growth frames
     Simulate {
-        /// Network file (JSON); without it the network goes to standard output
+        /// Network file (JSON) [default: standard output]
         #[arg(short, long, value_name = "FILE")]
         output: Option<PathBuf>,
-        /// Drawing of the network
+        /// SVG drawing of the network
         #[arg(long, value_name = "FILE")]
         svg: Option<PathBuf>,
-        /// Crack network (JSON or SVG) to convert instead of simulating one
+        /// Convert this crack network (JSON or SVG) instead of simulating one
         #[arg(long, value_name = "FILE")]
         network: Option<PathBuf>,
-        /// Size of the frame, px
+        /// Frame size, px
         #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
         size: (u32, u32),
         /// Number of growth frames, from the impact to the last arrival
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
         frames: Option<u32>,
-        /// Where the frames go: a name that ends in .png for one animated PNG, else a folder;
-        /// without it a folder beside the network file, NAME-frames
+        /// Where to write the frames: a name that ends in .png for one animated PNG, else a
+        /// folder [default: NAME-frames beside the network file]
         #[arg(long, value_name = "PATH", requires = "frames")]
         frames_to: Option<PathBuf>,
         /// Add the wall-clock time of each stage to the network file
         #[arg(long)]
         timings: bool,
     },
-    /// Make a bank of cracks for whole datasets: simulated and baked once, with statistics
+    /// Make a bank of cracks for whole datasets, simulated and baked once, with statistics
     Patterns {
         /// Number of patterns; pattern k is the same in a bank of any number
         #[arg(short, long = "number", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000), required_unless_present_any = ["info", "check"])]
@@ -187,19 +192,20 @@ pub(crate) enum Verb {
         /// Output folder: patterns.bank, statistics.csv, statistics.svg and statistics.png
         #[arg(short, long, value_name = "DIR", required_unless_present_any = ["info", "check"])]
         output: Option<PathBuf>,
-        /// Frame size to bake for, px; repeatable. The cracks are simulated for the first; images
-        /// of other sizes take longer, as their patterns are baked anew
+        /// Frame size to bake for, px; repeatable. The cracks are simulated for the first size;
+        /// images of other sizes take longer, since their patterns are baked anew
         #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
         size: Vec<(u32, u32)>,
-        /// Bake for the most frequent frame sizes of a dataset (as in `generate`) instead
+        /// Bake for the most frequent frame sizes of a dataset instead (FORMAT:PATH as in
+        /// `generate`)
         #[arg(long, value_name = "FORMAT:PATH", conflicts_with_all = ["size", "overlays", "info", "check"])]
         sizes_of: Option<OsString>,
-        /// Of them at most so many; each adds to the length of the bank
+        /// Maximum number of these sizes; each adds to the size of the bank
         #[arg(long, value_name = "N", default_value = "8", requires = "sizes_of", value_parser = clap::value_parser!(u16).range(1..=256))]
         most_sizes: u16,
-        /// Fill the bank with photos of broken glass instead: the PNG and JPEG files below a folder
-        /// once each, and a random part of a random one for each pattern, in overlays.bank and
-        /// overlays.csv; for `generate --overlays`, with any recipe
+        /// Fill the bank with photos of broken glass instead: each PNG and JPEG file below a
+        /// folder once, and for each pattern a random part of a random photo, in overlays.bank
+        /// and overlays.csv; for `generate --overlays`, with any recipe
         #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera", "set", "info", "check"])]
         overlays: Option<PathBuf>,
         #[command(flatten)]
@@ -207,28 +213,30 @@ pub(crate) enum Verb {
         /// Print what a bank was made from, and its size, instead
         #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "check"])]
         info: Option<PathBuf>,
-        /// Read all of a bank and verify its checksums instead
+        /// Read a whole bank and verify its checksums instead
         #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output"])]
         check: Option<PathBuf>,
     },
-    /// Put a crack before a clip, or its whole life from the impact on; also a folder of frames
+    /// Add a static or growing crack to a video, or to a folder of frames
     Video(VideoArgs),
-    /// Say how well detections match labels: clean, cracked, and where the glass is broken
+    /// Evaluate detections on clean and damaged images, inside and outside the damaged region
     Evaluate(evaluate::EvaluateArgs),
-    /// Follow objects through a clip, clean and cracked: what is found when, and lost after which time
+    /// Follow objects through a clip, clean and damaged: when each is found, and its time to
+    /// detection loss
     Timeline(timeline::TimelineArgs),
-    /// Break a dataset's glass, let detectors look at it clean and cracked, and report what fails
+    /// Damage a dataset, run detectors on clean and damaged images, and report what fails
     Study(study::StudyArgs),
     /// Print a complete, commented recipe
     Recipe {
         /// Print the JSON Schema of recipes instead
         #[arg(long, conflicts_with = "list")]
         schema: bool,
-        /// List the presets and the cameras instead
+        /// List presets and cameras instead
         #[arg(long)]
         list: bool,
     },
-    /// Measure the time per stage on this machine: the paper's timing figure, physics and optics
+    /// Measure the time per stage on this machine: the paper's timing figure, physics and
+    /// optics
     Bench {
         /// Output folder
         #[arg(short, long, value_name = "DIR", default_value = "starbreak-bench")]
@@ -236,14 +244,14 @@ pub(crate) enum Verb {
         /// Numbers of particles
         #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000), default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
         particles: Vec<u32>,
-        /// Runs per number of particles (100 unless given), per pane and per frame (10 unless
-        /// given), each with its own impact point and direction
+        /// Runs per number of particles [default: 100], per pane and per frame [default: 10],
+        /// each with its own impact point and direction
         #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
         runs: Option<u32>,
         /// Keep the recipe's neighborhood radius instead of scaling it with the mesh
         #[arg(long)]
         fixed_radius: bool,
-        /// Measure only this; without it all
+        /// Measure only this model [default: all]
         #[arg(long, value_enum)]
         model: Option<BenchModel>,
     },
@@ -263,50 +271,51 @@ pub(crate) enum Verb {
 /// Flags of `starbreak video`.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct VideoArgs {
-    /// A clip, or a folder of PNG or JPEG frames, taken in the order of their names
+    /// A clip, or a folder of PNG or JPEG frames in the order of their names
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
-    /// Clip (.mp4, .m4v, .mov: H.264; .mkv; .avi: Motion JPEG), or a new or empty folder; beside it
-    /// come OUT.track.json and OUT.network.json
+    /// Output clip (.mp4, .m4v, .mov: H.264; .mkv; .avi: Motion JPEG), or a new or empty
+    /// folder. OUT.track.json and OUT.network.json are written beside it
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
-    /// When the glass is hit, seconds after the first frame; frames before stay as they are
+    /// Time of the impact, s after the first frame; earlier frames stay unchanged
     #[arg(long, value_name = "S", default_value_t = 0.0)]
     pub(crate) impact_at: f64,
-    /// Let the crack grow after the impact, at its own speed: mostly it is there within one frame
+    /// Let the crack grow after the impact at its physical speed, which is mostly less than one
+    /// frame
     #[arg(long)]
     pub(crate) grow: bool,
-    /// Slow the growth, from the first arrival of a crack to the last, down to this many seconds
+    /// Slow the growth down to this many seconds from the first to the last arrival of a crack
     #[arg(long, value_name = "S", requires = "grow")]
     pub(crate) growth_time: Option<f64>,
-    /// Folder, new or empty, for a region mask and a crack mask of each frame
+    /// New or empty folder for a region mask and a crack mask of each frame
     #[arg(long, value_name = "DIR")]
     pub(crate) masks: Option<PathBuf>,
-    /// A bank that `starbreak patterns` has made: one of its cracks, by the seed, and its recipe; of
-    /// the recipe only output.… can be set then
+    /// Take a crack from a bank made by `starbreak patterns`, chosen by the seed, with the
+    /// bank's recipe; only output.… can then be set
     #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera"])]
     pub(crate) bank: Option<PathBuf>,
-    /// Crack network (JSON or SVG) to use instead of simulating one
+    /// Use this crack network (JSON or SVG) instead of simulating one
     #[arg(long, value_name = "FILE", conflicts_with = "bank")]
     pub(crate) network: Option<PathBuf>,
-    /// Photo of broken glass (PNG or JPEG) to use instead of simulated cracks
+    /// Use this photo of broken glass (PNG or JPEG) instead of simulated cracks
     #[arg(long, value_name = "FILE", conflicts_with_all = ["network", "bank", "grow", "growth_time"])]
     pub(crate) overlay: Option<PathBuf>,
-    /// A random part of the photo, by the seed, instead of all of it
+    /// Take a random part of the photo, by the seed, instead of all of it
     #[arg(long, requires = "overlay")]
     pub(crate) overlay_random: bool,
     #[command(flatten)]
     pub(crate) overlay_args: OverlayArgs,
-    /// Frames per second of a folder of frames, e.g. 10, 29.97 or 30000/1001
+    /// Frame rate of a folder of frames, e.g. 10, 29.97 or 30000/1001
     #[arg(long, value_name = "N")]
     pub(crate) fps: Option<String>,
-    /// FFV1 in .mkv: 8-bit RGB frames, no loss beyond
+    /// Write FFV1 in .mkv: 8-bit RGB frames without further loss
     #[arg(long)]
     pub(crate) lossless: bool,
     /// Light around the camera: the mean of about the last second, or that of the first frame
     #[arg(long, value_enum, default_value_t = LightWord::Follow)]
     pub(crate) light: LightWord,
-    /// The program ffmpeg; without it the one on PATH
+    /// The ffmpeg program [default: the one on PATH]
     #[arg(
         long,
         value_name = "PATH",

@@ -8,8 +8,8 @@ use clap::{Args, ValueEnum};
 /// `starbreak detect`.
 #[derive(Debug, Args)]
 pub(crate) struct DetectArgs {
-    /// The dataset: kitti:DIR, coco:DIR, bdd:DIR, yolo:DIR, folder:DIR or list:FILE; or clip:FILE, or
-    /// clip:DIR with its frames as PNG or JPEG files, taken in the order of their names
+    /// The dataset: kitti:DIR, coco:DIR, bdd:DIR, yolo:DIR, folder:DIR or list:FILE; or a clip:
+    /// clip:FILE, or clip:DIR with PNG or JPEG frames in the order of their names
     #[arg(value_name = "FORMAT:PATH", required_unless_present = "list_contracts")]
     pub(crate) source: Option<OsString>,
     /// The detector, an ONNX file
@@ -19,7 +19,7 @@ pub(crate) struct DetectArgs {
         required_unless_present = "list_contracts"
     )]
     pub(crate) model: Option<PathBuf>,
-    /// Where the detections go
+    /// Output file or folder of the detections
     #[arg(
         short,
         long,
@@ -27,34 +27,34 @@ pub(crate) struct DetectArgs {
         required_unless_present = "list_contracts"
     )]
     pub(crate) output: Option<PathBuf>,
-    /// What the model takes and gives: a preset, or a TOML file; without it the preset that fits
-    /// the model's inputs and outputs
+    /// Contract of the model, what it takes and returns: a preset or a TOML file [default: the
+    /// preset that fits its inputs and outputs]
     #[arg(long, value_name = "PRESET|FILE")]
     pub(crate) contract: Option<String>,
-    /// Print the presets of --contract instead
+    /// List the presets of --contract instead
     #[arg(long, exclusive = true)]
     pub(crate) list_contracts: bool,
-    /// Leave out detections with a lower score, instead of the contract's threshold
+    /// Drop detections with a lower score [default: the contract's threshold]
     #[arg(long, value_name = "0..1", value_parser = parse_score)]
     pub(crate) score_threshold: Option<f32>,
-    /// Form of the detections: results of MS-COCO, of KITTI (OUT/data/NNNNNN.txt) or of BDD100K
+    /// Format of the detections: MS-COCO results, KITTI (OUT/data/NNNNNN.txt) or BDD100K
     #[arg(long, value_enum, default_value_t = ResultFormat::Coco)]
     pub(crate) format: ResultFormat,
-    /// Which class of the model is which category of the dataset: a TOML file with schema = 1 and
+    /// Map classes of the model to categories of the dataset: a TOML file with schema = 1 and
     /// [map] "class" = "category"; all others by equal names
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) label_map: Option<PathBuf>,
     /// Only the first N images
     #[arg(long, value_name = "N")]
     pub(crate) limit: Option<usize>,
-    /// Run the model with this library of ONNX Runtime, such as
+    /// Run the model with this ONNX Runtime library, such as
     /// onnxruntime/capi/libonnxruntime.so.1.31.1 of the Python package
     #[arg(long, value_name = "PATH")]
     pub(crate) onnxruntime: Option<PathBuf>,
-    /// Run it on an NVIDIA GPU
+    /// Run the model on an NVIDIA GPU
     #[arg(long, requires = "onnxruntime")]
     pub(crate) cuda: bool,
-    /// The program ffmpeg, which reads clips; without it the one on PATH
+    /// The ffmpeg program, which reads clips [default: the one on PATH]
     #[arg(
         long,
         value_name = "PATH",

@@ -15,22 +15,23 @@ use crate::failure::Failure;
 /// How photographs of broken glass are read and lit.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct OverlayArgs {
-    /// What is behind the glass in the photo: `alpha` (cut out), `black` or `white`; without it
-    /// this is found out from its transparency and its border
+    /// Background of the photo: `alpha` (cut out), `black` or `white` [default: found from its
+    /// transparency and its border]
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(crate) overlay_background: Option<BackgroundWord>,
-    /// Codes over the greatest code, 0 to 0.5, up to which a pixel that differs from a black or
-    /// white background still belongs to it; more hides noise of the photo and faint cracks
+    /// Tolerance of a black or white background, as a share of the largest code, 0 to 0.5; more
+    /// hides noise of the photo and faint cracks
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) overlay_floor: Option<f64>,
-    /// Light of the photo's white over what a white sheet in the place of the glass would show, 0
+    /// Brightness of the photo's white relative to a white sheet in the place of the glass, 0
     /// to 1000; 1 lights the glass like its scene (physical optics only)
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true)]
     pub(crate) overlay_gain: Option<f64>,
-    /// Least side of a random part over that of the largest part of the frame's shape, 0.05 to 1
+    /// Minimum side of a random part relative to the largest part that has the frame's shape,
+    /// 0.05 to 1
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) overlay_min_scale: Option<f64>,
-    /// How far a random part may reach beyond the photo, over its own side, 0 to 1
+    /// How far a random part may extend beyond the photo, relative to its own side, 0 to 1
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
     pub(crate) overlay_max_shift: Option<f64>,
 }
