@@ -54,7 +54,7 @@ const PAIR: [&str; 8] = [
     "gt.json",
     "--clean",
     "a.json",
-    "--cracked",
+    "--damaged",
     "b.json",
     "--regions",
     "masks",

@@ -21,15 +21,15 @@ pub(crate) struct EvaluateArgs {
     #[arg(long, value_name = "PATH")]
     pub(crate) clean: PathBuf,
     /// Detections in the damaged images
-    #[arg(long, value_name = "PATH")]
-    pub(crate) cracked: Option<PathBuf>,
+    #[arg(long, alias = "cracked", value_name = "PATH")]
+    pub(crate) damaged: Option<PathBuf>,
     /// Folder of region masks as written by `generate`: OUT/starbreak/regions
     #[arg(long, value_name = "DIR")]
     pub(crate) regions: Option<PathBuf>,
     /// The damaged set written by `generate`: gives region masks, damage of each object,
     /// recipe, and pictures of the worst failures
-    #[arg(long, value_name = "OUT")]
-    pub(crate) cracked_set: Option<PathBuf>,
+    #[arg(long, alias = "cracked-set", value_name = "OUT")]
+    pub(crate) damaged_set: Option<PathBuf>,
     /// Name of the detector in the report [default: that of the file of clean detections]
     #[arg(long, value_name = "NAME")]
     pub(crate) detector: Option<String>,

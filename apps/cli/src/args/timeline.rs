@@ -18,8 +18,8 @@ pub(crate) struct TimelineArgs {
     #[arg(long, value_name = "PATH")]
     pub(crate) clean: PathBuf,
     /// Detections in the damaged clip
-    #[arg(long, value_name = "PATH")]
-    pub(crate) cracked: PathBuf,
+    #[arg(long, alias = "cracked", value_name = "PATH")]
+    pub(crate) damaged: PathBuf,
     /// Track written by `video` beside the damaged clip (OUT.track.json), or a folder with one
     /// for each clip; CLIP=FILE names the clip of the labels it belongs to. Repeatable
     #[arg(long, value_name = "[CLIP=]FILE|DIR")]

@@ -116,7 +116,7 @@ fn refuse_input(
     clips: &[&str],
     output: &Path,
 ) -> Result<(), Failure> {
-    let sides = [&args.clean, &args.cracked];
+    let sides = [&args.clean, &args.damaged];
     let sides = sides.map(|path| side_files(path, clips));
     let of_sides = sides.iter().flatten().flat_map(|(_, files)| files);
     let mut inputs = of_sides.chain(&args.labels).chain(tracks.files());
@@ -172,7 +172,7 @@ fn of_labels(
         true => None,
         false => Some([
             labels.truth.read_detections(&args.clean)?,
-            labels.truth.read_detections(&args.cracked)?,
+            labels.truth.read_detections(&args.damaged)?,
         ]),
     };
     let is_one = labels.clips.len() == 1;
@@ -193,7 +193,7 @@ fn of_labels(
                 });
                 [
                     clean.at(args.clean.clone()),
-                    cracked.at(args.cracked.clone()),
+                    cracked.at(args.damaged.clone()),
                 ]
             }
             None => {
@@ -214,7 +214,7 @@ fn of_labels(
                         unused: said.unused,
                     })
                 };
-                [read(&args.clean)?, read(&args.cracked)?]
+                [read(&args.clean)?, read(&args.damaged)?]
             }
         };
         let pair = [
@@ -254,7 +254,7 @@ fn without_labels(
         ));
     }
     let track = tracks.only(args.clip.first().map(String::as_str))?;
-    let categories = said_categories(&[&args.clean, &args.cracked])?;
+    let categories = said_categories(&[&args.clean, &args.damaged])?;
     let truth = frames_of(&track.track, Some(&track.name), &categories, Protocol::Coco);
     let mut evaluated = Evaluated::default();
     let mut read = |path: &Path| -> Result<Side, Failure> {
@@ -267,7 +267,7 @@ fn without_labels(
             unused: said.unused,
         })
     };
-    let (clean, cracked) = (read(&args.clean)?, read(&args.cracked)?);
+    let (clean, cracked) = (read(&args.clean)?, read(&args.damaged)?);
     let frames = all_frames(&track);
     let pair = [clean.named("clean", false), cracked.named("cracked", false)];
     evaluated.warn(check_sides(&track.name, &frames, &pair, args.lost_for)?);
@@ -391,7 +391,7 @@ fn inputs(
         add("track of the cracked clip", path)?;
     }
     let names: Vec<&str> = clips.iter().map(|clip| clip.clip.as_str()).collect();
-    for (side, path) in [("clean", &args.clean), ("cracked", &args.cracked)] {
+    for (side, path) in [("clean", &args.clean), ("cracked", &args.damaged)] {
         for (path, files) in side_files(path, &names) {
             add_files(&format!("{side} detections"), &path, &files)?;
         }
