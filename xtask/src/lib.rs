@@ -12,6 +12,7 @@ pub mod deps;
 pub mod failure;
 pub mod gallery;
 pub mod licences;
+pub mod links;
 pub mod lint;
 pub mod metadata;
 pub mod refs;

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::command::{cargo, run as run_command};
 use crate::deps::{self, Mode};
 use crate::test::standard_library;
-use crate::{Failure, advisories, licences, refs};
+use crate::{Failure, advisories, licences, links, refs};
 
 /// `cargo xtask lint`: all checks, also after one has failed.
 ///
@@ -37,6 +37,7 @@ pub fn run(root: &Path) -> Result<(), Failure> {
         section("advisories", advisories::run(root)),
         section("deps --check", deps::run(root, Mode::Check)),
         section("refs", refs::run(root)),
+        section("links", links::run(root)),
     ];
     let failures: Vec<String> = results
         .into_iter()

@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use xtask::{advisories, deps, gallery, licences, lint, refs, root, test};
+use xtask::{advisories, deps, gallery, licences, links, lint, refs, root, test};
 
 const USAGE: &str = "\
 usage: cargo xtask <task>
@@ -19,12 +19,13 @@ usage: cargo xtask <task>
                   too, and aarch64; QEMU and a cross compiler come from Debian's packages into
                   target/test-emulator and target/test-cross-compiler, the standard library of
                   aarch64 from rustup
-  lint            fmt, clippy, rustdoc, licences, advisories, deps --check, refs
+  lint            fmt, clippy, rustdoc, licences, advisories, deps --check, refs, links
   licences        every package's licence is on the allow-list and every source is crates.io
   advisories      no version in the lock file was withdrawn, and cargo audit, where it is
                   installed, knows nothing against one; says of which day, and what it could not check
   deps [--check]  writes the dependency graph into ARCHITECTURE.md, or says that it is stale
   refs            every [AuthorYear] has an entry in a .bib file
+  links           every link between pages leads to a file and a heading
   gallery         writes docs/figures/gallery: every preset and damage class, and the animation of
                   the README, for which it takes the ffmpeg of the tests";
 
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         ["deps"] => deps::run(root(), deps::Mode::Write),
         ["deps", "--check"] => deps::run(root(), deps::Mode::Check),
         ["refs"] => refs::run(root()),
+        ["links"] => links::run(root()),
         ["gallery"] => gallery::run(root()),
         [] | ["help" | "--help" | "-h"] => {
             println!("{USAGE}");
