@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Distances between sets against SciPy, NumPy, Pillow and scikit-learn, for many seeds; sets of
+"""Distances between sets against SciPy, NumPy and Pillow, for many seeds; sets of
 real images that are near and far; usage: divergence.py STARBREAK"""
 import json
 import subprocess
@@ -12,7 +12,6 @@ from PIL import Image
 from scipy.linalg import sqrtm
 from scipy.spatial.distance import jensenshannon
 from scipy.stats import entropy
-from sklearn.covariance import ledoit_wolf_shrinkage
 
 STARBREAK = sys.argv[1]
 SEEDS = range(40)
@@ -31,67 +30,41 @@ def measures(p, q, alpha):
                 hellinger=np.sqrt(max(0, 1 - np.sqrt(p * q).sum())), tv=0.5 * np.abs(p - q).sum())
 
 
-def document(seed):
-    """The families of the reference, with expected values."""
-    r = np.random.default_rng(seed)
-    given, expected = dict(hist=[], gauss=[], frechet=[], mmd=[]), dict(hist=[], gauss=[], frechet=[], mmd=[])
-    for n in (2, 8, 64, 256, 4096):
-        for alpha in (0.0, 1e-10, 0.5, 1.0):
-            p, q = r.integers(0, 1000, (2, n)).astype(float) + (alpha == 0)
-            given["hist"].append(dict(p=p.tolist(), q=q.tolist(), alpha=alpha))
-            expected["hist"].append(measures(p, q, alpha))
-    for d in (1, 2, 5, 16, 64):
-        a, b = r.normal(size=(2, d, d))
-        s0, s1, m0, m1 = a @ a.T + np.eye(d) / 2, b @ b.T + np.eye(d) / 2, *r.normal(size=(2, d))
-        entry = dict(m0=m0.tolist(), S0=s0.tolist(), m1=m1.tolist(), S1=s1.tolist())
-
-        def kl(m0, s0, m1, s1):
-            i = np.linalg.inv(s1)
-            return 0.5 * (np.trace(i @ s0) + (m1 - m0) @ i @ (m1 - m0) - d + np.linalg.slogdet(s1)[1] - np.linalg.slogdet(s0)[1])
-        given["gauss"].append(entry)
-        expected["gauss"].append(dict(kl=kl(m0, s0, m1, s1), kl_rev=kl(m1, s1, m0, s0)))
-        given["frechet"].append(entry)
-        expected["frechet"].append(dict(d2=((m0 - m1) ** 2).sum() + np.trace(s0 + s1 - 2 * sqrtm(s0 @ s1).real)))
-    for n, m, d in ((5, 7, 3), (20, 20, 8), (50, 40, 16)):
-        x, y = r.normal(size=(n, d)), r.normal(0.3, 1.2, size=(m, d))
-        cubic = lambda a, b: (a @ b.T / d + 1) ** 3
-        rbf = lambda a, b: np.exp(-((a[:, None] - b[None]) ** 2).sum(-1) / 200)
-        inside = lambda k, a: (k(a, a).sum() - np.trace(k(a, a))) / (len(a) * (len(a) - 1))
-        given["mmd"].append(dict(X=x.tolist(), Y=y.tolist()))
-        expected["mmd"].append(dict(kid_unbiased=inside(cubic, x) + inside(cubic, y) - 2 * cubic(x, y).mean(),
-                                    cmmd_biased_x1000=1000 * (rbf(x, x).mean() + rbf(y, y).mean() - 2 * rbf(x, y).mean())))
-    return given, expected
-
-
 def known_answers(folder):
+    """Histograms and feature vectors of random numbers."""
     worst = {}
+
+    def compare(have, want):
+        for key, value in want.items():
+            worst[key] = max(worst.get(key, 0), abs(have[key] - value) / abs(value))
+
     for seed in SEEDS:
-        given, expected = document(seed)
-        path = folder / "given.json"
-        path.write_text(json.dumps(given))
-        got = run("--histograms", path)
-        for family, entries in expected.items():
-            for want, have in zip(entries, got[family], strict=True):
-                for key, value in want.items():
-                    error = abs(have[key] - value) / abs(value)
-                    worst[family, key] = max(worst.get((family, key), 0), error)
+        r = np.random.default_rng(seed)
+        given, expected = [], []
+        for n in (2, 8, 64, 256, 4096):
+            for alpha in (0.0, 1e-10, 0.5, 1.0):
+                p, q = r.integers(0, 1000, (2, n)).astype(float) + (alpha == 0)
+                given.append(dict(p=p.tolist(), q=q.tolist(), alpha=alpha))
+                expected.append(measures(p, q, alpha))
+        (folder / "given.json").write_text(json.dumps(given))
+        for have, want in zip(run("--histograms", folder / "given.json")["hist"], expected, strict=True):
+            compare(have, want)
+        for n, m, d in ((5, 7, 3), (20, 20, 8), (50, 40, 16)):
+            x, y = r.normal(size=(n, d)), r.normal(0.3, 1.2, size=(m, d))
+            np.save(folder / "x.npy", x)
+            np.save(folder / "y.npy", y)
+            s0, s1 = np.cov(x, rowvar=False), np.cov(y, rowvar=False)
+            cubic = lambda a, b: (a @ b.T / d + 1) ** 3
+            inside = lambda a: (cubic(a, a).sum() - np.trace(cubic(a, a))) / (len(a) * (len(a) - 1))
+            want = dict(frechet=((x.mean(0) - y.mean(0)) ** 2).sum() + np.trace(s0 + s1 - 2 * sqrtm(s0 @ s1).real),
+                        kid=inside(x) + inside(y) - 2 * cubic(x, y).mean())
+            compare(run("--features", folder / "x.npy", folder / "y.npy")["activations"], want)
     failed = 0
-    for (family, key), error in worst.items():
-        limit = 1e-8 if family == "frechet" else 1e-12
+    for key, error in worst.items():
+        limit = 1e-8 if key == "frechet" else 1e-12
         failed += error > limit
-        print(f"{family:8} {key:18} {len(SEEDS)} seeds, worst {error:.1e} of {limit:.0e}: {'ok' if error <= limit else 'FAIL'}")
+        print(f"{key:10} {len(SEEDS)} seeds, worst {error:.1e} of {limit:.0e}: {'ok' if error <= limit else 'FAIL'}")
     return failed
-
-
-def shrinkage(folder):
-    r = np.random.default_rng(3)
-    a, b = r.normal(size=(40, 12)) * np.arange(1, 13), r.normal(size=(300, 12)) * np.arange(1, 13)
-    np.save(folder / "a.npy", a)
-    np.save(folder / "b.npy", b)
-    got = run("--features", folder / "a.npy", folder / "b.npy", "--bootstrap", 0, "--permutations", 0, "--splits", 0)
-    error = max(abs(x - ledoit_wolf_shrinkage(y)) for x, y in zip(got["activations"]["shrinkage"], (a, b)))
-    print(f"shrinkage against scikit-learn: worst {error:.1e} of 1e-12: {'ok' if error < 1e-12 else 'FAIL'}")
-    return error >= 1e-12
 
 
 def histograms(folder):
@@ -153,9 +126,8 @@ def real_images(folder):
             print(f"  {feature['feature']:15} JS {js['value']:.5f} {js['interval']} floor {js['floor']:.5f} effect {js['effect']:.2f} p {js['p_value']:.3f}"
                   f" KL {feature['measures']['kl_ab']['value']:.4f} {feature['measures']['kl_ba']['value']:.4f}")
         activations = pair["activations"]
-        print(f"  {Path(activations['origin']).name}: {activations['n_dimensions']} values")
-        for measure, estimate in activations["measures"].items():
-            print(f"  {measure:15} {estimate['value']:.5g} floor {estimate['floor']} p {estimate['p_value']}")
+        print(f"  {Path(activations['origin']).name}: {activations['n_dimensions']} values,"
+              f" frechet {activations['frechet']:.5g}, kid {activations['kid']:.5g}")
         wrong = (expected == "same" and seen > 1) or (expected == "differ" and seen < 3)
         failed += wrong
         print(f"  {seen} of 5 features with p < 0.05, expected {expected}: {'FAIL' if wrong else 'ok'}")
@@ -164,4 +136,4 @@ def real_images(folder):
 
 with tempfile.TemporaryDirectory() as name:
     folder = Path(name)
-    sys.exit(bool(known_answers(folder) + shrinkage(folder) + histograms(folder) + real_images(folder)))
+    sys.exit(bool(known_answers(folder) + histograms(folder) + real_images(folder)))

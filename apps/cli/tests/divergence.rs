@@ -208,7 +208,7 @@ fn the_papers_experiment_names_what_is_missing() {
     let output = run(dir.path(), &args);
     assert!(output.status.success(), "{}", said(&output));
     let experiment = json(&output);
-    let ordering = &experiment["report"]["orderings"][0];
+    let ordering = &experiment["orderings"][0];
     assert_eq!(
         ordering["features"][0]["probability"], 1.0,
         "light is lighter: {ordering}"
@@ -223,6 +223,41 @@ fn the_papers_experiment_names_what_is_missing() {
     );
     let output = run(dir.path(), &["--experiment", "paper"]);
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+}
+
+#[test]
+fn given_histograms_and_vectors_are_measured_as_they_are() {
+    let dir = tempfile::tempdir().unwrap();
+    let pairs = r#"[{"p": [1, 0], "q": [0, 1], "alpha": 0}, {"p": [3, 3], "q": [1, 3]}, {"p": [0], "q": [1]}]"#;
+    fs::write(dir.path().join("list.json"), pairs).unwrap();
+    fs::write(
+        dir.path().join("named.json"),
+        format!("{{\"hist\": {pairs}}}"),
+    )
+    .unwrap();
+    let of = |file: &str| run(dir.path(), &["--histograms", file, "--json"]);
+    let output = of("list.json");
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert_eq!(output.stdout, of("named.json").stdout, "under hist, too");
+    let answers = &json(&output)["hist"];
+    assert_eq!(answers[0]["kl_pq"], "inf", "{answers}");
+    assert_eq!(answers[1]["alpha"], 0.5, "unless given: {answers}");
+    let error = answers[2]["error"].as_str().unwrap();
+    assert!(error.contains("p is empty"), "{error}");
+    fs::write(dir.path().join("other.json"), r#"{"gauss": []}"#).unwrap();
+    let output = of("other.json");
+    assert_eq!(output.status.code(), Some(2), "{}", said(&output));
+
+    for (name, step) in [("a.npy", 1.0), ("b.npy", 2.0)] {
+        let values: Vec<f64> = (0..6).map(|at| f64::from(at * at) * step).collect();
+        let array = starbreak_dataset::encode_array_f64(&[3, 2], &values).unwrap();
+        fs::write(dir.path().join(name), array).unwrap();
+    }
+    let output = run(dir.path(), &["--features", "a.npy", "b.npy", "--json"]);
+    assert!(output.status.success(), "{}", said(&output));
+    let compared = &json(&output)["activations"];
+    assert_eq!(compared["n_dimensions"], 2, "{compared}");
+    assert!(compared["frechet"].as_f64().unwrap() > 1.0, "{compared}");
 }
 
 #[test]

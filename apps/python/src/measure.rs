@@ -11,10 +11,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use starbreak_runs::Error;
 use starbreak_runs::dataset::SourceSpec;
-use starbreak_runs::divergence::{
-    Eye, MAX_DRAWS, MAX_SIDE_PX, NamedSet, check_settings, compare_read_sets,
+use starbreak_runs::divergence::{Eye, MAX_DRAWS, MAX_SIDE_PX, NamedSet};
+use starbreak_runs::eval::divergence::{
+    Background, CompareSettings, ImageSet, ReadSettings, compare_sets,
 };
-use starbreak_runs::eval::divergence::{AnalysisSize, Background, CompareSettings, ReadSettings};
 use starbreak_runs::eval::{AreaRange, Protocol};
 use starbreak_runs::evaluation::{
     EvaluateRequest, MAX_WORST, REPLICATES, REPORT_FILES, evaluate_files, report_batch,
@@ -170,16 +170,15 @@ pub(crate) fn evaluate<'py>(
 /// seed: of these draws.
 /// side: shorter side of the image that gradients and spectra are taken of, px; 0 for its own.
 /// background: what shows through where an image is transparent, `black`, `gray` or `white`.
-/// model, layer: an ONNX detector whose activations are compared, too, and the name of the value;
-/// sigma: the width of the RBF kernel of MMD, above 0.
+/// model, layer: an ONNX detector whose activations are compared, too, and the name of the value.
 /// threads: 0 for one per processor.
 ///
 /// An image that cannot be read is in no number, and listed under `failed` of its set. Raises
 /// `ValueError` and `OSError` as `evaluate`; Ctrl-C ends the reading of images, but not the draws.
 #[pyfunction]
 #[pyo3(
-    signature = (*sets, limit = None, alpha = Given::of(Real(0.5)), bootstrap = Whole::of(1000), permutations = Whole::of(999), splits = Whole::of(100), seed = SeedArg::ZERO, side = Whole::of(256), background = Given::of("black".to_owned()), model = None, layer = None, sigma = Given::of(Real(10.0)), threads = Whole::of(0)),
-    text_signature = "(*sets, limit=None, alpha=0.5, bootstrap=1000, permutations=999, splits=100, seed=0, side=256, background='black', model=None, layer=None, sigma=10.0, threads=0)"
+    signature = (*sets, limit = None, alpha = Given::of(Real(0.5)), bootstrap = Whole::of(1000), permutations = Whole::of(999), splits = Whole::of(100), seed = SeedArg::ZERO, side = Whole::of(256), background = Given::of("black".to_owned()), model = None, layer = None, threads = Whole::of(0)),
+    text_signature = "(*sets, limit=None, alpha=0.5, bootstrap=1000, permutations=999, splits=100, seed=0, side=256, background='black', model=None, layer=None, threads=0)"
 )]
 #[expect(
     clippy::too_many_arguments,
@@ -198,7 +197,6 @@ pub(crate) fn divergence<'py>(
     background: Given<String>,
     model: Option<Given<PathBuf>>,
     layer: Option<Given<String>>,
-    sigma: Given<Real>,
     threads: Whole,
 ) -> PyResult<Bound<'py, PyAny>> {
     let sets = sets.into_iter().enumerate();
@@ -210,19 +208,11 @@ pub(crate) fn divergence<'py>(
         let said = "layer is one of a model; give model, too, or leave layer out";
         return Err(PyValueError::new_err(said));
     }
-    let sigma = sigma.named("sigma")?.0;
     let background = background.named("background")?;
     let reading = ReadSettings {
-        background: match background.as_str() {
-            "black" => Background::Black,
-            "gray" => Background::Gray,
-            "white" => Background::White,
-            other => return Err(one_of("background", other, &["black", "gray", "white"])),
-        },
-        analysis: AnalysisSize {
-            shorter_side_px: side.within("side", 0..=MAX_SIDE_PX)?,
-            ..AnalysisSize::default()
-        },
+        background: Background::of_name(&background)
+            .ok_or_else(|| one_of("background", &background, &Background::NAMES))?,
+        shorter_side_px: side.within("side", 0..=MAX_SIDE_PX)?,
     };
     let settings = CompareSettings {
         alpha: alpha.named("alpha")?.0,
@@ -230,31 +220,25 @@ pub(crate) fn divergence<'py>(
         n_permutations: permutations.within("permutations", 0..=MAX_DRAWS)?,
         n_splits: splits.within("splits", 0..=MAX_DRAWS)?,
         seed: seed.0.0,
-        ..CompareSettings::default()
     };
     let limit = limit
         .map(|n| n.within("limit", 1..=usize::MAX))
         .transpose()?;
     let report = watched(py, &threads, |stop| -> Result<_, Error> {
-        check_settings(&reading, &settings, limit, sigma)?;
-        // Nothing is written that a link could lead to.
-        let named = NamedSet::parse_all(&sets)?.into_iter();
-        let named: Vec<NamedSet> = named.map(|set| set.following_links(true)).collect();
-        let eye = model
-            .map(|model| Eye::open(&model, layer.as_deref()))
-            .transpose()?;
-        let mut read = Vec::with_capacity(named.len());
-        for set in &named {
-            read.push(
-                set.open(limit)?
-                    .read(&reading, eye.as_ref(), stop, &|| ())?,
-            );
-        }
+        let named = NamedSet::parse_all(&sets)?;
+        let eye = model.map(|model| Eye::open(&model, layer.as_deref()));
+        let eye = eye.transpose()?;
+        let read = named.into_iter().map(|set| {
+            // Nothing is written that a link could lead to.
+            let set = set.following_links(true);
+            let open = set.open(limit)?;
+            open.read(&reading, eye.as_ref(), stop, &|| ())
+        });
+        let read: Vec<ImageSet> = read.collect::<Result<_, _>>()?;
         if stop.load(Ordering::Relaxed) {
             return Err(Error::Interrupted);
         }
-        let eye = eye.as_ref().map(|eye| (eye, sigma));
-        let report = compare_read_sets(&read, &reading, &settings, eye)?;
+        let report = compare_sets(&read, &reading, &settings)?;
         Ok(serde_json::to_value(report).unwrap_or_default())
     })?;
     python_of(py, &report)

@@ -128,8 +128,6 @@ def test_divergence_says_what_the_command_prints(command, labeled, tmp_path, sma
         (lambda f: of(f, source="coco:here"), "both hold labels; give one of them"),
         (lambda f: of(f, source="coco:here", ground_truth="nowhere.json"), "both hold labels; give one of them"),
         (lambda f: compared(f, layer="x"), "layer is one of a model; give model, too"),
-        (lambda f: compared(f, sigma=0.0), "sigma = 0; the width of the kernel is a finite number above 0"),
-        (lambda f: compared(f, sigma=float("nan")), "sigma = NaN; the width"),
         (lambda f: compared(f, form="networks"), "has no image that can be read (0 failed)"),
         (lambda f: compared(f, form="networks"), "or with networks (JSON)"),
         (lambda f: starbreak.evaluate("voc:here", clean=f / "clean.json"), "voc"),

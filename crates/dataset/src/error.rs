@@ -53,7 +53,7 @@ pub enum DatasetError {
     },
     /// A file that is not an array of floats.
     #[error(
-        "{name:?} is not a NumPy file of floats: {reason}; write it with numpy.save of a float32 or float64 array"
+        "{name:?} is not a NumPy file of floats: {reason}; write it with numpy.save of numpy.ascontiguousarray(x, \"<f4\")"
     )]
     BadArray {
         /// The file.

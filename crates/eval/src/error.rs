@@ -185,28 +185,17 @@ pub enum EvalError {
         /// The value.
         alpha: f64,
     },
-    /// Sides of a mean and a covariance that do not fit each other.
-    #[error("{what} has {n_values} values; {n_dimensions} dimensions need {expected}")]
+    /// Feature vectors that do not come out even.
+    #[error("{n_values} values are no feature vectors of {n_dimensions} values each")]
     Dimensions {
-        /// What does not fit.
-        what: &'static str,
-        /// How many values it has.
+        /// How many values there are.
         n_values: usize,
-        /// Dimensions of the distribution.
+        /// How many each vector should have.
         n_dimensions: usize,
-        /// How many values it needs.
-        expected: usize,
     },
-    /// A matrix that is not the covariance of anything, or not one with an inverse.
-    #[error("{what} is not a covariance: {fact}; {way_out}")]
-    Covariance {
-        /// Which one.
-        what: &'static str,
-        /// What is wrong with it.
-        fact: String,
-        /// What to do.
-        way_out: &'static str,
-    },
+    /// A covariance whose eigenvalues cannot be found.
+    #[error("the eigenvalues of a covariance do not converge; scale the features to about 1")]
+    Eigenvalues,
     /// A feature vector with a value that is none.
     #[error(
         "feature {column} of vector {row} is {value}; expected finite numbers, all below 1e100"
@@ -219,15 +208,11 @@ pub enum EvalError {
         /// The value.
         value: f64,
     },
-    /// Too few feature vectors for the measure.
-    #[error("{n} feature vectors; {measure} needs {least} at least, so take more images")]
+    /// Too few feature vectors for a distance.
+    #[error("{n} feature vectors; a distance needs 2 at least of each set, so take more images")]
     FewVectors {
         /// How many there are.
         n: usize,
-        /// The measure.
-        measure: &'static str,
-        /// How many it needs.
-        least: usize,
     },
     /// Feature vectors of different lengths.
     #[error(
@@ -238,12 +223,6 @@ pub enum EvalError {
         n_a: usize,
         /// Length of those of the second set.
         n_b: usize,
-    },
-    /// A kernel's width that is none.
-    #[error("sigma = {sigma}; the width of the kernel is a finite number above 0")]
-    KernelWidth {
-        /// The value.
-        sigma: f64,
     },
     /// A set in which no image could be read.
     #[error(
@@ -257,16 +236,6 @@ pub enum EvalError {
         n_failed: usize,
         /// The first of them, and why.
         first: String,
-    },
-    /// A setting of the comparison out of its range.
-    #[error("{name} = {value}; expected {expected}")]
-    DivergenceSetting {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: String,
-        /// What it may be.
-        expected: &'static str,
     },
     /// Sets that cannot be compared with each other.
     #[error("{fact}; {way_out}")]

@@ -1,24 +1,30 @@
 //! Sets of images as they are named, and read: what `starbreak divergence` compares.
 
 use std::ffi::{OsStr, OsString};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use image::{DynamicImage, RgbImage};
-use starbreak_dataset::{Source, SourceFormat, SourceSpec, blake3_hex};
+use rayon::prelude::*;
+use starbreak_dataset::{
+    BadRecord, ImageLimits, Source, SourceFile, SourceFormat, SourceSpec, blake3_hex, read_image,
+};
 use starbreak_eval::EvalError;
 use starbreak_eval::detector::{Detector, DetectorOptions};
-use starbreak_eval::divergence::{
-    CompareSettings, DivergenceReport, FailedImage, ImageFile, ImageSet, NamedPattern,
-    ReadSettings, VectorOf, compare_sets, compare_vectors,
-};
+use starbreak_eval::divergence::{FailedImage, ImageSet, Item, ReadSettings};
+use starbreak_glass::CrackNetwork;
 
 use crate::Error;
 use crate::bank::{BankIn, PatternBank};
-use crate::{crack_geometry, read_network};
+use crate::read_network;
 
 /// Before the folder of crack networks.
 const NETWORKS: &str = "networks:";
+
+/// Most draws of each kind.
+pub const MAX_DRAWS: usize = 1_000_000;
+
+/// Longest side that images are analyzed at, px.
+pub const MAX_SIDE_PX: u32 = 8192;
 
 /// The model by whose activations images are compared.
 #[derive(Debug)]
@@ -50,36 +56,6 @@ impl Eye {
             origin,
         })
     }
-
-    /// Adds the comparison of activations to each pair of a report, with an RBF kernel of width
-    /// `sigma`; sets of one image have none.
-    ///
-    /// # Errors
-    /// [`Error::Eval`].
-    pub fn compare(
-        &self,
-        sets: &[ImageSet],
-        sigma: f64,
-        settings: &CompareSettings,
-        report: &mut DivergenceReport,
-    ) -> Result<(), Error> {
-        for pair in &mut report.pairs {
-            let place = |name: &str| sets.iter().position(|set| set.name() == name);
-            let Some((a, b)) = place(&pair.a).zip(place(&pair.b)) else {
-                continue;
-            };
-            let vectors = |at: usize| sets.get(at).and_then(ImageSet::vectors);
-            let (Some(of_a), Some(of_b)) = (vectors(a), vectors(b)) else {
-                continue;
-            };
-            if of_a.n() < 2 || of_b.n() < 2 {
-                continue;
-            }
-            let compared = compare_vectors(of_a, of_b, &self.origin, sigma, [a, b], settings)?;
-            pair.activations = Some(compared);
-        }
-        Ok(())
-    }
 }
 
 /// A set that was named.
@@ -90,41 +66,26 @@ pub struct NamedSet {
     is_networks: bool,
 }
 
-/// What is read of a set.
-#[derive(Debug)]
-enum Content {
-    Images(Source),
-    Networks(Source),
-    /// The patterns of a bank, as pictures.
-    Bank(Box<PatternBank>),
-}
-
 impl NamedSet {
     /// `[NAME=]FORMAT:PATH`; the format may be `networks`, for the crack networks of a folder.
     ///
     /// # Errors
     /// [`Error::Dataset`] for an unknown format.
     pub fn parse(text: &OsStr) -> Result<Self, Error> {
-        let whole = text.to_string_lossy();
         let (name, rest) = match text.to_str().and_then(|text| text.split_once('=')) {
             Some((name, rest)) if !name.is_empty() && !name.contains([':', '/']) => {
                 (name.to_owned(), OsString::from(rest))
             }
-            _ => (whole.clone().into_owned(), text.to_owned()),
+            _ => (text.to_string_lossy().into_owned(), text.to_owned()),
         };
-        if let Some(folder) = rest.to_str().and_then(|rest| rest.strip_prefix(NETWORKS)) {
-            let spec = SourceSpec::new(SourceFormat::Folder, folder);
-            return Ok(Self {
-                name,
-                spec,
-                is_networks: true,
-            });
-        }
-        let spec = SourceSpec::parse(&rest)?;
+        let folder = rest.to_str().and_then(|rest| rest.strip_prefix(NETWORKS));
         Ok(Self {
             name,
-            spec,
-            is_networks: false,
+            spec: match folder {
+                Some(folder) => SourceSpec::new(SourceFormat::Folder, folder),
+                None => SourceSpec::parse(&rest)?,
+            },
+            is_networks: folder.is_some(),
         })
     }
 
@@ -132,16 +93,14 @@ impl NamedSet {
     /// format where it has its layout.
     #[must_use]
     pub fn parse_or(text: &OsStr, name: &str, layout: Option<SourceFormat>) -> Self {
+        let name = name.to_owned();
         if let Ok(named) = Self::parse(text) {
-            return Self {
-                name: name.to_owned(),
-                ..named
-            };
+            return Self { name, ..named };
         }
         let spec = |format| SourceSpec::new(format, text);
         let special = layout.map(spec).filter(|spec| Source::open(spec).is_ok());
         Self {
-            name: name.to_owned(),
+            name,
             spec: special.unwrap_or_else(|| spec(SourceFormat::Folder)),
             is_networks: false,
         }
@@ -183,22 +142,21 @@ impl NamedSet {
         Ok(named)
     }
 
-    /// Its name.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     /// Opens it; at most the first `limit` images count. A plain folder that holds a bank of cracks
     /// is that bank, whose patterns are rendered on black.
     ///
     /// # Errors
     /// [`Error::Dataset`] for a folder that is not what its format says.
     pub fn open(&self, limit: Option<usize>) -> Result<OpenSet<'_>, Error> {
+        let limit = limit.unwrap_or(usize::MAX);
         let is_folder = self.spec.format == SourceFormat::Folder && !self.is_networks;
-        let bank = BankIn::folder(&self.spec.path).filter(|_| is_folder);
-        let content = match bank {
-            Some(BankIn::Cracks) => Content::Bank(Box::new(PatternBank::open(&self.spec.path)?)),
+        let (kind, members) = match BankIn::folder(&self.spec.path).filter(|_| is_folder) {
+            Some(BankIn::Cracks) => {
+                let bank = PatternBank::open(&self.spec.path)?;
+                let name = |idx| Ok((format!("pattern {idx}"), self.spec.path.clone()));
+                let members = (0..bank.len().min(limit)).map(name).collect();
+                (Kind::Bank(Box::new(bank)), members)
+            }
             Some(BankIn::Photos) => {
                 return Err(Error::Divergence {
                     why: format!(
@@ -207,13 +165,25 @@ impl NamedSet {
                     ),
                 });
             }
-            None if self.is_networks => Content::Networks(Source::open(&self.spec)?),
-            None => Content::Images(Source::open(&self.spec)?),
+            None if self.is_networks => {
+                let source = Source::open(&self.spec)?;
+                let is_network = |file: &SourceFile| file.name.to_lowercase().ends_with(".json");
+                let files = source.files();
+                let files = files.filter(|file| file.as_ref().map_or(true, is_network));
+                let files = files.map(|file| file.map(|file| (file.name, file.path)));
+                (Kind::Networks, files.take(limit).collect())
+            }
+            None => {
+                let source = Source::open(&self.spec)?;
+                let images = source.images().take(limit);
+                let images = images.map(|image| image.map(|image| (image.name, image.path)));
+                (Kind::Images, images.collect())
+            }
         };
         Ok(OpenSet {
-            named: self,
-            content,
-            limit,
+            name: &self.name,
+            kind,
+            members,
         })
     }
 }
@@ -221,25 +191,31 @@ impl NamedSet {
 /// A set that is open.
 #[derive(Debug)]
 pub struct OpenSet<'a> {
-    named: &'a NamedSet,
-    content: Content,
-    limit: Option<usize>,
+    name: &'a str,
+    kind: Kind,
+    /// Name and file of each.
+    members: Vec<Result<(String, PathBuf), BadRecord>>,
+}
+
+/// What a set is made of.
+#[derive(Debug)]
+enum Kind {
+    Images,
+    Networks,
+    /// The patterns of a bank, as pictures.
+    Bank(Box<PatternBank>),
 }
 
 impl OpenSet<'_> {
-    /// How many images will be read; networks, which are quick, count as none.
+    /// How many images, networks or patterns will be read.
     #[must_use]
-    pub fn n_images(&self) -> usize {
-        let limit = self.limit.unwrap_or(usize::MAX);
-        match &self.content {
-            Content::Networks(_) => 0,
-            Content::Images(source) => source.images().take(limit).count(),
-            Content::Bank(bank) => bank.len().min(limit),
-        }
+    pub fn n(&self) -> usize {
+        self.members.len()
     }
 
-    /// Reads it, in the thread pool of the caller; `step` is called after each image, and once
-    /// `stop` is set no further image begins.
+    /// Reads it, in the thread pool of the caller, with one decoded image per thread in memory; the same for
+    /// any number of threads. What cannot be read is listed, and the rest is taken. `step` is called after
+    /// each image. Once `stop` is set, no further one begins, and each one left has failed.
     ///
     /// # Errors
     /// [`Error::Eval`] where nothing can be read.
@@ -250,132 +226,71 @@ impl OpenSet<'_> {
         stop: &AtomicBool,
         step: &(dyn Fn() + Sync),
     ) -> Result<ImageSet, Error> {
-        let name = &self.named.name;
-        let vector_of = |image: &RgbImage| -> Result<Vec<f32>, String> {
-            let Some(eye) = eye else {
-                return Ok(Vec::new());
-            };
-            let found = eye.detector.pooled_activations(name, image, &eye.layer);
-            found.map_err(|error| error.to_string())
-        };
-        let vector_of = eye.map(|_| &vector_of as &VectorOf<'_>);
-        match &self.content {
-            Content::Networks(source) => {
-                Ok(ImageSet::of_patterns(name, networks(source, self.limit))?)
-            }
-            Content::Images(source) => Ok(ImageSet::read(
-                name, source, reading, self.limit, vector_of, stop, step,
-            )?),
-            Content::Bank(bank) => {
-                let files: Vec<ImageFile> = (0..self.n_images())
-                    .map(|idx| ImageFile {
-                        name: format!("pattern {idx}"),
-                        path: idx.to_string().into(),
-                    })
-                    .collect();
-                let picture = |path: &Path| -> Result<(DynamicImage, String), String> {
-                    if stop.load(Ordering::Relaxed) {
-                        return Err("interrupted".to_owned());
-                    }
-                    let idx = path.to_string_lossy().parse().unwrap_or(usize::MAX);
-                    let picture = bank.picture(idx).map_err(|error| error.to_string())?;
-                    step();
-                    let digest = blake3_hex(picture.as_bytes());
-                    Ok((picture, digest))
-                };
-                Ok(ImageSet::of_files(
-                    name, &files, reading, vector_of, &picture,
-                )?)
-            }
-        }
-    }
-}
-
-/// Most draws of each kind.
-pub const MAX_DRAWS: usize = 1_000_000;
-
-/// Longest side that images are analyzed at, px.
-pub const MAX_SIDE_PX: u32 = 8192;
-
-/// Says whether settings, and the width `sigma` of the RBF kernel, are in their ranges, before
-/// anything is read.
-///
-/// # Errors
-/// [`Error::Eval`] for the kernel, [`Error::Divergence`] for all else, naming the value and what is possible.
-pub fn check_settings(
-    reading: &ReadSettings,
-    settings: &CompareSettings,
-    limit: Option<usize>,
-    sigma: f64,
-) -> Result<(), Error> {
-    let refused = |why: String| Err(Error::Divergence { why });
-    for (name, n) in [
-        ("bootstrap", settings.n_bootstrap),
-        ("permutations", settings.n_permutations),
-        ("splits", settings.n_splits),
-    ] {
-        if n > MAX_DRAWS {
-            return refused(format!("{name} = {n}; expected 0 to {MAX_DRAWS}"));
-        }
-    }
-    if reading.analysis.shorter_side_px > MAX_SIDE_PX {
-        return refused(format!(
-            "side = {} px; expected 0 to {MAX_SIDE_PX}",
-            reading.analysis.shorter_side_px
-        ));
-    }
-    if !(sigma.is_finite() && sigma > 0.0) {
-        return Err(EvalError::KernelWidth { sigma }.into());
-    }
-    if limit == Some(0) {
-        return refused("limit = 0; expected 1 or more images of each set".to_owned());
-    }
-    Ok(())
-}
-
-/// Compares sets that were read, pair by pair; also by their activations where a model looked at
-/// them, with an RBF kernel of width `sigma`.
-///
-/// # Errors
-/// [`Error::Eval`].
-pub fn compare_read_sets(
-    sets: &[ImageSet],
-    reading: &ReadSettings,
-    settings: &CompareSettings,
-    eye: Option<(&Eye, f64)>,
-) -> Result<DivergenceReport, Error> {
-    let mut report = compare_sets(sets, reading, settings, &[])?;
-    if let Some((eye, sigma)) = eye {
-        eye.compare(sets, sigma, settings, &mut report)?;
-    }
-    Ok(report)
-}
-
-/// The networks of a folder.
-fn networks(source: &Source, limit: Option<usize>) -> Vec<Result<NamedPattern, FailedImage>> {
-    let files = source.files().filter(|file| {
-        file.as_ref()
-            .map_or(true, |file| file.name.to_lowercase().ends_with(".json"))
-    });
-    files
-        .take(limit.unwrap_or(usize::MAX))
-        .map(|file| {
-            let file = file.map_err(|bad| FailedImage {
-                name: bad.place,
-                reason: bad.reason,
+        let members = self.members.par_iter().enumerate();
+        let items = members.map(|(idx, member)| {
+            let (name, path) = member.as_ref().map_err(|bad| FailedImage {
+                name: bad.place.clone(),
+                reason: bad.reason.clone(),
             })?;
-            let failed = |reason: String| FailedImage {
-                name: file.name.clone(),
-                reason,
+            let item = if stop.load(Ordering::Relaxed) {
+                Err(Error::Interrupted)
+            } else {
+                self.item(idx, name, path, reading, eye)
             };
-            let imported = read_network(&file.path).map_err(|error| failed(error.to_string()))?;
-            let geometry =
-                crack_geometry(&imported.network).map_err(|error| failed(error.to_string()))?;
-            Ok(NamedPattern {
-                name: file.name.clone(),
-                digest: imported.sha256,
-                geometry,
+            step();
+            item.map_err(|error| FailedImage {
+                name: name.clone(),
+                reason: error.to_string(),
             })
-        })
-        .collect()
+        });
+        let origin = eye.map(|eye| eye.origin.as_str());
+        Ok(ImageSet::new(self.name, items.collect(), origin)?)
+    }
+
+    /// One of its images, networks or patterns.
+    fn item(
+        &self,
+        idx: usize,
+        name: &str,
+        path: &Path,
+        reading: &ReadSettings,
+        eye: Option<&Eye>,
+    ) -> Result<Item, Error> {
+        let (pixels, digest) = match &self.kind {
+            Kind::Networks => {
+                let imported = read_network(path)?;
+                return Ok(network_item(name, imported.sha256, &imported.network)?);
+            }
+            Kind::Images => {
+                let file = read_image(path, &ImageLimits::default())?;
+                (file.pixels, file.blake3)
+            }
+            Kind::Bank(bank) => {
+                let picture = bank.picture(idx)?;
+                let digest = blake3_hex(picture.as_bytes());
+                (picture, digest)
+            }
+        };
+        let rgb = reading.opaque(&pixels);
+        let vector = match eye {
+            Some(eye) => {
+                let detector = &eye.detector;
+                detector.pooled_activations(self.name, &rgb, &eye.layer)?
+            }
+            None => Vec::new(),
+        };
+        Ok(Item::of_image(name, digest, &rgb, reading, vector))
+    }
+}
+
+/// A network, in diagonals of its pane.
+fn network_item(name: &str, digest: String, network: &CrackNetwork) -> Result<Item, EvalError> {
+    let data = network.data();
+    let places = data.nodes.x.iter().zip(&data.nodes.y);
+    let nodes: Vec<[f64; 2]> = places.map(|(x, y)| [*x, *y]).collect();
+    let place = |node: &u32| usize::try_from(*node).unwrap_or(usize::MAX);
+    let ends = data.segments.from.iter().zip(&data.segments.to);
+    let segments: Vec<[usize; 2]> = ends.map(|(from, to)| [place(from), place(to)]).collect();
+    let diagonal = libm::hypot(data.pane.width, data.pane.height);
+    Item::of_network(name, digest, &nodes, &segments, diagonal)
 }

@@ -7,7 +7,6 @@
 pub mod bank;
 pub mod clip;
 mod clip_error;
-mod crack_geometry;
 pub mod divergence;
 mod error;
 pub mod evaluation;
@@ -20,7 +19,6 @@ mod provenance;
 pub mod study;
 mod threads;
 
-pub use crack_geometry::crack_geometry;
 pub use error::Error;
 pub use network_file::{MAX_NETWORK_FILE_BYTES, read_network};
 pub use patterns::Patterns;

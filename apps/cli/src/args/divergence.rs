@@ -16,11 +16,11 @@ pub(crate) struct DivergenceArgs {
     /// Folder for divergence.json, divergence.csv and divergence.svg
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
-    /// Measures of given histograms and distributions instead: JSON, a list of {p, q, alpha}, or an
-    /// object of such lists under hist, gauss, frechet, mmd, edge
+    /// Measures of given histograms instead: JSON, a list of {p, q, alpha}, or an object with one under
+    /// hist
     #[arg(long, value_name = "FILE", conflicts_with_all = ["sets", "features", "experiment", "output"])]
     pub(crate) histograms: Option<PathBuf>,
-    /// Fréchet distance, KID and MMD of feature vectors made elsewhere: NumPy files of n × d floats
+    /// Fréchet distance and KID of feature vectors made elsewhere: NumPy files of n × d floats
     #[arg(long, num_args = 2, value_names = ["A.npy", "B.npy"], conflicts_with_all = ["sets", "experiment", "output"])]
     pub(crate) features: Option<Vec<PathBuf>>,
     /// Counts added to each bin
@@ -42,18 +42,15 @@ pub(crate) struct DivergenceArgs {
     #[arg(long, value_name = "PX", default_value_t = 256, value_parser = clap::value_parser!(u32).range(0..=8192))]
     pub(crate) side: u32,
     /// What shows through where an image is transparent
-    #[arg(long, value_enum, default_value_t = BackgroundWord::Black)]
-    pub(crate) background: BackgroundWord,
-    /// Compare the activations of a layer of this ONNX detector, too: Fréchet distance, KID, MMD
+    #[arg(long, value_name = "COLOR", default_value = "black", value_parser = ["black", "gray", "white"])]
+    pub(crate) background: String,
+    /// Compare the activations of a layer of this ONNX detector, too: Fréchet distance, KID
     #[arg(long, value_name = "FILE.onnx", conflicts_with_all = ["histograms", "features"])]
     pub(crate) model: Option<PathBuf>,
     /// Name of the value in the model whose channel means are the features; the widest of its
     /// coarsest maps unless given
     #[arg(long, value_name = "NAME", requires = "model")]
     pub(crate) layer: Option<String>,
-    /// Width of the RBF kernel of MMD, in units of the features; 10 is that of CMMD
-    #[arg(long, value_name = "X", default_value_t = 10.0)]
-    pub(crate) sigma: f64,
     #[command(flatten)]
     pub(crate) experiment: ExperimentArgs,
 }
@@ -98,15 +95,4 @@ pub(crate) struct ExperimentArgs {
 pub(crate) enum ExperimentWord {
     /// The figure of K-L divergences of the paper
     Paper,
-}
-
-/// What shows through.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum BackgroundWord {
-    /// Code 0
-    Black,
-    /// Code 128
-    Gray,
-    /// Code 255
-    White,
 }

@@ -2,21 +2,20 @@
 
 mod experiment;
 mod given;
-mod sets;
 mod show;
 
 use std::process::ExitCode;
 
-use serde_json::Value;
+use serde::Serialize;
 use starbreak_eval::divergence::{
-    AnalysisSize, Background, CompareSettings, DivergenceReport, ReadSettings, divergence_csv,
-    divergence_svg,
+    Background, CompareSettings, DivergenceReport, ImageSet, ReadSettings, compare_sets,
+    divergence_csv, divergence_svg,
 };
-use starbreak_runs::divergence::compare_read_sets;
+use starbreak_runs::divergence::{Eye, NamedSet};
 use starbreak_runs::with_threads;
 
 use crate::args::Global;
-use crate::args::divergence::{BackgroundWord, DivergenceArgs};
+use crate::args::divergence::DivergenceArgs;
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
@@ -35,48 +34,85 @@ pub(crate) fn run(
     if let Some(folder) = &args.output {
         global.refuse_taken(&FILES.map(|name| folder.join(name)))?;
     }
-    let n_threads = usize::from(global.threads);
+    let reading = ReadSettings {
+        background: Background::of_name(&args.background).unwrap_or(Background::Black),
+        shorter_side_px: args.side,
+    };
     let settings = CompareSettings {
         alpha: args.alpha,
         n_bootstrap: wide(args.bootstrap),
         n_permutations: wide(args.permutations),
         n_splits: wide(args.splits),
         seed: global.seed,
-        ..CompareSettings::default()
     };
-    if let Some(files) = &args.features {
-        return with_threads(n_threads, || {
-            given::features(files, args.sigma, &settings, screen)
-        })?;
-    }
-    let reading = reading(args);
-    let interrupt = Interrupt::listen();
-    if args.experiment.experiment.is_some() {
-        return with_threads(n_threads, || {
-            experiment::run(global, args, &reading, &settings, &interrupt, screen)
-        })?;
-    }
-    with_threads(n_threads, || {
-        let eye = sets::eye(args)?;
-        let sets = sets::read_all(global, args, &reading, eye.as_ref(), &interrupt, screen)?;
-        let eye = eye.as_ref().map(|eye| (eye, args.sigma));
-        let report = compare_read_sets(&sets, &reading, &settings, eye)?;
+    with_threads(usize::from(global.threads), || {
+        if let Some(files) = &args.features {
+            return given::features(files, screen);
+        }
+        let interrupt = Interrupt::listen();
+        let model = args.model.as_deref();
+        let eye = model.map(|model| Eye::open(model, args.layer.as_deref()));
+        let reader = Reader {
+            global,
+            args,
+            reading,
+            eye: eye.transpose()?,
+            interrupt: &interrupt,
+            screen,
+        };
+        if args.experiment.experiment.is_some() {
+            return experiment::run(&reader, &settings);
+        }
+        let named = NamedSet::parse_all(&args.sets)?.into_iter();
+        let sets = named.map(|named| reader.read(named));
+        let sets: Vec<ImageSet> = sets.collect::<Result<_, _>>()?;
+        let report = compare_sets(&sets, &reading, &settings)?;
         interrupt.check()?;
         show::report(&report, screen);
-        let value = serde_json::to_value(&report).map_err(Failure::wrong_input)?;
-        finish(global, args, &report, value, screen)
+        finish(&reader, &report, &report)
     })?
 }
 
-/// Writes the files, says what failed.
+/// Reads sets of the command line.
+struct Reader<'a> {
+    global: &'a Global,
+    args: &'a DivergenceArgs,
+    reading: ReadSettings,
+    eye: Option<Eye>,
+    interrupt: &'a Interrupt,
+    screen: &'a Screen,
+}
+
+impl Reader<'_> {
+    /// Reads a set, with a progress bar, and says which images could not be.
+    fn read(&self, named: NamedSet) -> Result<ImageSet, Failure> {
+        let named = named.following_links(self.global.follow_links);
+        let open = named.open(self.args.limit.map(wide))?;
+        let n = u64::try_from(open.n()).unwrap_or(u64::MAX);
+        let progress = self.screen.progress(n, "images");
+        let (eye, stop) = (self.eye.as_ref(), self.interrupt.flag());
+        let set = open.read(&self.reading, eye, stop, &|| progress.step());
+        progress.finish();
+        self.interrupt.check()?;
+        let set = set?;
+        let name = &set.summary.name;
+        for failed in &set.summary.failed {
+            let line = format!("{name}: {}: {}", failed.name, failed.reason);
+            self.screen.note(&line);
+        }
+        Ok(set)
+    }
+}
+
+/// Writes the files of a report, of which `all` is the JSON; says what failed.
 fn finish(
-    global: &Global,
-    args: &DivergenceArgs,
+    reader: &Reader<'_>,
     report: &DivergenceReport,
-    value: Value,
-    screen: &Screen,
+    all: &impl Serialize,
 ) -> Result<ExitCode, Failure> {
-    if let Some(folder) = &args.output {
+    let (global, screen) = (reader.global, reader.screen);
+    let value = serde_json::to_value(all).map_err(Failure::wrong_input)?;
+    if let Some(folder) = &reader.args.output {
         let text = serde_json::to_string_pretty(&value).map_err(Failure::wrong_input)?;
         let contents = [text + "\n", divergence_csv(report), divergence_svg(report)];
         let mut batch = global.batch();
@@ -84,11 +120,8 @@ fn finish(
             batch.stage(&folder.join(name), content.as_bytes())?;
         }
         batch.commit()?;
-        screen.say(&format!(
-            "wrote {} to {}",
-            FILES.join(", "),
-            path_text(folder)
-        ));
+        let files = FILES.join(", ");
+        screen.say(&format!("wrote {files} to {}", path_text(folder)));
     }
     screen.result(|| value)?;
     let n_failed: usize = report.sets.iter().map(|set| set.failed.len()).sum();
@@ -103,28 +136,6 @@ fn finish(
     })
 }
 
-fn reading(args: &DivergenceArgs) -> ReadSettings {
-    ReadSettings {
-        background: match args.background {
-            BackgroundWord::Black => Background::Black,
-            BackgroundWord::Gray => Background::Gray,
-            BackgroundWord::White => Background::White,
-        },
-        analysis: AnalysisSize {
-            shorter_side_px: args.side,
-            ..AnalysisSize::default()
-        },
-    }
-}
-
 fn wide(n: u32) -> usize {
     usize::try_from(n).unwrap_or(usize::MAX)
-}
-
-/// A number for people: four digits.
-fn digits(value: f64) -> String {
-    if value != 0.0 && value.abs() < 1e-3 {
-        return format!("{value:.2e}");
-    }
-    format!("{value:.4}")
 }

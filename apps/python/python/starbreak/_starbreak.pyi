@@ -358,6 +358,5 @@ def divergence(
     background: Literal["black", "gray", "white"] = "black",
     model: _Path | None = None,
     layer: str | None = None,
-    sigma: float = 10.0,
     threads: SupportsIndex = 0,
 ) -> dict[str, Any]: ...

@@ -1,431 +1,313 @@
 //! Every pair of sets, by every feature, with floor, interval and p-value.
 
-use std::collections::BTreeMap;
-
 use rayon::prelude::*;
 
 use super::draws::{Purpose, coins, multiplicities, stream, subset};
-use super::estimate::{ROUNDING, mean, quantile, share, sorted};
-use super::features::{BinAxis, Feature};
-use super::measures::{HistogramDivergence, circular_w1_bins, histogram_divergence};
-use super::notes::{are_paired, first_twins, n_shared, notes};
+use super::estimate::{ROUNDING, mean};
+use super::features::Feature;
+use super::histogram::{HistogramDivergence, histogram_divergence};
 use super::report::{
-    CompareSettings, DEFINITION, DivergenceReport, Estimate, FeatureComparison, FeatureOrdering,
-    Measure, OrderingTest, PairComparison, REPORT_SCHEMA, SetFloor,
+    CONFIDENCE, CompareSettings, DEFINITION, DivergenceReport, Estimate, FeatureComparison,
+    Measure, PairComparison, REPORT_SCHEMA, SetFloor, floor_of,
 };
-use super::sets::{ImageSet, Item, ReadSettings};
+use super::set::{ImageSet, Item};
+use super::vectors::compare_vectors;
+use super::{ReadSettings, VectorComparison};
 use crate::EvalError;
-
-/// An ordering holds in a feature above this probability…
-const SURE: f64 = 0.95;
-
-/// …and on the whole in so many features.
-const ENOUGH_FEATURES: usize = 4;
-
-/// A claim to be tested: sets by their places.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct OrderingClaim {
-    /// The pair that is claimed to be closer.
-    pub closer: [usize; 2],
-    /// The pair that is claimed to be farther.
-    pub farther: [usize; 2],
-}
 
 /// Full histograms, one for each feature.
 type Pooled = Vec<Vec<f64>>;
 
-/// What is measured of one feature in one comparison; none where a histogram is empty.
-type Values = Option<[f64; 7]>;
+/// What is measured in one comparison, one for each feature; none where a histogram is empty.
+pub(super) type Values = Vec<Option<HistogramDivergence>>;
 
-/// The measures of histograms in the order of [`Values`].
-const MEASURES: [Measure; 7] = [
-    Measure::KlAb,
-    Measure::KlBa,
-    Measure::Jeffreys,
-    Measure::Js,
-    Measure::W1Bins,
-    Measure::Hellinger,
-    Measure::Tv,
-];
-
-/// The place of [`Measure::Js`] there, by which orderings are judged.
-const JS: usize = 3;
-
-/// Every pair of at least two sets compared by all features that both have.
+/// Every pair of at least two sets compared by all features, and by their vectors where both have some.
 ///
 /// Histograms are pooled: the counts of a set are summed over its images, so that an image counts
 /// as much as it has pixels. Each draw has its own stream and sums go in the order of the images:
 /// the same numbers for any number of threads.
 ///
 /// # Errors
-/// [`EvalError::NotComparable`] for fewer than two sets, or sets without a feature in common, or a
-/// claim about sets that are not there; [`EvalError::Smoothing`] and
-/// [`EvalError::DivergenceSetting`] for settings out of range.
+/// [`EvalError::NotComparable`] for fewer than two sets, or images with networks; [`EvalError::Smoothing`] for
+/// an alpha out of range; as for [`compare_vectors`].
 pub fn compare_sets(
     sets: &[ImageSet],
     reading: &ReadSettings,
     settings: &CompareSettings,
-    claims: &[OrderingClaim],
 ) -> Result<DivergenceReport, EvalError> {
-    check(sets, settings, claims)?;
+    Ok(compare_with_replicates(sets, reading, settings)?.0)
+}
+
+/// As [`compare_sets`], with the values of every pair in each bootstrap replicate.
+pub(super) fn compare_with_replicates(
+    sets: &[ImageSet],
+    reading: &ReadSettings,
+    settings: &CompareSettings,
+) -> Result<(DivergenceReport, Vec<Vec<Values>>), EvalError> {
+    check(sets, settings.alpha)?;
     let pairs: Vec<[usize; 2]> = (0..sets.len())
         .flat_map(|a| (a + 1..sets.len()).map(move |b| [a, b]))
         .collect();
-    let features = &sets
-        .first()
-        .map(|set| set.features.clone())
-        .unwrap_or_default();
     let comparison = Comparison {
         sets,
         settings,
-        features,
+        wholes: sets.iter().map(whole).collect(),
     };
-    let pooled: Vec<Pooled> = sets
-        .iter()
-        .map(|set| comparison.pooled(set.items.iter(), |_| 1))
-        .collect();
-    let values: Vec<Vec<Values>> = pairs
-        .iter()
-        .map(|[a, b]| comparison.of_pools(pooled.get(*a), pooled.get(*b)))
-        .collect();
     let replicates = comparison.bootstrap(&pairs);
-    let floors: Vec<Vec<Vec<Values>>> = (0..sets.len())
-        .map(|s| comparison.halves(s, pooled.get(s)))
-        .collect();
-
+    let floors = (0..sets.len()).filter_map(|set| comparison.floor(set));
+    let floors: Vec<SetFloor> = floors.collect();
     let mut compared = Vec::new();
-    for (place, (&[a, b], values)) in pairs.iter().zip(&values).enumerate() {
-        let (Some(set_a), Some(set_b)) = (sets.get(a), sets.get(b)) else {
-            continue;
-        };
-        let relabeled = comparison.permutations([a, b]);
-        let spread = Spread {
-            bootstrap: replicates.iter().filter_map(|all| all.get(place)).collect(),
-            floors: [floors.get(a), floors.get(b)],
-            relabeled: &relabeled,
-            is_single: set_a.items.len() == 1 || set_b.items.len() == 1,
-            settings,
-        };
-        let by_feature = features.iter().zip(values).enumerate();
-        compared.push(PairComparison {
-            a: set_a.name.clone(),
-            b: set_b.name.clone(),
-            n_a: set_a.items.len(),
-            n_b: set_b.items.len(),
-            n_shared: n_shared(set_a, set_b),
-            is_paired: are_paired(set_a, set_b),
-            features: by_feature
-                .map(|(at, (feature, values))| spread.feature(at, *feature, values))
-                .collect(),
-            activations: None,
-        });
+    for (place, pair) in pairs.iter().enumerate() {
+        let drawn: Vec<&Values> = replicates.iter().map(|all| &all[place]).collect();
+        compared.push(comparison.pair(*pair, &drawn, &floors)?);
     }
-    let orderings = claims
-        .iter()
-        .map(|claim| comparison.ordering(claim, &pairs, &values, &replicates))
-        .collect();
-    Ok(DivergenceReport {
+    let shared = compared.iter().filter(|pair| pair.n_shared > 0);
+    let shared = shared.map(|pair| {
+        format!(
+            "{:?} and {:?} share {} identical files: the sets are not independent, so distances are too small and p-values too large",
+            pair.a, pair.b, pair.n_shared
+        )
+    });
+    let report = DivergenceReport {
         schema: REPORT_SCHEMA,
         definition: DEFINITION,
         log_base: "e",
+        confidence: CONFIDENCE,
         settings: *settings,
         reading: *reading,
-        sets: sets.iter().map(ImageSet::summary).collect(),
-        notes: notes(sets, &compared),
+        sets: sets.iter().map(|set| set.summary.clone()).collect(),
+        notes: sets
+            .iter()
+            .flat_map(ImageSet::notes)
+            .chain(shared)
+            .collect(),
         pairs: compared,
-        floors: comparison.set_floors(&floors),
-        orderings,
-    })
+        floors,
+    };
+    Ok((report, replicates))
 }
 
-fn check(
-    sets: &[ImageSet],
-    settings: &CompareSettings,
-    claims: &[OrderingClaim],
-) -> Result<(), EvalError> {
-    let refuse = |fact: String, way_out| Err(EvalError::NotComparable { fact, way_out });
-    let alpha = settings.alpha;
+fn check(sets: &[ImageSet], alpha: f64) -> Result<(), EvalError> {
     if !(alpha.is_finite() && alpha >= 0.0) {
         return Err(EvalError::Smoothing { alpha });
     }
-    if !(settings.confidence > 0.0 && settings.confidence < 1.0) {
-        return Err(EvalError::DivergenceSetting {
-            name: "confidence",
-            value: settings.confidence.to_string(),
-            expected: "a number between 0 and 1",
-        });
-    }
-    let Some((first, more)) = sets.split_first() else {
-        return refuse("there is no set".to_owned(), "give two or more");
+    let (fact, way_out) = match sets {
+        [] => ("there is no set".to_owned(), "give two or more"),
+        [one] => {
+            let fact = format!("{:?} is the only set", one.summary.name);
+            (fact, "give two or more")
+        }
+        [first, more @ ..] => {
+            let other = more.iter().find(|set| set.features != first.features);
+            let Some(other) = other else {
+                return Ok(());
+            };
+            let fact = format!(
+                "{:?} and {:?} have nothing in common: one is of images, one of crack networks",
+                first.summary.name, other.summary.name
+            );
+            (fact, "compare images with images")
+        }
     };
-    if more.is_empty() {
-        return refuse(
-            format!("{:?} is the only set", first.name),
-            "give two or more",
-        );
-    }
-    if let Some(other) = more.iter().find(|set| set.features != first.features) {
-        return refuse(
-            format!(
-                "{:?} and {:?} have nothing in common: one is of images, one of crack patterns",
-                first.name, other.name
-            ),
-            "compare images with images",
-        );
-    }
-    let mentioned = claims
-        .iter()
-        .flat_map(|claim| [claim.closer, claim.farther]);
-    if let Some([a, b]) = mentioned
-        .into_iter()
-        .find(|[a, b]| a >= b || *b >= sets.len())
-    {
-        return refuse(
-            format!("a claim names sets {a} and {b} of {}", sets.len()),
-            "name two different ones in their order",
-        );
-    }
-    Ok(())
+    Err(EvalError::NotComparable { fact, way_out })
 }
 
 struct Comparison<'a> {
     sets: &'a [ImageSet],
     settings: &'a CompareSettings,
-    features: &'a [Feature],
+    /// The histograms of each set.
+    wholes: Vec<Pooled>,
 }
 
 impl Comparison<'_> {
-    /// The sum of the items, each as often as said by its place.
-    fn pooled<'i>(
-        &self,
-        items: impl Iterator<Item = &'i Item>,
-        times: impl Fn(usize) -> u32,
-    ) -> Pooled {
-        let mut pooled: Pooled = self
-            .features
-            .iter()
-            .map(|f| vec![0.0; f.n_bins()])
-            .collect();
-        for (place, item) in items.enumerate() {
-            let times = times(place);
-            if times == 0 {
-                continue;
-            }
-            for (counts, histogram) in item.counts.iter().zip(&mut pooled) {
-                counts.add_to(histogram, f64::from(times));
-            }
-        }
-        pooled
-    }
-
-    /// All measures of all features.
-    fn of_pools(&self, a: Option<&Pooled>, b: Option<&Pooled>) -> Vec<Values> {
-        let (Some(a), Some(b)) = (a, b) else {
-            return vec![None; self.features.len()];
-        };
-        let pools = self.features.iter().zip(a.iter().zip(b));
-        pools
-            .map(|(feature, (p, q))| measured(*feature, p, q, self.settings.alpha))
-            .collect()
-    }
-
-    /// Values of all pairs for each replicate, in which all sets are drawn anew; sets of the same images by
+    /// The values of all pairs in each replicate, in which all sets are drawn anew; sets of the same images by
     /// name, such as a clean one and its cracked twin, get the same draws.
-    fn bootstrap(&self, pairs: &[[usize; 2]]) -> Vec<Vec<Vec<Values>>> {
-        let twins = first_twins(self.sets);
-        let replicate = |index: usize| -> Vec<Vec<Values>> {
-            let pools: Vec<Pooled> = twins
-                .iter()
-                .copied()
-                .zip(self.sets)
-                .map(|(place, set)| {
-                    let purpose = Purpose::Bootstrap;
-                    let mut random = stream(self.settings.seed, purpose, [place, place], index);
-                    let times = multiplicities(&mut random, set.items.len());
-                    self.pooled(set.items.iter(), |item| {
-                        times.get(item).copied().unwrap_or_default()
-                    })
-                })
-                .collect();
-            pairs
-                .iter()
-                .map(|[a, b]| self.of_pools(pools.get(*a), pools.get(*b)))
-                .collect()
+    fn bootstrap(&self, pairs: &[[usize; 2]]) -> Vec<Vec<Values>> {
+        let first_twin = |(place, set): (usize, &ImageSet)| {
+            let mut sets = self.sets.iter();
+            sets.position(|other| other.is_twin_of(set))
+                .unwrap_or(place)
         };
-        (0..self.settings.n_bootstrap)
-            .into_par_iter()
-            .map(replicate)
-            .collect()
-    }
-
-    /// Values of one half of a set against the other, for each split; none of a set of one image.
-    fn halves(&self, place: usize, whole: Option<&Pooled>) -> Vec<Vec<Values>> {
-        let (Some(set), Some(whole)) = (self.sets.get(place), whole) else {
-            return Vec::new();
-        };
-        let n = set.items.len();
-        if n < 2 {
-            return Vec::new();
-        }
-        let split = |index: usize| {
-            let seed = self.settings.seed;
-            let mut random = stream(seed, Purpose::Halves, [place, place], index);
-            let is_first = subset(&mut random, n, n / 2);
-            let first = self.pooled(set.items.iter(), |item| {
-                is_first.get(item).map_or(0, |p| u32::from(*p))
+        let twins: Vec<usize> = self.sets.iter().enumerate().map(first_twin).collect();
+        draws(self.settings.n_bootstrap, |index| {
+            let drawn = self.sets.iter().zip(&twins).map(|(set, twin)| {
+                let mut random = self.stream(Purpose::Bootstrap, [*twin, *twin], index);
+                let times = multiplicities(&mut random, set.items.len());
+                pooled(set.features, &set.items, &times)
             });
-            let second = rest(whole, &first);
-            self.of_pools(Some(&first), Some(&second))
-        };
-        (0..self.settings.n_splits)
-            .into_par_iter()
-            .map(split)
-            .collect()
+            let drawn: Vec<Pooled> = drawn.collect();
+            let values = |[a, b]: &[usize; 2]| self.measured(&drawn[*a], &drawn[*b]);
+            pairs.iter().map(values).collect()
+        })
     }
 
-    fn set_floors(&self, floors: &[Vec<Vec<Values>>]) -> Vec<SetFloor> {
-        let of_set = |(set, splits): (&ImageSet, &Vec<Vec<Values>>)| -> Option<SetFloor> {
-            let mut features = BTreeMap::new();
-            for (at, feature) in self.features.iter().enumerate() {
-                let mut measures = BTreeMap::new();
-                for (place, measure) in MEASURES.into_iter().enumerate() {
-                    let values = splits
-                        .iter()
-                        .filter_map(|values| values.get(at)?.as_ref()?.get(place).copied());
-                    let values = sorted(values.collect());
-                    if let Some(floor) = mean(&values).zip(quantile(&values, 0.95)) {
-                        measures.insert(measure, floor.into());
-                    }
-                }
-                features.insert(feature.name(), measures);
-            }
-            (!splits.is_empty()).then(|| SetFloor {
-                set: set.name.clone(),
-                n_half: set.items.len() / 2,
-                features,
-            })
+    /// What random halves of a set differ by; none of a set of one image.
+    fn floor(&self, place: usize) -> Option<SetFloor> {
+        let set = &self.sets[place];
+        let n_half = set.items.len() / 2;
+        if n_half == 0 || self.settings.n_splits == 0 {
+            return None;
+        }
+        let splits: Vec<Values> = draws(self.settings.n_splits, |index| {
+            let mut random = self.stream(Purpose::Halves, [place, place], index);
+            let is_first = subset(&mut random, set.items.len(), n_half);
+            let first = pooled(set.features, &set.items, &is_first);
+            self.measured(&first, &rest(&self.wholes[place], &first))
+        });
+        let splits: Vec<&Values> = splits.iter().collect();
+        let of_feature = |(at, feature): (usize, &Feature)| {
+            let floor = |measure: Measure| {
+                let mean = mean(column(&splits, at, measure))?;
+                Some((measure, mean * measure.unit(*feature)?))
+            };
+            let measures = Measure::ALL.into_iter().filter_map(floor).collect();
+            (feature.name(), measures)
         };
-        self.sets.iter().zip(floors).filter_map(of_set).collect()
+        Some(SetFloor {
+            set: set.summary.name.clone(),
+            n_half,
+            features: set.features.iter().enumerate().map(of_feature).collect(),
+        })
     }
 
-    /// Values of all images of both sets, labeled anew (of paired sets: inside each pair); none where there are only two.
-    fn permutations(&self, [a, b]: [usize; 2]) -> Vec<Vec<Values>> {
-        let (Some(set_a), Some(set_b)) = (self.sets.get(a), self.sets.get(b)) else {
-            return Vec::new();
-        };
+    /// The values of all images of both sets, labeled anew (of paired sets: inside each pair); none where
+    /// there are only two.
+    fn permutations(&self, [a, b]: [usize; 2]) -> Vec<Values> {
+        let (set_a, set_b) = (&self.sets[a], &self.sets[b]);
         let items = || set_a.items.iter().chain(&set_b.items);
-        let n_items = items().count();
+        let (n_a, n_items) = (set_a.items.len(), items().count());
         if n_items < 3 {
             return Vec::new();
         }
-        let is_paired = are_paired(set_a, set_b);
-        let whole = self.pooled(items(), |_| 1);
-        let n_a = set_a.items.len();
+        let is_paired = set_a.is_twin_of(set_b);
+        let whole = pooled(set_a.features, items(), &vec![1; n_items]);
         // The smaller set is summed, the larger is what is left.
         let n_picked = n_a.min(n_items - n_a);
-        let relabel = |index: usize| {
-            let mut random = stream(self.settings.seed, Purpose::Permutation, [a, b], index);
+        draws(self.settings.n_permutations, |index| {
+            let mut random = self.stream(Purpose::Permutation, [a, b], index);
             let is_picked = if is_paired {
                 // Of each image one of its two versions.
                 let flips = coins(&mut random, n_a);
-                let others = flips.iter().map(|flip| !flip);
+                let others = flips.iter().map(|flip| 1 - flip);
                 flips.iter().copied().chain(others).collect()
             } else {
                 subset(&mut random, n_items, n_picked)
             };
-            let picked = self.pooled(items(), |item| {
-                is_picked.get(item).map_or(0, |p| u32::from(*p))
-            });
+            let picked = pooled(set_a.features, items(), &is_picked);
             let others = rest(&whole, &picked);
             if n_picked == n_a {
-                self.of_pools(Some(&picked), Some(&others))
+                self.measured(&picked, &others)
             } else {
-                self.of_pools(Some(&others), Some(&picked))
+                self.measured(&others, &picked)
+            }
+        })
+    }
+
+    /// Two sets compared; `drawn` are their replicates.
+    fn pair(
+        &self,
+        [a, b]: [usize; 2],
+        drawn: &[&Values],
+        floors: &[SetFloor],
+    ) -> Result<PairComparison, EvalError> {
+        let sets = [&self.sets[a], &self.sets[b]];
+        let [set_a, set_b] = sets;
+        let [n_a, n_b] = sets.map(|set| set.items.len());
+        let values = self.measured(&self.wholes[a], &self.wholes[b]);
+        let relabeled = self.permutations([a, b]);
+        let relabeled: Vec<&Values> = relabeled.iter().collect();
+        // One image cannot be drawn anew.
+        let drawn = if n_a == 1 || n_b == 1 { &[] } else { drawn };
+        let of_feature = |(at, feature): (usize, &Feature)| {
+            let estimate = |measure: Measure| {
+                let floors = sets.map(|set| floor_of(floors, &set.summary.name, *feature, measure));
+                let estimate = Estimate::of(
+                    measure.of(values[at].as_ref()?),
+                    column(drawn, at, measure),
+                    floors.into_iter().flatten().max_by(f64::total_cmp),
+                    &column(&relabeled, at, measure),
+                    measure.unit(*feature)?,
+                );
+                Some((measure, estimate))
+            };
+            let missing = values[at].is_none();
+            FeatureComparison {
+                feature: *feature,
+                n_bins: feature.n_bins(),
+                w1_unit: feature.bin_width().map(|(_, unit)| unit),
+                measures: Measure::ALL.into_iter().filter_map(estimate).collect(),
+                missing: missing.then_some("nothing was counted in one of the sets"),
             }
         };
-        (0..self.settings.n_permutations)
-            .into_par_iter()
-            .map(relabel)
+        Ok(PairComparison {
+            a: set_a.summary.name.clone(),
+            b: set_b.summary.name.clone(),
+            n_a,
+            n_b,
+            n_shared: set_a.n_shared_with(set_b),
+            is_paired: set_a.is_twin_of(set_b),
+            features: set_a.features.iter().enumerate().map(of_feature).collect(),
+            activations: activations(sets)?,
+        })
+    }
+
+    /// All measures of all features.
+    fn measured(&self, a: &Pooled, b: &Pooled) -> Values {
+        let alpha = self.settings.alpha;
+        let pools = a.iter().zip(b);
+        pools
+            .map(|(p, q)| histogram_divergence(p, q, alpha).ok())
             .collect()
     }
 
-    fn ordering(
-        &self,
-        claim: &OrderingClaim,
-        pairs: &[[usize; 2]],
-        values: &[Vec<Values>],
-        replicates: &[Vec<Vec<Values>>],
-    ) -> OrderingTest {
-        let place = |pair: [usize; 2]| pairs.iter().position(|p| *p == pair).unwrap_or_default();
-        let (near, far) = (place(claim.closer), place(claim.farther));
-        let js = |of: &[Vec<Values>], pair: usize, feature: usize| -> Option<f64> {
-            let values = of.get(pair)?.get(feature)?.as_ref()?;
-            values.get(JS).copied()
-        };
-        let mut features = Vec::new();
-        for (at, feature) in self.features.iter().enumerate() {
-            let (Some(closer), Some(farther)) = (js(values, near, at), js(values, far, at)) else {
-                continue;
-            };
-            let held: Vec<bool> = replicates
-                .iter()
-                .filter_map(|all| Some(js(all, near, at)? < js(all, far, at)?))
-                .collect();
-            features.push(FeatureOrdering {
-                feature: *feature,
-                closer,
-                farther,
-                probability: (!held.is_empty())
-                    .then(|| share(held.iter().filter(|held| **held).count(), held.len())),
-            });
-        }
-        let n_holding = features
-            .iter()
-            .filter(|f| f.probability.is_some_and(|p| p > SURE))
-            .count();
-        let names = |pair: [usize; 2]| {
-            pair.map(|set| {
-                self.sets
-                    .get(set)
-                    .map(|s| s.name.clone())
-                    .unwrap_or_default()
-            })
-        };
-        OrderingTest {
-            closer: names(claim.closer),
-            farther: names(claim.farther),
-            measure: Measure::Js,
-            n_features: features.len(),
-            features,
-            n_holding,
-            holds: n_holding >= ENOUGH_FEATURES,
-        }
+    fn stream(&self, purpose: Purpose, sets: [usize; 2], index: usize) -> rand_chacha::ChaCha8Rng {
+        stream(self.settings.seed, purpose, sets, index)
     }
 }
 
-/// All measures of one feature, W1 in bins, around the circle where they lie so, 0 where they have
-/// no order.
-fn measured(feature: Feature, p: &[f64], q: &[f64], alpha: f64) -> Values {
-    let HistogramDivergence {
-        kl_pq,
-        kl_qp,
-        jeffreys,
-        js,
-        w1_bins,
-        hellinger,
-        tv,
-    } = histogram_divergence(p, q, alpha).ok()?;
-    let w1_bins = match feature.axis() {
-        BinAxis::Line { .. } => w1_bins,
-        BinAxis::Circle { .. } => circular_w1_bins(p, q, alpha).ok()?,
-        BinAxis::Unordered => 0.0,
-    };
-    Some([kl_pq, kl_qp, jeffreys, js, w1_bins, hellinger, tv])
+/// Two sets compared by the vectors of their images, where both have two or more.
+fn activations([a, b]: [&ImageSet; 2]) -> Result<Option<VectorComparison>, EvalError> {
+    let vectors = a.vectors.as_ref().zip(b.vectors.as_ref());
+    let compared = vectors.filter(|(a, b)| a.n() > 1 && b.n() > 1);
+    compared.map(|(a, b)| compare_vectors(a, b)).transpose()
+}
+
+/// So many draws, side by side.
+fn draws<T: Send>(n: usize, draw: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+    (0..n).into_par_iter().map(draw).collect()
+}
+
+/// One measure of one feature in all draws that have it.
+fn column(draws: &[&Values], at: usize, measure: Measure) -> Vec<f64> {
+    let values = draws.iter().filter_map(|values| values[at].as_ref());
+    values.map(|all| measure.of(all)).collect()
+}
+
+/// The histograms of a set.
+fn whole(set: &ImageSet) -> Pooled {
+    pooled(set.features, &set.items, &vec![1; set.items.len()])
+}
+
+/// The sum of the items, each as often as said.
+fn pooled<'i>(
+    features: &[Feature],
+    items: impl IntoIterator<Item = &'i Item>,
+    times: &[u32],
+) -> Pooled {
+    let empty = features.iter().map(|feature| vec![0.0; feature.n_bins()]);
+    let mut pooled: Pooled = empty.collect();
+    let items = items.into_iter().zip(times);
+    for (item, times) in items.filter(|(_, times)| **times > 0) {
+        for (counts, histogram) in item.counts.iter().zip(&mut pooled) {
+            counts.add_to(histogram, f64::from(*times));
+        }
+    }
+    pooled
 }
 
 /// What is left of the whole without a part; rounding leaves nothing below 0.
 fn rest(whole: &Pooled, part: &Pooled) -> Pooled {
-    let left = |whole: &[f64], part: &[f64]| {
+    let left = |whole: &Vec<f64>, part: &Vec<f64>| {
         // Where the part is all there was, its sum in another order leaves a trace.
         let left = |(w, p): (&f64, &f64)| {
             if w - p > ROUNDING * w { w - p } else { 0.0 }
@@ -433,66 +315,4 @@ fn rest(whole: &Pooled, part: &Pooled) -> Pooled {
         whole.iter().zip(part).map(left).collect()
     };
     whole.iter().zip(part).map(|(w, p)| left(w, p)).collect()
-}
-
-/// The resampled values of one pair.
-struct Spread<'a> {
-    bootstrap: Vec<&'a Vec<Values>>,
-    floors: [Option<&'a Vec<Vec<Values>>>; 2],
-    relabeled: &'a [Vec<Values>],
-    /// Whether a set has one image only, which cannot be drawn anew.
-    is_single: bool,
-    settings: &'a CompareSettings,
-}
-
-impl Spread<'_> {
-    fn feature(&self, at: usize, feature: Feature, values: &Values) -> FeatureComparison {
-        let mut measures = BTreeMap::new();
-        for (place, measure) in MEASURES.into_iter().enumerate() {
-            let Some(value) = values.as_ref().and_then(|values| values.get(place)) else {
-                continue;
-            };
-            let is_w1 = measure == Measure::W1Bins;
-            let width = match feature.axis() {
-                BinAxis::Line { bin_width, .. } | BinAxis::Circle { bin_width, .. } => bin_width,
-                BinAxis::Unordered if is_w1 => continue,
-                BinAxis::Unordered => 1.0,
-            };
-            let estimate = self.estimate(at, place, *value);
-            if is_w1 {
-                measures.insert(Measure::W1, estimate.times(width));
-            }
-            measures.insert(measure, estimate);
-        }
-        FeatureComparison {
-            feature,
-            n_bins: feature.n_bins(),
-            axis: feature.axis(),
-            missing: measures
-                .is_empty()
-                .then(|| "nothing was counted in one of the sets".to_owned()),
-            measures,
-        }
-    }
-
-    fn estimate(&self, feature: usize, place: usize, value: f64) -> Estimate {
-        let pick = |values: &Vec<Values>| -> Option<f64> {
-            values.get(feature)?.as_ref()?.get(place).copied()
-        };
-        let mut draws: Vec<f64> = self
-            .bootstrap
-            .iter()
-            .filter_map(|values| pick(values))
-            .collect();
-        let floors = self.floors.map(|floor| -> Vec<f64> {
-            floor
-                .map(|all| all.iter().filter_map(&pick).collect())
-                .unwrap_or_default()
-        });
-        let relabeled: Vec<f64> = self.relabeled.iter().filter_map(pick).collect();
-        if self.is_single {
-            draws.clear();
-        }
-        Estimate::of(value, draws, floors, &relabeled, self.settings.confidence)
-    }
 }

@@ -1,4 +1,4 @@
-//! Random picks of images, by seed alone.
+//! Random picks of images, by seed alone: how often each counts.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -42,32 +42,29 @@ fn one_of(random: &mut ChaCha8Rng, n: usize) -> usize {
 
 /// How often each of `n` is drawn in `n` draws with replacement.
 pub(super) fn multiplicities(random: &mut ChaCha8Rng, n: usize) -> Vec<u32> {
-    let mut times = vec![0_u32; n];
+    let mut times = vec![0; n];
     for _ in 0..n {
-        if let Some(count) = times.get_mut(one_of(random, n)) {
-            *count += 1;
-        }
+        times[one_of(random, n)] += 1;
     }
     times
 }
 
-/// Which `part` of `n` are picked, without replacement, in rising order.
-pub(super) fn subset(random: &mut ChaCha8Rng, n: usize, part: usize) -> Vec<bool> {
+/// Which `part` of `n` are picked, without replacement.
+pub(super) fn subset(random: &mut ChaCha8Rng, n: usize, part: usize) -> Vec<u32> {
     let mut order: Vec<usize> = (0..n).collect();
-    let mut is_picked = vec![false; n];
+    let mut is_picked = vec![0; n];
     for at in 0..part.min(n) {
-        let from = at + one_of(random, n - at);
-        order.swap(at, from);
-        if let Some(flag) = order.get(at).and_then(|&item| is_picked.get_mut(item)) {
-            *flag = true;
-        }
+        order.swap(at, at + one_of(random, n - at));
+        is_picked[order[at]] = 1;
     }
     is_picked
 }
 
 /// `n` fair coins.
-pub(super) fn coins(random: &mut ChaCha8Rng, n: usize) -> Vec<bool> {
-    (0..n).map(|_| random.next_u64() >> 63 == 1).collect()
+pub(super) fn coins(random: &mut ChaCha8Rng, n: usize) -> Vec<u32> {
+    (0..n)
+        .map(|_| u32::from(random.next_u64() >> 63 == 1))
+        .collect()
 }
 
 #[cfg(test)]
@@ -80,9 +77,9 @@ mod tests {
         for index in 0..7000 {
             let mut random = stream(1, Purpose::Halves, [0, 0], index);
             let picked = subset(&mut random, 7, 3);
-            assert_eq!(picked.iter().filter(|p| **p).count(), 3, "three of seven");
+            assert_eq!(picked.iter().sum::<u32>(), 3, "three of seven");
             for (hit, picked) in hits.iter_mut().zip(picked) {
-                *hit += u32::from(picked);
+                *hit += picked;
             }
         }
         for hit in hits {

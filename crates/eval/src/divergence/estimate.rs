@@ -1,6 +1,6 @@
 //! A value with what its resamples say: interval, floor, effect, p-value.
 
-use super::report::Estimate;
+use super::report::{CONFIDENCE, Estimate};
 
 /// Resampled values that are this close to the value are as large as it: rounding of sums.
 pub(super) const ROUNDING: f64 = 1e-9;
@@ -13,70 +13,47 @@ pub(super) fn share(part: usize, whole: usize) -> f64 {
 }
 
 impl Estimate {
-    /// A value with what its resamples say.
+    /// A value, its bootstrap draws and its relabeled values, all times `unit`, beside a floor in that unit.
     pub(super) fn of(
         value: f64,
         draws: Vec<f64>,
-        floors: [Vec<f64>; 2],
+        floor: Option<f64>,
         relabeled: &[f64],
-        confidence: f64,
+        unit: f64,
     ) -> Self {
-        let tail = (1.0 - confidence) / 2.0;
+        let tail = (1.0 - CONFIDENCE) / 2.0;
         let draws = sorted(draws);
         let interval = quantile(&draws, tail).zip(quantile(&draws, 1.0 - tail));
-        // What may lie on both sides of 0, as an unbiased MMD², has a floor near 0 and no ratio to it.
-        let has_ratio = floors.iter().flatten().all(|floor| *floor >= 0.0);
-        let floor = floors
-            .into_iter()
-            .filter_map(|values| {
-                let values = sorted(values);
-                Some((mean(&values)?, quantile(&values, 0.95)?))
-            })
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        let n_as_far = relabeled
-            .iter()
-            .filter(|drawn| **drawn >= value - ROUNDING * value.abs())
-            .count();
+        let is_as_far = |drawn: &&f64| **drawn >= value - ROUNDING * value.abs();
+        let n_as_far = relabeled.iter().filter(is_as_far).count();
         Self {
-            value,
+            value: value * unit,
             // Resamples of a biased measure may all lie beside the value: that is no interval of it.
             interval: interval
-                .map(|(low, high)| [low, high])
-                .filter(|[low, high]| *low <= value && value <= *high),
-            floor: floor.map(|floor| floor.0),
-            floor_q95: floor.map(|floor| floor.1),
+                .filter(|(low, high)| (*low..=*high).contains(&value))
+                .map(|(low, high)| [low * unit, high * unit]),
+            floor,
             effect: floor
-                .filter(|_| has_ratio)
-                .map(|floor| value / floor.0)
+                .map(|floor| value * unit / floor)
                 .filter(|effect| effect.is_finite()),
             p_value: (!relabeled.is_empty()).then(|| share(n_as_far + 1, relabeled.len() + 1)),
         }
     }
-
-    /// In another unit.
-    pub(super) fn times(self, factor: f64) -> Self {
-        Self {
-            value: self.value * factor,
-            interval: self.interval.map(|ends| ends.map(|end| end * factor)),
-            floor: self.floor.map(|floor| floor * factor),
-            floor_q95: self.floor_q95.map(|floor| floor * factor),
-            ..self
-        }
-    }
 }
 
-pub(super) fn sorted(mut values: Vec<f64>) -> Vec<f64> {
+fn sorted(mut values: Vec<f64>) -> Vec<f64> {
     values.sort_by(f64::total_cmp);
     values
 }
 
-pub(super) fn mean(values: &[f64]) -> Option<f64> {
-    let share = share(1, values.len());
-    (!values.is_empty()).then(|| values.iter().sum::<f64>() * share)
+/// The mean, by a sum from the least to the largest.
+pub(super) fn mean(values: Vec<f64>) -> Option<f64> {
+    let part = share(1, values.len());
+    (!values.is_empty()).then(|| sorted(values).iter().sum::<f64>() * part)
 }
 
 /// The quantile of sorted values, between neighbors by their distance (type 7).
-pub(super) fn quantile(sorted: &[f64], level: f64) -> Option<f64> {
+fn quantile(sorted: &[f64], level: f64) -> Option<f64> {
     let last = sorted.len().checked_sub(1)?;
     #[expect(clippy::cast_precision_loss, reason = "a number of replicates")]
     let at = level * last as f64;

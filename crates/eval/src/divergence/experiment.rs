@@ -2,106 +2,46 @@
 
 use serde::Serialize;
 
-use super::compare::{OrderingClaim, compare_sets};
-use super::report::{CompareSettings, DivergenceReport};
-use super::sets::{ImageSet, ReadSettings};
+use super::ReadSettings;
+use super::compare::{Values, compare_with_replicates};
+use super::estimate::share;
+use super::features::Feature;
+use super::report::{CompareSettings, DivergenceReport, Measure, PairComparison};
+use super::set::ImageSet;
 use crate::EvalError;
 
-/// What a set is in the paper's experiment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PaperRole {
-    /// Simulated crack patterns on black.
-    Simulated,
-    /// Real crack patterns collected online.
-    RealOverlays,
-    /// Simulated patterns over KITTI.
-    SimulatedKitti,
-    /// Real patterns over KITTI.
-    OverlaysKitti,
-    /// The road through broken glass.
-    RoadBroken,
-    /// The road through whole glass.
-    RoadClean,
-    /// KITTI.
-    Kitti,
-    /// BDD100K, which the paper does not have here: a second driving set.
-    Bdd,
-    /// Cats, the control.
-    Cats,
-}
-
-impl PaperRole {
-    /// All of them, in the order of the comparisons.
-    pub const ALL: [Self; 9] = [
-        Self::Simulated,
-        Self::RealOverlays,
-        Self::SimulatedKitti,
-        Self::OverlaysKitti,
-        Self::RoadBroken,
-        Self::RoadClean,
-        Self::Kitti,
-        Self::Bdd,
-        Self::Cats,
-    ];
-
-    /// What the paper's figure calls it.
-    #[must_use]
-    pub const fn paper_name(self) -> &'static str {
-        match self {
-            Self::Simulated => "Sim",
-            Self::RealOverlays => "RO",
-            Self::SimulatedKitti => "Sim x KITTI",
-            Self::OverlaysKitti => "RO x KITTI",
-            Self::RoadBroken => "broken RC",
-            Self::RoadClean => "clean RC",
-            Self::Kitti => "KITTI",
-            Self::Bdd => "BDD100K",
-            Self::Cats => "cats",
-        }
-    }
-
-    /// The flag that names it.
-    #[must_use]
-    pub const fn flag(self) -> &'static str {
-        match self {
-            Self::Simulated => "--simulated",
-            Self::RealOverlays => "--real-overlays",
-            Self::SimulatedKitti => "--simulated-kitti",
-            Self::OverlaysKitti => "--overlays-kitti",
-            Self::RoadBroken => "--road-broken",
-            Self::RoadClean => "--road-clean",
-            Self::Kitti => "--kitti",
-            Self::Bdd => "--bdd",
-            Self::Cats => "--cats",
-        }
-    }
-}
-
-/// Letter, sets and published value of each comparison of the paper's figure, and of one more.
-/// Sets of different kinds of the same role are compared by halves.
-const COMPARISONS: [(&str, PaperRole, PaperRole, Option<f64>); 7] = [
-    (
-        "A",
-        PaperRole::SimulatedKitti,
-        PaperRole::SimulatedKitti,
-        None,
-    ),
-    (
-        "B",
-        PaperRole::Simulated,
-        PaperRole::RealOverlays,
-        Some(0.36),
-    ),
-    ("C", PaperRole::RoadClean, PaperRole::Kitti, None),
-    ("D", PaperRole::OverlaysKitti, PaperRole::RoadBroken, None),
-    ("E", PaperRole::SimulatedKitti, PaperRole::RoadBroken, None),
-    ("F", PaperRole::Kitti, PaperRole::Cats, Some(2.434)),
-    ("KITTI vs BDD100K", PaperRole::Kitti, PaperRole::Bdd, None),
+/// The sets of the experiment, each by the flag that names it and by what the paper's figure calls it: crack
+/// patterns on black, simulated and collected online; both over KITTI; the road through broken and through
+/// whole glass; KITTI; a second driving set that the paper has not; the control.
+pub const PAPER_SETS: [(&str, &str); 9] = [
+    ("--simulated", "Sim"),
+    ("--real-overlays", "RO"),
+    ("--simulated-kitti", "Sim x KITTI"),
+    ("--overlays-kitti", "RO x KITTI"),
+    ("--road-broken", "broken RC"),
+    ("--road-clean", "clean RC"),
+    ("--kitti", "KITTI"),
+    ("--bdd", "BDD100K"),
+    ("--cats", "cats"),
 ];
 
-/// Comparisons that are claimed to be closer than F.
-const CLOSER_THAN_F: [&str; 3] = ["B", "D", "E"];
+/// Letter, sets and published value of each comparison of the paper's figure, and of one more. A set is
+/// compared with itself by halves.
+const COMPARISONS: [(&str, &str, &str, Option<f64>); 7] = [
+    ("A", "Sim x KITTI", "Sim x KITTI", None),
+    ("B", "Sim", "RO", Some(0.36)),
+    ("C", "clean RC", "KITTI", None),
+    ("D", "RO x KITTI", "broken RC", None),
+    ("E", "Sim x KITTI", "broken RC", None),
+    ("F", "KITTI", "cats", Some(2.434)),
+    ("KITTI vs BDD100K", "KITTI", "BDD100K", None),
+];
+
+/// Comparisons that are claimed to be closer than the last one.
+const ORDER: ([&str; 3], &str) = (["B", "D", "E"], "F");
+
+/// An ordering holds in a feature above this probability, and on the whole in so many features.
+const SURE: (f64, usize) = (0.95, 4);
 
 /// One comparison of the paper's figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -110,94 +50,133 @@ pub struct PaperComparison {
     pub letter: &'static str,
     /// What the paper calls the first set.
     pub a: &'static str,
-    /// What the paper calls the second set.
+    /// What the paper calls the second set; the same where halves are compared, whose numbers are among
+    /// [`DivergenceReport::floors`].
     pub b: &'static str,
     /// The paper's number, where its text gives one: of unknown feature, bins and estimator.
     pub published: Option<f64>,
-    /// Place of the pair in [`DivergenceReport::pairs`].
-    pub pair: Option<usize>,
-    /// Place of the set in [`DivergenceReport::floors`], where a set is compared with itself by halves.
-    pub floor: Option<usize>,
     /// Flags of the sets that are missing for it.
     pub missing: Vec<&'static str>,
+}
+
+/// Whether one pair of sets is closer than another, by JS.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ordering {
+    /// The pair that is claimed to be closer.
+    pub closer: [String; 2],
+    /// The pair that is claimed to be farther.
+    pub farther: [String; 2],
+    /// By feature that can be compared.
+    pub features: Vec<FeatureOrdering>,
+    /// Features in which it holds with a probability above 0.95.
+    pub n_holding: usize,
+    /// Whether these are four or more.
+    pub holds: bool,
+}
+
+/// An ordering in one feature.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeatureOrdering {
+    /// The feature.
+    pub feature: Feature,
+    /// JS of the pair that is claimed to be closer.
+    pub closer: f64,
+    /// JS of the other pair.
+    pub farther: f64,
+    /// Share of bootstrap replicates in which it is; none without replicates.
+    pub probability: Option<f64>,
 }
 
 /// The paper's experiment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PaperExperiment {
+    /// `paper`.
+    pub experiment: &'static str,
     /// Its comparisons.
     pub comparisons: Vec<PaperComparison>,
+    /// Whether B, D and E are closer than F, as far as their sets are there.
+    pub orderings: Vec<Ordering>,
     /// Flags of the sets that were not given.
     pub missing: Vec<&'static str>,
     /// The numbers.
     pub report: DivergenceReport,
 }
 
-/// The paper's comparisons of those sets that are there, and whether simulated and real patterns are
-/// closer to each other than KITTI is to cats ([`DivergenceReport::orderings`]).
+/// The paper's comparisons of those sets that are there, which have the names of [`PAPER_SETS`] and come in
+/// their order, and whether simulated and real patterns are closer to each other than KITTI is to cats.
 ///
 /// **Source**: \[Prabhakar2025\], figure of K-L divergences. Its numbers cannot be made again: it names
 /// neither feature nor bins nor estimator.
 ///
 /// # Errors
-/// As for [`compare_sets`].
+/// As for [`compare_sets`](super::compare_sets).
 pub fn paper_experiment(
-    given: &[(PaperRole, ImageSet)],
+    sets: &[ImageSet],
     reading: &ReadSettings,
     settings: &CompareSettings,
 ) -> Result<PaperExperiment, EvalError> {
-    let mut given = given.to_vec();
-    given.sort_by_key(|(role, _)| *role);
-    given.dedup_by_key(|(role, _)| *role);
-    let (roles, sets): (Vec<PaperRole>, Vec<ImageSet>) = given.into_iter().unzip();
-    let place = |role: PaperRole| roles.iter().position(|known| *known == role);
-    let sets_of = |letter: &str| -> Option<[usize; 2]> {
-        let (_, a, b, _) = COMPARISONS.into_iter().find(|known| known.0 == letter)?;
-        Some([place(a)?, place(b)?])
+    let (report, replicates) = compare_with_replicates(sets, reading, settings)?;
+    let flags_of = |is_wanted: &dyn Fn(&str) -> bool| -> Vec<&'static str> {
+        let is_given = |name: &str| report.sets.iter().any(|set| set.name == name);
+        let known = PAPER_SETS.iter();
+        let missing = known.filter(|(_, name)| is_wanted(name) && !is_given(name));
+        missing.map(|(flag, _)| *flag).collect()
     };
-    let claims: Vec<OrderingClaim> = CLOSER_THAN_F
-        .iter()
-        .filter_map(|letter| {
-            let (closer, farther) = sets_of(letter).zip(sets_of("F"))?;
-            Some(OrderingClaim { closer, farther })
-        })
-        .collect();
-    let report = compare_sets(&sets, reading, settings, &claims)?;
-    let comparisons = COMPARISONS
-        .into_iter()
-        .map(|(letter, a, b, published)| {
-            let name = |role| place(role).and_then(|at| sets.get(at)).map(ImageSet::name);
-            let names = name(a).zip(name(b));
-            let mut missing = Vec::new();
-            for role in [a, b] {
-                if place(role).is_none() && !missing.contains(&role.flag()) {
-                    missing.push(role.flag());
-                }
-            }
-            PaperComparison {
-                letter,
-                a: a.paper_name(),
-                b: b.paper_name(),
-                published,
-                pair: names.and_then(|(a, b)| {
-                    report
-                        .pairs
-                        .iter()
-                        .position(|pair| pair.a == a && pair.b == b)
-                }),
-                floor: names
-                    .filter(|_| a == b)
-                    .and_then(|(a, _)| report.floors.iter().position(|floor| floor.set == a)),
-                missing,
-            }
-        })
-        .collect();
-    let missing = PaperRole::ALL
-        .into_iter()
-        .filter(|role| place(*role).is_none());
+    let comparisons = COMPARISONS.map(|(letter, a, b, published)| PaperComparison {
+        letter,
+        a,
+        b,
+        published,
+        missing: flags_of(&|name| name == a || name == b),
+    });
+    let place = |letter: &str| {
+        let (_, a, b, _) = COMPARISONS.iter().find(|known| known.0 == letter)?;
+        let mut pairs = report.pairs.iter();
+        pairs.position(|pair| pair.a == *a && pair.b == *b)
+    };
+    let orderings = ORDER.0.iter().filter_map(|letter| {
+        let places = [place(letter)?, place(ORDER.1)?];
+        Some(ordering(&report.pairs, &replicates, places))
+    });
     Ok(PaperExperiment {
-        comparisons,
-        missing: missing.map(PaperRole::flag).collect(),
+        experiment: "paper",
+        comparisons: comparisons.to_vec(),
+        orderings: orderings.collect(),
+        missing: flags_of(&|_| true),
         report,
     })
+}
+
+/// Whether the pair at the first place is closer than that at the second.
+fn ordering(
+    pairs: &[PairComparison],
+    replicates: &[Vec<Values>],
+    [near, far]: [usize; 2],
+) -> Ordering {
+    let of_feature = |(at, compared): (usize, &_)| {
+        let js = |of: &super::FeatureComparison| Some(of.measures.get(&Measure::Js)?.value);
+        let held: Vec<bool> = replicates
+            .iter()
+            .filter_map(|all| Some(all[near][at]?.js < all[far][at]?.js))
+            .collect();
+        let n_held = held.iter().filter(|held| **held).count();
+        Some(FeatureOrdering {
+            feature: pairs[near].features[at].feature,
+            closer: js(compared)?,
+            farther: js(&pairs[far].features[at])?,
+            probability: (!held.is_empty()).then(|| share(n_held, held.len())),
+        })
+    };
+    let features = pairs[near].features.iter().enumerate();
+    let features: Vec<FeatureOrdering> = features.filter_map(of_feature).collect();
+    let is_sure = |of: &&FeatureOrdering| of.probability.is_some_and(|p| p > SURE.0);
+    let n_holding = features.iter().filter(is_sure).count();
+    let names = |pair: &PairComparison| [pair.a.clone(), pair.b.clone()];
+    Ordering {
+        closer: names(&pairs[near]),
+        farther: names(&pairs[far]),
+        features,
+        n_holding,
+        holds: n_holding >= SURE.1,
+    }
 }

@@ -73,11 +73,7 @@ fn matrix(report: &DivergenceReport, feature: Feature) -> Vec<Vec<f64>> {
         let compared = pair.features.iter().find(|c| c.feature == feature)?;
         Some(compared.measures.get(&Measure::Js)?.value)
     };
-    let floor = |set: &str| -> Option<f64> {
-        let floor = report.floors.iter().find(|floor| floor.set == set)?;
-        let [mean, _] = floor.features.get(feature.name())?.get(&Measure::Js)?;
-        Some(*mean)
-    };
+    let floor = |set: &str| report.floor(set, feature, Measure::Js);
     let cell = |(i, a): (usize, &str), (j, b): (usize, &str)| {
         let value = if i == j { floor(a) } else { value(a, b) };
         value.map_or(f64::NAN, |v| (v * 1e5).round() / 1e2)

@@ -4,16 +4,21 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::features::{BinAxis, Feature};
-use super::sets::{ReadSettings, SetSummary};
+use super::features::{Feature, ReadSettings};
+use super::histogram::HistogramDivergence;
+use super::set::SetSummary;
+use super::vectors::VectorComparison;
 
 /// The definition that all numbers follow.
 pub const DEFINITION: &str = "div/1";
 
 /// The schema of [`DivergenceReport`] as JSON.
-pub const REPORT_SCHEMA: &str = "starbreak.divergence/1";
+pub const REPORT_SCHEMA: &str = "starbreak.divergence/2";
 
-/// A measure of how far two distributions are apart.
+/// Share that an interval covers.
+pub(super) const CONFIDENCE: f64 = 0.95;
+
+/// A measure of how far two histograms are apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Measure {
@@ -25,25 +30,26 @@ pub enum Measure {
     Jeffreys,
     /// Jensen-Shannon divergence, nats, 0 to ln 2.
     Js,
-    /// First Wasserstein distance in the feature's own unit; around a circle where the bins are.
+    /// First Wasserstein distance in the feature's own unit; none where bins are in no row.
     W1,
-    /// The same in widths of a bin.
-    W1Bins,
     /// Hellinger distance, 0 to 1.
     Hellinger,
     /// Total variation, 0 to 1.
     Tv,
-    /// Squared Fréchet distance.
-    Frechet,
-    /// Squared Fréchet distance of shrunk covariances.
-    FrechetShrunk,
-    /// Unbiased MMD² with the cubic kernel.
-    Kid,
-    /// 1000 times the biased MMD² with the RBF kernel of width 10.
-    MmdRbf,
 }
 
 impl Measure {
+    /// All of them.
+    pub(super) const ALL: [Self; 7] = [
+        Self::KlAb,
+        Self::KlBa,
+        Self::Jeffreys,
+        Self::Js,
+        Self::W1,
+        Self::Hellinger,
+        Self::Tv,
+    ];
+
     /// Its word, such as `kl_ab`.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -53,13 +59,29 @@ impl Measure {
             Self::Jeffreys => "jeffreys",
             Self::Js => "js",
             Self::W1 => "w1",
-            Self::W1Bins => "w1_bins",
             Self::Hellinger => "hellinger",
             Self::Tv => "tv",
-            Self::Frechet => "frechet",
-            Self::FrechetShrunk => "frechet_shrunk",
-            Self::Kid => "kid",
-            Self::MmdRbf => "mmd_rbf_x1000",
+        }
+    }
+
+    /// It alone; W1 in widths of a bin.
+    pub(super) const fn of(self, all: &HistogramDivergence) -> f64 {
+        match self {
+            Self::KlAb => all.kl_pq,
+            Self::KlBa => all.kl_qp,
+            Self::Jeffreys => all.jeffreys,
+            Self::Js => all.js,
+            Self::W1 => all.w1_bins,
+            Self::Hellinger => all.hellinger,
+            Self::Tv => all.tv,
+        }
+    }
+
+    /// What one of [`Measure::of`] is worth in the unit of a feature; none where it means nothing.
+    pub(super) fn unit(self, feature: Feature) -> Option<f64> {
+        match self {
+            Self::W1 => feature.bin_width().map(|(width, _)| width),
+            _ => Some(1.0),
         }
     }
 }
@@ -69,17 +91,14 @@ impl Measure {
 pub struct Estimate {
     /// The value for the sets as they are.
     pub value: f64,
-    /// Percentile interval by bootstrap over the images of both sets, of [paired](PairComparison::is_paired)
-    /// sets with the same draws for both; none where a set has one image.
+    /// 95 % percentile interval by bootstrap over the images of both sets, of
+    /// [paired](PairComparison::is_paired) sets with the same draws for both; none where a set has one image.
     ///
-    /// Resampling adds noise, so that near the floor the whole interval lies above the value: then
-    /// read the p-value.
+    /// Resampling adds noise, so that near the floor the whole interval lies above the value, and there is
+    /// none: then read the p-value.
     pub interval: Option<[f64; 2]>,
-    /// Mean over random split-halves, of the set whose mean is larger: what two samples of *one*
-    /// distribution, each of half that set, differ by.
+    /// The [floor](SetFloor) of the set where it is larger.
     pub floor: Option<f64>,
-    /// 95 % quantile over the same split-halves.
-    pub floor_q95: Option<f64>,
     /// Value over floor: about 1 or less where there is no difference to be seen.
     pub effect: Option<f64>,
     /// Share of random relabelings of all images of both that are at least as far apart,
@@ -94,38 +113,12 @@ pub struct FeatureComparison {
     pub feature: Feature,
     /// Number of its bins.
     pub n_bins: usize,
-    /// How they lie.
-    pub axis: BinAxis,
+    /// Unit of W1, where there is one.
+    pub w1_unit: Option<&'static str>,
     /// What was measured, by measure; empty where `missing` says why.
     pub measures: BTreeMap<Measure, Estimate>,
     /// Why there is no number.
-    pub missing: Option<String>,
-}
-
-/// Two sets compared by the activations of a model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct VectorComparison {
-    /// Where the vectors come from: model and layer, or files.
-    pub origin: String,
-    /// Values per vector.
-    pub n_dimensions: usize,
-    /// Vectors of the first set.
-    pub n_a: usize,
-    /// Vectors of the second set.
-    pub n_b: usize,
-    /// Share of shrinkage of both covariances \[LedoitWolf2004\].
-    pub shrinkage: [f64; 2],
-    /// Whether a set has no more vectors than dimensions.
-    pub is_rank_deficient: bool,
-    /// Width of the RBF kernel, in the units of the features.
-    pub rbf_sigma: f64,
-    /// Most resamples of each kind behind Fréchet distances, which take long for long vectors; where
-    /// it is less than what the settings ask for, it is what was made.
-    pub n_frechet_resamples: usize,
-    /// Whether KID and MMD have floor, interval and p-value: not beyond 4000 vectors.
-    pub is_kernel_resampled: bool,
-    /// What was measured.
-    pub measures: BTreeMap<Measure, Estimate>,
+    pub missing: Option<&'static str>,
 }
 
 /// Two sets compared.
@@ -142,47 +135,15 @@ pub struct PairComparison {
     /// Files that are in both, by their bytes.
     pub n_shared: usize,
     /// Whether both have the same images by name, such as a clean set and its cracked twin: then the
-    /// p-values of features exchange the two versions of an image, and see much smaller differences.
+    /// p-values exchange the two versions of an image, and see much smaller differences.
     pub is_paired: bool,
     /// By feature.
     pub features: Vec<FeatureComparison>,
-    /// By activations, where there are any.
+    /// By the activations of a model, where there are any of two images or more.
     pub activations: Option<VectorComparison>,
 }
 
-/// Whether one pair of sets is closer than another.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct OrderingTest {
-    /// The pair that is claimed to be closer.
-    pub closer: [String; 2],
-    /// The pair that is claimed to be farther.
-    pub farther: [String; 2],
-    /// The measure that is compared.
-    pub measure: Measure,
-    /// By feature.
-    pub features: Vec<FeatureOrdering>,
-    /// Features in which it holds with a probability above 0.95.
-    pub n_holding: usize,
-    /// Features that could be compared.
-    pub n_features: usize,
-    /// Whether it holds in at least four features with a probability above 0.95.
-    pub holds: bool,
-}
-
-/// An ordering in one feature.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FeatureOrdering {
-    /// The feature.
-    pub feature: Feature,
-    /// Value of the pair that is claimed to be closer.
-    pub closer: f64,
-    /// Value of the other pair.
-    pub farther: f64,
-    /// Share of bootstrap replicates in which it is; none without replicates.
-    pub probability: Option<f64>,
-}
-
-/// How the numbers were made.
+/// How the numbers are made.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CompareSettings {
     /// Counts added to each bin. **Default** 0.5, Jeffreys' prior.
@@ -193,8 +154,6 @@ pub struct CompareSettings {
     pub n_permutations: usize,
     /// Random split-halves; 0 for no floor. **Default** 100.
     pub n_splits: usize,
-    /// Share that an interval covers. **Default** 0.95.
-    pub confidence: f64,
     /// Seed of all draws.
     pub seed: u64,
 }
@@ -206,7 +165,6 @@ impl Default for CompareSettings {
             n_bootstrap: 1000,
             n_permutations: 999,
             n_splits: 100,
-            confidence: 0.95,
             seed: 0,
         }
     }
@@ -219,8 +177,8 @@ pub struct SetFloor {
     pub set: String,
     /// Images in the smaller half.
     pub n_half: usize,
-    /// By feature and measure: mean and 95 % quantile over the splits.
-    pub features: BTreeMap<&'static str, BTreeMap<Measure, [f64; 2]>>,
+    /// By feature and measure: the mean over the splits.
+    pub features: BTreeMap<&'static str, BTreeMap<Measure, f64>>,
 }
 
 /// Sets compared, every pair of them.
@@ -232,6 +190,8 @@ pub struct DivergenceReport {
     pub definition: &'static str,
     /// `e`: divergences are in nats.
     pub log_base: &'static str,
+    /// Share that an interval covers.
+    pub confidence: f64,
     /// How the numbers were made.
     pub settings: CompareSettings,
     /// How the images were looked at.
@@ -242,8 +202,26 @@ pub struct DivergenceReport {
     pub pairs: Vec<PairComparison>,
     /// The noise floor of each set of two images and more.
     pub floors: Vec<SetFloor>,
-    /// Orderings that were asked for.
-    pub orderings: Vec<OrderingTest>,
     /// What a reader must know: sets of one image, shared images, images that could not be read.
     pub notes: Vec<String>,
+}
+
+impl DivergenceReport {
+    /// The noise floor of a set.
+    #[must_use]
+    pub fn floor(&self, set: &str, feature: Feature, measure: Measure) -> Option<f64> {
+        floor_of(&self.floors, set, feature, measure)
+    }
+}
+
+/// The noise floor of a set among others.
+pub(super) fn floor_of(
+    floors: &[SetFloor],
+    set: &str,
+    feature: Feature,
+    measure: Measure,
+) -> Option<f64> {
+    let of_set = floors.iter().find(|floor| floor.set == set)?;
+    let of_feature = of_set.features.get(feature.name())?;
+    of_feature.get(&measure).copied()
 }

@@ -42,7 +42,7 @@ fn table(
 ) -> Option<DivergenceTable> {
     let n = sets.len();
     let mut values = vec![vec![Estimate::refused(0, "not compared"); n]; n];
-    let mut unit = "";
+    let unit = feature.bin_width().map_or("", |(_, unit)| unit);
     let mut has_value = false;
     let place = |name: &String| sets.iter().position(|known| known == name);
     for pair in reports.iter().flat_map(|report| &report.pairs) {
@@ -51,13 +51,12 @@ fn table(
         let (Some(a), Some(b), Some(found)) = (place(&pair.a), place(&pair.b), found) else {
             continue;
         };
-        unit = found.axis.unit();
         let n_images = u64::try_from(pair.n_a.min(pair.n_b)).unwrap_or(u64::MAX);
         for (row, column, measure) in [(a, b, forth), (b, a, back)] {
             let slot = values.get_mut(row).and_then(|row| row.get_mut(column));
             if let Some(slot) = slot {
                 has_value |= found.measures.contains_key(&measure);
-                let why = found.missing.as_deref().unwrap_or("not defined");
+                let why = found.missing.unwrap_or("not defined");
                 *slot = match found.measures.get(&measure) {
                     Some(distance) => estimate(distance, n_images),
                     None => Estimate::refused(n_images, why),
@@ -65,19 +64,9 @@ fn table(
             }
         }
     }
-    let floor = |set: &String| -> Option<f64> {
-        let mut floors = reports.iter().flat_map(|report| &report.floors);
-        let of_set = floors.find(|floor| &floor.set == set)?;
-        let of_feature = of_set.features.get(feature.name())?;
-        let width = match feature.axis() {
-            crate::divergence::BinAxis::Line { bin_width, .. }
-            | crate::divergence::BinAxis::Circle { bin_width, .. } => bin_width,
-            crate::divergence::BinAxis::Unordered => 1.0,
-        };
-        match forth {
-            Measure::W1 => Some(of_feature.get(&Measure::W1Bins)?[0] * width),
-            other => Some(of_feature.get(&other)?[0]),
-        }
+    let floor = |set: &String| {
+        let mut floors = reports.iter();
+        floors.find_map(|report| report.floor(set, feature, forth))
     };
     has_value.then(|| DivergenceTable {
         feature: feature.name().to_owned(),

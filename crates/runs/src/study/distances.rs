@@ -1,13 +1,15 @@
 //! How far the clean and the cracked images of a study lie apart.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use image::DynamicImage;
+use image::RgbImage;
+use rayon::prelude::*;
 use starbreak_dataset::blake3_file;
+use starbreak_eval::detector::ImageToSee;
 use starbreak_eval::divergence::{
-    CompareSettings, ImageFile, ImageSet, ReadSettings, compare_sets,
+    CompareSettings, FailedImage, ImageSet, Item, ReadSettings, compare_sets,
 };
 use starbreak_eval::evaluation::DivergenceResults;
 
@@ -42,43 +44,53 @@ impl StudyPlan<'_> {
         let n_images = self.images.len() - unseen.len().min(self.images.len());
         let n_all = u64::try_from(n_sets * n_images).unwrap_or(u64::MAX);
         tell(StudyEvent::Begun(Step::Comparing, n_all));
-        let set = |name: &str, path_of: &dyn Fn(usize) -> Option<PathBuf>, read: &Read<'_>| {
-            let seen = self.images.iter().enumerate();
-            let files: Vec<ImageFile> = seen
-                .filter(|(_, image)| !unseen.contains(image.name.as_str()))
-                .filter_map(|(place, image)| {
-                    Some(ImageFile {
-                        name: image.name.clone(),
-                        path: path_of(place)?,
-                    })
-                })
-                .collect();
-            let read = |path: &Path| -> Result<(DynamicImage, String), String> {
-                if stop.load(Ordering::Relaxed) {
-                    return Err("interrupted".to_owned());
-                }
-                let pixels = read(path).map_err(|error| error.to_string())?;
-                let blake3 = blake3_file(path).map_err(|error| error.to_string())?;
-                tell(StudyEvent::Image);
-                Ok((DynamicImage::ImageRgb8(pixels), blake3))
-            };
-            ImageSet::of_files(name, &files, &ReadSettings::default(), None, &read)
+        let seen = self.images.iter();
+        let seen: Vec<&ImageToSee> = seen
+            .filter(|image| !unseen.contains(image.name.as_str()))
+            .collect();
+        let reading = ReadSettings::default();
+        let item = |image: &ImageToSee, read: &Read<'_>| -> Result<Item, Error> {
+            if stop.load(Ordering::Relaxed) {
+                return Err(Error::Interrupted);
+            }
+            let (path, rgb) = read(image)?;
+            let digest = blake3_file(&path)?;
+            tell(StudyEvent::Image);
+            let no_vector = Vec::new();
+            Ok(Item::of_image(
+                &image.name,
+                digest,
+                &rgb,
+                &reading,
+                no_vector,
+            ))
         };
-        let source = |place: usize| self.images.get(place).map(|image| image.path.clone());
-        let clean = |path: &Path| clean_image(path, quality);
-        let mut sets = vec![set(CLEAN, &source, &clean)];
+        let set = |name: &str, read: &Read<'_>| {
+            let items = seen.par_iter().map(|image| {
+                item(image, read).map_err(|error| FailedImage {
+                    name: image.name.clone(),
+                    reason: error.to_string(),
+                })
+            });
+            ImageSet::new(name, items.collect(), None)
+        };
+        let clean = |image: &ImageToSee| {
+            let rgb = clean_image(&image.path, quality)?;
+            Ok((image.path.clone(), rgb))
+        };
+        let mut sets = vec![set(CLEAN, &clean)];
         for (condition, layout) in self.conditions.iter().zip(&runs.sets) {
-            let path = |place: usize| {
-                let image = self.images.get(place)?;
-                Some(layout.path(&image.name))
+            let cracked = |image: &ImageToSee| {
+                let path = layout.path(&image.name);
+                let rgb = cracked_image(&path)?;
+                Ok((path, rgb))
             };
-            sets.push(set(&reported(condition).name, &path, &cracked_image));
+            sets.push(set(&reported(condition).name, &cracked));
         }
         if stop.load(Ordering::Relaxed) {
             return Ok(None);
         }
-        let sets: Result<Vec<ImageSet>, _> = sets.into_iter().collect();
-        let sets = sets?;
+        let sets: Vec<ImageSet> = sets.into_iter().collect::<Result<_, _>>()?;
         let settings = CompareSettings {
             n_bootstrap: N_DRAWS[0],
             n_permutations: 0,
@@ -86,9 +98,8 @@ impl StudyPlan<'_> {
             seed,
             ..CompareSettings::default()
         };
-        let compare =
-            |sets: &[ImageSet]| compare_sets(sets, &ReadSettings::default(), &settings, &[]);
-        let names: Vec<String> = sets.iter().map(|set| set.name().to_owned()).collect();
+        let compare = |sets: &[ImageSet]| compare_sets(sets, &reading, &settings);
+        let names: Vec<String> = sets.iter().map(|set| set.summary.name.clone()).collect();
         let mut reports = Vec::new();
         match sets.split_first() {
             Some((clean, cracked)) if sets.len() > MAX_SETS_OF_ALL_PAIRS => {
@@ -105,5 +116,5 @@ impl StudyPlan<'_> {
 /// The name of the set of clean images.
 const CLEAN: &str = "clean";
 
-/// The pixels in a file.
-type Read<'a> = dyn Fn(&Path) -> Result<image::RgbImage, Error> + Sync + 'a;
+/// The file of an image, and its pixels.
+type Read<'a> = dyn Fn(&ImageToSee) -> Result<(PathBuf, RgbImage), Error> + Sync + 'a;

@@ -2,132 +2,100 @@
 
 use std::process::ExitCode;
 
-use serde_json::json;
 use starbreak_dataset::SourceFormat;
 use starbreak_eval::divergence::{
-    CompareSettings, ImageSet, Measure, PaperComparison, PaperExperiment, PaperRole, ReadSettings,
-    paper_experiment,
+    CompareSettings, DivergenceReport, Measure, PAPER_SETS, PaperComparison, paper_experiment,
 };
 use starbreak_runs::divergence::NamedSet;
 
-use super::{digits, finish, sets, show};
-use crate::args::Global;
-use crate::args::divergence::DivergenceArgs;
+use super::show::{self, digits};
+use super::{Reader, finish};
 use crate::failure::Failure;
-use crate::interrupt::Interrupt;
-use crate::screen::Screen;
 
 /// Fewer make no distribution.
 const FEWEST_IMAGES: usize = 10;
 
-pub(super) fn run(
-    global: &Global,
-    args: &DivergenceArgs,
-    reading: &ReadSettings,
-    settings: &CompareSettings,
-    interrupt: &Interrupt,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
-    let eye = sets::eye(args)?;
-    let mut read = Vec::new();
-    for role in PaperRole::ALL {
-        let given = &args.experiment;
-        let text = match role {
-            PaperRole::Simulated => &given.simulated,
-            PaperRole::RealOverlays => &given.real_overlays,
-            PaperRole::SimulatedKitti => &given.simulated_kitti,
-            PaperRole::OverlaysKitti => &given.overlays_kitti,
-            PaperRole::RoadBroken => &given.road_broken,
-            PaperRole::RoadClean => &given.road_clean,
-            PaperRole::Kitti => &given.kitti,
-            PaperRole::Bdd => &given.bdd,
-            PaperRole::Cats => &given.cats,
+pub(super) fn run(reader: &Reader<'_>, settings: &CompareSettings) -> Result<ExitCode, Failure> {
+    let given = &reader.args.experiment;
+    let kitti = Some(SourceFormat::Kitti);
+    // In the order of the paper's sets.
+    let given = [
+        (&given.simulated, None),
+        (&given.real_overlays, None),
+        (&given.simulated_kitti, kitti),
+        (&given.overlays_kitti, kitti),
+        (&given.road_broken, None),
+        (&given.road_clean, None),
+        (&given.kitti, kitti),
+        (&given.bdd, Some(SourceFormat::Bdd)),
+        (&given.cats, None),
+    ];
+    let mut sets = Vec::new();
+    for ((flag, name), (text, layout)) in PAPER_SETS.into_iter().zip(given) {
+        let Some(text) = text else {
+            continue;
         };
-        let layout = match role {
-            PaperRole::SimulatedKitti | PaperRole::OverlaysKitti | PaperRole::Kitti => {
-                Some(SourceFormat::Kitti)
-            }
-            PaperRole::Bdd => Some(SourceFormat::Bdd),
-            _ => None,
-        };
-        if let Some(text) = text {
-            let named = NamedSet::parse_or(text, role.paper_name(), layout)
-                .following_links(global.follow_links);
-            let set = sets::read(&named, args, reading, eye.as_ref(), interrupt, screen)?;
-            if set.n() < FEWEST_IMAGES {
-                return Err(Failure::wrong_input(format!(
-                    "{}: {:?} has {} images, of which nothing can be said; give {FEWEST_IMAGES} or more",
-                    role.flag(),
-                    text,
-                    set.n()
-                )));
-            }
-            read.push((role, set));
+        let set = reader.read(NamedSet::parse_or(text, name, layout))?;
+        let n = set.summary.n;
+        if n < FEWEST_IMAGES {
+            return Err(Failure::wrong_input(format!(
+                "{flag}: {text:?} has {n} images, of which nothing can be said; give {FEWEST_IMAGES} or more"
+            )));
         }
+        sets.push(set);
     }
-    if read.len() < 2 {
+    if sets.len() < 2 {
         return Err(Failure::wrong_input(format!(
             "the paper's experiment needs two sets or more; give some of {}",
-            PaperRole::ALL.map(PaperRole::flag).join(", ")
+            PAPER_SETS.map(|(flag, _)| flag).join(", ")
         )));
     }
-    let mut experiment = paper_experiment(&read, reading, settings)?;
-    if let Some(eye) = &eye {
-        let sets: Vec<ImageSet> = read.into_iter().map(|(_, set)| set).collect();
-        eye.compare(&sets, args.sigma, settings, &mut experiment.report)?;
-    }
-    interrupt.check()?;
+    let experiment = paper_experiment(&sets, &reader.reading, settings)?;
+    reader.interrupt.check()?;
+    let screen = reader.screen;
     show::report(&experiment.report, screen);
+    for ordering in &experiment.orderings {
+        show::ordering(ordering, screen);
+    }
     screen.say("\nThe paper's comparisons (its figure names no feature, bins or estimator, so that only their order can be compared):");
     for comparison in &experiment.comparisons {
-        screen.say(&line(&experiment, comparison));
+        screen.say(&line(&experiment.report, comparison));
     }
     if !experiment.missing.is_empty() {
-        screen.note(&format!(
-            "note: not given: {}",
-            experiment.missing.join(", ")
-        ));
+        let missing = experiment.missing.join(", ");
+        screen.note(&format!("note: not given: {missing}"));
     }
-    let value = json!({ "experiment": "paper", "comparisons": experiment.comparisons, "missing": experiment.missing, "report": experiment.report });
-    finish(global, args, &experiment.report, value, screen)
+    finish(reader, &experiment.report, &experiment)
 }
 
-fn line(experiment: &PaperExperiment, comparison: &PaperComparison) -> String {
-    let head = format!(
-        "  {}: {} | {}",
-        comparison.letter, comparison.a, comparison.b
-    );
-    let published = comparison
-        .published
-        .map_or_else(String::new, |value| format!("; published {value}"));
+fn line(report: &DivergenceReport, comparison: &PaperComparison) -> String {
+    let (a, b) = (comparison.a, comparison.b);
+    let head = format!("  {}: {a} | {b}", comparison.letter);
+    let published = comparison.published;
+    let published = published.map_or_else(String::new, |value| format!("; published {value}"));
     if !comparison.missing.is_empty() {
-        return format!(
-            "{head}: missing {}{published}",
-            comparison.missing.join(", ")
-        );
+        let missing = comparison.missing.join(", ");
+        return format!("{head}: missing {missing}{published}");
     }
-    let report = &experiment.report;
-    let pair = comparison.pair.and_then(|at| report.pairs.get(at));
-    let numbers: Vec<String> = if let Some(pair) = pair {
-        let features = pair.features.iter().filter_map(|compared| {
-            let value = compared.measures.get(&Measure::KlAb)?.value;
-            Some(format!("{} {}", compared.feature.name(), digits(value)))
-        });
-        features.collect()
-    } else {
-        let floor = comparison.floor.and_then(|at| report.floors.get(at));
-        let features = floor.iter().flat_map(|floor| &floor.features);
-        features
-            .filter_map(|(name, measures)| {
-                let [mean, _] = measures.get(&Measure::KlAb)?;
-                Some(format!("{name} {}", digits(*mean)))
-            })
-            .collect()
+    let mut pairs = report.pairs.iter();
+    let (what, numbers): (_, Vec<(&str, f64)>) = match pairs.find(|p| p.a == a && p.b == b) {
+        Some(pair) => {
+            let kl = pair.features.iter().filter_map(|compared| {
+                let kl = compared.measures.get(&Measure::KlAb)?;
+                Some((compared.feature.name(), kl.value))
+            });
+            ("KL(A|B)", kl.collect())
+        }
+        None => {
+            let floor = report.floors.iter().find(|floor| floor.set == a);
+            let features = floor.iter().flat_map(|floor| &floor.features);
+            let kl = features.filter_map(|(name, of)| Some((*name, *of.get(&Measure::KlAb)?)));
+            ("KL of split-halves", kl.collect())
+        }
     };
-    let what = if pair.is_some() {
-        "KL(A|B)"
-    } else {
-        "KL of split-halves"
-    };
+    let numbers = numbers
+        .iter()
+        .map(|(name, kl)| format!("{name} {}", digits(*kl)));
+    let numbers: Vec<String> = numbers.collect();
     format!("{head}: {what} {}{published}", numbers.join(", "))
 }

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use starbreak_dataset::{decode_array, read_bytes, read_text};
 use starbreak_eval::divergence::{
-    CompareSettings, DEFINITION, FeatureVectors, compare_vectors, measure_given,
+    DEFINITION, FeatureVectors, HistogramDivergence, compare_vectors, histogram_divergence,
 };
 
 use super::show;
@@ -16,22 +17,78 @@ use crate::screen::{Screen, path_text};
 /// Longest file of histograms or vectors, bytes.
 const MAX_BYTES: u64 = 1 << 31;
 
+/// A list of pairs, alone or under `hist`.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Document {
+    List(Vec<Value>),
+    Named { hist: Vec<Value> },
+}
+
+#[derive(Deserialize)]
+struct Pair {
+    p: Vec<f64>,
+    q: Vec<f64>,
+    #[serde(default = "jeffreys_prior")]
+    alpha: f64,
+}
+
+fn jeffreys_prior() -> f64 {
+    0.5
+}
+
+/// What is said of a pair.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Answer {
+    Measured {
+        alpha: f64,
+        #[serde(flatten)]
+        divergence: HistogramDivergence,
+    },
+    Failed {
+        error: String,
+    },
+}
+
+fn measured(pair: Value) -> Result<Answer, String> {
+    let pair: Pair = serde_json::from_value(pair).map_err(|error| error.to_string())?;
+    let divergence = histogram_divergence(&pair.p, &pair.q, pair.alpha);
+    Ok(Answer::Measured {
+        alpha: pair.alpha,
+        divergence: divergence.map_err(|error| error.to_string())?,
+    })
+}
+
 pub(super) fn histograms(file: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
     let text = read_text(file, MAX_BYTES)?.text;
-    let document: Value = serde_json::from_str(&text).map_err(|error| {
+    let value: Value = serde_json::from_str(&text).map_err(|error| {
         Failure::wrong_input(format!(
             "{file:?} is not JSON: {error}; numbers are finite there"
         ))
     })?;
-    let (answer, n_failed) = measure_given(&document)
-        .map_err(|error| Failure::wrong_input(format!("{file:?}: {error}")))?;
-    let lists = answer.as_object().into_iter().flatten();
-    for (name, entries) in lists.filter_map(|(name, list)| Some((name, list.as_array()?))) {
-        for (at, entry) in entries.iter().enumerate() {
-            screen.say(&format!("{name}[{at}]: {}", line(entry)));
-        }
+    let (Document::List(pairs) | Document::Named { hist: pairs }) = serde_json::from_value(value)
+        .map_err(|_| {
+        Failure::wrong_input(format!(
+            "{file:?} holds no histograms; give a list of {{p, q, alpha}}, or an object with one under hist"
+        ))
+    })?;
+    let answers = pairs
+        .into_iter()
+        .map(|pair| measured(pair).unwrap_or_else(|error| Answer::Failed { error }));
+    let answers: Vec<Answer> = answers.collect();
+    for (at, answer) in answers.iter().enumerate() {
+        screen.say(&match answer {
+            Answer::Failed { error } => format!("hist[{at}]: error {error}"),
+            Answer::Measured { alpha, divergence: d } => format!(
+                "hist[{at}]: alpha {alpha}, kl_pq {}, kl_qp {}, jeffreys {}, js {}, w1_bins {}, hellinger {}, tv {}",
+                d.kl_pq, d.kl_qp, d.jeffreys, d.js, d.w1_bins, d.hellinger, d.tv
+            ),
+        });
     }
-    screen.result(|| answer)?;
+    screen.result(|| json!({ "definition": DEFINITION, "hist": answers }))?;
+    let is_failed = |answer: &&Answer| matches!(answer, Answer::Failed { .. });
+    let n_failed = answers.iter().filter(is_failed).count();
     if n_failed == 0 {
         return Ok(ExitCode::SUCCESS);
     }
@@ -41,51 +98,27 @@ pub(super) fn histograms(file: &Path, screen: &Screen) -> Result<ExitCode, Failu
     })
 }
 
-fn line(entry: &Value) -> String {
-    let fields = entry.as_object().into_iter().flatten();
-    let fields: Vec<String> = fields
-        .map(|(key, value)| match value {
-            Value::String(text) => format!("{key} {text}"),
-            value => format!("{key} {value}"),
-        })
-        .collect();
-    fields.join(", ")
-}
-
-pub(super) fn features(
-    files: &[PathBuf],
-    sigma: f64,
-    settings: &CompareSettings,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(super) fn features(files: &[PathBuf], screen: &Screen) -> Result<ExitCode, Failure> {
     let [a, b] = files else {
         return Err(Failure::wrong_input("--features takes two files"));
     };
-    let (vectors_a, vectors_b) = (vectors(a)?, vectors(b)?);
-    let origin = format!("{} and {}", path_text(a), path_text(b));
-    let compared = compare_vectors(&vectors_a, &vectors_b, &origin, sigma, [0, 1], settings)
+    let compared = compare_vectors(&vectors(a)?, &vectors(b)?)
         .map_err(|error| Failure::wrong_input(format!("{a:?} and {b:?}: {error}")))?;
     show::vectors(&compared, screen);
-    screen.result(|| {
-        json!({
-            "definition": DEFINITION,
-            "settings": settings,
-            "activations": compared,
-        })
-    })?;
+    screen.result(|| json!({ "definition": DEFINITION, "activations": compared }))?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// The rows of a two-dimensional array.
 fn vectors(file: &Path) -> Result<FeatureVectors, Failure> {
-    let bytes = read_bytes(file, MAX_BYTES)?;
-    let array = decode_array(&path_text(file), &bytes)?;
+    let name = path_text(file);
+    let array = decode_array(&name, &read_bytes(file, MAX_BYTES)?)?;
     let [_, d] = array.shape[..] else {
         return Err(Failure::wrong_input(format!(
             "{file:?} has the shape {:?}; expected two sides, n vectors of d features",
             array.shape
         )));
     };
-    FeatureVectors::new(d, array.values)
+    FeatureVectors::new(&name, d, array.values)
         .map_err(|error| Failure::wrong_input(format!("{file:?}: {error}")))
 }

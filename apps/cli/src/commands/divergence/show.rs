@@ -1,10 +1,9 @@
 //! Numbers for people.
 
 use starbreak_eval::divergence::{
-    DivergenceReport, Estimate, Measure, OrderingTest, PairComparison, VectorComparison,
+    DivergenceReport, Estimate, Measure, Ordering, PairComparison, VectorComparison,
 };
 
-use super::digits;
 use crate::screen::Screen;
 
 pub(super) fn report(report: &DivergenceReport, screen: &Screen) {
@@ -13,7 +12,7 @@ pub(super) fn report(report: &DivergenceReport, screen: &Screen) {
         "{}: natural logarithms, alpha {} per bin, {} % intervals of {} bootstrap replicates, floors of {} split-halves, p of {} relabelings, seed {}",
         report.definition,
         settings.alpha,
-        settings.confidence * 100.0,
+        report.confidence * 100.0,
         settings.n_bootstrap,
         settings.n_splits,
         settings.n_permutations,
@@ -24,9 +23,6 @@ pub(super) fn report(report: &DivergenceReport, screen: &Screen) {
     }
     for pair in &report.pairs {
         self::pair(pair, screen);
-    }
-    for test in &report.orderings {
-        ordering(test, screen);
     }
 }
 
@@ -50,22 +46,20 @@ fn pair(pair: &PairComparison, screen: &Screen) {
     for compared in &pair.features {
         let value = |measure| compared.measures.get(&measure);
         let Some(js) = value(Measure::Js) else {
-            let why = compared.missing.as_deref().unwrap_or_default();
+            let why = compared.missing.unwrap_or_default();
             screen.say(&format!("  {:<15} {why}", compared.feature.name()));
             continue;
         };
         let number = |measure| value(measure).map_or_else(|| "-".to_owned(), |e| digits(e.value));
-        let w1 = value(Measure::W1).map_or_else(
-            || "-".to_owned(),
-            |e| format!("{} {}", digits(e.value), compared.axis.unit()),
-        );
+        let unit = compared.w1_unit.unwrap_or_default();
+        let w1 = format!("{} {unit}", number(Measure::W1));
         screen.say(&format!(
             "  {:<15} {} {:>10} {:>10} {:>22}",
             compared.feature.name(),
             columns(js),
             number(Measure::KlAb),
             number(Measure::KlBa),
-            w1
+            w1.trim_end()
         ));
     }
     if let Some(compared) = &pair.activations {
@@ -75,23 +69,19 @@ fn pair(pair: &PairComparison, screen: &Screen) {
 
 pub(super) fn vectors(compared: &VectorComparison, screen: &Screen) {
     let deficient = if compared.is_rank_deficient {
-        "; fewer vectors than dimensions: frechet is biased, frechet_shrunk is for the order only"
+        "; fewer vectors than dimensions: frechet is far too large, kid is the number to read"
     } else {
         ""
     };
     screen.say(&format!(
-        "  {}: {} and {} vectors of {} values, shrinkage {} and {}, RBF width {}{deficient}",
+        "  {}: {} and {} vectors of {} values: frechet {}, kid {}{deficient}",
         compared.origin,
         compared.n_a,
         compared.n_b,
         compared.n_dimensions,
-        digits(compared.shrinkage[0]),
-        digits(compared.shrinkage[1]),
-        compared.rbf_sigma
+        digits(compared.frechet),
+        digits(compared.kid)
     ));
-    for (measure, estimate) in &compared.measures {
-        screen.say(&format!("  {:<15} {}", measure.name(), columns(estimate)));
-    }
 }
 
 /// Value, interval, floor, effect and p.
@@ -114,7 +104,7 @@ fn columns(estimate: &Estimate) -> String {
     )
 }
 
-pub(super) fn ordering(test: &OrderingTest, screen: &Screen) {
+pub(super) fn ordering(test: &Ordering, screen: &Screen) {
     screen.say(&format!(
         "\nJS({}, {}) < JS({}, {}): {} in {} of {} features with probability > 0.95",
         test.closer[0],
@@ -123,7 +113,7 @@ pub(super) fn ordering(test: &OrderingTest, screen: &Screen) {
         test.farther[1],
         if test.holds { "holds," } else { "not shown:" },
         test.n_holding,
-        test.n_features
+        test.features.len()
     ));
     for feature in &test.features {
         let probability = feature
@@ -136,4 +126,12 @@ pub(super) fn ordering(test: &OrderingTest, screen: &Screen) {
             digits(feature.farther),
         ));
     }
+}
+
+/// A number for people: four digits.
+pub(super) fn digits(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 {
+        return format!("{value:.2e}");
+    }
+    format!("{value:.4}")
 }

@@ -1,19 +1,17 @@
-//! What is counted in an image or in a crack pattern.
+//! What is counted in an image or in a crack network.
 
-mod counts;
-mod crack_geometry;
 mod frame;
 mod gradient;
+mod network;
 mod spectrum;
 
 use serde::Serialize;
 
-pub(super) use counts::Counts;
-pub use crack_geometry::CrackGeometry;
-pub(super) use frame::Frame;
-pub use frame::{AnalysisSize, Background};
+pub(super) use frame::image_counts;
+pub use frame::{Background, ReadSettings};
+pub(super) use network::network_counts;
 
-/// A property whose histogram is compared: of pixels, or of crack patterns.
+/// A property whose histogram is compared: of pixels, or of crack networks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Feature {
@@ -38,42 +36,6 @@ pub enum Feature {
     NodeDegree,
     /// Angle between neighboring branches at each node where three or more meet, 36 bins of 10°.
     BranchAngle,
-    /// Share of a frame that a crack mask covers, one number per mask, 40 bins in equal steps of its
-    /// logarithm from 10⁻⁴ to 1.
-    MaskArea,
-}
-
-/// How the bins of a feature lie to each other.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum BinAxis {
-    /// In a row.
-    Line {
-        /// Width of a bin.
-        bin_width: f64,
-        /// Unit of that width.
-        unit: &'static str,
-    },
-    /// Around a circle.
-    Circle {
-        /// Width of a bin.
-        bin_width: f64,
-        /// Unit of that width.
-        unit: &'static str,
-    },
-    /// In a cube: there is no W1.
-    Unordered,
-}
-
-impl BinAxis {
-    /// Unit of the width of a bin; of bins without an order `bins`.
-    #[must_use]
-    pub const fn unit(&self) -> &'static str {
-        match self {
-            Self::Line { unit, .. } | Self::Circle { unit, .. } => unit,
-            Self::Unordered => "bins",
-        }
-    }
 }
 
 impl Feature {
@@ -86,80 +48,84 @@ impl Feature {
         Self::Spectrum64,
     ];
 
-    /// Those of crack patterns.
-    pub const OF_CRACKS: [Self; 4] = [
-        Self::SegmentLength,
-        Self::NodeDegree,
-        Self::BranchAngle,
-        Self::MaskArea,
-    ];
+    /// Those of crack networks.
+    pub(super) const OF_NETWORKS: [Self; 3] =
+        [Self::SegmentLength, Self::NodeDegree, Self::BranchAngle];
+
+    /// Its word, its number of bins, and where they lie in a row, the width of one and its unit. Colors
+    /// have no order, and directions lie around a circle.
+    const fn about(self) -> (&'static str, usize, Option<(f64, &'static str)>) {
+        match self {
+            Self::Luma256 => ("luma256", 256, Some((1.0, "codes"))),
+            Self::Rgb16 => ("rgb16", 16 * 16 * 16, None),
+            Self::LogGradient64 => (
+                "log-gradient64",
+                64,
+                Some((gradient::LARGEST_LOG / 64.0, "ln(1 + codes/px)")),
+            ),
+            Self::Orientation36 => ("orientation36", 36, None),
+            Self::Spectrum64 => ("spectrum64", 64, Some((0.5 / 64.0, "cycles/px"))),
+            Self::SegmentLength => (
+                "segment-length",
+                48,
+                Some((network::DECADES / 48.0, "decades")),
+            ),
+            Self::NodeDegree => ("node-degree", 12, Some((1.0, "branches"))),
+            Self::BranchAngle => ("branch-angle", 36, Some((10.0, "degrees"))),
+        }
+    }
 
     /// Its word, such as `luma256`.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Luma256 => "luma256",
-            Self::Rgb16 => "rgb16",
-            Self::LogGradient64 => "log-gradient64",
-            Self::Orientation36 => "orientation36",
-            Self::Spectrum64 => "spectrum64",
-            Self::SegmentLength => "segment-length",
-            Self::NodeDegree => "node-degree",
-            Self::BranchAngle => "branch-angle",
-            Self::MaskArea => "mask-area",
-        }
+        self.about().0
     }
 
     /// How many bins it has.
-    #[must_use]
-    pub const fn n_bins(self) -> usize {
-        match self {
-            Self::Luma256 => 256,
-            Self::Rgb16 => 16 * 16 * 16,
-            Self::LogGradient64 => gradient::N_MAGNITUDE_BINS,
-            Self::Orientation36 => gradient::N_ORIENTATION_BINS,
-            Self::Spectrum64 => spectrum::N_BINS,
-            Self::SegmentLength => crack_geometry::N_LENGTH_BINS,
-            Self::NodeDegree => crack_geometry::N_DEGREE_BINS,
-            Self::BranchAngle => crack_geometry::N_ANGLE_BINS,
-            Self::MaskArea => crack_geometry::N_AREA_BINS,
-        }
+    pub(super) const fn n_bins(self) -> usize {
+        self.about().1
     }
 
-    /// How its bins lie to each other.
+    /// Width and unit of a bin; none where bins are in no row, so that there is no W1.
     #[must_use]
-    pub fn axis(self) -> BinAxis {
-        let line = |bin_width, unit| BinAxis::Line { bin_width, unit };
-        let circle = |bin_width, unit| BinAxis::Circle { bin_width, unit };
-        match self {
-            Self::Luma256 => line(1.0, "codes"),
-            Self::Rgb16 => BinAxis::Unordered,
-            Self::LogGradient64 => line(gradient::magnitude_bin_width(), "ln(1 + codes/px)"),
-            Self::Orientation36 => circle(5.0, "degrees"),
-            Self::Spectrum64 => line(spectrum::BIN_WIDTH, "cycles/px"),
-            Self::SegmentLength => line(crack_geometry::LENGTH_BIN_WIDTH, "decades"),
-            Self::NodeDegree => line(1.0, "branches"),
-            Self::BranchAngle => line(10.0, "degrees"),
-            Self::MaskArea => line(crack_geometry::AREA_BIN_WIDTH, "decades"),
-        }
-    }
-
-    /// Its place among all features, which keeps them in one order.
-    #[must_use]
-    pub fn of_name(name: &str) -> Option<Self> {
-        let mut all = Self::OF_IMAGES.into_iter().chain(Self::OF_CRACKS);
-        all.find(|feature| feature.name() == name)
+    pub const fn bin_width(self) -> Option<(f64, &'static str)> {
+        self.about().2
     }
 }
 
-/// The histograms of pixels of one image, in the order of [`Feature::OF_IMAGES`].
-pub(super) fn image_counts(frame: &Frame) -> Vec<Counts> {
-    let [magnitude, orientation] = gradient::histograms(&frame.analysis);
-    vec![
-        frame.luma_counts(),
-        frame.rgb_counts(),
-        magnitude,
-        orientation,
-        spectrum::histogram(&frame.analysis),
-    ]
+/// The bins of one item that are not empty, in their order.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Counts(Vec<(u16, f64)>);
+
+impl Counts {
+    /// The bins of a full histogram of at most 65536.
+    fn of(histogram: &[f64]) -> Self {
+        let bins = (0..=u16::MAX).zip(histogram.iter().copied());
+        Self(bins.filter(|(_, count)| *count > 0.0).collect())
+    }
+
+    /// Adds them to a full histogram, `times` times.
+    pub(super) fn add_to(&self, histogram: &mut [f64], times: f64) {
+        for (bin, count) in &self.0 {
+            if let Some(slot) = histogram.get_mut(usize::from(*bin)) {
+                *slot += count * times;
+            }
+        }
+    }
+}
+
+/// Counts in the bin of a share of the axis, 0 to 1; the end belongs to the last bin.
+fn count(histogram: &mut [f64], share: f64, weight: f64) {
+    let n = histogram.len();
+    #[expect(clippy::cast_precision_loss, reason = "a number of bins")]
+    let at = (share.clamp(0.0, 1.0) * n as f64).floor();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and the number of bins"
+    )]
+    let bin = (at as usize).min(n.saturating_sub(1));
+    if let Some(slot) = histogram.get_mut(bin) {
+        *slot += weight;
+    }
 }

@@ -3,14 +3,8 @@
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::counts::Counts;
 use super::frame::LumaPlane;
-use super::gradient::count;
-
-pub(super) const N_BINS: usize = 64;
-
-/// Cycles per px.
-pub(super) const BIN_WIDTH: f64 = 0.5 / 64.0;
+use super::{Counts, Feature, count};
 
 /// Power below this part of a code² per px is rounding of an even image.
 const EVEN: f64 = 1e-6;
@@ -18,19 +12,17 @@ const EVEN: f64 = 1e-6;
 /// The power of an image in rings of frequency, all together as much as it has pixels; nothing for
 /// an even image.
 pub(super) fn histogram(plane: &LumaPlane) -> Counts {
-    let (width, height) = (plane.width, plane.height);
-    let n_pixels = width * height;
-    if n_pixels == 0 || plane.values.len() != n_pixels {
+    let side = |n: u32| usize::try_from(n).unwrap_or_default();
+    let (width, height) = (side(plane.width()), side(plane.height()));
+    if width * height == 0 {
         return Counts::default();
     }
     #[expect(clippy::cast_precision_loss, reason = "a number of pixels")]
-    let n = n_pixels as f64;
-    let mean = plane.values.iter().map(|v| f64::from(*v)).sum::<f64>() / n;
+    let n = (width * height) as f64;
+    let mean = plane.iter().map(|v| f64::from(*v)).sum::<f64>() / n;
     let (across, down) = (hann(width), hann(height));
-    let mut grid: Vec<Complex<f64>> = plane
-        .values
-        .chunks_exact(width)
-        .zip(&down)
+    let rows = plane.as_raw().chunks_exact(width).zip(&down);
+    let mut grid: Vec<Complex<f64>> = rows
         .flat_map(|(row, weight_y)| row.iter().zip(&across).map(move |(v, w)| (v, w * weight_y)))
         .map(|(value, weight)| Complex::new((f64::from(*value) - mean) * weight, 0.0))
         .collect();
@@ -42,7 +34,7 @@ pub(super) fn histogram(plane: &LumaPlane) -> Counts {
         .collect();
     planner.plan_fft_forward(height).process(&mut turned);
     let (fx, fy) = (frequencies(width), frequencies(height));
-    let mut rings = vec![0.0; N_BINS];
+    let mut rings = vec![0.0; Feature::Spectrum64.n_bins()];
     let mut total = 0.0;
     let places = fx.iter().flat_map(|x| fy.iter().map(move |y| (x, y)));
     for ((x, y), value) in places.zip(&turned) {
@@ -82,24 +74,13 @@ mod tests {
 
     #[test]
     fn a_wave_has_its_power_at_its_frequency() {
-        let (width, height) = (128, 96);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_precision_loss,
-            reason = "a picture"
-        )]
-        let values = (0..width * height)
-            .map(|at| {
-                let x = (at % width) as f64;
-                (128.0 + 50.0 * (std::f64::consts::TAU * 0.25 * x).sin()) as f32
-            })
-            .collect();
-        let plane = LumaPlane {
-            width,
-            height,
-            values,
-        };
-        let mut rings = vec![0.0; N_BINS];
+        let plane = LumaPlane::from_fn(128, 96, |x, _| {
+            let phase = std::f64::consts::TAU * 0.25 * f64::from(x);
+            #[expect(clippy::cast_possible_truncation, reason = "a picture")]
+            let value = (128.0 + 50.0 * phase.sin()) as f32;
+            image::Luma([value])
+        });
+        let mut rings = vec![0.0; 64];
         histogram(&plane).add_to(&mut rings, 1.0);
         let total: f64 = rings.iter().sum();
         assert!(
@@ -113,11 +94,7 @@ mod tests {
 
     #[test]
     fn an_even_image_has_no_power() {
-        let plane = LumaPlane {
-            width: 33,
-            height: 7,
-            values: vec![200.3; 33 * 7],
-        };
-        assert!(histogram(&plane).is_empty(), "nothing varies");
+        let plane = LumaPlane::from_pixel(33, 7, image::Luma([200.3]));
+        assert_eq!(histogram(&plane), Counts::default(), "nothing varies");
     }
 }
