@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::draws::{Purpose, coins, multiplicities, stream, subset};
+use super::draws::{coins, multiplicities, stream, subset};
 use super::estimate::{ROUNDING, mean};
 use super::features::Feature;
 use super::histogram::{HistogramDivergence, histogram_divergence};
@@ -68,6 +68,11 @@ pub(super) fn compare_with_replicates(
             pair.a, pair.b, pair.n_shared
         )
     });
+    let notes = sets
+        .iter()
+        .flat_map(ImageSet::notes)
+        .chain(shared)
+        .collect();
     let report = DivergenceReport {
         schema: REPORT_SCHEMA,
         definition: DEFINITION,
@@ -76,11 +81,7 @@ pub(super) fn compare_with_replicates(
         settings: *settings,
         reading: *reading,
         sets: sets.iter().map(|set| set.summary.clone()).collect(),
-        notes: sets
-            .iter()
-            .flat_map(ImageSet::notes)
-            .chain(shared)
-            .collect(),
+        notes,
         pairs: compared,
         floors,
     };
@@ -131,7 +132,7 @@ impl Comparison<'_> {
         let twins: Vec<usize> = self.sets.iter().enumerate().map(first_twin).collect();
         draws(self.settings.n_bootstrap, |index| {
             let drawn = self.sets.iter().zip(&twins).map(|(set, twin)| {
-                let mut random = self.stream(Purpose::Bootstrap, [*twin, *twin], index);
+                let mut random = self.stream("bootstrap", [*twin, *twin], index);
                 let times = multiplicities(&mut random, set.items.len());
                 pooled(set.features, &set.items, &times)
             });
@@ -149,7 +150,7 @@ impl Comparison<'_> {
             return None;
         }
         let splits: Vec<Values> = draws(self.settings.n_splits, |index| {
-            let mut random = self.stream(Purpose::Halves, [place, place], index);
+            let mut random = self.stream("halves", [place, place], index);
             let is_first = subset(&mut random, set.items.len(), n_half);
             let first = pooled(set.features, &set.items, &is_first);
             self.measured(&first, &rest(&self.wholes[place], &first))
@@ -184,7 +185,7 @@ impl Comparison<'_> {
         // The smaller set is summed, the larger is what is left.
         let n_picked = n_a.min(n_items - n_a);
         draws(self.settings.n_permutations, |index| {
-            let mut random = self.stream(Purpose::Permutation, [a, b], index);
+            let mut random = self.stream("permutation", [a, b], index);
             let is_picked = if is_paired {
                 // Of each image one of its two versions.
                 let flips = coins(&mut random, n_a);
@@ -260,7 +261,7 @@ impl Comparison<'_> {
             .collect()
     }
 
-    fn stream(&self, purpose: Purpose, sets: [usize; 2], index: usize) -> rand_chacha::ChaCha8Rng {
+    fn stream(&self, purpose: &str, sets: [usize; 2], index: usize) -> rand_chacha::ChaCha8Rng {
         stream(self.settings.seed, purpose, sets, index)
     }
 }

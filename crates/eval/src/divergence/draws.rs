@@ -4,24 +4,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use sha2::{Digest, Sha256};
 
-/// What a draw is for.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Purpose {
-    /// With replacement, for an interval.
-    Bootstrap,
-    /// Both sets mixed, for a p-value.
-    Permutation,
-    /// A set in two halves, for its floor.
-    Halves,
-}
-
-/// The stream for one draw: ChaCha8 with the key SHA-256(`div/1`, seed, purpose, sets, index).
-pub(super) fn stream(seed: u64, purpose: Purpose, sets: [usize; 2], index: usize) -> ChaCha8Rng {
-    let word: &[u8] = match purpose {
-        Purpose::Bootstrap => b"bootstrap",
-        Purpose::Permutation => b"permutation",
-        Purpose::Halves => b"halves",
-    };
+/// The stream for one draw: ChaCha8 with the key SHA-256(`div/1`, seed, sets, index, what it is for).
+pub(super) fn stream(seed: u64, purpose: &str, sets: [usize; 2], index: usize) -> ChaCha8Rng {
     let wide = |n: usize| u64::try_from(n).unwrap_or(u64::MAX).to_le_bytes();
     let key = Sha256::new()
         .chain_update(b"div/1")
@@ -29,7 +13,7 @@ pub(super) fn stream(seed: u64, purpose: Purpose, sets: [usize; 2], index: usize
         .chain_update(wide(sets[0]))
         .chain_update(wide(sets[1]))
         .chain_update(wide(index))
-        .chain_update(word)
+        .chain_update(purpose)
         .finalize();
     ChaCha8Rng::from_seed(key.into())
 }
@@ -75,7 +59,7 @@ mod tests {
     fn draws_are_even_whole_and_the_same_again() {
         let mut hits = [0_u32; 7];
         for index in 0..7000 {
-            let mut random = stream(1, Purpose::Halves, [0, 0], index);
+            let mut random = stream(1, "halves", [0, 0], index);
             let picked = subset(&mut random, 7, 3);
             assert_eq!(picked.iter().sum::<u32>(), 3, "three of seven");
             for (hit, picked) in hits.iter_mut().zip(picked) {
@@ -86,7 +70,7 @@ mod tests {
             // 3000 expected, standard deviation 41.
             assert!((2795..=3205).contains(&hit), "{hits:?}");
         }
-        let draw = || multiplicities(&mut stream(5, Purpose::Bootstrap, [1, 1], 9), 50);
+        let draw = || multiplicities(&mut stream(5, "bootstrap", [1, 1], 9), 50);
         assert_eq!(draw(), draw(), "by seed alone");
         assert_eq!(draw().iter().sum::<u32>(), 50, "as many as there are");
     }

@@ -178,37 +178,38 @@ impl ImageSet {
 
     /// What a reader of its numbers must know.
     pub(super) fn notes(&self) -> Vec<String> {
-        let SetSummary { name, n, .. } = &self.summary;
+        let SetSummary {
+            name,
+            n,
+            failed,
+            n_repeated,
+            n_enlarged,
+            ..
+        } = &self.summary;
         let mut notes = Vec::new();
-        if *n == 1 {
-            notes.push(format!(
-                "{name:?} has one image: no floor of its own, no interval; nothing can be said of its distribution"
-            ));
-        } else if *n < 20 {
-            notes.push(format!(
-                "{name:?} has {n} images: intervals and floors of so few are rough"
-            ));
+        let mut note = |what: String| notes.push(format!("{name:?}{what}"));
+        match n {
+            1 => note(" has one image: no floor of its own, no interval; nothing can be said of its distribution".to_owned()),
+            2..20 => note(format!(
+                " has {n} images: intervals and floors of so few are rough"
+            )),
+            _ => (),
         }
-        let failed = &self.summary.failed;
-        if let Some(first) = failed.first() {
-            notes.push(format!(
-                "{name:?}: {} of {} images could not be read, the first: {:?}: {}",
+        if let Some(FailedImage { name, reason }) = failed.first() {
+            note(format!(
+                ": {} of {} images could not be read, the first: {name:?}: {reason}",
                 failed.len(),
-                failed.len() + n,
-                first.name,
-                first.reason
+                failed.len() + n
             ));
         }
-        if self.summary.n_repeated > 0 {
-            notes.push(format!(
-                "{name:?} has {} images that are copies of others of it: they are not independent",
-                self.summary.n_repeated
+        if *n_repeated > 0 {
+            note(format!(
+                " has {n_repeated} images that are copies of others of it: they are not independent"
             ));
         }
-        if self.summary.n_enlarged > 0 {
-            notes.push(format!(
-                "{name:?}: {} images were enlarged for gradients and spectra and lack fine detail by that",
-                self.summary.n_enlarged
+        if *n_enlarged > 0 {
+            note(format!(
+                ": {n_enlarged} images were enlarged for gradients and spectra and lack fine detail by that"
             ));
         }
         notes

@@ -1,7 +1,7 @@
 //! Numbers for people.
 
 use starbreak_eval::divergence::{
-    DivergenceReport, Estimate, Measure, Ordering, PairComparison, VectorComparison,
+    DivergenceReport, FeatureComparison, Measure, Ordering, PairComparison, VectorComparison,
 };
 
 use crate::screen::Screen;
@@ -27,44 +27,50 @@ pub(super) fn report(report: &DivergenceReport, screen: &Screen) {
 }
 
 fn pair(pair: &PairComparison, screen: &Screen) {
-    screen.say(&format!(
-        "\n{} ({}) | {} ({}){}",
-        pair.a,
-        pair.n_a,
-        pair.b,
-        pair.n_b,
-        if pair.is_paired {
-            ", the same images by name: p exchanges the two versions of each"
-        } else {
-            ""
-        }
-    ));
+    let PairComparison { a, b, n_a, n_b, .. } = pair;
+    let paired = if pair.is_paired {
+        ", the same images by name: p exchanges the two versions of each"
+    } else {
+        ""
+    };
+    screen.say(&format!("\n{a} ({n_a}) | {b} ({n_b}){paired}"));
     screen.say(&format!(
         "  {:<15} {:>10} {:>23} {:>10} {:>8} {:>7} {:>10} {:>10} {:>22}",
         "feature", "JS", "interval", "floor", "effect", "p", "KL(A|B)", "KL(B|A)", "W1"
     ));
     for compared in &pair.features {
-        let value = |measure| compared.measures.get(&measure);
-        let Some(js) = value(Measure::Js) else {
-            let why = compared.missing.unwrap_or_default();
-            screen.say(&format!("  {:<15} {why}", compared.feature.name()));
-            continue;
-        };
-        let number = |measure| value(measure).map_or_else(|| "-".to_owned(), |e| digits(e.value));
-        let unit = compared.w1_unit.unwrap_or_default();
-        let w1 = format!("{} {unit}", number(Measure::W1));
-        screen.say(&format!(
-            "  {:<15} {} {:>10} {:>10} {:>22}",
-            compared.feature.name(),
-            columns(js),
-            number(Measure::KlAb),
-            number(Measure::KlBa),
-            w1.trim_end()
-        ));
+        let name = compared.feature.name();
+        screen.say(&format!("  {name:<15} {}", feature(compared)));
     }
     if let Some(compared) = &pair.activations {
         vectors(compared, screen);
     }
+}
+
+/// JS with all that stands beside it, KL and W1; or why there is none.
+fn feature(compared: &FeatureComparison) -> String {
+    let Some(js) = compared.measures.get(&Measure::Js) else {
+        return compared.missing.unwrap_or_default().to_owned();
+    };
+    let number = |measure| {
+        let estimate = compared.measures.get(&measure);
+        or_none(estimate, |estimate| digits(estimate.value))
+    };
+    let unit = compared.w1_unit.unwrap_or_default();
+    let w1 = format!("{} {unit}", number(Measure::W1));
+    format!(
+        "{:>10} {:>23} {:>10} {:>8} {:>7} {:>10} {:>10} {:>22}",
+        digits(js.value),
+        or_none(js.interval, |ends| {
+            format!("[{}, {}]", digits(ends[0]), digits(ends[1]))
+        }),
+        or_none(js.floor, digits),
+        or_none(js.effect, |effect| format!("{effect:.1}")),
+        or_none(js.p_value, |p| format!("{p:.3}")),
+        number(Measure::KlAb),
+        number(Measure::KlBa),
+        w1.trim_end()
+    )
 }
 
 pub(super) fn vectors(compared: &VectorComparison, screen: &Screen) {
@@ -84,48 +90,26 @@ pub(super) fn vectors(compared: &VectorComparison, screen: &Screen) {
     ));
 }
 
-/// Value, interval, floor, effect and p.
-fn columns(estimate: &Estimate) -> String {
-    let or_none = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), digits);
-    let interval = estimate.interval.map_or_else(
-        || "-".to_owned(),
-        |[low, high]| format!("[{}, {}]", digits(low), digits(high)),
-    );
-    format!(
-        "{:>10} {interval:>23} {:>10} {:>8} {:>7}",
-        digits(estimate.value),
-        or_none(estimate.floor),
-        estimate
-            .effect
-            .map_or_else(|| "-".to_owned(), |e| format!("{e:.1}")),
-        estimate
-            .p_value
-            .map_or_else(|| "-".to_owned(), |p| format!("{p:.3}")),
-    )
-}
-
 pub(super) fn ordering(test: &Ordering, screen: &Screen) {
+    let ([a, b], [c, d]) = (&test.closer, &test.farther);
+    let held = if test.holds { "holds," } else { "not shown:" };
+    let (n, all) = (test.n_holding, test.features.len());
     screen.say(&format!(
-        "\nJS({}, {}) < JS({}, {}): {} in {} of {} features with probability > 0.95",
-        test.closer[0],
-        test.closer[1],
-        test.farther[0],
-        test.farther[1],
-        if test.holds { "holds," } else { "not shown:" },
-        test.n_holding,
-        test.features.len()
+        "\nJS({a}, {b}) < JS({c}, {d}): {held} in {n} of {all} features with probability > 0.95"
     ));
     for feature in &test.features {
-        let probability = feature
-            .probability
-            .map_or_else(|| "-".to_owned(), |p| format!("{p:.3}"));
         screen.say(&format!(
-            "  {:<15} {} < {}: probability {probability}",
+            "  {:<15} {} < {}: probability {}",
             feature.feature.name(),
             digits(feature.closer),
             digits(feature.farther),
+            or_none(feature.probability, |p| format!("{p:.3}"))
         ));
     }
+}
+
+fn or_none<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
+    value.map_or_else(|| "-".to_owned(), text)
 }
 
 /// A number for people: four digits.
