@@ -22,7 +22,7 @@ pub use histogram::{HistogramDivergence, histogram_divergence};
 pub use matrix_plot::divergence_svg;
 pub use report::{
     CompareSettings, DEFINITION, DivergenceReport, Estimate, FeatureComparison, Measure,
-    PairComparison, REPORT_SCHEMA, SetFloor,
+    PairComparison, SetFloor,
 };
 pub use set::{FailedImage, ImageSet, Item, SetSummary};
 pub use table::divergence_csv;

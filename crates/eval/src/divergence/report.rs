@@ -13,7 +13,7 @@ use super::vectors::VectorComparison;
 pub const DEFINITION: &str = "div/1";
 
 /// The schema of [`DivergenceReport`] as JSON.
-pub const REPORT_SCHEMA: &str = "starbreak.divergence/2";
+pub(super) const REPORT_SCHEMA: &str = "starbreak.divergence/2";
 
 /// Share that an interval covers.
 pub(super) const CONFIDENCE: f64 = 0.95;
@@ -51,8 +51,7 @@ impl Measure {
     ];
 
     /// Its word, such as `kl_ab`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::KlAb => "kl_ab",
             Self::KlBa => "kl_ba",
@@ -184,7 +183,7 @@ pub struct SetFloor {
 /// Sets compared, every pair of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DivergenceReport {
-    /// [`REPORT_SCHEMA`].
+    /// `starbreak.divergence/2`.
     pub schema: &'static str,
     /// [`DEFINITION`].
     pub definition: &'static str,
@@ -208,8 +207,7 @@ pub struct DivergenceReport {
 
 impl DivergenceReport {
     /// The noise floor of a set.
-    #[must_use]
-    pub fn floor(&self, set: &str, feature: Feature, measure: Measure) -> Option<f64> {
+    pub(crate) fn floor(&self, set: &str, feature: Feature, measure: Measure) -> Option<f64> {
         floor_of(&self.floors, set, feature, measure)
     }
 }

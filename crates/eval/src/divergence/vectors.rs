@@ -46,8 +46,7 @@ impl FeatureVectors {
     }
 
     /// How many there are.
-    #[must_use]
-    pub fn n(&self) -> usize {
+    pub(super) fn n(&self) -> usize {
         self.values.len() / self.n_dimensions
     }
 

@@ -119,7 +119,7 @@ impl ReadSettings {
 /// Luma in codes 0 to 255.
 pub(super) type LumaPlane = ImageBuffer<Luma<f32>, Vec<f32>>;
 
-/// The histograms of an opaque image in the order of [`Feature::OF_IMAGES`](super::Feature::OF_IMAGES), and
+/// The histograms of an opaque image in the order of `Feature::OF_IMAGES`, and
 /// whether it was enlarged for gradients and spectra.
 pub(in crate::divergence) fn image_counts(
     rgb: &RgbImage,

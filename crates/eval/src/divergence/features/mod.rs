@@ -40,7 +40,7 @@ pub enum Feature {
 
 impl Feature {
     /// Those of pixels.
-    pub const OF_IMAGES: [Self; 5] = [
+    pub(crate) const OF_IMAGES: [Self; 5] = [
         Self::Luma256,
         Self::Rgb16,
         Self::LogGradient64,
@@ -87,8 +87,7 @@ impl Feature {
     }
 
     /// Width and unit of a bin; none where bins are in no row, so that there is no W1.
-    #[must_use]
-    pub const fn bin_width(self) -> Option<(f64, &'static str)> {
+    pub(crate) const fn bin_width(self) -> Option<(f64, &'static str)> {
         self.about().2
     }
 }
