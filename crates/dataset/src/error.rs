@@ -63,7 +63,7 @@ pub enum DatasetError {
     },
     /// A JSON file that is none, or that has another form than lists of records.
     #[error(
-        "{path:?} is not the JSON it should be from byte {at_byte} on: {reason}; write or copy it again"
+        "{path:?} is not the JSON it should be from byte {at_byte} on: {}; write or copy it again", one_line(.reason)
     )]
     JsonText {
         /// The file.

@@ -1,9 +1,12 @@
-//! JSON files with long lists of records, as slices of bytes, in memory that does not depend on
+//! JSON files with long lists of records, one record at a time, in memory that does not depend on
 //! the length of the file.
 
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::error::DatasetError;
 use crate::image_file::open_file;
@@ -26,8 +29,99 @@ pub struct JsonRecord<'a> {
     pub idx: Option<u64>,
     /// Place of its first byte in the file, from 0.
     pub offset: u64,
-    /// Its very bytes. Brackets and quotes are balanced; nothing else is known of them.
-    pub bytes: &'a [u8],
+    /// Its very characters. Brackets and quotes are balanced; nothing else is known of them.
+    pub text: &'a str,
+}
+
+/// Why a record is not what it should be.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RecordFault {
+    /// Place of the byte in the file, from 0.
+    pub at_byte: u64,
+    /// What is wrong there.
+    pub reason: String,
+    /// Whether it is JSON, and only says something else than it should.
+    pub is_json: bool,
+}
+
+impl<'a> JsonRecord<'a> {
+    /// The record as a value.
+    ///
+    /// # Errors
+    /// Where it is no JSON, or not that of such a value.
+    pub fn parse<T: Deserialize<'a>>(&self) -> Result<T, RecordFault> {
+        serde_json::from_str(self.text).map_err(|error| {
+            let behind = offset_in(self.text, error.line(), error.column()).saturating_sub(1);
+            let at = self.text.as_bytes().get(behind);
+            let reason = match reason_of(&error).as_str() {
+                "expected value" | "invalid number" if matches!(at, Some(b'N' | b'I')) => {
+                    "NaN and Infinity are no numbers of JSON; leave such records out".to_owned()
+                }
+                reason => reason.to_owned(),
+            };
+            RecordFault {
+                at_byte: self.offset + u64::try_from(behind).unwrap_or(0),
+                reason,
+                is_json: error.is_data(),
+            }
+        })
+    }
+
+    /// The record as a value, or why it is none; what is no JSON is a fault of the whole file.
+    pub(crate) fn row<T: Deserialize<'a>>(
+        &self,
+        path: &Path,
+    ) -> Result<Result<T, String>, DatasetError> {
+        match self.parse() {
+            Ok(row) => Ok(Ok(row)),
+            Err(fault) if fault.is_json => Ok(Err(fault.reason)),
+            Err(RecordFault {
+                at_byte, reason, ..
+            }) => Err(DatasetError::JsonText {
+                path: path.to_owned(),
+                at_byte,
+                reason,
+            }),
+        }
+    }
+
+    /// That it is JSON, whatever it says.
+    pub(crate) fn check(&self, path: &Path) -> Result<(), DatasetError> {
+        self.row::<IgnoredAny>(path).map(drop)
+    }
+
+    /// Where it stands: `annotations[7]`, or `[7]` in a file that is one list.
+    #[must_use]
+    pub fn place(&self) -> String {
+        match self.idx {
+            Some(idx) => format!("{}[{idx}]", self.key.escape_debug()),
+            None => self.key.escape_debug().to_string(),
+        }
+    }
+}
+
+/// What serde says, without the line and column, which count inside the record.
+pub(crate) fn reason_of(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    match text.rsplit_once(" at line ") {
+        Some((reason, _)) => reason.to_owned(),
+        None => text,
+    }
+}
+
+/// Bytes before a line and column, which both count from 1.
+fn offset_in(text: &str, line: usize, column: usize) -> usize {
+    let lines = text.split_inclusive('\n').take(line.saturating_sub(1));
+    lines.map(str::len).sum::<usize>() + column
+}
+
+/// A part of a file.
+pub(crate) enum JsonPart<'a> {
+    /// A list of records begins; its key is empty where it is the whole file.
+    Begin(&'a str),
+    Record(JsonRecord<'a>),
+    /// The list ends.
+    End,
 }
 
 /// What lists a file has.
@@ -37,6 +131,14 @@ pub struct JsonLists {
     pub is_one_list: bool,
     /// The keys of members which are lists, in the order of the file.
     pub keys: Vec<String>,
+}
+
+impl JsonLists {
+    /// Whether there is a list of this key.
+    #[must_use]
+    pub fn has(&self, key: &str) -> bool {
+        self.keys.iter().any(|known| known == key)
+    }
 }
 
 /// Gives each record of a JSON file to `take`: the elements of its lists and its other members, in
@@ -50,6 +152,24 @@ pub struct JsonLists {
 pub fn read_json_records<E: From<DatasetError>>(
     path: &Path,
     mut take: impl FnMut(JsonRecord<'_>) -> Result<(), E>,
+) -> Result<JsonLists, E> {
+    // A list under no key could not be told from a file that is one list: it is given whole.
+    walk_json(
+        path,
+        |key| !key.is_empty(),
+        |part| match part {
+            JsonPart::Record(record) => take(record),
+            JsonPart::Begin(_) | JsonPart::End => Ok(()),
+        },
+    )
+}
+
+/// The same with the ends of lists, where of the members of an object those of some keys only are
+/// taken for lists of records.
+pub(crate) fn walk_json<E: From<DatasetError>>(
+    path: &Path,
+    is_list: impl Fn(&str) -> bool,
+    mut take: impl FnMut(JsonPart<'_>) -> Result<(), E>,
 ) -> Result<JsonLists, E> {
     let mut text = Text {
         path: path.to_owned(),
@@ -65,7 +185,7 @@ pub fn read_json_records<E: From<DatasetError>>(
             lists.is_one_list = true;
             text.list("", &mut take)?;
         }
-        Some(b'{') => text.object(&mut lists, &mut take)?,
+        Some(b'{') => text.object(&mut lists, &is_list, &mut take)?,
         Some(_) => return Err(text.wrong(0, "expected a list or an object").into()),
         None => return Err(text.wrong(0, "the file has no content").into()),
     }
@@ -148,12 +268,13 @@ impl Text {
     fn list<E: From<DatasetError>>(
         &mut self,
         key: &str,
-        take: &mut impl FnMut(JsonRecord<'_>) -> Result<(), E>,
+        take: &mut impl FnMut(JsonPart<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
+        take(JsonPart::Begin(key))?;
         self.at += 1;
         if self.token()? == b']' {
             self.at += 1;
-            return Ok(());
+            return take(JsonPart::End);
         }
         for idx in 0.. {
             self.token()?;
@@ -171,14 +292,15 @@ impl Text {
                 }
             }
         }
-        Ok(())
+        take(JsonPart::End)
     }
 
     /// The members of the object that begins here.
     fn object<E: From<DatasetError>>(
         &mut self,
         lists: &mut JsonLists,
-        take: &mut impl FnMut(JsonRecord<'_>) -> Result<(), E>,
+        is_list: &impl Fn(&str) -> bool,
+        take: &mut impl FnMut(JsonPart<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         self.at += 1;
         if self.token()? == b'}' {
@@ -200,7 +322,7 @@ impl Text {
                 return Err(self.wrong(0, "expected a colon").into());
             }
             self.at += 1;
-            if self.token()? == b'[' {
+            if self.token()? == b'[' && is_list(&key) {
                 if lists.keys.contains(&key) {
                     let reason = format!("the list {key:?} occurs twice");
                     return Err(self.wrong(0, &reason).into());
@@ -230,17 +352,19 @@ impl Text {
         &mut self,
         key: &str,
         idx: Option<u64>,
-        take: &mut impl FnMut(JsonRecord<'_>) -> Result<(), E>,
+        take: &mut impl FnMut(JsonPart<'_>) -> Result<(), E>,
     ) -> Result<(), E> {
         let n_bytes = self.extent()?;
         let offset = self.offset();
         let bytes = self.buffer.get(self.at..self.at + n_bytes).unwrap_or(&[]);
-        take(JsonRecord {
+        let text = std::str::from_utf8(bytes)
+            .map_err(|error| self.wrong(error.valid_up_to(), "it is not UTF-8 text"))?;
+        take(JsonPart::Record(JsonRecord {
             key,
             idx,
             offset,
-            bytes,
-        })?;
+            text,
+        }))?;
         self.at += n_bytes;
         Ok(())
     }
@@ -336,10 +460,10 @@ mod tests {
         std::fs::write(&path, text).unwrap();
         let mut seen = Vec::new();
         let lists = read_json_records::<DatasetError>(&path, |record| {
-            let bytes = std::str::from_utf8(record.bytes).unwrap();
             let from = usize::try_from(record.offset).unwrap();
-            assert_eq!(&text[from..from + bytes.len()], bytes, "the offset is true");
-            seen.push(format!("{}{:?}={bytes}", record.key, record.idx));
+            let whole = &text[from..from + record.text.len()];
+            assert_eq!(whole, record.text, "the offset is true");
+            seen.push(format!("{}{:?}={}", record.key, record.idx, record.text));
             Ok(())
         })?;
         Ok((seen, lists))

@@ -72,15 +72,17 @@ pub use generated::{
 pub use image_file::{
     ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_bytes, read_image,
 };
-pub use json_records::{JsonLists, JsonRecord, read_json_records};
+pub use json_records::{JsonLists, JsonRecord, RecordFault, read_json_records};
 pub use line_log::LineLog;
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, blake3_file, blake3_hex, sha256_file, sha256_hex};
 pub use replacing::listed_files;
 pub use source::{
-    BadRecord, FileRole, IndexFiles, KittiRow, LabeledObject, ObjectKind, Source, SourceFile,
-    SourceFormat, SourceImage, SourceSpec, bdd_class, is_set_in_python,
+    BadRecord, CocoAnnotation, CocoCategory, CocoImage, CocoObject, FileRole, FrameSize,
+    IndexFiles, KittiRow, LabeledObject, ObjectKind, ScalabelFrame, ScalabelLabel, ScalabelObject,
+    Source, SourceFile, SourceFormat, SourceImage, SourceSpec, WholeId, read_coco_records,
+    read_scalabel_frames, sound_bbox,
 };
 pub use street::{SceneObject, StreetScene, street_scene};
 pub use text_file::{TextFile, read_text};

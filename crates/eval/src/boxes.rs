@@ -32,6 +32,16 @@ impl BoxPx {
         }
     }
 
+    /// The box of MS-COCO's `x, y, width, height`.
+    pub(crate) fn from_bbox([x, y, width, height]: [f64; 4]) -> Self {
+        Self {
+            x,
+            y,
+            width,
+            height,
+        }
+    }
+
     /// `x0, y0, x1, y1`.
     #[must_use]
     pub fn corners(&self) -> [f64; 4] {

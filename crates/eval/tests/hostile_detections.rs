@@ -77,7 +77,7 @@ fn labels_that_make_no_sense_are_refused_with_their_record() {
             r#""bbox": null"#,
             "annotations[1]",
         ),
-        (r#", "area": 11.5"#, "", "missing field `area`"),
+        (r#", "area": 11.5"#, "", "it has no area"),
         (
             r#""image_id": 0"#,
             r#""image_id": 1"#,

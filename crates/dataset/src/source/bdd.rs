@@ -2,42 +2,23 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use serde_json::value::RawValue;
 
-use super::index::{
-    Catalog, IndexFile, Label, Row, checked_box, folder_of_images, image_name, second_names,
-};
-use super::json::{self, Id, Sink, record_reason};
+use super::id::Id;
+use super::index::{Catalog, IndexFile, Label, Row, folder_of_images, image_name, second_names};
+use super::index_copy::write_copy;
 use super::name::path_below;
-use super::record::{BadRecord, FileRole, ObjectKind, SourceFile};
-use super::{Images, Layout, Place, SourceFormat, SourceSpec, layout_error, no_index};
+use super::record::{BadRecord, FileRole, SourceFile};
+use super::scalabel_row::{ScalabelFrame, ScalabelLabel, read_scalabel_frames};
+use super::{Images, Layout, Place, SourceFormat, SourceSpec, index_error, layout_error, no_index};
 use crate::error::DatasetError;
-
-/// The two forms of an index: a list of frames, or an object with one.
-const LISTS: [&str; 2] = ["", "frames"];
+use crate::json_records::JsonRecord;
 
 /// Folders below the root that may hold the index files, the likeliest first.
 const INDEX_FOLDERS: [&str; 3] = ["labels/det_20", "labels", ""];
-
-/// Older or finer names of classes, and those that evaluation uses [BDD100K, `det.toml`].
-const SAME_CLASS: [(&str, &str); 5] = [
-    ("bike", "bicycle"),
-    ("caravan", "car"),
-    ("motor", "motorcycle"),
-    ("person", "pedestrian"),
-    ("van", "car"),
-];
-
-/// Classes that are ignored as a class of evaluation [BDD100K, `det.toml`].
-const IGNORED_CLASS: [(&str, &str); 3] = [
-    ("other person", "pedestrian"),
-    ("other vehicle", "car"),
-    ("trailer", "truck"),
-];
 
 #[derive(Debug)]
 pub(super) struct Bdd {
@@ -115,81 +96,10 @@ pub(super) fn folders_of_images(name: &str) -> Vec<String> {
     folders
 }
 
-/// A frame with its labels as they are written.
-#[derive(Deserialize)]
-struct FrameRecord<'a> {
-    #[serde(default, borrow)]
-    labels: Option<Vec<&'a RawValue>>,
-}
-
-/// What is needed to know which image a frame is.
-#[derive(Deserialize)]
-struct FrameName {
-    name: String,
-    #[serde(rename = "videoName", default)]
-    video: Option<String>,
-}
-
-#[derive(Deserialize)]
-struct LabelRecord {
-    #[serde(default)]
-    id: Option<Id>,
-    #[serde(default)]
-    category: Option<String>,
-    #[serde(default)]
-    attributes: Option<Attributes>,
-    #[serde(default)]
-    box2d: Option<Box2d>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(default)]
-struct Attributes {
-    crowd: serde_json::Value,
-    ignored: serde_json::Value,
-}
-
-#[derive(Deserialize)]
-struct Box2d {
-    x1: f64,
-    y1: f64,
-    x2: f64,
-    y2: f64,
-}
-
-/// The class of evaluation that a name of BDD100K stands for, and whether its objects are ignored.
-#[must_use]
-pub fn bdd_class(name: &str) -> (&str, bool) {
-    let find = |map: &[(&str, &'static str)]| {
-        let pair = map.iter().find(|(from, _)| *from == name);
-        pair.map(|(_, to)| *to)
-    };
-    match (find(&IGNORED_CLASS), find(&SAME_CLASS)) {
-        (Some(class), _) => (class, true),
-        (None, Some(class)) => (class, false),
-        (None, None) => (name, false),
-    }
-}
-
-/// Whether an attribute is set, in the sense of Python, in which the public tools are written.
-#[must_use]
-pub fn is_set_in_python(value: &serde_json::Value) -> bool {
-    use serde_json::Value;
-    match value {
-        Value::Null => false,
-        Value::Bool(value) => *value,
-        Value::Number(value) => value.as_f64() != Some(0.0),
-        Value::String(value) => !value.is_empty(),
-        Value::Array(value) => !value.is_empty(),
-        Value::Object(value) => !value.is_empty(),
-    }
-}
-
 /// Takes the frames of one index file.
 #[derive(Default)]
 struct Reader {
     name: String,
-    n_frames: usize,
     rows: Vec<Row>,
     /// The name of each row below the folder of its video.
     names_in_videos: Vec<Option<Box<str>>>,
@@ -201,33 +111,32 @@ struct Reader {
 }
 
 impl Reader {
-    fn frame(&mut self, text: &str, frame_idx: usize) {
-        let place = |name: &str| format!("{}: frame {name}", self.name);
-        let by_number = place(&format!("[{frame_idx}]"));
-        let named = match serde_json::from_str::<FrameName>(text) {
-            Ok(named) => named,
-            Err(error) => {
-                self.bad
-                    .push(BadRecord::new(by_number, record_reason(&error)));
-                return;
+    /// Takes a frame; one that is no JSON is an error of the file.
+    fn take(&mut self, path: &Path, record: &JsonRecord<'_>) -> Result<(), DatasetError> {
+        let frame_idx = record.idx.unwrap_or(0);
+        let by_number = format!("{}: frame [{frame_idx}]", self.name);
+        let frame: ScalabelFrame<'_> = match record.row(path)? {
+            Ok(frame) => frame,
+            Err(reason) => {
+                self.bad.push(BadRecord::new(by_number, reason));
+                return Ok(());
             }
         };
         // A video is a folder of frames.
-        let checked = image_name(&named.name).and_then(|name| {
-            let in_video = named
-                .video
-                .map(|video| image_name(&format!("{video}/{name}")));
+        let checked = image_name(&frame.name).and_then(|name| {
+            let video = frame.video.as_ref();
+            let in_video = video.map(|video| image_name(&format!("{video}/{name}")));
             Ok((name, in_video.transpose()?))
         });
         let (name, in_video) = match checked {
             Ok(names) => names,
             Err(reason) => {
                 let bad = BadRecord::new(by_number, reason);
-                self.bad.push(bad.of_image(&named.name));
-                return;
+                self.bad.push(bad.of_image(&frame.name));
+                return Ok(());
             }
         };
-        let place = place(&name);
+        let place = format!("{}: frame {name}", self.name);
         let row_idx = self.rows.len();
         self.rows.push(Row {
             name,
@@ -236,31 +145,37 @@ impl Reader {
         });
         self.names_in_videos
             .push(in_video.map(String::into_boxed_str));
-        let labels = match serde_json::from_str::<FrameRecord<'_>>(text) {
-            Ok(record) => record.labels.unwrap_or_default(),
-            Err(error) => {
-                let problem = BadRecord::new(place, record_reason(&error));
-                self.problems.push((row_idx, problem));
+        self.labels_of(&frame, row_idx, &place);
+        Ok(())
+    }
+
+    /// Takes the labels of a frame.
+    fn labels_of(&mut self, frame: &ScalabelFrame<'_>, row_idx: usize, place: &str) {
+        let labels = match frame.labels() {
+            Ok(labels) => labels,
+            Err(reason) => {
+                self.problems.push((row_idx, BadRecord::new(place, reason)));
                 return;
             }
         };
         let mut ids = BTreeSet::new();
-        for (label_idx, label) in labels.into_iter().enumerate() {
-            let mut label_place = format!("label [{label_idx}]");
-            let label = serde_json::from_str::<LabelRecord>(label.get())
-                .map_err(|error| record_reason(&error))
-                .and_then(|record| {
-                    if let Some(id) = &record.id {
-                        label_place = format!("label {id}");
-                    }
-                    self.label(record, label_idx)
-                })
-                .and_then(|label| match label {
-                    Some(label) if !ids.insert(label.id.clone()) => {
-                        Err("the id occurs twice in its frame".to_owned())
-                    }
-                    label => Ok(label),
-                });
+        for (label_idx, label) in labels.enumerate() {
+            let by_number = format!("[{label_idx}]");
+            let mut label_place = format!("label {by_number}");
+            let label = label.and_then(|label| {
+                let id = Option::<Id>::deserialize(&label.id).map_err(|error| error.to_string())?;
+                if let Some(id) = &id {
+                    label_place = format!("label {id}");
+                }
+                let id = id.unwrap_or(Id::Text(by_number.into_boxed_str()));
+                self.label(&label, id)
+            });
+            let label = match label {
+                Ok(Some(label)) if !ids.insert(label.id.clone()) => {
+                    Err("the id occurs twice in its frame".to_owned())
+                }
+                label => label,
+            };
             match label {
                 Ok(label) => self.labels.extend(label.map(|label| (row_idx, label))),
                 Err(reason) => {
@@ -271,31 +186,13 @@ impl Reader {
         }
     }
 
-    /// The box of a label; nothing where it has no box, such as the outline of a lane.
-    fn label(&mut self, record: LabelRecord, label_idx: usize) -> Result<Option<Label>, String> {
-        let Some(Box2d { x1, y1, x2, y2 }) = record.box2d else {
+    /// The box of a label; nothing where it has no box.
+    fn label(&mut self, label: &ScalabelLabel, id: Id) -> Result<Option<Label>, String> {
+        let Some(object) = label.object()? else {
             return Ok(None);
         };
-        let box_px = checked_box([x1, y1, x2, y2]).ok_or_else(|| {
-            format!(
-                "the box2d {:?} px ends before it begins, or reaches beyond 1e9 px",
-                [x1, y1, x2, y2]
-            )
-        })?;
-        let category = record.category.ok_or("it has a box but no category")?;
-        let attributes = record.attributes.unwrap_or_default();
-        let (class, is_ignored) = bdd_class(&category);
-        let kind = if is_ignored {
-            ObjectKind::Ignored
-        } else if is_set_in_python(&attributes.crowd) {
-            ObjectKind::Crowd
-        } else if is_set_in_python(&attributes.ignored) {
-            ObjectKind::Ignored
-        } else {
-            ObjectKind::Regular
-        };
-        let category = class.to_owned();
         let next = self.categories.len();
+        let category = object.class.to_owned();
         let number = *self
             .category_numbers
             .entry(category.clone())
@@ -303,12 +200,11 @@ impl Reader {
         if number == next {
             self.categories.push(category);
         }
-        let by_number = || Id::Text(format!("[{label_idx}]").into_boxed_str());
         Ok(Some(Label {
-            id: record.id.unwrap_or_else(by_number),
+            id,
             category: number,
-            box_px,
-            kind,
+            box_px: object.corners_px,
+            kind: object.kind,
         }))
     }
 
@@ -360,7 +256,7 @@ impl Reader {
                 }
                 let in_video = || self.rows.iter().map(|row| row.name.as_str());
                 folder_of_images(root, &folders, in_video)
-                    .map_err(|_| json::index_error(&path, SourceFormat::Bdd, &reason))?
+                    .map_err(|_| index_error(&path, SourceFormat::Bdd, reason))?
             }
         };
         self.refuse_second_names();
@@ -379,19 +275,6 @@ impl Reader {
     }
 }
 
-impl Sink for Reader {
-    fn is_list(&self, key: &str) -> bool {
-        LISTS.contains(&key)
-    }
-
-    fn record(&mut self, _: &str, text: &str) -> io::Result<()> {
-        let frame_idx = self.n_frames;
-        self.n_frames += 1;
-        self.frame(text, frame_idx);
-        Ok(())
-    }
-}
-
 /// What an index file says, with the names of its images in the dataset.
 fn read_index(root: &Path, name: &str) -> Result<IndexFile, DatasetError> {
     let path = path_below(root, name);
@@ -399,7 +282,7 @@ fn read_index(root: &Path, name: &str) -> Result<IndexFile, DatasetError> {
         name: name.to_owned(),
         ..Reader::default()
     };
-    json::read(&path, SourceFormat::Bdd, &["frames"], &mut reader)?;
+    read_scalabel_frames(&path, |record| reader.take(&path, &record))?;
     reader.finish(root, path)
 }
 
@@ -435,20 +318,19 @@ impl Layout for Bdd {
             .filter(|row| is_kept(&row.name))
             .map(|row| (&row.id, row.name.as_str()))
             .collect();
-        let mut n_frames = 0i64;
-        let keeps = |_: &str, text: &str| {
-            let frame = Id::Int(n_frames);
-            n_frames += 1;
+        let keeps = |record: &JsonRecord<'_>| {
+            let idx = record.idx.and_then(|idx| i64::try_from(idx).ok());
+            let frame = Id::Int(idx.unwrap_or(i64::MAX));
             // A frame that is not the one that was read stays to be missed below.
             let is_same = kept.get(&frame).is_some_and(|name| {
-                let record = serde_json::from_str::<FrameName>(text).ok();
-                let record = record.and_then(|record| image_name(&record.name).ok());
-                record.is_some_and(|record| name.ends_with(&record))
+                let frame = record.parse::<ScalabelFrame<'_>>().ok();
+                let in_folder = frame.and_then(|frame| image_name(&frame.name).ok());
+                in_folder.is_some_and(|in_folder| name.ends_with(&in_folder))
             });
             is_same && kept.remove(&frame).is_some()
         };
         let path = &index.path;
-        json::write_copy(path, &file.name, SourceFormat::Bdd, &LISTS, keeps, out)?;
+        write_copy(path, &file.name, &["frames"], keeps, out)?;
         match kept.is_empty() {
             true => Ok(()),
             false => Err(super::changed(path, SourceFormat::Bdd)),

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::json::Id;
+use super::id::Id;
 use super::name::{is_image_name, path_below};
 use super::record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceImage};
 use super::tree::differs_in_case;
@@ -348,10 +348,9 @@ pub(super) fn image_name(text: &str) -> Result<String, String> {
     }
 }
 
-/// A box that does not end before it begins, within a thousand million pixels of 0: areas of wilder ones
-/// end in infinity.
-pub(super) fn checked_box(box_px: [f64; 4]) -> Option<[f64; 4]> {
-    let [x0, y0, x1, y1] = box_px;
-    let is_good = box_px.iter().all(|v| v.abs() <= 1e9) && x0 <= x1 && y0 <= y1;
-    is_good.then_some(box_px)
+/// Whether corners `x0, y0, x1, y1` are those of a box that does not end before it begins, within a
+/// thousand million pixels of 0: areas of wilder ones end in infinity.
+pub(super) fn sound_corners(corners_px: [f64; 4]) -> bool {
+    let [x0, y0, x1, y1] = corners_px;
+    corners_px.iter().all(|v| v.abs() <= 1e9) && x0 <= x1 && y0 <= y1
 }

@@ -7,28 +7,37 @@ mod spec;
 pub(crate) mod name;
 mod tree;
 
+mod id;
 mod index;
+mod index_copy;
 mod index_files;
-mod json;
 mod lines;
 mod nesting;
 
 mod bdd;
 mod coco;
+mod coco_row;
 mod folder;
 mod kitti;
 mod kitti_row;
 mod list;
+mod scalabel_row;
 mod yolo;
 
 use std::fmt;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-pub use bdd::{bdd_class, is_set_in_python};
+pub use coco_row::{
+    CocoAnnotation, CocoCategory, CocoImage, CocoObject, read_coco_records, sound_bbox,
+};
+pub use id::WholeId;
 pub use index_files::IndexFiles;
 pub use kitti_row::KittiRow;
 pub use record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
+pub use scalabel_row::{
+    FrameSize, ScalabelFrame, ScalabelLabel, ScalabelObject, read_scalabel_frames,
+};
 pub use spec::{SourceFormat, SourceSpec};
 
 use crate::error::DatasetError;
@@ -338,13 +347,19 @@ fn subset_error(file: &SourceFile, source: std::io::Error) -> DatasetError {
     }
 }
 
-/// The error of an index that is no longer what it was.
-fn changed(path: &Path, format: SourceFormat) -> DatasetError {
+/// The error of an index that is broken as a whole.
+fn index_error(path: &Path, format: SourceFormat, reason: impl Into<String>) -> DatasetError {
     DatasetError::SourceIndex {
         path: path.to_owned(),
         format,
-        reason: "it changed since the dataset was opened; begin again".to_owned(),
+        reason: reason.into(),
     }
+}
+
+/// The error of an index that is no longer what it was.
+fn changed(path: &Path, format: SourceFormat) -> DatasetError {
+    let reason = "it changed since the dataset was opened; begin again";
+    index_error(path, format, reason)
 }
 
 /// The answer of formats without an index to a request for a part of one.

@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use serde::Deserialize;
-use starbreak_dataset::{JsonRecord, read_json_records};
+use starbreak_dataset::{JsonRecord, WholeId, read_json_records, sound_bbox};
 
 use super::{Detection, Detections, ReadDetections, Unused};
-use crate::json_record::{Id, parse, place, refuse, refuse_file};
+use crate::json_record::{parse, refuse, refuse_file};
 use crate::{BoxPx, EvalError, LabelSet};
 
 #[derive(Deserialize)]
 struct ResultRecord {
-    image_id: Id,
-    category_id: Id,
+    image_id: WholeId,
+    category_id: WholeId,
     bbox: [f64; 4],
     score: f64,
 }
@@ -63,20 +63,8 @@ impl Reader<'_> {
     fn take(&mut self, path: &Path, record: &JsonRecord<'_>) -> Result<(), EvalError> {
         let result: ResultRecord = parse(path, record)?;
         self.n_all += 1;
-        let [x, y, width, height] = result.bbox;
-        let box_px = BoxPx {
-            x,
-            y,
-            width,
-            height,
-        };
-        if !box_px.is_sound() {
-            let reason = format!(
-                "the bbox {:?} px has a negative side, or reaches beyond 1e9 px",
-                result.bbox
-            );
-            return Err(refuse(path, place(record), reason));
-        }
+        let bbox_px =
+            sound_bbox(result.bbox).map_err(|reason| refuse(path, record.place(), reason))?;
         let Some(image) = self.labels.image_of_id(result.image_id.0) else {
             self.n_in_unknown_images += 1;
             self.first_unknown_image.get_or_insert(result.image_id.0);
@@ -93,7 +81,7 @@ impl Reader<'_> {
         self.items.push(Detection {
             image,
             category,
-            box_px,
+            box_px: BoxPx::from_bbox(bbox_px),
             score: result.score,
         });
         Ok(())

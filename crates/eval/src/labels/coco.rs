@@ -3,43 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use serde::Deserialize;
-use starbreak_dataset::{JsonRecord, read_json_records};
+use starbreak_dataset::{
+    CocoAnnotation, CocoCategory, CocoImage, JsonRecord, WholeId, read_coco_records,
+};
 
 use super::{Category, LabelSet, LabeledImage, Object, ObjectKind, index_of};
-use crate::json_record::{Flag, Id, parse, place, refuse, refuse_file};
+use crate::json_record::{parse, refuse};
 use crate::{BoxPx, EvalError};
-
-#[derive(Deserialize)]
-struct ImageRecord {
-    id: Id,
-    #[serde(default)]
-    file_name: Option<String>,
-    #[serde(default)]
-    width: Option<u32>,
-    #[serde(default)]
-    height: Option<u32>,
-}
-
-#[derive(Deserialize)]
-struct CategoryRecord {
-    id: Id,
-    #[serde(default)]
-    name: Option<String>,
-    #[serde(default)]
-    supercategory: Option<String>,
-}
-
-#[derive(Deserialize)]
-struct AnnotationRecord {
-    id: Id,
-    image_id: Id,
-    category_id: Id,
-    bbox: [f64; 4],
-    area: f64,
-    #[serde(default)]
-    iscrowd: Flag,
-}
 
 /// An object whose image and category are still numbers of the file.
 struct Row {
@@ -69,16 +39,7 @@ impl Reader {
         names: impl Fn(&[&str]) -> Vec<String>,
     ) -> Result<(), EvalError> {
         let n_before = self.images.len();
-        let lists = read_json_records(path, |record| self.take(path, &record))?;
-        for key in ["images", "annotations", "categories"] {
-            if !lists.keys.iter().any(|known| known == key) {
-                let reason = match lists.is_one_list {
-                    true => "it is one list, as results are; ground truth is an object with the lists images, annotations and categories".to_owned(),
-                    false => format!("it has no list {key:?}; ground truth of MS-COCO has images, annotations and categories"),
-                };
-                return Err(refuse_file(path, reason));
-            }
-        }
+        read_coco_records(path, |record| self.take(path, &record))?;
         let images = self.images.get_mut(n_before..).unwrap_or(&mut []);
         let said: Vec<&str> = images.iter().map(|image| image.name.as_str()).collect();
         let named = names(&said);
@@ -89,10 +50,10 @@ impl Reader {
     }
 
     fn take(&mut self, path: &Path, record: &JsonRecord<'_>) -> Result<(), EvalError> {
-        match (record.key, record.idx) {
-            ("images", Some(_)) => {
-                let image: ImageRecord = parse(path, record)?;
-                let id = image.id.0;
+        match record.key {
+            "images" => {
+                let image: CocoImage<WholeId, u32> = parse(path, record)?;
+                let WholeId(id) = image.id;
                 self.images.push(LabeledImage {
                     id,
                     name: image.file_name.unwrap_or_else(|| id.to_string()),
@@ -101,9 +62,9 @@ impl Reader {
                     cluster: None,
                 });
             }
-            ("categories", Some(_)) => {
-                let category: CategoryRecord = parse(path, record)?;
-                let id = category.id.0;
+            "categories" => {
+                let category: CocoCategory<WholeId, String> = parse(path, record)?;
+                let WholeId(id) = category.id;
                 let category = Category {
                     id,
                     name: category.name.unwrap_or_else(|| id.to_string()),
@@ -114,14 +75,7 @@ impl Reader {
                     self.categories.push(category);
                 }
             }
-            ("annotations", Some(idx)) => {
-                let row = row_of(path, record, parse(path, record)?, idx)?;
-                self.rows.push(row);
-            }
-            // What else there is must be JSON, too.
-            _ => {
-                parse::<serde::de::IgnoredAny>(path, record)?;
-            }
+            _ => self.rows.push(row_of(path, record)?),
         }
         Ok(())
     }
@@ -169,41 +123,26 @@ impl Reader {
     }
 }
 
-fn row_of(
-    path: &Path,
-    record: &JsonRecord<'_>,
-    annotation: AnnotationRecord,
-    idx: u64,
-) -> Result<Row, EvalError> {
-    let id = annotation.id.0;
-    let wrong =
-        |reason: String| refuse(path, format!("{}, annotation {id}", place(record)), reason);
-    let [x, y, width, height] = annotation.bbox;
-    let box_px = BoxPx {
-        x,
-        y,
-        width,
-        height,
+fn row_of(path: &Path, record: &JsonRecord<'_>) -> Result<Row, EvalError> {
+    let annotation: CocoAnnotation<WholeId, f64> = parse(path, record)?;
+    let place = match annotation.id {
+        Some(WholeId(id)) => format!("{}, annotation {id}", record.place()),
+        None => record.place(),
     };
-    if !box_px.is_sound() {
-        let reason = format!(
-            "the bbox {:?} px has a negative side, or reaches beyond 1e9 px",
-            annotation.bbox
-        );
-        return Err(wrong(reason));
-    }
-    Ok(Row {
-        id,
-        image_id: annotation.image_id.0,
-        category_id: annotation.category_id.0,
-        box_px,
-        area_px2: annotation.area,
-        kind: match annotation.iscrowd.0 {
-            true => ObjectKind::Crowd,
-            false => ObjectKind::Regular,
-        },
-        idx,
-    })
+    let area_px2 = annotation.area.ok_or("it has no area".to_owned());
+    let row = area_px2.and_then(|area_px2| {
+        let object = annotation.object()?;
+        Ok(Row {
+            id: object.id.0,
+            image_id: object.image_id.0,
+            category_id: object.category_id.0,
+            box_px: BoxPx::from_bbox(object.bbox_px),
+            area_px2,
+            kind: object.kind,
+            idx: record.idx.unwrap_or(0),
+        })
+    });
+    row.map_err(|reason| refuse(path, place, reason))
 }
 
 /// Of several categories of one name all but the first get their number behind it: a name stands for one

@@ -309,7 +309,7 @@ pub(super) fn is_scalabel(path: &Path) -> Result<bool, EvalError> {
         }
     }
     let read = starbreak_dataset::read_json_records(path, |record| {
-        let value: Option<serde_json::Value> = serde_json::from_slice(record.bytes).ok();
+        let value: Option<serde_json::Value> = record.parse().ok();
         let has = |key: &str| value.as_ref().is_some_and(|value| value.get(key).is_some());
         Err(End::Seen(
             record.key == "frames" || (record.key.is_empty() && has("name") && !has("image_id")),

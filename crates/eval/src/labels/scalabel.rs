@@ -3,11 +3,10 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use serde::Deserialize;
-use starbreak_dataset::{JsonRecord, bdd_class, is_set_in_python, read_json_records};
+use starbreak_dataset::{ScalabelFrame, ScalabelLabel, read_scalabel_frames};
 
 use super::{Category, LabelSet, LabeledImage, Object, ObjectKind};
-use crate::json_record::{Id, parse, place, refuse, refuse_file};
+use crate::json_record::{parse, refuse, refuse_file};
 use crate::{BoxPx, EvalError};
 
 /// The classes of BDD100K in the order of its numbers, with their groups [BDD100K, `det.toml`].
@@ -24,97 +23,42 @@ const CLASSES: [(&str, Option<&str>); 10] = [
     ("traffic sign", Some("traffic sign")),
 ];
 
-/// A frame.
-#[derive(Deserialize)]
-pub(crate) struct Frame {
-    pub(crate) name: String,
-    #[serde(rename = "videoName", default)]
-    pub(crate) video: Option<String>,
-    #[serde(rename = "frameIndex", default)]
-    frame_idx: Option<Id>,
-    #[serde(default)]
-    size: Option<FrameSize>,
-    #[serde(default)]
-    pub(crate) labels: Option<Vec<Label>>,
-}
-
-#[derive(Deserialize)]
-struct FrameSize {
-    width: u32,
-    height: u32,
-}
-
-/// What is in a frame.
-#[derive(Deserialize)]
-pub(crate) struct Label {
-    /// A number or a text; in clips that of the object through all frames.
-    #[serde(default)]
-    id: serde_json::Value,
-    #[serde(default)]
-    pub(crate) category: Option<String>,
-    #[serde(default)]
-    attributes: Option<Attributes>,
-    #[serde(default)]
-    box2d: Option<Box2d>,
-    #[serde(default)]
-    pub(crate) score: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(default)]
-struct Attributes {
-    crowd: serde_json::Value,
-    ignored: serde_json::Value,
-}
-
-#[derive(Deserialize)]
-struct Box2d {
-    x1: f64,
-    y1: f64,
-    x2: f64,
-    y2: f64,
-}
-
-impl Label {
-    /// The box, if it has one, or why it is none.
-    pub(crate) fn box_px(&self) -> Result<Option<BoxPx>, String> {
-        let Some(Box2d { x1, y1, x2, y2 }) = self.box2d else {
-            return Ok(None);
-        };
-        let box_px = BoxPx::from_corners([x1, y1, x2, y2]);
-        match box_px.is_sound() {
-            true => Ok(Some(box_px)),
-            false => Err(format!(
-                "the box2d {:?} px ends before it begins, or reaches beyond 1e9 px",
-                [x1, y1, x2, y2]
-            )),
-        }
-    }
-}
-
 /// Each frame of a file, with its place.
 pub(crate) fn for_each_frame(
     path: &Path,
-    mut take: impl FnMut(Frame, String) -> Result<(), EvalError>,
+    mut take: impl FnMut(&ScalabelFrame<'_>, &str) -> Result<(), EvalError>,
 ) -> Result<(), EvalError> {
-    let mut has_frames = false;
-    let lists = read_json_records(path, |record: JsonRecord<'_>| {
-        if matches!(record.key, "" | "frames") && record.idx.is_some() {
-            has_frames = true;
-            let frame: Frame = parse(path, &record)?;
-            let at = format!("{}, frame {:?}", place(&record), frame.name);
-            return take(frame, at);
-        }
-        parse::<serde::de::IgnoredAny>(path, &record).map(drop)
-    })?;
-    if !lists.is_one_list && !lists.keys.iter().any(|key| key == "frames") {
-        return Err(refuse_file(path, "it has no list \"frames\", and is none"));
+    read_scalabel_frames(path, |record| {
+        let frame: ScalabelFrame<'_> = parse(path, &record)?;
+        let at = format!("{}, frame {:?}", record.place(), frame.name);
+        take(&frame, &at)
+    })
+}
+
+/// Each label of a frame.
+pub(crate) fn for_each_label(
+    path: &Path,
+    frame: &ScalabelFrame<'_>,
+    at: &str,
+    mut take: impl FnMut(&ScalabelLabel) -> Result<(), String>,
+) -> Result<(), EvalError> {
+    let labels = frame.labels().map_err(|reason| refuse(path, at, reason))?;
+    for (idx, label) in labels.enumerate() {
+        label
+            .and_then(|label| take(&label))
+            .map_err(|reason| refuse(path, format!("{at}, label [{idx}]"), reason))?;
     }
     Ok(())
 }
 
-/// An object with the name of its category and, in clips, of its track.
-type NamedObject = (String, BoxPx, ObjectKind, Option<String>);
+/// An object before its category has a place.
+struct NamedObject {
+    class: String,
+    box_px: BoxPx,
+    kind: ObjectKind,
+    /// The name of its track, in clips.
+    track: Option<String>,
+}
 
 /// A frame as it was read.
 struct ReadFrame {
@@ -159,41 +103,32 @@ impl Reader {
         let of_clips = self.of_clips;
         for_each_frame(path, |frame, at| {
             let mut objects = Vec::new();
-            for (idx, label) in frame.labels.iter().flatten().enumerate() {
-                let wrong = |reason: String| refuse(path, format!("{at}, label [{idx}]"), reason);
-                let Some(box_px) = label.box_px().map_err(wrong)? else {
-                    continue;
-                };
-                let Some(name) = &label.category else {
-                    return Err(wrong("it has a box but no category".to_owned()));
-                };
-                let (class, is_ignored) = bdd_class(name);
-                let blank = Attributes::default();
-                let attributes = label.attributes.as_ref().unwrap_or(&blank);
-                let kind = match is_set_in_python(&attributes.crowd) {
-                    true => ObjectKind::Crowd,
-                    false if is_ignored || is_set_in_python(&attributes.ignored) => {
-                        ObjectKind::Ignored
-                    }
-                    false => ObjectKind::Regular,
-                };
-                let track = of_clips.then(|| track_name(&label.id)).flatten();
-                objects.push((class.to_owned(), box_px, kind, track));
-            }
+            for_each_label(path, frame, at, |label| {
+                let object = label.object()?;
+                objects.extend(object.map(|object| NamedObject {
+                    class: object.class.to_owned(),
+                    box_px: BoxPx::from_corners(object.corners_px),
+                    kind: object.kind,
+                    track: of_clips.then(|| track_name(&label.id)).flatten(),
+                }));
+                Ok(())
+            })?;
             let name = match &frame.video {
                 Some(video) if of_clips => format!("{video}/{}", frame.name),
-                _ => frame.name,
+                _ => frame.name.clone(),
             };
+            let wrong = |reason: String| refuse(path, at, reason);
+            let size = frame.size().map_err(wrong)?;
             let image = LabeledImage {
                 id: 0,
                 name,
-                width_px: frame.size.as_ref().map(|size| size.width),
-                height_px: frame.size.as_ref().map(|size| size.height),
-                cluster: frame.video,
+                width_px: size.map(|size| size.width_px),
+                height_px: size.map(|size| size.height_px),
+                cluster: frame.video.clone(),
             };
             self.frames.push(ReadFrame {
                 image,
-                frame_idx: frame.frame_idx.map(|idx| idx.0),
+                frame_idx: frame.frame_idx().map_err(wrong)?,
                 objects,
             });
             Ok(())
@@ -215,10 +150,10 @@ impl Reader {
     ///
     /// Boxes of both kinds are refused: which classes the benchmark leaves out must not be guessed.
     pub(super) fn finish(self, path: &Path) -> Result<LabelSet, EvalError> {
-        let names = || self.frames.iter().flat_map(|frame| &frame.objects);
-        let n_all = names().count();
-        let others: Vec<&str> = names()
-            .map(|(name, ..)| name.as_str())
+        let objects = || self.frames.iter().flat_map(|frame| &frame.objects);
+        let n_all = objects().count();
+        let others: Vec<&str> = objects()
+            .map(|object| object.class.as_str())
             .filter(|name| !is_of_bdd(name))
             .collect();
         if !others.is_empty() && others.len() < n_all {
@@ -259,7 +194,7 @@ impl Reader {
         }
         let mut names: Vec<&str> = Vec::new();
         for frame in &self.frames {
-            names.extend(frame.objects.iter().map(|(name, ..)| name.as_str()));
+            names.extend(frame.objects.iter().map(|object| object.class.as_str()));
         }
         names.sort_unstable();
         names.dedup();
@@ -283,8 +218,8 @@ impl Reader {
             let place = u32::try_from(labels.images.len()).unwrap_or(u32::MAX);
             frame_idx.push(frame.frame_idx);
             labels.images.push(LabeledImage { id, ..frame.image });
-            for (name, box_px, kind, track) in frame.objects {
-                let Some(category) = labels.category_of_name(&name) else {
+            for object in frame.objects {
+                let Some(category) = labels.category_of_name(&object.class) else {
                     continue;
                 };
                 let next = labels.objects.len() + 1;
@@ -292,11 +227,11 @@ impl Reader {
                     id: i64::try_from(next).unwrap_or(i64::MAX),
                     image: place,
                     category,
-                    box_px,
-                    area_px2: box_px.area_px2(),
-                    kind,
+                    box_px: object.box_px,
+                    area_px2: object.box_px.area_px2(),
+                    kind: object.kind,
                 });
-                tracks.push(track);
+                tracks.push(object.track);
             }
         }
         Ok(Tracked {

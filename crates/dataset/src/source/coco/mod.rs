@@ -7,13 +7,16 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::coco_row::read_coco_records;
+use super::id::Id;
 use super::index::{Catalog, IndexFile, folder_of_images};
-use super::json::{self, Id};
+use super::index_copy::write_copy;
 use super::name::path_below;
 use super::record::{FileRole, SourceFile};
-use super::{Images, Layout, Place, SourceFormat, SourceSpec, layout_error, no_index};
+use super::{Images, Layout, Place, SourceFormat, SourceSpec, index_error, layout_error, no_index};
 use crate::error::DatasetError;
-use reader::{AnnotationOf, ImageRecord, LISTS, Reader};
+use crate::json_records::JsonRecord;
+use reader::{AnnotationOf, ImageId, Reader};
 
 /// The name of an index that stands beside its images, as some tools export it.
 const BESIDE_IMAGES: &str = "_annotations.coco.json";
@@ -105,11 +108,11 @@ pub(super) fn folders_of_images(name: &str) -> Vec<String> {
 fn read_index(root: &Path, name: &str) -> Result<IndexFile, DatasetError> {
     let path = path_below(root, name);
     let mut reader = Reader::of(name);
-    json::read(&path, SourceFormat::Coco, &LISTS, &mut reader)?;
+    read_coco_records(&path, |record| reader.take(&path, &record))?;
     let mut file = reader.finish(path);
     let images = || file.rows.iter().map(|row| row.name.as_str());
     let folder = folder_of_images(root, &folders_of_images(name), images)
-        .map_err(|reason| json::index_error(&file.path, SourceFormat::Coco, &reason))?;
+        .map_err(|reason| index_error(&file.path, SourceFormat::Coco, reason))?;
     file.put_images_into(&folder);
     Ok(file)
 }
@@ -146,19 +149,20 @@ impl Layout for Coco {
             .filter(|row| is_kept(&row.name))
             .map(|row| (&row.id, true))
             .collect();
-        let keeps = |list: &str, text: &str| match list {
-            "images" => serde_json::from_str::<ImageRecord>(text)
+        let keeps = |record: &JsonRecord<'_>| match record.key {
+            "images" => record
+                .parse::<ImageId>()
                 .ok()
-                .and_then(|record| kept.get_mut(&record.id))
+                .and_then(|image| kept.get_mut(&image.id))
                 .is_some_and(std::mem::take),
-            _ => serde_json::from_str::<AnnotationOf>(text)
+            _ => record
+                .parse::<AnnotationOf>()
                 .ok()
-                .and_then(|record| record.image_id)
+                .and_then(|annotation| annotation.image_id)
                 .is_some_and(|id| kept.contains_key(&id)),
         };
-        let lists = ["images", "annotations"];
         let path = &index.path;
-        json::write_copy(path, &file.name, SourceFormat::Coco, &lists, keeps, out)?;
+        write_copy(path, &file.name, &["images", "annotations"], keeps, out)?;
         match kept.values().any(|is_to_come| *is_to_come) {
             false => Ok(()),
             true => Err(super::changed(path, SourceFormat::Coco)),

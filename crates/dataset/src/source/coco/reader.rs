@@ -1,69 +1,27 @@
 //! The records of a COCO index file.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
-use crate::source::index::{IndexFile, Label, Row, checked_box, image_name, second_names, seconds};
-use crate::source::json::{Id, Sink, record_reason};
-use crate::source::record::{BadRecord, ObjectKind};
+use crate::error::DatasetError;
+use crate::json_records::JsonRecord;
+use crate::source::coco_row::{CocoAnnotation, CocoCategory, CocoImage};
+use crate::source::id::Id;
+use crate::source::index::{IndexFile, Label, Row, image_name, second_names, seconds};
+use crate::source::record::BadRecord;
 
-/// Members of an index file which are lists of records that are read.
-pub(super) const LISTS: [&str; 3] = ["images", "annotations", "categories"];
-
-/// An image.
+/// What is needed to know which image it is.
 #[derive(Deserialize)]
-pub(super) struct ImageRecord {
+pub(super) struct ImageId {
     pub(super) id: Id,
-    file_name: String,
-}
-
-#[derive(Deserialize)]
-struct CategoryRecord {
-    id: Id,
-    name: String,
-}
-
-#[derive(Deserialize)]
-struct AnnotationRecord {
-    id: Option<Id>,
-    image_id: Option<Id>,
-    category_id: Option<Id>,
-    bbox: Option<[f64; 4]>,
-    #[serde(default)]
-    iscrowd: Crowd,
-}
-
-/// `0`, `1`, `true` or `false`; nothing for anything else.
-#[derive(Deserialize)]
-#[serde(from = "serde_json::Value")]
-struct Crowd(Option<bool>);
-
-impl Default for Crowd {
-    fn default() -> Self {
-        Self(Some(false))
-    }
-}
-
-impl From<serde_json::Value> for Crowd {
-    fn from(value: serde_json::Value) -> Self {
-        Self(match value {
-            serde_json::Value::Bool(is_crowd) => Some(is_crowd),
-            value => match value.as_f64() {
-                Some(0.0) => Some(false),
-                Some(1.0) => Some(true),
-                _ => None,
-            },
-        })
-    }
 }
 
 /// What is needed to know whose annotation it is.
 #[derive(Deserialize)]
 pub(super) struct AnnotationOf {
-    #[serde(default)]
     pub(super) image_id: Option<Id>,
 }
 
@@ -96,7 +54,6 @@ pub(super) struct Reader {
     /// The number of the image, and what is wrong.
     problems: Vec<(usize, BadRecord)>,
     bad: Vec<BadRecord>,
-    n_records: [usize; 3],
 }
 
 impl Reader {
@@ -130,21 +87,46 @@ impl Reader {
         number
     }
 
-    fn image(&mut self, text: &str, place: &str) {
-        let record: ImageRecord = match serde_json::from_str(text) {
-            Ok(record) => record,
-            Err(error) => {
-                self.bad.push(self.bad(place, record_reason(&error)));
-                return;
-            }
+    /// Takes a record; one that is no JSON is an error of the file.
+    pub(super) fn take(
+        &mut self,
+        path: &Path,
+        record: &JsonRecord<'_>,
+    ) -> Result<(), DatasetError> {
+        // From 0, as JSON tools count.
+        let place = record.place();
+        match record.key {
+            "images" => match record.row(path)? {
+                Ok(image) => self.image(image, &place),
+                Err(reason) => self.bad.push(self.bad(&place, reason)),
+            },
+            "categories" => match record.row(path)? {
+                Ok(category) => self.category(category, &place),
+                Err(reason) => self.bad.push(self.bad(&place, reason)),
+            },
+            _ => match record.row(path)? {
+                Ok(annotation) => self.annotation(annotation, place),
+                Err(reason) => {
+                    let of = record.parse::<AnnotationOf>().ok();
+                    self.problem(&place, of.and_then(|of| of.image_id), reason);
+                }
+            },
+        }
+        Ok(())
+    }
+
+    fn image(&mut self, record: CocoImage<Id, IgnoredAny>, place: &str) {
+        let Some(file_name) = record.file_name else {
+            self.bad.push(self.bad(place, "it has no file_name"));
+            return;
         };
         let place = format!("image {}", record.id);
         let number = self.image_number(record.id.clone());
         let is_first = self.fates.get(number) == Some(&Fate::Unknown);
-        let fate = match image_name(&record.file_name) {
+        let fate = match image_name(&file_name) {
             _ if !is_first => {
-                let reason = format!("the id occurs twice, again for {:?}", record.file_name);
-                let bad = self.bad(&place, reason).of_image(&record.file_name);
+                let reason = format!("the id occurs twice, again for {file_name:?}");
+                let bad = self.bad(&place, reason).of_image(&file_name);
                 self.bad.push(bad);
                 self.shared_ids.insert(record.id);
                 return;
@@ -158,7 +140,7 @@ impl Reader {
                 Fate::Row(self.rows.len() - 1)
             }
             Err(reason) => {
-                let bad = self.bad(&place, reason).of_image(&record.file_name);
+                let bad = self.bad(&place, reason).of_image(&file_name);
                 self.bad.push(bad);
                 Fate::Refused
             }
@@ -168,46 +150,46 @@ impl Reader {
         }
     }
 
-    fn category(&mut self, text: &str, place: &str) {
-        match serde_json::from_str::<CategoryRecord>(text) {
-            Ok(record) => {
-                let place = format!("category {}", record.id);
-                let number = self.category_number(record.id);
-                match self.categories.get_mut(number) {
-                    Some(name @ None) => *name = Some(record.name),
-                    _ => {
-                        let reason = format!("the id occurs twice, again for {:?}", record.name);
-                        self.bad.push(self.bad(&place, reason));
-                    }
-                }
+    fn category(&mut self, record: CocoCategory<Id, IgnoredAny>, place: &str) {
+        let Some(name) = record.name else {
+            self.bad.push(self.bad(place, "it has no name"));
+            return;
+        };
+        let place = format!("category {}", record.id);
+        let number = self.category_number(record.id);
+        match self.categories.get_mut(number) {
+            Some(known @ None) => *known = Some(name),
+            _ => {
+                let reason = format!("the id occurs twice, again for {name:?}");
+                self.bad.push(self.bad(&place, reason));
             }
-            Err(error) => self.bad.push(self.bad(place, record_reason(&error))),
         }
     }
 
-    fn annotation(&mut self, text: &str, place: &str) {
-        let (place, image_id, problem) = match serde_json::from_str::<AnnotationRecord>(text) {
-            Ok(record) => {
-                let place = match &record.id {
-                    Some(id) => format!("annotation {id}"),
-                    None => place.to_owned(),
-                };
-                let image_id = record.image_id.clone();
-                match self.label(record) {
-                    Ok(labeled) => {
-                        self.labels.push(labeled);
-                        return;
-                    }
-                    Err(reason) => (place, image_id, reason),
-                }
-            }
-            Err(error) => {
-                let of: Option<AnnotationOf> = serde_json::from_str(text).ok();
-                let image_id = of.and_then(|of| of.image_id);
-                (place.to_owned(), image_id, record_reason(&error))
-            }
+    fn annotation(&mut self, record: CocoAnnotation<Id, IgnoredAny>, place: String) {
+        let place = match &record.id {
+            Some(id) => format!("annotation {id}"),
+            None => place,
         };
-        let problem = self.bad(&place, problem);
+        let image_id = record.image_id.clone();
+        let object = match record.object() {
+            Ok(object) => object,
+            Err(reason) => return self.problem(&place, image_id, reason),
+        };
+        let [x, y, width, height] = object.bbox_px;
+        let label = Label {
+            id: object.id,
+            category: self.category_number(object.category_id),
+            box_px: [x, y, x + width, y + height],
+            kind: object.kind,
+        };
+        let number = self.image_number(object.image_id);
+        self.labels.push((number, label));
+    }
+
+    /// An annotation is bad, of this image if it says so.
+    fn problem(&mut self, place: &str, image_id: Option<Id>, reason: String) {
+        let problem = self.bad(place, reason);
         match image_id {
             Some(id) => {
                 let number = self.image_number(id);
@@ -215,33 +197,6 @@ impl Reader {
             }
             None => self.bad.push(problem),
         }
-    }
-
-    /// The number of the image and the box.
-    fn label(&mut self, record: AnnotationRecord) -> Result<(usize, Label), String> {
-        let id = record.id.ok_or("it has no id")?;
-        let image_id = record.image_id.ok_or("it has no image_id")?;
-        let category_id = record.category_id.ok_or("it has no category_id")?;
-        let [x, y, w, h] = record.bbox.ok_or("it has no bbox")?;
-        let box_px = checked_box([x, y, x + w, y + h]).ok_or_else(|| {
-            format!(
-                "the bbox {:?} px is not finite within 1e9 px, or has a negative side",
-                [x, y, w, h]
-            )
-        })?;
-        let kind = match record.iscrowd.0 {
-            Some(false) => ObjectKind::Regular,
-            Some(true) => ObjectKind::Crowd,
-            None => return Err("iscrowd is neither 0 nor 1".to_owned()),
-        };
-        let category = self.category_number(category_id);
-        let label = Label {
-            id,
-            category,
-            box_px,
-            kind,
-        };
-        Ok((self.image_number(image_id), label))
     }
 
     /// Ids that stand for two images: nobody knows whose the annotations are, so both are refused.
@@ -376,28 +331,5 @@ impl Reader {
             bad: self.bad,
         }
         .with_labels(labels)
-    }
-}
-
-impl Sink for Reader {
-    fn is_list(&self, key: &str) -> bool {
-        LISTS.contains(&key)
-    }
-
-    fn record(&mut self, key: &str, text: &str) -> io::Result<()> {
-        let Some(list_idx) = LISTS.iter().position(|list| *list == key) else {
-            return Ok(());
-        };
-        let [n_images, n_annotations, n_categories] = &mut self.n_records;
-        let (n, take): (_, fn(&mut Self, &str, &str)) = match list_idx {
-            0 => (n_images, Self::image),
-            1 => (n_annotations, Self::annotation),
-            _ => (n_categories, Self::category),
-        };
-        // From 0, as JSON tools count.
-        let place = format!("{key}[{n}]");
-        *n += 1;
-        take(self, text, &place);
-        Ok(())
     }
 }

@@ -5,35 +5,35 @@ use std::path::Path;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
-use starbreak_dataset::{JsonRecord, read_json_records};
+use starbreak_dataset::{JsonRecord, WholeId, read_json_records};
 
 use super::{LabeledClip, TrackedLabels, in_order, number};
-use crate::json_record::{Id, parse, refuse};
+use crate::json_record::{parse, refuse};
 use crate::{EvalError, GroundTruth, LabelSet, Protocol};
 
 #[derive(Deserialize)]
 struct ImageRecord {
-    id: Id,
+    id: WholeId,
     #[serde(default)]
-    video_id: Option<Id>,
+    video_id: Option<WholeId>,
     #[serde(default)]
-    frame_id: Option<Id>,
+    frame_id: Option<WholeId>,
     #[serde(default)]
-    frame_index: Option<Id>,
+    frame_index: Option<WholeId>,
 }
 
 #[derive(Deserialize)]
 struct AnnotationRecord {
-    id: Id,
+    id: WholeId,
     #[serde(default)]
-    track_id: Option<Id>,
+    track_id: Option<WholeId>,
     #[serde(default)]
-    instance_id: Option<Id>,
+    instance_id: Option<WholeId>,
 }
 
 #[derive(Deserialize)]
 struct VideoRecord {
-    id: Id,
+    id: WholeId,
     #[serde(default)]
     name: Option<String>,
 }

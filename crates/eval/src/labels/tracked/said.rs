@@ -4,17 +4,17 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use serde::Deserialize;
-use starbreak_dataset::{bdd_class, files_in, read_json_records};
+use starbreak_dataset::{WholeId, files_in, read_json_records};
 
-use crate::json_record::{Id, parse};
+use crate::json_record::parse;
 use crate::labels::kitti::{frame_files, lines};
 use crate::labels::open::is_scalabel;
-use crate::labels::scalabel::for_each_frame;
+use crate::labels::scalabel::{for_each_frame, for_each_label};
 use crate::{Category, EvalError};
 
 #[derive(Deserialize)]
 struct ResultRecord {
-    category_id: Id,
+    category_id: WholeId,
 }
 
 /// The categories in files of detections: by name where they have names (Scalabel, KITTI), else
@@ -34,11 +34,11 @@ pub fn said_categories(paths: &[&Path]) -> Result<Vec<Category>, EvalError> {
                 }
             }
         } else if is_scalabel(path)? {
-            for_each_frame(path, |frame, _| {
-                let labels = frame.labels.iter().flatten();
-                let said = labels.filter_map(|label| label.category.as_deref());
-                names.extend(said.map(|name| bdd_class(name).0.to_owned()));
-                Ok(())
+            for_each_frame(path, |frame, at| {
+                for_each_label(path, frame, at, |label| {
+                    names.extend(label.class().map(str::to_owned));
+                    Ok(())
+                })
             })?;
         } else {
             read_json_records(path, |record| {
