@@ -6,7 +6,8 @@ use jpeg_encoder::SamplingFactor;
 use png::{BitDepth, ColorType, Compression, Filter};
 
 use crate::error::{DatasetError, one_line};
-use crate::image_file::{ImageFile, ImageFormat};
+use crate::formats::ImageFormat;
+use crate::image_file::ImageFile;
 
 /// JPEG has 16 bits for each side, PNG 31.
 const MAX_JPEG_SIDE_PX: u32 = 65_535;

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 use crate::error::DatasetError;
-use crate::image_file::open_file;
+use crate::ordinary_file::open_file;
 
 /// Bytes that are read at once.
 const BLOCK_BYTES: usize = 1 << 20;

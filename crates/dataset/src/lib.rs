@@ -30,10 +30,11 @@
 
 mod batch_lock;
 mod error;
-mod error_words;
 mod fence;
+mod formats;
 mod image_file;
 mod line_log;
+mod ordinary_file;
 
 mod animation;
 mod array;
@@ -41,6 +42,7 @@ mod bank_file;
 mod encode;
 
 mod generated;
+mod set_layout;
 
 mod json_records;
 
@@ -58,31 +60,33 @@ pub mod video;
 
 pub use animation::{AnimationParams, encode_animation};
 pub use array::{DecodedArray, decode_array, encode_array, encode_array_f64};
-pub use bank_file::{BankFault, BankFile, BankRecord, BankWriter, WrittenBank};
+pub use bank_file::{BankFile, BankRecord, BankWriter, WrittenBank};
 pub use encode::{
     Encoding, JpegQuality, encode_image, encode_image_as, encode_mask, encode_mask_as,
 };
-pub use error::DatasetError;
+pub use error::{BankFault, DatasetError};
 pub use fence::{fence, silence_fenced_panics};
+pub use formats::{ImageFormat, SourceFormat};
 pub use generated::{
     CarriedFile, Carry, Finding, GeneratedSet, ItemRecord, MAX_ITEM_BYTES, Manifest, MergeReport,
-    SET_SCHEMA, STATE_FOLDER, SampleFiles, SetChecker, SetLayout, compare_identity, file_len,
-    merge_sets, refuse_inside_set, safe_path, set_around, set_identity,
+    SET_SCHEMA, SetChecker, compare_identity, file_len, merge_sets, set_identity,
 };
-pub use image_file::{
-    ImageFile, ImageFormat, ImageLimits, decode_image, image_size, read_bytes, read_image,
-};
+pub use image_file::{ImageFile, ImageLimits, decode_image, image_size, read_image};
 pub use json_records::{JsonLists, JsonRecord, RecordFault, read_json_records};
 pub use line_log::LineLog;
+pub use ordinary_file::read_bytes;
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, blake3_file, blake3_hex, sha256_file, sha256_hex};
 pub use replacing::listed_files;
+pub use set_layout::{
+    STATE_FOLDER, SampleFiles, SetLayout, refuse_inside_set, safe_path, set_around,
+};
 pub use source::{
     BadRecord, CocoAnnotation, CocoCategory, CocoImage, CocoObject, FileRole, FrameSize,
     IndexFiles, KittiRow, LabeledObject, ObjectKind, ScalabelFrame, ScalabelLabel, ScalabelObject,
-    Source, SourceFile, SourceFormat, SourceImage, SourceSpec, WholeId, read_coco_records,
-    read_scalabel_frames, sound_bbox,
+    Source, SourceFile, SourceImage, SourceSpec, WholeId, read_coco_records, read_scalabel_frames,
+    sound_bbox,
 };
 pub use street::{SceneObject, StreetScene, street_scene};
 pub use text_file::{TextFile, read_text};

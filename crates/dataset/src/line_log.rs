@@ -3,7 +3,7 @@ use std::io::{self, BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::error::DatasetError;
-use crate::image_file::{open_file, refuse_no_file};
+use crate::ordinary_file::{open_file, refuse_no_file};
 
 /// A line that is longer is not one of ours, bytes.
 const MAX_LINE_BYTES: usize = 1 << 26;

@@ -9,8 +9,8 @@ use tempfile::TempPath;
 
 use crate::batch_lock::{BatchLock, clear_left};
 use crate::error::DatasetError;
-use crate::image_file::not_a_file;
 use crate::known_folders::{KnownFolders, TEMPORARY, absolute_folder_of};
+use crate::ordinary_file::not_a_file;
 use crate::paths::FileSet;
 use crate::replacing::{Replacing, WrittenList, is_record};
 

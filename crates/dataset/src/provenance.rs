@@ -5,7 +5,7 @@ use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
 use crate::error::{DatasetError, one_line};
-use crate::image_file::open_file;
+use crate::ordinary_file::open_file;
 
 /// SHA-256 of `bytes`, as 64 lowercase hexadecimal digits.
 #[must_use]

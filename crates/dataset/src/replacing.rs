@@ -8,10 +8,10 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::error::DatasetError;
-use crate::generated::{refuse_inside_set, safe_path};
-use crate::image_file::read_bytes;
+use crate::ordinary_file::read_bytes;
 use crate::paths::{FileSet, resolved};
 use crate::provenance::{blake3_file, blake3_hex};
+use crate::set_layout::{refuse_inside_set, safe_path};
 
 /// What an output may take the place of.
 ///

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::DatasetError;
-use crate::image_file::{check_file_len, read_file};
+use crate::ordinary_file::{check_file_len, read_file};
 use crate::provenance::sha256_hex;
 
 /// The text of a file.

@@ -6,13 +6,12 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
 
-use super::BankFault;
 use super::layout::{
     DIGEST, END_MAGIC, ENTRY, Entry, HEAD, MAGIC, MAX_EXPANSION, MAX_HEADER, MAX_RECORD, TAIL,
     Tail, VERSION, u32_at,
 };
-use crate::error::DatasetError;
-use crate::image_file::open_file;
+use crate::error::{BankFault, DatasetError};
+use crate::ordinary_file::open_file;
 use crate::provenance::hex;
 
 /// A bank file that is open for reading: records of bytes by their number.
@@ -46,96 +45,110 @@ impl BankFile {
     }
 
     fn of_file(path: &Path, file: File, n_bytes: u64) -> Result<Self, DatasetError> {
-        let fault = |fault| DatasetError::Bank {
+        let mut bank = Self {
             path: path.to_owned(),
-            fault,
+            file,
+            header: Vec::new(),
+            entries: Vec::new(),
+            content_sha256: [0; DIGEST],
+            sha256: String::new(),
+            n_bytes,
         };
-        let wrong = |part, why| fault(BankFault::Inconsistent { part, why });
-        let read = |at: u64, n: usize| -> Result<Vec<u8>, DatasetError> {
-            // Checked against the length of the file by every caller, before anything is allocated.
-            let mut bytes = vec![0; n];
-            read_exact_at(&file, &mut bytes, at).map_err(|source| match source.kind() {
-                io::ErrorKind::UnexpectedEof => fault(BankFault::NoEnd),
-                _ => DatasetError::Read {
-                    path: path.to_owned(),
-                    source,
-                },
-            })?;
-            Ok(bytes)
-        };
-        if n_bytes < (MAGIC.len() as u64) {
-            return Err(fault(BankFault::NotABank));
-        }
-        if read(0, MAGIC.len())? != MAGIC {
-            return Err(fault(BankFault::NotABank));
-        }
-        if n_bytes < (HEAD + DIGEST + TAIL) as u64 {
-            return Err(fault(BankFault::NoEnd));
-        }
-        let head = read(0, HEAD)?;
-        let version = u32_at(&head, 8);
-        if version > VERSION {
-            return Err(fault(BankFault::NewerVersion {
-                found: version,
-                known: VERSION,
-            }));
-        }
-        if version < VERSION {
-            return Err(wrong("head", "there is no such version"));
-        }
-        let tail_at = n_bytes - TAIL as u64;
-        let tail = read(tail_at, TAIL)?;
-        if !tail.ends_with(&END_MAGIC) {
-            return Err(fault(BankFault::NoEnd));
-        }
-        let tail = tail
-            .first_chunk()
-            .and_then(Tail::of_bytes)
-            .ok_or_else(|| fault(BankFault::Damaged { part: "tail" }))?;
-
+        let head = bank.read_head()?;
+        let tail = bank.read_tail()?;
         let n_header = u32_at(&head, 12) as usize;
         let records_at = (HEAD + n_header) as u64;
         if n_header > MAX_HEADER || records_at > tail.index_at {
-            return Err(wrong("head", "its header would not fit"));
+            return Err(bank.wrong("head", "its header would not fit"));
         }
+        let n_index = bank.index_len(&tail)?;
+        bank.header = bank.read_at(HEAD as u64, n_header)?;
+        let mut crc = crc32fast::Hasher::new();
+        crc.update(&head);
+        crc.update(&bank.header);
+        if crc.finalize() != tail.head_crc {
+            return Err(bank.fault(BankFault::Damaged { part: "header" }));
+        }
+        let index = bank.read_at(tail.index_at, n_index)?;
+        if crc32fast::hash(&index) != tail.index_crc {
+            return Err(bank.fault(BankFault::Damaged { part: "index" }));
+        }
+        let (rows, digest) = index.split_at(n_index - DIGEST);
+        let rows = rows.as_chunks::<ENTRY>().0.iter();
+        bank.entries = rows.map(Entry::of_bytes).collect();
+        bank.check_entries(records_at, tail.index_at)?;
+        bank.content_sha256.copy_from_slice(digest);
+        let identity = Sha256::new()
+            .chain_update(&head)
+            .chain_update(&bank.header)
+            .chain_update(&index);
+        bank.sha256 = hex(&identity.finalize());
+        Ok(bank)
+    }
+
+    /// Bytes around the records; every caller has checked their number against the length of the file.
+    fn read_at(&self, at: u64, n: usize) -> Result<Vec<u8>, DatasetError> {
+        let mut bytes = vec![0; n];
+        read_exact_at(&self.file, &mut bytes, at).map_err(|source| match source.kind() {
+            io::ErrorKind::UnexpectedEof => self.fault(BankFault::NoEnd),
+            _ => DatasetError::Read {
+                path: self.path.clone(),
+                source,
+            },
+        })?;
+        Ok(bytes)
+    }
+
+    /// The head of a file of this version that is long enough for all that is around the records.
+    fn read_head(&self) -> Result<Vec<u8>, DatasetError> {
+        let is_bank = self.n_bytes >= MAGIC.len() as u64 && self.read_at(0, MAGIC.len())? == MAGIC;
+        if !is_bank {
+            return Err(self.fault(BankFault::NotABank));
+        }
+        if self.n_bytes < (HEAD + DIGEST + TAIL) as u64 {
+            return Err(self.fault(BankFault::NoEnd));
+        }
+        let head = self.read_at(0, HEAD)?;
+        match u32_at(&head, 8) {
+            VERSION => Ok(head),
+            found if found > VERSION => Err(self.fault(BankFault::NewerVersion {
+                found,
+                known: VERSION,
+            })),
+            _ => Err(self.wrong("head", "there is no such version")),
+        }
+    }
+
+    fn read_tail(&self) -> Result<Tail, DatasetError> {
+        let tail = self.read_at(self.n_bytes - TAIL as u64, TAIL)?;
+        if !tail.ends_with(&END_MAGIC) {
+            return Err(self.fault(BankFault::NoEnd));
+        }
+        let tail = tail.first_chunk().and_then(Tail::of_bytes);
+        tail.ok_or_else(|| self.fault(BankFault::Damaged { part: "tail" }))
+    }
+
+    /// Bytes of the index, which lies between the records and the tail.
+    fn index_len(&self, tail: &Tail) -> Result<usize, DatasetError> {
         let n_index = tail
             .n_records
             .checked_mul(ENTRY as u64)
             .and_then(|n| n.checked_add(DIGEST as u64));
-        let fits = n_index.and_then(|n| tail.index_at.checked_add(n)) == Some(tail_at);
-        let (Some(n_index), true) = (n_index.and_then(|n| usize::try_from(n).ok()), fits) else {
-            return Err(wrong(
-                "tail",
-                "the index does not lie between the records and the end",
-            ));
-        };
-        let header = read(HEAD as u64, n_header)?;
-        let mut crc = crc32fast::Hasher::new();
-        crc.update(&head);
-        crc.update(&header);
-        if crc.finalize() != tail.head_crc {
-            return Err(fault(BankFault::Damaged { part: "header" }));
-        }
-        let index = read(tail.index_at, n_index)?;
-        if crc32fast::hash(&index) != tail.index_crc {
-            return Err(fault(BankFault::Damaged { part: "index" }));
-        }
-        let (rows, digest) = index.split_at(n_index - DIGEST);
-        let entries: Vec<Entry> = rows
-            .as_chunks::<ENTRY>()
-            .0
-            .iter()
-            .map(Entry::of_bytes)
-            .collect();
+        let end = n_index.and_then(|n| tail.index_at.checked_add(n));
+        let n_index = n_index.and_then(|n| usize::try_from(n).ok());
+        n_index
+            .filter(|_| end == Some(self.n_bytes - TAIL as u64))
+            .ok_or_else(|| {
+                let why = "the index does not lie between the records and the end";
+                self.wrong("tail", why)
+            })
+    }
+
+    /// The records lie one after the other up to the index.
+    fn check_entries(&self, records_at: u64, index_at: u64) -> Result<(), DatasetError> {
         let mut next = records_at;
-        for (idx, entry) in entries.iter().enumerate() {
-            let record = |why| {
-                fault(BankFault::Record {
-                    idx,
-                    n_records: entries.len(),
-                    why,
-                })
-            };
+        for (idx, entry) in self.entries.iter().enumerate() {
+            let record = |why| self.record_fault(idx, why);
             let (n_stored, n_raw) = (entry.n_stored as usize, entry.n_bytes as usize);
             if entry.offset != next {
                 return Err(record("it does not begin where the one before it ends"));
@@ -147,28 +160,14 @@ impl BankFile {
                 return Err(record("its lengths do not fit each other"));
             }
             next += u64::from(entry.n_stored);
-            if next > tail.index_at {
+            if next > index_at {
                 return Err(record("it reaches into the index"));
             }
         }
-        if next != tail.index_at {
-            return Err(wrong("index", "there are bytes that belong to no record"));
+        if next != index_at {
+            return Err(self.wrong("index", "there are bytes that belong to no record"));
         }
-        let identity = Sha256::new()
-            .chain_update(&head)
-            .chain_update(&header)
-            .chain_update(&index);
-        let mut content_sha256 = [0; DIGEST];
-        content_sha256.copy_from_slice(digest);
-        Ok(Self {
-            path: path.to_owned(),
-            header,
-            entries,
-            content_sha256,
-            sha256: hex(&identity.finalize()),
-            n_bytes,
-            file,
-        })
+        Ok(())
     }
 
     /// The file.
@@ -278,6 +277,10 @@ impl BankFile {
             n_records: self.entries.len(),
             why,
         })
+    }
+
+    fn wrong(&self, part: &'static str, why: &'static str) -> DatasetError {
+        self.fault(BankFault::Inconsistent { part, why })
     }
 
     fn fault(&self, fault: BankFault) -> DatasetError {

@@ -6,10 +6,9 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
 
-use super::BankFault;
 use super::layout::{Entry, HEAD, MAGIC, MAX_HEADER, MAX_RECORD, Tail, VERSION};
 use crate::OutputBatch;
-use crate::error::DatasetError;
+use crate::error::{BankFault, DatasetError};
 use crate::output_batch::StagedFile;
 use crate::provenance::hex;
 

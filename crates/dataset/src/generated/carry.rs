@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::GeneratedSet;
 use crate::error::DatasetError;
-use crate::image_file::open_file;
 use crate::known_folders::{TEMPORARY, absolute_folder_of};
+use crate::ordinary_file::open_file;
 use crate::paths::same_file;
 use crate::provenance::blake3_file;
 

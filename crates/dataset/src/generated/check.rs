@@ -216,7 +216,7 @@ impl SetChecker {
                 is_foreign: false,
             })
         };
-        let Some(path) = super::safe_path(self.layout.root(), name) else {
+        let Some(path) = crate::set_layout::safe_path(self.layout.root(), name) else {
             return finding("is no name inside the set".to_owned());
         };
         match is_there(&path) {

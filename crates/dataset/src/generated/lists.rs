@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{CarriedFile, GeneratedSet, ItemRecord, SetLayout, read_json};
 use crate::error::{DatasetError, one_line};
-use crate::image_file::open_file;
+use crate::ordinary_file::open_file;
 use crate::provenance::blake3_file;
 
 /// What a finished run says of its set: `manifest.json`.

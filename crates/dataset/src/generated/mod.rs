@@ -25,7 +25,6 @@ mod check;
 mod identity;
 mod items;
 mod known;
-mod layout;
 mod lists;
 mod merge;
 
@@ -33,7 +32,6 @@ pub use carry::{CarriedFile, Carry, file_len};
 pub use check::{Finding, SetChecker};
 pub use identity::compare_identity;
 pub use items::ItemRecord;
-pub use layout::{STATE_FOLDER, SampleFiles, SetLayout, safe_path};
 pub use lists::Manifest;
 pub use merge::{MergeReport, merge_sets};
 
@@ -46,11 +44,12 @@ use serde_json::Value;
 use sha2::{Digest as _, Sha256};
 
 use crate::error::DatasetError;
-use crate::image_file::{read_bytes, refuse_no_file};
 use crate::known_folders::{KnownFolders, is_temporary};
+use crate::ordinary_file::{read_bytes, refuse_no_file};
 use crate::output_batch::OutputBatch;
 use crate::paths::resolved;
 use crate::provenance::blake3_hex;
+use crate::set_layout::{STATE_FOLDER, SetLayout, refuse_inside_set};
 use crate::text_file::read_text;
 use known::{KnownItems, MADE_LOG};
 
@@ -170,27 +169,6 @@ impl GeneratedSet {
             },
         }
     }
-}
-
-/// Refuses a folder that is a generated set or lies in one, where files of others would be foreign.
-///
-/// # Errors
-/// [`DatasetError::InsideSet`].
-pub fn refuse_inside_set(folder: &Path) -> Result<(), DatasetError> {
-    set_around(folder).map_or(Ok(()), |set| {
-        Err(DatasetError::InsideSet {
-            path: folder.to_owned(),
-            set,
-        })
-    })
-}
-
-/// The generated set that a folder is or lies in.
-#[must_use]
-pub fn set_around(folder: &Path) -> Option<PathBuf> {
-    let is_set = |folder: &&Path| SetLayout::new(folder, 1).state("run.json").is_file();
-    let set = resolved(folder).ancestors().find(is_set)?.to_owned();
-    Some(set)
 }
 
 /// Refuses a set of another identity. Where its `run.json` is damaged, the manifest still tells.

@@ -5,8 +5,10 @@ use std::path::Path;
 
 use image::metadata::Orientation;
 
-use super::{ImageFormat, open_file, sniff};
+use super::sniff;
 use crate::error::{DatasetError, one_line};
+use crate::formats::ImageFormat;
+use crate::ordinary_file::open_file;
 
 /// Longest EXIF block that is read, in bytes: in JPEG it is not longer, and of PNG's only the
 /// beginning is needed.

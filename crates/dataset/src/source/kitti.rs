@@ -11,7 +11,7 @@ use super::record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, 
 use super::tree::{Found, Walk};
 use super::{Images, Layout, Names, SourceFormat, SourceSpec, layout_error, no_index};
 use crate::error::DatasetError;
-use crate::image_file::{check_file_len, read_file};
+use crate::ordinary_file::{check_file_len, read_file};
 
 /// The folders with the frames of one part of the data, in the order of their names.
 const PARTS: [&str; 3] = ["", "testing/", "training/"];

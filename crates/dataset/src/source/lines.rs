@@ -5,7 +5,7 @@ use std::io::{self, BufRead as _, BufReader, Read as _};
 use std::path::Path;
 
 use crate::error::DatasetError;
-use crate::image_file::open_file;
+use crate::ordinary_file::open_file;
 
 /// Longest line that is read, in bytes; longer than any path may be.
 const MAX_LINE_BYTES: usize = 1 << 16;

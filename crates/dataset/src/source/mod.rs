@@ -38,10 +38,11 @@ pub use record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, Sou
 pub use scalabel_row::{
     FrameSize, ScalabelFrame, ScalabelLabel, ScalabelObject, read_scalabel_frames,
 };
-pub use spec::{SourceFormat, SourceSpec};
+pub use spec::SourceSpec;
 
 use crate::error::DatasetError;
-use crate::image_file::not_a_file;
+pub(crate) use crate::formats::SourceFormat;
+use crate::ordinary_file::not_a_file;
 use tree::{Found, Walk};
 
 /// A dataset which is read as it is walked.

@@ -1,53 +1,13 @@
 //! Which dataset: the format and the path, as one word of a command line.
 
 use std::ffi::OsStr;
-use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::DatasetError;
-
-/// The layouts of datasets which are read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum SourceFormat {
-    /// KITTI object detection: `image_2`, `label_2`, `calib`, bare or below `training`, `testing`.
-    Kitti,
-    /// MS-COCO: `annotations/instances_*.json` and the images they name.
-    Coco,
-    /// BDD100K `det_20`: JSON lists of frames in Scalabel form and the images they name.
-    Bdd,
-    /// YOLO: `data.yaml`, images, and a text of labels per image.
-    Yolo,
-    /// All images below a folder, without labels.
-    Folder,
-    /// The images named in a text file, without labels.
-    List,
-}
+use crate::formats::SourceFormat;
 
 impl SourceFormat {
-    /// All formats, in the order in which messages name them.
-    pub const ALL: [Self; 6] = [
-        Self::Kitti,
-        Self::Coco,
-        Self::Bdd,
-        Self::Yolo,
-        Self::Folder,
-        Self::List,
-    ];
-
-    /// The word before the colon: `kitti`, `coco`, `bdd`, `yolo`, `folder` or `list`.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Kitti => "kitti",
-            Self::Coco => "coco",
-            Self::Bdd => "bdd",
-            Self::Yolo => "yolo",
-            Self::Folder => "folder",
-            Self::List => "list",
-        }
-    }
-
     /// The format whose layout the path has, if it is there and has one.
     fn looks_like(path: &Path) -> Option<Self> {
         let has = |name: &str| path.join(name).exists();
@@ -72,13 +32,6 @@ impl SourceFormat {
         } else {
             fs::read_dir(path).ok().map(|_| Self::Folder)
         }
-    }
-}
-
-impl fmt::Display for SourceFormat {
-    /// Writes [`SourceFormat::name`].
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
     }
 }
 

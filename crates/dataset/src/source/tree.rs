@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::vec;
 
 use super::record::BadRecord;
-use crate::image_file::not_a_file;
+use crate::ordinary_file::not_a_file;
 
 /// Something found below a folder.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use super::pixel_format::{bits_per_channel, has_alpha};
 use super::program::{Ended, Running, file_arg};
 use super::showinfo::{Color, FrameInfo};
 use super::{Ffmpeg, Fraction, VideoError};
-use crate::image_file::open_file;
+use crate::ordinary_file::open_file;
 use crate::{DatasetError, ImageLimits};
 
 /// What a clip is, apart from its frames.

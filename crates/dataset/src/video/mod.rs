@@ -11,7 +11,6 @@
 
 mod clip;
 mod container_length;
-mod error;
 mod folder;
 mod matroska;
 mod packet_times;
@@ -21,8 +20,8 @@ mod rate;
 mod showinfo;
 mod write;
 
+pub use crate::error::VideoError;
 pub use clip::{ClipInfo, ClipReader, TimedFrame};
-pub use error::VideoError;
 pub use folder::{check_frame_sizes, frame_files, holds_anything, is_folder, is_inside};
 pub use program::Ffmpeg;
 pub use rate::Fraction;

@@ -1,10 +1,15 @@
+mod bank;
+mod video;
+mod words;
+
 use std::io;
 use std::path::PathBuf;
 
-pub(crate) use crate::error_words::one_line;
-use crate::error_words::{bank_way_out, io_fact, io_way_out};
-use crate::video::VideoError;
-use crate::{BankFault, ImageFormat, SourceFormat};
+use crate::formats::{ImageFormat, SourceFormat};
+pub use bank::BankFault;
+pub use video::VideoError;
+pub(crate) use words::one_line;
+use words::{bank_way_out, io_fact, io_way_out};
 
 /// What went wrong with a file or a codec, as one line: the file, the fact, the way out.
 ///

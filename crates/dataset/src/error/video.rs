@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::error::one_line;
+use super::one_line;
 
 /// What went wrong with a clip, as one line.
 #[derive(Debug, thiserror::Error)]

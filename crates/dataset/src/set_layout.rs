@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use crate::error::DatasetError;
+use crate::paths::resolved;
 
 /// The folder of a set that holds what its source does not have.
 pub const STATE_FOLDER: &str = "starbreak";
@@ -94,7 +95,7 @@ impl SetLayout {
         self.state_folder().join(name)
     }
 
-    pub(super) fn state_folder(&self) -> PathBuf {
+    pub(crate) fn state_folder(&self) -> PathBuf {
         self.root.join(STATE_FOLDER)
     }
 }
@@ -114,6 +115,27 @@ pub fn safe_path(root: &Path, name: &str) -> Option<PathBuf> {
     let path = Path::new(name);
     let is_normal = |part: Component<'_>| matches!(part, Component::Normal(_));
     (is_plain && path.components().all(is_normal)).then(|| root.join(path))
+}
+
+/// Refuses a folder that is a generated set or lies in one, where files of others would be foreign.
+///
+/// # Errors
+/// [`DatasetError::InsideSet`].
+pub fn refuse_inside_set(folder: &Path) -> Result<(), DatasetError> {
+    set_around(folder).map_or(Ok(()), |set| {
+        Err(DatasetError::InsideSet {
+            path: folder.to_owned(),
+            set,
+        })
+    })
+}
+
+/// The generated set that a folder is or lies in.
+#[must_use]
+pub fn set_around(folder: &Path) -> Option<PathBuf> {
+    let is_set = |folder: &&Path| SetLayout::new(folder, 1).state("run.json").is_file();
+    let set = resolved(folder).ancestors().find(is_set)?.to_owned();
+    Some(set)
 }
 
 #[cfg(test)]

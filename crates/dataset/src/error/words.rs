@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::BankFault;
+use super::BankFault;
 
 /// The text on one line: control characters and line breaks are escaped.
 pub(crate) fn one_line(text: &impl ToString) -> String {
