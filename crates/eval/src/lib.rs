@@ -8,7 +8,6 @@
 //! pixels, so that no metric can peek at the simulator.
 
 mod boxes;
-mod compare;
 mod detections;
 pub mod detector;
 mod error;
@@ -18,6 +17,7 @@ mod labels;
 mod matching;
 mod protocol;
 mod region;
+mod truth;
 
 pub mod report;
 
@@ -33,17 +33,13 @@ pub mod timeline;
 pub mod divergence;
 
 pub use boxes::BoxPx;
-pub use compare::{
-    COVERAGE_BINS, CompareParams, Compared, Evaluated, RegionResults, SubsetRow, compare_pair,
-    evaluate,
-};
-pub use detections::{Detection, Detections, KittiDetections, ReadDetections, Unused};
+pub use detections::{Detection, Detections, KittiDetections, Pooling, ReadDetections, Unused};
 pub use error::EvalError;
-pub use labels::{
-    Category, ClipLabels, GroundTruth, KittiFacts, KittiLabels, LabelSet, LabeledClip,
-    LabeledImage, Object, ObjectKind, Pooling, Protocol, SaidDetections, TrackName, TrackedLabels,
-    frames_of, said_categories,
+pub use evaluation::compare::{
+    COVERAGE_BINS, CompareParams, Compared, Evaluated, MIN_OBJECTS, RegionResults, SubsetAp,
+    SubsetParams, SubsetRow, compare_pair, evaluate, subset_curves, subset_precision,
 };
+pub use labels::{Category, KittiFacts, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind};
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
 pub use mean_performance::{
     CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance, measured_performance,
@@ -54,7 +50,8 @@ pub use protocol::{
     bdd_detections, bdd_labels, evaluate_coco, evaluate_kitti, match_images, mean_in_numpy_order,
     rank_kitti,
 };
-pub use region::{
-    CoverageOf, Coverages, MIN_OBJECTS, RegionMask, RegionMasks, Size, Subset, SubsetAp,
-    SubsetParams, SubsetValues, subset_curves, subset_precision,
+pub use region::{CoverageOf, Coverages, RegionMask, RegionMasks, Size, Subset, SubsetValues};
+pub use truth::{
+    ClipLabels, GroundTruth, LabeledClip, Protocol, SaidDetections, TrackName, TrackedLabels,
+    frames_of, said_categories,
 };

@@ -2,12 +2,14 @@
 
 mod coco;
 mod kitti;
+mod pooled;
 mod scalabel;
 mod write;
 
 use std::path::Path;
 
 pub use kitti::KittiDetections;
+pub use pooled::Pooling;
 
 use crate::{BoxPx, EvalError, LabelSet};
 
@@ -70,5 +72,11 @@ impl Detections {
     /// As [`read_coco`](Self::read_coco); also for a frame that occurs twice.
     pub fn read_scalabel(path: &Path, labels: &LabelSet) -> Result<ReadDetections, EvalError> {
         scalabel::read(path, labels)
+    }
+
+    /// The same, which must not be more than can be evaluated.
+    pub(crate) fn within_limits(self, path: &Path, labels: &LabelSet) -> Result<Self, EvalError> {
+        labels.check_images(path, "detections", self.items.iter().map(|it| it.image))?;
+        Ok(self)
     }
 }

@@ -44,7 +44,7 @@ impl Detections {
             })
             .collect();
         for (detection, _, category) in self.named(labels) {
-            let place = usize::try_from(detection.image).unwrap_or(usize::MAX);
+            let place = detection.image as usize;
             let [x0, y0, x1, y1] = detection.box_px.corners();
             // A name with white space would be two fields.
             let name = category.name.replace(char::is_whitespace, "_");
@@ -65,7 +65,7 @@ impl Detections {
         let mut frames: Vec<Vec<Value>> = vec![Vec::new(); labels.images.len()];
         for (number, (detection, _, category)) in self.named(labels).enumerate() {
             let [x1, y1, x2, y2] = detection.box_px.corners();
-            let place = usize::try_from(detection.image).unwrap_or(usize::MAX);
+            let place = detection.image as usize;
             if let Some(frame) = frames.get_mut(place) {
                 frame.push(json!({
                     "id": number.to_string(),

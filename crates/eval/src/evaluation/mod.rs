@@ -6,6 +6,7 @@
 mod clean;
 mod clip;
 mod clip_sides;
+pub(crate) mod compare;
 mod damage_facts;
 mod divergence_tables;
 mod estimate;

@@ -25,7 +25,7 @@ struct Row {
 
 /// Takes the records of one file or several.
 #[derive(Default)]
-pub(super) struct Reader {
+pub(crate) struct Reader {
     images: Vec<LabeledImage>,
     categories: Vec<Category>,
     rows: Vec<Row>,
@@ -33,7 +33,7 @@ pub(super) struct Reader {
 
 impl Reader {
     /// Reads a file; `names` makes the names of images in the dataset of what the file calls them.
-    pub(super) fn read(
+    pub(crate) fn read(
         &mut self,
         path: &Path,
         names: impl Fn(&[&str]) -> Vec<String>,
@@ -82,7 +82,7 @@ impl Reader {
 
     /// All that was read, in the order of the protocol: images and categories by their numbers,
     /// objects as they stood.
-    pub(super) fn finish(mut self, path: &Path) -> Result<LabelSet, EvalError> {
+    pub(crate) fn finish(mut self, path: &Path) -> Result<LabelSet, EvalError> {
         self.images.sort_by_key(|image| image.id);
         self.categories.sort_by_key(|category| category.id);
         let twice = |what: &str, id: Option<i64>| match id {

@@ -3,24 +3,24 @@
 use std::path::Path;
 
 use super::LabelSet;
+use crate::EvalError;
 use crate::json_record::refuse_file;
-use crate::{Detections, EvalError};
 
 /// Most categories: every one has its curves, and each may be taken for each other.
-pub(super) const MOST_CATEGORIES: usize = 3000;
+pub(crate) const MOST_CATEGORIES: usize = 3000;
 
 /// Most objects of an image, and most detections: each is compared with each.
 const MOST_IN_IMAGE: u32 = 10_000;
 
 impl LabelSet {
     /// The same, which must not be more than can be evaluated.
-    pub(super) fn within_limits(self, path: &Path) -> Result<Self, EvalError> {
+    pub(crate) fn within_limits(self, path: &Path) -> Result<Self, EvalError> {
         self.check_categories(path)?;
         self.check_images(path, "objects", self.objects.iter().map(|it| it.image))?;
         Ok(self)
     }
 
-    pub(super) fn check_categories(&self, path: &Path) -> Result<(), EvalError> {
+    pub(crate) fn check_categories(&self, path: &Path) -> Result<(), EvalError> {
         if self.categories.len() > MOST_CATEGORIES {
             let reason = format!(
                 "more than {MOST_CATEGORIES} categories, which cannot be evaluated; take out those that do not matter"
@@ -31,7 +31,7 @@ impl LabelSet {
     }
 
     /// No image has more of these than can be compared with each other.
-    fn check_images(
+    pub(crate) fn check_images(
         &self,
         path: &Path,
         what: &str,
@@ -56,13 +56,5 @@ impl LabelSet {
             }
         }
         Ok(())
-    }
-}
-
-impl Detections {
-    /// The same, which must not be more than can be evaluated.
-    pub(super) fn within_limits(self, path: &Path, labels: &LabelSet) -> Result<Self, EvalError> {
-        labels.check_images(path, "detections", self.items.iter().map(|it| it.image))?;
-        Ok(self)
     }
 }

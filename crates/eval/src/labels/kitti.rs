@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use starbreak_dataset::{KittiRow, files_in, read_text};
 
-use super::{Category, LabelSet, LabeledImage, Object, ObjectKind};
+use super::{Category, LabelSet, Object, ObjectKind, place};
 use crate::json_record::{refuse, refuse_file};
 use crate::{BoxPx, EvalError};
 
@@ -68,15 +68,8 @@ impl KittiLabels {
         for name in TYPES {
             category_of(&mut labels.set, name);
         }
-        for (number, (name, path)) in (1i64..).zip(files) {
-            labels.set.images.push(LabeledImage {
-                id: number,
-                name,
-                width_px: None,
-                height_px: None,
-                cluster: None,
-            });
-            let image = u32::try_from(number - 1).unwrap_or(u32::MAX);
+        for (name, path) in files {
+            let image = labels.set.add_image(name, None);
             for line in lines(&path)? {
                 let Line { row, place } = line?;
                 let category = category_of(&mut labels.set, &row.category);
@@ -86,15 +79,8 @@ impl KittiLabels {
                     .label_corners_px()
                     .map_err(|reason| refuse(&path, place, reason))?;
                 let box_px = BoxPx::from_corners(corners_px);
-                let next = labels.set.objects.len() + 1;
-                labels.set.objects.push(Object {
-                    id: i64::try_from(next).unwrap_or(i64::MAX),
-                    image,
-                    category,
-                    box_px,
-                    area_px2: box_px.area_px2(),
-                    kind: ObjectKind::of_kitti_type(&row.category),
-                });
+                let kind = ObjectKind::of_kitti_type(&row.category);
+                labels.set.add_object(image, category, box_px, kind);
                 labels.facts.push(KittiFacts {
                     corners_px,
                     truncation,
@@ -121,7 +107,7 @@ impl KittiLabels {
             Some(area) if category > area => category - 1,
             _ => category,
         };
-        let n_categories = u32::try_from(set.categories.len()).unwrap_or(u32::MAX);
+        let n_categories = place(set.categories.len());
         for object in &self.set.objects {
             if Some(object.category) != area {
                 let category = shifted(object.category);
@@ -158,8 +144,7 @@ impl KittiLabels {
     }
 
     fn category_of_areas(&self) -> Option<u32> {
-        let place = self.set.categories.iter().position(is_area)?;
-        u32::try_from(place).ok()
+        self.set.categories.iter().position(is_area).map(place)
     }
 }
 
@@ -169,24 +154,15 @@ fn is_area(category: &Category) -> bool {
 }
 
 /// The place of the category of this name, in whatever letters; it is added where it is new.
-pub(super) fn category_of(set: &mut LabelSet, name: &str) -> u32 {
+pub(crate) fn category_of(set: &mut LabelSet, name: &str) -> u32 {
     let known = place_of_type(set, name);
-    known.unwrap_or_else(|| {
-        let next = set.categories.len();
-        set.categories.push(Category {
-            id: i64::try_from(next + 1).unwrap_or(i64::MAX),
-            name: name.to_owned(),
-            supercategory: None,
-        });
-        u32::try_from(next).unwrap_or(u32::MAX)
-    })
+    known.unwrap_or_else(|| set.add_category(name.to_owned()))
 }
 
 /// The place of the category of this name, in whatever letters.
 pub(crate) fn place_of_type(set: &LabelSet, name: &str) -> Option<u32> {
     let is_it = |category: &Category| category.name.eq_ignore_ascii_case(name);
-    let place = set.categories.iter().position(is_it)?;
-    u32::try_from(place).ok()
+    set.categories.iter().position(is_it).map(place)
 }
 
 /// The files `NAME.txt` in a folder, with `NAME`, in the order of names.
@@ -223,7 +199,7 @@ pub(crate) fn lines(
 
 /// The lines of a file that are not empty, each with where it stands. An empty file, of a frame or a
 /// clip without objects, has none.
-pub(super) fn rows(path: &Path) -> Result<Vec<(String, String)>, EvalError> {
+pub(crate) fn rows(path: &Path) -> Result<Vec<(String, String)>, EvalError> {
     let text = match read_text(path, KittiRow::MAX_FILE_BYTES) {
         Err(starbreak_dataset::DatasetError::EmptyFile { .. }) => String::new(),
         file => file?.unmarked(),

@@ -1,23 +1,16 @@
 //! What is really in the images: images, categories and labeled objects.
 
 mod clusters;
-mod coco;
+pub(crate) mod coco;
 mod extent;
-mod kept;
 pub(crate) mod kitti;
-mod open;
-mod pooled;
 pub(crate) mod scalabel;
-mod tracked;
 
 use std::path::Path;
 
 use serde::Serialize;
 
 pub use kitti::{KittiFacts, KittiLabels};
-pub use open::{GroundTruth, Protocol, SaidDetections};
-pub use pooled::Pooling;
-pub use tracked::{ClipLabels, LabeledClip, TrackName, TrackedLabels, frames_of, said_categories};
 
 pub use starbreak_dataset::ObjectKind;
 
@@ -123,11 +116,53 @@ impl LabelSet {
         reader.finish(path)
     }
 
+    /// Adds an image of a format without numbers and sizes, and says its place.
+    pub(crate) fn add_image(&mut self, name: String, cluster: Option<String>) -> u32 {
+        let place = place(self.images.len());
+        self.images.push(LabeledImage {
+            id: i64::from(place) + 1,
+            name,
+            width_px: None,
+            height_px: None,
+            cluster,
+        });
+        place
+    }
+
+    /// Adds a category without a group, and says its place.
+    pub(crate) fn add_category(&mut self, name: String) -> u32 {
+        let place = place(self.categories.len());
+        self.categories.push(Category {
+            id: i64::from(place) + 1,
+            name,
+            supercategory: None,
+        });
+        place
+    }
+
+    /// Adds an object of a format without numbers and areas.
+    pub(crate) fn add_object(
+        &mut self,
+        image: u32,
+        category: u32,
+        box_px: BoxPx,
+        kind: ObjectKind,
+    ) {
+        self.objects.push(Object {
+            id: i64::from(place(self.objects.len())) + 1,
+            image,
+            category,
+            box_px,
+            area_px2: box_px.area_px2(),
+            kind,
+        });
+    }
+
     /// Place of the category of this name.
     #[must_use]
     pub fn category_of_name(&self, name: &str) -> Option<u32> {
-        let place = self.categories.iter().position(|c| c.name == name)?;
-        u32::try_from(place).ok()
+        let found = self.categories.iter().position(|c| c.name == name);
+        found.map(place)
     }
 
     /// Place of the category with this number, in sets whose categories stand in the order of
@@ -140,11 +175,15 @@ impl LabelSet {
 
 /// The place of the item of this number among items in the order of numbers.
 pub(crate) fn index_of<T>(items: &[T], id: i64, id_of: impl Fn(&T) -> i64) -> Option<u32> {
-    let idx = items.binary_search_by_key(&id, id_of).ok()?;
-    u32::try_from(idx).ok()
+    items.binary_search_by_key(&id, id_of).ok().map(place)
+}
+
+/// A place in a list of labels; none of so many fits into memory that a number of 32 bits would not do.
+pub(crate) fn place(idx: usize) -> u32 {
+    u32::try_from(idx).unwrap_or(u32::MAX)
 }
 
 /// Names that are those in the dataset already.
-fn as_they_are(names: &[&str]) -> Vec<String> {
+pub(crate) fn as_they_are(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).to_owned()).collect()
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use starbreak_dataset::{ScalabelFrame, ScalabelLabel, read_scalabel_frames};
 
-use super::{Category, LabelSet, LabeledImage, Object, ObjectKind};
+use super::{Category, LabelSet, LabeledImage, ObjectKind};
 use crate::json_record::{parse, refuse, refuse_file};
 use crate::{BoxPx, EvalError};
 
@@ -68,17 +68,17 @@ struct ReadFrame {
 }
 
 /// Labels, and what they say of clips.
-pub(super) struct Tracked {
-    pub(super) labels: LabelSet,
+pub(crate) struct Tracked {
+    pub(crate) labels: LabelSet,
     /// Of each object the name of its track.
-    pub(super) tracks: Vec<Option<String>>,
+    pub(crate) tracks: Vec<Option<String>>,
     /// Of each image its number in its clip.
-    pub(super) frame_idx: Vec<Option<i64>>,
+    pub(crate) frame_idx: Vec<Option<i64>>,
 }
 
 /// Takes the frames of one file or several.
 #[derive(Default)]
-pub(super) struct Reader {
+pub(crate) struct Reader {
     frames: Vec<ReadFrame>,
     /// Frames go by their clip and name; the names of tracks are kept.
     of_clips: bool,
@@ -86,7 +86,7 @@ pub(super) struct Reader {
 
 impl Reader {
     /// A reader of labels that follow objects through clips.
-    pub(super) fn of_clips() -> Self {
+    pub(crate) fn of_clips() -> Self {
         Self {
             of_clips: true,
             ..Self::default()
@@ -94,7 +94,7 @@ impl Reader {
     }
 
     /// Reads a file; `names` makes the names of images in the dataset of what the file calls them.
-    pub(super) fn read(
+    pub(crate) fn read(
         &mut self,
         path: &Path,
         names: impl Fn(&[&str]) -> Vec<String>,
@@ -149,7 +149,7 @@ impl Reader {
     /// BDD100K where all are of them, those that occur where none is.
     ///
     /// Boxes of both kinds are refused: which classes the benchmark leaves out must not be guessed.
-    pub(super) fn finish(self, path: &Path) -> Result<LabelSet, EvalError> {
+    pub(crate) fn finish(self, path: &Path) -> Result<LabelSet, EvalError> {
         let objects = || self.frames.iter().flat_map(|frame| &frame.objects);
         let n_all = objects().count();
         let others: Vec<&str> = objects()
@@ -179,7 +179,7 @@ impl Reader {
     }
 
     /// The same with what is said of clips; categories that BDD100K lacks stand behind its own.
-    pub(super) fn finish_tracked(mut self, path: &Path) -> Result<Tracked, EvalError> {
+    pub(crate) fn finish_tracked(mut self, path: &Path) -> Result<Tracked, EvalError> {
         self.frames.sort_by(|a, b| a.image.name.cmp(&b.image.name));
         let twice = self.frames.windows(2).find_map(|pair| match pair {
             [a, b] if a.image.name == b.image.name => Some(a.image.name.clone()),
@@ -214,23 +214,14 @@ impl Reader {
             });
         }
         let (mut tracks, mut frame_idx) = (Vec::new(), Vec::new());
-        for (id, frame) in (1..).zip(self.frames) {
-            let place = u32::try_from(labels.images.len()).unwrap_or(u32::MAX);
+        for ((id, place), frame) in (1..).zip(0..).zip(self.frames) {
             frame_idx.push(frame.frame_idx);
             labels.images.push(LabeledImage { id, ..frame.image });
             for object in frame.objects {
                 let Some(category) = labels.category_of_name(&object.class) else {
                     continue;
                 };
-                let next = labels.objects.len() + 1;
-                labels.objects.push(Object {
-                    id: i64::try_from(next).unwrap_or(i64::MAX),
-                    image: place,
-                    category,
-                    box_px: object.box_px,
-                    area_px2: object.box_px.area_px2(),
-                    kind: object.kind,
-                });
+                labels.add_object(place, category, object.box_px, object.kind);
                 tracks.push(object.track);
             }
         }

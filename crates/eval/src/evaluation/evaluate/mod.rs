@@ -16,7 +16,7 @@ use super::{
     CleanResults, Condition, DamageFacts, Estimate, Evaluation, ProtocolResults, Settings, Warning,
     WarningKind,
 };
-use crate::compare::{compare_in_regions, cover};
+use crate::evaluation::compare::{compare_in_regions, cover};
 use crate::resampling::Plan;
 use crate::tide::TideSettings;
 use crate::{

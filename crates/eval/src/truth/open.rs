@@ -1,15 +1,16 @@
 //! Ground truth from where a user says it is, in the convention of a protocol.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use starbreak_dataset::{DatasetError, IndexFiles, Source, SourceFormat, SourceSpec, files_in};
 
-use super::{Category, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind, coco, scalabel};
 use crate::json_record::{refuse, refuse_file};
+use crate::labels::{coco, scalabel};
 use crate::{
-    BoxPx, Detections, EvalError, KittiDetections, ReadDetections, Unused, bdd_detections,
-    bdd_labels,
+    BoxPx, Detections, EvalError, KittiDetections, KittiLabels, LabelSet, ReadDetections, Unused,
+    bdd_detections, bdd_labels,
 };
 
 /// By which rules a detection counts as right.
@@ -272,12 +273,8 @@ impl GroundTruth {
             if said.of_unused.binary_search(&place).is_ok() {
                 continue;
             }
-            let idx = usize::try_from(detection.category).unwrap_or(usize::MAX);
-            let name = labels
-                .set
-                .categories
-                .get(idx)
-                .map_or("", |c| c.name.as_str());
+            let category = labels.set.categories.get(detection.category as usize);
+            let name = category.map_or("", |category| category.name.as_str());
             if let Some(category) = self.labels.category_of_name(name) {
                 detections.items.push(crate::Detection {
                     category,
@@ -343,8 +340,8 @@ fn kitti_of(source: &Source) -> Result<KittiLabels, EvalError> {
 /// Boxes as a [`Source`] gives them: their areas are those of the boxes.
 fn boxes_of(source: &Source) -> Result<LabelSet, EvalError> {
     let mut labels = LabelSet::default();
-    let mut rows: Vec<(u32, String, [f64; 4], ObjectKind)> = Vec::new();
-    for (number, image) in (1i64..).zip(source.images()) {
+    let mut classes: Vec<String> = Vec::new();
+    for image in source.images() {
         let bad = |bad: &starbreak_dataset::BadRecord| {
             refuse(&source.root().join(&bad.place), "label", bad.reason.clone())
         };
@@ -352,43 +349,26 @@ fn boxes_of(source: &Source) -> Result<LabelSet, EvalError> {
         if let Some(problem) = image.problems.first() {
             return Err(bad(problem));
         }
-        let place = u32::try_from(number - 1).unwrap_or(u32::MAX);
-        let objects = image.objects.into_iter();
-        rows.extend(objects.map(|object| (place, object.category, object.box_px, object.kind)));
-        labels.images.push(LabeledImage {
-            id: number,
-            name: image.name,
-            width_px: None,
-            height_px: None,
-            cluster: None,
-        });
+        let place = labels.add_image(image.name, None);
+        for object in image.objects {
+            // The category is set when all are known.
+            let box_px = BoxPx::from_corners(object.box_px);
+            labels.add_object(place, 0, box_px, object.kind);
+            classes.push(object.category);
+        }
     }
     // All classes that there may be, and those that occur: what a detector says of a class that
     // nothing is labeled with is an error, too.
-    let mut names = source.categories();
-    let mut labeled: Vec<&String> = rows.iter().map(|(_, name, ..)| name).collect();
-    labeled.sort_unstable();
-    names.extend(labeled.into_iter().cloned());
-    let mut seen = std::collections::BTreeSet::new();
-    names.retain(|name| seen.insert(name.clone()));
-    labels.categories = (1..)
-        .zip(names)
-        .map(|(id, name)| Category {
-            id,
-            name,
-            supercategory: None,
-        })
-        .collect();
-    for (id, (image, name, corners, kind)) in (1..).zip(&rows) {
-        let box_px = BoxPx::from_corners(*corners);
-        labels.objects.push(Object {
-            id,
-            image: *image,
-            category: labels.category_of_name(name).unwrap_or(0),
-            box_px,
-            area_px2: box_px.area_px2(),
-            kind: *kind,
-        });
+    let occurring: BTreeSet<&String> = classes.iter().collect();
+    let all = source.categories();
+    let mut places = BTreeMap::<&str, u32>::new();
+    for name in all.iter().chain(occurring) {
+        places
+            .entry(name)
+            .or_insert_with(|| labels.add_category(name.clone()));
+    }
+    for (object, class) in labels.objects.iter_mut().zip(&classes) {
+        object.category = places.get(class.as_str()).copied().unwrap_or(0);
     }
     Ok(labels)
 }

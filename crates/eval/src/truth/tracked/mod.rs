@@ -12,9 +12,10 @@ use std::path::Path;
 use starbreak_dataset::files_in;
 
 use super::open::is_scalabel;
-use super::{GroundTruth, LabelSet, ObjectKind, Protocol, as_they_are, scalabel};
+use super::{GroundTruth, Protocol};
 use crate::json_record::{refuse, refuse_file};
-use crate::{EvalError, bdd_labels};
+use crate::labels::{as_they_are, scalabel};
+use crate::{EvalError, LabelSet, ObjectKind, bdd_labels};
 pub use clip::{ClipLabels, TrackName, frames_of};
 pub use said::said_categories;
 

@@ -9,7 +9,7 @@ use super::{LabeledClip, TrackedLabels};
 use crate::json_record::{refuse, refuse_file};
 use crate::labels::kitti::{category_of, rows};
 use crate::timeline::MOST_FRAMES;
-use crate::{BoxPx, EvalError, GroundTruth, LabelSet, LabeledImage, Object, ObjectKind, Protocol};
+use crate::{BoxPx, EvalError, GroundTruth, LabelSet, ObjectKind, Protocol};
 
 /// The types of the benchmark, which has `Person` where object detection has `Person_sitting`; a
 /// type that is none of them is a category behind these.
@@ -79,14 +79,8 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
         // Frames without a line hold no object: they are those of the clip, not of the highest number.
         let mut frames = Vec::new();
         for (idx, lines) in by_frame {
-            let image = u32::try_from(labels.images.len()).unwrap_or(u32::MAX);
-            labels.images.push(LabeledImage {
-                id: i64::from(image) + 1,
-                name: format!("{name}/{idx:06}.png"),
-                width_px: None,
-                height_px: None,
-                cluster: Some(name.clone()),
-            });
+            let file = format!("{name}/{idx:06}.png");
+            let image = labels.add_image(file, Some(name.clone()));
             frames.push((image, Some(idx)));
             for line in lines {
                 let (categories, kind) = match line.track {
@@ -103,15 +97,7 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
                     return Err(refuse_file(path, reason));
                 }
                 for category in categories {
-                    let id = i64::try_from(labels.objects.len() + 1).unwrap_or(i64::MAX);
-                    labels.objects.push(Object {
-                        id,
-                        image,
-                        category,
-                        box_px: line.box_px,
-                        area_px2: line.box_px.area_px2(),
-                        kind,
-                    });
+                    labels.add_object(image, category, line.box_px, kind);
                     tracks.push(line.track.clone());
                 }
             }

@@ -8,8 +8,8 @@ use starbreak_dataset::{WholeId, files_in, read_json_records};
 
 use crate::json_record::parse;
 use crate::labels::kitti::{frame_files, lines};
-use crate::labels::open::is_scalabel;
 use crate::labels::scalabel::{for_each_frame, for_each_label};
+use crate::truth::open::is_scalabel;
 use crate::{Category, EvalError};
 
 #[derive(Deserialize)]

@@ -2,8 +2,10 @@
 
 mod compared;
 mod pairs;
+mod precision;
 
 pub use compared::{Compared, compare_pair};
+pub use precision::{MIN_OBJECTS, SubsetAp, SubsetParams, subset_curves, subset_precision};
 
 use serde::{Deserialize, Serialize};
 
@@ -13,8 +15,8 @@ use crate::evaluation::{
 };
 use crate::{
     AreaRange, CocoEvaluation, CocoParams, CoverageOf, Coverages, EvalError, GroundTruth,
-    KittiCurve, LabelSet, Protocol, RegionMasks, SaidDetections, Size, Subset, SubsetAp,
-    SubsetParams, evaluate_coco, evaluate_kitti, subset_precision,
+    KittiCurve, LabelSet, Protocol, RegionMasks, SaidDetections, Size, Subset, evaluate_coco,
+    evaluate_kitti,
 };
 
 /// How to compare.
@@ -39,7 +41,7 @@ impl CompareParams {
             taus: vec![0.05, 0.0, 0.2],
             min_objects: match protocol {
                 Protocol::Kitti => 41,
-                Protocol::Coco | Protocol::Bdd => crate::MIN_OBJECTS,
+                Protocol::Coco | Protocol::Bdd => MIN_OBJECTS,
             },
         }
     }

@@ -1,7 +1,7 @@
 //! Categories pooled by their groups.
 
-use super::{Category, LabelSet, Object};
-use crate::Detections;
+use super::Detections;
+use crate::{Category, LabelSet, Object};
 
 /// Which group each category belongs to.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,8 +43,10 @@ impl Pooling {
     /// The group of a category; beyond all groups where there is no such category.
     #[must_use]
     pub fn group(&self, category: u32) -> u32 {
-        let idx = usize::try_from(category).unwrap_or(usize::MAX);
-        self.group_of.get(idx).copied().unwrap_or(u32::MAX)
+        self.group_of
+            .get(category as usize)
+            .copied()
+            .unwrap_or(u32::MAX)
     }
 
     /// The objects with their groups as categories.

@@ -1,7 +1,9 @@
 //! Ground truth of a part of its images.
 
-use super::{GroundTruth, KittiLabels, LabelSet, LabeledImage, Protocol, SaidDetections};
-use crate::{Detection, Detections, KittiDetections, bdd_detections};
+use super::{GroundTruth, Protocol, SaidDetections};
+use crate::{
+    Detection, Detections, KittiDetections, KittiLabels, LabelSet, LabeledImage, bdd_detections,
+};
 
 /// Of each image its place among those that are kept.
 type NewPlaces = Vec<Option<u32>>;

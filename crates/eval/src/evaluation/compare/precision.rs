@@ -1,9 +1,9 @@
 //! Average precision inside of a part of a dataset, by the rules of MS-COCO: `region-ap/1`.
 
-use super::{CoverageOf, Subset, SubsetValues};
 use crate::evaluation::{Estimate, Group, GroupKind};
 use crate::{
-    AreaRange, CocoEvaluation, CocoParams, Detections, EvalError, LabelSet, evaluate_coco,
+    AreaRange, CocoEvaluation, CocoParams, CoverageOf, Detections, EvalError, LabelSet, Subset,
+    SubsetValues, evaluate_coco,
 };
 
 /// Fewer objects than these, and there is no average precision.
