@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use starbreak_glass::{NetworkError, PaneError};
 
 /// Why no crack network came out.
@@ -12,7 +14,7 @@ pub enum FractureError {
         /// What was given.
         value: f64,
         /// What is possible.
-        expected: &'static str,
+        expected: Cow<'static, str>,
     },
     /// The pane has no area.
     #[error(transparent)]
@@ -39,9 +41,9 @@ pub enum FractureError {
     },
     /// A radius that spans so many particles that the work explodes.
     #[error(
-        "neighbour_radius_px = {radius} spans about {neighbors:.0} of the {particles} particles, which with \
-         branches = {branches} is more than {limit:.0} to look at from each; take fewer particles, or scale the radius \
-         with the mesh, about {suggested:.1}"
+        "a neighborhood of radius {radius} spans about {neighbors:.0} of the {particles} particles, which with {branches} \
+         branches is more than {limit:.0} to look at from each; take fewer particles, or scale the radius with the mesh, \
+         about {suggested:.1}"
     )]
     TooManyNeighbors {
         /// Expected number of neighbors.
@@ -59,8 +61,8 @@ pub enum FractureError {
     },
     /// Too many crossings for a network that anybody could use.
     #[error(
-        "more than {limit} cracks cross each other: neighbour_radius_px = {radius} spans too many \
-         of the {particles} particles; scale it with the mesh, about {suggested:.1}"
+        "more than {limit} cracks cross each other: a neighborhood of radius {radius} spans too many of the {particles} \
+         particles; scale it with the mesh, about {suggested:.1}"
     )]
     TooManyCrossings {
         /// The bound.
@@ -98,7 +100,7 @@ pub enum FractureError {
     },
     /// So many dice that nobody could see them.
     #[error(
-        "a pane of {width_mm:.0} × {height_mm:.0} mm at surface_compression_mpa = {compression_mpa} breaks into \
+        "a pane of {width_mm:.0} × {height_mm:.0} mm with its surfaces under {compression_mpa} MPa breaks into \
          {expected:.0} dice, more than {limit:.0}; make it smaller or lower the compression"
     )]
     TooManyDice {
@@ -132,4 +134,25 @@ pub enum FractureError {
     /// The result does not keep the promises of a network; a fault of this library.
     #[error("the fracture model produced a faulty network (please report it): {0}")]
     Network(#[from] NetworkError),
+}
+
+impl FractureError {
+    /// Each value is in its range, of which rows give the least and the most; not a number is in
+    /// none. The last digits, which a change of unit may cost, do not count.
+    ///
+    /// # Errors
+    /// [`FractureError::Parameter`] with what was given and what is possible.
+    pub(crate) fn check_ranges(rows: &[(&'static str, f64, f64, f64)]) -> Result<(), Self> {
+        for &(name, value, least, most) in rows {
+            let slack = |bound: f64| 1e-12 * bound.abs();
+            if !(least - slack(least)..=most + slack(most)).contains(&value) {
+                return Err(Self::Parameter {
+                    name,
+                    value,
+                    expected: format!("{least} to {most}").into(),
+                });
+            }
+        }
+        Ok(())
+    }
 }

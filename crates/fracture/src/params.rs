@@ -5,6 +5,9 @@ use starbreak_glass::Material;
 use crate::FractureError;
 use crate::mesh::{MeshResolution, Outline};
 
+/// Largest angle, rad: several thousand turns, which still have a direction.
+const MOST_RAD: f64 = 2e4;
+
 /// A pane of glass and how it is held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GlassPane {
@@ -243,169 +246,86 @@ impl Default for PhysicsParams {
     }
 }
 
-fn check(
-    name: &'static str,
-    value: f64,
-    low: f64,
-    high: f64,
-    expected: &'static str,
-) -> Result<(), FractureError> {
-    if (low..=high).contains(&value) {
-        Ok(())
-    } else {
-        Err(FractureError::Parameter {
-            name,
-            value,
-            expected,
-        })
-    }
-}
-
 impl GlassPane {
-    /// Every measure is in its range. Names and values in messages are those of the recipe.
+    /// Every measure is in its range.
     ///
     /// # Errors
     /// [`FractureError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), FractureError> {
         let [width_m, height_m] = self.outline.size_m();
-        check("width_mm", width_m * 1e3, 2.0, 1e4, "2 to 10000 mm")?;
-        check("height_mm", height_m * 1e3, 2.0, 1e4, "2 to 10000 mm")?;
-        check(
-            "thickness_mm",
-            self.thickness_m * 1e3,
-            0.1,
-            30.0,
-            "0.1 to 30 mm",
-        )?;
+        FractureError::check_ranges(&[
+            ("width_m", width_m, 2e-3, 10.0),
+            ("height_m", height_m, 2e-3, 10.0),
+            ("thickness_m", self.thickness_m, 1e-4, 0.03),
+        ])?;
         match self.build {
             GlassBuild::Annealed => Ok(()),
             GlassBuild::Laminated {
                 interlayer_thickness_m,
                 interlayer_modulus_pa,
                 inner_thickness_m,
-            } => {
-                check(
-                    "inner_thickness_mm",
-                    inner_thickness_m * 1e3,
-                    0.1,
-                    30.0,
-                    "0.1 to 30 mm",
-                )?;
-                check(
-                    "interlayer_thickness_mm",
-                    interlayer_thickness_m * 1e3,
-                    0.05,
-                    20.0,
-                    "0.05 to 20 mm",
-                )?;
-                check(
-                    "interlayer_modulus_mpa",
-                    interlayer_modulus_pa / 1e6,
-                    0.1,
-                    1e4,
-                    "0.1 to 10000 MPa",
-                )
-            }
+            } => FractureError::check_ranges(&[
+                ("inner_thickness_m", inner_thickness_m, 1e-4, 0.03),
+                ("interlayer_thickness_m", interlayer_thickness_m, 5e-5, 0.02),
+                ("interlayer_modulus_pa", interlayer_modulus_pa, 1e5, 1e10),
+            ]),
             GlassBuild::Tempered {
-                surface_compression_pa,
-            } => check(
-                "surface_compression_mpa",
-                surface_compression_pa / 1e6,
-                0.1,
-                1000.0,
-                "0.1 to 1000 MPa",
-            ),
+                surface_compression_pa: compression_pa,
+            } => {
+                FractureError::check_ranges(&[("surface_compression_pa", compression_pa, 1e5, 1e9)])
+            }
         }
     }
 }
 
 impl StoneImpact {
-    /// Every measure is in its range. Names and values in messages are those of the recipe.
+    /// Every measure is in its range.
     ///
     /// # Errors
     /// [`FractureError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), FractureError> {
-        check(
-            "impact.speed_m_s",
-            self.speed_m_s,
-            0.01,
-            1000.0,
-            "0.01 to 1000 m/s",
-        )?;
-        check(
-            "impact.radius_mm",
-            self.radius_m * 1e3,
-            0.05,
-            200.0,
-            "0.05 to 200 mm",
-        )?;
-        check(
-            "impact.tip_radius_mm",
-            self.tip_radius_m * 1e3,
-            0.01,
-            self.radius_m * 1e3 * (1.0 + 1e-12),
-            "0.01 mm to radius_mm",
-        )?;
-        check(
-            "impact.angle_deg",
-            self.obliquity_rad.to_degrees(),
-            0.0,
-            85.0,
-            "0 (head-on) to 85 degrees",
-        )?;
-        check(
-            "impact.azimuth_deg",
-            self.azimuth_rad.to_degrees(),
-            -1e6,
-            1e6,
-            "a finite angle",
-        )
+        FractureError::check_ranges(&[
+            ("speed_m_s", self.speed_m_s, 0.01, 1000.0),
+            ("radius_m", self.radius_m, 5e-5, 0.2),
+            ("tip_radius_m", self.tip_radius_m, 1e-5, self.radius_m),
+            (
+                "obliquity_rad",
+                self.obliquity_rad,
+                0.0,
+                85_f64.to_radians(),
+            ),
+            ("azimuth_rad", self.azimuth_rad, -MOST_RAD, MOST_RAD),
+        ])
     }
 }
 
 impl LongCrack {
-    /// Every measure is in its range. Names and values in messages are those of the recipe.
+    /// Every measure is in its range.
     ///
     /// # Errors
     /// [`FractureError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), FractureError> {
         let load = &self.load;
-        check(
-            "temperature_difference_k",
-            load.temperature_difference_k,
-            -300.0,
-            300.0,
-            "-300 to 300 K",
-        )?;
-        for fraction in load.spot {
-            check("spot", fraction, 0.0, 1.0, "fractions of the pane, 0 to 1")?;
-        }
-        check(
-            "spot_size",
-            load.spot_size,
-            0.05,
-            5.0,
-            "0.05 to 5 of the shorter side",
-        )?;
-        check(
-            "frame_tension_mpa",
-            load.frame_tension_pa / 1e6,
-            0.0,
-            100.0,
-            "0 to 100 MPa",
-        )?;
-        check(
-            "frame_direction_deg",
-            load.frame_direction_rad.to_degrees(),
-            -1e6,
-            1e6,
-            "a finite angle",
-        )?;
-        check("flaw_mm", self.flaw_m * 1e3, 0.01, 100.0, "0.01 to 100 mm")?;
+        let [x, y] = load.spot;
+        let direction_rad = load.frame_direction_rad;
+        FractureError::check_ranges(&[
+            (
+                "temperature_difference_k",
+                load.temperature_difference_k,
+                -300.0,
+                300.0,
+            ),
+            ("spot", x, 0.0, 1.0),
+            ("spot", y, 0.0, 1.0),
+            ("spot_size", load.spot_size, 0.05, 5.0),
+            ("frame_tension_pa", load.frame_tension_pa, 0.0, 1e8),
+            ("frame_direction_rad", direction_rad, -MOST_RAD, MOST_RAD),
+            ("flaw_m", self.flaw_m, 1e-5, 0.1),
+        ])?;
         match self.growth {
             LongCrackGrowth::Sudden => Ok(()),
             LongCrackGrowth::Slow { period_s } => {
-                check("period_s", period_s, 1e-3, 1e6, "0.001 to 1000000 s")
+                FractureError::check_ranges(&[("period_s", period_s, 1e-3, 1e6)])
             }
         }
     }
@@ -417,36 +337,17 @@ impl PhysicsParams {
     /// # Errors
     /// [`FractureError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), FractureError> {
-        check("epochs", f64::from(self.epochs), 1.0, 6.0, "1 to 6")?;
-        check(
-            "radial_count_factor",
-            self.radial_count_factor,
-            0.1,
-            100.0,
-            "0.1 to 100",
-        )?;
-        check(
-            "strength_mpa",
-            self.strength_pa / 1e6,
-            1.0,
-            1e4,
-            "1 to 10000 MPa",
-        )?;
-        check(
-            "weibull_modulus",
-            self.weibull_modulus,
-            1.0,
-            100.0,
-            "1 to 100",
-        )?;
-        self.until_reach_m.map_or(Ok(()), |reach_m| {
-            check(
-                "until_reach_mm",
-                reach_m * 1e3,
-                0.1,
-                20_000.0,
-                "\"end\", or 0.1 to 20000 mm",
-            )
-        })
+        FractureError::check_ranges(&[
+            ("epochs", f64::from(self.epochs), 1.0, 6.0),
+            ("radial_count_factor", self.radial_count_factor, 0.1, 100.0),
+            ("strength_pa", self.strength_pa, 1e6, 1e10),
+            ("weibull_modulus", self.weibull_modulus, 1.0, 100.0),
+            (
+                "until_reach_m",
+                self.until_reach_m.unwrap_or(1.0),
+                1e-4,
+                20.0,
+            ),
+        ])
     }
 }

@@ -27,37 +27,15 @@ impl Camera {
     /// # Errors
     /// [`OpticsError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), OpticsError> {
-        let ranges = [
-            ("f_px", self.f_px, 1.0..=1e6, "1 to 1000000 px"),
-            (
-                "distance_m",
-                self.distance_m,
-                1e-3..=100.0,
-                "0.001 to 100 m",
-            ),
-            (
-                "rake_deg",
-                self.rake_rad.to_degrees(),
-                -85.0..=85.0,
-                "-85 to 85 degrees",
-            ),
-            (
-                "axis_at_mm.x",
-                self.axis_at_mm[0],
-                -1e6..=1e6,
-                "a place near the pane",
-            ),
-            (
-                "axis_at_mm.y",
-                self.axis_at_mm[1],
-                -1e6..=1e6,
-                "a place near the pane",
-            ),
-        ];
-        for (name, value, range, expected) in ranges {
-            OpticsError::check_range(name, value, range, expected)?;
-        }
-        Ok(())
+        let [x, y] = self.axis_at_mm;
+        let steepest_rad = 85_f64.to_radians();
+        OpticsError::check_ranges(&[
+            ("f_px", self.f_px, 1.0, 1e6),
+            ("distance_m", self.distance_m, 1e-3, 100.0),
+            ("rake_rad", self.rake_rad, -steepest_rad, steepest_rad),
+            ("axis_at_mm.x", x, -1e6, 1e6),
+            ("axis_at_mm.y", y, -1e6, 1e6),
+        ])
     }
 }
 

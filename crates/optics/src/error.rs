@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 /// Why no image came out.
 #[derive(Debug, thiserror::Error, PartialEq)]
 #[non_exhaustive]
@@ -10,7 +12,7 @@ pub enum OpticsError {
         /// What was given.
         value: f64,
         /// What is possible.
-        expected: &'static str,
+        expected: Cow<'static, str>,
     },
     /// An image whose samples are neither 8 nor 16 bits.
     #[error("images of mode {mode} cannot be rendered; convert to 8-bit or 16-bit grey or RGB")]
@@ -81,24 +83,22 @@ pub enum OpticsError {
 }
 
 impl OpticsError {
-    /// A parameter is in its range; not a number is in none.
+    /// Each value is in its range, of which rows give the least and the most; not a number is in
+    /// none. The last digits, which a change of unit may cost, do not count.
     ///
     /// # Errors
     /// [`OpticsError::Parameter`] with what was given and what is possible.
-    pub(crate) fn check_range(
-        name: &'static str,
-        value: f64,
-        range: std::ops::RangeInclusive<f64>,
-        expected: &'static str,
-    ) -> Result<(), Self> {
-        if range.contains(&value) {
-            Ok(())
-        } else {
-            Err(Self::Parameter {
-                name,
-                value,
-                expected,
-            })
+    pub(crate) fn check_ranges(rows: &[(&'static str, f64, f64, f64)]) -> Result<(), Self> {
+        for &(name, value, least, most) in rows {
+            let slack = |bound: f64| 1e-12 * bound.abs();
+            if !(least - slack(least)..=most + slack(most)).contains(&value) {
+                return Err(Self::Parameter {
+                    name,
+                    value,
+                    expected: format!("{least} to {most}").into(),
+                });
+            }
         }
+        Ok(())
     }
 }

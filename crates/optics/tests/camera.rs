@@ -156,7 +156,7 @@ fn cameras_out_of_range_are_named() {
     let cases: [(Change, &str); 5] = [
         (|c| c.f_px = 0.0, "f_px"),
         (|c| c.distance_m = f64::NAN, "distance_m"),
-        (|c| c.rake_rad = 1.55, "rake_deg"),
+        (|c| c.rake_rad = 1.55, "rake_rad"),
         (|c| c.axis_at_mm[0] = f64::INFINITY, "axis_at_mm.x"),
         (|c| c.axis_at_mm[1] = f64::NAN, "axis_at_mm.y"),
     ];

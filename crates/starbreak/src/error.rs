@@ -11,7 +11,7 @@ pub enum Error {
     #[error(transparent)]
     Recipe(#[from] RecipeError),
     /// The fracture model refused.
-    #[error(transparent)]
+    #[error("{0}{keys}", keys = keys_to_change(.0))]
     Fracture(#[from] FractureError),
     /// The optics refused.
     #[error(transparent)]
@@ -59,6 +59,17 @@ pub enum Error {
         "the pattern was baked for another optics.model than the recipe's; use the recipe that it was made with"
     )]
     OtherOptics,
+}
+
+/// The key of a recipe that decides what a model finds too much of.
+fn keys_to_change(error: &FractureError) -> &'static str {
+    match error {
+        FractureError::TooManyNeighbors { .. } | FractureError::TooManyCrossings { .. } => {
+            " (fracture.neighbour_radius_px)"
+        }
+        FractureError::TooManyDice { .. } => " (glass.surface_compression_mpa)",
+        _ => "",
+    }
 }
 
 /// Some memory with its unit.

@@ -289,7 +289,7 @@ fn each_mistake_is_named_with_its_place_and_a_way_out() {
         ),
         (
             "schema = 1\n[optics]\nmodel = \"paper\"\nlight_intensity = [1, 2, 300]",
-            "light_intensity = 300",
+            "light_intensity = [1, 2, 300]; expected \"image-mean\", or 0 to 255 each",
         ),
         ("schema = 1\n[output]\nquality = 0", "output.quality = 0"),
         ("schema = 1\n[output]\nmasks = \"yes\"", "output.masks"),
@@ -357,6 +357,63 @@ fn overrides_reach_one_impact_or_all_and_fail_without_a_trace() {
         );
         assert_eq!(recipe, before, "{bad:?} left a trace");
     }
+}
+
+/// Keys of tables of a schema with what it says of each, as overrides name them.
+fn keys_of(schema: &serde_json::Value) -> Vec<(String, &serde_json::Value)> {
+    let tables = schema["properties"].as_object().unwrap();
+    let tables = tables.iter().flat_map(|(table, of_table)| {
+        let items = &of_table["items"];
+        let owner = if items.is_object() { items } else { of_table };
+        let keys = owner["properties"].as_object().into_iter().flatten();
+        keys.map(move |(key, of_key)| (format!("{table}.{key}"), of_key))
+    });
+    tables.collect()
+}
+
+#[test]
+fn the_comment_of_a_key_says_its_range_and_the_models_take_both_ends_of_it() {
+    let schema = json_schema();
+    let mut n_ends = 0;
+    for (key, of_key) in keys_of(&schema) {
+        let comment = of_key["description"].as_str().unwrap();
+        for end in ["minimum", "maximum"] {
+            let Some(value) = of_key[end].as_f64() else {
+                continue;
+            };
+            let written = [format!("{value}"), format!("{value:e}")];
+            let is_said = comment.split_whitespace().any(|word| {
+                let word = word.trim_matches(['(', ')', ',', ';', ':', '.']);
+                written.iter().any(|value| value == word)
+            });
+            let is_of_another = comment.contains(", as ") || comment.contains("fractions of");
+            assert!(
+                is_said || is_of_another,
+                "{key}: {end} {value} is not in {comment:?}"
+            );
+            n_ends += 1;
+            for (preset, _) in PRESETS {
+                let mut recipe = Recipe::preset(preset).unwrap();
+                let set = format!("{key}={value:?}").replace(
+                    ".0",
+                    if of_key["type"] == "integer" {
+                        ""
+                    } else {
+                        ".0"
+                    },
+                );
+                if let Err(error) = recipe.set(&set) {
+                    let error = error.to_string();
+                    let own = format!("{key} = ").replace("impact.", "impact.0.");
+                    assert!(
+                        !error.contains(&own) || error.contains("radius_mm"),
+                        "{preset}: {error}"
+                    );
+                }
+            }
+        }
+    }
+    assert!(n_ends > 100, "{n_ends} ends of ranges");
 }
 
 fn scalar() -> impl Strategy<Value = String> {

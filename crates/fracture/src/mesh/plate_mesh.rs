@@ -112,7 +112,7 @@ impl PlateMesh {
                 return Err(FractureError::Parameter {
                     name,
                     value,
-                    expected: "a positive length",
+                    expected: "a positive length".into(),
                 });
             }
         }

@@ -4,6 +4,12 @@ use starbreak_glass::Pane;
 
 use crate::FractureError;
 
+/// What is positive is at least this.
+const LEAST: f64 = 1e-12;
+
+/// And at most this.
+const MOST: f64 = 1e12;
+
 /// Which nodes count as neighbors of a node (section 3.1 and Algorithm 1 differ).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Neighborhood {
@@ -186,33 +192,29 @@ impl PaperParams {
     /// # Errors
     /// [`FractureError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), FractureError> {
-        let positive = "a number from 1e-12 to 1e12";
-        for (name, value) in [
-            ("neighbour_radius_px", self.neighbor_radius),
-            ("critical_stress", self.critical_stress),
-            ("safety_factor", self.safety_factor),
-            ("critical_stress / safety_factor", self.threshold()),
-        ] {
-            check_positive(name, value, positive)?;
-        }
-        for (name, value, max, expected) in [
+        FractureError::check_ranges(&[
+            ("neighbor_radius", self.neighbor_radius, LEAST, MOST),
+            ("critical_stress", self.critical_stress, LEAST, MOST),
+            ("safety_factor", self.safety_factor, LEAST, MOST),
+            (
+                "critical_stress / safety_factor",
+                self.threshold(),
+                LEAST,
+                MOST,
+            ),
             (
                 "particles",
-                self.particles,
-                Self::MAX_PARTICLES,
-                "1 to 10000000",
+                self.particles.into(),
+                1.0,
+                Self::MAX_PARTICLES.into(),
             ),
-            ("branches", self.branches, Self::MAX_BRANCHES, "1 to 64"),
-        ] {
-            if value == 0 || value > max {
-                return Err(FractureError::Parameter {
-                    name,
-                    value: f64::from(value),
-                    expected,
-                });
-            }
-        }
-        Ok(())
+            (
+                "branches",
+                self.branches.into(),
+                1.0,
+                Self::MAX_BRANCHES.into(),
+            ),
+        ])
     }
 }
 
@@ -222,15 +224,14 @@ impl PaperImpact {
     /// # Errors
     /// [`FractureError`] naming what is out of range.
     pub fn check(&self, pane: &Pane) -> Result<(), FractureError> {
-        check_positive("impact.force", self.force, "a number from 1e-12 to 1e12")?;
+        FractureError::check_ranges(&[("force", self.force, LEAST, MOST)])?;
         if let Direction::Angle { rad } = self.direction
             && !rad.is_finite()
         {
-            let value = rad.to_degrees();
             return Err(FractureError::Parameter {
-                name: "impact.direction_deg",
-                value,
-                expected: "a finite angle",
+                name: "direction",
+                value: rad,
+                expected: "a finite angle".into(),
             });
         }
         if let Position::At { x, y } = self.position
@@ -245,19 +246,4 @@ impl PaperImpact {
         }
         Ok(())
     }
-}
-
-fn check_positive(
-    name: &'static str,
-    value: f64,
-    expected: &'static str,
-) -> Result<(), FractureError> {
-    if (1e-12..=1e12).contains(&value) {
-        return Ok(());
-    }
-    Err(FractureError::Parameter {
-        name,
-        value,
-        expected,
-    })
 }

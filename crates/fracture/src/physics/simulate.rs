@@ -186,7 +186,7 @@ fn check(
         return Err(FractureError::Parameter {
             name: "number of impacts",
             value: impacts.len() as f64,
-            expected: "at most 1000",
+            expected: "at most 1000".into(),
         });
     }
     for stone in impacts {

@@ -27,7 +27,7 @@ pub(super) fn patch(
             return Err(FractureError::Parameter {
                 name,
                 value,
-                expected: "a finite number, the radius 0 or more",
+                expected: "a finite number, the radius 0 or more".into(),
             });
         }
     }
@@ -68,7 +68,7 @@ pub(super) fn patch(
         return Err(FractureError::Parameter {
             name: "load center x_m",
             value: cx,
-            expected: "a load on the mesh",
+            expected: "a load on the mesh".into(),
         });
     }
     let force = load.force_n / found.len() as f64;

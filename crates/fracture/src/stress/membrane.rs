@@ -84,7 +84,7 @@ pub fn membrane_stress(
             return Err(FractureError::Parameter {
                 name,
                 value,
-                expected: "an elastic material, on a mesh of the whole pane without cracks",
+                expected: "an elastic material, on a mesh of the whole pane without cracks".into(),
             });
         }
     }
@@ -108,7 +108,7 @@ pub fn membrane_stress(
                 return Err(FractureError::Parameter {
                     name: "temperature_k",
                     value: temperature,
-                    expected: "finite everywhere",
+                    expected: "finite everywhere".into(),
                 });
             }
             let weight = -expansion_per_k * temperature * element.area_m2 / 3.0;

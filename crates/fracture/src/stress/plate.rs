@@ -76,7 +76,7 @@ impl PlateProperties {
                 return Err(FractureError::Parameter {
                     name,
                     value,
-                    expected,
+                    expected: expected.into(),
                 });
             }
         }

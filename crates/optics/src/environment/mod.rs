@@ -12,6 +12,10 @@ mod sun;
 pub use direction::Horizon;
 pub use hemisphere::HemisphereWeights;
 
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::OpticsError;
+
 /// Light of one color, linear, in units of the image's white.
 pub type Rgb = [f32; 3];
 
@@ -51,6 +55,44 @@ impl Default for EnvironmentParams {
             cabin_rgb: None,
             horizon_row: 0.5,
         }
+    }
+}
+
+impl EnvironmentParams {
+    /// Every parameter is in its range: angles, and linear light from 0 to a million.
+    ///
+    /// # Errors
+    /// [`OpticsError::Parameter`] naming the first that is not.
+    pub(crate) fn check(&self) -> Result<(), OpticsError> {
+        let irradiance = self.sun_irradiance.unwrap_or(0.0);
+        OpticsError::check_ranges(&[
+            (
+                "sun_azimuth_rad",
+                self.sun_azimuth_rad,
+                -10.0 * TAU,
+                10.0 * TAU,
+            ),
+            (
+                "sun_elevation_rad",
+                self.sun_elevation_rad,
+                -FRAC_PI_2,
+                FRAC_PI_2,
+            ),
+            ("sun_irradiance", irradiance, 0.0, 1e6),
+            ("horizon_row", self.horizon_row, -100.0, 100.0),
+        ])?;
+        let cabin = self.cabin_rgb.map_or([None; 2], |ends| ends.map(Some));
+        for (name, rgb) in [
+            ("horizon_rgb", self.horizon_rgb),
+            ("zenith_rgb", self.zenith_rgb),
+            ("ground_rgb", self.ground_rgb),
+            ("cabin_rgb", cabin[0]),
+            ("cabin_rgb", cabin[1]),
+        ] {
+            let rgb = rgb.unwrap_or_default();
+            OpticsError::check_ranges(&rgb.map(|channel| (name, f64::from(channel), 0.0, 1e6)))?;
+        }
+        Ok(())
     }
 }
 

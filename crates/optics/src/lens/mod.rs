@@ -1,5 +1,7 @@
 //! The thin lens: how large a point off the focal plane becomes, and in what shape.
 
+use std::f64::consts::TAU;
+
 use crate::OpticsError;
 
 /// A thin lens behind the glass.
@@ -55,45 +57,18 @@ impl Lens {
     /// # Errors
     /// [`OpticsError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), OpticsError> {
-        let ranges = [
-            (
-                "focal_length_mm",
-                self.focal_length_m * 1e3,
-                0.1,
-                1000.0,
-                "0.1 to 1000 mm",
-            ),
-            ("f_number", self.f_number, 0.5, 128.0, "0.5 to 128"),
-            (
-                "focus_distance_m",
-                self.focus_m,
-                1e-3,
-                f64::INFINITY,
-                "0.001 m or more",
-            ),
-            (
-                "scene_distance_m",
-                self.scene_m,
-                1e-3,
-                f64::INFINITY,
-                "0.001 m or more",
-            ),
-            (
-                "blade_angle_deg",
-                self.blade_angle_rad.to_degrees(),
-                -360.0,
-                360.0,
-                "-360 to 360 degrees",
-            ),
-        ];
-        for (name, value, least, most, expected) in ranges {
-            OpticsError::check_range(name, value, least..=most, expected)?;
-        }
+        OpticsError::check_ranges(&[
+            ("focal_length_m", self.focal_length_m, 1e-4, 1.0),
+            ("f_number", self.f_number, 0.5, 128.0),
+            ("focus_m", self.focus_m, 1e-3, f64::INFINITY),
+            ("scene_m", self.scene_m, 1e-3, f64::INFINITY),
+            ("blade_angle_rad", self.blade_angle_rad, -TAU, TAU),
+        ])?;
         if self.blades != 0 && !(3..=24).contains(&self.blades) {
             return Err(OpticsError::Parameter {
                 name: "blades",
                 value: f64::from(self.blades),
-                expected: "0 (round), or 3 to 24",
+                expected: "0 (round), or 3 to 24".into(),
             });
         }
         Ok(())

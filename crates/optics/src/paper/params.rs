@@ -103,58 +103,33 @@ impl PaperOptics {
     /// # Errors
     /// [`OpticsError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), OpticsError> {
-        let ranges = [
-            (
-                "line_width_px",
-                self.line_width_px,
-                0.05..=64.0,
-                "0.05 to 64 px",
-            ),
-            (
-                "blur_sigma_px",
-                self.blur_sigma_px,
-                0.01..=128.0,
-                "0.01 to 128 px",
-            ),
-            (
-                "blur_kernel_px",
-                f64::from(self.blur_kernel_px),
-                1.0..=255.0,
-                "an odd number, 1 to 255 px",
-            ),
-        ];
-        for (name, value, range, expected) in ranges {
-            OpticsError::check_range(name, value, range, expected)?;
-        }
+        let taps = f64::from(self.blur_kernel_px);
+        OpticsError::check_ranges(&[
+            ("line_width_px", self.line_width_px, 0.05, 64.0),
+            ("blur_sigma_px", self.blur_sigma_px, 0.01, 128.0),
+            ("blur_kernel_px", taps, 1.0, 255.0),
+        ])?;
         if self.blur_kernel_px.is_multiple_of(2) {
-            let value = f64::from(self.blur_kernel_px);
             return Err(OpticsError::Parameter {
                 name: "blur_kernel_px",
-                value,
-                expected: "an odd number, 1 to 255 px",
+                value: taps,
+                expected: "an odd number, 1 to 255 px".into(),
             });
         }
-        for (name, angle_rad) in [
-            ("sun_azimuth_deg", self.sun_azimuth_rad),
-            ("sun_elevation_deg", self.sun_zenith_rad),
+        for (name, value) in [
+            ("sun_azimuth_rad", self.sun_azimuth_rad),
+            ("sun_zenith_rad", self.sun_zenith_rad),
         ] {
-            if !angle_rad.is_finite() {
-                let value = angle_rad.to_degrees();
+            if !value.is_finite() {
                 return Err(OpticsError::Parameter {
                     name,
                     value,
-                    expected: "a finite angle",
+                    expected: "a finite angle".into(),
                 });
             }
         }
-        if let Light::Rgb(levels) = self.light
-            && let Some(&value) = levels.iter().find(|level| !(0.0..=255.0).contains(*level))
-        {
-            return Err(OpticsError::Parameter {
-                name: "light_intensity",
-                value,
-                expected: "code values, 0 to 255",
-            });
+        if let Light::Rgb(levels) = self.light {
+            OpticsError::check_ranges(&levels.map(|level| ("light", level, 0.0, 255.0)))?;
         }
         Ok(())
     }

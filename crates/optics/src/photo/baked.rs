@@ -238,7 +238,7 @@ fn spread(sharp: Raster, radii_px: &[Option<f64>], pupil: Pupil) -> Raster {
 /// # Errors
 /// [`OpticsError::Parameter`].
 pub fn check_gain(gain: f64) -> Result<(), OpticsError> {
-    OpticsError::check_range("overlay_gain", gain, 0.0..=1000.0, "0 to 1000")
+    OpticsError::check_ranges(&[("overlay_gain", gain, 0.0, 1000.0)])
 }
 
 impl PhotoPattern {

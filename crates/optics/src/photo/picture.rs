@@ -36,7 +36,7 @@ impl PhotoParams {
     /// # Errors
     /// [`OpticsError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), OpticsError> {
-        OpticsError::check_range("overlay_floor", self.floor, 0.0..=0.5, "0 to 0.5")
+        OpticsError::check_ranges(&[("overlay_floor", self.floor, 0.0, 0.5)])
     }
 }
 

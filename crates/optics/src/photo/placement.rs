@@ -53,8 +53,10 @@ impl PlacementRange {
     /// # Errors
     /// [`OpticsError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), OpticsError> {
-        OpticsError::check_range("overlay_min_scale", self.min_scale, 0.05..=1.0, "0.05 to 1")?;
-        OpticsError::check_range("overlay_max_shift", self.max_shift, 0.0..=1.0, "0 to 1")
+        OpticsError::check_ranges(&[
+            ("overlay_min_scale", self.min_scale, 0.05, 1.0),
+            ("overlay_max_shift", self.max_shift, 0.0, 1.0),
+        ])
     }
 }
 
@@ -120,35 +122,12 @@ impl Placement {
     /// # Errors
     /// [`OpticsError::Parameter`] naming the first that is not.
     pub fn check(&self) -> Result<(), OpticsError> {
-        for (name, value, least, expected) in [
-            (
-                "overlay left_px",
-                self.left_px,
-                -FARTHEST_PX,
-                "-1000000 to 1000000 px",
-            ),
-            (
-                "overlay top_px",
-                self.top_px,
-                -FARTHEST_PX,
-                "-1000000 to 1000000 px",
-            ),
-            (
-                "overlay width_px",
-                self.width_px,
-                1e-3,
-                "0.001 to 1000000 px",
-            ),
-            (
-                "overlay height_px",
-                self.height_px,
-                1e-3,
-                "0.001 to 1000000 px",
-            ),
-        ] {
-            OpticsError::check_range(name, value, least..=FARTHEST_PX, expected)?;
-        }
-        Ok(())
+        OpticsError::check_ranges(&[
+            ("overlay left_px", self.left_px, -FARTHEST_PX, FARTHEST_PX),
+            ("overlay top_px", self.top_px, -FARTHEST_PX, FARTHEST_PX),
+            ("overlay width_px", self.width_px, 1e-3, FARTHEST_PX),
+            ("overlay height_px", self.height_px, 1e-3, FARTHEST_PX),
+        ])
     }
 }
 

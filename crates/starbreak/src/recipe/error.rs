@@ -1,8 +1,5 @@
 use std::fmt;
 
-use starbreak_fracture::FractureError;
-use starbreak_optics::OpticsError;
-
 use super::{MAX_RECIPE_BYTES, PRESETS, SCHEMA_VERSION};
 
 /// Where a recipe text came from, for messages.
@@ -173,6 +170,14 @@ pub enum RecipeError {
         /// What is possible.
         expected: String,
     },
+    /// Values that do not go together, each in the range of its key.
+    #[error("{place}: {what}")]
+    Together {
+        /// Where the text came from.
+        place: Place,
+        /// The key with its table, its value and what is possible.
+        what: String,
+    },
     /// Not of the form `table.key=value`, or no key in a table.
     #[error(
         "{place}: not an override; name a table, its key and a value, e.g. impact.speed_m_s=30"
@@ -214,30 +219,6 @@ pub(super) fn short_number(text: String) -> String {
     }
 }
 
-/// A value that went to SI and back, or through single precision, without the last digits that
-/// this costs.
-fn as_given(value: f64) -> f64 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "compared with what it came from"
-    )]
-    let single = value as f32;
-    if f64::from(single).to_bits() == value.to_bits() {
-        return single.to_string().parse().unwrap_or(value);
-    }
-    format!("{value:.12e}").parse().unwrap_or(value)
-}
-
-/// The table of a recipe that a parameter of the optics is a key of.
-fn table_of_optics(name: &str) -> &'static str {
-    match name {
-        "f_px" | "focal_length_mm" | "f_number" | "focus_distance_m" | "scene_distance_m"
-        | "blades" | "blade_angle_deg" => "camera",
-        "thickness_mm" | "distance_m" | "rake_deg" => "glass",
-        _ => "optics",
-    }
-}
-
 impl RecipeError {
     pub(super) fn unknown_preset(name: &str) -> Self {
         let names = PRESETS.iter().map(|(known, _)| *known);
@@ -257,45 +238,12 @@ impl RecipeError {
         }
     }
 
-    /// A parameter that the fracture model refused, under its key in the recipe.
-    pub(super) fn of_fracture(place: &Place, table: &str, error: FractureError) -> Self {
-        match error {
-            FractureError::Parameter {
-                name,
-                value,
-                expected,
-            } => Self::Range {
-                place: place.clone(),
-                key: format!("{table}.{}", name.trim_start_matches("impact.")),
-                value: short_number(as_given(value).to_string()),
-                expected: expected.to_owned(),
-            },
-            other => Self::Type {
-                place: place.clone(),
-                key: table.to_owned(),
-                what: other.to_string(),
-            },
-        }
-    }
-
-    /// A parameter that the optics refused, under its key in the recipe.
-    pub(super) fn of_optics(place: &Place, error: OpticsError) -> Self {
-        match error {
-            OpticsError::Parameter {
-                name,
-                value,
-                expected,
-            } => Self::Range {
-                place: place.clone(),
-                key: format!("{}.{name}", table_of_optics(name)),
-                value: short_number(as_given(value).to_string()),
-                expected: expected.to_owned(),
-            },
-            other => Self::Type {
-                place: place.clone(),
-                key: "optics".to_owned(),
-                what: other.to_string(),
-            },
+    /// What a model refuses although each value is in the range of its key; the error begins with
+    /// the name of a parameter.
+    pub(super) fn of_model(place: &Place, table: &str, error: impl fmt::Display) -> Self {
+        Self::Together {
+            place: place.clone(),
+            what: format!("{table}.{error}"),
         }
     }
 }

@@ -27,8 +27,9 @@ pub(super) struct PaperOpticsTables {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PaperCameraTable {
-    /// Focal length, px, > 0, or "auto": 0.5809 times the width of the frame, KITTI's field of
+    /// Focal length, px, above 0 and up to 1000000, or "auto": 0.5809 times the width of the frame, KITTI's field of
     /// view at any resolution. Lays the frame over a pane that is measured in mm.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e6))]
     pub(super) f_px: FocalEntry,
     /// What is sharp: "far" (the scene, the crack blurred over it) or "short" (the crack, the
     /// scene blurred behind it).
@@ -63,9 +64,11 @@ pub(super) struct PaperImpactTable {
     /// Where: [x, y] as fractions of the frame, from the top left corner; "random", in the
     /// inner 80 % of the frame; "anywhere"; or "object", before a labeled object of the image
     /// (`generate` and `study` of a labeled dataset).
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1.0))]
     pub(super) position: PositionEntry,
-    /// Impact force F of the paper, in its own unit, > 0. Nothing breaks unless it exceeds
+    /// Impact force F of the paper, in its own unit, 1e-12 to 1e12. Nothing breaks unless it exceeds
     /// fracture.critical_stress / fracture.safety_factor.
+    #[schemars(range(min = 1e-12, max = 1e12))]
     pub(super) force: f64,
     /// Direction of the impact in the plane of the glass, degrees from +x towards +y (down), or
     /// "random".
@@ -79,20 +82,25 @@ pub(super) struct PaperFractureTable {
     /// Fracture model: "physics" or "paper"; decides which keys [fracture] and [[impact]] have.
     pub(super) model: ModelWord,
     /// Number of particles, 1 to 10000000.
+    #[schemars(range(min = 1, max = 10_000_000))]
     pub(super) particles: u32,
-    /// Radius of the neighborhood of a particle, px, > 0.
+    /// Radius of the neighborhood of a particle, px, 1e-12 to 1e12.
+    #[schemars(range(min = 1e-12, max = 1e12))]
     pub(super) neighbour_radius_px: f64,
     /// Which particles are neighbors: "radius" (all within it) or "mesh-edges" (those that also
     /// share a mesh edge).
     pub(super) neighbourhood: NeighborhoodWord,
-    /// Critical stress of the glass, in units of the force, > 0.
+    /// Critical stress of the glass, in units of the force, 1e-12 to 1e12.
+    #[schemars(range(min = 1e-12, max = 1e12))]
     pub(super) critical_stress: f64,
-    /// Safety factor, > 0: a particle breaks above critical_stress / safety_factor.
+    /// Safety factor, 1e-12 to 1e12: a particle breaks above critical_stress / safety_factor.
+    #[schemars(range(min = 1e-12, max = 1e12))]
     pub(super) safety_factor: f64,
     /// How a crack chooses its next particle: "algorithm-1", "caption" or "literal" (eqs. 3-5 to
     /// the letter; dies at once).
     pub(super) rule: RuleWord,
     /// Number of branches that leave a particle, 1 to 64.
+    #[schemars(range(min = 1, max = 64))]
     pub(super) branches: u32,
     /// Whether the fan of cracks opens both along the impact and against it.
     pub(super) two_sided: bool,
@@ -137,15 +145,19 @@ pub(super) struct PaperOpticsTable {
     /// Elevation of the sun above the horizon, degrees (the paper's zenith angle is 90 minus it).
     pub(super) sun_elevation_deg: f64,
     /// Intensity of the light source: [r, g, b] as code values 0 to 255, or "image-mean".
+    #[schemars(extend("minimum" = 0.0, "maximum" = 255.0))]
     pub(super) light_intensity: LightEntry,
     /// What the brightness of a crack is divided by: "max" (brightest crack), "mean", "sum" (the
     /// paper to the letter; nearly black) or "one".
     pub(super) normalization: NormalizationWord,
     /// Width of a drawn crack, px, 0.05 to 64.
+    #[schemars(range(min = 0.05, max = 64.0))]
     pub(super) line_width_px: f64,
     /// Width of the blur kernel, px, odd, 1 to 255. Half of it is how far a crack reaches.
+    #[schemars(range(min = 1, max = 255))]
     pub(super) blur_kernel_px: u32,
     /// Standard deviation of the Gaussian blur, px, 0.01 to 128.
+    #[schemars(range(min = 0.01, max = 128.0))]
     pub(super) blur_sigma_px: f64,
 }
 

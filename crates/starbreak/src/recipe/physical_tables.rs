@@ -27,11 +27,14 @@ pub(super) struct GlassMountTables {
 #[serde(deny_unknown_fields)]
 pub(super) struct MountTable {
     /// Thickness of the sheet that is hit (laminated: of the outer ply), mm, 0.1 to 30.
+    #[schemars(range(min = 0.1, max = 30.0))]
     pub(super) thickness_mm: f64,
     /// Distance from the camera to the pane along the optical axis, m, 0.001 to 10.
+    #[schemars(range(min = 0.001, max = 10.0))]
     pub(super) distance_m: f64,
     /// Tilt of the pane about its horizontal axis, degrees from facing the camera (0), -80 to 80;
     /// positive: the upper edge leans towards the camera.
+    #[schemars(range(min = -80.0, max = 80.0))]
     pub(super) rake_deg: f64,
 }
 
@@ -39,26 +42,34 @@ pub(super) struct MountTable {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PhysicalCameraTable {
-    /// Focal length, px, > 0, or "auto": from pixel_pitch_um if that is given, else 0.5809 times
+    /// Focal length, px, above 0 and up to 1000000, or "auto": from pixel_pitch_um if that is given, else 0.5809 times
     /// the width of the frame, KITTI's field of view at any resolution. Lays the frame over the
     /// pane.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1e6))]
     pub(super) f_px: FocalEntry,
     /// Focal length of the lens, mm, 0.1 to 1000. With f_number it gives the entrance pupil.
+    #[schemars(range(min = 0.1, max = 1000.0))]
     pub(super) focal_length_mm: f64,
     /// Focal length over the diameter of the entrance pupil, 0.5 to 128.
+    #[schemars(range(min = 0.5, max = 128.0))]
     pub(super) f_number: f64,
-    /// What is sharp: a distance, m, beyond the focal length; "far" (scene_distance_m), "short"
+    /// What is sharp: a distance, m, 0.001 or more and beyond the focal length; "far" (scene_distance_m), "short"
     /// (glass.distance_m) or "infinity".
+    #[schemars(extend("minimum" = 0.001))]
     pub(super) focus_distance_m: DistanceEntry,
     /// Distance of the scene, m, 0.001 or more, or "infinity".
+    #[schemars(extend("minimum" = 0.001))]
     pub(super) scene_distance_m: SceneEntry,
     /// Pixel pitch of the sensor, um, 0.1 to 1000, or "auto": whatever f_px makes it. If f_px is
     /// given as well, the two must agree within 1 %.
+    #[schemars(extend("minimum" = 0.1, "maximum" = 1000.0))]
     pub(super) pixel_pitch_um: AutoNumber,
     /// Blades of the diaphragm: 0 (a round pupil) or 3 to 24.
+    #[schemars(range(min = 0, max = 24))]
     pub(super) blades: u32,
     /// Turn of the blades: direction of the first corner, degrees from +x towards +y (down),
     /// -360 to 360.
+    #[schemars(range(min = -360.0, max = 360.0))]
     pub(super) blade_angle_deg: f64,
 }
 
@@ -155,61 +166,85 @@ pub(super) enum CabinEntry {
 pub(super) struct PhysicalOpticsTable {
     /// Optics model: "physical" or "paper"; decides which keys [optics] and [camera] have.
     pub(super) model: OpticsWord,
-    /// Azimuth of the sun, degrees, from the optical axis to the right.
+    /// Azimuth of the sun, degrees, from the optical axis to the right, -3600 to 3600.
+    #[schemars(range(min = -3600.0, max = 3600.0))]
     pub(super) sun_azimuth_deg: f64,
     /// Elevation of the sun above the horizon, degrees, -90 to 90.
+    #[schemars(range(min = -90.0, max = 90.0))]
     pub(super) sun_elevation_deg: f64,
     /// Irradiance of the sun on a plane that faces it, 0 to 1000000 in linear light of the image
     /// (pi makes a white sheet show 1), or "auto": estimated from the image.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1e6))]
     pub(super) sun_irradiance: AutoNumber,
-    /// Radiance of the sky at the horizon: [r, g, b] in linear light of the image (1 is white), or
-    /// "auto": estimated from the image.
+    /// Radiance of the sky at the horizon: [r, g, b] in linear light of the image (1 is white), 0 to
+    /// 1000000, or "auto": estimated from the image.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1e6))]
     pub(super) sky_horizon: AutoRgb,
     /// Radiance of the sky at the zenith, as sky_horizon.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1e6))]
     pub(super) sky_zenith: AutoRgb,
     /// Radiance of the ground, as sky_horizon.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1e6))]
     pub(super) ground: AutoRgb,
     /// Radiance of what lies on the camera's side of the glass, as sky_horizon; or two colors,
     /// straight down and straight up.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1e6))]
     pub(super) cabin: CabinEntry,
     /// Row of the horizon as a fraction of the height of the frame, from the top, -100 to 100.
+    #[schemars(range(min = -100.0, max = 100.0))]
     pub(super) horizon_row: f64,
     /// Refractive index of the glass, 1.3 to 2 (soda-lime: 1.52).
+    #[schemars(range(min = 1.3, max = 2.0))]
     pub(super) refractive_index: f64,
     /// Share of the light that the rim of the pane sends back into the glass, 0 (black, as the
     /// frit around a windscreen) to 1.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub(super) rim_reflectance: f64,
     /// Roughness (GGX alpha) of the mirror zone of a crack surface, 0 to 1, or "auto": that of the
     /// network's roughness.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1.0))]
     pub(super) mirror_alpha: AutoNumber,
     /// Roughness of the mist zone, as mirror_alpha.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1.0))]
     pub(super) mist_alpha: AutoNumber,
     /// Roughness of the hackle zone, as mirror_alpha.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1.0))]
     pub(super) hackle_alpha: AutoNumber,
     /// Opening of cracks whose network does not say it, um, 0 to 1000.
+    #[schemars(range(min = 0.0, max = 1000.0))]
     pub(super) opening_um: f64,
     /// Radius of the white, crushed zone as a multiple of what the hit gave, 0 (none) to 10.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) crushed_zone: f64,
     /// Radius of the shell that chips off around the crushed zone as a multiple of that zone's, 0
     /// to 10; none up to 1.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) chip: f64,
     /// Slope of the chipped surface at its rim, degrees, 0 to 60.
+    #[schemars(range(min = 0.0, max = 60.0))]
     pub(super) chip_slope_deg: f64,
     /// Radius of the film of air that runs sideways under the crushed zone, as a multiple of that
     /// zone's, 0 to 10; none up to 1.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) film: f64,
     /// Greatest thickness of that film, um, 0 to 100.
+    #[schemars(range(min = 0.0, max = 100.0))]
     pub(super) film_um: f64,
     /// Standard deviation of the wedge angle between the faces of a fragment, degrees, 0 to 10.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) fragment_wedge_deg: f64,
     /// Share of the light that the lens spreads over the whole frame on top of what the image
     /// already has, 0 to 0.5.
+    #[schemars(range(min = 0.0, max = 0.5))]
     pub(super) veiling_glare: f64,
     /// Noise that is put back where light was added or taken away: standard deviation in the dark,
     /// 0 to 1 in linear light of the image. 0 for this and noise_shot: none.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub(super) noise_read: f64,
     /// Variance of that noise over the signal, 0 to 1 in linear light of the image.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub(super) noise_shot: f64,
     /// Influence from which a pixel belongs to the region mask, 0.0001 to 1.
+    #[schemars(range(min = 0.0001, max = 1.0))]
     pub(super) region_threshold: f64,
 }

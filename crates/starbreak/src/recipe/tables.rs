@@ -175,6 +175,7 @@ pub(super) struct OutputTable {
     /// program decodes it (decoders of JPEG differ by a few levels), unless the scene is out of focus.
     pub(super) format: FormatWord,
     /// JPEG quality, 1 to 100.
+    #[schemars(range(min = 1, max = 100))]
     pub(super) quality: u8,
     /// Whether the region mask and the crack mask are written.
     pub(super) masks: bool,

@@ -4,6 +4,7 @@ mod paper;
 mod paper_optics;
 mod physical;
 mod physics;
+mod ranges;
 
 use rand_chacha::rand_core::Rng;
 use starbreak_fracture::paper::{Direction, Position};
@@ -27,9 +28,6 @@ pub const DEFAULT_MAX_MEMORY_BYTES: u64 = 4 << 30;
 
 /// Least limit of that, bytes, within which the least pane breaks.
 pub const LEAST_MAX_MEMORY_BYTES: u64 = 64 << 20;
-
-/// Longest focal length, px.
-const MAX_F_PX: f64 = 1e6;
 
 /// Everything that a run needs to know.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,6 +159,7 @@ pub enum OutputFormat {
 
 /// The settings of a recipe that is complete.
 pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settings, RecipeError> {
+    ranges::check(place, recipe, choice)?;
     let common: CommonTables = from_table(place, recipe)?;
     // The glass before the camera, and how it stands there.
     let (fracture, sheet) = match choice.fracture {
@@ -229,28 +228,16 @@ fn is_aimed(entry: PositionEntry) -> bool {
 /// Share of either side of the frame that a random place lies in, around the middle.
 const INNER_SHARE: f64 = 0.8;
 
-fn position(place: &Place, k: usize, entry: PositionEntry) -> Result<Position, RecipeError> {
+fn position(entry: PositionEntry) -> Position {
     match entry {
-        PositionEntry::Word(word) => Ok(Position::Random {
+        PositionEntry::Word(word) => Position::Random {
             share: match word {
                 PositionWord::Random | PositionWord::Object => INNER_SHARE,
                 PositionWord::Anywhere => 1.0,
             },
-        }),
-        PositionEntry::Fractions([x, y]) => {
-            let key = format!("impact.{k}.position");
-            fractions(place, &key, [x, y], "the frame")?;
-            Ok(Position::At { x, y })
-        }
+        },
+        PositionEntry::Fractions([x, y]) => Position::At { x, y },
     }
-}
-
-fn fractions(place: &Place, key: &str, [x, y]: [f64; 2], of: &str) -> Result<(), RecipeError> {
-    if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
-        return Ok(());
-    }
-    let expected = format!("fractions of {of}, 0 to 1");
-    Err(out_of_range(place, key, format!("[{x}, {y}]"), &expected))
 }
 
 fn direction(entry: DirectionEntry) -> Direction {
@@ -262,14 +249,10 @@ fn direction(entry: DirectionEntry) -> Direction {
     }
 }
 
-fn focal_length(place: &Place, given: FocalEntry) -> Result<FocalLength, RecipeError> {
+fn focal_length(given: FocalEntry) -> FocalLength {
     match given {
-        FocalEntry::Auto(_) => Ok(FocalLength::Auto),
-        FocalEntry::Px(f_px) if f_px > 0.0 && f_px <= MAX_F_PX => Ok(FocalLength::Px(f_px)),
-        FocalEntry::Px(f_px) => {
-            let expected = "\"auto\", or above 0 and up to 1000000 px";
-            Err(out_of_range(place, "camera.f_px", f_px, expected))
-        }
+        FocalEntry::Auto(_) => FocalLength::Auto,
+        FocalEntry::Px(f_px) => FocalLength::Px(f_px),
     }
 }
 
@@ -286,14 +269,6 @@ fn output(
                 "the paper's optics have no maps; leave it false or set optics.model = \"physical\""
                     .to_owned(),
         });
-    }
-    if !(1..=100).contains(&given.quality) {
-        return Err(out_of_range(
-            place,
-            "output.quality",
-            given.quality,
-            "1 to 100",
-        ));
     }
     let format = match given.format {
         FormatWord::Same => OutputFormat::Same,

@@ -75,7 +75,7 @@ pub(super) fn settings(
     };
     params
         .check()
-        .map_err(|error| RecipeError::of_fracture(place, "fracture", error))?;
+        .map_err(|error| RecipeError::of_model(place, "fracture", error))?;
     let unit_impacts = impacts(place, &recipe.impact, |k, impact| {
         unit_impact(place, k, impact)
     })?;
@@ -95,7 +95,7 @@ fn unit_impact(
     impact: &PaperImpactTable,
 ) -> Result<PaperImpact, RecipeError> {
     let resolved = PaperImpact {
-        position: position(place, k, impact.position)?,
+        position: position(impact.position),
         force: impact.force,
         direction: direction(impact.direction_deg),
     };
@@ -107,6 +107,6 @@ fn unit_impact(
     };
     resolved
         .check(&unit_pane)
-        .map_err(|error| RecipeError::of_fracture(place, &format!("impact.{k}"), error))?;
+        .map_err(|error| RecipeError::of_model(place, &format!("impact.{k}"), error))?;
     Ok(resolved)
 }

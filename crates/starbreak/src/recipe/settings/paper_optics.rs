@@ -6,29 +6,19 @@ use super::super::error::{Place, RecipeError};
 use super::super::tables::{
     FarFocusBlurWord, FocusEntry, FocusWord, LightEntry, NormalizationWord, PaperOpticsTables,
 };
-use super::{CameraSettings, OpticsSettings, focal_length, out_of_range};
+use super::{CameraSettings, OpticsSettings, focal_length};
 
 pub(super) fn settings(
     place: &Place,
     recipe: &PaperOpticsTables,
 ) -> Result<(CameraSettings, OpticsSettings), RecipeError> {
     let camera = CameraSettings {
-        f_px: focal_length(place, recipe.camera.f_px)?,
+        f_px: focal_length(recipe.camera.f_px),
     };
-    let given = &recipe.optics;
-    for (key, degrees) in [
-        ("optics.sun_azimuth_deg", given.sun_azimuth_deg),
-        ("optics.sun_elevation_deg", given.sun_elevation_deg),
-    ] {
-        // Checked before it becomes a zenith angle, so that the message repeats what was given.
-        if !degrees.is_finite() {
-            return Err(out_of_range(place, key, degrees, "a finite angle"));
-        }
-    }
     let optics = parameters(recipe);
     optics
         .check()
-        .map_err(|error| RecipeError::of_optics(place, error))?;
+        .map_err(|error| RecipeError::of_model(place, "optics", error))?;
     Ok((camera, OpticsSettings::Paper(optics)))
 }
 
