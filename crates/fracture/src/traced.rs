@@ -50,25 +50,9 @@ pub fn network(
 ) -> Result<CrackNetwork, FractureError> {
     pane.check()?;
     let mut places = Places::new(pane);
-    let mut paths: Vec<(Vec<u32>, SegmentKind)> = Vec::with_capacity(traces.len());
+    let mut paths = Vec::with_capacity(traces.len());
     for trace in traces {
-        let mut path: Vec<u32> = Vec::with_capacity(trace.points.len());
-        for &[x, y] in &trace.points {
-            if !pane.contains(x, y) {
-                let (width, height) = (pane.width, pane.height);
-                return Err(FractureError::TraceOffPane {
-                    x,
-                    y,
-                    width,
-                    height,
-                });
-            }
-            let node = places.node_at([x, y]);
-            if path.last() != Some(&node) {
-                path.push(node);
-            }
-        }
-        paths.push((path, trace.kind));
+        paths.push((path_of(trace, pane, &mut places)?, trace.kind));
     }
     let mut impact_nodes = Vec::with_capacity(impacts.len());
     let mut hits = Vec::with_capacity(impacts.len());
@@ -140,6 +124,27 @@ pub fn network(
         summary: None,
     };
     Ok(CrackNetwork::from_planar(data)?)
+}
+
+/// The nodes that a line goes through.
+fn path_of(trace: &Trace, pane: &Pane, places: &mut Places) -> Result<Vec<u32>, FractureError> {
+    let mut path: Vec<u32> = Vec::with_capacity(trace.points.len());
+    for &[x, y] in &trace.points {
+        if !pane.contains(x, y) {
+            let (width, height) = (pane.width, pane.height);
+            return Err(FractureError::TraceOffPane {
+                x,
+                y,
+                width,
+                height,
+            });
+        }
+        let node = places.node_at([x, y]);
+        if path.last() != Some(&node) {
+            path.push(node);
+        }
+    }
+    Ok(path)
 }
 
 fn stroke([a, b]: [u32; 2], kind: SegmentKind) -> Stroke {

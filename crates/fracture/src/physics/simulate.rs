@@ -57,24 +57,7 @@ pub fn simulate(
     mut done: impl FnMut(Stage),
 ) -> Result<Broken, FractureError> {
     check(pane, impacts, long_crack, params)?;
-    let mut breaking = Breaking {
-        pane,
-        params,
-        seed,
-        web: Web::new(pane.outline),
-        inner: None,
-        plates: Plates::new(pane, params.mesh),
-        in_plane: None,
-        driven: None,
-        dices: match pane.build {
-            GlassBuild::Tempered {
-                surface_compression_pa,
-            } => fragment_density_per_m2(surface_compression_pa, pane.thickness_m).is_some(),
-            GlassBuild::Annealed | GlassBuild::Laminated { .. } => false,
-        },
-        is_diced: false,
-        n_older: 0,
-    };
+    let mut breaking = intact(pane, params, seed);
     let mut reports: Vec<ImpactReport> = Vec::with_capacity(impacts.len());
     let (mut time_s, mut end_s) = (0.0, f64::INFINITY);
     let mut fallen: Option<Vec<Fragment>> = None;
@@ -110,9 +93,10 @@ pub fn simulate(
                 reports: &reports,
                 long_crack: None,
             };
-            let cracks = AllCracks::of(pane, breaking.webs());
-            let network = network(pane, &cracks, &history, seed)?;
-            fallen = Some(loose_pieces(&network, params.n_fallen));
+            fallen = Some(loose_pieces(
+                &network_of(&breaking, &history)?,
+                params.n_fallen,
+            ));
         }
         if k == 0
             && let Some(reach_m) = params.until_reach_m
@@ -128,10 +112,9 @@ pub fn simulate(
         breaking.grow(long_crack, start_s)?;
         done(Stage::LongCrack);
     }
-    if end_s.is_finite() {
-        breaking.web.cut(end_s);
-        if let Some(inner) = &mut breaking.inner {
-            inner.cut(end_s);
+    for web in [Some(&mut breaking.web), breaking.inner.as_mut()] {
+        if let Some(web) = web.filter(|_| end_s.is_finite()) {
+            web.cut(end_s);
         }
     }
     if end_s.is_finite() || origin == Some(LongCrackOrigin::Legs) {
@@ -145,19 +128,11 @@ pub fn simulate(
         reports: &reports,
         long_crack: long_report.as_ref(),
     };
-    let cracks = AllCracks::of(pane, breaking.webs());
-    let network = network(pane, &cracks, &history, seed)?;
+    let network = network_of(&breaking, &history)?;
     let fallen = fallen
         .filter(|_| end_s.is_infinite())
         .unwrap_or_else(|| loose_pieces(&network, params.n_fallen));
-    let network = if fallen.is_empty() {
-        network
-    } else {
-        CrackNetwork::from_planar(NetworkData {
-            fallen: fallen.iter().filter_map(Fragment::inner_point).collect(),
-            ..network.data().clone()
-        })?
-    };
+    let network = without(network, &fallen)?;
     done(Stage::Network);
     Ok(Broken {
         network,
@@ -166,6 +141,48 @@ pub fn simulate(
         n_solutions: breaking.plates.n_solutions,
         n_mesh_nodes: breaking.plates.n_mesh_nodes,
     })
+}
+
+/// The pane before it is hit.
+fn intact<'a>(pane: &'a GlassPane, params: &'a PhysicsParams, seed: Seed) -> Breaking<'a> {
+    Breaking {
+        pane,
+        params,
+        seed,
+        web: Web::new(pane.outline),
+        inner: None,
+        plates: Plates::new(pane, params.mesh),
+        in_plane: None,
+        driven: None,
+        dices: match pane.build {
+            GlassBuild::Tempered {
+                surface_compression_pa,
+            } => fragment_density_per_m2(surface_compression_pa, pane.thickness_m).is_some(),
+            GlassBuild::Annealed | GlassBuild::Laminated { .. } => false,
+        },
+        is_diced: false,
+        n_older: 0,
+    }
+}
+
+/// All cracks so far.
+fn network_of(
+    breaking: &Breaking<'_>,
+    history: &History<'_>,
+) -> Result<CrackNetwork, FractureError> {
+    let cracks = AllCracks::of(breaking.pane, breaking.webs());
+    network(breaking.pane, &cracks, history, breaking.seed)
+}
+
+/// A network with holes in the place of pieces that have fallen out.
+fn without(network: CrackNetwork, fallen: &[Fragment]) -> Result<CrackNetwork, FractureError> {
+    if fallen.is_empty() {
+        return Ok(network);
+    }
+    Ok(CrackNetwork::from_planar(NetworkData {
+        fallen: fallen.iter().filter_map(Fragment::inner_point).collect(),
+        ..network.data().clone()
+    })?)
 }
 
 /// Whether a stone flies through a hole.
