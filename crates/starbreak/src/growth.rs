@@ -4,6 +4,31 @@ use image::GrayImage;
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::{Coverage, Line, View};
 
+/// When damage comes about, as clips of its growth ask.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arrivals {
+    /// Of times: "us", or "step", which is no time.
+    pub unit: &'static str,
+    /// The first of all.
+    pub first: f64,
+    /// The last of all.
+    pub last: f64,
+}
+
+impl Arrivals {
+    /// Those of a network; none where it keeps none.
+    pub(crate) fn of(network: &CrackNetwork) -> Option<Self> {
+        let segments = &network.data().segments;
+        let times = segments.arrival()?;
+        let is_step = segments.arrival_step.is_some();
+        Some(Self {
+            unit: if is_step { "step" } else { "us" },
+            first: times.iter().copied().reduce(f64::min).unwrap_or(0.0),
+            last: network.last_arrival(),
+        })
+    }
+}
+
 /// The times of `n_frames` growth frames, even steps from shortly after the impact to the last
 /// arrival; in the unit of the network's arrivals.
 pub fn growth_times(network: &CrackNetwork, n_frames: u32) -> impl Iterator<Item = f64> + use<> {

@@ -39,7 +39,7 @@ pub use chain::{
 };
 pub use cost::Cost;
 pub use error::Error;
-pub use growth::{growth_drawing, growth_times};
+pub use growth::{Arrivals, growth_drawing, growth_times};
 pub use import::ImportError;
 pub use recipe::{
     Assignment, CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DEFAULT_PRESET, FocalLength,

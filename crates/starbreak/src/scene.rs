@@ -64,7 +64,7 @@ impl<'a> Scene<'a> {
     ///
     /// # Errors
     /// As for [`Scene::of_network`].
-    pub fn crack_length_px(&self, network: &CrackNetwork, time: f64) -> Result<f64, Error> {
+    pub(crate) fn crack_length_px(&self, network: &CrackNetwork, time: f64) -> Result<f64, Error> {
         // Networks in px lie over the frame, also where the optics see glass that is raked.
         let data = network.data();
         let view = match data.unit {

@@ -322,10 +322,7 @@ impl Clip {
         let bare = chain.layer_under(&bare, None)?;
         let (impact_at_s, growth) = (request.impact_at_s, request.growth);
         let show = Show {
-            timeline: match chain.network() {
-                Some(network) => Timeline::new(network, impact_at_s, growth, frame_s)?,
-                None => Timeline::at_once(chain.is_intact(), impact_at_s, growth, frame_s)?,
-            },
+            timeline: Timeline::new(&chain, impact_at_s, growth, frame_s)?,
             chain: &chain,
             bare: &bare,
             settings: &context.settings,

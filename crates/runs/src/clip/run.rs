@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
 use rayon::prelude::*;
-use starbreak::{Chain, Lit, PaneLayer, Scene, Settings};
+use starbreak::{Chain, Lit, PaneLayer, Settings};
 use starbreak_optics::environment::Environment;
 use starbreak_seed::Seed;
 
@@ -251,10 +251,8 @@ impl<'a> Show<'a> {
         lit: &Lit<'_>,
         grown: f64,
     ) -> Result<Arc<StageFacts>, Error> {
-        let scene = Scene::of(self.chain.settings(), self.chain.size());
-        let network = self.chain.network();
-        let length_px = network.map(|network| scene.crack_length_px(network, grown));
-        StageFacts::of(layer, lit, length_px.transpose()?, self.with_masks)
+        let length_px = self.chain.crack_length_px(grown)?;
+        StageFacts::of(layer, lit, length_px, self.with_masks)
     }
 
     fn one(&self, kept: &Kept<'a>, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {

@@ -1,6 +1,6 @@
 //! When the glass is hit, and how far the cracks are in each frame.
 
-use starbreak_glass::CrackNetwork;
+use starbreak::{Arrivals, Chain};
 
 use super::{ClipError, Growth};
 
@@ -33,7 +33,7 @@ pub(super) struct Timeline {
     impact_at_s: f64,
     /// What a frame lasts, s.
     frame_s: f64,
-    /// Growth per second of the clip, in the network's unit of time; infinite without growth.
+    /// Growth per second of the clip, in the unit of the arrivals; infinite without growth.
     speed: f64,
     /// Growth at the impact: just before the first arrival if the growth is stretched, else 0.
     first: f64,
@@ -47,49 +47,42 @@ pub(super) struct Timeline {
 const HAIR: f64 = 1e-6;
 
 impl Timeline {
-    /// Of damage without a network, a photograph: it is there at once.
-    pub(super) fn at_once(
-        is_intact: bool,
+    /// Of the damage of a chain that is hit at a time; frames last `frame_s`.
+    pub(super) fn new(
+        chain: &Chain,
         impact_at_s: f64,
         growth: Growth,
         frame_s: f64,
     ) -> Result<Self, ClipError> {
-        if growth != Growth::Whole {
+        if !chain.can_grow() && growth != Growth::Whole {
             return Err(ClipError::NoNetwork);
         }
-        Ok(Self {
-            impact_at_s,
-            frame_s,
-            speed: f64::INFINITY,
-            first: 0.0,
-            last_arrival: 0.0,
-            is_broken: !is_intact,
-            has_times: false,
-        })
+        Self::of_arrivals(
+            chain.arrivals(),
+            !chain.is_intact(),
+            (impact_at_s, frame_s),
+            growth,
+        )
     }
 
-    pub(super) fn new(
-        network: &CrackNetwork,
-        impact_at_s: f64,
+    fn of_arrivals(
+        arrivals: Option<Arrivals>,
+        is_broken: bool,
+        (impact_at_s, frame_s): (f64, f64),
         growth: Growth,
-        frame_s: f64,
     ) -> Result<Self, ClipError> {
-        let segments = &network.data().segments;
-        let last_arrival = network.last_arrival();
-        let is_broken = network.n_segments() > 0;
-        let first_arrival = segments
-            .arrival()
-            .and_then(|times| times.iter().copied().reduce(f64::min));
+        let times = arrivals.filter(|_| is_broken);
+        let [first_arrival, last_arrival] =
+            times.map_or([0.0; 2], |times| [times.first, times.last]);
         let mut first = 0.0;
         let speed = match growth {
             Growth::Whole => f64::INFINITY,
-            _ if is_broken && segments.arrival().is_none() => return Err(ClipError::NoArrivals),
-            Growth::OwnSpeed if is_broken && segments.arrival_us.is_none() => {
+            _ if is_broken && arrivals.is_none() => return Err(ClipError::NoArrivals),
+            Growth::OwnSpeed if times.is_some_and(|times| times.unit != "us") => {
                 return Err(ClipError::NoSpeed);
             }
             Growth::OwnSpeed => 1e6,
             Growth::Stretched { time_s } => {
-                let first_arrival = first_arrival.unwrap_or(0.0);
                 let span = last_arrival - first_arrival;
                 // Cracks that all arrive at once are seen on their way there.
                 if span > 0.0 {
@@ -105,11 +98,11 @@ impl Timeline {
             first,
             last_arrival,
             is_broken,
-            has_times: segments.arrival().is_some(),
+            has_times: arrivals.is_some(),
         })
     }
 
-    /// State and growth (in the network's unit of time; infinite once still) of a frame that
+    /// State and growth (in the unit of the arrivals; infinite once still) of a frame that
     /// begins `time_s` after the first.
     ///
     /// The first frame that begins at the impact or later shows it. A frame shows what has grown by
@@ -129,7 +122,7 @@ impl Timeline {
         }
     }
 
-    /// Growth in the network's unit, once still the last arrival. Of a network without times 1 once
+    /// Growth in the unit of the arrivals, once still the last arrival. Of damage without times 1 once
     /// it is there, 0 before.
     pub(super) fn reached(&self, grown: f64) -> f64 {
         if self.has_times {
@@ -144,14 +137,17 @@ impl Timeline {
 mod tests {
     use super::*;
 
-    fn network(arrivals: &str) -> CrackNetwork {
-        CrackNetwork::from_json(&format!(
-            r#"{{"schema":"starbreak.crack-network/1", "generator":{{"name":"by hand","version":"1"}},
-            "model":"imported", "unit":"mm", "pane":{{"width":64.0,"height":48.0}}, "impacts":[{{"x":8.0,"y":24.0}}],
-            "nodes":{{"x":[8.0,40.0],"y":[24.0,30.0]}},
-            "segments":{{"from":[0],"to":[1],"kind":["radial"]{arrivals}}}}}"#
-        ))
-        .unwrap_or_else(|error| panic!("{error}"))
+    fn timeline(
+        unit: Option<&'static str>,
+        impact_at_s: f64,
+        growth: Growth,
+    ) -> Result<Timeline, ClipError> {
+        let arrivals = unit.map(|unit| Arrivals {
+            unit,
+            first: 100.0,
+            last: 100.0,
+        });
+        Timeline::of_arrivals(arrivals, true, (impact_at_s, 0.1), growth)
     }
 
     fn states(timeline: &Timeline, n: u32, frame_s: f64) -> Vec<GlassState> {
@@ -162,9 +158,8 @@ mod tests {
 
     #[test]
     fn stretched_growth_ends_in_the_frame_that_ends_with_it() {
-        let network = network(r#","arrival_us":[100.0]"#);
         let growth = Growth::Stretched { time_s: 0.3 };
-        let timeline = Timeline::new(&network, 0.2, growth, 0.1).unwrap_or_else(|e| panic!("{e}"));
+        let timeline = timeline(Some("us"), 0.2, growth).unwrap_or_else(|e| panic!("{e}"));
         use GlassState::{Growing, Intact, Still};
         assert_eq!(
             states(&timeline, 7, 0.1),
@@ -180,10 +175,8 @@ mod tests {
 
     #[test]
     fn at_its_own_speed_a_crack_is_there_within_a_frame() {
-        let network = network(r#","arrival_us":[100.0]"#);
         for growth in [Growth::OwnSpeed, Growth::Whole] {
-            let timeline =
-                Timeline::new(&network, 0.15, growth, 0.1).unwrap_or_else(|e| panic!("{e}"));
+            let timeline = timeline(Some("us"), 0.15, growth).unwrap_or_else(|e| panic!("{e}"));
             use GlassState::{Intact, Still};
             assert_eq!(
                 states(&timeline, 4, 0.1),
@@ -196,19 +189,14 @@ mod tests {
     #[test]
     fn what_has_no_time_does_not_grow_by_itself() {
         let stretched = Growth::Stretched { time_s: 1.0 };
-        let steps = network(r#","arrival_step":[3.0]"#);
-        let result = Timeline::new(&steps, 0.0, Growth::OwnSpeed, 0.1);
+        let result = timeline(Some("step"), 0.0, Growth::OwnSpeed);
         assert!(matches!(result, Err(ClipError::NoSpeed)), "steps");
         assert!(
-            Timeline::new(&steps, 0.0, stretched, 0.1).is_ok(),
+            timeline(Some("step"), 0.0, stretched).is_ok(),
             "steps, stretched"
         );
-        let none = network("");
-        let result = Timeline::new(&none, 0.0, stretched, 0.1);
+        let result = timeline(None, 0.0, stretched);
         assert!(matches!(result, Err(ClipError::NoArrivals)), "no column");
-        assert!(
-            Timeline::new(&none, 0.0, Growth::Whole, 0.1).is_ok(),
-            "still"
-        );
+        assert!(timeline(None, 0.0, Growth::Whole).is_ok(), "still");
     }
 }

@@ -100,24 +100,14 @@ fn header_json(header: &TrackHeader<'_>, frames: &[TrackFrame]) -> Map<String, V
     let TrackHeader {
         request, context, ..
     } = header;
-    let data = header.chain.network().map(|network| network.data());
     let (mode, stretched_s) = match request.growth {
         Growth::Whole => ("whole", None),
         Growth::OwnSpeed => ("own_speed", None),
         Growth::Stretched { time_s } => ("stretched", Some(time_s)),
     };
-    let unit =
-        data.and_then(
-            |data| match (&data.segments.arrival_us, &data.segments.arrival_step) {
-                (_, Some(_)) => Some("step"),
-                (Some(_), None) => Some("us"),
-                (None, None) => None,
-            },
-        );
-    let last_arrival = header
-        .chain
-        .network()
-        .map_or(0.0, |network| network.last_arrival());
+    let arrivals = header.chain.arrivals();
+    let unit = arrivals.map(|times| times.unit);
+    let last_arrival = arrivals.map_or(0.0, |times| times.last);
     let rate = header.rate;
     let place = |frame: Option<(u64, f64)>| {
         json!(frame.map(|(idx, time_s)| json!({ "frame_idx": idx, "time_s": time_s })))
@@ -151,10 +141,15 @@ fn header_json(header: &TrackHeader<'_>, frames: &[TrackFrame]) -> Map<String, V
         ("recipe_sha256", json!(context.recipe_sha256)),
         (
             "network_unit",
-            json!(data.map(|data| match data.unit {
-                LengthUnit::Px => "px",
-                LengthUnit::Mm => "mm",
-            })),
+            json!(
+                header
+                    .chain
+                    .network()
+                    .map(|network| match network.data().unit {
+                        LengthUnit::Px => "px",
+                        LengthUnit::Mm => "mm",
+                    })
+            ),
         ),
         ("impact_at_s", json!(request.impact_at_s)),
         (

@@ -17,7 +17,9 @@ use starbreak_optics::physical::bake;
 use starbreak_seed::Seed;
 
 use crate::photo::PlacedPhoto;
-use crate::{Details, Error, OpticsSettings, Scene, Settings, Simulated, Stopwatch, simulate};
+use crate::{
+    Arrivals, Details, Error, OpticsSettings, Scene, Settings, Simulated, Stopwatch, simulate,
+};
 
 pub use layer::PaneLayer;
 pub use lit::Lit;
@@ -187,6 +189,32 @@ impl Chain {
             }
             Origin::Photo(_) | Origin::Stored => Ok(self.layer.clone()),
         }
+    }
+
+    /// Whether the damage can be shown as it comes about. A photograph, and a stored layer without its
+    /// network, is there at once.
+    #[must_use]
+    pub fn can_grow(&self) -> bool {
+        matches!(self.origin, Origin::Network(_))
+    }
+
+    /// When the damage comes about; none where nothing says it.
+    #[must_use]
+    pub fn arrivals(&self) -> Option<Arrivals> {
+        self.network().and_then(Arrivals::of)
+    }
+
+    /// Length of the cracks that the frame shows at a time, in the unit of their arrivals, px; none
+    /// where no network says it.
+    ///
+    /// # Errors
+    /// [`Error::NoMount`], [`Error::Optics`] for a camera that sees nothing.
+    pub fn crack_length_px(&self, time: f64) -> Result<Option<f64>, Error> {
+        let scene = Scene::of(&self.settings, self.size());
+        let network = self.network();
+        network
+            .map(|network| scene.crack_length_px(network, time))
+            .transpose()
     }
 
     /// The glass before it breaks: what the lens does to the frame remains.
