@@ -279,14 +279,24 @@ pub(crate) struct VideoArgs {
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// Time of the impact, s after the first frame; earlier frames stay unchanged
-    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
     pub(crate) impact_at: f64,
     /// Let the crack grow after the impact at its physical speed, which is mostly less than one
     /// frame
     #[arg(long)]
     pub(crate) grow: bool,
     /// Slow the growth down to this many seconds from the first to the last arrival of a crack
-    #[arg(long, value_name = "S", requires = "grow")]
+    #[arg(
+        long,
+        value_name = "S",
+        requires = "grow",
+        allow_negative_numbers = true
+    )]
     pub(crate) growth_time: Option<f64>,
     /// New or empty folder for a region mask and a crack mask of each frame
     #[arg(long, value_name = "DIR")]

@@ -211,7 +211,13 @@ fn files_that_the_demo_names_exist() {
         );
         let files = names(&dir.path().join(&out));
         let (_, guide) = outcome.stdout.split_once(&format!("in {out}:")).unwrap();
-        let (guide, _) = guide.split_once("next:").unwrap();
+        let (guide, next) = guide.split_once("next:").unwrap();
+        for line in next.lines().filter(|line| line.contains("starbreak demo")) {
+            assert!(
+                line.contains(&format!("starbreak demo -o {out} ")),
+                "{line}"
+            );
+        }
         for line in guide.lines().filter(|line| line.starts_with("  ")) {
             let (listed, _) = line.trim().split_once("  ").unwrap();
             for name in listed.split(", ") {

@@ -292,6 +292,17 @@ fn what_is_no_photo_of_glass_is_refused_in_one_line() {
             (crack(&["--overlay-random"]), "--overlay"),
             (crack(&["--overlay-gain", "2"]), "--overlay-gain"),
             (
+                crack(&[
+                    "--overlay",
+                    "star.png",
+                    "--overlay-gain",
+                    "2",
+                    "--preset",
+                    "paper",
+                ]),
+                "--overlay-gain is for the physical optics",
+            ),
+            (
                 crack(&["--overlay", "star.png", "--overlay-max-shift", "0.2"]),
                 "--overlay-random",
             ),

@@ -142,7 +142,7 @@ fn what_makes_no_sense_is_refused() {
             "1.100 s",
         ),
         (
-            &["in", "-o", "out", "--fps", "10", "--impact-at=-1"],
+            &["in", "-o", "out", "--fps", "10", "--impact-at", "-1"],
             "0 to that",
         ),
         (

@@ -130,7 +130,7 @@ pub(crate) fn mask_of(py: Python<'_>, mask: GrayImage) -> PyResult<Bound<'_, PyA
     Ok(array.map_err(wrong_shape)?.into_pyarray(py))
 }
 
-/// A street that the library draws, for a first look without a photo: the image (uint8,
+/// A picture of a street that comes with the library, for a first look without a photo: the image (uint8,
 /// 375 x 1242 x 3) and what is in it, as `{"category": name, "box_px": [x0, y0, x1, y1]}`.
 ///
 /// >>> import starbreak

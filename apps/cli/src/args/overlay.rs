@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args as ClapArgs, ValueEnum};
 use starbreak::optics::photo::{Background, PhotoParams, PlacementRange};
 use starbreak::photo::OverlayOptions;
+use starbreak::{OpticsSettings, Settings};
 use starbreak_dataset::same_file;
 use starbreak_runs::Patterns;
 use starbreak_runs::bank::{BANK_FILE, OVERLAY_BANK_FILE, OverlayBank};
@@ -87,6 +88,17 @@ impl OverlayArgs {
             return Err(Failure::wrong_input(format!(
                 "{flag} is for random parts of a photo; ask for them with --overlay-random"
             )));
+        }
+        Ok(())
+    }
+
+    /// Refuses a gain with the paper's optics, which have no light that it could scale.
+    pub(crate) fn refuse_idle_gain(&self, settings: &Settings) -> Result<(), Failure> {
+        if self.overlay_gain.is_some() && matches!(settings.optics, OpticsSettings::Paper(_)) {
+            return Err(Failure::wrong_input(
+                "--overlay-gain is for the physical optics; the paper's lay the photo over the frame as it is: leave \
+                 it out, or set optics.model=physical",
+            ));
         }
         Ok(())
     }

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::{Value, json};
-use starbreak::glass::CrackNetwork;
 use starbreak_dataset::OutputBatch;
 use starbreak_runs::images::{
     Failure as ItemFailure, ImageJob, JobResult, Written, damage_files, plan_images,
@@ -42,6 +41,7 @@ pub(crate) fn run(
     }
     let mut context = RunContext::new(&recipe, global.seed(), out)?;
     context.replaces = global.replace;
+    request.overlay_args.refuse_idle_gain(&context.settings)?;
     let jobs = plan_images(&request.inputs, out)?;
     let failures = out.join("failures.jsonl");
     global.refuse_recipe_among(std::slice::from_ref(&failures))?;
@@ -207,7 +207,7 @@ pub(super) fn item_json(item: &Written) -> Value {
         "region_fraction": item.shown.region_fraction,
         "optics": item.shown.optics.to_json(),
         "intact": item.chain.is_intact(),
-        "summary": item.chain.network().map(CrackNetwork::summary),
+        "summary": item.chain.network().map(|network| network.summary()),
         "timings_ms": item.timings.to_json(),
     })
 }

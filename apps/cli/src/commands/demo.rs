@@ -185,9 +185,11 @@ fn guide(out: &Path, written: &[Written]) -> String {
     text.push_str(&format!(
         "\nnext:\n\
          \x20 starbreak crack photo.png -o cracked              your own photo\n\
-         \x20 starbreak demo --seed 3                           another crack\n\
-         \x20 starbreak demo --recipe {folder}/recipe.toml      after a change to a parameter\n\
-         \x20 starbreak simulate -o network.json --svg net.svg  only the network"
+         \x20 starbreak simulate -o network.json --svg net.svg  only the network\n\
+         \x20 another crack:\n\
+         \x20   starbreak demo -o {folder} --seed 3\n\
+         \x20 after a change to a parameter:\n\
+         \x20   starbreak demo -o {folder} --recipe {folder}/recipe.toml"
     ));
     text
 }

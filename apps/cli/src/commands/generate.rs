@@ -58,6 +58,7 @@ pub(crate) fn run(
     };
     let context = RunContext::new(&recipe, global.seed(), &args.output)?;
     refuse_outputs(&context.settings.output)?;
+    args.overlay.refuse_idle_gain(&context.settings)?;
     let options = options_of(args);
     let source = Source::open(&global.spec(&args.source)?)?;
     let survey = survey(&source, options.selection, global.seed());

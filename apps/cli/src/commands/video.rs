@@ -4,7 +4,6 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
-use starbreak::glass::CrackNetwork;
 use starbreak_dataset::DatasetError;
 use starbreak_runs::clip::{Clip, ClipReport, ClipRequest, Growth, Light};
 use starbreak_runs::{Patterns, RunContext, with_threads};
@@ -33,6 +32,7 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
     };
     let mut context = RunContext::new(&recipe, global.seed(), &request.output)?;
     context.replaces = global.replace;
+    args.overlay_args.refuse_idle_gain(&context.settings)?;
     let interrupt = Interrupt::listen();
     let clip = Clip::open(request.clone())?;
     if clip.has_rare_pixels() {
@@ -169,7 +169,7 @@ fn result_json(request: &ClipRequest, clip: &Clip, report: &ClipReport, elapsed_
             ("intact", json!(report.chain.is_intact())),
             (
                 "summary",
-                json!(report.chain.network().map(CrackNetwork::summary)),
+                json!(report.chain.network().map(|network| network.summary())),
             ),
             ("elapsed_s", json!(elapsed_s)),
         ]
