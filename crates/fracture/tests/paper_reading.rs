@@ -400,7 +400,7 @@ fn a_radius_that_spans_too_many_particles_is_refused_with_a_better_one() {
         .unwrap_err()
         .to_string();
     assert!(
-        message.contains("radius_px = 65") && message.contains("about 3.0"),
+        message.contains("radius 65 spans") && message.contains("about 3.0"),
         "{message}"
     );
 }
