@@ -15,6 +15,7 @@ pub mod licences;
 pub mod links;
 pub mod lint;
 pub mod metadata;
+pub mod notices;
 pub mod refs;
 pub mod rust_source;
 pub mod test;

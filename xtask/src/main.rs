@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use xtask::{advisories, deps, gallery, licences, links, lint, refs, root, test};
+use xtask::{advisories, deps, gallery, licences, links, lint, notices, refs, root, test};
 
 const USAGE: &str = "\
 usage: cargo xtask <task>
@@ -21,6 +21,7 @@ usage: cargo xtask <task>
                   aarch64 from rustup
   lint            fmt, clippy, rustdoc, licences, advisories, deps --check, refs, links
   licences        every package's licence is on the allow-list and every source is crates.io
+  notices         prints the licences of all that the binaries contain, to go with them
   advisories      no version in the lock file was withdrawn, and cargo audit, where it is
                   installed, knows nothing against one; says of which day, and what it could not check
   deps [--check]  writes the dependency graph into ARCHITECTURE.md, or says that it is stale
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
         ["processors"] => test::run_on_processors(root()),
         ["lint"] => lint::run(root()),
         ["licences"] => licences::run(root()),
+        ["notices"] => notices::run(root()),
         ["advisories"] => advisories::run(root()),
         ["deps"] => deps::run(root(), deps::Mode::Write),
         ["deps", "--check"] => deps::run(root(), deps::Mode::Check),
