@@ -13,15 +13,15 @@ use crate::images::image_of;
 use crate::network::CrackNetwork;
 use crate::recipe::Recipe;
 
-/// A bank of patterns that `starbreak patterns` made, open for reading: cracks that are simulated
-/// and baked beforehand, for any number of images. Its length is its number of patterns; `bank[k]`
-/// is the `CrackNetwork` of one.
+/// A bank of patterns made by `starbreak patterns`, open for reading: cracks that are simulated and
+/// baked already, for any number of images. `len` is the number of patterns; `bank[k]` is the
+/// `CrackNetwork` of one.
 ///
 /// path: the folder, or the file `patterns.bank` in it.
 ///
-/// Any number of threads and of processes, forked or spawned, may use it at one time. A pickle holds
-/// the path and the digest: where another bank lies at the path by then, it is a `ValueError`. Raises
-/// `OSError` for a file that cannot be read or is damaged.
+/// Any number of threads and processes, forked or spawned, may use it at the same time. A pickle
+/// holds the path and digest; if the path holds another bank when unpickled, that is a
+/// `ValueError`. Raises `OSError` for a file that cannot be read or is damaged.
 #[pyclass(frozen, module = "starbreak")]
 #[derive(Debug)]
 pub(crate) struct PatternBank {
@@ -113,7 +113,7 @@ impl PatternBank {
         Ok(CrackNetwork::of(network.map_err(|error| raised(&error))?))
     }
 
-    /// The networks of all patterns, one after the other.
+    /// The networks of all patterns, one by one.
     fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let builtins = slf.py().import("builtins")?;
         let numbers = builtins.call_method1("range", (slf.get().bank.len(),))?;
@@ -132,26 +132,26 @@ impl PatternBank {
         self.bank.header().sizes.clone()
     }
 
-    /// The seed that it was made with.
+    /// The seed with which it was made.
     #[getter]
     fn seed(&self) -> u64 {
         self.bank.header().seed.0
     }
 
-    /// SHA-256 of its header and index, hexadecimal: two banks with the same digest are the same.
+    /// SHA-256 of its header and index, hexadecimal; banks with the same digest are the same.
     #[getter]
     fn sha256(&self) -> &str {
         self.bank.sha256()
     }
 
-    /// The recipe that it was made from, whose camera and optics its images have.
+    /// The recipe from which it was made; its camera and optics apply to all images.
     #[getter]
     fn recipe(&self) -> PyResult<Recipe> {
         let recipe = self.bank.header().parse_recipe();
         Recipe::of(recipe.map_err(|error| of_recipe(&error))?)
     }
 
-    /// The number of the pattern that `crack` takes for this seed and name: each with the same chance.
+    /// The index of the pattern that `crack` uses for this seed and name; all are equally likely.
     #[pyo3(
     signature = (seed, *, name = None, sample_index = Whole::of(0)),
     text_signature = "($self, seed, *, name=None, sample_index=0)"
@@ -167,19 +167,19 @@ impl PatternBank {
         Ok(self.bank.idx_for(seed))
     }
 
-    /// Pattern `index`, ready for frames of a size (width and height, px). Negative ones count from
-    /// the end; `IndexError` for one that is not there.
+    /// Pattern `index`, ready for frames of a size (width and height, px). Negative indices count
+    /// from the end. Raises `IndexError` if there is no such pattern.
     #[expect(clippy::needless_pass_by_value, reason = "arguments come as values")]
     fn pattern(slf: &Bound<'_, Self>, index: Whole, size: SizeArg) -> PyResult<ReadyCrack> {
         let idx = slf.get().number(&index)?;
         Self::ready(slf, idx, size.0)
     }
 
-    /// An image behind a pattern of the bank: a new array, or a `Cracked` with `boxes` or `full`.
+    /// The image behind a pattern of the bank: a new array, or a `Cracked` with `boxes` or `full`.
     ///
     /// image, seed, name, sample_index, boxes, full: as for `starbreak.crack`. With the path of the
     /// image in its dataset as `name`, the pixels are those of `starbreak generate --bank`.
-    /// index: the pattern to take; drawn by the seed unless given.
+    /// index: the pattern to use; without it one is drawn by the seed.
     #[pyo3(
     signature = (image, seed = SeedArg::ZERO, *, name = None, sample_index = Whole::of(0), index = None, boxes = None, full = Given::of(false)),
     text_signature = "($self, image, seed=0, *, name=None, sample_index=0, index=None, boxes=None, full=False)"

@@ -15,14 +15,13 @@ use crate::network::CrackNetwork;
 use crate::recipe::{Recipe, RecipeArg};
 use crate::values::python_of;
 
-/// The cracks in the glass before a frame.
+/// The crack network of the glass in front of a frame.
 ///
-/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-spiderweb`
-/// unless given.
-/// seed: 0 to 2**64 - 1, for everything random.
+/// recipe: a `Recipe`, the name of a preset, or tables as a dict; default `windshield-spiderweb`.
+/// seed: 0 to 2**64 - 1, determines everything random.
 /// size: width and height of the frame, px.
 ///
-/// Raises `ValueError` for wrong parameters, `SimulationError` where the models have no answer.
+/// Raises `ValueError` for wrong parameters, `SimulationError` if the models have no result.
 ///
 /// >>> import starbreak
 /// >>> network = starbreak.simulate("windshield-star", seed=7)
@@ -48,8 +47,8 @@ pub(crate) fn simulate(
     ))
 }
 
-/// The seed of an item of a set, from the seed of the set, the name of the item and the number of
-/// its sample: what the command uses for each image.
+/// The seed of an item of a dataset, derived from the seed of the run, the name of the item and the
+/// sample number, as the command does for each image.
 ///
 /// >>> import starbreak
 /// >>> starbreak.item_seed(7, "photo.png") == starbreak.item_seed(7, "other.png")
@@ -64,22 +63,21 @@ pub(crate) fn item_seed(seed: SeedArg, name: NameArg, sample_index: Whole) -> Py
     Ok(seed_of(seed, Some(&name), &sample_index)?.0)
 }
 
-/// An image behind broken glass: a new array of the shape of `image`, which stays as it is.
+/// The image behind broken glass, as a new array of the same shape; `image` is not changed.
 ///
 /// image: uint8, H x W x 3 (sRGB) or H x W (gray), any strides; 1 to 32768 px per side.
-/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-spiderweb`
-/// unless given.
-/// seed: 0 to 2**64 - 1, for everything random.
-/// name, sample_index: with a name, the seed is `item_seed(seed, name, sample_index)`. The command
-/// `starbreak crack` takes the file's name (`photo.png`), `starbreak generate` its path in the
-/// dataset: with them, the pixels are the command's.
+/// recipe: a `Recipe`, the name of a preset, or tables as a dict; default `windshield-spiderweb`.
+/// seed: 0 to 2**64 - 1, determines everything random.
+/// name, sample_index: with a name, the seed is `item_seed(seed, name, sample_index)`. With the
+/// name that the command uses, the pixels are the command's: `starbreak crack` uses the file's name
+/// (`photo.png`), `starbreak generate` its path in the dataset.
 /// network: cracks to show instead of simulated ones.
 /// boxes: boxes [x0, y0, x1, y1] in px whose damage is measured; the result is then a `Cracked`.
-/// full: returns a `Cracked`, with masks, network and facts, instead of the array.
+/// full: return a `Cracked`, with masks, network and facts, instead of the array.
 ///
-/// Runs in the calling thread alone, without the interpreter's lock. Raises `TypeError` for what
-/// is no array, `ValueError` for another dtype or shape and for wrong parameters,
-/// `SimulationError` where the models have no answer.
+/// Runs in the calling thread only and releases the interpreter's lock. Raises `TypeError` if
+/// `image` is not an array, `ValueError` for another dtype or shape and for wrong parameters,
+/// `SimulationError` if the models have no result.
 ///
 /// >>> import numpy as np, starbreak
 /// >>> image = np.full((375, 1242, 3), 128, np.uint8)
@@ -120,14 +118,14 @@ pub(crate) fn crack<'py>(
         .shown_in(py, pixels, seed, boxes, full)
 }
 
-/// An image behind broken glass, in the call shape of `imagecorruptions.corrupt`.
+/// The image behind broken glass, with the signature of `imagecorruptions.corrupt` plus a seed.
 ///
 /// image: uint8, H x W x 3 or H x W.
 /// corruption_name: the name of a preset, see `presets`.
-/// severity: 1 (mild) to 5 (severe); each preset says which physical parameters that sets.
-/// seed: 0 to 2**64 - 1, for everything random.
+/// severity: 1 (mild) to 5 (severe); each preset defines which physical parameters this sets.
+/// seed: 0 to 2**64 - 1, determines everything random.
 ///
-/// Raises as `crack`.
+/// Raises the same errors as `crack`.
 ///
 /// >>> import numpy as np, starbreak
 /// >>> image = np.full((375, 1242, 3), 128, np.uint8)
@@ -179,8 +177,8 @@ fn ready(
     Chain::of_simulated(settings, simulated, size, seed, &mut Stopwatch::start())
 }
 
-/// A crack that is ready for any number of frames of one size, as of one video: simulated and
-/// baked once, put over each frame under the light of that frame.
+/// A crack for any number of frames of one size, such as those of a video: simulated and baked
+/// once, then applied to each frame under that frame's own light.
 ///
 /// recipe, seed, network: as for `crack`.
 /// size: width and height of the frames, px.
@@ -191,7 +189,7 @@ fn ready(
 /// >>> bool((crack.over(frames[1], 7) == starbreak.crack(frames[1], "windshield-star", 7)).all())
 /// True
 ///
-/// A pickle holds what it was made from, not what was made: it is made again where it arrives.
+/// A pickle holds what the crack was made from; the crack is made again when unpickled.
 #[pyclass(frozen, module = "starbreak")]
 #[derive(Debug)]
 pub(crate) struct ReadyCrack {
@@ -306,34 +304,36 @@ impl ReadyCrack {
         self.chain.size()
     }
 
-    /// Whether nothing is broken.
+    /// Whether the glass is intact.
     #[getter]
     fn intact(&self) -> bool {
         self.chain.is_intact()
     }
 
-    /// Its cracks; None for a pattern of a bank, which keeps them: `bank[index]`.
+    /// The crack network; None for a pattern of a bank, whose network is `bank[index]`.
     #[getter]
     fn network(&self) -> Option<CrackNetwork> {
         self.chain.network().cloned().map(CrackNetwork::of)
     }
 
-    /// What a provenance record says of the cracks: `network`, and `pattern` for one of a bank.
+    /// What a provenance record says about the cracks: `network`, and `pattern` if it is from a
+    /// bank.
     #[getter]
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &Value::Object(self.chain.facts().clone()))
     }
 
-    /// The crack mask: uint8, H x W, coverage by cracks as they would be in focus, 255 = in full.
+    /// The crack mask: uint8, H x W, coverage by cracks as if in focus, 255 is full coverage.
     fn crack_mask<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mask = py.detach(|| self.chain.crack_mask());
         Ok(mask_of(py, mask.map_err(|error| raised_in_memory(&error))?)?.into_any())
     }
 
-    /// The crack over an image of its size: a new array, or a `Cracked` with `boxes` or `full`.
+    /// The image behind the crack: a new array, or a `Cracked` with `boxes` or `full`. The image
+    /// must have the crack's size.
     ///
-    /// The seed is that of the sensor's noise, if the recipe has any; the cracks do not change.
-    /// Raises as `crack`.
+    /// The seed is that of the sensor noise, if the recipe has any; the cracks do not change.
+    /// Raises the same errors as `crack`.
     #[pyo3(
     signature = (image, seed = SeedArg::ZERO, *, boxes = None, full = Given::of(false)),
     text_signature = "($self, image, seed=0, *, boxes=None, full=False)"
@@ -380,26 +380,27 @@ impl ReadyCrack {
     }
 }
 
-/// A cracked image with all that can be said of it. `crack` and the like make it; the constructor is
-/// for pickles, and takes what they hold.
+/// A cracked image with everything that is known about it. Returned by `crack` and similar
+/// functions; the constructor is for unpickling.
 #[pyclass(frozen, module = "starbreak", get_all)]
 #[derive(Debug)]
 pub(crate) struct Cracked {
-    /// The image: uint8, of the shape that was given.
+    /// The image: uint8, of the shape of the input.
     image: Py<PyAny>,
-    /// The region mask: uint8, H x W, 255 where the crack influences the image, else 0.
+    /// The region mask: uint8, H x W, 255 where pixels are affected, else 0.
     region: Py<PyAny>,
-    /// The crack mask: uint8, H x W, coverage by cracks as they would be in focus, 255 = in full.
+    /// The crack mask: uint8, H x W, coverage by cracks as if in focus, 255 is full coverage.
     crack: Py<PyAny>,
-    /// The cracks; None for a pattern of a bank, which keeps them.
+    /// The crack network; None for a pattern of a bank, whose network is `bank[index]`.
     network: Option<Py<CrackNetwork>>,
-    /// What a provenance record says: `network`, `optics` (contrast, environment), `region_fraction`.
+    /// What a provenance record says: `network`, `optics` (contrast, environment),
+    /// `region_fraction`.
     facts: Py<PyAny>,
-    /// The damage in each box that was asked for, None for a box without a pixel of the frame:
-    /// `region_share` (0 to 1), `displacement_px`, `blur_radius_px`, `contrast_lost` (None where the
-    /// picture in the box is flat).
+    /// The damage of each given box, None for a box without a pixel in the frame: `region_share` (0
+    /// to 1), `displacement_px`, `blur_radius_px`, `contrast_lost` (None if the picture in the box
+    /// is flat).
     damage: Py<PyAny>,
-    /// Whether nothing is broken.
+    /// Whether the glass is intact.
     intact: bool,
 }
 

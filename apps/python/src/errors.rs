@@ -17,8 +17,8 @@ create_exception!(
     starbreak,
     SimulationError,
     PyRuntimeError,
-    "The models have no answer for valid parameters: no glass in the frame where a stone is to \
-     hit, more cracks than can be held, equations without a solution."
+    "Valid parameters without a result: no glass in the frame where a stone should hit, too many \
+     cracks, equations without a solution."
 );
 
 /// An error of the library.

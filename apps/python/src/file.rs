@@ -16,23 +16,22 @@ use crate::recipe::RecipeArg;
 /// The files that an image becomes in a set, by their names from the root of the set.
 type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 
-/// The files that the command `starbreak generate` makes of one image file without labels, to the
-/// byte: for runners that read and write on their own, such as a cluster's.
+/// The files that `starbreak generate` makes of one image file without labels, to the byte; for
+/// pipelines with their own input and output, such as on a cluster.
 ///
 /// data: the bytes of a PNG or JPEG file; `bytes`, or anything with a buffer.
-/// name: its name in the dataset, `train/a.png`; the crack is keyed by it, beside the seed and the
-/// sample.
-/// recipe: a `Recipe`, the name of a preset, or tables as a dict; the preset `windshield-spiderweb`
-/// unless given.
+/// name: its name in the dataset, such as `train/a.png`, which determines the crack together with
+/// seed and sample.
+/// recipe: a `Recipe`, the name of a preset, or tables as a dict; default `windshield-spiderweb`.
 /// seed: 0 to 2**64 - 1, the seed of the whole set.
-/// bank: a `PatternBank` in place of a recipe.
+/// bank: a `PatternBank`, instead of a recipe.
 /// sample_index, n_samples: which of how many cracked versions of the image.
 ///
-/// Returns pairs of name and bytes: the image, the region and crack masks, and the record, which is
-/// to be written last. Runs in the calling thread alone, without the interpreter's lock. Raises
-/// `ValueError` for wrong parameters, and for a recipe whose `output.format` or `output.maps` a set does
-/// not have, `OSError` for bytes that are no image, `SimulationError` where
-/// the models have no answer.
+/// Returns pairs of name and bytes: the image, the region and crack masks, and the record, which
+/// should be written last. Runs in the calling thread only and releases the interpreter's lock.
+/// Raises `ValueError` for wrong parameters and for a recipe whose `output.format` or `output.maps`
+/// a set cannot have, `OSError` for bytes that are not an image, `SimulationError` if the models
+/// have no result.
 ///
 /// >>> import starbreak
 /// >>> starbreak.crack_file(b"no image", "a.png")
@@ -91,7 +90,7 @@ pub(crate) fn crack_file<'py>(
         .collect())
 }
 
-/// BLAKE3 of the bytes of a file, 64 hexadecimal digits: the `blake3` of records and lists.
+/// BLAKE3 of the bytes of a file, 64 hexadecimal digits; the `blake3` in records and lists.
 ///
 /// data: `bytes`, or anything with a buffer.
 ///

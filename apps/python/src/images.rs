@@ -130,8 +130,8 @@ pub(crate) fn mask_of(py: Python<'_>, mask: GrayImage) -> PyResult<Bound<'_, PyA
     Ok(array.map_err(wrong_shape)?.into_pyarray(py))
 }
 
-/// A picture of a street that comes with the library, for a first look without a photo: the image (uint8,
-/// 375 x 1242 x 3) and what is in it, as `{"category": name, "box_px": [x0, y0, x1, y1]}`.
+/// A picture of a street for a first look without a photo: the image (uint8,
+/// 375 x 1242 x 3) and the objects in it, as `{"category": name, "box_px": [x0, y0, x1, y1]}`.
 ///
 /// >>> import starbreak
 /// >>> image, objects = starbreak.street_scene()

@@ -31,27 +31,28 @@ const MAX_THREADS: usize = 1024;
 /// How often a signal, such as Ctrl-C, is looked for while others work.
 const SIGNAL_PERIOD: Duration = Duration::from_millis(50);
 
-/// How well detections match labels: clean, cracked, and where the glass is broken. The result is
-/// what `starbreak evaluate --json` prints, as dicts.
+/// How well detections match labels: on clean and on damaged images, inside and outside the damaged
+/// region. Returns what `starbreak evaluate --json` prints, as dicts.
 ///
-/// source: labeled dataset, as `coco:DIR`, `kitti:DIR`, `bdd:DIR`, `yolo:DIR`; or
+/// source: labeled dataset, as `coco:DIR`, `kitti:DIR`, `bdd:DIR` or `yolo:DIR`; or
 /// ground_truth: labels alone, a file of MS-COCO or BDD100K, or a folder `label_2` of KITTI.
-/// clean, cracked: detections in the clean and in the cracked images: results of MS-COCO (JSON),
-/// frames of Scalabel (JSON), or a folder of results of KITTI.
-/// regions: folder of region masks, as `generate` writes it; or
-/// cracked_set: the whole set that `generate` wrote, with masks, damage and recipe.
-/// protocol: `coco`, `kitti` or `bdd`; that of the dataset unless given.
-/// tau: least shares of a box that the region covers for it to be inside, 0 to 1.
-/// iou_thresholds, max_dets, area_ranges (name to least and most px²), class_agnostic,
-/// gt_id_zero_quirk: other rules than the protocol's, for whole images alone.
-/// output: folder for report.html, evaluation.json, numbers.csv, table.tex and failures.jsonl,
-/// with intervals and tests, and the list written.json. They take the place of an earlier report, and of other
-/// files only with replace; what is read is never replaced. detector, condition (their names), replicates (20 to 1000000),
-/// score_threshold (0 to 1), worst (0 to 100) and seed are about these.
+/// clean, cracked: detections on the clean and on the damaged images: MS-COCO results (JSON),
+/// Scalabel frames (JSON), or a folder of KITTI results.
+/// regions: folder of region masks, as written by `generate`; or
+/// cracked_set: the whole set written by `generate`, with masks, damage and recipe.
+/// protocol: `coco`, `kitti` or `bdd`; default: that of the dataset.
+/// tau: a box is inside if the region covers at least this share of it, 0 to 1; several values.
+/// iou_thresholds, max_dets, area_ranges (name to minimum and maximum px²), class_agnostic,
+/// gt_id_zero_quirk: rules that replace those of the protocol, for whole images only.
+/// output: folder for report.html, evaluation.json, numbers.csv, table.tex and failures.jsonl, with
+/// intervals and tests, and the list written.json. An earlier report is replaced; other files only
+/// with `replace`; inputs never.
+/// detector, condition (their names), replicates (20 to 1000000), score_threshold (0 to 1), worst
+/// (0 to 100), seed: settings of the report.
 /// threads: 0 for one per processor.
 ///
-/// Raises `ValueError` for a request or files that make no sense, `OSError` for files that cannot
-/// be read or written, of these `FileExistsError` for one that is there already.
+/// Raises `ValueError` for an invalid request or invalid files, `OSError` for files that cannot be
+/// read or written; a file that exists already is a `FileExistsError`.
 ///
 /// >>> import json, pathlib, starbreak, tempfile
 /// >>> folder = pathlib.Path(tempfile.mkdtemp())
@@ -160,21 +161,24 @@ pub(crate) fn evaluate<'py>(
 }
 
 /// How far sets of images are apart: Kullback-Leibler and other divergences, with intervals, noise
-/// floors and tests. The result is what `starbreak divergence --json` prints, as dicts.
+/// floors and tests. Returns what `starbreak divergence --json` prints, as dicts.
 ///
-/// sets: two or more of `folder:DIR`, `kitti:DIR`, `coco:DIR`, `bdd:DIR`, `yolo:DIR`, `list:FILE`, or
-/// `networks:DIR` for crack networks; with a name before it if wanted (`clean=folder:DIR`).
-/// limit: only the first images of each set.
-/// alpha: counts added to each bin.
-/// bootstrap, permutations, splits: draws behind intervals, p-values and floors, 0 to 1000000.
+/// sets: two or more of `folder:DIR`, `kitti:DIR`, `coco:DIR`, `bdd:DIR`, `yolo:DIR`, `list:FILE`,
+/// or `networks:DIR` for crack networks; optionally with a name in front (`clean=folder:DIR`).
+/// limit: use only the first images of each set.
+/// alpha: pseudocount added to each bin.
+/// bootstrap, permutations, splits: number of draws for intervals, p-values and noise floors, 0 to
+/// 1000000.
 /// seed: of these draws.
-/// side: shorter side of the image that gradients and spectra are taken of, px; 0 for its own.
-/// background: what shows through where an image is transparent, `black`, `gray` or `white`.
-/// model, layer: an ONNX detector whose activations are compared, too, and the name of the value.
+/// side: shorter side of the image for gradients and spectra, px; 0 for full size.
+/// background: what shows through transparent pixels, `black`, `gray` or `white`.
+/// model, layer: an ONNX detector whose activations are compared as well, and the name of the
+/// value.
 /// threads: 0 for one per processor.
 ///
-/// An image that cannot be read is in no number, and listed under `failed` of its set. Raises
-/// `ValueError` and `OSError` as `evaluate`; Ctrl-C ends the reading of images, but not the draws.
+/// An image that cannot be read is left out of all numbers and listed under `failed` of its set.
+/// Raises `ValueError` and `OSError` as `evaluate`. Ctrl-C stops the reading of images, but not the
+/// draws.
 #[pyfunction]
 #[pyo3(
     signature = (*sets, limit = None, alpha = Given::of(Real(0.5)), bootstrap = Whole::of(1000), permutations = Whole::of(999), splits = Whole::of(100), seed = SeedArg::ZERO, side = Whole::of(256), background = Given::of("black".to_owned()), model = None, layer = None, threads = Whole::of(0)),

@@ -19,10 +19,10 @@ use crate::arguments::{Given, Kind};
 use crate::errors::raised;
 use crate::values::python_of;
 
-/// A crack network: a planar graph of nodes and segments with its history, checked in full.
+/// A crack network: a planar graph of nodes and segments with its history, fully validated.
 ///
-/// The length of a network is its number of segments. Columns are new NumPy arrays; one that a
-/// model does not produce is absent.
+/// `len` is the number of segments. Columns are new NumPy arrays; columns that a model does not
+/// produce are absent.
 ///
 /// >>> import starbreak
 /// >>> network = starbreak.simulate("windshield-star", seed=7)
@@ -65,8 +65,8 @@ impl CrackNetwork {
 
 #[pymethods]
 impl CrackNetwork {
-    /// A network from the text of its file: JSON, or an SVG drawing whose stroked shapes are cracks.
-    /// Raises `ValueError` for what is no network.
+    /// A network from the text of its file: JSON, or an SVG drawing whose stroked shapes are
+    /// cracks. Raises `ValueError` if it is not a network.
     #[staticmethod]
     fn from_json(py: Python<'_>, text: Given<String>) -> PyResult<Self> {
         let text = text.named("text")?;
@@ -76,7 +76,7 @@ impl CrackNetwork {
     }
 
     /// A network from its file, JSON or SVG. Raises `OSError` if it cannot be read, `ValueError` if
-    /// it is no network.
+    /// it is not a network.
     #[staticmethod]
     fn from_file(py: Python<'_>, path: Given<PathBuf>) -> PyResult<Self> {
         let path = path.named("path")?;
@@ -94,11 +94,11 @@ impl CrackNetwork {
         py.detach(|| self.network.to_svg())
     }
 
-    /// Writes its file, JSON, whole or not at all, into a folder that is there: under another name
-    /// first, then renamed. The file of a network that was there is replaced by a new file with the mode of
-    /// one, any other file or link only with `replace`; what the link led to stays. Raises
-    /// `FileExistsError` for such a file, `OSError` if it cannot be written, `ValueError` for a name that
-    /// ends in .svg.
+    /// Writes the network as JSON, all or nothing, into an existing folder: to a temporary file
+    /// that is then renamed. An existing network file is replaced by a new file with the mode of a
+    /// new file; any other file or link only with `replace` (the target of the link stays). Raises
+    /// `FileExistsError` for such a file, `OSError` if it cannot be written, `ValueError` for a
+    /// name that ends in .svg.
     #[pyo3(signature = (path, *, replace = Given::of(false)), text_signature = "(self, path, *, replace=False)")]
     fn save(&self, py: Python<'_>, path: Given<PathBuf>, replace: Given<bool>) -> PyResult<()> {
         let path = path.named("path")?;
@@ -132,7 +132,7 @@ impl CrackNetwork {
         python_of(py, &json!(self.network.data().model))
     }
 
-    /// The seed that it is reproducible from; None for a drawing.
+    /// The seed from which it can be reproduced; None for a drawing.
     #[getter]
     fn seed(&self) -> Option<u64> {
         self.network.data().seed.map(|seed| seed.0)
@@ -144,19 +144,19 @@ impl CrackNetwork {
         self.network.data().unit.symbol()
     }
 
-    /// Name of the damage class, None where the model names none.
+    /// Name of the damage class, None if the model has none.
     #[getter]
     fn damage_class(&self) -> Option<&str> {
         self.network.data().damage_class.as_deref()
     }
 
-    /// The sheet of glass: width and height in `unit`, and what else is known.
+    /// The pane: width and height in `unit`, and what else is known.
     #[getter]
     fn pane<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &json!(self.network.data().pane))
     }
 
-    /// The hits: x and y in `unit`, and what else is known of each.
+    /// The impacts: x and y in `unit`, and what else is known about each.
     #[getter]
     fn impacts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &json!(self.network.data().impacts))
@@ -168,7 +168,7 @@ impl CrackNetwork {
         python_of(py, &json!(self.network.summary()))
     }
 
-    /// Points in `unit`; the piece of glass that one lies in has fallen out.
+    /// Points in `unit`, one in each piece of glass that has fallen out.
     #[getter]
     fn fallen(&self) -> Vec<[f64; 2]> {
         self.network.data().fallen.clone()
@@ -189,11 +189,11 @@ impl CrackNetwork {
         Ok(columns)
     }
 
-    /// Columns of the segments, each of length N: `from` and `to` (uint32, nodes), `kind` (words),
-    /// and, where the model has them, `parent` (int64, -1 for none), `arrival_us`, `departure_us`,
-    /// `stress_mpa`, `opening_um`, `depth_fraction`, `roughness_um`, `tilt_deg`, `k_ratio`,
-    /// `arrival_step`, `stress_paper_units` (float64), `depth_ends`, `tilt_ends_deg` (float64, N × 2: at
-    /// `from` and at `to`), `zone` and `face` (words), `ply` (uint8).
+    /// Columns of the segments, each of length N: `from` and `to` (uint32, node indices), `kind`
+    /// (string), and, where the model has them, `parent` (int64, -1 for none), `arrival_us`,
+    /// `departure_us`, `stress_mpa`, `opening_um`, `depth_fraction`, `roughness_um`, `tilt_deg`,
+    /// `k_ratio`, `arrival_step`, `stress_paper_units` (float64), `depth_ends`, `tilt_ends_deg`
+    /// (float64, N × 2: at `from` and at `to`), `zone` and `face` (string), `ply` (uint8).
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         // All of them, so that a new one is not forgotten here.

@@ -16,19 +16,20 @@ use crate::values::{python_of, value_of};
 /// Longest recipe file, bytes.
 const MAX_RECIPE_FILE_BYTES: u64 = 1 << 20;
 
-/// All parameters of a run, complete and checked; it does not change.
+/// All parameters of a run, complete and checked. Immutable.
 ///
 /// preset: name of a preset, see `presets`.
 /// severity: 1 (mild) to 5 (severe); 3 is the preset itself.
-/// camera: name of a camera to lay over it, see `cameras`: those of its keys that the models of the
-/// recipe have, which for the preset `paper` is `camera.f_px` alone.
+/// camera: name of a camera to apply, see `cameras`. It sets those of its keys that the models of
+/// the recipe have; for the preset `paper` that is only `camera.f_px`.
 /// set: keys to change, as {"table.key": value} or ["table.key=value"]; `impact.key` sets the key
 /// in every impact, `impact.0.key` in one.
-/// max_memory: most memory that one picture may take, bytes, from 64 << 20 on; what would take more
-/// raises `ValueError` before the work. It is no part of the recipe's text. 4 GiB.
+/// max_memory: limit of the memory that one picture may take, bytes, at least 64 << 20; default 4
+/// GiB. A picture that would take more raises `ValueError` before the work. The limit is not part
+/// of the recipe's text.
 ///
-/// Raises `ValueError` for a name, key or value that does not exist: of `set`, which key it is, then
-/// the words of the command.
+/// Raises `ValueError` for a name, key or value that does not exist; for `set` the message begins
+/// with the key, followed by the message of the command.
 ///
 /// >>> import starbreak
 /// >>> recipe = starbreak.Recipe("windshield-star", set={"impact.speed_m_s": 25.0})
@@ -116,8 +117,8 @@ impl Recipe {
         Self::adjusted(base.recipe, camera, set, max_memory.as_ref())
     }
 
-    /// A recipe from TOML text, as a recipe file has it; what it leaves out comes from a preset.
-    /// `name` stands for the text in messages.
+    /// A recipe from TOML text, as in a recipe file. Keys that are left out come from a preset.
+    /// `name` names the text in error messages.
     ///
     /// >>> import starbreak
     /// >>> recipe = starbreak.Recipe.from_toml("schema = 1\n[camera]\nf_px = 1900.0")
@@ -144,8 +145,9 @@ impl Recipe {
         Self::from_toml(Given::of(file.text), Some(name))
     }
 
-    /// A recipe from its tables as dicts; what they leave out comes from the preset
-    /// `windshield-star` (without its long crack and its reach), or from `paper` where they say `fracture.model = "paper"`.
+    /// A recipe from its tables as dicts. Keys that are left out come from the preset
+    /// `windshield-star` (without its long crack and `fracture.until_reach_mm`), or from `paper` if
+    /// the tables say `fracture.model = "paper"`.
     ///
     /// >>> import starbreak
     /// >>> recipe = starbreak.Recipe.from_dict({"camera": {"f_px": 1900.0}})
@@ -157,7 +159,7 @@ impl Recipe {
         Self::of(starbreak::Recipe::from_json("recipe", &value).map_err(|error| of_recipe(&error))?)
     }
 
-    /// The recipe with other values of some keys, as `set`, `camera` and `max_memory` of the
+    /// A copy of the recipe with some keys changed; `set`, `camera` and `max_memory` as in the
     /// constructor.
     ///
     /// >>> import starbreak
@@ -173,7 +175,7 @@ impl Recipe {
         Self::adjusted(self.recipe.clone(), camera, set, max_memory.as_ref())
     }
 
-    /// The complete recipe as TOML: the same text for the same recipe; on demand with comments.
+    /// The complete recipe as TOML, with comments if asked for. Equal recipes give equal text.
     #[pyo3(
     signature = (*, comments = Given::of(false)),
     text_signature = "($self, *, comments=False)"
@@ -185,12 +187,12 @@ impl Recipe {
         })
     }
 
-    /// The complete recipe as dicts, with the names of its TOML.
+    /// The complete recipe as dicts, with the names used in TOML.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         python_of(py, &self.recipe.to_json())
     }
 
-    /// SHA-256 of `to_toml()`, hexadecimal; records name a recipe by it.
+    /// SHA-256 of `to_toml()`, hexadecimal, by which records identify a recipe.
     #[getter]
     fn sha256(&self) -> String {
         sha256_hex(self.recipe.to_toml().as_bytes())
@@ -281,7 +283,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for RecipeArg {
     }
 }
 
-/// The presets: name and what happens.
+/// The presets, as name and description.
 ///
 /// >>> import starbreak
 /// >>> starbreak.presets()["windshield-star"]
@@ -295,7 +297,7 @@ pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(all)
 }
 
-/// The cameras that a recipe may take: name and which one it is.
+/// The cameras that a recipe can use, as name and description.
 ///
 /// >>> import starbreak
 /// >>> "kitti" in starbreak.cameras()

@@ -1,4 +1,4 @@
-"""starbreak: the glass in front of a camera, broken by physics, as the camera then sees it."""
+"""Break the glass in front of a camera and render what the camera then sees."""
 
 from ._starbreak import (
     Cracked,

@@ -1,8 +1,8 @@
-"""Which crack an image gets: the same for any number of workers.
+"""Which crack an image gets, independent of the number of workers.
 
-A crack is drawn for each image from a seed. The seed of an image comes from the transform's own
-seed, the epoch and a key of the image, never from how many images a worker has seen: so the set of
-images that a loader gives does not depend on its workers.
+Each image has its own seed, from which its crack is drawn. It comes from the transform's seed, the
+epoch and a key of the image, never from how many images a worker has seen. So the images that a
+loader yields do not depend on its workers.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ RecipeLike = Recipe | str | dict[str, Any]
 Severity = int | Sequence[int]
 Path = str | os.PathLike[str]
 
-#: Where a call leaves the region mask of its first image, if it is asked for.
+#: Receives the region mask of the first image of a call, if wanted.
 _REGIONS: ContextVar[list[Image] | None] = ContextVar("regions", default=None)
 
 
 class CrackDrawing:
-    """Cracks by a recipe, scaled to severities, or out of a bank; what all transforms share.
+    """Cracks from a recipe at given severities, or from a bank; shared by all transforms.
 
     Parameters are those of :class:`starbreak.transforms.CrackedGlass`.
 
@@ -71,7 +71,7 @@ class CrackDrawing:
 
     @property
     def epoch(self) -> int:
-        """Number of the epoch, of which other numbers draw other cracks."""
+        """Number of the epoch; each number draws different cracks."""
         return self._epoch
 
     @epoch.setter
@@ -81,7 +81,7 @@ class CrackDrawing:
     def seed_of(self, image: Image | None, key: object = None) -> int:
         """The seed of an image's crack, from its key or, without one, from its pixels.
 
-        Every 16th row stands for the pixels. Images that are equal there get equal cracks.
+        Only every 16th row of pixels is used. Images that are equal there get equal cracks.
 
         >>> drawing = CrackDrawing("paper", seed=7)
         >>> image = np.zeros((32, 32, 3), np.uint8)
@@ -98,7 +98,7 @@ class CrackDrawing:
         return item_seed(self.seed or 0, os.fspath(key) if isinstance(key, os.PathLike) else str(key), self.epoch)
 
     def words(self, **others: object) -> str:
-        """What it draws and how, with other arguments of a transform, for its ``repr``.
+        """The arguments as text, together with others of a transform, for its ``repr``.
 
         >>> CrackDrawing("paper", severity=(1, 3), p=0.25).words(seed=7)
         "recipe='paper', severity=(1, 3), seed=7, p=0.25"
@@ -107,11 +107,11 @@ class CrackDrawing:
         return ", ".join(f"{name}={value!r}" for name, value in words.items() if value is not None)
 
     def is_drawn(self, seed: int) -> bool:
-        """Whether the seed of an image falls into the share ``p``."""
+        """Whether an image with this seed gets a crack, which has probability ``p``."""
         return item_seed(seed, "whether") / 2**53 < self.p
 
     def recipe_of(self, seed: int) -> Recipe:
-        """The recipe that the seed of an image draws, out of those of the severities.
+        """The recipe for an image with this seed: that of a random severity.
 
         >>> drawing = CrackDrawing("paper", severity=(1, 2))
         >>> drawing.recipe_of(4) in drawing.recipes
@@ -120,7 +120,7 @@ class CrackDrawing:
         return self.recipes[item_seed(seed, "severity") % len(self.recipes)]
 
     def crack_or_spare(self, frames: Sequence[Image], seed: int) -> Sequence[Image]:
-        """Cracked frames, or the frames themselves where the seed falls outside of ``p``."""
+        """Cracked frames, or the frames themselves with probability 1 - ``p``."""
         refuse_unfit(frames[0])
         if self.is_drawn(seed):
             return self.crack(frames, seed)
@@ -130,7 +130,7 @@ class CrackDrawing:
         return frames
 
     def crack(self, frames: Sequence[Image] | Image, seed: int) -> list[Image]:
-        """New images behind the glass that the seed breaks, all of one size behind one crack.
+        """New images behind one crack, drawn by the seed; all frames must have one size.
 
         A frame is H×W, H×W×1 or H×W×3.
         """
@@ -157,7 +157,7 @@ class CrackDrawing:
 
 @contextmanager
 def collected_region(is_wanted: bool) -> Iterator[list[Image]]:
-    """Collects the region mask of the first image inside."""
+    """Collects the region mask of the first image in its context."""
     regions: list[Image] = []
     token = _REGIONS.set(regions if is_wanted else None)
     try:
@@ -167,7 +167,7 @@ def collected_region(is_wanted: bool) -> Iterator[list[Image]]:
 
 
 def whole(name: str, given: object, least: int, most: int) -> int:
-    """A whole number in a range.
+    """An integer within a range.
 
     >>> whole("epoch", np.int64(3), 0, 9)
     3
@@ -185,7 +185,7 @@ def whole(name: str, given: object, least: int, most: int) -> int:
 
 
 def refuse_unfit(image: object) -> Image:
-    """The image; refuses what is none to crack, also where it would be spared.
+    """The image; raises if it cannot be cracked, even if it would not get a crack.
 
     >>> refuse_unfit(np.zeros((2, 3, 4), np.uint8))
     Traceback (most recent call last):
@@ -226,7 +226,7 @@ def _recipe(recipe: RecipeLike | None, severity: int | None) -> Recipe:
 
 
 def recipe_of(recipe: RecipeLike | None) -> Recipe:
-    """The recipe that is meant; by nothing that of ``Recipe()``.
+    """The recipe given as itself, name or dict; None means ``Recipe()``.
 
     >>> recipe_of("paper") == recipe_of(Recipe("paper").to_dict())
     True

@@ -1,4 +1,4 @@
-"""The compiled part of the package; the documentation is in the docstrings at run time."""
+"""Types of the compiled part of the package; the docstrings are available at run time."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike

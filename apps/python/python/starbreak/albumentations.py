@@ -1,4 +1,4 @@
-"""Cracked glass as a transform of Albumentations: of 2.0.8 (MIT) and of AlbumentationsX.
+"""Broken glass as a transform for Albumentations 2.0.8 (MIT) and AlbumentationsX.
 
 >>> import albumentations as A
 >>> from starbreak.albumentations import CrackedGlass
@@ -40,32 +40,34 @@ _TARGETS = ("image", "images", "mask", "masks", "bboxes", "keypoints")
 
 
 class CrackedGlass(DualTransform):  # type: ignore[misc]
-    """The glass in front of the camera is broken.
+    """Break the glass in front of the camera.
 
     Args:
-        recipe: a ``Recipe``, the name of a preset, or tables as a dict; ``windshield-spiderweb`` without it.
-        severity: 1 to 5, or ``(least, most)``, of which one is drawn for each image; scales presets.
-            Without it the preset as it is.
-        bank: file or folder that ``starbreak patterns`` wrote, in place of a recipe.
-        crack_seed: with it, an image's crack, and whether there is one, depend on this seed, the epoch
-            (:meth:`set_epoch`) and the image alone, and are the same for any number of workers. Without
-            it cracks are drawn from the random numbers of the pipeline (``A.Compose(…, seed=)``), which
-            each worker has a copy of.
-        key: name of what tells images apart, a path or a number, beside the image
-            (``transform(image=image, path="a.png")`` with ``key="path"``); without it the pixels do.
-        region_key: name under which the result has the region mask, uint8 H×W, 255 where the crack
-            counts; zeros where the transform was called and its ``p`` spared the image. Where a ``OneOf``
-            or a ``Compose`` with a ``p`` of its own does not call it, the result has no such name. Named in
-            ``A.Compose(additional_targets={region_key: "mask"})`` it moves with the image later on.
+        recipe: a ``Recipe``, the name of a preset, or tables as a dict; default
+            ``windshield-spiderweb``.
+        severity: 1 to 5, or a range ``(least, most)`` from which one is drawn for each image; for
+            presets only. Without it the preset is used unchanged.
+        bank: file or folder written by ``starbreak patterns``, instead of a recipe.
+        crack_seed: with it, an image's crack, and whether it has one, depend only on this seed, the
+            epoch (:meth:`set_epoch`) and the image, and are the same for any number of workers.
+            Without it cracks are drawn from the random numbers of the pipeline
+            (``A.Compose(…, seed=)``), of which each worker has a copy.
+        key: name of the argument that identifies the image, a path or a number, passed beside it
+            (``transform(image=image, path="a.png")`` with ``key="path"``); without it the pixels
+            identify the image.
+        region_key: name under which the result has the region mask, uint8 H×W, 255 where pixels are
+            affected; all zeros if the transform was called but, by ``p``, left the image unchanged.
+            If a ``OneOf`` or a ``Compose`` with its own ``p`` does not call the transform, the
+            result has no such name. To let later transforms move the mask with the image, name it in
+            ``A.Compose(additional_targets={region_key: "mask"})``.
         p: probability.
 
-    Targets: ``image`` uint8 H×W or H×W×3, ``images`` (and ``volume``, for those who have their frames
-    there) N of them behind one crack, as in a video; ``mask``, ``masks``, ``bboxes`` and ``keypoints``
-    stay as they are: glass moves no object. What ``to_dict`` writes has no epoch.
+    Targets: ``image`` uint8 H×W or H×W×3; ``images`` (and ``volume``, if the frames are there) N of
+    them behind one crack, as in a video; ``mask``, ``masks``, ``bboxes`` and ``keypoints`` stay the
+    same, since glass moves no object. ``to_dict`` does not include the epoch.
 
     Raises:
-        ValueError: at construction for parameters that make no sense; later for images that are not
-            uint8.
+        ValueError: at construction for invalid parameters; later for images that are not uint8.
         OSError: for a bank that cannot be read.
     """
 
@@ -105,7 +107,7 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
         self.region_key = region_key
 
     def set_epoch(self, epoch: int) -> None:
-        """Draws other cracks from now on, the same for the same number; before workers start."""
+        """Draw different cracks for each epoch number; call it before workers start."""
         self._drawing.epoch = epoch
 
     def apply(self, img: Image, seed_of_image: int, **params: Any) -> Image:
@@ -139,7 +141,7 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
         return {"seed_of_image": self._own_seed(data) if own else int(random_generator.integers(0, 2**53))}
 
     def _run(self, base: Callable[..., Any], force_apply: bool, data: dict[str, Any]) -> Any:
-        """The library's call, but with a seed of its own `p` is a matter of that seed; and the region."""
+        """The library's call, plus the region; with `crack_seed`, that seed decides about `p`."""
         is_spared = False
         if self.crack_seed is not None and not (force_apply or self.replay_mode):
             is_spared = not self._drawing.is_drawn(self._own_seed(data))
@@ -176,7 +178,7 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
 
 
 def _first_image(data: dict[str, Any]) -> Image | None:
-    """The first image that there is to crack."""
+    """The first image to crack."""
     if data.get("image") is not None:
         image: Image = data["image"]
         return image

@@ -1,8 +1,8 @@
-"""Cracked images at the scale of a cluster, by Ray Data.
+"""Cracked images at the scale of a cluster, with Ray Data.
 
-The files are those of ``starbreak generate folder:SOURCE`` with the same recipe and seed, to the byte,
-for any number of workers and after the death of any of them: each image's crack depends on its name and
-the seed alone, and an image's record, which is written last, says that it is whole.
+The files equal those of ``starbreak generate folder:SOURCE`` with the same recipe and seed to the
+byte, for any number of workers and even if workers die: each image's crack depends only on its name
+and the seed, and an image is complete when its record exists, which is written last.
 """
 
 from __future__ import annotations
@@ -43,32 +43,34 @@ def crack_dataset(
     batch_size: int = 16,
     concurrency: int | None = None,
 ) -> dict[str, Any]:
-    """Breaks the glass before all images of a folder, on all workers of a Ray cluster.
+    """Break the glass in front of all images of a folder, on all workers of a Ray cluster.
 
     Args:
-        source: folder, or URI of one in an object store (``s3://…``, ``gs://…``), which Arrow opens.
-            PNG and JPEG files in it and below are read; names that begin with a dot are left out.
-        output: folder or URI that all is written into, with the names of the source:
-            ``NAME`` (``sample_K/NAME`` for several samples), and below ``starbreak`` ``regions``,
-            ``cracks`` and ``provenance``.
-        recipe: a ``Recipe``, the name of a preset, or tables as a dict; ``windshield-spiderweb`` without it.
-        bank: a file that ``starbreak patterns`` wrote, in place of a recipe; each worker opens it, so it
-            lies where all see it.
-        seed: 0 to 2**64 - 1; the same one gives the same images.
-        n_samples: cracked versions of each image.
-        filesystem: an Arrow file system for both, in place of what the URIs say.
-        batch_size: images that a worker takes at a time.
-        concurrency: most workers at a time; all that the cluster has without it.
+        source: folder, or its URI in an object store (``s3://…``, ``gs://…``), opened by Arrow.
+            PNG and JPEG files in it and its subfolders are read, except names that begin with a dot.
+        output: folder or URI for all results, with the names of the source: ``NAME``
+            (``sample_K/NAME`` for several samples), and ``regions``, ``cracks`` and ``provenance``
+            in ``starbreak``.
+        recipe: a ``Recipe``, the name of a preset, or tables as a dict; default
+            ``windshield-spiderweb``.
+        bank: a file written by ``starbreak patterns``, instead of a recipe; each worker opens it, so
+            all must have access to it.
+        seed: 0 to 2**64 - 1; the same seed gives the same images.
+        n_samples: number of cracked versions of each image.
+        filesystem: an Arrow file system for source and output, instead of those of the URIs.
+        batch_size: number of images that a worker takes at a time.
+        concurrency: limit of concurrent workers; default: all of the cluster.
 
     Returns:
-        ``{"n_made", "n_kept", "n_failed", "failed": [{"name", "sample", "error"}, …]}``: images made now,
-        those that are there already, made from the same file (by an earlier run of the same recipe and
-        seed, or by a worker that died afterwards), and those that could not be read or broken.
+        ``{"n_made", "n_kept", "n_failed", "failed": [{"name", "sample", "error"}, …]}``: images made
+        now; images that existed already, made from the same file (by an earlier run of the same
+        recipe and seed, or by a worker that died later); and images that could not be read or
+        cracked.
 
     Raises:
-        ValueError: for a recipe that makes no sense, a source without images or with two whose masks
-            would have one name, an output that another recipe or seed has made or that holds other files.
-        OSError: where the source cannot be listed or the output cannot be written.
+        ValueError: for an invalid recipe, a source without images or with two images whose masks
+            would have the same name, an output of another recipe or seed or with other files in it.
+        OSError: if the source cannot be listed or the output cannot be written.
     """
     n_samples = whole("n_samples", n_samples, 1, 2**32 - 1)
     batch_size = whole("batch_size", batch_size, 1, 2**32 - 1)
@@ -107,7 +109,7 @@ def crack_dataset(
 
 @dataclass(frozen=True)
 class _Folder:
-    """A folder of a file system; names in it have slashes."""
+    """A folder of a file system; names in it are separated by slashes."""
 
     filesystem: arrow_fs.FileSystem
     root: str
@@ -124,7 +126,7 @@ class _Folder:
             return bytes(stream.read())
 
     def write(self, name: str, content: bytes) -> None:
-        """All of it or nothing: an object store does that itself, a file gets its name at the end."""
+        """Write all or nothing: object stores do that themselves; a file is renamed at the end."""
         place = self.place(name)
         if not isinstance(self.filesystem, arrow_fs.LocalFileSystem):
             self._put(place, content)
@@ -142,7 +144,7 @@ class _Folder:
 
 @dataclass(frozen=True)
 class _Job:
-    """What each worker is told."""
+    """What each worker needs to know."""
 
     toml: str | None
     bank: str | None
@@ -152,7 +154,7 @@ class _Job:
     output: _Folder
 
     def crack_batch(self, batch: dict[str, Any]) -> dict[str, list[Any]]:
-        """Cracks images of the source into the output; a row for each."""
+        """Crack images of the source into the output; returns a row for each."""
         items = [(str(name), int(sample)) for name, sample in zip(batch["name"], batch["sample"], strict=True)]
         states = [self._crack(name, sample) for name, sample in items]
         return {
@@ -194,12 +196,12 @@ class _Job:
 
 @functools.lru_cache(maxsize=2)
 def _engine(toml: str | None, bank: str | None) -> tuple[Recipe | None, PatternBank | None]:
-    """What breaks images, a recipe or a bank with its own; once per worker."""
+    """The recipe, or the bank with its own recipe; loaded once per worker."""
     return None if toml is None else Recipe.from_toml(toml), None if bank is None else PatternBank(bank)
 
 
 def _refuse_recipe(recipe: Recipe | None, bank: PatternBank | None) -> None:
-    """Raises what `crack_file` has against a recipe or that of a bank, once and before any image is read."""
+    """Raise what `crack_file` would for this recipe or bank, before any image is read."""
     with contextlib.suppress(OSError):  # there is no image in no bytes
         crack_file(b"", "any.png", recipe, bank=bank)
 
@@ -242,7 +244,7 @@ def _names(source: _Folder) -> list[str]:
 
 
 def _claim(job: _Job) -> None:
-    """Refuses an output that something else has made; two recipes never mix in one folder."""
+    """Refuse an output made by something else; two recipes never mix in one folder."""
     name = "starbreak/ray.json"
     recipe, bank = _engine(job.toml, job.bank)
     identity = {
@@ -272,7 +274,7 @@ def _claim(job: _Job) -> None:
 
 
 def _any_file(folder: _Folder) -> str | None:
-    """The path of some file in a folder or below."""
+    """The path of any file in a folder or its subfolders."""
     below = arrow_fs.FileSelector(folder.root, allow_not_found=True, recursive=True)
     files = (info.path for info in folder.filesystem.get_file_info(below) if info.type == arrow_fs.FileType.File)
     return next(files, None)

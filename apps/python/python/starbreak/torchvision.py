@@ -1,7 +1,7 @@
-"""Cracked glass as a transform of torchvision (v2).
+"""Broken glass as a transform for torchvision (v2).
 
 Images are PIL images, ``tv_tensors.Image``, ``tv_tensors.Video`` or uint8 tensors of shape
-(…, 1 or 3, H, W); boxes, masks and labels pass through: glass moves no object.
+(…, 1 or 3, H, W). Boxes, masks and labels pass through, since glass moves no object.
 
 >>> import torch
 >>> from starbreak.torchvision import CrackedGlass
@@ -35,22 +35,22 @@ def _is_plain_tensor(value: Any) -> bool:
 
 
 class CrackedGlass(v2.Transform):  # type: ignore[misc]
-    """The glass in front of the camera is broken.
+    """Break the glass in front of the camera.
 
     Args:
-        recipe, severity, bank: as of :class:`starbreak.transforms.CrackedGlass`.
-        crack_seed: with it, an image's crack, and whether there is one, depend on this seed, the epoch
-            (:meth:`set_epoch`) and the pixels alone, and are the same for any number of workers. Without
-            it cracks are drawn from torch's random numbers, which a ``DataLoader`` seeds in each worker.
+        recipe, severity, bank: as for :class:`starbreak.transforms.CrackedGlass`.
+        crack_seed: with it, an image's crack, and whether it has one, depend only on this seed, the
+            epoch (:meth:`set_epoch`) and the pixels, and are the same for any number of workers.
+            Without it cracks are drawn from torch's random numbers, which a ``DataLoader`` seeds in
+            each worker.
         region_key: for samples that are dicts: name under which the result has the region mask, a
-            ``tv_tensors.Mask`` of H×W, 255 where the crack counts.
+            ``tv_tensors.Mask`` of H×W, 255 where pixels are affected.
         p: probability.
 
-    All images of one call stand behind one crack.
+    All images of one call are behind one crack.
 
     Raises:
-        ValueError: at construction for parameters that make no sense; later for images that are not
-            uint8.
+        ValueError: at construction for invalid parameters; later for images that are not uint8.
         OSError: for a bank that cannot be read.
     """
 
@@ -72,7 +72,7 @@ class CrackedGlass(v2.Transform):  # type: ignore[misc]
         self.region_key = region_key
 
     def set_epoch(self, epoch: int) -> None:
-        """Draws other cracks from now on, the same for the same number; before workers start."""
+        """Draw different cracks for each epoch number; call it before workers start."""
         self._drawing.epoch = epoch
 
     def extra_repr(self) -> str:

@@ -1,4 +1,4 @@
-"""Cracked glass as a plain callable, for pipelines of whatever framework."""
+"""Broken glass as a plain callable, for pipelines of any framework."""
 
 from __future__ import annotations
 
@@ -8,16 +8,17 @@ __all__ = ["CrackedGlass"]
 
 
 class CrackedGlass:
-    """``image -> image`` behind broken glass.
+    """A callable from an image to that image behind broken glass.
 
     Args:
-        recipe: a ``Recipe``, the name of a preset, or tables as a dict; ``windshield-spiderweb`` without it.
-        severity: 1 to 5, or ``(least, most)``, of which one is drawn for each image; scales presets.
-            Without it the preset as it is.
-        bank: file or folder that ``starbreak patterns`` wrote, in place of a recipe.
-        seed: an image's crack depends on it, the epoch and the image alone.
+        recipe: a ``Recipe``, the name of a preset, or tables as a dict; default
+            ``windshield-spiderweb``.
+        severity: 1 to 5, or a range ``(least, most)`` from which one is drawn for each image; for
+            presets only. Without it the preset is used unchanged.
+        bank: file or folder written by ``starbreak patterns``, instead of a recipe.
+        seed: an image's crack depends only on this seed, the epoch and the image.
         p: probability that the glass is broken.
-        region: whether to give the region mask, too.
+        region: whether to return the region mask as well.
 
     >>> import numpy as np
     >>> image = np.full((120, 200, 3), 128, np.uint8)
@@ -29,8 +30,7 @@ class CrackedGlass:
     False
 
     Raises:
-        ValueError: at construction for parameters that make no sense; later for images that are not
-            uint8.
+        ValueError: at construction for invalid parameters; later for images that are not uint8.
         OSError: for a bank that cannot be read.
     """
 
@@ -47,22 +47,22 @@ class CrackedGlass:
         self._region = region
 
     def set_epoch(self, epoch: int) -> None:
-        """Draws other cracks from now on, the same for the same number; before workers start."""
+        """Draw different cracks for each epoch number; call it before workers start."""
         self._drawing.epoch = epoch
 
     def __repr__(self) -> str:
         return f"CrackedGlass({self._drawing.words(seed=self._drawing.seed, region=self._region)})"
 
     def __call__(self, image: Image, key: object = None) -> Image | tuple[Image, Image]:
-        """The image behind broken glass; an image that is spared comes back itself.
+        """The image behind broken glass, or (with probability 1 - ``p``) the same object.
 
         Args:
             image: uint8, H×W or H×W×3.
-            key: what tells images apart, a path or a number; without it the pixels do.
+            key: identifies the image, a path or a number; without it the pixels do.
 
         Returns:
-            The image or, with ``region``, a pair of it and the region mask: uint8, H×W, 255 where the
-            crack counts.
+            The image or, with ``region``, a pair of it and the region mask: uint8, H×W, 255 where
+            pixels are affected.
         """
         seed = self._drawing.seed_of(image, key)
         with collected_region(self._region) as regions:
