@@ -79,9 +79,7 @@ pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, blake3_file, blake3_hex, sha256_file, sha256_hex};
 pub use replacing::listed_files;
-pub use set_layout::{
-    STATE_FOLDER, SampleFiles, SetLayout, refuse_inside_set, safe_path, set_around,
-};
+pub use set_layout::{STATE_FOLDER, SampleFiles, SetLayout, refuse_inside_set, set_around};
 pub use source::{
     BadRecord, CocoAnnotation, CocoCategory, CocoImage, CocoObject, FileRole, FrameSize,
     IndexFiles, KittiRow, LabeledObject, ObjectKind, ScalabelFrame, ScalabelLabel, ScalabelObject,

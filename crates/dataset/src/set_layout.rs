@@ -109,7 +109,7 @@ fn split_extension(name: &str) -> (&str, &str) {
 /// parts, none of them empty, `.` or `..`; without NUL, and without a backslash, which is a
 /// separator on some systems.
 #[must_use]
-pub fn safe_path(root: &Path, name: &str) -> Option<PathBuf> {
+pub(crate) fn safe_path(root: &Path, name: &str) -> Option<PathBuf> {
     let is_part = |part: &str| !matches!(part, "" | "." | "..");
     let is_plain = !name.contains(['\0', '\\']) && name.split('/').all(is_part);
     let path = Path::new(name);

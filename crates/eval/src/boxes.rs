@@ -66,7 +66,7 @@ impl BoxPx {
 
     /// Area of what both cover, px²: 0 where they only touch or have no area.
     #[must_use]
-    pub fn intersection_px2(&self, other: &Self) -> f64 {
+    pub(crate) fn intersection_px2(&self, other: &Self) -> f64 {
         let [ax0, ay0, ax1, ay1] = self.corners();
         let [bx0, by0, bx1, by1] = other.corners();
         let width = ax1.min(bx1) - ax0.max(bx0);

@@ -36,22 +36,25 @@ pub use boxes::BoxPx;
 pub use detections::{Detection, Detections, KittiDetections, Pooling, ReadDetections, Unused};
 pub use error::EvalError;
 pub use evaluation::compare::{
-    COVERAGE_BINS, CompareParams, Compared, Evaluated, MIN_OBJECTS, RegionResults, SubsetAp,
-    SubsetParams, SubsetRow, compare_pair, evaluate, subset_curves, subset_precision,
+    CompareParams, Compared, Evaluated, RegionResults, SubsetAp, SubsetParams, SubsetRow,
+    compare_pair, evaluate, subset_curves, subset_precision,
 };
 pub use labels::{Category, KittiFacts, KittiLabels, LabelSet, LabeledImage, Object, ObjectKind};
 pub use matching::{ImageMatches, MatchedDetection, MatchedObject, Outcome};
 pub use mean_performance::{
-    CrackedPrecision, MeanPerformance, PerformanceCell, mean_performance, measured_performance,
+    CrackedPrecision, MeanPerformance, PerformanceCell, measured_performance,
 };
 pub use protocol::{
     AreaRange, CocoEvaluation, CocoParams, KittiClass, KittiCurve, KittiDifficulty, KittiRanking,
-    MatchRule, N_KITTI_RECALLS, PrecisionCurve, RankedMatches, Restriction, average_precision,
-    bdd_detections, bdd_labels, evaluate_coco, evaluate_kitti, match_images, mean_in_numpy_order,
-    rank_kitti,
+    MatchRule, PrecisionCurve, RankedMatches, Restriction, average_precision, evaluate_coco,
+    evaluate_kitti, match_images, rank_kitti,
 };
 pub use region::{CoverageOf, Coverages, RegionMask, RegionMasks, Size, Subset, SubsetValues};
 pub use truth::{
     ClipLabels, GroundTruth, LabeledClip, Protocol, SaidDetections, TrackName, TrackedLabels,
     frames_of, said_categories,
 };
+
+pub(crate) use evaluation::compare::{COVERAGE_BINS, MIN_OBJECTS};
+pub(crate) use mean_performance::mean_performance;
+pub(crate) use protocol::{bdd_detections, bdd_labels};

@@ -63,7 +63,7 @@ pub struct PerformanceCell {
 /// mPC and rPC of a set of APs; with a reason instead where a kind lacks a severity that another
 /// one has, or an AP is not given, since a mean over other cells is another number.
 #[must_use]
-pub fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) -> MeanPerformance {
+pub(crate) fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) -> MeanPerformance {
     let mut families: Vec<&str> = sets.iter().map(|it| it.family.as_str()).collect();
     families.sort_unstable();
     families.dedup();

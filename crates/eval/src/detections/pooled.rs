@@ -16,7 +16,7 @@ impl LabelSet {
     /// The groups of the categories, where there are fewer groups than categories and every
     /// category has one.
     #[must_use]
-    pub fn by_supercategory(&self) -> Option<Pooling> {
+    pub(crate) fn by_supercategory(&self) -> Option<Pooling> {
         let mut categories: Vec<Category> = Vec::new();
         let mut group_of = Vec::with_capacity(self.categories.len());
         for category in &self.categories {
@@ -51,7 +51,7 @@ impl Pooling {
 
     /// The objects with their groups as categories.
     #[must_use]
-    pub fn objects_of(&self, labels: &LabelSet) -> Vec<Object> {
+    pub(crate) fn objects_of(&self, labels: &LabelSet) -> Vec<Object> {
         let pooled = |object: &Object| Object {
             category: self.group(object.category),
             ..object.clone()
@@ -61,7 +61,7 @@ impl Pooling {
 
     /// The detections with their groups as categories.
     #[must_use]
-    pub fn detections_of(&self, detections: &Detections) -> Detections {
+    pub(crate) fn detections_of(&self, detections: &Detections) -> Detections {
         let mut pooled = detections.clone();
         for detection in &mut pooled.items {
             detection.category = self.group(detection.category);

@@ -155,7 +155,7 @@ impl Detector {
     /// # Errors
     ///
     /// [`EvalError::Dataset`] where it is no whole image, and those of [`Detector::detect`].
-    pub fn detect_file(&self, image: &ImageToSee) -> Result<ImageDetections, EvalError> {
+    pub(crate) fn detect_file(&self, image: &ImageToSee) -> Result<ImageDetections, EvalError> {
         let file = read_image(&image.path, &ImageLimits::default())?;
         self.detect(&image.name, &file.pixels.to_rgb8())
     }

@@ -62,14 +62,14 @@ impl Study {
 
     /// Whether intervals draw clips, drives or other clusters in the place of images.
     #[must_use]
-    pub fn draws_clusters(&self) -> bool {
+    pub(crate) fn draws_clusters(&self) -> bool {
         let unit = self.provenance.settings.resampling_unit.as_str();
         !matches!(unit, "" | "image" | "object")
     }
 
     /// What a detector does on the clean images.
     #[must_use]
-    pub fn clean_of(&self, detector: &str) -> Option<&CleanResults> {
+    pub(crate) fn clean_of(&self, detector: &str) -> Option<&CleanResults> {
         self.clean.iter().find(|one| one.detector == detector)
     }
 }

@@ -21,4 +21,4 @@ pub use rates::{FailureRates, Group, Where, failure_rates, failure_table};
 pub use shifts::{Shift, Shifts, shifts};
 
 /// Score from which a detection counts, where nothing else is asked.
-pub const SCORE_THRESHOLD: f64 = 0.3;
+pub(crate) const SCORE_THRESHOLD: f64 = 0.3;

@@ -42,12 +42,6 @@ impl ObjectPair {
     pub fn is_lost(&self) -> bool {
         self.clean.is_some() && self.cracked.is_none()
     }
-
-    /// Missed clean, found cracked.
-    #[must_use]
-    pub fn is_recovered(&self) -> bool {
-        self.clean.is_none() && self.cracked.is_some()
-    }
 }
 
 /// All objects that were to be found, in their order, with what found them among the detections of

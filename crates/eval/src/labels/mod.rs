@@ -99,7 +99,7 @@ impl LabelSet {
 
     /// Place of the image with this number, in sets whose images stand in the order of numbers.
     #[must_use]
-    pub fn image_of_id(&self, id: i64) -> Option<u32> {
+    pub(crate) fn image_of_id(&self, id: i64) -> Option<u32> {
         index_of(&self.images, id, |image| image.id)
     }
 
@@ -160,7 +160,7 @@ impl LabelSet {
 
     /// Place of the category of this name.
     #[must_use]
-    pub fn category_of_name(&self, name: &str) -> Option<u32> {
+    pub(crate) fn category_of_name(&self, name: &str) -> Option<u32> {
         let found = self.categories.iter().position(|c| c.name == name);
         found.map(place)
     }
@@ -168,7 +168,7 @@ impl LabelSet {
     /// Place of the category with this number, in sets whose categories stand in the order of
     /// numbers.
     #[must_use]
-    pub fn category_of_id(&self, id: i64) -> Option<u32> {
+    pub(crate) fn category_of_id(&self, id: i64) -> Option<u32> {
         index_of(&self.categories, id, |category| category.id)
     }
 }

@@ -15,7 +15,7 @@ fn inclusive(box_px: BoxPx) -> BoxPx {
 /// Labels as Scalabel evaluates them: boxes one pixel wider and higher, their area, and what is
 /// ignored taken for a crowd.
 #[must_use]
-pub fn bdd_labels(labels: &LabelSet) -> LabelSet {
+pub(crate) fn bdd_labels(labels: &LabelSet) -> LabelSet {
     let mut labels = labels.clone();
     for object in &mut labels.objects {
         object.box_px = inclusive(object.box_px);
@@ -29,7 +29,7 @@ pub fn bdd_labels(labels: &LabelSet) -> LabelSet {
 
 /// Detections as Scalabel evaluates them: boxes one pixel wider and higher.
 #[must_use]
-pub fn bdd_detections(detections: &Detections) -> Detections {
+pub(crate) fn bdd_detections(detections: &Detections) -> Detections {
     let mut detections = detections.clone();
     for detection in &mut detections.items {
         detection.box_px = inclusive(detection.box_px);

@@ -367,7 +367,7 @@ impl CocoEvaluation {
 
     /// The mean of the highest recalls, likewise.
     #[must_use]
-    pub fn average_recall(
+    pub(crate) fn average_recall(
         &self,
         thresholds: &[usize],
         categories: &[usize],

@@ -197,7 +197,7 @@ fn recalls() -> impl Iterator<Item = f64> {
 /// The mean with the order of additions of `numpy.mean`, so that it is equal to the last bit:
 /// pairwise, with eight running sums up to 128 values. Nothing of no values.
 #[must_use]
-pub fn mean_in_numpy_order(values: &[f64]) -> Option<f64> {
+pub(crate) fn mean_in_numpy_order(values: &[f64]) -> Option<f64> {
     let n_values = u64::try_from(values.len()).ok().filter(|n| *n > 0)?;
     Some(pairwise_sum(values) / exact(n_values))
 }

@@ -6,13 +6,12 @@ mod curve;
 mod engine;
 mod kitti;
 
-pub(crate) use curve::exact;
+pub(crate) use bdd::{bdd_detections, bdd_labels};
+pub(crate) use curve::{exact, mean_in_numpy_order};
 
-pub use bdd::{bdd_detections, bdd_labels};
 pub use coco::{AreaRange, CocoEvaluation, CocoParams, evaluate_coco};
-pub use curve::{PrecisionCurve, RankedMatches, average_precision, mean_in_numpy_order};
+pub use curve::{PrecisionCurve, RankedMatches, average_precision};
 pub use engine::{MatchRule, Restriction, match_images};
 pub use kitti::{
-    KittiClass, KittiCurve, KittiDifficulty, KittiRanking, N_KITTI_RECALLS, evaluate_kitti,
-    rank_kitti,
+    KittiClass, KittiCurve, KittiDifficulty, KittiRanking, evaluate_kitti, rank_kitti,
 };

@@ -219,10 +219,4 @@ impl Coverages {
         let sizes = self.region_px.iter().flatten();
         sizes.filter(|size| **size == 0).count()
     }
-
-    /// The area of all regions, in millions of pixels.
-    #[must_use]
-    pub fn region_megapixels(&self) -> f64 {
-        exact(self.region_px.iter().flatten().sum()) / 1e6
-    }
 }

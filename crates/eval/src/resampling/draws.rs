@@ -146,7 +146,7 @@ impl Plan {
 
     /// In how many units these images are.
     #[must_use]
-    pub fn units_of(&self, images: impl IntoIterator<Item = u32>) -> u32 {
+    pub(crate) fn units_of(&self, images: impl IntoIterator<Item = u32>) -> u32 {
         let unit = |image: u32| self.unit_of_image.get(image as usize);
         let units: std::collections::BTreeSet<u32> =
             images.into_iter().filter_map(unit).copied().collect();

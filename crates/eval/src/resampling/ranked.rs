@@ -126,7 +126,7 @@ impl RankedCategory {
 
     /// The cells with objects to be found, in order.
     #[must_use]
-    pub fn cells_with_objects(&self) -> Vec<u32> {
+    pub(crate) fn cells_with_objects(&self) -> Vec<u32> {
         self.objects.iter().map(|(cell, _)| *cell).collect()
     }
 

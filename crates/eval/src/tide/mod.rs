@@ -56,7 +56,7 @@ pub enum ErrorKind {
 }
 
 /// All kinds, in the order of the paper.
-pub const ERROR_KINDS: [ErrorKind; 6] = [
+pub(crate) const ERROR_KINDS: [ErrorKind; 6] = [
     ErrorKind::Cls,
     ErrorKind::Loc,
     ErrorKind::Both,

@@ -60,7 +60,7 @@ impl ClassNames {
     /// # Errors
     ///
     /// [`EvalError::Model`] where it is something else, or the numbers do not run from 0.
-    pub fn from_python_dictionary(model: &str, text: &str) -> Result<Self, EvalError> {
+    pub(crate) fn from_python_dictionary(model: &str, text: &str) -> Result<Self, EvalError> {
         let wrong = || EvalError::Model {
             model: model.to_owned(),
             reason: format!(

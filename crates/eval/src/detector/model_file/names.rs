@@ -77,7 +77,7 @@ impl ModelFacts {
 
     /// Whether an operator is in it.
     #[must_use]
-    pub fn has_operator(&self, name: &str) -> bool {
+    pub(crate) fn has_operator(&self, name: &str) -> bool {
         self.operators.iter().any(|known| known == name)
     }
 

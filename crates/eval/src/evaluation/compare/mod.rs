@@ -5,7 +5,8 @@ mod pairs;
 mod precision;
 
 pub use compared::{Compared, compare_pair};
-pub use precision::{MIN_OBJECTS, SubsetAp, SubsetParams, subset_curves, subset_precision};
+pub(crate) use precision::MIN_OBJECTS;
+pub use precision::{SubsetAp, SubsetParams, subset_curves, subset_precision};
 
 use serde::{Deserialize, Serialize};
 
@@ -54,7 +55,7 @@ impl CompareParams {
 }
 
 /// Ends of the bins of coverage; 1 is in the last.
-pub const COVERAGE_BINS: [f64; 6] = [0.0, 0.05, 0.2, 0.4, 0.7, 1.0];
+pub(crate) const COVERAGE_BINS: [f64; 6] = [0.0, 0.05, 0.2, 0.4, 0.7, 1.0];
 
 /// A set of detections as a protocol sees it.
 #[derive(Debug, Clone)]

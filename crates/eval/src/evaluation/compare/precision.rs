@@ -7,7 +7,7 @@ use crate::{
 };
 
 /// Fewer objects than these, and there is no average precision.
-pub const MIN_OBJECTS: u64 = 20;
+pub(crate) const MIN_OBJECTS: u64 = 20;
 
 /// Average precision of one group in one subset.
 #[derive(Debug, Clone, PartialEq)]

@@ -14,7 +14,7 @@ use super::engine::Restriction;
 use crate::{EvalError, KittiDetections, KittiLabels};
 
 /// Recalls at which precision is read.
-pub const N_KITTI_RECALLS: usize = 41;
+pub(crate) const N_KITTI_RECALLS: usize = 41;
 
 /// The classes that the benchmark evaluates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

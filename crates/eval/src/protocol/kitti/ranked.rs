@@ -114,7 +114,7 @@ impl KittiRanking {
     /// Several sets of detections in the same frames as one: the cell of a frame in version `k` of
     /// `n` is `frame · n + k`.
     #[must_use]
-    pub fn crossed(versions: &[&Self]) -> Option<Self> {
+    pub(crate) fn crossed(versions: &[&Self]) -> Option<Self> {
         let n = u32::try_from(versions.len()).ok()?;
         let first = versions.first()?;
         let mut all = Self {
@@ -163,7 +163,7 @@ impl KittiRanking {
 
     /// The cells with objects to be found, in order.
     #[must_use]
-    pub fn cells_with_objects(&self) -> Vec<u32> {
+    pub(crate) fn cells_with_objects(&self) -> Vec<u32> {
         self.objects.iter().map(|(cell, _)| *cell).collect()
     }
 
