@@ -7,7 +7,7 @@ use crate::EvalError;
 use crate::json_record::refuse_file;
 
 /// Most categories: every one has its curves, and each may be taken for each other.
-pub(crate) const MOST_CATEGORIES: usize = 3000;
+const MOST_CATEGORIES: usize = 3000;
 
 /// Most objects of an image, and most detections: each is compared with each.
 const MOST_IN_IMAGE: u32 = 10_000;
