@@ -416,7 +416,7 @@ fn an_object_with_an_area_below_0_is_not_to_be_found_anywhere() {
         &params,
     );
     let found = found.unwrap();
-    let texts: Vec<&str> = found.warnings.iter().map(|one| one.text.as_str()).collect();
+    let texts: Vec<String> = found.warnings.iter().map(ToString::to_string).collect();
     assert!(
         texts
             .iter()

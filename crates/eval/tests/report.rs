@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use starbreak_eval::evaluation::{Estimate, Group, GroupKind, Study};
+use starbreak_eval::evaluation::{Estimate, Group, GroupKind, Study, Warning};
 use starbreak_eval::report::{csv, html, json, latex, numbers, read_json};
 
 #[path = "report/plausible.rs"]
@@ -31,7 +31,7 @@ fn hostile() -> Study {
         input.path = HOSTILE.to_owned();
     }
     for warning in &mut study.warnings {
-        warning.text = HOSTILE.to_owned();
+        *warning = Warning::Classes(HOSTILE.to_owned());
     }
     for set in study.divergence.iter_mut().flat_map(|one| &mut one.sets) {
         set.insert_str(0, HOSTILE);

@@ -177,10 +177,10 @@ fn say_numbers(study: &Study, screen: &Screen) {
     };
     for one in &study.evaluations {
         for warning in &one.warnings {
-            if warning.kind == WarningKind::SmallSample {
+            if warning.kind() == WarningKind::SmallSample {
                 screen.note(&format!(
-                    "warning: {}, {}: {}",
-                    one.detector, one.condition.name, warning.text
+                    "warning: {}, {}: {warning}",
+                    one.detector, one.condition.name
                 ));
             }
         }

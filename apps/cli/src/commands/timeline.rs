@@ -84,7 +84,7 @@ fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<()
         batch.commit()?;
     }
     for warning in &evaluation.warnings {
-        screen.note(&format!("warning: {}", warning.text));
+        screen.note(&format!("warning: {warning}"));
     }
     for clip in &evaluation.timelines {
         screen.say(&said(clip));

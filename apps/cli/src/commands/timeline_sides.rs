@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use starbreak_dataset::files_in;
-use starbreak_eval::evaluation::{ClipSide, Warning, WarningKind};
+use starbreak_eval::evaluation::{ClipSide, Warning};
 use starbreak_eval::{Detections, EvalError, GroundTruth, LabeledImage, SaidDetections, Unused};
 use starbreak_runs::evaluation::files_of;
 
@@ -45,12 +45,9 @@ pub(super) fn by_frame_of(
     if files_in(path, "txt").is_ok()
         && let Some((frames, first)) = frames.numbered_as(path)?
     {
-        warning = Some(Warning {
-            kind: WarningKind::Protocol,
-            text: format!(
-                "{}: the names of its files are taken as numbers of frames, counted from {first}",
-                path.display()
-            ),
+        warning = Some(Warning::NumberedFrames {
+            path: path.to_owned(),
+            first,
         });
         numbered = Some(frames);
     }

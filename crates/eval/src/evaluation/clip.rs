@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{PooledClips, Warning, WarningKind};
+use super::{PooledClips, Warning};
 use crate::timeline::{
     Change, FollowSettings, Frame, Timeline, TimelineSettings, change_after, timeline,
     track_detections, tracks_of,
@@ -242,30 +242,18 @@ impl TimelineResults {
     pub fn warnings(&self, pooled: Option<&PooledClips>) -> Vec<Warning> {
         let is_enough = pooled.is_some_and(PooledClips::is_enough);
         let mut warnings = Vec::new();
-        let mut add = |kind, text| warnings.push(Warning { kind, text });
-        let clip = &self.clip;
+        let clip = || self.clip.clone();
         if matches!(self.truth, TrackSource::CleanDetections { .. }) {
-            add(
-                WarningKind::Protocol,
-                format!(
-                    "clip {clip}: there are no labels, so that the objects are what the detector itself finds in the \
-                     clean clip, its errors included; what it misses clean is not counted, and the clean clip \
-                     finds all by its making, so it is no control"
-                ),
-            );
+            warnings.push(Warning::NoLabels { clip: clip() });
         }
         match &self.cracked.survival {
-            None => add(
-                WarningKind::Refused,
-                format!("clip {clip}: no damage begins in it, so there is no time to failure"),
-            ),
-            Some(survival) if survival.n < FEW_AT_RISK && !is_enough => add(
-                WarningKind::SmallSample,
-                format!(
-                    "clip {clip}: {} objects are at risk of being lost; take longer clips or several",
-                    survival.n
-                ),
-            ),
+            None => warnings.push(Warning::NoDamage { clip: clip() }),
+            Some(survival) if survival.n < FEW_AT_RISK && !is_enough => {
+                warnings.push(Warning::FewAtRisk {
+                    clip: clip(),
+                    n: survival.n.into(),
+                });
+            }
             Some(_) => {}
         }
         warnings

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Warning, WarningKind};
+use super::Warning;
 use crate::json_record::refuse_file;
 use crate::timeline::Frame;
 use crate::{Detections, EvalError, Unused};
@@ -51,19 +51,14 @@ pub fn check_sides(
             return Err(refuse_file(side.path, reason));
         }
     }
-    let missing = |text| Warning {
-        kind: WarningKind::Missing,
-        text,
-    };
     let spans = [&sides[0], &sides[1]].map(|side| span(side.detections, frames));
     for (side, span) in sides.iter().zip(spans) {
         if span.is_none() {
-            warnings.push(missing(format!(
-                "clip {clip}: there is no {} detection in any of its {} frames; if the detector has not looked at \
-                 them, all that follows is false",
-                side.name,
-                frames.len()
-            )));
+            warnings.push(Warning::NoDetections {
+                clip: clip.to_owned(),
+                side: side.name.to_owned(),
+                n_frames: frames.len().into(),
+            });
         }
     }
     let [Some(a), Some(b)] = spans else {
@@ -75,18 +70,23 @@ pub fn check_sides(
         let other_name = sides.iter().find(|it| it.name != side.name);
         let other_name = other_name.map_or("other", |it| it.name);
         if other[1] > own[1].saturating_add(stretch) {
-            warnings.push(missing(format!(
-                "clip {clip}: the {} detections end at frame {}, the {other_name} ones at {} of {last}; if the \
-                 detector was stopped there, objects count as lost that it never looked for",
-                side.name, own[1], other[1]
-            )));
+            warnings.push(Warning::DetectionsEndEarly {
+                clip: clip.to_owned(),
+                side: side.name.to_owned(),
+                end: own[1].into(),
+                other: other_name.to_owned(),
+                other_end: other[1].into(),
+                last: last.into(),
+            });
         }
         if own[0] > other[0].saturating_add(stretch) {
-            warnings.push(missing(format!(
-                "clip {clip}: the {} detections begin at frame {}, the {other_name} ones at {}; if the detector began \
-                 there, objects count as missed that it never looked for",
-                side.name, own[0], other[0]
-            )));
+            warnings.push(Warning::DetectionsBeginLate {
+                clip: clip.to_owned(),
+                side: side.name.to_owned(),
+                begin: own[0].into(),
+                other: other_name.to_owned(),
+                other_begin: other[0].into(),
+            });
         }
     }
     Ok(warnings)
@@ -104,12 +104,10 @@ pub fn check_end(clip: &str, frames: &[Frame], n_frames: u64) -> Option<Warning>
         .windows(2)
         .map(|pair| pair[1].frame_idx.saturating_sub(pair[0].frame_idx));
     let step = steps.max().unwrap_or(1);
-    (last.saturating_add(step) < n_frames).then(|| Warning {
-        kind: WarningKind::Missing,
-        text: format!(
-            "clip {clip}: the labels end at frame {last}, the clip has {n_frames} frames, counted from 0; if the track \
-             is that of a longer clip, all that follows is false, else objects are followed up to there"
-        ),
+    (last.saturating_add(step) < n_frames).then(|| Warning::LabelsEndEarly {
+        clip: clip.to_owned(),
+        last: last.into(),
+        n_frames: n_frames.into(),
     })
 }
 
@@ -125,14 +123,11 @@ fn categories(side: &ClipSide<'_>) -> Result<Option<Warning>, EvalError> {
         );
         return Err(refuse_file(side.path, reason));
     }
-    let n_all = unused.n_detections + side.n_read;
-    Ok(Some(Warning {
-        kind: WarningKind::LabelMap,
-        text: format!(
-            "{} of {n_all} {} detections are of categories that the labels lack, the first of {:?}; they count for \
-             nothing",
-            unused.n_detections, side.name, unused.first
-        ),
+    Ok(Some(Warning::UnknownCategories {
+        side: side.name.to_owned(),
+        n: unused.n_detections.into(),
+        n_all: (unused.n_detections + side.n_read).into(),
+        first: unused.first.clone(),
     }))
 }
 
@@ -158,7 +153,7 @@ mod tests {
                     state: None,
                 })
                 .collect();
-            check_end("a", &frames, n_frames).map(|warning| warning.text)
+            check_end("a", &frames, n_frames).map(|warning| warning.to_string())
         };
         let all: Vec<u64> = (0..30).collect();
         assert_eq!(ends(&all, 30), None, "all frames");

@@ -54,6 +54,13 @@ impl Estimate {
         }
     }
 
+    /// No number, since it would rest on fewer objects than the least that one is given of. How many there are
+    /// stands beside it in `n`, so that a table has one note for all.
+    #[must_use]
+    pub fn few(n: u64, least: u64) -> Self {
+        Self::refused(n, format!("fewer than {least} objects"))
+    }
+
     /// Both ends of the interval.
     #[must_use]
     pub fn interval(&self) -> Option<[f64; 2]> {

@@ -20,6 +20,7 @@ mod provenance;
 mod results;
 mod robustness;
 mod study;
+mod warning;
 mod worst;
 
 pub use clean::CleanResults;
@@ -44,6 +45,6 @@ pub use results::{
 };
 pub use study::{
     Condition, Counts, DivergenceResults, DivergenceTable, Evaluation, RobustnessRow, Study,
-    Warning, WarningKind,
 };
+pub use warning::{Span, Warning, WarningKind};
 pub use worst::{BoxRole, Change, ChangedObject, PicturePair, RoledBox, WorstFailure};

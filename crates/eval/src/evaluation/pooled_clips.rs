@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::clip::FEW_AT_RISK;
-use super::{TimelineResults, Warning, WarningKind};
+use super::{TimelineResults, Warning};
 use crate::EvalError;
 use crate::timeline::{Survival, Timeline, TrackFate, kaplan_meier, kaplan_meier_of_clusters};
 
@@ -137,27 +137,24 @@ impl PooledClips {
     #[must_use]
     pub fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Vec::new();
-        let mut add = |text| {
-            warnings.push(Warning {
-                kind: WarningKind::SmallSample,
-                text,
-            });
-        };
-        let n = self.n_clips;
+        let n_clips = self.n_clips.into();
         if !self.is_enough() {
-            add(format!(
-                "the {n} clips together: {} objects are at risk of being lost; take longer clips or more",
-                self.cracked.n
-            ));
+            warnings.push(Warning::FewAtRiskTogether {
+                n_clips,
+                n: self.cracked.n.into(),
+            });
         }
         match self.unit {
-            PooledUnit::Object => add(format!(
-                "the {n} clips together: fewer than {MIN_CLIPS} have objects at risk, so that intervals take objects \
-                 as independent; objects of one clip share its cracks, so that they come out too narrow"
-            )),
-            PooledUnit::Clip if n < FEW_CLIPS && self.has_interval() => add(format!(
-                "the {n} clips together: intervals are between clips; of fewer than {FEW_CLIPS} they come out too narrow"
-            )),
+            PooledUnit::Object => warnings.push(Warning::ObjectsAsIndependent {
+                n_clips,
+                least: MIN_CLIPS,
+            }),
+            PooledUnit::Clip if self.n_clips < FEW_CLIPS && self.has_interval() => {
+                warnings.push(Warning::FewClips {
+                    n_clips,
+                    few: FEW_CLIPS,
+                });
+            }
             PooledUnit::Clip => {}
         }
         warnings
@@ -186,7 +183,7 @@ mod tests {
             clean: curve.clone(),
             cracked: curve,
         };
-        let texts: Vec<String> = pooled.warnings().into_iter().map(|one| one.text).collect();
+        let texts: Vec<String> = pooled.warnings().iter().map(ToString::to_string).collect();
         texts.join("; ")
     }
 

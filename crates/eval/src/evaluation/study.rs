@@ -2,7 +2,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     ChangedObject, CleanResults, Estimate, FailureResults, OverSeeds, PairedMetric, PairedRow,
-    PooledClips, ProtocolResults, Provenance, Scope, TideErrors, TimelineResults, WorstFailure,
+    PooledClips, ProtocolResults, Provenance, Scope, TideErrors, TimelineResults, Warning,
+    WorstFailure,
 };
 use crate::SubsetRow;
 
@@ -156,31 +157,6 @@ pub struct Counts {
     /// Mean share of an image that the region covers, 0 to 1, over the images with a mask.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_region_share: Option<f64>,
-}
-
-/// Something that a reader must know before the numbers.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Warning {
-    /// What it is about.
-    pub kind: WarningKind,
-    /// In plain words, with the way out.
-    pub text: String,
-}
-
-/// What a warning is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum WarningKind {
-    /// The classes of the detector may not be those of the labels.
-    LabelMap,
-    /// There is little to count.
-    SmallSample,
-    /// Numbers are refused.
-    Refused,
-    /// Something is not as the protocol has it.
-    Protocol,
-    /// Files or images are missing.
-    Missing,
 }
 
 /// mPC and rPC of a detector: mean AP under corruption, and its share of the clean AP.

@@ -179,15 +179,9 @@ impl<'a> PrintedTable<'a> {
         let Some(why) = &estimate.refused else {
             return "--".to_owned();
         };
-        // How many there are stands in a column of its own.
-        let n_objects = format!("{} objects, ", estimate.n);
-        let why = match why.strip_prefix(&n_objects) {
-            Some(rest) => format!("too few objects ({rest})"),
-            None => why.clone(),
-        };
-        let place = self.reasons.iter().position(|known| *known == why);
+        let place = self.reasons.iter().position(|known| known == why);
         let place = place.unwrap_or_else(|| {
-            self.reasons.push(why);
+            self.reasons.push(why.clone());
             self.reasons.len() - 1
         });
         format!("--\\textsuperscript{{{}}}", place + 1)

@@ -9,7 +9,7 @@ use starbreak_eval::evaluation::{
     GroupAp, GroupKind, InputFile, KittiAp, LabelAudit, LabelVerdict, LogisticFit,
     NewFalsePositives, PairedMetric, PairedRow, PicturePair, ProtocolResults, Provenance,
     RobustnessRow, RoledBox, Scope, ScopeKind, Settings, ShiftRow, ShiftedLabel, Study, TideErrors,
-    TimelineResults, TrackSource, Versions, Warning, WarningKind, WorstFailure,
+    TimelineResults, TrackSource, Versions, Warning, WorstFailure,
 };
 use starbreak_eval::timeline::{
     Frame, GlassState, Sighting, TimelineSettings, Track, change_after, timeline,
@@ -376,10 +376,10 @@ pub(crate) fn evaluation(detector: &str, severity: u8) -> Evaluation {
             n_images_intact: Some(1),
             mean_region_share: Some(0.073 * strength),
         },
-        warnings: vec![Warning {
-            kind: WarningKind::SmallSample,
-            text: "5 classes have fewer than 20 objects in the region: their numbers are refused"
-                .to_owned(),
+        warnings: vec![Warning::FewObjectsOfClasses {
+            n: 5_u32.into(),
+            n_classes: 11_u32.into(),
+            few: 20,
         }],
         cracked: protocol(skill * (1.0 - 0.06 * strength)),
         paired: paired(strength, skill),
@@ -467,12 +467,11 @@ pub(crate) fn study(severities: &[u8]) -> Study {
             command: Some("starbreak study coco:coco96 --model yolox_nano.onnx -o study".to_owned()),
             recipe: Some("schema = 1\n[glass]\nkind = \"laminated\"\n".to_owned()),
         },
-        warnings: vec![Warning {
-            kind: WarningKind::LabelMap,
-            text: "FastestDet: classes shifted by +1 agree better with the labels (290 of 312 objects, as \
-                   they are 268); check the label map before you believe a number per class"
+        warnings: vec![Warning::Classes(
+            "FastestDet: classes shifted by +1 agree better with the labels (290 of 312 objects, as they are 268); \
+             check the label map before you believe a number per class"
                 .to_owned(),
-        }],
+        )],
         clean: ["YOLOX-nano", "FastestDet"].map(clean_results).to_vec(),
         evaluations,
         over_seeds: Vec::new(),

@@ -242,11 +242,7 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         clean: of_clean,
         cracked: compared.cracked,
         paired: compared.regions.map(|regions| regions.paired),
-        warnings: compared
-            .warnings
-            .into_iter()
-            .map(|warning| warning.text)
-            .collect(),
+        warnings: compared.warnings.iter().map(ToString::to_string).collect(),
         report,
         curves,
     })

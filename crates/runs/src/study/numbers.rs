@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use starbreak_eval::evaluation::{
     CleanResults, Condition as ReportedCondition, CrackedSet, DamageFacts, EvaluateInput,
     EvaluateSettings, Evaluation, ImageFolders, OverSeeds, Provenance, RobustnessRow, SeedsInput,
-    Study, Warning, WarningKind, clean_results, evaluate_with_coverages, over_seeds, robustness,
+    Study, Warning, clean_results, evaluate_with_coverages, over_seeds, robustness,
 };
 use starbreak_eval::{Coverages, GroundTruth, RegionMasks, SaidDetections, evaluate};
 
@@ -44,13 +44,9 @@ impl StudyPlan<'_> {
         }
         let mut warnings = Vec::new();
         if !unseen.is_empty() {
-            warnings.push(Warning {
-                kind: WarningKind::Missing,
-                text: format!(
-                    "{} of {} images could not be broken or looked at and count nowhere",
-                    unseen.len(),
-                    self.images.len()
-                ),
+            warnings.push(Warning::ImagesNotSeen {
+                n: unseen.len().into(),
+                n_images: self.images.len().into(),
             });
         }
         let mut study = Study {

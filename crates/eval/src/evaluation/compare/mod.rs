@@ -155,9 +155,7 @@ fn groups(
         let at = |iou: f64| -> Vec<usize> { coco.threshold(iou).into_iter().collect() };
         let figure = |thresholds: &[usize]| match thresholds.is_empty() {
             true => Estimate::refused(n, "not among the thresholds"),
-            false if is_few(&group, n) => {
-                Estimate::refused(n, format!("fewer than {} objects", params.min_objects))
-            }
+            false if is_few(&group, n) => Estimate::few(n, params.min_objects),
             false => match coco.average_precision(thresholds, categories, range, cap) {
                 Some(ap) => Estimate::of(ap, n),
                 None => Estimate::refused(n, "no objects"),
@@ -438,10 +436,7 @@ fn kitti_pairs(
         for metric in [PairedMetric::KittiAp11, PairedMetric::KittiAp40] {
             let is_11 = metric == PairedMetric::KittiAp11;
             let figure = |curve: &KittiCurve| match n < params.min_objects {
-                true => {
-                    let why = format!("{n} objects, fewer than {}", params.min_objects);
-                    Estimate::refused(n, why)
-                }
+                true => Estimate::few(n, params.min_objects),
                 false if is_11 => Estimate::of(curve.ap11() / 100.0, n),
                 false => Estimate::of(curve.ap40() / 100.0, n),
             };

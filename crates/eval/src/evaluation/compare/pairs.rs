@@ -1,7 +1,6 @@
 //! Whether clean and cracked detections are a pair.
 
-use crate::evaluation::{Warning, WarningKind};
-use crate::protocol::exact;
+use crate::evaluation::Warning;
 use crate::{EvalError, GroundTruth, KittiDetections, LabelSet, Object, SaidDetections};
 
 /// Objects that no range of areas holds.
@@ -9,15 +8,10 @@ fn areas_below_0(labels: &LabelSet) -> Option<Warning> {
     let is_below = |object: &&Object| object.area_px2 < 0.0;
     let mut objects = labels.objects.iter().filter(is_below);
     let first = objects.next()?;
-    Some(Warning {
-        kind: WarningKind::Protocol,
-        text: format!(
-            "{} objects have an area below 0 in the labels, the first is object {} with {} px²; as by the rules of \
-             MS-COCO they are in no range of areas and count nowhere; mend `area` if they are to count",
-            count_of(1 + objects.count()),
-            first.id,
-            first.area_px2
-        ),
+    Some(Warning::AreasBelowZero {
+        n: (1 + objects.count()).into(),
+        first_id: first.id,
+        first_area_px2: first.area_px2,
     })
 }
 
@@ -45,12 +39,9 @@ pub(super) fn check_pair(
     }
     let n_frames = frames(clean).map_or(truth.labels.images.len(), |images| images.len());
     if n_frames < truth.labels.images.len() {
-        warnings.push(Warning {
-            kind: WarningKind::Protocol,
-            text: format!(
-                "{n_frames} of {} labeled frames have a result file; as in KITTI's own program the others are not evaluated",
-                truth.labels.images.len()
-            ),
+        warnings.push(Warning::FramesWithoutResults {
+            n_frames: n_frames.into(),
+            n_labeled: truth.labels.images.len().into(),
         });
     }
     warnings.extend(areas_below_0(&truth.labels));
@@ -66,14 +57,11 @@ pub(super) fn check_pair(
                 unused.n_detections, unused.first
             )));
         }
-        let n_all = count_of(unused.n_detections + said.map_or(0, |s| s.detections.items.len()));
-        let share = exact(count_of(unused.n_detections)) / exact(n_all.max(1)) * 100.0;
-        warnings.push(Warning {
-            kind: WarningKind::LabelMap,
-            text: format!(
-                "{} {side} detections ({share:.0} %) are of categories that the labels lack, the first of {:?}; they count for nothing",
-                unused.n_detections, unused.first
-            ),
+        warnings.push(Warning::UnknownCategories {
+            side: side.to_owned(),
+            n: unused.n_detections.into(),
+            n_all: (unused.n_detections + n_known).into(),
+            first: unused.first.clone(),
         });
     }
     if let Some(cracked) = cracked {
@@ -107,15 +95,9 @@ fn one_sided(
             .count()
     };
     let (n_clean, n_cracked) = (count(true), count(false));
-    ((n_clean + n_cracked) * 5 > n_images).then(|| Warning {
-        kind: WarningKind::Missing,
-        text: format!(
-            "{n_clean} of {n_images} images have clean detections only and {n_cracked} cracked ones only; \
-             if a results file is not of all images, every difference is wrong: detect in all of them"
-        ),
+    ((n_clean + n_cracked) * 5 > n_images).then(|| Warning::OneSided {
+        n_clean: n_clean.into(),
+        n_cracked: n_cracked.into(),
+        n_images: n_images.into(),
     })
-}
-
-fn count_of(n: usize) -> u64 {
-    u64::try_from(n).unwrap_or(u64::MAX)
 }

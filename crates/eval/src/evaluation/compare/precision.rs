@@ -153,8 +153,7 @@ fn one_kind(
     let at = |iou: f64| -> Vec<usize> { evaluation.threshold(iou).into_iter().collect() };
     let figure = |thresholds: &[usize], categories: &[usize], n: u64| {
         if n < params.min_objects {
-            let why = format!("{n} objects, fewer than {}", params.min_objects);
-            return Estimate::refused(n, why);
+            return Estimate::few(n, params.min_objects);
         }
         match evaluation.average_precision(thresholds, categories, 0, 0) {
             Some(ap) => Estimate::of(ap, n),

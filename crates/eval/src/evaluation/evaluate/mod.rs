@@ -12,10 +12,7 @@ pub use seeds::{CrackedSet, SeedsInput, over_seeds};
 
 use std::path::Path;
 
-use super::{
-    CleanResults, Condition, DamageFacts, Estimate, Evaluation, ProtocolResults, Settings, Warning,
-    WarningKind,
-};
+use super::{CleanResults, Condition, DamageFacts, Evaluation, ProtocolResults, Settings, Warning};
 use crate::evaluation::compare::{compare_in_regions, cover};
 use crate::resampling::Plan;
 use crate::tide::TideSettings;
@@ -220,15 +217,6 @@ fn with_coverages(
         intervals::put_kitti(&mut evaluation.paired, truth, sides, coverages, settings)?;
     }
     let coverages = with_plain(input, &mut evaluation, coverages, regions)?;
-    for row in &mut evaluation.paired {
-        for estimate in [&mut row.clean, &mut row.cracked, &mut row.delta] {
-            say_alike(estimate);
-        }
-    }
-    for row in &mut evaluation.subsets {
-        say_alike(&mut row.clean_ap50);
-        row.cracked_ap50.iter_mut().for_each(say_alike);
-    }
     warnings.extend(small_samples(&evaluation, settings));
     warnings.extend(coverages.as_ref().and_then(small_damage));
     evaluation.warnings.extend(warnings);
@@ -260,10 +248,7 @@ pub fn clean_results(
     of_clean.tide = side_results::tide_errors(&plain.labels, found, TideSettings::default())?;
     let (audit, advice) = side_results::audit(&plain.labels, found)?;
     of_clean.label_audit = Some(audit);
-    of_clean.warnings.extend(advice.map(|text| Warning {
-        kind: WarningKind::LabelMap,
-        text,
-    }));
+    of_clean.warnings.extend(advice.map(Warning::Classes));
     Ok(of_clean)
 }
 
@@ -298,12 +283,10 @@ fn with_plain(
             true => "clips or drives",
             false => "images",
         };
-        evaluation.warnings.push(Warning {
-            kind: WarningKind::SmallSample,
-            text: format!(
-                "intervals are over {} {units}; over fewer than {FEW_UNITS} they come out too narrow",
-                plan.n_units()
-            ),
+        evaluation.warnings.push(Warning::FewUnits {
+            n: plan.n_units().into(),
+            units: units.to_owned(),
+            few: FEW_UNITS,
         });
     }
     evaluation.tide_cracked =
@@ -403,16 +386,6 @@ fn as_plain(
     Some((truth, clean, cracked))
 }
 
-/// The reason of a refused number without its n, which stands beside it: so that equal reasons are one
-/// note under a table.
-fn say_alike(estimate: &mut Estimate) {
-    let own = format!("{} objects, fewer than ", estimate.n);
-    let why = estimate.refused.as_ref();
-    if let Some(least) = why.and_then(|why| why.strip_prefix(&own)) {
-        estimate.refused = Some(format!("fewer than {least} objects"));
-    }
-}
-
 /// Coverages of images without any region.
 fn nothing_covered(labels: &LabelSet, sets: &[&SaidDetections]) -> Coverages {
     let of = |said: &&SaidDetections| vec![0.0; said.detections.items.len()];
@@ -436,14 +409,9 @@ fn small_damage(coverages: &Coverages) -> Option<Warning> {
         return None;
     }
     let median = 0.5 * (shares[(n - 1) / 2] + shares[n / 2]);
-    (median < SMALL_DAMAGE).then(|| Warning {
-        kind: WarningKind::SmallSample,
-        text: format!(
-            "the region is {:.1} % of an image in the median, less than {:.0} %: little can be lost. \
-             A higher severity has more, or a smaller glass.distance_m, or a larger impact.count",
-            100.0 * median,
-            100.0 * SMALL_DAMAGE
-        ),
+    (median < SMALL_DAMAGE).then(|| Warning::SmallDamage {
+        median_percent: (100.0 * median).into(),
+        small_percent: 100.0 * SMALL_DAMAGE,
     })
 }
 
@@ -455,14 +423,7 @@ fn small_samples(evaluation: &Evaluation, settings: &EvaluateSettings) -> Vec<Wa
     if let Some(n) = evaluation.counts.n_objects_in_region
         && n < few
     {
-        warnings.push(Warning {
-            kind: WarningKind::SmallSample,
-            text: format!(
-                "the region holds {n} objects, fewer than {few}: there is no number for it; take more \
-                 images, or more damage by a higher severity, a smaller glass.distance_m or a larger \
-                 impact.count"
-            ),
-        });
+        warnings.push(Warning::FewObjectsInRegion { n: n.into(), few });
     }
     let mut n_classes = 0_u32;
     let mut n_refused = 0_u32;
@@ -479,12 +440,10 @@ fn small_samples(evaluation: &Evaluation, settings: &EvaluateSettings) -> Vec<Wa
         }
     }
     if n_refused > 0 {
-        warnings.push(Warning {
-            kind: WarningKind::Refused,
-            text: format!(
-                "{n_refused} of {n_classes} classes in the region have too few objects for an AP of their \
-                 own (fewer than {few}); they count in the AP of all classes"
-            ),
+        warnings.push(Warning::FewObjectsOfClasses {
+            n: n_refused.into(),
+            n_classes: n_classes.into(),
+            few,
         });
     }
     warnings

@@ -96,7 +96,7 @@ fn class(all: &Plain<'_>, category: u32) -> String {
 fn unless_few(all: &Plain<'_>, measured: &Measured) -> Estimate {
     let least = all.settings.compare.min_objects;
     match measured.n < least {
-        true => Estimate::refused(measured.n, format!("fewer than {least} objects")),
+        true => Estimate::few(measured.n, least),
         false => estimate(measured),
     }
 }
