@@ -8,7 +8,7 @@ use crate::Failure;
 use crate::metadata::{Metadata, Package};
 
 /// Licences that ask for no more than to be named.
-const ALLOWED: [&str; 14] = [
+const ALLOWED: [&str; 16] = [
     "0BSD",
     "Apache-2.0",
     "Apache-2.0 WITH LLVM-exception",
@@ -20,6 +20,8 @@ const ALLOWED: [&str; 14] = [
     "ISC",
     "MIT",
     "MIT-0",
+    "OFL-1.1",
+    "Ubuntu-font-1.0",
     "Unicode-3.0",
     "Unlicense",
     "Zlib",

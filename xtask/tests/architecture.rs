@@ -75,11 +75,9 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     ("indicatif", SHELL, "libraries do not print"),
     ("pyo3", PYTHON, "libraries know no Python"),
     ("numpy", PYTHON, "libraries know no Python"),
-    (
-        "kuva",
-        &["starbreak-eval", "starbreak-cli"],
-        "plots are drawn for the report and by the command",
-    ),
+    ("ab_glyph", SHELL, "libraries draw no letters"),
+    ("ab_glyph_rasterizer", SHELL, "libraries draw no letters"),
+    ("epaint_default_fonts", SHELL, "libraries draw no letters"),
     (
         "hotcoco",
         &["starbreak-eval"],
@@ -695,7 +693,7 @@ mod each_rule_can_fail {
         for (name, used) in [
             ("starbreak", "clap"),
             ("starbreak-dataset", "indicatif"),
-            ("starbreak-optics", "kuva"),
+            ("starbreak-optics", "ab_glyph"),
             ("starbreak-fracture", "serde"),
             ("starbreak-optics", "png"),
             ("starbreak-glass", "svgtypes"),

@@ -8,6 +8,7 @@
 //! pixels, so that no metric can peek at the simulator.
 
 mod boxes;
+pub mod chart;
 mod detections;
 pub mod detector;
 mod error;

@@ -11,7 +11,7 @@ use starbreak::{Chain, FractureSettings, Recipe, Seed, Settings, Stopwatch, Timi
 use starbreak_dataset::street_scene;
 use starbreak_runs::with_threads;
 
-use super::{bench_optics, bench_physics, plot};
+use super::{bench_optics, bench_physics, plot, raster};
 use crate::args::{BenchModel, Global};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -100,11 +100,10 @@ pub(crate) fn run(
     }
     if is_asked(BenchModel::Paper) {
         let series = paper_series(global, request, &interrupt, screen)?;
-        let (svg, png) =
-            plot::timing_figure(&series_for_plot(&series)).map_err(Failure::wrong_input)?;
+        let figure = plot::timing_figure(&series_for_plot(&series));
         batch.stage(&request.output.join("bench.csv"), csv(&series).as_bytes())?;
-        batch.stage(&request.output.join("bench.svg"), svg.as_bytes())?;
-        batch.stage(&request.output.join("bench.png"), &png)?;
+        batch.stage(&request.output.join("bench.svg"), figure.svg().as_bytes())?;
+        batch.stage(&request.output.join("bench.png"), &raster::png(&figure)?)?;
         tables.push(table(&series));
         result["series"] = series.iter().map(series_json).collect();
     }

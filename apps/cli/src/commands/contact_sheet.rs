@@ -2,11 +2,9 @@
 
 use image::RgbImage;
 use image::imageops::{FilterType, replace, resize};
-use kuva::RasterBackend;
-use kuva::render::render::{Primitive, Scene, TextAnchor};
-use starbreak_dataset::{ImageLimits, decode_image};
+use starbreak_eval::chart::{Anchor, Shape};
 
-use crate::failure::Failure;
+use super::raster;
 
 /// Pictures wider than this are scaled down on the sheet, px.
 const CELL_PX: u32 = 640;
@@ -21,7 +19,7 @@ const GAP_PX: u32 = 12;
 const LINE_PX: u32 = 20;
 
 /// Size of text, px.
-const TEXT_PX: u32 = 14;
+const TEXT_PX: u32 = 13;
 
 /// Characters that fit the narrowest cell.
 const MOST_CHARACTERS: usize = 56;
@@ -51,7 +49,7 @@ impl Cell {
 }
 
 /// The sheet of some pictures, row by row, under a title.
-pub(super) fn contact_sheet(title: &str, cells: &[Cell]) -> Result<RgbImage, Failure> {
+pub(super) fn contact_sheet(title: &str, cells: &[Cell]) -> RgbImage {
     let sides = |of: &dyn Fn(&RgbImage) -> u32| cells.iter().map(|cell| of(&cell.picture)).max();
     let width = sides(&RgbImage::width).unwrap_or(0).max(LEAST_CELL_PX) + GAP_PX;
     let picture_height = sides(&RgbImage::height).unwrap_or(0);
@@ -64,8 +62,8 @@ pub(super) fn contact_sheet(title: &str, cells: &[Cell]) -> Result<RgbImage, Fai
         rows * height + LINE_PX + 2 * GAP_PX,
     );
 
-    let mut scene = Scene::new(f64::from(size.0), f64::from(size.1));
-    write(&mut scene, title, (GAP_PX, GAP_PX));
+    let mut sheet = RgbImage::from_pixel(size.0, size.1, [255; 3].into());
+    write(&mut sheet, title, (GAP_PX, GAP_PX));
     let place = |k: u32| {
         let (column, row) = (k % columns, k / columns);
         (GAP_PX + column * width, 2 * GAP_PX + LINE_PX + row * height)
@@ -74,19 +72,11 @@ pub(super) fn contact_sheet(title: &str, cells: &[Cell]) -> Result<RgbImage, Fai
         let (x, y) = place(k);
         for (line, text) in (0..).zip(&cell.caption) {
             let below = y + cell.picture.height() + line * LINE_PX;
-            write(&mut scene, text, (x, below));
+            write(&mut sheet, text, (x, below));
         }
-    }
-    let text = RasterBackend::new().with_scale(1.0).render_scene(&scene);
-    let text = text.map_err(Failure::wrong_input)?;
-    let mut sheet = decode_image("sheet", &text, &ImageLimits::default())?
-        .pixels
-        .into_rgb8();
-    for (k, cell) in (0..).zip(cells) {
-        let (x, y) = place(k);
         replace(&mut sheet, &cell.picture, i64::from(x), i64::from(y));
     }
-    Ok(sheet)
+    sheet
 }
 
 /// Cells in a row, so that the sheet has nearly the wanted shape.
@@ -101,7 +91,7 @@ fn columns(n_cells: u32, (width, height): (u32, u32)) -> u32 {
         .unwrap_or(1)
 }
 
-fn write(scene: &mut Scene, text: &str, (x, y): (u32, u32)) {
+fn write(sheet: &mut RgbImage, text: &str, (x, y): (u32, u32)) {
     let is_long = text.chars().count() > MOST_CHARACTERS;
     let content = if is_long {
         let short: String = text.chars().take(MOST_CHARACTERS - 1).collect();
@@ -109,15 +99,14 @@ fn write(scene: &mut Scene, text: &str, (x, y): (u32, u32)) {
     } else {
         text.to_owned()
     };
-    scene.add(Primitive::Text {
-        x: f64::from(x),
+    let words = Shape::Words {
         // The line that letters stand on.
-        y: f64::from(y + TEXT_PX),
-        content,
-        size: TEXT_PX,
-        anchor: TextAnchor::Start,
-        rotate: None,
-        bold: false,
-        color: None,
-    });
+        at: [x, y + TEXT_PX].map(f64::from),
+        text: content,
+        size_px: f64::from(TEXT_PX),
+        anchor: Anchor::Start,
+        turn_deg: 0.0,
+        color: "#000000".into(),
+    };
+    raster::draw(sheet, &words, 1.0);
 }

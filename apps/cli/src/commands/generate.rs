@@ -243,7 +243,7 @@ fn dry_run(global: &Global, plan: &Plan<'_>, screen: &Screen) -> Result<ExitCode
             plan.survey.n_selected,
             global.seed
         );
-        let sheet = encode_image(&contact_sheet(&title, &cells)?.into(), &Encoding::Png, None)?;
+        let sheet = encode_image(&contact_sheet(&title, &cells).into(), &Encoding::Png, None)?;
         let mut batch = global.batch();
         batch.stage(&sheet_path, &sheet)?;
         batch.commit()?;

@@ -17,6 +17,7 @@ mod overlay_bank;
 mod pattern_statistics;
 mod patterns;
 mod plot;
+mod raster;
 mod recipe;
 mod shell;
 mod simulate;

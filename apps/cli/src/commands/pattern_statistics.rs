@@ -3,16 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use kuva::prelude::{BarPlot, Figure, Histogram, Layout, Plot, PngBackend, SvgBackend};
 use serde_json::{Value, json};
 use starbreak::glass::{LengthUnit, Model};
+use starbreak_eval::chart::{Anchor, Axis, Drawing, PAPER, Plot};
 use starbreak_runs::bank::{BankReport, PatternRow};
 
 /// Color of the bars (Okabe and Ito).
 const COLOR: &str = "#0072b2";
-
-/// Pixels per user unit of the PNG.
-const PNG_SCALE: f32 = 2.0;
 
 /// Bins of a histogram, of few patterns and of many.
 const FEW_BINS: usize = 10;
@@ -133,76 +130,93 @@ pub(super) fn csv(report: &BankReport) -> String {
     text
 }
 
-/// Classes, area and density, as SVG text and as PNG bytes.
-pub(super) fn figure(statistics: &Statistics) -> Result<(String, Vec<u8>), String> {
-    let svg = SvgBackend::default().render_scene(&drawn(statistics).render());
-    let png = PngBackend::new()
-        .with_scale(PNG_SCALE)
-        .render_scene(&drawn(statistics).render())?;
-    Ok((svg, png))
+/// Size of a panel, and height of the title above them.
+const PANEL_PX: [f64; 2] = [400.0, 320.0];
+const TITLE_PX: f64 = 40.0;
+
+/// Classes, area and density.
+pub(super) fn figure(statistics: &Statistics) -> Drawing {
+    let density_label = match statistics.density_unit {
+        "m/m²" => "crack length over area of the pane, m/m²",
+        _ => "crack length over area of the pane, px/px²",
+    };
+    let panels = [
+        classes(&statistics.classes),
+        histogram(&statistics.areas, "cracks cover of the frame, %"),
+        histogram(&statistics.densities, density_label),
+    ];
+    let mut sheet = Drawing {
+        size_px: [3.0 * PANEL_PX[0], PANEL_PX[1] + TITLE_PX],
+        ..Drawing::default()
+    };
+    let (width, height) = statistics.n_frame;
+    let title = format!(
+        "{} patterns in frames of {width} × {height} px",
+        statistics.n
+    );
+    let middle = [0.5 * sheet.size_px[0], 26.0];
+    sheet.words(middle, &title, (16.0, Anchor::Middle, 0.0), PAPER.ink);
+    for (panel, x) in panels
+        .into_iter()
+        .zip([0.0, PANEL_PX[0], 2.0 * PANEL_PX[0]])
+    {
+        sheet.put(panel, [x, TITLE_PX]);
+    }
+    sheet
 }
 
-fn drawn(statistics: &Statistics) -> Figure {
-    let classes = BarPlot::new()
-        .with_bars(statistics.classes.iter().map(|(class, n)| {
-            #[expect(clippy::cast_precision_loss, reason = "a count")]
-            let n = *n as f64;
-            (class.replace('_', " "), n)
-        }))
-        .with_color(COLOR)
-        .with_width(if statistics.classes.len() < 3 {
-            0.4
-        } else {
-            0.7
-        });
-    let plots = [
-        (Plot::Bar(classes), "damage class"),
-        (histogram(&statistics.areas), "cracks cover of the frame, %"),
-        (
-            histogram(&statistics.densities),
-            match statistics.density_unit {
-                "m/m²" => "crack length over area of the pane, m/m²",
-                _ => "crack length over area of the pane, px/px²",
-            },
-        ),
-    ];
-    let (mut cells, mut layouts) = (Vec::new(), Vec::new());
-    for (plot, label) in plots {
-        let cell = vec![plot];
-        layouts.push(
-            Layout::auto_from_plots(&cell)
-                .with_x_label(label)
-                .with_y_label("patterns"),
-        );
-        cells.push(cell);
+/// Patterns of each class, as rows: their names are longer than bars are wide.
+fn classes(classes: &BTreeMap<String, usize>) -> Drawing {
+    let names: Vec<String> = classes
+        .keys()
+        .map(|class| class.replace('_', " "))
+        .collect();
+    let counts: Vec<f64> = classes.values().map(|n| count(*n)).collect();
+    let most = counts.iter().copied().fold(1.0, f64::max);
+    let y = Axis::of_names(&names);
+    let mut plot = Plot::new(
+        PANEL_PX,
+        Axis::of_counts([0.0, 1.05 * most], "patterns"),
+        y,
+        PAPER,
+    );
+    let half = if names.len() < 3 { 0.15 } else { 0.3 };
+    for (k, n) in counts.iter().enumerate() {
+        let row = plot.row(k);
+        plot.bar([0.0, row - half], [*n, row + half], COLOR, 1.0);
     }
-    let (width, height) = statistics.n_frame;
-    Figure::new(1, 3)
-        .with_title(format!(
-            "{} patterns in frames of {width} × {height} px",
-            statistics.n
-        ))
-        .with_cell_size(400.0, 320.0)
-        .with_plots(cells)
-        .with_layouts(layouts)
+    plot.finish()
 }
 
 /// Up to the value that 99.5 % are below, so that few large ones do not squeeze the rest; those
 /// count in the last bin.
-fn histogram(values: &[f64]) -> Plot {
+fn histogram(values: &[f64], label: &str) -> Drawing {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let at = (sorted.len().saturating_sub(1) * 199).div_ceil(200);
-    let most = sorted.get(at).copied().unwrap_or(0.0);
-    let most = round_above(most);
-    let clamped = values.iter().map(|value| value.min(most));
-    Plot::Histogram(
-        Histogram::new()
-            .with_data(clamped)
-            .with_range((0.0, most))
-            .with_bins(if values.len() < MANY { FEW_BINS } else { BINS })
-            .with_color(COLOR),
-    )
+    let most = round_above(sorted.get(at).copied().unwrap_or(0.0));
+    let n_bins = if values.len() < MANY { FEW_BINS } else { BINS };
+    let width = most / count(n_bins);
+    let mut bins = vec![0_usize; n_bins];
+    for value in &sorted {
+        let inside = (0..n_bins - 1).find(|k| *value < width * count(k + 1));
+        if let Some(bin) = bins.get_mut(inside.unwrap_or(n_bins - 1)) {
+            *bin += 1;
+        }
+    }
+    let highest = bins.iter().copied().map(count).fold(1.0, f64::max);
+    let y = Axis::of_counts([0.0, 1.05 * highest], "patterns");
+    let mut plot = Plot::new(PANEL_PX, Axis::of([0.0, most], label), y, PAPER);
+    for (k, n) in bins.iter().enumerate() {
+        let ends = [k, k + 1].map(|k| width * count(k));
+        let gap = 0.04 * width;
+        plot.bar([ends[0] + gap, 0.0], [ends[1] - gap, count(*n)], COLOR, 1.0);
+    }
+    plot.finish()
+}
+
+fn count(n: usize) -> f64 {
+    f64::from(u32::try_from(n).unwrap_or(u32::MAX))
 }
 
 /// The next number that is round, so that an axis up to it has round ticks.

@@ -13,6 +13,7 @@ use starbreak_runs::bank::{
 use starbreak_runs::{RunContext, with_threads};
 
 use super::pattern_statistics::{Statistics, csv, figure};
+use super::raster;
 use crate::args::Global;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -95,9 +96,9 @@ pub(crate) fn run(
         error => error.into(),
     })?;
     let statistics = Statistics::of(&draft.report);
-    let (svg, png) = figure(&statistics).map_err(Failure::wrong_input)?;
-    let texts = [csv(&draft.report), svg].map(String::into_bytes);
-    let bytes = texts.into_iter().chain([png]);
+    let figure = figure(&statistics);
+    let texts = [csv(&draft.report), figure.svg()].map(String::into_bytes);
+    let bytes = texts.into_iter().chain([raster::png(&figure)?]);
     let files: Vec<(PathBuf, Vec<u8>)> = paths.into_iter().zip(bytes).collect();
     interrupt.check()?;
     let report = draft.commit(&files)?;

@@ -1,51 +1,47 @@
 //! The timing figure: time per module over the number of particles, both axes logarithmic.
 
-use kuva::prelude::{Layout, LegendPosition, LinePlot, Plot};
-use kuva::{render_to_png, render_to_svg};
+use starbreak_eval::chart::{Anchor, Axis, Drawing, PAPER, Plot};
 
 use super::bench::Spread;
 
 /// Colors that stay apart for color-blind eyes (Okabe and Ito).
 const COLORS: [&str; 4] = ["#0072b2", "#009e73", "#d55e00", "#222222"];
 
-/// Pixels per user unit of the PNG.
-const PNG_SCALE: f32 = 2.0;
+/// Sizes of the plot, and of the sheet with title and key around it.
+const PLOT_PX: [f64; 2] = [680.0, 500.0];
+const SHEET_PX: [f64; 2] = [900.0, 540.0];
 
-/// The figure as SVG text and as PNG bytes: means as lines, minimum to maximum as bands.
-pub(super) fn timing_figure(
-    lines: &[(&'static str, Vec<(f64, Spread)>)],
-) -> Result<(String, Vec<u8>), String> {
-    let plots = || -> Vec<Plot> {
-        lines
-            .iter()
-            .zip(COLORS)
-            .map(|((name, points), color)| {
-                let line = LinePlot::new()
-                    .with_data(points.iter().map(|(n, spread)| (*n, spread.mean)))
-                    .with_color(color)
-                    .with_band(
-                        points.iter().map(|(_, spread)| spread.min),
-                        points.iter().map(|(_, spread)| spread.max),
-                    )
-                    .with_stroke_width(2.0)
-                    .with_legend(*name);
-                Plot::Line(line)
-            })
-            .collect()
+/// The figure: means as lines, minimum to maximum as bands.
+pub(super) fn timing_figure(lines: &[(&'static str, Vec<(f64, Spread)>)]) -> Drawing {
+    let all = || lines.iter().flat_map(|(_, points)| points);
+    let x = Axis::log(all().map(|(n, _)| *n), "particles");
+    let times = all().flat_map(|(_, spread)| [spread.min, spread.max]);
+    let y = Axis::log(times, "time, ms (mean, minimum to maximum)");
+    let mut plot = Plot::new(PLOT_PX, x, y, PAPER);
+    let mut sheet = Drawing {
+        size_px: SHEET_PX,
+        ..Drawing::default()
     };
-    let layout = |plots: &[Plot]| {
-        Layout::auto_from_plots(plots)
-            .with_title("Time per image over the number of particles (1242 × 375, one thread)")
-            .with_x_label("particles")
-            .with_y_label("time, ms (mean, minimum to maximum)")
-            .with_log_scale()
-            .with_width(900.0)
-            .with_height(540.0)
-            .with_legend_position(LegendPosition::OutsideRightTop)
-    };
-    let (first, second) = (plots(), plots());
-    let (svg_layout, png_layout) = (layout(&first), layout(&second));
-    let svg = render_to_svg(first, svg_layout);
-    let png = render_to_png(second, png_layout, PNG_SCALE).map_err(|cause| cause.to_string())?;
-    Ok((svg, png))
+    let title = "Time per image over the number of particles (1242 × 375, one thread)";
+    let middle = [0.5 * SHEET_PX[0], 26.0];
+    sheet.words(middle, title, (16.0, Anchor::Middle, 0.0), PAPER.ink);
+    let mut y = 60.0;
+    for ((name, points), color) in lines.iter().zip(COLORS) {
+        let lower = points.iter().map(|(n, spread)| [*n, spread.min]);
+        let upper = points.iter().rev().map(|(n, spread)| [*n, spread.max]);
+        plot.area(&lower.chain(upper).collect::<Vec<_>>(), color, 0.2);
+        let means: Vec<[f64; 2]> = points.iter().map(|(n, it)| [*n, it.mean]).collect();
+        plot.line(&means, color, 2.0, &[]);
+        let x = PLOT_PX[0];
+        sheet.line(&[[x, y], [x + 22.0, y]], color, 2.0, &[]);
+        sheet.words(
+            [x + 30.0, y + 4.5],
+            name,
+            (13.0, Anchor::Start, 0.0),
+            PAPER.ink,
+        );
+        y += 22.0;
+    }
+    sheet.put(plot.finish(), [0.0, 40.0]);
+    sheet
 }

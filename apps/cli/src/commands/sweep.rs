@@ -120,7 +120,7 @@ pub(crate) fn run(
     }
     progress.finish();
     let title = format!("{}, seed {}", job.name, global.seed);
-    let sheet = contact_sheet(&title, &cells)?;
+    let sheet = contact_sheet(&title, &cells);
     let sheet = encode_image(&sheet.into(), &Encoding::Png, None)?;
     batch.stage(&sheet_path, &sheet)?;
     batch.stage(&csv_path, csv(&key, &steps).as_bytes())?;

@@ -1,16 +1,17 @@
 //! The matrix of all pairs as a picture.
 
-use std::sync::Arc;
-
-use kuva::backend::svg::SvgBackend;
-use kuva::prelude::{ColorMap, Figure, Heatmap, Layout, Plot};
-
 use super::features::Feature;
 use super::report::{DivergenceReport, Measure};
+use crate::chart::{Anchor, Drawing, PAPER};
 
-/// Pixels of a cell, and of what stands around.
+/// Pixels of a cell, and of what stands left of the cells, above and below them.
 const CELL_PX: f64 = 70.0;
-const AROUND_PX: f64 = 220.0;
+const LEFT_PX: f64 = 150.0;
+const TOP_PX: f64 = 45.0;
+const BELOW_PX: f64 = 110.0;
+
+/// Height of the line above all panels.
+const TITLE_PX: f64 = 40.0;
 
 /// Longest name of a set in the picture.
 const LONGEST_NAME: usize = 18;
@@ -23,46 +24,90 @@ const COLUMNS: usize = 3;
 /// nothing.
 #[must_use]
 pub fn divergence_svg(report: &DivergenceReport) -> String {
-    let names: Vec<String> = report.sets.iter().map(|set| shortened(&set.name)).collect();
-    let features: Vec<Feature> = report
-        .pairs
-        .first()
-        .map(|pair| {
-            pair.features
-                .iter()
-                .map(|compared| compared.feature)
-                .collect()
-        })
-        .unwrap_or_default();
-    #[expect(clippy::cast_precision_loss, reason = "a number of sets")]
-    let side = AROUND_PX + CELL_PX * names.len() as f64;
-    let (mut plots, mut layouts) = (Vec::new(), Vec::new());
-    for feature in &features {
-        // The first row is drawn at the bottom: turned, so that it is on top.
-        let mut rows = matrix(report, *feature);
-        rows.reverse();
-        let heat = Heatmap::new()
-            .with_data(rows)
-            .with_color_map(ColorMap::Custom(Arc::new(shade)))
-            .with_values();
-        let panel = vec![Plot::Heatmap(heat)];
-        let mut turned = names.clone();
-        turned.reverse();
-        let layout = Layout::auto_from_plots(&panel)
-            .with_title(format!("{}: JS, millinats", feature.name()))
-            .with_x_categories(names.clone())
-            .with_y_categories(turned)
-            .with_x_tick_rotate(-30.0);
-        plots.push(panel);
-        layouts.push(layout);
+    let compared = report.pairs.first().map_or(&[][..], |pair| &pair.features);
+    let panels = compared.iter().map(|it| panel(report, it.feature));
+    let panels: Vec<Drawing> = panels.collect();
+    let [width, height] = panels.first().map_or([0.0; 2], |panel| panel.size_px);
+    let columns = COLUMNS.min(panels.len().max(1));
+    let n_rows = panels.len().div_ceil(columns).max(1);
+    let title = "Divergence of all pairs; on the diagonal: split-halves of one set";
+    let mut sheet = Drawing {
+        size_px: [
+            (width * float(columns)).max(560.0),
+            height * float(n_rows) + TITLE_PX,
+        ],
+        shapes: Vec::new(),
+    };
+    let middle = 0.5 * sheet.size_px[0];
+    sheet.words(
+        [middle, 26.0],
+        title,
+        (16.0, Anchor::Middle, 0.0),
+        PAPER.ink,
+    );
+    for (place, panel) in panels.into_iter().enumerate() {
+        let [row, column] = [place / columns, place % columns].map(float);
+        sheet.put(panel, [column * width, TITLE_PX + row * height]);
     }
-    let columns = COLUMNS.min(plots.len().max(1));
-    let figure = Figure::new(plots.len().div_ceil(columns).max(1), columns)
-        .with_plots(plots)
-        .with_layouts(layouts)
-        .with_cell_size(side, side)
-        .with_title("Divergence of all pairs; on the diagonal: split-halves of one set");
-    SvgBackend.render_scene(&figure.render())
+    sheet.svg()
+}
+
+/// The heat map of one feature.
+fn panel(report: &DivergenceReport, feature: Feature) -> Drawing {
+    let rows = matrix(report, feature);
+    let names: Vec<String> = report.sets.iter().map(|set| shortened(&set.name)).collect();
+    let side = CELL_PX * float(names.len());
+    let mut panel = Drawing {
+        size_px: [LEFT_PX + side + 20.0, TOP_PX + side + BELOW_PX],
+        shapes: Vec::new(),
+    };
+    let numbers = || rows.iter().flatten().filter(|value| value.is_finite());
+    let least = numbers().copied().fold(f64::INFINITY, f64::min);
+    let most = numbers().copied().fold(f64::NEG_INFINITY, f64::max);
+    let title = format!("{}: JS, millinats", feature.name());
+    let style = |size, anchor| (size, anchor, 0.0);
+    let middle = LEFT_PX + 0.5 * side;
+    panel.words(
+        [middle, 32.0],
+        &title,
+        style(14.0, Anchor::Middle),
+        PAPER.ink,
+    );
+    for (k, (row, name)) in rows.iter().zip(&names).enumerate() {
+        let y = TOP_PX + CELL_PX * float(k);
+        let at = [LEFT_PX - 8.0, y + 0.5 * CELL_PX + 4.0];
+        panel.words(at, name, style(12.0, Anchor::End), PAPER.ink);
+        let below = [LEFT_PX + CELL_PX * (float(k) + 0.5), TOP_PX + side + 16.0];
+        panel.words(below, name, (12.0, Anchor::End, -30.0), PAPER.ink);
+        for (column, value) in row
+            .iter()
+            .enumerate()
+            .filter(|(_, value)| value.is_finite())
+        {
+            let x = LEFT_PX + CELL_PX * float(column);
+            let (right, bottom) = (x + CELL_PX, y + CELL_PX);
+            let corners = [[x, y], [right, y], [right, bottom], [x, bottom]];
+            let share = (value - least) / (most - least).max(f64::MIN_POSITIVE);
+            panel.area(&corners, shade(share), 1.0);
+            let middle = [x + 0.5 * CELL_PX, y + 0.5 * CELL_PX + 4.0];
+            let text = format!("{value:.2}");
+            panel.words(middle, &text, style(12.0, Anchor::Middle), PAPER.ink);
+        }
+    }
+    let (right, bottom) = (LEFT_PX + side, TOP_PX + side);
+    let rim = [
+        [LEFT_PX, TOP_PX],
+        [right, TOP_PX],
+        [right, bottom],
+        [LEFT_PX, bottom],
+        [LEFT_PX, TOP_PX],
+    ];
+    panel.line(&rim, PAPER.axis, 1.0, &[]);
+    panel
+}
+
+fn float(n: usize) -> f64 {
+    f64::from(u32::try_from(n).unwrap_or(u32::MAX))
 }
 
 /// JS of all pairs, by rows; floors on the diagonal, NaN where there is no number.

@@ -14,6 +14,12 @@ pub struct Scope {
 }
 
 impl Scope {
+    /// Whether it is at this τ; so is each if one of both has none.
+    pub(crate) fn is_at(&self, tau: Option<f64>) -> bool {
+        let pair = self.tau.zip(tau);
+        pair.is_none_or(|(one, other)| (one - other).abs() < 1e-12)
+    }
+
     /// Everywhere.
     #[must_use]
     pub fn whole_image() -> Self {

@@ -25,12 +25,7 @@ const MAX_CONDITIONS: usize = 2;
 /// packages `booktabs` and `multirow`. Where a number is refused stands `--` with a footnote that says why.
 #[must_use]
 pub fn latex(study: &Study) -> String {
-    let mut detectors: Vec<&str> = Vec::new();
-    for one in &study.evaluations {
-        if !detectors.contains(&one.detector.as_str()) {
-            detectors.push(&one.detector);
-        }
-    }
+    let detectors = words::distinct(study.evaluations.iter().map(|one| &one.detector));
     let told = printed(study);
     let blocks = blocks(&told);
     let mut text = String::from("% Needs \\usepackage{booktabs} and \\usepackage{multirow}.\n");
@@ -255,12 +250,8 @@ impl<'a> PrintedTable<'a> {
 fn main_scope(study: &Study, evaluations: &[&[PairedRow]]) -> Option<Scope> {
     let tau = study.provenance.settings.tau;
     let scopes = || evaluations.iter().copied().flatten().map(|row| &row.scope);
-    let is_own = |scope: &&Scope| match (scope.tau, tau) {
-        (Some(one), Some(own)) => (one - own).abs() < 1e-12,
-        _ => true,
-    };
     scopes()
-        .find(|scope| scope.kind == ScopeKind::InRegion && is_own(scope))
+        .find(|scope| scope.kind == ScopeKind::InRegion && scope.is_at(tau))
         .or_else(|| scopes().next())
         .cloned()
 }

@@ -220,13 +220,9 @@ fn of_evaluation(
 /// Whether a row is among the numbers: groups only where they have one, in the region at the study's own τ and on
 /// whole images; at the other τ only the first metric of all classes.
 fn is_listed(scope: &Scope, group: &Group, has_number: bool, own_tau: Option<f64>) -> bool {
-    let is_own = match (scope.tau, own_tau) {
-        (Some(tau), Some(own)) => (tau - own).abs() < 1e-12,
-        _ => true,
-    };
     match group.kind {
         GroupKind::All => true,
-        _ => has_number && is_own && scope.kind != ScopeKind::OutOfRegion,
+        _ => has_number && scope.is_at(own_tau) && scope.kind != ScopeKind::OutOfRegion,
     }
 }
 
@@ -237,13 +233,9 @@ fn of_pairs(adder: &mut Adder<'_>, rows: &[PairedRow], own_tau: Option<f64>) {
             row.metric,
             PairedMetric::Ap50 | PairedMetric::KittiAp40 | PairedMetric::KittiAp11
         );
-        let is_of_region = match (row.scope.tau, own_tau) {
-            (Some(tau), Some(own)) => (tau - own).abs() < 1e-12,
-            _ => true,
-        };
         let is_all = row.group.kind == GroupKind::All;
         if !is_listed(&row.scope, &row.group, has_number, own_tau)
-            || !(is_first || is_all && is_of_region)
+            || !(is_first || is_all && row.scope.is_at(own_tau))
         {
             continue;
         }

@@ -122,6 +122,17 @@ pub(super) fn name(text: &str) -> String {
         .collect()
 }
 
+/// Each once, in the order in which they come first.
+pub(super) fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
+    let mut distinct = Vec::new();
+    for one in all {
+        if !distinct.contains(&one) {
+            distinct.push(one);
+        }
+    }
+    distinct
+}
+
 /// Where, in words.
 pub(super) fn scope(scope: &Scope) -> String {
     match (scope.kind, scope.tau) {

@@ -1,73 +1,62 @@
-//! Points with intervals in named rows: AP per class, clean above cracked.
+//! Named rows with a point and its interval, or a bar, per series: clean above cracked.
 
-use kuva::prelude::{MarkerShape, Plot, ScatterPlot, TickFormat};
-
-use super::{
-    Chart, ChartText, Ink, KeyEntry, count, finish, label, layout, letter_of, names_at_marks,
-};
-
-/// A point in a row.
-#[derive(Debug, Clone, Copy)]
-pub(in crate::report) struct RowPoint {
-    /// Which row, from the top.
-    pub(in crate::report) row: usize,
-    /// Where.
-    pub(in crate::report) value: f64,
-    /// Both ends of its interval.
-    pub(in crate::report) interval: Option<[f64; 2]>,
-}
-
-/// One series of points: its name, color, marker and points.
-pub(in crate::report) struct RowSeries<'a> {
-    pub(in crate::report) name: &'a str,
-    pub(in crate::report) ink: Ink,
-    pub(in crate::report) marker: MarkerShape,
-    pub(in crate::report) points: Vec<RowPoint>,
-}
+use super::{Chart, ChartText, Ink, PAGE, WIDTH, finish};
+use crate::chart::{Axis, Marker, Plot};
 
 /// Height of a row, of what stands above and below them.
 const ROW_HEIGHT: f64 = 34.0;
-const FRAME_HEIGHT: f64 = 110.0;
+const FRAME_HEIGHT: f64 = 80.0;
+
+/// Share of a row that all series take together: of bars, and of points, whose rows are told apart by the room
+/// between them.
+const USED_BY_BARS: f64 = 0.7;
+const USED_BY_POINTS: f64 = 0.4;
+
+/// One series of values, one per row.
+pub(in crate::report) struct RowSeries<'a> {
+    pub(in crate::report) name: &'a str,
+    pub(in crate::report) ink: Ink,
+    /// A bar without one.
+    pub(in crate::report) marker: Option<Marker>,
+    /// The values with their intervals.
+    pub(in crate::report) values: Vec<(f64, Option<[f64; 2]>)>,
+}
 
 /// A chart with one row per name.
 pub(in crate::report) fn row_chart(
     names: &[String],
     series: &[RowSeries<'_>],
-    (x, step): ((f64, f64), f64),
-    x_label: &str,
+    x: Axis,
     text: &ChartText<'_>,
 ) -> Chart {
-    let n_rows = count(names.len());
-    let spread = 0.34;
-    let n_series = count(series.len());
-    let plots = series.iter().enumerate().map(|(place, one)| {
-        let shift = spread * (count(place) + 0.5 - n_series / 2.0) / n_series.max(1.0) * 2.0;
-        let y = |point: &RowPoint| n_rows - count(point.row) - shift / 2.0;
-        let points = one.points.iter().map(|point| (point.value, y(point)));
-        let arms = one.points.iter().map(|point| match point.interval {
-            Some([low, high]) => ((point.value - low).max(0.0), (high - point.value).max(0.0)),
-            None => (0.0, 0.0),
-        });
-        Plot::Scatter(
-            ScatterPlot::new()
-                .with_data(points)
-                .with_x_err_asymmetric(arms)
-                .with_color(one.ink.css())
-                .with_marker(one.marker)
-                .with_size(4.5),
-        )
-    });
-    let mut labels: Vec<String> = names.iter().map(|name| label(name)).collect();
-    labels.reverse();
-    let height = ROW_HEIGHT * n_rows + FRAME_HEIGHT;
-    let layout = layout(x, (0.4, n_rows + 0.6), height)
-        .with_y_tick_step(1.0)
-        .with_y_tick_format(names_at_marks(labels))
-        .with_x_tick_step(step)
-        .with_x_tick_format(TickFormat::Auto)
-        .with_x_label(x_label);
-    let key = series
-        .iter()
-        .map(|one| KeyEntry::new(one.name, one.ink, letter_of(one.marker)));
-    finish(plots.collect(), layout, text, key.collect())
+    let y = Axis::of_names(names);
+    let count = |n: usize| f64::from(u32::try_from(n).unwrap_or(u32::MAX));
+    let height = ROW_HEIGHT * count(names.len()) + FRAME_HEIGHT;
+    let mut plot = Plot::new([WIDTH, height], x, y, PAGE);
+    let used = match series.iter().all(|one| one.marker.is_none()) {
+        true => USED_BY_BARS,
+        false => USED_BY_POINTS,
+    };
+    let share = used / count(series.len()).max(1.0);
+    let mut key = Vec::new();
+    for (place, one) in series.iter().enumerate() {
+        let shift = 0.5 * used - share * (count(place) + 0.5);
+        for (row, (value, interval)) in one.values.iter().enumerate() {
+            let y = plot.row(row) + shift;
+            let Some(marker) = one.marker else {
+                let half = 0.5 * share;
+                plot.bar([0.0, y - half], [*value, y + half], one.ink.css(), 1.0);
+                continue;
+            };
+            if let Some([low, high]) = *interval {
+                plot.interval([[low, y], [high, y]], one.ink.css());
+            }
+            plot.marker([*value, y], marker, one.ink.css());
+        }
+        key.push(
+            one.ink
+                .key(one.name, one.marker.unwrap_or(Marker::Square).letter()),
+        );
+    }
+    finish(plot, text, key)
 }

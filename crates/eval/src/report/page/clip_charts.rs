@@ -1,34 +1,20 @@
 //! Charts of a clip: what is found when, and how long objects stay found.
 
-use kuva::prelude::MarkerShape;
-
-use super::super::charts::{
-    Axis, ChartText, Curve, CurvePoint, CurveStyle, Ink, Mark, marked_curve_chart,
-};
+use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, Mark, curve_chart};
 use super::super::words;
-use super::failures::nice_step;
 use super::timeline::median_words;
 use super::{Block, Cell, Table};
+use crate::chart::Axis;
 use crate::evaluation::{Estimate, TimelineResults};
 use crate::timeline::{FrameRow, GlassState, Survival, Timeline, TrackFate};
 
 /// Most frames in a table.
 const MAX_FRAMES: usize = 400;
 
-fn point(x: f64, y: f64) -> CurvePoint {
-    CurvePoint {
-        x,
-        y,
-        interval: None,
-        words: None,
-    }
-}
-
 fn curve(name: &str, ink: Ink, style: CurveStyle, points: Vec<CurvePoint>) -> Curve<'_> {
     Curve {
         name,
         ink,
-        marker: MarkerShape::Circle,
         style,
         points,
     }
@@ -51,8 +37,10 @@ pub(super) fn time_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
     let points = |rows: &[FrameRow], of: fn(&FrameRow) -> u64| {
         let own = rows
             .iter()
-            .map(|row| point(row.time_s, words::as_number(of(row))));
-        let held = rows.last().map(|row| point(end, words::as_number(of(row))));
+            .map(|row| CurvePoint::at(row.time_s, words::as_number(of(row))));
+        let held = rows
+            .last()
+            .map(|row| CurvePoint::at(end, words::as_number(of(row))));
         own.chain(held).collect::<Vec<_>>()
     };
     // The later lie over the earlier, narrower and with gaps: where all three are equal, all are seen.
@@ -95,11 +83,11 @@ pub(super) fn time_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
     let name = words::name(&clip.clip);
     let top = words::as_number(most) * 1.15;
     let glass = glass_words(onset, &growing, step_s);
-    let chart = marked_curve_chart(
+    let chart = curve_chart(
         &curves,
         &marks,
-        ((first, end), nice_step(end - first), "time, s"),
-        ((0.0, top), nice_step(top).max(1.0), "objects"),
+        Axis::of([first, end], "time, s"),
+        Axis::of_counts([0.0, top], "objects"),
         &ChartText {
             id,
             title: &format!("Objects found over time in {name}"),
@@ -109,13 +97,11 @@ pub(super) fn time_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
             ),
         },
     );
-    Some(Block::Chart {
-        id: format!("fig-{id}"),
-        svg: chart.svg,
-        key: chart.key,
-        caption: format!("Objects found in each frame of {name}. {glass}"),
-        table: Some(frame_table(clip)),
-    })
+    Some(Block::chart(
+        chart,
+        format!("Objects found in each frame of {name}. {glass}"),
+        Some(frame_table(clip)),
+    ))
 }
 
 /// When the glass breaks, in words.
@@ -144,16 +130,7 @@ fn frame_table(clip: &TimelineResults) -> Table {
     };
     let mut table = Table::new(
         &format!("{which}, {}.", clip.clip),
-        &[
-            ("Frame", true),
-            ("Time, s", true),
-            ("Glass", false),
-            ("Objects", true),
-            ("Found clean", true),
-            ("Found cracked", true),
-            ("Mean score clean", true),
-            ("Mean score cracked", true),
-        ],
+        "#Frame|#Time, s|Glass|#Objects|#Found clean|#Found cracked|#Mean score clean|#Mean score cracked",
     );
     let pairs = clip.clean.frames.iter().zip(&clip.cracked.frames);
     for (clean, cracked) in pairs.step_by(every) {
@@ -193,16 +170,16 @@ fn steps(
     mut end_s: f64,
     of: impl Fn(&crate::timeline::SurvivalStep) -> Option<f64>,
 ) -> Vec<CurvePoint> {
-    let mut points = vec![point(0.0, 100.0)];
+    let mut points = vec![CurvePoint::at(0.0, 100.0)];
     for step in &survival.steps {
         let Some(share) = of(step) else {
             end_s = step.time_s;
             break;
         };
-        points.push(point(step.time_s, share * 100.0));
+        points.push(CurvePoint::at(step.time_s, share * 100.0));
     }
     if let Some(last) = points.last().map(|last| last.y) {
-        points.push(point(end_s, last));
+        points.push(CurvePoint::at(end_s, last));
     }
     points
 }
@@ -275,13 +252,12 @@ impl<'a> Curves<'a> {
             }
         }
         let of = &self.of;
-        let x: Axis<'_> = ((0.0, end_s), nice_step(end_s), "time after the damage, s");
         let median = median_words(cracked, self.level);
-        let chart = marked_curve_chart(
+        let chart = curve_chart(
             &curves,
             &[],
-            x,
-            ((0.0, 105.0), 20.0, "objects not lost, %"),
+            Axis::of([0.0, end_s], "time after the damage, s"),
+            Axis::of([0.0, 105.0], "objects not lost, %"),
             &ChartText {
                 id: &format!("{id}-survival"),
                 title: &format!("Objects not yet lost over the time after the damage in {of}"),
@@ -292,11 +268,9 @@ impl<'a> Curves<'a> {
                 ),
             },
         );
-        Some(Block::Chart {
-            id: format!("fig-{id}-survival"),
-            svg: chart.svg,
-            key: chart.key,
-            caption: format!(
+        Some(Block::chart(
+            chart,
+            format!(
                 "Share of the objects of {of} that are not yet lost (Kaplan and Meier). At risk are the {} objects \
                  that the clean clip shows just after the damage; {} are lost cracked, {} clean. Median time to \
                  failure, cracked: {median}.",
@@ -304,8 +278,8 @@ impl<'a> Curves<'a> {
                 words::count(cracked.n_lost),
                 words::count(clean.n_lost),
             ),
-            table: Some(self.table()),
-        })
+            Some(self.table()),
+        ))
     }
 
     fn table(&self) -> Table {
@@ -314,13 +288,7 @@ impl<'a> Curves<'a> {
                 "Objects of {} lost over the time after the damage.",
                 self.of
             ),
-            &[
-                ("Clip", false),
-                ("Time, s", true),
-                ("At risk", true),
-                ("Lost", true),
-                ("Not lost, %", true),
-            ],
+            "Clip|#Time, s|#At risk|#Lost|#Not lost, %",
         );
         for (name, survival) in [("cracked", self.cracked), ("clean", self.clean)] {
             if survival.steps.is_empty() {

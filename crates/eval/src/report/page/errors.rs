@@ -1,9 +1,9 @@
 //! Which kinds of errors cost how much, and whether the classes are the right ones.
 
-use super::super::charts::{ChartText, bar_chart};
+use super::super::charts::{ChartText, Ink, RowSeries, row_chart};
 use super::super::words;
-use super::failures::nice_step;
 use super::{Block, Cell, Section, Table};
+use crate::chart::Axis;
 use crate::evaluation::{Evaluation, LabelAudit, LabelVerdict, Study, TideErrors};
 
 pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Block> {
@@ -11,10 +11,10 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
     let of_clean = study.clean_of(&evaluation.detector);
     let clean = of_clean.and_then(|one| one.tide.as_ref());
     if let (Some(clean), Some(cracked)) = (clean, &evaluation.tide_cracked) {
-        blocks.push(Block::Heading {
-            id: format!("{id}-errors"),
-            text: "Kinds of errors".to_owned(),
-        });
+        blocks.push(Block::heading(
+            format!("{id}-errors"),
+            "Kinds of errors".to_owned(),
+        ));
         blocks.push(tide_chart(clean, cracked, id));
     }
     blocks
@@ -27,20 +27,16 @@ pub(super) fn classes_section(study: &Study) -> Option<Section> {
         let Some(audit) = &one.label_audit else {
             continue;
         };
-        blocks.push(Block::Heading {
-            id: format!("classes-{place}"),
-            text: words::name(&one.detector),
-        });
-        blocks.push(Block::Text {
-            text: audit_text(audit),
-        });
+        blocks.push(Block::heading(
+            format!("classes-{place}"),
+            words::name(&one.detector),
+        ));
+        blocks.push(Block::text(audit_text(audit)));
         if !audit.disagreements.is_empty() {
-            blocks.push(Block::Fold {
-                title: "Objects that are found as another class".to_owned(),
-                blocks: vec![Block::Table {
-                    table: audit_table(audit),
-                }],
-            });
+            blocks.push(Block::fold(
+                "Objects that are found as another class",
+                vec![Block::table(audit_table(audit))],
+            ));
         }
     }
     (!blocks.is_empty()).then(|| Section {
@@ -66,15 +62,9 @@ fn of(errors: &TideErrors) -> [(&'static str, f64); 8] {
 fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
     let mut table = Table::new(
         "What AP50 would gain if the errors of a kind were mended, points of percent.",
-        &[
-            ("Kind", false),
-            ("Clean", true),
-            ("Cracked", true),
-            ("Difference", true),
-        ],
+        "Kind|#Clean|#Cracked|#Difference",
     );
-    let mut rows = Vec::new();
-    let mut end = 0.0_f64;
+    let mut end = 1.0_f64;
     for ((name, clean), (_, cracked)) in of(clean).into_iter().zip(of(cracked)) {
         table.push(vec![
             Cell::head(name),
@@ -83,26 +73,31 @@ fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
             Cell::number(Some(cracked - clean), words::signed_percent),
         ]);
         end = end.max(clean * 100.0).max(cracked * 100.0);
-        rows.push((name.to_owned(), [clean * 100.0, cracked * 100.0]));
     }
-    let step = nice_step(end);
-    let end = ((end / step).ceil() * step).max(step);
+    let names = of(clean).map(|(name, _)| name.to_owned());
+    let series = |name, ink, errors| RowSeries {
+        name,
+        ink,
+        marker: None,
+        values: of(errors).map(|(_, gain)| (gain * 100.0, None)).to_vec(),
+    };
     let chart_id = format!("{id}-tide-chart");
-    let chart = bar_chart(
-        &rows,
-        (end, step),
-        "gain of AP50, points",
+    let chart = row_chart(
+        &names,
+        &[
+            series("clean (upper bar)", Ink::Clean, clean),
+            series("cracked (lower bar)", Ink::Cracked, cracked),
+        ],
+        Axis::up_to(end, "gain of AP50, points"),
         &ChartText {
             id: &chart_id,
             title: "Gain of AP50 by kind of error, clean and cracked",
             description: "Two bars per kind of error; the table has the numbers.",
         },
     );
-    Block::Chart {
-        id: format!("fig-{chart_id}"),
-        svg: chart.svg,
-        key: chart.key,
-        caption: format!(
+    Block::chart(
+        chart,
+        format!(
             "Error types after TIDE, whole images: what TIDE's own AP50 ({} clean, {} cracked) would gain if \
              the errors of a kind were mended. It is not the AP50 of the other tables: TIDE counts classes \
              that are detected without having any object as 0, and keeps 100 detections per image over all \
@@ -110,8 +105,8 @@ fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
             words::percent(clean.ap50),
             words::percent(cracked.ap50)
         ),
-        table: Some(table),
-    }
+        Some(table),
+    )
 }
 
 fn audit_text(audit: &LabelAudit) -> String {
@@ -139,7 +134,7 @@ fn audit_text(audit: &LabelAudit) -> String {
 fn audit_table(audit: &LabelAudit) -> Table {
     let mut table = Table::new(
         "The commonest disagreements between labels and detections, clean images.",
-        &[("Labeled", false), ("Found as", false), ("How often", true)],
+        "Labeled|Found as|#How often",
     );
     for row in audit.disagreements.iter().take(20) {
         table.push(vec![

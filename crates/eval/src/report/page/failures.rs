@@ -1,14 +1,13 @@
 //! What is lost, over what dose, what appears, what shifts.
 
-use kuva::prelude::MarkerShape;
-
 use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
 use super::super::words;
-use super::overview::{is_own_tau, unit, units};
+use super::overview::{unit, units};
 use super::precision::group_name;
 use super::{Block, Cell, Table};
+use crate::chart::{Axis, Marker};
 use crate::evaluation::{
-    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, GroupKind, LogisticFit, Scope,
+    DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, GroupKind, LogisticFit,
     ScopeKind, Study,
 };
 
@@ -21,50 +20,38 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
     };
     let settings = &study.provenance.settings;
     let mut blocks = vec![
-        Block::Heading {
-            id: format!("{id}-failures"),
-            text: "What fails".to_owned(),
-        },
-        Block::Text {
-            text: format!(
-                "An object counts as found if a detection of its class with a score of at least {} \
+        Block::heading(format!("{id}-failures"), "What fails".to_owned()),
+        Block::text(format!(
+            "An object counts as found if a detection of its class with a score of at least {} \
                  overlaps it by an IoU of at least {}.",
-                settings.score_threshold, settings.iou_threshold
-            ),
-        },
+            settings.score_threshold, settings.iou_threshold
+        )),
     ];
     blocks.extend(rate_blocks(study, &failures.rates));
     for (place, dose) in failures.dose_responses.iter().enumerate() {
         blocks.extend(dose_chart(dose, &format!("{id}-dose{place}")));
     }
-    blocks.extend(new_table(failures).map(|table| Block::Table { table }));
-    blocks.extend(shift_table(study, failures).map(|table| Block::Table { table }));
-    blocks.extend(flip_table(study, failures).map(|table| Block::Table { table }));
+    blocks.extend(new_table(failures).map(Block::table));
+    blocks.extend(shift_table(study, failures).map(Block::table));
+    blocks.extend(flip_table(study, failures).map(Block::table));
     blocks
 }
 
 /// All classes everywhere, then the groups in the region, and folded away the same elsewhere.
 fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
-    let mut scopes: Vec<&Scope> = Vec::new();
-    for row in rates {
-        if !scopes.contains(&&row.scope) {
-            scopes.push(&row.scope);
-        }
-    }
+    let scopes = words::distinct(rates.iter().map(|row| &row.scope));
     let all = rates.iter().filter(|row| row.group.kind == GroupKind::All);
-    let mut blocks = vec![Block::Table {
-        table: rate_table(
-            &format!(
-                "All classes, in the region and outside of it: lost and recovered objects, with 95 % intervals by \
+    let mut blocks = vec![Block::table(rate_table(
+        &format!(
+            "All classes, in the region and outside of it: lost and recovered objects, with 95 % intervals by \
                  the variance between {units}; p of lost against recovered, by exchange of clean and cracked \
                  {unit} by {unit}, and corrected by Holm's method over the conditions of the study.",
-                units = units(study),
-                unit = unit(study),
-            ),
-            &["Where"],
-            all.map(|row| (vec![words::scope(&row.scope)], row)),
+            units = units(study),
+            unit = unit(study),
         ),
-    }];
+        "Where",
+        all.map(|row| (vec![words::scope(&row.scope)], row)),
+    ))];
     for scope in scopes {
         let groups: Vec<&FailureRow> = rates
             .iter()
@@ -81,44 +68,33 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
         );
         let table = rate_table(
             &caption,
-            &["Class"],
+            "Class",
             groups
                 .into_iter()
                 .map(|row| (vec![group_name(&row.group)], row)),
         );
-        let is_main = scope.kind == ScopeKind::InRegion && is_own_tau(study, scope.tau);
+        let is_main =
+            scope.kind == ScopeKind::InRegion && scope.is_at(study.provenance.settings.tau);
         blocks.push(match is_main {
-            true => Block::Table { table },
-            false => Block::Fold {
-                title: format!("Failure rates per class {place}"),
-                blocks: vec![Block::Table { table }],
-            },
+            true => Block::table(table),
+            false => Block::fold(
+                format!("Failure rates per class {place}"),
+                vec![Block::table(table)],
+            ),
         });
     }
     blocks
 }
 
-/// What is lost and recovered. Each row says what it is about in as many cells as `about` has heads.
+/// What is lost and recovered. Each row says what it is about in as many cells as `about` has headings.
 pub(super) fn rate_table<'a>(
     caption: &str,
-    about: &[&'static str],
+    about: &str,
     rows: impl Iterator<Item = (Vec<String>, &'a FailureRow)>,
 ) -> Table {
-    let counted = [
-        "Objects",
-        "Found clean",
-        "Found cracked",
-        "Lost",
-        "Recovered",
-        "Failure rate, %",
-        "p",
-        "p (Holm)",
-    ];
-    let columns: Vec<(&'static str, bool)> = about
-        .iter()
-        .map(|head| (*head, false))
-        .chain(counted.map(|head| (head, true)))
-        .collect();
+    let columns = format!(
+        "{about}|#Objects|#Found clean|#Found cracked|#Lost|#Recovered|#Failure rate, %|#p|#p (Holm)"
+    );
     let mut table = Table::new(caption, &columns);
     for (names, row) in rows {
         let rate = table.estimate(&row.failure_rate, words::percent);
@@ -148,12 +124,10 @@ fn three_digits(value: f64) -> String {
 fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
     let fact = words::name(&dose.fact);
     if let Some(note) = &dose.note {
-        return Some(Block::Text {
-            text: format!(
-                "Failure rate over {fact}: no chart, since {}.",
-                words::name(note)
-            ),
-        });
+        return Some(Block::text(format!(
+            "Failure rate over {fact}: no chart, since {}.",
+            words::name(note)
+        )));
     }
     let unit = match dose.unit.as_str() {
         "" => String::new(),
@@ -161,14 +135,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
     };
     let mut table = Table::new(
         &format!("Lost over {fact}: objects found clean, by rising {fact}."),
-        &[
-            ("From", true),
-            ("To", true),
-            ("Mean", true),
-            ("Found clean", true),
-            ("Lost", true),
-            ("Failure rate, %", true),
-        ],
+        "#From|#To|#Mean|#Found clean|#Lost|#Failure rate, %",
     );
     let mut points = Vec::new();
     // The last bin may be long and have its objects near its beginning.
@@ -199,9 +166,9 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
             true => "no bin has enough objects",
             false => "it is 0 for all objects found clean",
         };
-        return Some(Block::Text {
-            text: format!("Failure rate over {fact}: no chart, since {why}."),
-        });
+        return Some(Block::text(format!(
+            "Failure rate over {fact}: no chart, since {why}."
+        )));
     }
     let name = "lost of those found clean, with 95 % intervals";
     let mut curves = Vec::new();
@@ -209,7 +176,6 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         curves.push(Curve {
             name: "logistic fit",
             ink: Ink::Third,
-            marker: MarkerShape::Circle,
             style: CurveStyle::Dashed,
             points: fit_points(fit, end),
         });
@@ -217,18 +183,14 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
     curves.push(Curve {
         name,
         ink: Ink::Cracked,
-        marker: MarkerShape::Diamond,
-        style: CurveStyle::Points,
+        style: CurveStyle::Points(Marker::Diamond),
         points,
     });
     let chart = curve_chart(
         &curves,
-        (
-            (0.0, end),
-            nice_step(end),
-            &format!("{fact} of the object{unit}"),
-        ),
-        ((0.0, 118.0), 20.0, "failure rate, %"),
+        &[],
+        Axis::of([0.0, end], &format!("{fact} of the object{unit}")),
+        Axis::of([0.0, 118.0], "failure rate, %"),
         &ChartText {
             id,
             title: &format!("Failure rate over {fact}"),
@@ -236,16 +198,14 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
                           how many objects each rests on.",
         },
     );
-    Some(Block::Chart {
-        id: format!("fig-{id}"),
-        svg: chart.svg,
-        key: chart.key,
-        caption: format!(
+    Some(Block::chart(
+        chart,
+        format!(
             "Share of the objects found clean that is lost, over {fact}{unit}.{}",
             dose.fit.as_ref().map_or(String::new(), fit_text)
         ),
-        table: Some(table),
-    })
+        Some(table),
+    ))
 }
 
 fn fit_text(fit: &LogisticFit) -> String {
@@ -274,31 +234,9 @@ fn fit_points(fit: &LogisticFit, end: f64) -> Vec<CurvePoint> {
     };
     let at = |place: u32| {
         let x = end * f64::from(place) / f64::from(N_CURVE_POINTS);
-        CurvePoint {
-            x,
-            y: 100.0 / (1.0 + (-(fit.intercept + slope * x)).exp()),
-            interval: None,
-            words: None,
-        }
+        CurvePoint::at(x, 100.0 / (1.0 + (-(fit.intercept + slope * x)).exp()))
     };
     (0..=N_CURVE_POINTS).map(at).collect()
-}
-
-/// The distance of marks on an axis from 0 to `end`: 1, 2 or 5 times a power of ten, about five of
-/// them.
-pub(super) fn nice_step(end: f64) -> f64 {
-    let rough = end / 5.0;
-    if !rough.is_finite() || rough <= 0.0 {
-        return 1.0;
-    }
-    let power = 10.0_f64.powf(rough.log10().floor());
-    let factor = match rough / power {
-        f if f < 1.5 => 1.0,
-        f if f < 3.5 => 2.0,
-        f if f < 7.5 => 5.0,
-        _ => 10.0,
-    };
-    factor * power
 }
 
 fn new_table(failures: &FailureResults) -> Option<Table> {
@@ -307,14 +245,7 @@ fn new_table(failures: &FailureResults) -> Option<Table> {
     }
     let mut table = Table::new(
         "False positives, and those among the cracked ones that no clean detection overlaps by half.",
-        &[
-            ("Where", false),
-            ("Clean", true),
-            ("Cracked", true),
-            ("New", true),
-            ("Area, Mpx", true),
-            ("New per Mpx", true),
-        ],
+        "Where|#Clean|#Cracked|#New|#Area, Mpx|#New per Mpx",
     );
     for row in &failures.new_false_positives {
         let rate = table.estimate(&row.new_per_mpx, |v| words::decimal(v, 2));
@@ -345,7 +276,7 @@ fn shift_table(study: &Study, failures: &FailureResults) -> Option<Table> {
         .shifts
         .iter()
         .filter(|row| is_shown(row.group.kind, &row.score))
-        .filter(|row| is_own_tau(study, row.scope.tau))
+        .filter(|row| row.scope.is_at(study.provenance.settings.tau))
         .collect();
     if rows.is_empty() {
         return None;
@@ -356,15 +287,7 @@ fn shift_table(study: &Study, failures: &FailureResults) -> Option<Table> {
              clean), with 95 % intervals and p by the variance between {}; p corrected by Holm's method.",
             units(study)
         ),
-        &[
-            ("Class", false),
-            ("Where", false),
-            ("Pairs", true),
-            ("Score", true),
-            ("p", true),
-            ("IoU", true),
-            ("p", true),
-        ],
+        "Class|Where|#Pairs|#Score|#p|#IoU|#p",
     );
     for row in rows {
         let score = table.estimate(&row.score, signed_three_digits);
@@ -388,16 +311,10 @@ fn flip_table(study: &Study, failures: &FailureResults) -> Option<Table> {
     }
     let mut table = Table::new(
         "Objects found clean as what they are, and cracked as something else.",
-        &[
-            ("Where", false),
-            ("Found clean", true),
-            ("Flipped", true),
-            ("Rate, %", true),
-            ("Commonest", false),
-        ],
+        "Where|#Found clean|#Flipped|#Rate, %|Commonest",
     );
     let of_tau = failures.flips.iter();
-    for row in of_tau.filter(|row| is_own_tau(study, row.scope.tau)) {
+    for row in of_tau.filter(|row| row.scope.is_at(study.provenance.settings.tau)) {
         let commonest: Vec<String> = row
             .commonest
             .iter()
@@ -417,23 +334,4 @@ fn flip_table(study: &Study, failures: &FailureResults) -> Option<Table> {
         ]);
     }
     Some(table)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::nice_step;
-
-    #[test]
-    fn marks_stand_at_round_numbers() {
-        for (end, step) in [
-            (1.0, 0.2),
-            (0.37, 0.05),
-            (7.0, 1.0),
-            (48.0, 10.0),
-            (0.0, 1.0),
-        ] {
-            let found = nice_step(end);
-            assert!((found - step).abs() < 1e-12, "up to {end}: {found}");
-        }
-    }
 }

@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use crate::evaluation::{Evaluation, Study};
 
-use super::charts::KeyEntry;
+use super::charts::{Chart, KeyEntry};
 use super::conditions::pool_of;
 use super::words;
 pub(super) use table::{Cell, Table};
@@ -75,6 +75,36 @@ pub(super) enum Block {
     Pictures { pairs: Vec<pictures::Pair> },
     /// Text as it is, with its line breaks.
     Verbatim { title: String, text: String },
+}
+
+impl Block {
+    fn table(table: Table) -> Self {
+        Self::Table { table }
+    }
+
+    fn heading(id: String, text: impl Into<String>) -> Self {
+        let text = text.into();
+        Self::Heading { id, text }
+    }
+
+    fn text(text: impl Into<String>) -> Self {
+        Self::Text { text: text.into() }
+    }
+
+    fn fold(title: impl Into<String>, blocks: Vec<Self>) -> Self {
+        let title = title.into();
+        Self::Fold { title, blocks }
+    }
+
+    fn chart(chart: Chart, caption: impl Into<String>, table: Option<Table>) -> Self {
+        Self::Chart {
+            id: format!("fig-{}", chart.id),
+            svg: chart.svg,
+            key: chart.key,
+            caption: caption.into(),
+            table,
+        }
+    }
 }
 
 /// A word and what it means.

@@ -18,18 +18,15 @@ pub(super) fn section(study: &Study, one: &OverSeeds, id: &str) -> Section {
         units(study)
     );
     let mut blocks = paired_blocks(study, &one.paired, &text, id);
-    blocks.push(Block::Heading {
-        id: format!("{id}-failures"),
-        text: "What fails".to_owned(),
-    });
-    blocks.push(Block::Table { table: rates(one) });
+    blocks.push(Block::heading(
+        format!("{id}-failures"),
+        "What fails".to_owned(),
+    ));
+    blocks.push(Block::table(rates(one)));
     let title = words::name(&format!("{} · {}", one.detector, one.condition.name));
     Section {
         id: id.to_owned(),
-        blocks: vec![Block::Fold {
-            title: format!("All numbers of {title}"),
-            blocks,
-        }],
+        blocks: vec![Block::fold(format!("All numbers of {title}"), blocks)],
         title,
     }
 }
@@ -42,7 +39,7 @@ fn rates(one: &OverSeeds) -> Table {
     rate_table(
         "Lost of the objects found clean, over all seeds; p of lost against recovered, alone and corrected by \
          Holm's method. 95 % intervals in brackets.",
-        &["Where", "Class"],
+        "Where|Class",
         one.rates
             .iter()
             .filter(is_shown)

@@ -1,11 +1,10 @@
 //! What all evaluations of a study say together.
 
-use kuva::prelude::MarkerShape;
-
 use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
 use super::super::conditions::{Summed, summed};
 use super::super::words;
 use super::{Block, Cell, Section, Table};
+use crate::chart::{Axis, Marker};
 use crate::evaluation::{FailureRow, GroupKind, PairedMetric, PairedRow, ScopeKind, Study};
 
 /// The row that sums up: all classes, of the given place and metric, at the study's own τ.
@@ -19,7 +18,7 @@ pub(super) fn headline<'a>(
         row.scope.kind == kind
             && row.metric == metric
             && row.group.kind == GroupKind::All
-            && is_own_tau(study, row.scope.tau)
+            && row.scope.is_at(study.provenance.settings.tau)
     };
     one.paired.iter().find(is_it)
 }
@@ -33,29 +32,14 @@ pub(super) fn headline_failure<'a>(
     one.rates.iter().find(|row| {
         row.scope.kind == kind
             && row.group.kind == GroupKind::All
-            && is_own_tau(study, row.scope.tau)
+            && row.scope.is_at(study.provenance.settings.tau)
     })
 }
 
-/// Whether a number is at the τ that the study settled on, or at none.
-pub(super) fn is_own_tau(study: &Study, tau: Option<f64>) -> bool {
-    match (tau, study.provenance.settings.tau) {
-        (Some(one), Some(own)) => (one - own).abs() < 1e-12,
-        _ => true,
-    }
-}
-
 pub(super) fn subtitle(study: &Study) -> String {
-    let mut detectors: Vec<&str> = Vec::new();
-    let mut conditions: Vec<&str> = Vec::new();
-    for one in &study.evaluations {
-        if !detectors.contains(&one.detector.as_str()) {
-            detectors.push(&one.detector);
-        }
-        if !conditions.contains(&one.condition.name.as_str()) {
-            conditions.push(&one.condition.name);
-        }
-    }
+    let all = study.evaluations.iter();
+    let detectors = words::distinct(all.clone().map(|one| &one.detector));
+    let conditions = words::distinct(all.map(|one| &one.condition.name));
     let n_images = study.evaluations.first().map_or(0, |e| e.counts.n_images);
     let n_objects = study.evaluations.first().map_or(0, |e| e.counts.n_objects);
     words::name(&format!(
@@ -137,12 +121,7 @@ pub(super) fn facts(study: &Study) -> Vec<String> {
 
 /// The same of many conditions: from which to which value, per detector.
 fn facts_of_many(study: &Study, all: &[Summed<'_>]) -> Vec<String> {
-    let mut detectors: Vec<&str> = Vec::new();
-    for one in all {
-        if !detectors.contains(&one.detector) {
-            detectors.push(one.detector);
-        }
-    }
+    let detectors = words::distinct(all.iter().map(|one| one.detector));
     let fact = |detector: &&str| {
         let of_detector: Vec<&Summed<'_>> =
             all.iter().filter(|one| one.detector == *detector).collect();
@@ -214,20 +193,16 @@ fn span(values: &[f64]) -> Option<[f64; 2]> {
 
 pub(super) fn section(study: &Study) -> Section {
     let all = summed(study);
-    let mut blocks = vec![Block::Table {
-        table: overview_table(study, &all),
-    }];
+    let mut blocks = vec![Block::table(overview_table(study, &all))];
     if all.iter().any(|one| one.n_seeds > 1) {
         let singles: Vec<Summed<'_>> = study.evaluations.iter().map(Summed::of).collect();
-        blocks.push(Block::Fold {
-            title: "Each seed on its own".to_owned(),
-            blocks: vec![Block::Table {
-                table: overview_table(study, &singles),
-            }],
-        });
+        blocks.push(Block::fold(
+            "Each seed on its own",
+            vec![Block::table(overview_table(study, &singles))],
+        ));
     }
     blocks.extend(severity_chart(study));
-    blocks.extend(robustness_table(study).map(|table| Block::Table { table }));
+    blocks.extend(robustness_table(study).map(Block::table));
     Section {
         id: "overview".to_owned(),
         title: "Overview".to_owned(),
@@ -240,17 +215,7 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
         "All detectors and conditions: AP50 of all classes in the region, clean and cracked, and how \
          many objects that were found clean are lost, in the region and outside of it. Percent; 95 % \
          intervals in brackets.",
-        &[
-            ("Detector", false),
-            ("Condition", false),
-            ("Objects in region", true),
-            ("AP50 clean", true),
-            ("AP50 cracked", true),
-            ("Difference", true),
-            ("p (Holm)", true),
-            ("Lost in region", true),
-            ("Lost outside", true),
-        ],
+        "Detector|Condition|#Objects in region|#AP50 clean|#AP50 cracked|#Difference|#p (Holm)|#Lost in region|#Lost outside",
     );
     for one in all {
         let paired = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)
@@ -268,13 +233,10 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
                 row.push(table.estimate(&paired.delta, words::signed_percent));
                 row.push(Cell::probability(paired.p_holm));
             }
-            None => row.extend([(); 5].map(|()| Cell::text(words::NOTHING))),
+            None => row.extend([(); 5].map(|()| Cell::nothing())),
         }
         for kind in [ScopeKind::InRegion, ScopeKind::OutOfRegion] {
-            row.push(match failure(kind) {
-                Some(rate) => table.estimate(rate, words::percent),
-                None => Cell::text(words::NOTHING),
-            });
+            row.push(table.estimate(failure(kind), words::percent));
         }
         table.push(row);
     }
@@ -298,24 +260,12 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
 /// AP50 in the region over the severity, a curve per detector and family.
 fn severity_chart(study: &Study) -> Option<Block> {
     let all = summed(study);
-    let mut names: Vec<(String, String)> = Vec::new();
-    for one in &all {
-        let key = (
-            one.detector.to_owned(),
-            one.condition.family.clone().unwrap_or_default(),
-        );
-        if one.condition.severity.is_some() && !names.contains(&key) {
-            names.push(key);
-        }
-    }
+    let family = |one: &Summed<'_>| one.condition.family.clone().unwrap_or_default();
+    let severe = all.iter().filter(|one| one.condition.severity.is_some());
+    let names = words::distinct(severe.map(|one| (one.detector, family(one))));
     let mut table = Table::new(
         "AP50 in the region over the severity, mean over the seeds, percent.",
-        &[
-            ("Curve", false),
-            ("Severity", true),
-            ("Seeds", true),
-            ("AP50 cracked", true),
-        ],
+        "Curve|#Severity|#Seeds|#AP50 cracked",
     );
     let mut curves = Vec::new();
     let titles: Vec<String> = names
@@ -324,13 +274,11 @@ fn severity_chart(study: &Study) -> Option<Block> {
             words::name(format!("{detector}, {family}").trim_end_matches(", "))
         })
         .collect();
-    for (place, ((detector, family), title)) in names.iter().zip(&titles).enumerate() {
+    for (place, (name, title)) in names.iter().zip(&titles).enumerate() {
         let mut points = Vec::new();
         for severity in 1..=5_u8 {
             let at_severity = all.iter().find(|one| {
-                one.detector == detector
-                    && one.condition.family.clone().unwrap_or_default() == *family
-                    && one.condition.severity == Some(severity)
+                (one.detector, family(one)) == *name && one.condition.severity == Some(severity)
             });
             let Some((n_seeds, row)) = at_severity.and_then(|one| {
                 let row = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)?;
@@ -360,15 +308,16 @@ fn severity_chart(study: &Study) -> Option<Block> {
             });
         }
         let markers = [
-            MarkerShape::Circle,
-            MarkerShape::Diamond,
-            MarkerShape::Square,
+            Marker::Circle,
+            Marker::Diamond,
+            Marker::Square,
+            Marker::Triangle,
         ];
+        let marker = markers.get((place + place / 8) % 4).copied();
         curves.push(Curve {
             name: title,
             ink: Ink::of_series(place),
-            marker: *markers.get(place % 3).unwrap_or(&MarkerShape::Circle),
-            style: CurveStyle::JoinedPoints,
+            style: CurveStyle::JoinedPoints(marker.unwrap_or(Marker::Circle)),
             points,
         });
     }
@@ -378,24 +327,21 @@ fn severity_chart(study: &Study) -> Option<Block> {
     }
     let chart = curve_chart(
         &curves,
-        ((0.5, 5.5), 1.0, "severity"),
-        ((0.0, 100.0), 20.0, "AP50 in the region, %"),
+        &[],
+        Axis::of([0.5, 5.5], "severity"),
+        Axis::of([0.0, 100.0], "AP50 in the region, %"),
         &ChartText {
             id: "severities",
             title: "AP50 in the region over the severity of the cracks",
             description: "One curve per detector and family of cracks; the table below has the numbers.",
         },
     );
-    Some(Block::Chart {
-        id: "fig-severities".to_owned(),
-        svg: chart.svg,
-        key: chart.key,
-        caption:
-            "AP50 of all classes in the region over the severity of the cracks. The region grows \
-                  with the severity, so that each point has objects of its own."
-                .to_owned(),
-        table: Some(table),
-    })
+    Some(Block::chart(
+        chart,
+        "AP50 of all classes in the region over the severity of the cracks. The region grows \
+                  with the severity, so that each point has objects of its own.",
+        Some(table),
+    ))
 }
 
 fn robustness_table(study: &Study) -> Option<Table> {
@@ -405,14 +351,7 @@ fn robustness_table(study: &Study) -> Option<Table> {
     let mut table = Table::new(
         "Robustness over all conditions: mean performance under corruption (mPC) and its share of the \
          clean performance (rPC). Percent; 95 % intervals in brackets, of AP50 and AP75.",
-        &[
-            ("Detector", false),
-            ("Where", false),
-            ("Metric", false),
-            ("Clean", true),
-            ("mPC", true),
-            ("rPC", true),
-        ],
+        "Detector|Where|Metric|#Clean|#mPC|#rPC",
     );
     for row in &study.robustness {
         let cells = vec![

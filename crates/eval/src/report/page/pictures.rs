@@ -61,18 +61,14 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
         return Vec::new();
     }
     vec![
-        Block::Heading {
-            id: format!("{id}-worst"),
-            text: "Worst failures".to_owned(),
-        },
-        Block::Text {
-            text: "The images in which most objects found clean are lost, clean and cracked; lost objects \
+        Block::heading(format!("{id}-worst"), "Worst failures".to_owned()),
+        Block::text(
+            "The images in which most objects found clean are lost, clean and cracked; lost objects \
                    count wherever they are, and the line below says how much of each the region covers. \
                    Solid frames: found in both. Thick frames with a dark edge: lost. Dashed frames: not \
                    found in either. Dotted frames: new false positives, detections that match no label and \
-                   that no clean detection overlaps."
-                .to_owned(),
-        },
+                   that no clean detection overlaps.",
+        ),
         Block::Pictures { pairs },
     ]
 }

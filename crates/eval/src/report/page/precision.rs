@@ -1,11 +1,9 @@
 //! AP: paired in and out of the region, on whole images, by the protocol's own table.
 
-use kuva::prelude::MarkerShape;
-
-use super::super::charts::{ChartText, Ink, RowPoint, RowSeries, row_chart};
+use super::super::charts::{ChartText, Ink, RowSeries, row_chart};
 use super::super::words;
-use super::overview::is_own_tau;
 use super::{Block, Cell, Table};
+use crate::chart::{Axis, Marker};
 use crate::evaluation::{
     Evaluation, Group, GroupKind, PairedMetric, PairedRow, ProtocolResults, Scope, ScopeKind, Study,
 };
@@ -31,17 +29,21 @@ const COCO_STATS: [&str; 12] = [
 
 pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Block> {
     let mut blocks = paired_blocks(study, &evaluation.paired, &region_text(evaluation), id);
-    blocks.extend(subset_table(evaluation).map(|table| Block::Fold {
-        title: "By coverage, and by size in the region".to_owned(),
-        blocks: vec![Block::Table { table }],
+    blocks.extend(subset_table(evaluation).map(|table| {
+        Block::fold(
+            "By coverage, and by size in the region",
+            vec![Block::table(table)],
+        )
     }));
     let clean = study.clean_of(&evaluation.detector).map(|one| &one.results);
     if let Some(clean) = clean {
-        blocks.extend(coco_table(clean, evaluation).map(|table| Block::Fold {
-            title: "The twelve numbers of MS-COCO, whole images".to_owned(),
-            blocks: vec![Block::Table { table }],
+        blocks.extend(coco_table(clean, evaluation).map(|table| {
+            Block::fold(
+                "The twelve numbers of MS-COCO, whole images",
+                vec![Block::table(table)],
+            )
         }));
-        blocks.extend(kitti_table(clean, evaluation).map(|table| Block::Table { table }));
+        blocks.extend(kitti_table(clean, evaluation).map(Block::table));
     }
     blocks
 }
@@ -54,34 +56,26 @@ pub(super) fn paired_blocks(
     id: &str,
 ) -> Vec<Block> {
     let mut blocks = Vec::new();
-    let mut scopes: Vec<&Scope> = Vec::new();
-    for row in paired {
-        if !scopes.contains(&&row.scope) {
-            scopes.push(&row.scope);
-        }
-    }
+    let own = study.provenance.settings.tau;
+    let mut scopes = words::distinct(paired.iter().map(|row| &row.scope));
     if !scopes.is_empty() {
-        blocks.push(Block::Heading {
-            id: format!("{id}-ap"),
-            text: "Average precision, paired".to_owned(),
-        });
-        blocks.push(Block::Text {
-            text: words_first.to_owned(),
-        });
+        blocks.push(Block::heading(
+            format!("{id}-ap"),
+            "Average precision, paired".to_owned(),
+        ));
+        blocks.push(Block::text(words_first));
     }
     let main = scopes
         .iter()
-        .find(|scope| scope.kind == ScopeKind::InRegion && is_own_tau(study, scope.tau))
+        .find(|scope| scope.kind == ScopeKind::InRegion && scope.is_at(own))
         .or_else(|| scopes.first())
         .copied();
     if let Some(main) = main {
         blocks.extend(chart(paired, main, id));
-        blocks.push(Block::Table {
-            table: paired_table(paired, main),
-        });
+        blocks.push(Block::table(paired_table(paired, main)));
     }
     // The control first, then everything, then other thresholds.
-    let rank = |scope: &Scope| match (scope.kind, is_own_tau(study, scope.tau)) {
+    let rank = |scope: &Scope| match (scope.kind, scope.is_at(own)) {
         (ScopeKind::OutOfRegion, true) => 0,
         (ScopeKind::WholeImage, _) => 1,
         _ => 2,
@@ -91,12 +85,10 @@ pub(super) fn paired_blocks(
         if Some(scope) == main {
             continue;
         }
-        blocks.push(Block::Fold {
-            title: format!("Average precision, {}", words::scope(scope)),
-            blocks: vec![Block::Table {
-                table: paired_table(paired, scope),
-            }],
-        });
+        blocks.push(Block::fold(
+            format!("Average precision, {}", words::scope(scope)),
+            vec![Block::table(paired_table(paired, scope))],
+        ));
     }
     blocks
 }
@@ -184,26 +176,21 @@ fn chart(paired: &[PairedRow], scope: &Scope, id: &str) -> Option<Block> {
     }
     let names: Vec<String> = rows.iter().map(|row| group_name(&row.group)).collect();
     let series = |name, ink, marker, of: fn(&PairedRow) -> &crate::evaluation::Estimate| {
-        let points = rows.iter().enumerate().filter_map(|(row, pair)| {
+        let values = rows.iter().filter_map(|pair| {
             let estimate = of(pair);
-            Some(RowPoint {
-                row,
-                value: estimate.value? * 100.0,
-                interval: estimate.interval().map(|ends| ends.map(|end| end * 100.0)),
-            })
+            let ends = estimate.interval().map(|ends| ends.map(|end| end * 100.0));
+            Some((estimate.value? * 100.0, ends))
         });
         RowSeries {
             name,
             ink,
-            marker,
-            points: points.collect(),
+            marker: Some(marker),
+            values: values.collect(),
         }
     };
     let series = [
-        series("clean", Ink::Clean, MarkerShape::Circle, |row| &row.clean),
-        series("cracked", Ink::Cracked, MarkerShape::Diamond, |row| {
-            &row.cracked
-        }),
+        series("clean", Ink::Clean, Marker::Circle, |row| &row.clean),
+        series("cracked", Ink::Cracked, Marker::Diamond, |row| &row.cracked),
     ];
     let metric = words::metric(metric);
     let place = words::scope(scope);
@@ -211,24 +198,21 @@ fn chart(paired: &[PairedRow], scope: &Scope, id: &str) -> Option<Block> {
     let chart = row_chart(
         &names,
         &series,
-        ((0.0, 100.0), 20.0),
-        &format!("{metric}, %"),
+        Axis::of([0.0, 100.0], &format!("{metric}, %")),
         &ChartText {
             id: &chart_id,
             title: &format!("{metric} {place}, clean and cracked, with 95 % intervals"),
             description: "One row per group of classes; the table that follows has the numbers.",
         },
     );
-    Some(Block::Chart {
-        id: format!("fig-{chart_id}"),
-        svg: chart.svg,
-        key: chart.key,
-        caption: format!(
+    Some(Block::chart(
+        chart,
+        format!(
             "{metric} {place} of all classes, supercategories and classes with enough objects; lines \
              are 95 % intervals of the bootstrap."
         ),
-        table: None,
-    })
+        None,
+    ))
 }
 
 pub(super) fn group_name(group: &Group) -> String {
@@ -241,25 +225,13 @@ pub(super) fn group_name(group: &Group) -> String {
 }
 
 fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
-    const COLUMNS: [&str; 2] = ["Objects", "Images"];
     let metrics = metrics(paired, scope);
     let has_p = paired.iter().any(|row| row.p.is_some());
-    let mut columns = vec![("Class", false)];
-    columns.extend(COLUMNS.map(|name| (name, true)));
+    let mut columns = "Class|#Objects|#Images".to_owned();
     for metric in &metrics {
-        let heads: [&'static str; 5] = match metric {
-            PairedMetric::Ap50 => ["AP50 clean", "AP50 cracked", "Difference", "p", "p (Holm)"],
-            PairedMetric::Ap75 => ["AP75 clean", "AP75 cracked", "Difference", "p", "p (Holm)"],
-            PairedMetric::Ap => ["AP clean", "AP cracked", "Difference", "p", "p (Holm)"],
-            PairedMetric::KittiAp11 => {
-                ["AP11 clean", "AP11 cracked", "Difference", "p", "p (Holm)"]
-            }
-            PairedMetric::KittiAp40 => {
-                ["AP40 clean", "AP40 cracked", "Difference", "p", "p (Holm)"]
-            }
-        };
-        let n_heads = if has_p { 5 } else { 3 };
-        columns.extend(heads.into_iter().take(n_heads).map(|name| (name, true)));
+        let metric = words::metric(*metric);
+        let of_test = if has_p { "|#p|#p (Holm)" } else { "" };
+        columns += &format!("|#{metric} clean|#{metric} cracked|#Difference{of_test}");
     }
     let place = words::scope(scope);
     let mut table = Table::new("", &columns);
@@ -285,7 +257,7 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
         for row in rows {
             let Some(row) = row else {
                 let n_cells = if has_p { 5 } else { 3 };
-                cells.extend((0..n_cells).map(|_| Cell::text(words::NOTHING)));
+                cells.extend((0..n_cells).map(|_| Cell::nothing()));
                 continue;
             };
             cells.push(table.estimate(&row.clean, words::percent));
@@ -317,21 +289,12 @@ fn subset_table(evaluation: &Evaluation) -> Option<Table> {
     let mut table = Table::new(
         "AP50 of all classes by how much of an object the region covers, and by its size, percent; without \
          intervals.",
-        &[
-            ("Objects of", false),
-            ("Objects", true),
-            ("Images", true),
-            ("AP50 clean", true),
-            ("AP50 cracked", true),
-        ],
+        "Objects of|#Objects|#Images|#AP50 clean|#AP50 cracked",
     );
     let all = |row: &&crate::SubsetRow| row.group.kind == GroupKind::All;
     for row in evaluation.subsets.iter().filter(all) {
         let clean = table.estimate(&row.clean_ap50, words::percent);
-        let cracked = match &row.cracked_ap50 {
-            Some(cracked) => table.estimate(cracked, words::percent),
-            None => Cell::text(words::NOTHING),
-        };
+        let cracked = table.estimate(row.cracked_ap50.as_ref(), words::percent);
         table.push(vec![
             Cell::head(&row.subset),
             Cell::count(row.n_objects),
@@ -347,12 +310,7 @@ fn coco_table(clean: &ProtocolResults, evaluation: &Evaluation) -> Option<Table>
     let (clean, cracked) = (clean.coco_stats?, evaluation.cracked.coco_stats?);
     let mut table = Table::new(
         "Whole images by the rules of MS-COCO, percent; equal to pycocotools on the same files.",
-        &[
-            ("Number", false),
-            ("Clean", true),
-            ("Cracked", true),
-            ("Difference", true),
-        ],
+        "Number|#Clean|#Cracked|#Difference",
     );
     for ((name, clean), cracked) in COCO_STATS.iter().zip(clean).zip(cracked) {
         let difference = clean.zip(cracked).map(|(clean, cracked)| cracked - clean);
@@ -373,18 +331,7 @@ fn kitti_table(of_clean: &ProtocolResults, evaluation: &Evaluation) -> Option<Ta
     let mut table = Table::new(
         "Whole images by the rules of KITTI, percent. The ceiling is what a perfect detector would \
          reach with so few objects.",
-        &[
-            ("Class", false),
-            ("Difficulty", false),
-            ("Overlap above", true),
-            ("Objects", true),
-            ("AP40 clean", true),
-            ("AP40 cracked", true),
-            ("Ceiling", true),
-            ("AP11 clean", true),
-            ("AP11 cracked", true),
-            ("Ceiling", true),
-        ],
+        "Class|Difficulty|#Overlap above|#Objects|#AP40 clean|#AP40 cracked|#Ceiling|#AP11 clean|#AP11 cracked|#Ceiling",
     );
     for clean in &of_clean.kitti {
         let cracked = evaluation
@@ -401,13 +348,13 @@ fn kitti_table(of_clean: &ProtocolResults, evaluation: &Evaluation) -> Option<Ta
         ];
         cells.push(match cracked {
             Some(row) => table.estimate(&row.ap40, words::percent),
-            None => Cell::text(words::NOTHING),
+            None => Cell::nothing(),
         });
         cells.push(Cell::number(Some(clean.ceiling_ap40), words::percent));
         cells.push(table.estimate(&clean.ap11, words::percent));
         cells.push(match cracked {
             Some(row) => table.estimate(&row.ap11, words::percent),
-            None => Cell::text(words::NOTHING),
+            None => Cell::nothing(),
         });
         cells.push(Cell::number(Some(clean.ceiling_ap11), words::percent));
         table.push(cells);

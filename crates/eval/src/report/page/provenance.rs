@@ -6,30 +6,21 @@ use crate::evaluation::{Provenance, Study};
 
 pub(super) fn section(study: &Study) -> Section {
     let provenance = &study.provenance;
-    let mut blocks = vec![Block::Table {
-        table: settings(provenance),
-    }];
+    let mut blocks = vec![Block::table(settings(provenance))];
     if !provenance.inputs.is_empty() {
         let mut table = Table::new(
             "Files that were read, with SHA-256.",
-            &[
-                ("What", false),
-                ("Where", false),
-                ("Bytes", true),
-                ("SHA-256", false),
-            ],
+            "What|Where|#Bytes|SHA-256",
         );
         for input in &provenance.inputs {
             table.push(vec![
                 Cell::head(&input.role),
                 Cell::text(&input.path),
-                input
-                    .n_bytes
-                    .map_or_else(|| Cell::text(words::NOTHING), Cell::count),
+                input.n_bytes.map_or_else(Cell::nothing, Cell::count),
                 Cell::hash(&input.sha256),
             ]);
         }
-        blocks.push(Block::Table { table });
+        blocks.push(Block::table(table));
     }
     if let Some(command) = &provenance.command {
         blocks.push(Block::Verbatim {
@@ -39,13 +30,13 @@ pub(super) fn section(study: &Study) -> Section {
     }
     if let Some(recipe) = &provenance.recipe {
         let lines: Vec<String> = recipe.lines().map(words::name).collect();
-        blocks.push(Block::Fold {
-            title: "The recipe that broke the glass".to_owned(),
-            blocks: vec![Block::Verbatim {
+        blocks.push(Block::fold(
+            "The recipe that broke the glass",
+            vec![Block::Verbatim {
                 title: "Recipe".to_owned(),
                 text: lines.join("\n"),
             }],
-        });
+        ));
     }
     Section {
         id: "provenance".to_owned(),
@@ -56,10 +47,7 @@ pub(super) fn section(study: &Study) -> Section {
 
 fn settings(provenance: &Provenance) -> Table {
     let settings = &provenance.settings;
-    let mut table = Table::new(
-        "Settings and versions.",
-        &[("What", false), ("Value", false)],
-    );
+    let mut table = Table::new("Settings and versions.", "What|Value");
     let mut row = |what: &str, value: String| {
         table.push(vec![Cell::head(what), Cell::text(value)]);
     };

@@ -5,36 +5,26 @@ use super::{Block, Cell, Section, Table};
 use crate::evaluation::{DivergenceResults, DivergenceTable};
 
 pub(super) fn section(results: &DivergenceResults) -> Section {
-    let mut blocks = vec![Block::Text {
-        text: "Tables compare sets of images (row) with others (column); deeper shade is further apart. The \
+    let mut blocks = vec![Block::text(
+        "Tables compare sets of images (row) with others (column); deeper shade is further apart. The \
                noise floor is what two halves of the same set give: of two sets of different images, a \
                distance near it says nothing. A clean set and its cracked twin show the same scenes, so that \
-               their distance may lie below the floor and yet be of the cracks."
-            .to_owned(),
-    }];
+               their distance may lie below the floor and yet be of the cracks.",
+    )];
     let n_before = blocks.len();
-    let mut features: Vec<&str> = Vec::new();
-    for table in &results.tables {
-        if !features.contains(&table.feature.as_str()) {
-            features.push(&table.feature);
-            blocks.extend(of_clean(results, &table.feature).map(|table| Block::Table { table }));
-        }
+    for feature in words::distinct(results.tables.iter().map(|table| &table.feature)) {
+        blocks.extend(of_clean(results, feature).map(Block::table));
     }
     let has_summary = blocks.len() > n_before;
     let mut matrices = Vec::new();
     // Beyond so many sets only the first is compared with each, which stands above.
-    if results.sets.len() <= NUMBERS.len() || !has_summary {
+    if results.sets.len() <= MAX_SETS || !has_summary {
         for table in &results.tables {
-            matrices.push(Block::Table {
-                table: matrix(&results.sets, table),
-            });
+            matrices.push(Block::table(matrix(&results.sets, table)));
         }
     }
     match has_summary && !matrices.is_empty() {
-        true => blocks.push(Block::Fold {
-            title: "Every set against every other".to_owned(),
-            blocks: matrices,
-        }),
+        true => blocks.push(Block::fold("Every set against every other", matrices)),
         false => blocks.extend(matrices),
     }
     Section {
@@ -54,16 +44,10 @@ fn of_clean(results: &DivergenceResults, feature: &str) -> Option<Table> {
         tables.find(|table| table.feature == feature && table.measure.starts_with(begin))
     };
     let (kl, js, w1) = (of_measure("KL")?, of_measure("JS")?, of_measure("W1"));
-    let mut columns = vec![
-        ("Clean against", false),
-        ("KL(clean ‖ set), nats", true),
-        ("KL(set ‖ clean), nats", true),
-        ("JS, nats", true),
-    ];
-    if w1.is_some() {
-        columns.push(("W1", true));
-    }
-    columns.push(("Noise floor of JS", true));
+    let columns = format!(
+        "Clean against|#KL(clean ‖ set), nats|#KL(set ‖ clean), nats|#JS, nats{}|#Noise floor of JS",
+        if w1.is_some() { "|#W1" } else { "" }
+    );
     let unit = w1.and_then(|w1| w1.measure.strip_prefix("W1, "));
     let unit = unit.map_or(String::new(), |unit| format!("; W1 in {unit}"));
     let caption = format!(
@@ -103,27 +87,24 @@ fn digits(value: f64) -> String {
     words::decimal(value, n_digits)
 }
 
-/// A column per set would need headings of its own; so columns are numbered as the rows are.
-const NUMBERS: [&str; 16] = [
-    "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16",
-];
+/// Most sets that are compared each with each.
+const MAX_SETS: usize = 16;
 
 fn matrix(sets: &[String], matrix: &DivergenceTable) -> Table {
-    let n = sets.len().min(NUMBERS.len());
-    let mut columns = vec![("Set", false)];
-    columns.extend(NUMBERS.iter().take(n).map(|number| (*number, true)));
-    columns.push(("Noise floor", true));
+    let n = sets.len().min(MAX_SETS);
+    // The names would be too wide: columns are numbered as the rows are.
+    let numbers: String = (1..=n).map(|number| format!("|#{number}")).collect();
+    let columns = format!("Set{numbers}|#Noise floor");
     let caption = format!("{} of {}", matrix.measure, matrix.feature);
     let mut table = Table::new(&caption, &columns);
     let all = matrix.values.iter().flatten().filter_map(|e| e.value);
     let most = all.fold(0.0_f64, |most, value| most.max(value.abs()));
     for (place, name) in sets.iter().take(n).enumerate() {
-        let number = NUMBERS.get(place).unwrap_or(&"");
-        let mut cells = vec![Cell::head(format!("{number} {name}"))];
+        let mut cells = vec![Cell::head(format!("{} {name}", place + 1))];
         let row = matrix.values.get(place).map_or(&[][..], Vec::as_slice);
         for column in 0..n {
             let Some(estimate) = row.get(column).filter(|_| column != place) else {
-                cells.push(Cell::text(words::NOTHING));
+                cells.push(Cell::nothing());
                 continue;
             };
             let cell = table.estimate(estimate, digits);

@@ -15,7 +15,7 @@ pub(in crate::report) struct Table {
 /// A column's heading.
 #[derive(Debug, Serialize)]
 pub(in crate::report) struct Column {
-    text: &'static str,
+    text: String,
     is_number: bool,
 }
 
@@ -64,6 +64,11 @@ impl Cell {
         }
     }
 
+    /// Where there is no number.
+    pub(in crate::report) fn nothing() -> Self {
+        Self::text(words::NOTHING)
+    }
+
     pub(in crate::report) fn count(n: u64) -> Self {
         Self {
             text: words::count(n),
@@ -96,11 +101,12 @@ impl Cell {
 }
 
 impl Table {
-    /// A table without rows; columns as `(heading, whether numbers stand in it)`.
-    pub(in crate::report) fn new(caption: &str, columns: &[(&'static str, bool)]) -> Self {
-        let columns = columns
-            .iter()
-            .map(|&(text, is_number)| Column { text, is_number });
+    /// A table without rows; the headings of its columns with `|` between them, and `#` before those of numbers.
+    pub(in crate::report) fn new(caption: &str, columns: &str) -> Self {
+        let columns = columns.split('|').map(|column| Column {
+            text: column.trim_start_matches('#').to_owned(),
+            is_number: column.starts_with('#'),
+        });
         Self {
             caption: words::name(caption),
             columns: columns.collect(),
@@ -122,11 +128,14 @@ impl Table {
     }
 
     /// A number with its interval below it, or a mark of the note that says why there is none.
-    pub(in crate::report) fn estimate(
+    pub(in crate::report) fn estimate<'a>(
         &mut self,
-        estimate: &Estimate,
+        estimate: impl Into<Option<&'a Estimate>>,
         show: fn(f64) -> String,
     ) -> Cell {
+        let Some(estimate) = estimate.into() else {
+            return Cell::nothing();
+        };
         let small = estimate
             .interval()
             .map(|[low, high]| format!("[{}, {}]", show(low), show(high)));
@@ -173,7 +182,7 @@ mod tests {
 
     #[test]
     fn equal_reasons_share_a_mark() {
-        let mut table = Table::new("t", &[("a", true)]);
+        let mut table = Table::new("t", "#a");
         let few = Estimate::refused(3, "3 objects, 20 are needed");
         let cells = [few.clone(), few, Estimate::refused(0, "no object")];
         let cells = cells.map(|estimate| table.estimate(&estimate, percent).mark);

@@ -15,22 +15,16 @@ pub(super) fn blocks(evaluation: &Evaluation, id: &str) -> Vec<Block> {
     let mut blocks = Vec::new();
     for (place, clip) in evaluation.timelines.iter().enumerate() {
         let id = format!("{id}-clip{place}");
-        blocks.push(Block::Heading {
-            id: format!("{id}-time"),
-            text: words::name(&format!("Over time: {}", clip.clip)),
-        });
-        blocks.push(Block::Text {
-            text: words::name(&about(clip)),
-        });
+        blocks.push(Block::heading(
+            format!("{id}-time"),
+            words::name(&format!("Over time: {}", clip.clip)),
+        ));
+        blocks.push(Block::text(words::name(&about(clip))));
         blocks.extend(time_chart(clip, &id));
-        blocks.push(Block::Table {
-            table: steadiness_table(clip),
-        });
+        blocks.push(Block::table(steadiness_table(clip)));
         blocks.extend(Curves::of_clip(clip).and_then(|curves| curves.chart(&id)));
         if !clip.objects.is_empty() {
-            blocks.push(Block::Table {
-                table: track_table(clip),
-            });
+            blocks.push(Block::table(track_table(clip)));
         }
     }
     blocks
@@ -77,15 +71,7 @@ fn steadiness_table(clip: &TimelineResults) -> Table {
             clip.clip,
             words::decimal(clip.cracked.settings.level * 100.0, 0)
         ),
-        &[
-            ("Clip", false),
-            ("When", false),
-            ("Objects", true),
-            ("Objects in frames", true),
-            ("Found", true),
-            ("Steps", true),
-            ("Flicker", true),
-        ],
+        "Clip|When|#Objects|#Objects in frames|#Found|#Steps|#Flicker",
     );
     let has_onset = clip.cracked.damage_onset.is_some();
     for (name, side) in [("clean", &clip.clean), ("cracked", &clip.cracked)] {
@@ -114,9 +100,9 @@ fn steadiness_table(clip: &TimelineResults) -> Table {
             Cell::head("cracked − clean"),
             Cell::text("from the damage on"),
             Cell::count(change.found.n),
-            Cell::text(words::NOTHING),
+            Cell::nothing(),
             table.estimate(&Estimate::from(&change.found), words::signed_percent),
-            Cell::text(words::NOTHING),
+            Cell::nothing(),
             table.estimate(&Estimate::from(&change.flicker), words::signed_percent),
         ];
         table.push(row);
@@ -171,18 +157,7 @@ fn track_table(clip: &TimelineResults) -> Table {
     }
     let mut table = Table::new(
         &caption,
-        &[
-            ("Object", false),
-            ("Class", false),
-            ("Cracked", false),
-            ("Clean", false),
-            ("Frames", true),
-            ("Found clean, %", true),
-            ("Found cracked, %", true),
-            ("Changes clean", true),
-            ("Changes cracked", true),
-            ("Longest gap cracked, frames", true),
-        ],
+        "Object|Class|Cracked|Clean|#Frames|#Found clean, %|#Found cracked, %|#Changes clean|#Changes cracked|#Longest gap cracked, frames",
     );
     let share = |row: &TrackRow| {
         (row.n_frames > 0).then(|| words::as_number(row.n_found) / words::as_number(row.n_frames))
@@ -198,10 +173,7 @@ fn track_table(clip: &TimelineResults) -> Table {
             Cell::count(row.n_frames),
             Cell::number(clean.and_then(share), words::percent),
             Cell::number(share(row), words::percent),
-            clean.map_or_else(
-                || Cell::text(words::NOTHING),
-                |clean| Cell::count(clean.n_changes),
-            ),
+            clean.map_or_else(Cell::nothing, |clean| Cell::count(clean.n_changes)),
             Cell::count(row.n_changes),
             Cell::count(gap.into()),
         ]);
@@ -342,34 +314,24 @@ pub(super) fn section(study: &Study) -> Section {
         "All clips: how many objects are at risk when the damage comes, how many of them are lost, and half of them \
          after which time; in which share of their frames objects are found from then on. Percent; 95 % intervals in \
          brackets.",
-        &[
-            ("Clip", false),
-            ("Damage, s", true),
-            ("At risk", true),
-            ("Lost cracked", true),
-            ("Lost clean", true),
-            ("Median time to failure, s", true),
-            ("Found clean, %", true),
-            ("Found cracked, %", true),
-            ("Difference", true),
-        ],
+        "Clip|#Damage, s|#At risk|#Lost cracked|#Lost clean|#Median time to failure, s|#Found clean, %|#Found cracked, %|#Difference",
     );
     for one in &study.evaluations {
         for clip in &one.timelines {
             let survival = clip.cracked.survival.as_ref();
             let lost = |side: &Timeline| match &side.survival {
                 Some(survival) => Cell::count(survival.n_lost),
-                None => Cell::text(words::NOTHING),
+                None => Cell::nothing(),
             };
             let onset = clip.cracked.damage_onset.map(|frame| frame.time_s);
             let median = match survival {
                 Some(survival) => median_cell(&mut table, survival),
-                None => Cell::text(words::NOTHING),
+                None => Cell::nothing(),
             };
             let row = vec![
                 Cell::head(&clip.clip),
                 Cell::number(onset, |v| words::decimal(v, 2)),
-                survival.map_or_else(|| Cell::text(words::NOTHING), |it| Cell::count(it.n)),
+                survival.map_or_else(Cell::nothing, |it| Cell::count(it.n)),
                 lost(&clip.cracked),
                 lost(&clip.clean),
                 median,
@@ -379,14 +341,14 @@ pub(super) fn section(study: &Study) -> Section {
                     Some(change) => {
                         table.estimate(&Estimate::from(&change.found), words::signed_percent)
                     }
-                    None => Cell::text(words::NOTHING),
+                    None => Cell::nothing(),
                 },
             ];
             table.push(row);
         }
         if let Some(pooled) = &one.pooled_clips {
             let median = median_cell(&mut table, &pooled.cracked);
-            let nothing = || Cell::text(words::NOTHING);
+            let nothing = Cell::nothing;
             table.push(vec![
                 Cell::head("all together"),
                 nothing(),
@@ -400,14 +362,12 @@ pub(super) fn section(study: &Study) -> Section {
             ]);
         }
     }
-    let mut blocks = vec![Block::Table { table }];
+    let mut blocks = vec![Block::table(table)];
     for (place, one) in study.evaluations.iter().enumerate() {
         let Some(pooled) = &one.pooled_clips else {
             continue;
         };
-        blocks.push(Block::Text {
-            text: words::name(&about_pooled(pooled)),
-        });
+        blocks.push(Block::text(words::name(&about_pooled(pooled))));
         let curves = Curves {
             of: format!("all {} clips together", words::count(pooled.n_clips)),
             clean: &pooled.clean,
