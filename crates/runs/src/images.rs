@@ -144,7 +144,7 @@ pub fn plan_images(inputs: &[PathBuf], out: &Path) -> Result<Vec<ImageJob>, Erro
 ///
 /// `done` is called after each image, in any order. Once `stop` is set no further image begins.
 /// The bytes written do not depend on the number of threads.
-pub(crate) fn damage_files(
+pub fn damage_files(
     jobs: &[ImageJob],
     context: &RunContext,
     patterns: &Patterns,

@@ -17,7 +17,7 @@ use super::{ClipRequest, GlassState, Growth, Light};
 use crate::RunContext;
 
 /// Name and version of the track format.
-pub(crate) const TRACK_SCHEMA: &str = "starbreak.track/1";
+pub const TRACK_SCHEMA: &str = "starbreak.track/1";
 
 /// One line of the track.
 #[derive(Debug, Clone, Serialize)]

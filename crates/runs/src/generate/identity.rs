@@ -93,7 +93,7 @@ pub fn generate_flags(identity: &Value, recipe: &str) -> Vec<String> {
 ///
 /// # Errors
 /// [`Error::Chain`] for a recipe that is not valid (any more).
-pub(crate) fn set_seed_and_recipe(identity: &Value) -> Result<(Seed, Recipe), Error> {
+pub fn set_seed_and_recipe(identity: &Value) -> Result<(Seed, Recipe), Error> {
     let text = identity["recipe"].as_str().unwrap_or_default();
     let recipe = Recipe::parse("the recipe of the set", text)?;
     Ok((Seed(identity["seed"].as_u64().unwrap_or(0)), recipe))

@@ -116,7 +116,7 @@ impl Survey {
 
     /// Whether an image is taken by this run.
     #[must_use]
-    pub(crate) fn is_selected(&self, name: &str) -> bool {
+    pub fn is_selected(&self, name: &str) -> bool {
         let in_shard = self.selection.shard.is_none_or(|shard| {
             let place = digest(Seed(0), "shard", name) % u64::from(shard.of.max(1));
             place + 1 == u64::from(shard.number)
