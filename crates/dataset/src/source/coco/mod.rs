@@ -7,7 +7,9 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::coco_row::read_coco_records;
+use serde::de::IgnoredAny;
+
+use super::coco_row::{CocoImage, read_coco_records};
 use super::id::Id;
 use super::index::{Catalog, IndexFile, folder_of_images};
 use super::index_copy::write_copy;
@@ -16,7 +18,7 @@ use super::record::{FileRole, SourceFile};
 use super::{Images, Layout, Place, SourceFormat, SourceSpec, index_error, layout_error, no_index};
 use crate::error::DatasetError;
 use crate::json_records::JsonRecord;
-use reader::{AnnotationOf, ImageId, Reader};
+use reader::{AnnotationOf, Reader};
 
 /// The name of an index that stands beside its images, as some tools export it.
 const BESIDE_IMAGES: &str = "_annotations.coco.json";
@@ -150,9 +152,11 @@ impl Layout for Coco {
             .map(|row| (&row.id, true))
             .collect();
         let keeps = |record: &JsonRecord<'_>| match record.key {
+            // One without a name is no image: another one may have its number.
             "images" => record
-                .parse::<ImageId>()
+                .parse::<CocoImage<Id, IgnoredAny>>()
                 .ok()
+                .filter(|image| image.file_name.is_some())
                 .and_then(|image| kept.get_mut(&image.id))
                 .is_some_and(std::mem::take),
             _ => record

@@ -13,12 +13,6 @@ use crate::source::id::Id;
 use crate::source::index::{IndexFile, Label, Row, image_name, second_names, seconds};
 use crate::source::record::BadRecord;
 
-/// What is needed to know which image it is.
-#[derive(Deserialize)]
-pub(super) struct ImageId {
-    pub(super) id: Id,
-}
-
 /// What is needed to know whose annotation it is.
 #[derive(Deserialize)]
 pub(super) struct AnnotationOf {
