@@ -329,7 +329,8 @@ fn more_than_eight_bits_and_alpha_are_said_once() {
     let help = common::starbreak(studio.path(), &["video", "--help"]).stdout;
     let help: Vec<&str> = help.split_whitespace().collect();
     assert!(
-        help.join(" ").contains("8-bit RGB frames without further loss"),
+        help.join(" ")
+            .contains("8-bit RGB frames without further loss"),
         "the help of --lossless"
     );
 }

@@ -10,7 +10,8 @@ use starbreak_runs::{Patterns, RunContext, with_threads};
 
 use super::generate::{patterns, recipe_of_bank};
 use super::simulate::{radius_hint, why_no_damage};
-use crate::args::{Global, LightWord, VideoArgs};
+use crate::args::Global;
+use crate::args::video::{LightWord, VideoArgs};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
