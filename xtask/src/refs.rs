@@ -100,17 +100,23 @@ fn bib_keys(text: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Citation tags of a line: `[AuthorYear]`, `[AuthorYear, eq. 3]`, `[AuthorYear; OtherYear]`,
-/// each also as `\[…\]`. The bracket may close on a later line. A link to a page is none.
+/// each also as `\[…\]`. The bracket may close on a later line. A link to a page is none, nor is the
+/// target of one, `[name]: …` at the start of a line.
 fn tags(line: &str) -> impl Iterator<Item = &str> {
-    line.split('[').skip(1).flat_map(|rest| {
-        let (inside, after) = rest.split_once(']').unwrap_or((rest, ""));
-        let is_link = after.starts_with(['(', ':']);
-        inside
-            .split(';')
-            .filter_map(|part| part.split([',', '\\']).next())
-            .map(str::trim)
-            .filter(move |tag| !is_link && is_tag(tag))
-    })
+    let is_first = line.trim_start().starts_with('[');
+    line.split('[')
+        .skip(1)
+        .enumerate()
+        .flat_map(move |(k, rest)| {
+            let (inside, after) = rest.split_once(']').unwrap_or((rest, ""));
+            let is_target = is_first && k == 0 && after.starts_with(':');
+            let is_link = is_target || after.starts_with('(');
+            inside
+                .split(';')
+                .filter_map(|part| part.split([',', '\\']).next())
+                .map(str::trim)
+                .filter(move |tag| !is_link && is_tag(tag))
+        })
 }
 
 /// A name that starts with a capital, four digits, and perhaps a letter.
@@ -146,6 +152,9 @@ mod tests {
         check("a range [0, 1], a list [Foo, 2004], [A]", &[]);
         check("an item [`Seed2000`], [Seed]", &[]);
         check("a link [Irwin1957](https://example.org)", &[]);
+        check("[Irwin1957]: https://example.org", &[]);
+        check("as there [Irwin1957]: the rate", &["Irwin1957"]);
+        check(r"\[Irwin1957\]: the rate", &["Irwin1957"]);
         check("no tag [irwin1957], [Irwin57], [Irwin19577]", &[]);
     }
 
