@@ -117,8 +117,9 @@ pub(crate) fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) ->
 ///
 /// Each replicate draws images (or clusters) once for all sets, and averages as mPC is averaged. The intervals of clean
 /// AP and mPC are expanded percentiles by the images of the classes, and lower by what AP of few images leans to
-/// above. That of rPC reaches as far, by factors, as exchanges of clean and cracked do from 1
-/// ([`Permuted`](crate::resampling::Permuted)), as does the interval of a difference from 0.
+/// above. That of rPC is the wider, at each end, of the expanded percentiles, which are too narrow where classes are in
+/// few images, and of what exchanges of clean and cracked reach from 1 by factors
+/// ([`Permuted`](crate::resampling::Permuted)), which is too narrow where the damage is strong.
 ///
 /// # Errors
 /// If the plan cannot be carried out.
@@ -168,7 +169,7 @@ pub fn measured_performance(
     Ok([
         replicates.expanded(0, ap, side),
         replicates.expanded(1, ap, side),
-        replicates.with_interval(2, Method::Ratio, side, of_ratio),
+        replicates.expanded_to(2, Method::Ratio, side, of_ratio),
     ])
 }
 

@@ -357,7 +357,7 @@ fn of_robustness(row: &RobustnessRow, adder: &mut Adder<'_>) {
         number,
         format!("rpc_{metric}"),
         &row.rpc,
-        words::DIFFERENCE_INTERVAL,
+        words::RATIO_INTERVAL,
     );
     adder.add(format!("mpc_{metric}"), &row.mpc, AP);
 }

@@ -2,8 +2,11 @@
 
 use crate::evaluation::{GroupKind, PairedMetric, Scope, ScopeKind};
 
-/// How intervals of differences of AP, and of rPC, come about: the words of files.
+/// How intervals of differences of AP come about: the words of files.
 pub(super) const DIFFERENCE_INTERVAL: &str = "as far as permutations reach, 95 %";
+/// Those of rPC.
+pub(super) const RATIO_INTERVAL: &str =
+    "the wider of expanded percentile bootstrap and permutations, 95 %";
 /// Those of AP alone, of mPC and of what is counted per area.
 pub(super) const AP_INTERVAL: &str = "expanded percentile bootstrap, 95 %";
 /// Those of shares of objects.
@@ -26,10 +29,10 @@ pub(super) fn over_clusters(method: &'static str) -> &'static str {
 /// What intervals are, for a reader; of the methods that [`crate::resampling`] and [`crate::statistic`] take.
 pub(super) const INTERVALS: &str = "Of a difference of AP: as far on either side of it as random exchanges of clean and cracked images (or clips \
      and drives, where frames belong together) reach from 0 in 95 % of the exchanges, so that it holds 0 exactly where \
-     p is 0.05 or more; of rPC the same, by factors from 1. Of AP alone, of mPC, and of what is counted per area: the \
-     images are drawn anew with replacement, with all seeds; the interval holds the middle of the values of the draws, \
+     p is 0.05 or more. Of AP alone, of mPC, and of what is counted per area: the images are drawn anew with replacement, with all seeds; the interval holds the middle of the values of the draws, \
      95 % of them and a little more, for how few images a number rests on (the expanded percentile interval), and \
-     that of an AP goes lower by as much as halves of the images have a higher AP than all. Of rates: Wilson's interval with \
+     that of an AP goes lower by as much as halves of the images have a higher AP than all. Of rPC: both, the \
+     exchanges by factors from 1, and at each end the wider. Of rates: Wilson's interval with \
      the variance between images in place of that of single objects. Of mean changes of score and overlap, and of \
      slopes: by the same variance. Intervals are for other images behind other cracks of the same kind, not for \
      another detector.";

@@ -123,6 +123,25 @@ impl Replicates {
         })
     }
 
+    /// A statistic with the wider, at each end, of its expanded percentile interval and one that is known
+    /// otherwise; none where either is missing.
+    pub(crate) fn expanded_to(
+        &self,
+        place: usize,
+        method: Method,
+        basis: Basis,
+        interval: Option<Interval>,
+    ) -> Measured {
+        self.based(place, method, basis, |values| {
+            let (of_draws, other) = (expanded_interval(values, self.level, basis)?, interval?);
+            Some(Interval {
+                low: of_draws.low.min(other.low),
+                high: of_draws.high.max(other.high),
+                ..of_draws
+            })
+        })
+    }
+
     /// A statistic with an interval that is known otherwise, where its own draws would have one.
     pub(crate) fn with_interval(
         &self,
