@@ -1,29 +1,36 @@
 //! The command line, as typed.
 
+pub(crate) mod bench;
+pub(crate) mod crack;
 pub(crate) mod detect;
 pub(crate) mod divergence;
 pub(crate) mod evaluate;
 pub(crate) mod generate;
 pub(crate) mod overlay;
+pub(crate) mod patterns;
+pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod timeline;
 pub(crate) mod video;
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use bench::BenchArgs;
+use clap::{Args as ClapArgs, Parser, Subcommand};
+use crack::CrackArgs;
 use detect::DetectArgs;
 use divergence::DivergenceArgs;
 use generate::{GenerateArgs, MergeArgs, VerifyArgs};
+use patterns::PatternsArgs;
+use simulate::SimulateArgs;
 use starbreak::{
     Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, MAX_RECIPE_BYTES, Recipe, RecipeError, Seed,
 };
 use starbreak_dataset::{DatasetError, MAX_ITEM_BYTES, OutputBatch, SourceSpec, same_file};
 
-use crate::args::overlay::OverlayArgs;
 use crate::failure::Failure;
 
 /// Break the glass in front of a camera, render what it then sees, measure how detectors fail.
@@ -106,32 +113,7 @@ pub(crate) enum Verb {
     },
     /// Damage photos: writes each image, its mask of affected pixels, its crack mask and its
     /// record
-    Crack {
-        /// PNG or JPEG files
-        #[arg(required = true, value_name = "IMAGE")]
-        inputs: Vec<PathBuf>,
-        /// Output folder
-        #[arg(short, long, value_name = "DIR")]
-        output: PathBuf,
-        /// Also write the maps of the optics as NumPy arrays of 32-bit floats: attenuation,
-        /// added light, light from elsewhere in the frame and its displacement, coverage
-        #[arg(long)]
-        maps: bool,
-        /// Use this crack network instead of simulating one: JSON, or an SVG drawing whose
-        /// stroked shapes are cracks. A drawing in px is stretched over the frame, one in mm
-        /// lies on the pane
-        #[arg(long, value_name = "FILE")]
-        network: Option<PathBuf>,
-        /// Use this photo of broken glass instead of cracks: PNG or JPEG, cut out (alpha), or
-        /// on black or white. The largest part that has the frame's shape fills the frame
-        #[arg(long, value_name = "PHOTO", conflicts_with = "network")]
-        overlay: Option<PathBuf>,
-        /// Take a random part of the photo for each image, randomly flipped, by the seed
-        #[arg(long, requires = "overlay")]
-        overlay_random: bool,
-        #[command(flatten)]
-        overlay_args: OverlayArgs,
-    },
+    Crack(CrackArgs),
     /// Damage a whole dataset: same layout, names and labels, with masks and records beside
     /// them
     Generate(GenerateArgs),
@@ -161,63 +143,9 @@ pub(crate) enum Verb {
         over: String,
     },
     /// Simulate the crack network alone: JSON, SVG and growth frames
-    Simulate {
-        /// Network file (JSON) [default: standard output]
-        #[arg(short, long, value_name = "FILE")]
-        output: Option<PathBuf>,
-        /// SVG drawing of the network
-        #[arg(long, value_name = "FILE")]
-        svg: Option<PathBuf>,
-        /// Convert this crack network (JSON or SVG) instead of simulating one
-        #[arg(long, value_name = "FILE")]
-        network: Option<PathBuf>,
-        /// Frame size, px
-        #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
-        size: (u32, u32),
-        /// Number of growth frames, from the impact to the last arrival
-        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-        frames: Option<u32>,
-        /// Where to write the frames: a name that ends in .png for one animated PNG, else a
-        /// folder [default: NAME-frames beside the network file]
-        #[arg(long, value_name = "PATH", requires = "frames")]
-        frames_to: Option<PathBuf>,
-        /// Add the wall-clock time of each stage to the network file
-        #[arg(long)]
-        timings: bool,
-    },
+    Simulate(SimulateArgs),
     /// Make a bank of cracks for whole datasets, simulated and baked once, with statistics
-    Patterns {
-        /// Number of patterns; pattern k is the same in a bank of any number
-        #[arg(short, long = "number", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000), required_unless_present_any = ["info", "check"])]
-        n: Option<u32>,
-        /// Output folder: patterns.bank, statistics.csv, statistics.svg and statistics.png
-        #[arg(short, long, value_name = "DIR", required_unless_present_any = ["info", "check"])]
-        output: Option<PathBuf>,
-        /// Frame size to bake for, px; repeatable. The cracks are simulated for the first size;
-        /// images of other sizes take longer, since their patterns are baked anew
-        #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1242x375", value_parser = parse_size)]
-        size: Vec<(u32, u32)>,
-        /// Bake for the most frequent frame sizes of a dataset instead (FORMAT:PATH as in
-        /// `generate`)
-        #[arg(long, value_name = "FORMAT:PATH", conflicts_with_all = ["size", "overlays", "info", "check"])]
-        sizes_of: Option<OsString>,
-        /// Maximum number of these sizes; each adds to the size of the bank
-        #[arg(long, value_name = "N", default_value = "8", requires = "sizes_of", value_parser = clap::value_parser!(u16).range(1..=256))]
-        most_sizes: u16,
-        /// Fill the bank with photos of broken glass instead: each PNG and JPEG file below a
-        /// folder once, and for each pattern a random part of a random photo, in overlays.bank
-        /// and overlays.csv; for `generate --overlays`, with any recipe
-        #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera", "set", "info", "check"])]
-        overlays: Option<PathBuf>,
-        #[command(flatten)]
-        overlay: OverlayArgs,
-        /// Print what a bank was made from, and its size, instead
-        #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "check"])]
-        info: Option<PathBuf>,
-        /// Read a whole bank and verify its checksums instead
-        #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output"])]
-        check: Option<PathBuf>,
-    },
+    Patterns(PatternsArgs),
     /// Add a static or growing crack to a video, or to a folder of frames
     Video(video::VideoArgs),
     /// Evaluate detections on clean and damaged images, inside and outside the damaged region
@@ -238,24 +166,7 @@ pub(crate) enum Verb {
     },
     /// Measure the time per stage on this machine: the paper's timing figure, physics and
     /// optics
-    Bench {
-        /// Output folder
-        #[arg(short, long, value_name = "DIR", default_value = "starbreak-bench")]
-        output: PathBuf,
-        /// Numbers of particles
-        #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000), default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
-        particles: Vec<u32>,
-        /// Runs per number of particles [default: 100], per pane and per frame [default: 10],
-        /// each with its own impact point and direction
-        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-        runs: Option<u32>,
-        /// Keep the recipe's neighborhood radius instead of scaling it with the mesh
-        #[arg(long)]
-        fixed_radius: bool,
-        /// Measure only this model [default: all]
-        #[arg(long, value_enum)]
-        model: Option<BenchModel>,
-    },
+    Bench(BenchArgs),
     /// Print shell completions
     Completions {
         /// The shell
@@ -267,17 +178,6 @@ pub(crate) enum Verb {
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
     },
-}
-
-/// A model to measure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum BenchModel {
-    /// The paper's, over the number of particles
-    Paper,
-    /// The physics, over kinds of panes
-    Physics,
-    /// The physical optics, over frames and discs
-    Optics,
 }
 
 /// The recipe in a file, or in what a pipe gives: its text, or what a record of ours has under `recipe`.

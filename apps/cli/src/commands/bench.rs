@@ -1,7 +1,6 @@
 //! `starbreak bench`: the paper's timing figure on this machine, and the time of physics and optics.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use image::DynamicImage;
@@ -12,7 +11,8 @@ use starbreak_dataset::street_scene;
 use starbreak_runs::with_threads;
 
 use super::{bench_optics, bench_physics, plot, raster};
-use crate::args::{BenchModel, Global};
+use crate::args::Global;
+use crate::args::bench::{BenchArgs, BenchModel};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::{Progress, Screen, path_text};
@@ -26,16 +26,6 @@ const STAGES: [(&str, &str); 6] = [
     ("draw", "cracking visualization"),
     ("render", "render"),
 ];
-
-/// What was asked for.
-pub(crate) struct Request {
-    pub(crate) output: PathBuf,
-    pub(crate) particles: Vec<u32>,
-    pub(crate) runs: Option<u32>,
-    pub(crate) fixed_radius: bool,
-    /// `None`: all.
-    pub(crate) model: Option<BenchModel>,
-}
 
 /// Runs per number of particles, unless asked for others.
 const PAPER_RUNS: u32 = 100;
@@ -68,11 +58,7 @@ pub(super) struct Spread {
     pub(super) max: f64,
 }
 
-pub(crate) fn run(
-    global: &Global,
-    request: &Request,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &BenchArgs, screen: &Screen) -> Result<ExitCode, Failure> {
     let names = [
         "bench.csv",
         "bench.txt",
@@ -81,12 +67,12 @@ pub(crate) fn run(
         "bench-physics.csv",
         "bench-optics.csv",
     ];
-    global.refuse_recipe_among(&names.map(|name| request.output.join(name)))?;
+    global.refuse_recipe_among(&names.map(|name| args.output.join(name)))?;
     let interrupt = Interrupt::listen();
     let mut batch = global.batch();
     let mut tables = Vec::new();
-    let mut result = json!({ "output": path_text(&request.output) });
-    let is_asked = |model| request.model.is_none_or(|only| only == model);
+    let mut result = json!({ "output": path_text(&args.output) });
+    let is_asked = |model| args.model.is_none_or(|only| only == model);
     // Measured for minutes before they are written; those of one model have its name.
     for name in names {
         let model = match name {
@@ -95,49 +81,49 @@ pub(crate) fn run(
             _ => BenchModel::Paper,
         };
         if is_asked(model) {
-            batch.may_write(&request.output.join(name))?;
+            batch.may_write(&args.output.join(name))?;
         }
     }
     if is_asked(BenchModel::Paper) {
-        let series = paper_series(global, request, &interrupt, screen)?;
+        let series = paper_series(global, args, &interrupt, screen)?;
         let figure = plot::timing_figure(&series_for_plot(&series));
-        batch.stage(&request.output.join("bench.csv"), csv(&series).as_bytes())?;
-        batch.stage(&request.output.join("bench.svg"), figure.svg().as_bytes())?;
-        batch.stage(&request.output.join("bench.png"), &raster::png(&figure)?)?;
+        batch.stage(&args.output.join("bench.csv"), csv(&series).as_bytes())?;
+        batch.stage(&args.output.join("bench.svg"), figure.svg().as_bytes())?;
+        batch.stage(&args.output.join("bench.png"), &raster::png(&figure)?)?;
         tables.push(table(&series));
         result["series"] = series.iter().map(series_json).collect();
     }
     if is_asked(BenchModel::Physics) {
-        let runs = request.runs.unwrap_or(PHYSICS_RUNS);
+        let runs = args.runs.unwrap_or(PHYSICS_RUNS);
         let progress = screen.progress(bench_physics::n_steps(runs), "runs");
         let section = with_threads(1, || {
             bench_physics::measure(runs, global.seed(), &interrupt, &progress)
         })??;
         progress.finish();
         let csv = section.csv();
-        batch.stage(&request.output.join("bench-physics.csv"), csv.as_bytes())?;
+        batch.stage(&args.output.join("bench-physics.csv"), csv.as_bytes())?;
         tables.push(section.table());
         result["physics"] = section.to_json();
     }
     if is_asked(BenchModel::Optics) {
-        let runs = request.runs.unwrap_or(OPTICS_RUNS);
+        let runs = args.runs.unwrap_or(OPTICS_RUNS);
         let progress = screen.progress(bench_optics::n_steps(runs), "runs");
         let section = with_threads(1, || {
             bench_optics::measure(runs, global.seed(), &interrupt, &progress)
         })??;
         progress.finish();
         let csv = section.csv();
-        batch.stage(&request.output.join("bench-optics.csv"), csv.as_bytes())?;
+        batch.stage(&args.output.join("bench-optics.csv"), csv.as_bytes())?;
         tables.push(section.table());
         result["optics"] = section.to_json();
     }
     let table = tables.join("\n");
-    batch.stage(&request.output.join("bench.txt"), table.as_bytes())?;
+    batch.stage(&args.output.join("bench.txt"), table.as_bytes())?;
     batch.commit()?;
     screen.say(&table);
     screen.say(&format!(
         "bench.txt with every run as CSV in {}",
-        request.output.display()
+        args.output.display()
     ));
     screen.result(|| result)?;
     Ok(ExitCode::SUCCESS)
@@ -146,19 +132,19 @@ pub(crate) fn run(
 /// The paper's series: one for each number of particles.
 fn paper_series(
     global: &Global,
-    request: &Request,
+    args: &BenchArgs,
     interrupt: &Interrupt,
     screen: &Screen,
 ) -> Result<Vec<Series>, Failure> {
     let recipe = global.recipe_or("paper")?;
     let mut plan = Vec::new();
-    for &particles in &request.particles {
+    for &particles in &args.particles {
         plan.push((
             particles,
-            settings_for(&recipe, particles, request.fixed_radius)?,
+            settings_for(&recipe, particles, args.fixed_radius)?,
         ));
     }
-    let runs = request.runs.unwrap_or(PAPER_RUNS);
+    let runs = args.runs.unwrap_or(PAPER_RUNS);
     let scene = DynamicImage::ImageRgb8(street_scene().image);
     let progress = screen.progress(u64::from(runs) * plan.len() as u64, "runs");
     // One thread, whatever the machine has: times per core are what can be compared.

@@ -12,37 +12,21 @@ use starbreak_runs::{Patterns, RunContext, with_threads};
 
 use super::generate::patterns;
 use crate::args::Global;
-use crate::args::overlay::OverlayArgs;
+use crate::args::crack::CrackArgs;
 use crate::failure::{Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
-/// What to crack, and how.
-#[derive(Debug)]
-pub(crate) struct Request {
-    pub(crate) inputs: Vec<PathBuf>,
-    pub(crate) out: PathBuf,
-    pub(crate) maps: bool,
-    pub(crate) network: Option<PathBuf>,
-    pub(crate) overlay: Option<PathBuf>,
-    pub(crate) overlay_random: bool,
-    pub(crate) overlay_args: OverlayArgs,
-}
-
-pub(crate) fn run(
-    global: &Global,
-    request: &Request,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
-    let out = request.out.as_path();
+pub(crate) fn run(global: &Global, args: &CrackArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+    let out = args.output.as_path();
     let mut recipe = global.recipe()?;
-    if request.maps {
+    if args.maps {
         recipe.set("output.maps=true")?;
     }
     let mut context = RunContext::new(&recipe, global.seed(), out)?;
     context.replaces = global.replace;
-    request.overlay_args.refuse_idle_gain(&context.settings)?;
-    let jobs = plan_images(&request.inputs, out)?;
+    args.overlay_args.refuse_idle_gain(&context.settings)?;
+    let jobs = plan_images(&args.inputs, out)?;
     let failures = out.join("failures.jsonl");
     global.refuse_recipe_among(std::slice::from_ref(&failures))?;
     if jobs.len() > 1 && !is_list_of_failures(&failures) {
@@ -54,13 +38,12 @@ pub(crate) fn run(
         .map(|name| out.join(name))
         .collect();
     global.refuse_recipe_among(&outputs)?;
-    let photo = request.overlay.as_deref();
+    let photo = args.overlay.as_deref();
     let patterns = patterns(
-        request
-            .overlay_args
-            .read_one(photo, request.overlay_random, &outputs)?,
+        args.overlay_args
+            .read_one(photo, args.overlay_random, &outputs)?,
         (None, global.max_memory),
-        request.network.as_deref(),
+        args.network.as_deref(),
         &outputs,
     )?;
     let interrupt = Interrupt::listen();

@@ -33,7 +33,8 @@ mod video;
 use std::process::ExitCode;
 
 use crate::args::overlay::is_bank as is_overlay_bank;
-use crate::args::{Args, Verb};
+use crate::args::patterns::PatternsArgs;
+use crate::args::{Args, Global, Verb};
 use crate::failure::Failure;
 use crate::screen::Screen;
 
@@ -42,26 +43,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
     let global = &args.global;
     match args.verb {
         Verb::Demo { output } => demo::run(global, &output, screen),
-        Verb::Crack {
-            inputs,
-            output,
-            maps,
-            network,
-            overlay,
-            overlay_random,
-            overlay_args,
-        } => {
-            let request = crack::Request {
-                inputs,
-                out: output,
-                maps,
-                network,
-                overlay,
-                overlay_random,
-                overlay_args,
-            };
-            crack::run(global, &request, screen)
-        }
+        Verb::Crack(args) => crack::run(global, &args, screen),
         Verb::Generate(args) => generate::run(global, &args, screen),
         Verb::Verify(args) => verify::run(global, &args, screen),
         Verb::Merge(args) => verify::merge(&args, screen),
@@ -72,90 +54,36 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
             output,
             over,
         } => sweep::run(global, &input, &output, &over, screen),
-        Verb::Simulate {
-            output,
-            svg,
-            network,
-            size,
-            frames,
-            frames_to,
-            timings,
-        } => {
-            let request = simulate::Request {
-                svg,
-                network,
-                size,
-                frames: frames.map(|n_frames| {
-                    (
-                        n_frames,
-                        frames_to.unwrap_or_else(|| simulate::frames_beside(output.as_deref())),
-                    )
-                }),
-                output,
-                timings,
-            };
-            simulate::run(global, &request, screen)
-        }
-        Verb::Patterns {
-            n,
-            output,
-            size,
-            sizes_of,
-            most_sizes,
-            overlays,
-            overlay,
-            info,
-            check,
-        } => match (info, check, n, output) {
-            (Some(bank), ..) if is_overlay_bank(&bank) => overlay_bank::info(&bank, screen),
-            (_, Some(bank), ..) if is_overlay_bank(&bank) => overlay_bank::info(&bank, screen),
-            (Some(bank), ..) => patterns::info(&bank, screen),
-            (_, Some(bank), ..) => patterns::check(&bank, screen),
-            (_, _, Some(n), Some(output)) => {
-                overlay.refuse_idle(overlays.is_some(), true)?;
-                if let Some(photos) = overlays {
-                    let request = overlay_bank::Request {
-                        photos,
-                        options: overlay.options(true)?,
-                        n,
-                        sizes: size,
-                        output,
-                    };
-                    return overlay_bank::run(global, &request, screen);
-                }
-                let sizes = match sizes_of {
-                    Some(source) => patterns::sizes_of(global, &source, most_sizes, screen)?,
-                    None => size,
-                };
-                let request = patterns::Request { n, output, sizes };
-                patterns::run(global, &request, screen)
-            }
-            _ => Err(Failure::wrong_input(
-                "patterns needs a number -n and a folder -o, or --info BANK, or --check BANK",
-            )),
-        },
+        Verb::Simulate(args) => simulate::run(global, &args, screen),
+        Verb::Patterns(args) => bank(global, &args, screen),
         Verb::Video(args) => video::run(global, args, screen),
         Verb::Evaluate(args) => evaluate::run(global, &args, screen),
         Verb::Timeline(args) => timeline::run(global, &args, screen),
         Verb::Study(args) => study::run(global, &args, screen),
         Verb::Recipe { schema, list } => recipe::run(global, schema, list, screen),
-        Verb::Bench {
-            output,
-            particles,
-            runs,
-            fixed_radius,
-            model,
-        } => {
-            let request = bench::Request {
-                output,
-                particles,
-                runs,
-                fixed_radius,
-                model,
-            };
-            bench::run(global, &request, screen)
-        }
+        Verb::Bench(args) => bench::run(global, &args, screen),
         Verb::Completions { shell } => shell::completions(shell, screen),
         Verb::Man { output } => shell::man_pages(global, &output, screen),
+    }
+}
+
+/// `starbreak patterns`: makes a bank of either kind, or says what is in one.
+fn bank(global: &Global, args: &PatternsArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+    match (&args.info, &args.check, args.n, &args.output) {
+        (Some(bank), ..) | (_, Some(bank), ..) if is_overlay_bank(bank) => {
+            overlay_bank::info(bank, screen)
+        }
+        (Some(bank), ..) => patterns::info(bank, screen),
+        (_, Some(bank), ..) => patterns::check(bank, screen),
+        (_, _, Some(n), Some(output)) => {
+            args.overlay.refuse_idle(args.overlays.is_some(), true)?;
+            match &args.overlays {
+                Some(photos) => overlay_bank::run(global, args, photos, (n, output), screen),
+                None => patterns::run(global, args, (n, output), screen),
+            }
+        }
+        _ => Err(Failure::wrong_input(
+            "patterns needs a number -n and a folder -o, or --info BANK, or --check BANK",
+        )),
     }
 }

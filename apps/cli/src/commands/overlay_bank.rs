@@ -1,12 +1,11 @@
 //! `starbreak patterns --overlays`: a bank of random parts of photographs of broken glass.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::photo::OverlayOptions;
 use starbreak_runs::bank::{
     OVERLAY_BANK_FILE, OverlayBank, OverlayBankHeader, OverlayRow, write_overlay_bank,
 };
@@ -14,42 +13,37 @@ use starbreak_runs::with_threads;
 
 use super::patterns::bytes_text;
 use crate::args::Global;
+use crate::args::patterns::PatternsArgs;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
-/// A bank to make.
-pub(crate) struct Request {
-    pub(crate) photos: PathBuf,
-    pub(crate) options: OverlayOptions,
-    pub(crate) n: u32,
-    pub(crate) sizes: Vec<(u32, u32)>,
-    pub(crate) output: PathBuf,
-}
-
-/// Makes a bank.
+/// Makes a bank of `n` parts of the photos in a folder, in the folder `output`.
 pub(crate) fn run(
     global: &Global,
-    request: &Request,
+    args: &PatternsArgs,
+    photos: &Path,
+    (n, output): (u32, &Path),
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let &[size] = request.sizes.as_slice() else {
+    let &[size] = args.size.as_slice() else {
         return Err(Failure::wrong_input(
             "a bank of photos is for one --size; frames of other sizes get parts of the same photos that are drawn for \
              them",
         ));
     };
-    let to = request.output.join(OVERLAY_BANK_FILE);
-    let table = request.output.join("overlays.csv");
+    let options = args.overlay.options(true)?;
+    let to = output.join(OVERLAY_BANK_FILE);
+    let table = output.join("overlays.csv");
     global.refuse_taken(&[to.clone(), table.clone()])?;
     let interrupt = Interrupt::listen();
     let started = Instant::now();
-    let progress = screen.progress(u64::from(request.n), "patterns");
+    let progress = screen.progress(u64::from(n), "patterns");
     let draft = with_threads(usize::from(global.threads), || {
         write_overlay_bank(
-            &request.photos,
-            &request.options,
-            request.n as usize,
+            photos,
+            &options,
+            n as usize,
             size,
             global.seed(),
             (global.batch(), &to),

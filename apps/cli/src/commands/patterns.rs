@@ -15,19 +15,13 @@ use starbreak_runs::{RunContext, with_threads};
 use super::pattern_statistics::{Statistics, csv, figure};
 use super::raster;
 use crate::args::Global;
+use crate::args::patterns::PatternsArgs;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
-/// A bank to make.
-pub(crate) struct Request {
-    pub(crate) n: u32,
-    pub(crate) output: PathBuf,
-    pub(crate) sizes: Vec<(u32, u32)>,
-}
-
 /// The most frequent frame sizes of a dataset.
-pub(crate) fn sizes_of(
+fn sizes_of(
     global: &Global,
     source: &OsStr,
     most: u16,
@@ -58,13 +52,17 @@ pub(crate) fn sizes_of(
     Ok(sizes)
 }
 
-/// Makes a bank.
+/// Makes a bank of `n` patterns in the folder `output`.
 pub(crate) fn run(
     global: &Global,
-    request: &Request,
+    args: &PatternsArgs,
+    (n, output): (u32, &Path),
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
-    let Request { n, output, .. } = request;
+    let sizes = match &args.sizes_of {
+        Some(source) => sizes_of(global, source, args.most_sizes, screen)?,
+        None => args.size.clone(),
+    };
     let recipe = global.recipe()?;
     let mut context = RunContext::new(&recipe, global.seed(), output)?;
     context.replaces = global.replace;
@@ -81,10 +79,9 @@ pub(crate) fn run(
     global.refuse_taken(&all)?;
     let interrupt = Interrupt::listen();
     let started = Instant::now();
-    let progress = screen.progress(u64::from(*n), "patterns");
+    let progress = screen.progress(u64::from(n), "patterns");
     let draft = with_threads(usize::from(global.threads), || {
-        let sizes = &request.sizes;
-        write_bank(&context, *n as usize, sizes, &to, interrupt.flag(), |_| {
+        write_bank(&context, n as usize, &sizes, &to, interrupt.flag(), |_| {
             progress.step();
         })
     })?;

@@ -14,6 +14,7 @@ use starbreak_dataset::{AnimationParams, OutputBatch, encode_animation, encode_m
 
 use super::network_file;
 use crate::args::Global;
+use crate::args::simulate::SimulateArgs;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
@@ -72,96 +73,65 @@ pub(super) fn radius_hint(
     })
 }
 
-/// What was asked for.
-pub(crate) struct Request {
-    pub(crate) output: Option<PathBuf>,
-    pub(crate) svg: Option<PathBuf>,
-    pub(crate) network: Option<PathBuf>,
-    pub(crate) size: (u32, u32),
-    pub(crate) frames: Option<(u32, PathBuf)>,
-    pub(crate) timings: bool,
-}
-
-/// The folder for frames where none was named.
-pub(super) fn frames_beside(network: Option<&Path>) -> PathBuf {
-    let stem = network
-        .and_then(Path::file_stem)
-        .map(|stem| stem.to_string_lossy().into_owned());
-    let name = format!("{}-frames", stem.as_deref().unwrap_or("network"));
-    network.map_or_else(
-        || PathBuf::from(&name),
-        |network| network.with_file_name(&name),
-    )
-}
-
-impl Request {
-    fn outputs(&self) -> Vec<PathBuf> {
-        let frames = self.frames.as_ref().map(|(_, to)| to.clone());
-        [self.output.clone(), self.svg.clone(), frames]
-            .into_iter()
-            .flatten()
-            .collect()
-    }
-}
-
 pub(crate) fn run(
     global: &Global,
-    request: &Request,
+    args: &SimulateArgs,
     screen: &Screen,
 ) -> Result<ExitCode, Failure> {
     let settings = global.recipe()?.settings()?;
     let interrupt = Interrupt::listen();
-    global.refuse_recipe_among(&request.outputs())?;
-    let imported = network_file::read(request.network.as_deref(), &request.outputs())?;
+    let frames = args.growth_frames();
+    let paths = [
+        &args.output,
+        &args.svg,
+        &frames.as_ref().map(|(_, to)| to.clone()),
+    ];
+    let outputs: Vec<PathBuf> = paths.into_iter().flatten().cloned().collect();
+    global.refuse_recipe_among(&outputs)?;
+    let imported = network_file::read(args.network.as_deref(), &outputs)?;
     let simulated = match &imported {
         Some(imported) => Simulated::from(imported),
-        None => starbreak::simulate(&settings, request.size, global.seed())?,
+        None => starbreak::simulate(&settings, args.size, global.seed())?,
     };
     interrupt.check()?;
     let network = &simulated.network;
-    let json = if request.timings {
+    let json = if args.timings {
         with_timings(&simulated)?
     } else {
         network.to_json()
     };
 
     let mut batch = global.batch();
-    if let Some(path) = &request.output {
+    if let Some(path) = &args.output {
         batch.stage(path, json.as_bytes())?;
     }
-    if let Some(path) = &request.svg {
+    if let Some(path) = &args.svg {
         batch.stage(path, network.to_svg().as_bytes())?;
     }
-    if let Some((n_frames, to)) = &request.frames {
+    if let Some((n_frames, to)) = &frames {
         if !is_animation(to) {
             // Frames of an earlier run do not stay among these.
             batch = batch.with_list(&to.join("written.json"), "simulate");
         }
         stage_frames(
-            &settings,
-            &simulated,
-            request.size,
-            *n_frames,
-            to,
-            &interrupt,
-            &mut batch,
+            &settings, &simulated, args.size, *n_frames, to, &interrupt, &mut batch,
         )?;
     }
     interrupt.check()?;
     batch.commit()?;
 
     if imported.is_none()
-        && let Some(hint) = radius_hint(&settings, request.size)
+        && let Some(hint) = radius_hint(&settings, args.size)
     {
         screen.note(&hint);
     }
-    if request.output.is_none() && !global.json {
+    if args.output.is_none() && !global.json {
         screen.data(&json)?;
         screen.note(&describe(&simulated));
     } else {
         screen.say(&describe(&simulated));
     }
-    screen.result(|| result_json(request, &simulated))?;
+    screen.result(|| result_json(args, &simulated))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -293,18 +263,16 @@ fn describe_hit(report: &ImpactReport) -> String {
     )
 }
 
-fn result_json(request: &Request, simulated: &Simulated) -> Value {
+fn result_json(args: &SimulateArgs, simulated: &Simulated) -> Value {
     let network = &simulated.network;
     let mut result = Map::from_iter(
         [
-            ("network", json!(request.output.as_ref().map(path_text))),
-            ("svg", json!(request.svg.as_ref().map(path_text))),
+            ("network", json!(args.output.as_ref().map(path_text))),
+            ("svg", json!(args.svg.as_ref().map(path_text))),
             (
                 "frames",
                 json!(
-                    request
-                        .frames
-                        .as_ref()
+                    args.growth_frames()
                         .map(|(n_frames, to)| json!({ "count": n_frames, "path": path_text(to) }))
                 ),
             ),
