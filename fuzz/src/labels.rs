@@ -164,7 +164,7 @@ pub fn timeline(bytes: &[u8]) {
         "a track for each object"
     );
     for clip in &tracked.clips {
-        let highest = clip.frames.iter().filter_map(|(_, idx)| *idx).max();
+        let highest = clip.frames.iter().filter_map(|frame| frame.number).max();
         let n_frames = highest.map_or(clip.frames.len() as u64, |last| last + 1);
         if n_frames > MAX_FRAMES {
             continue;

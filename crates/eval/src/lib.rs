@@ -52,8 +52,8 @@ pub use protocol::{
 };
 pub use region::{CoverageOf, Coverages, RegionMask, RegionMasks, Size, Subset, SubsetValues};
 pub use truth::{
-    ClipLabels, GroundTruth, LabeledClip, Protocol, SaidDetections, TrackName, TrackedLabels,
-    frames_of, said_categories,
+    ClipLabels, GroundTruth, LabeledClip, LabeledFrame, Protocol, SaidDetections, TrackName,
+    TrackedLabels, frames_of, said_categories,
 };
 
 pub(crate) use evaluation::compare::{COVERAGE_BINS, MIN_OBJECTS};

@@ -205,6 +205,39 @@ pub fn chain_for(
         .chain)
 }
 
+/// Where the files of one image go.
+struct Paths {
+    image: PathBuf,
+    region: PathBuf,
+    crack: PathBuf,
+    maps: [PathBuf; 5],
+    provenance: PathBuf,
+}
+
+impl Paths {
+    /// None of them may be the image that is read.
+    fn of(job: &ImageJob, out: &Path, format: ImageFormat) -> Result<Self, Error> {
+        let beside = |suffix: &str| out.join(format!("{}.{suffix}", job.stem));
+        let paths = Self {
+            image: beside(&extension(&job.input, format)),
+            region: beside("region.png"),
+            crack: beside("crack.png"),
+            maps: MAPS.map(|map| beside(&format!("{map}.npy"))),
+            provenance: beside("json"),
+        };
+        let outputs = [&paths.image, &paths.region, &paths.crack, &paths.provenance];
+        for output in outputs.into_iter().chain(&paths.maps) {
+            if same_file(&job.input, output) {
+                return Err(Error::OutputIsInput {
+                    input: job.input.clone(),
+                    output: output.clone(),
+                });
+            }
+        }
+        Ok(paths)
+    }
+}
+
 /// Shows damage in the image that it was made for, in place, and stages its files in a batch, which the
 /// caller commits.
 ///
@@ -220,20 +253,7 @@ pub fn stage_shown(
 ) -> Result<Written, Error> {
     let RunContext { out, settings, .. } = context;
     let encoding = encoding(settings, file)?;
-    let beside = |suffix: &str| out.join(format!("{}.{suffix}", job.stem));
-    let image_path = beside(&extension(&job.input, encoding.format()));
-    let (region_path, crack_path, provenance_path) =
-        (beside("region.png"), beside("crack.png"), beside("json"));
-    let map_paths = MAPS.map(|map| beside(&format!("{map}.npy")));
-    let outputs = [&image_path, &region_path, &crack_path, &provenance_path];
-    for output in outputs.into_iter().chain(&map_paths) {
-        if same_file(&job.input, output) {
-            return Err(Error::OutputIsInput {
-                input: job.input.clone(),
-                output: output.clone(),
-            });
-        }
-    }
+    let paths = Paths::of(job, out, encoding.format())?;
     let seed = context.seed.of_item(&job.name, 0);
     let of_image = |error| Error::of_image(&job.input, error);
     let shown = chain
@@ -244,26 +264,29 @@ pub fn stage_shown(
 
     let bytes = encode_image(&file.pixels, &encoding, file.icc_profile.as_deref())
         .map_err(|error| of_image(error.into()))?;
-    let record = listed_files(&provenance_path, PROVENANCE_SCHEMA, Some(&job.name));
+    let record = listed_files(&paths.provenance, PROVENANCE_SCHEMA, Some(&job.name));
     batch.take_over(record);
     let mut stage = |path: &Path, bytes: &[u8]| -> Result<WrittenFile, Error> {
         batch.stage(path, bytes)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         Ok(WrittenFile::of(&name, bytes))
     };
-    let mut files = vec![("output", stage(&image_path, &bytes)?)];
+    let mut files = vec![("output", stage(&paths.image, &bytes)?)];
     if settings.output.masks {
-        files.push(("region", stage(&region_path, &encode_mask(&shown.region)?)?));
-        files.push(("crack", stage(&crack_path, &encode_mask(&crack)?)?));
+        files.push((
+            "region",
+            stage(&paths.region, &encode_mask(&shown.region)?)?,
+        ));
+        files.push(("crack", stage(&paths.crack, &encode_mask(&crack)?)?));
     }
     let mut maps = Vec::new();
     if let Some(of_optics) = &shown.maps {
         let arrays = encode_maps(of_optics, &crack)?;
-        for (path, array) in map_paths.iter().zip(arrays) {
+        for (path, array) in paths.maps.iter().zip(arrays) {
             maps.push(stage(path, &array)?);
         }
     }
-    let written_maps = map_paths.into_iter().take(maps.len()).collect();
+    let n_maps = maps.len();
     watch.lap("write");
     let timings = watch.stop();
 
@@ -283,13 +306,13 @@ pub fn stage_shown(
         record.insert("maps".to_owned(), json!(maps));
     }
     let provenance = Provenance::new(record.into())?;
-    batch.stage(&provenance_path, &provenance.to_bytes())?;
+    batch.stage(&paths.provenance, &provenance.to_bytes())?;
     Ok(Written {
-        image: image_path,
-        region: settings.output.masks.then_some(region_path),
-        crack: settings.output.masks.then_some(crack_path),
-        maps: written_maps,
-        provenance: provenance_path,
+        image: paths.image,
+        region: settings.output.masks.then_some(paths.region),
+        crack: settings.output.masks.then_some(paths.crack),
+        maps: paths.maps.into_iter().take(n_maps).collect(),
+        provenance: paths.provenance,
         chain,
         shown,
         timings,

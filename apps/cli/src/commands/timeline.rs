@@ -178,7 +178,7 @@ fn of_labels(
     let is_one = labels.clips.len() == 1;
     let mut evaluated = Evaluated::default();
     for clip in chosen {
-        let n_labeled = clip.frames.iter().filter_map(|(_, idx)| *idx).max();
+        let n_labeled = clip.frames.iter().filter_map(|frame| frame.number).max();
         let n_labeled = n_labeled.map_or(clip.frames.len() as u64, |last| last + 1);
         let track = tracks.of(clip.name.as_deref(), is_one, n_labeled)?;
         let of_clip = labels.of_clip(clip, &track.track)?;

@@ -67,8 +67,8 @@ impl Default for MatchRule<'_> {
 /// image and then category.
 ///
 /// # Errors
-/// [`EvalError::Rule`] for a threshold outside 0 to 1, or values of other number than the objects
-/// and detections.
+/// [`EvalError::StatisticSetting`] for a threshold outside 0 to 1, [`EvalError::Rule`] for values of another number
+/// than the objects and detections.
 pub fn match_images(
     labels: &LabelSet,
     detections: &Detections,
@@ -76,9 +76,11 @@ pub fn match_images(
 ) -> Result<Vec<ImageMatches>, EvalError> {
     let threshold = rule.iou_threshold;
     if !(0.0..=1.0).contains(&threshold) {
-        return Err(EvalError::Rule(format!(
-            "a threshold of overlap of {threshold}; expected 0 to 1"
-        )));
+        return Err(EvalError::StatisticSetting {
+            what: "threshold of overlap",
+            value: threshold,
+            range: "from 0 to 1",
+        });
     }
     let range = rule.region.map_or([0.0, 1e10], |region| region.range);
     let mut matches = Vec::new();

@@ -90,6 +90,82 @@ struct Line {
     file: Option<String>,
 }
 
+impl File {
+    /// It is of this schema, and its frames follow each other.
+    fn check_frames(&self, path: &Path) -> Result<(), EvalError> {
+        if self.schema != SCHEMA {
+            let reason = format!("its schema is {:?}; expected {SCHEMA:?}", self.schema);
+            return Err(refuse_file(path, reason));
+        }
+        if !RATES_PER_S.contains(&self.fps) {
+            let reason = format!(
+                "fps = {:e}; expected frames per second from 1e-6 to 1e6",
+                self.fps
+            );
+            return Err(refuse_file(path, reason));
+        }
+        let n_frames = self.frames.len() as u64;
+        if self.n_frames != n_frames || n_frames == 0 {
+            let reason = format!(
+                "it says n_frames = {} and lists {n_frames}; write the clip again with `video`",
+                self.n_frames
+            );
+            return Err(refuse_file(path, reason));
+        }
+        let mut before_s = f64::NEG_INFINITY;
+        for (idx, line) in (0..).zip(&self.frames) {
+            let is_time = line.time_s > before_s && line.time_s <= MOST_S;
+            if line.frame_idx != idx || !is_time {
+                let reason = format!(
+                    "frame {} at {:?} s is out of order; numbers count from 0 and times rise to 1e9 s at most",
+                    line.frame_idx, line.time_s
+                );
+                return Err(refuse(path, format!("frames[{idx}]"), reason));
+            }
+            before_s = line.time_s;
+        }
+        Ok(())
+    }
+
+    /// Its onset is where its frames have it; gives that frame.
+    fn check_onset(&self, path: &Path) -> Result<Option<u64>, EvalError> {
+        let is_intact = |line: &Line| line.state == GlassState::Intact;
+        let is_back = |pair: &&[Line]| is_intact(&pair[1]) && !is_intact(&pair[0]);
+        if let Some([before, line]) = self.frames.windows(2).find(is_back) {
+            let reason = format!(
+                "the glass is intact after it was {:?}; it does not heal: write the clip again with `video`",
+                before.state
+            );
+            return Err(refuse(path, format!("frames[{}]", line.frame_idx), reason));
+        }
+        let broken = |line: &&Line| !is_intact(line);
+        let of_states = self.frames.iter().find(broken).map(|line| line.frame_idx);
+        let onset_idx = self.damage_onset.as_ref().map(|onset| onset.frame_idx);
+        if of_states != onset_idx {
+            let said =
+                |idx: Option<u64>| idx.map_or("none".to_owned(), |idx| format!("frame {idx}"));
+            let reason = format!(
+                "its damage_onset is {}, but the first frame that is not intact is {}; write the clip again with `video`",
+                said(onset_idx),
+                said(of_states)
+            );
+            return Err(refuse_file(path, reason));
+        }
+        let onset_s = self.damage_onset.as_ref().and_then(|onset| onset.time_s);
+        let frame_s = onset_idx.and_then(|idx| self.frames.get(usize::try_from(idx).ok()?));
+        if let Some((said, frame)) = onset_s.zip(frame_s)
+            && (said - frame.time_s).abs() > 1e-6
+        {
+            let reason = format!(
+                "its damage_onset is at {said:?} s, but that frame at {:?} s; write the clip again with `video`",
+                frame.time_s
+            );
+            return Err(refuse_file(path, reason));
+        }
+        Ok(onset_idx)
+    }
+}
+
 impl ClipTrack {
     /// The track in a file of schema `starbreak.track/1`.
     ///
@@ -105,70 +181,8 @@ impl ClipTrack {
             );
             refuse_file(path, reason)
         })?;
-        if file.schema != SCHEMA {
-            let reason = format!("its schema is {:?}; expected {SCHEMA:?}", file.schema);
-            return Err(refuse_file(path, reason));
-        }
-        if !RATES_PER_S.contains(&file.fps) {
-            let reason = format!(
-                "fps = {:e}; expected frames per second from 1e-6 to 1e6",
-                file.fps
-            );
-            return Err(refuse_file(path, reason));
-        }
-        let n_frames = file.frames.len() as u64;
-        if file.n_frames != n_frames || n_frames == 0 {
-            let reason = format!(
-                "it says n_frames = {} and lists {n_frames}; write the clip again with `video`",
-                file.n_frames
-            );
-            return Err(refuse_file(path, reason));
-        }
-        let mut before_s = f64::NEG_INFINITY;
-        for (idx, line) in (0..).zip(&file.frames) {
-            let is_time = line.time_s > before_s && line.time_s <= MOST_S;
-            if line.frame_idx != idx || !is_time {
-                let reason = format!(
-                    "frame {} at {:?} s is out of order; numbers count from 0 and times rise to 1e9 s at most",
-                    line.frame_idx, line.time_s
-                );
-                return Err(refuse(path, format!("frames[{idx}]"), reason));
-            }
-            before_s = line.time_s;
-        }
-        let is_intact = |line: &Line| line.state == GlassState::Intact;
-        let is_back = |pair: &&[Line]| is_intact(&pair[1]) && !is_intact(&pair[0]);
-        if let Some([before, line]) = file.frames.windows(2).find(is_back) {
-            let reason = format!(
-                "the glass is intact after it was {:?}; it does not heal: write the clip again with `video`",
-                before.state
-            );
-            return Err(refuse(path, format!("frames[{}]", line.frame_idx), reason));
-        }
-        let broken = |line: &&Line| !is_intact(line);
-        let of_states = file.frames.iter().find(broken).map(|line| line.frame_idx);
-        let onset_idx = file.damage_onset.as_ref().map(|onset| onset.frame_idx);
-        if of_states != onset_idx {
-            let said =
-                |idx: Option<u64>| idx.map_or("none".to_owned(), |idx| format!("frame {idx}"));
-            let reason = format!(
-                "its damage_onset is {}, but the first frame that is not intact is {}; write the clip again with `video`",
-                said(onset_idx),
-                said(of_states)
-            );
-            return Err(refuse_file(path, reason));
-        }
-        let onset_s = file.damage_onset.and_then(|onset| onset.time_s);
-        let frame_s = onset_idx.and_then(|idx| file.frames.get(usize::try_from(idx).ok()?));
-        if let Some((said, frame)) = onset_s.zip(frame_s)
-            && (said - frame.time_s).abs() > 1e-6
-        {
-            let reason = format!(
-                "its damage_onset is at {said:?} s, but that frame at {:?} s; write the clip again with `video`",
-                frame.time_s
-            );
-            return Err(refuse_file(path, reason));
-        }
+        file.check_frames(path)?;
+        let onset_idx = file.check_onset(path)?;
         let names = [&file.input.name, &file.output.name];
         Ok(Self {
             names: names.map(|name| stem(name).to_owned()).into(),

@@ -160,28 +160,7 @@ fn product_limit(
     clusters: Option<&[u32]>,
     level: f64,
 ) -> Result<Survival, EvalError> {
-    if times_s.len() != is_lost.len() {
-        return Err(EvalError::StatisticLength {
-            what: "times",
-            found: times_s.len(),
-            expected: is_lost.len(),
-            of: "objects",
-        });
-    }
-    if let Some(time) = times_s.iter().find(|it| !(it.is_finite() && **it >= 0.0)) {
-        return Err(EvalError::StatisticSetting {
-            what: "time to a loss in s",
-            value: *time,
-            range: "of 0 or more",
-        });
-    }
-    if !(level > 0.0 && level < 1.0) {
-        return Err(EvalError::StatisticSetting {
-            what: "level of confidence",
-            value: level,
-            range: "between 0 and 1",
-        });
-    }
+    check(times_s, is_lost, level)?;
     let z = normal_quantile(0.5 + level / 2.0);
     let cluster_of = |idx: usize| clusters.and_then(|all| all.get(idx)).copied();
     let mut sorted: Vec<(f64, bool, u32)> = times_s
@@ -227,6 +206,44 @@ fn product_limit(
         n_at_risk -= group.len() as u64;
         spread.leave(group.iter().map(|it| it.2));
     }
+    let (median_s, ends) = median(&steps, n, level);
+    Ok(Survival {
+        n,
+        n_lost: steps.iter().map(|it| it.n_lost).sum(),
+        steps,
+        median_s,
+        median_ends_s: ends,
+    })
+}
+
+fn check(times_s: &[f64], is_lost: &[bool], level: f64) -> Result<(), EvalError> {
+    if times_s.len() != is_lost.len() {
+        return Err(EvalError::StatisticLength {
+            what: "times",
+            found: times_s.len(),
+            expected: is_lost.len(),
+            of: "objects",
+        });
+    }
+    if let Some(time) = times_s.iter().find(|it| !(it.is_finite() && **it >= 0.0)) {
+        return Err(EvalError::StatisticSetting {
+            what: "time to a loss in s",
+            value: *time,
+            range: "of 0 or more",
+        });
+    }
+    if !(level > 0.0 && level < 1.0) {
+        return Err(EvalError::StatisticSetting {
+            what: "level of confidence",
+            value: level,
+            range: "between 0 and 1",
+        });
+    }
+    Ok(())
+}
+
+/// The first time by which half are lost, and the first times at which the ends of the interval reach one half.
+fn median(steps: &[SurvivalStep], n: u64, level: f64) -> (Measured, [Option<f64>; 2]) {
     let first = |end: fn(&SurvivalStep) -> Option<f64>| {
         let step = steps
             .iter()
@@ -256,11 +273,5 @@ fn product_limit(
         },
         |time_s| Measured::of(time_s, n, Method::KaplanMeier).within(interval),
     );
-    Ok(Survival {
-        n,
-        n_lost: steps.iter().map(|it| it.n_lost).sum(),
-        steps,
-        median_s,
-        median_ends_s: ends,
-    })
+    (median_s, ends)
 }

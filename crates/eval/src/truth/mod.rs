@@ -5,4 +5,6 @@ mod open;
 mod tracked;
 
 pub use open::{GroundTruth, Protocol, SaidDetections};
-pub use tracked::{ClipLabels, LabeledClip, TrackName, TrackedLabels, frames_of, said_categories};
+pub use tracked::{
+    ClipLabels, LabeledClip, LabeledFrame, TrackName, TrackedLabels, frames_of, said_categories,
+};

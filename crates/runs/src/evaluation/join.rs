@@ -13,6 +13,7 @@ use starbreak_eval::{
 };
 
 use super::EvaluateRequest;
+use super::plain::curve_files;
 use crate::Error;
 
 /// What was read.
@@ -29,6 +30,30 @@ pub(super) struct Join<'a> {
 }
 
 impl Join<'_> {
+    /// Files of the curves of both, by their paths.
+    pub(super) fn curves(&self) -> Result<Vec<(PathBuf, Vec<u8>)>, Error> {
+        let both = [
+            ("clean", Some(self.of_clean), Some(self.clean)),
+            ("cracked", self.compared.cracked.as_ref(), self.cracked),
+        ];
+        let mut files = Vec::new();
+        for (idx, (name, evaluated, said)) in both.into_iter().enumerate() {
+            if let (Some(evaluated), Some(said)) = (evaluated, said) {
+                let coverages = self.compared.coverages.as_ref().map(|it| (it, idx));
+                let folder = Path::new(name);
+                files.extend(curve_files(
+                    folder,
+                    self.truth,
+                    said,
+                    evaluated,
+                    coverages,
+                    self.params,
+                )?);
+            }
+        }
+        Ok(files)
+    }
+
     /// One detector under one condition, as a study.
     pub(super) fn study(&self, request: &EvaluateRequest) -> Result<Study, Error> {
         let settings = EvaluateSettings {

@@ -7,7 +7,7 @@ mod set;
 
 use std::ffi::OsString;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde_json::{Map, Value, json};
 use starbreak_dataset::{SourceSpec, file_len};
@@ -21,7 +21,7 @@ use crate::Error;
 
 use join::Join;
 pub use join::{files_of, label_files, stem_of};
-use plain::{curve_files, side};
+use plain::side;
 pub use report_folder::{REPORT_FILES, report_batch};
 
 /// Name and version of the result, the value of its `schema`.
@@ -152,19 +152,7 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         file_len(folder)?;
     }
     set::check(request)?;
-    let protocol = request.protocol;
-    let mut truth = match (&request.source, &request.ground_truth) {
-        (Some(source), _) => GroundTruth::of_dataset(&SourceSpec::parse(source)?, protocol)?,
-        (None, Some(path)) => GroundTruth::of_path(path, protocol.unwrap_or(Protocol::Coco))?,
-        (None, None) => {
-            return Err(refused(
-                "no labels; give a SOURCE such as coco:DIR, or the ground truth alone".to_owned(),
-            ));
-        }
-    };
-    if let Some(path) = &request.clusters {
-        truth.read_clusters(path)?;
-    }
+    let truth = ground_truth(request)?;
     let params = params(request, &truth);
     let clean = truth.read_detections(&request.clean)?;
     let cracked = match &request.cracked {
@@ -203,33 +191,21 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         result.insert("region".to_owned(), region);
         result.insert("paired".to_owned(), json!(regions.paired));
     }
-    let mut curves = Vec::new();
-    if request.curves {
-        let both = [
-            ("clean", Some(&of_clean), Some(&clean)),
-            ("cracked", compared.cracked.as_ref(), cracked.as_ref()),
-        ];
-        for (idx, (name, evaluated, said)) in both.into_iter().enumerate() {
-            if let (Some(evaluated), Some(said)) = (evaluated, said) {
-                let coverages = compared.coverages.as_ref().map(|it| (it, idx));
-                let name = Path::new(name);
-                curves.extend(curve_files(
-                    name, &truth, said, evaluated, coverages, &params,
-                )?);
-            }
-        }
-    }
+    let join = Join {
+        truth: &truth,
+        clean: &clean,
+        cracked: cracked.as_ref(),
+        masks,
+        params: &params,
+        of_clean: &of_clean,
+        compared: &compared,
+    };
+    let curves = match request.curves {
+        true => join.curves()?,
+        false => Vec::new(),
+    };
     let mut report = Vec::new();
     if request.joins {
-        let join = Join {
-            truth: &truth,
-            clean: &clean,
-            cracked: cracked.as_ref(),
-            masks,
-            params: &params,
-            of_clean: &of_clean,
-            compared: &compared,
-        };
         let study = join.study(request)?;
         if let Some(evaluation) = study.evaluations.first() {
             put_joined(&mut result, evaluation, study.clean.first());
@@ -246,6 +222,24 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         report,
         curves,
     })
+}
+
+/// The labels of a request, with the drives of its images where a file names them.
+fn ground_truth(request: &EvaluateRequest) -> Result<GroundTruth, Error> {
+    let protocol = request.protocol;
+    let mut truth = match (&request.source, &request.ground_truth) {
+        (Some(source), _) => GroundTruth::of_dataset(&SourceSpec::parse(source)?, protocol)?,
+        (None, Some(path)) => GroundTruth::of_path(path, protocol.unwrap_or(Protocol::Coco))?,
+        (None, None) => {
+            return Err(refused(
+                "no labels; give a SOURCE such as coco:DIR, or the ground truth alone".to_owned(),
+            ));
+        }
+    };
+    if let Some(path) = &request.clusters {
+        truth.read_clusters(path)?;
+    }
+    Ok(truth)
 }
 
 fn refused(why: String) -> Error {

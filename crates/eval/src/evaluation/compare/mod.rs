@@ -320,16 +320,7 @@ pub(crate) fn compare_in_regions(
         objects: &coverages.objects,
         detections: coverages.detections.get(idx).map_or(&[], Vec::as_slice),
     };
-    let mut scopes = vec![(Scope::whole_image(), Subset::WholeImage)];
-    for tau in &params.taus {
-        let scope = |kind| Scope {
-            kind,
-            tau: Some(*tau),
-        };
-        scopes.push((scope(ScopeKind::InRegion), Subset::InRegion { tau: *tau }));
-        let out = Subset::OutOfRegion { tau: *tau };
-        scopes.push((scope(ScopeKind::OutOfRegion), out));
-    }
+    let scopes = scopes_of(&params.taus);
     if truth.protocol == Protocol::Kitti {
         for (scope, subset) in &scopes {
             let one = kitti_rows(truth, clean, of_set(0), subset)?;
@@ -353,13 +344,11 @@ pub(crate) fn compare_in_regions(
         let other = cracked.map(|cracked| rows(cracked, 1)).transpose()?;
         Ok((rows(clean, 0)?, other))
     };
+    // A class without any object in a place has no row there.
+    let is_there = |row: &SubsetAp| row.group.kind != GroupKind::Class || row.n_objects > 0;
     for (scope, subset) in &scopes {
         let (clean, cracked) = both(subset)?;
-        for (idx, row) in clean.iter().enumerate() {
-            // A class without any object in this place has no row.
-            if row.group.kind == GroupKind::Class && row.n_objects == 0 {
-                continue;
-            }
+        for (idx, row) in clean.iter().enumerate().filter(|(_, row)| is_there(row)) {
             let other = cracked.as_ref().and_then(|rows| rows.get(idx));
             for metric in [PairedMetric::Ap50, PairedMetric::Ap75, PairedMetric::Ap] {
                 let figure = |row: &SubsetAp| match metric {
@@ -375,24 +364,9 @@ pub(crate) fn compare_in_regions(
             }
         }
     }
-    let mut parts: Vec<(String, Subset)> = Vec::new();
-    for ends in COVERAGE_BINS.windows(2) {
-        if let [least, below] = *ends {
-            let name = format!("coverage {least} to {below}");
-            parts.push((name, Subset::CoverageBin { least, below }));
-        }
-    }
-    let tau = params.tau();
-    for size in Size::ALL {
-        let name = format!("{} in region", size.name());
-        parts.push((name, Subset::SizeInRegion { size, tau }));
-    }
-    for (name, subset) in parts {
+    for (name, subset) in parts_of_region(params.tau()) {
         let (clean, cracked) = both(&subset)?;
-        for (idx, row) in clean.iter().enumerate() {
-            if row.group.kind == GroupKind::Class && row.n_objects == 0 {
-                continue;
-            }
+        for (idx, row) in clean.iter().enumerate().filter(|(_, row)| is_there(row)) {
             let other = cracked.as_ref().and_then(|rows| rows.get(idx));
             results.subsets.push(SubsetRow {
                 subset: name.clone(),
@@ -405,6 +379,35 @@ pub(crate) fn compare_in_regions(
         }
     }
     Ok(results)
+}
+
+/// Whole images, and for each coverage that an object must have, in the region and out of it.
+fn scopes_of(taus: &[f64]) -> Vec<(Scope, Subset)> {
+    let mut scopes = vec![(Scope::whole_image(), Subset::WholeImage)];
+    for tau in taus {
+        let scope = |kind| Scope {
+            kind,
+            tau: Some(*tau),
+        };
+        scopes.push((scope(ScopeKind::InRegion), Subset::InRegion { tau: *tau }));
+        let out = Subset::OutOfRegion { tau: *tau };
+        scopes.push((scope(ScopeKind::OutOfRegion), out));
+    }
+    scopes
+}
+
+/// Parts of the region: by bins of coverage and by size of object, with their names.
+fn parts_of_region(tau: f64) -> Vec<(String, Subset)> {
+    let bins = COVERAGE_BINS.array_windows().map(|[least, below]| {
+        let (least, below) = (*least, *below);
+        let name = format!("coverage {least} to {below}");
+        (name, Subset::CoverageBin { least, below })
+    });
+    let sizes = Size::ALL.map(|size| {
+        let name = format!("{} in region", size.name());
+        (name, Subset::SizeInRegion { size, tau })
+    });
+    bins.chain(sizes).collect()
 }
 
 fn kitti_rows(

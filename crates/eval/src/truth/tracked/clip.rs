@@ -50,28 +50,7 @@ impl TrackedLabels {
         let what = named.map_or("the labels".to_owned(), |name| {
             format!("the labels of clip {name:?}")
         });
-        let is_numbered = clip.frames.iter().all(|(_, idx)| idx.is_some());
-        if !is_numbered && clip.frames.len() as u64 != n_frames {
-            return Err(EvalError::Rule(format!(
-                "{what} have {} frames without numbers, the clip has {n_frames}; give the track file of the same clip, or \
-                 labels that number their frames",
-                clip.frames.len()
-            )));
-        }
-        let mut images = BTreeMap::<u64, Option<u32>>::new();
-        if clip.has_all_frames {
-            images.extend((0..n_frames).map(|idx| (idx, None)));
-        }
-        for (place, (image, idx)) in (0..).zip(&clip.frames) {
-            let idx = idx.unwrap_or(place);
-            if idx >= n_frames {
-                return Err(EvalError::Rule(format!(
-                    "{what} have a frame {idx}, but the clip has {n_frames} frames, counted from 0; give the track \
-                     file of the same clip, or say with --first-frame what the labels' first number is"
-                )));
-            }
-            images.insert(idx, Some(*image));
-        }
+        let images = images_of(&what, clip, n_frames)?;
         let mut labels = LabelSet {
             categories: all.categories.clone(),
             ..LabelSet::default()
@@ -112,17 +91,34 @@ impl TrackedLabels {
                 cluster: clip.name.clone(),
             });
         }
+        let (tracks, names) = self.put_objects(&places, &mut labels);
+        Ok(ClipLabels {
+            labels,
+            frames,
+            tracks,
+            names,
+            places,
+        })
+    }
+
+    /// Objects whose image has a place among the frames, into the labels of the clip; gives their tracks, numbered in
+    /// the order in which they appear, and the names of those.
+    fn put_objects(
+        &self,
+        places: &[Option<u32>],
+        labels: &mut LabelSet,
+    ) -> (Vec<Option<u64>>, Vec<TrackName>) {
         let mut numbers = BTreeMap::<&str, u64>::new();
         let mut names = Vec::new();
         let mut tracks = Vec::new();
-        for (object, track) in all.objects.iter().zip(&self.tracks) {
+        for (object, track) in self.truth.labels.objects.iter().zip(&self.tracks) {
             let Some(place) = places.get(object.image as usize).copied().flatten() else {
                 continue;
             };
             let number = track.as_deref().map(|name| {
                 let next = numbers.len() as u64 + 1;
                 *numbers.entry(name).or_insert_with(|| {
-                    let category = all.categories.get(object.category as usize);
+                    let category = self.truth.labels.categories.get(object.category as usize);
                     names.push(TrackName {
                         track: next,
                         name: name.to_owned(),
@@ -137,14 +133,39 @@ impl TrackedLabels {
                 ..object.clone()
             });
         }
-        Ok(ClipLabels {
-            labels,
-            frames,
-            tracks,
-            names,
-            places,
-        })
+        (tracks, names)
     }
+}
+
+/// By frame of the clip, the image of the labels that shows it, where one does.
+fn images_of(
+    what: &str,
+    clip: &LabeledClip,
+    n_frames: u64,
+) -> Result<BTreeMap<u64, Option<u32>>, EvalError> {
+    let is_numbered = clip.frames.iter().all(|frame| frame.number.is_some());
+    if !is_numbered && clip.frames.len() as u64 != n_frames {
+        return Err(EvalError::Rule(format!(
+            "{what} have {} frames without numbers, the clip has {n_frames}; give the track file of the same clip, or \
+                 labels that number their frames",
+            clip.frames.len()
+        )));
+    }
+    let mut images = BTreeMap::<u64, Option<u32>>::new();
+    if clip.has_all_frames {
+        images.extend((0..n_frames).map(|idx| (idx, None)));
+    }
+    for (place, frame) in (0..).zip(&clip.frames) {
+        let idx = frame.number.unwrap_or(place);
+        if idx >= n_frames {
+            return Err(EvalError::Rule(format!(
+                "{what} have a frame {idx}, but the clip has {n_frames} frames, counted from 0; give the track \
+                     file of the same clip, or say with --first-frame what the labels' first number is"
+            )));
+        }
+        images.insert(idx, Some(frame.image));
+    }
+    Ok(images)
 }
 
 impl ClipLabels {

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use starbreak_dataset::{JsonRecord, WholeId, read_json_records};
 
-use super::{LabeledClip, TrackedLabels, in_order, number};
+use super::{LabeledClip, LabeledFrame, TrackedLabels, in_order, number};
 use crate::json_record::{parse, refuse};
 use crate::{EvalError, GroundTruth, LabelSet, Protocol};
 
@@ -95,7 +95,7 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
     let labels = LabelSet::read_coco(path)?;
     let mut beyond = Beyond::default();
     read_json_records(path, |record| beyond.take(path, &record))?;
-    let mut clips = BTreeMap::<Option<String>, Vec<(u32, Option<u64>)>>::new();
+    let mut clips = BTreeMap::<Option<String>, Vec<LabeledFrame>>::new();
     for (place, image) in (0..).zip(&labels.images) {
         let (video, idx) = beyond.images.get(&image.id).copied().unwrap_or_default();
         let clip = match video {
@@ -110,10 +110,13 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
                 }
             },
         };
-        let idx = idx
+        let number = idx
             .map(|idx| number(path, &image.name, idx, first_idx))
             .transpose()?;
-        clips.entry(clip).or_default().push((place, idx));
+        clips.entry(clip).or_default().push(LabeledFrame {
+            image: place,
+            number,
+        });
     }
     let clips: Vec<LabeledClip> = in_order(path, clips)?;
     let tracks = labels.objects.iter();

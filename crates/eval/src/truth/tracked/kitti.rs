@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use starbreak_dataset::files_in;
 
-use super::{LabeledClip, TrackedLabels};
+use super::{LabeledClip, LabeledFrame, TrackedLabels};
 use crate::json_record::{refuse, refuse_file};
 use crate::labels::kitti::{category_of, rows};
 use crate::timeline::MOST_FRAMES;
@@ -81,7 +81,10 @@ pub(super) fn read(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalErr
         for (idx, lines) in by_frame {
             let file = format!("{name}/{idx:06}.png");
             let image = labels.add_image(file, Some(name.clone()));
-            frames.push((image, Some(idx)));
+            frames.push(LabeledFrame {
+                image,
+                number: Some(idx),
+            });
             for line in lines {
                 let (categories, kind) = match line.track {
                     Some(_) => (

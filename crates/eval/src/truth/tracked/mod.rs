@@ -34,14 +34,22 @@ pub struct TrackedLabels {
     pub has_image_ids: bool,
 }
 
+/// A labeled frame of a clip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LabeledFrame {
+    /// Its place in [`LabelSet::images`].
+    pub image: u32,
+    /// Its number in the clip, where the labels say it.
+    pub number: Option<u64>,
+}
+
 /// A clip and its labeled frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LabeledClip {
     /// What the labels call it; `None` where they know of one clip only and do not name it.
     pub name: Option<String>,
-    /// Place of each labeled frame in [`LabelSet::images`], and its number in the clip where the
-    /// labels say it, in the order of the clip.
-    pub frames: Vec<(u32, Option<u64>)>,
+    /// The labeled frames, in the order of the clip.
+    pub frames: Vec<LabeledFrame>,
     /// Whether frames beyond these are labeled, too, and hold no object: so it is with KITTI.
     pub has_all_frames: bool,
 }
@@ -121,7 +129,7 @@ impl TrackedLabels {
         } = &self.truth.labels;
         let mut clip_of = vec![usize::MAX; images.len()];
         for (place, clip) in self.clips.iter().enumerate() {
-            for (image, _) in &clip.frames {
+            for LabeledFrame { image, .. } in &clip.frames {
                 if let Some(of_image) = clip_of.get_mut(*image as usize) {
                     *of_image = place;
                 }
@@ -191,13 +199,16 @@ fn read_scalabel(path: &Path, first_idx: u64) -> Result<TrackedLabels, EvalError
         tracks,
         frame_idx,
     } = reader.finish_tracked(path)?;
-    let mut clips = BTreeMap::<Option<String>, Vec<(u32, Option<u64>)>>::new();
+    let mut clips = BTreeMap::<Option<String>, Vec<LabeledFrame>>::new();
     for ((place, image), idx) in (0..).zip(&labels.images).zip(frame_idx) {
-        let idx = idx
+        let number = idx
             .map(|idx| number(path, &image.name, idx, first_idx))
             .transpose()?;
         let frames = clips.entry(image.cluster.clone()).or_default();
-        frames.push((place, idx));
+        frames.push(LabeledFrame {
+            image: place,
+            number,
+        });
     }
     Ok(TrackedLabels {
         clips: in_order(path, clips)?,
@@ -226,11 +237,11 @@ fn number(path: &Path, image: &str, idx: i64, first_idx: u64) -> Result<u64, Eva
 /// Clips with their frames by number, or, where they have none, as they stand.
 fn in_order(
     path: &Path,
-    clips: BTreeMap<Option<String>, Vec<(u32, Option<u64>)>>,
+    clips: BTreeMap<Option<String>, Vec<LabeledFrame>>,
 ) -> Result<Vec<LabeledClip>, EvalError> {
     let mut all = Vec::new();
     for (name, mut frames) in clips {
-        let n_numbered = frames.iter().filter(|(_, idx)| idx.is_some()).count();
+        let n_numbered = frames.iter().filter(|frame| frame.number.is_some()).count();
         let of_clip = name
             .as_ref()
             .map_or(String::new(), |name| format!(" of clip {name:?}"));
@@ -241,12 +252,10 @@ fn in_order(
             );
             return Err(refuse_file(path, reason));
         }
-        frames.sort_by_key(|(place, idx)| (*idx, *place));
-        let twice = frames
-            .windows(2)
-            .find(|pair| pair[0].1.is_some() && pair[0].1 == pair[1].1);
-        if let Some([(_, Some(idx)), _]) = twice {
-            let reason = format!("frame {idx}{of_clip} is there twice");
+        frames.sort_by_key(|frame| (frame.number, frame.image));
+        let numbers: Vec<u64> = frames.iter().filter_map(|frame| frame.number).collect();
+        if let Some([number, _]) = numbers.array_windows().find(|[one, next]| one == next) {
+            let reason = format!("frame {number}{of_clip} is there twice");
             return Err(refuse_file(path, reason));
         }
         all.push(LabeledClip {
