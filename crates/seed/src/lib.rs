@@ -1,9 +1,13 @@
 //! Randomness without ambience: the [`Seed`] of a run, named [`Stream`]s of random numbers, and seeds of items.
 
+mod draw;
+
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
+
+pub use draw::{normal, uniform};
 
 /// The number that a whole run is reproducible from. Zero is a seed like any other.
 ///

@@ -6,8 +6,8 @@ use starbreak_glass::Material;
 use starbreak_seed::{Seed, Stream};
 
 use super::ContactLoad;
-use crate::draw::{normal, uniform};
 use crate::params::StoneImpact;
+use starbreak_seed::{normal, uniform};
 
 /// Median of Auerbach's constant of soda-lime glass, N/m: critical force over radius of the tip.
 /// **Source** \[FrankLawn1967\]: 1 to 2 × 10⁵ N/m.

@@ -11,8 +11,8 @@ use super::count::ONSET_PA;
 use super::graph::Diced;
 use super::tracks::{Meeting, Tracks};
 use crate::FractureError;
-use crate::draw::{normal, uniform};
 use crate::mesh::Outline;
+use starbreak_seed::{normal, uniform};
 
 /// Speed of a running tip, m/s.
 const TIP_SPEED_M_S: f64 = 1500.0;

@@ -3,8 +3,8 @@
 use rand_chacha::rand_core::Rng;
 
 use super::radial_map::RadialMap;
-use crate::draw::uniform;
 use crate::mesh::Outline;
+use starbreak_seed::uniform;
 
 /// Least distance of two points, in distances of a hexagonal lattice of their density. A random
 /// packing of discs reaches 0.77. FIT within the 0.55 to 0.75 of \[Pourmoghaddam2018\].

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::draw::uniform;
 use rand_chacha::rand_core::Rng;
+use starbreak_seed::uniform;
 
 const N_WAVES: usize = 12;
 /// Wavelengths, in cells.

@@ -3,8 +3,8 @@
 use starbreak_glass::Pane;
 use starbreak_seed::{Seed, Stream};
 
-use crate::draw::uniform;
 use crate::lattice::Lattice;
+use starbreak_seed::uniform;
 
 /// Particles per grid cell on average.
 const PER_CELL: f64 = 6.0;

@@ -11,10 +11,10 @@ use super::propagation::{ConvergenceReport, Propagation, ResolvedImpact, propaga
 use super::spanning_tree::euclidean_spanning_tree;
 use crate::FractureError;
 use crate::arrangement::{Stroke, arrange};
-use crate::draw::uniform;
 use crate::growth::grow;
 use crate::lattice::Lattice;
 use crate::mesh::{PaneMesh, mesh_pane};
+use starbreak_seed::uniform;
 
 /// A part of the work, reported when it is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

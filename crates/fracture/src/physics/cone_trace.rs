@@ -7,8 +7,8 @@ use starbreak_seed::Stream;
 
 use super::impact::{Breaking, Hit};
 use crate::contact::ConeOutcome;
-use crate::draw::{normal, uniform};
 use crate::tips::{Piece, TERMINAL_SPEED_M_S, unit};
+use starbreak_seed::{normal, uniform};
 
 /// A cone leans by 68° from the normal of the pane: 22° to its surface \[FrankLawn1967\].
 const CONE_TILT_RAD: f64 = 68.0 * PI / 180.0;

@@ -19,9 +19,9 @@ use super::plate::Stiffness;
 use super::radials::{draw_angles, draw_count, mean_radial_count};
 use super::rings;
 use crate::contact::{ContactLoad, contact_load};
-use crate::draw::{normal, uniform};
 use crate::params::{GlassBuild, GlassPane, StoneImpact};
 use crate::tips::{Piece, TERMINAL_SPEED_M_S, Tilt, Tip, TipLaw, Web, unit};
+use starbreak_seed::{normal, uniform};
 
 /// A body is heavy where bending has come this far, in thicknesses of the ply, in the time in which
 /// both plies take its momentum. FIT: stones of some 10 g leave the inner ply whole, hail of 50 g

@@ -9,9 +9,9 @@ use super::plate::Carrying;
 use super::radials::{cull, draw_angles, draw_count, mean_radial_count};
 use super::windows::{Opening, Window};
 use crate::FractureError;
-use crate::draw::normal;
 use crate::stress::{Face, StressField};
 use crate::tips::{COMPETITION, Ledger, Motion, Piece, Tip, TipState, Tracing, trace, unit};
+use starbreak_seed::normal;
 
 /// Scatter of the distances at which radials start, standard deviation of the logarithm. FIT: legs of
 /// real stars differ by a factor of two.

@@ -9,7 +9,6 @@ use starbreak_seed::{Seed, Stream};
 use super::outcome::LongCrackReport;
 use super::shadow::Relieved;
 use crate::FractureError;
-use crate::draw::normal;
 use crate::mesh::MeshResolution;
 use crate::mesh::{Outline, PlateMesh};
 use crate::params::{GlassPane, LongCrack, LongCrackGrowth, LongCrackOrigin, MembraneLoad};
@@ -17,6 +16,7 @@ use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, me
 use crate::tips::{
     COMPETITION, Ledger, MAX_STEPS, Motion, Piece, Tip, TipLaw, Tracing, Web, trace, unit,
 };
+use starbreak_seed::normal;
 
 /// Factor of K of a flaw at a free edge \[TadaParisIrwin2000\].
 const EDGE_FACTOR: f64 = 1.12;

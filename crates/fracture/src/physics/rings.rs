@@ -6,9 +6,10 @@ use rand_chacha::ChaCha8Rng;
 use starbreak_glass::SegmentKind;
 use starbreak_seed::Seed;
 
-use crate::draw::{uniform, weibull_factor};
+use crate::draw::weibull_factor;
 use crate::stress::StressField;
 use crate::tips::{Ledger, Piece, Tilt, TipLaw, Web, crack_direction, unit};
+use starbreak_seed::uniform;
 
 /// A sector between two neighboring radial cracks.
 #[derive(Debug, Clone, Copy, PartialEq)]

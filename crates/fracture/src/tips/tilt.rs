@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use rand_chacha::ChaCha8Rng;
 use starbreak_seed::{Seed, Stream};
 
-use crate::draw::normal;
+use starbreak_seed::normal;
 
 /// The tilt of a crack's surface against the normal of the pane, which wanders along the crack.
 ///

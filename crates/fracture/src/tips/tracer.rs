@@ -12,8 +12,8 @@ use super::gaps::{finite_width, gaps_beside, way_to_rim};
 use super::law::{BRANCHING_SCATTER, Gaps, TipLaw, WANDER_RAD, crack_direction, fork_angle_rad};
 use super::tilt::{TILT_RAD, Tilt};
 use super::web::{Piece, Web};
-use crate::draw::normal;
 use crate::stress::{PlaneStress, StressField};
+use starbreak_seed::normal;
 
 /// Most steps of all tips of one hit or load.
 pub(crate) const MAX_STEPS: u32 = 300_000;

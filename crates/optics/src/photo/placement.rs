@@ -1,8 +1,6 @@
 //! Which part of a photograph fills the frame.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::Rng;
-use starbreak_seed::{Seed, Stream};
+use starbreak_seed::{Seed, Stream, uniform};
 
 use crate::OpticsError;
 
@@ -134,11 +132,4 @@ impl Placement {
 /// Width and height, at least 1.
 fn sides((width, height): (u32, u32)) -> [f64; 2] {
     [width, height].map(|side| f64::from(side.max(1)))
-}
-
-/// A number in [0, 1).
-fn uniform(rng: &mut ChaCha8Rng) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "53 bits fit an f64 exactly")]
-    let bits = (rng.next_u64() >> 11) as f64;
-    bits / 9_007_199_254_740_992.0
 }

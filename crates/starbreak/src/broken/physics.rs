@@ -2,12 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::Rng;
 use starbreak_fracture::paper::{Direction, Position};
 use starbreak_fracture::physics::{Stage, StoneImpact, simulate};
 use starbreak_optics::View;
-use starbreak_seed::{Seed, Stream};
+use starbreak_seed::{Seed, Stream, normal, uniform};
 
 use super::{Details, PhysicsDetails, Simulated};
 use crate::{Error, PhysicsSettings, Stopwatch};
@@ -101,17 +99,4 @@ fn stones_on(
         }
     }
     Ok(stones)
-}
-
-/// A normally distributed number \[BoxMuller1958\].
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    let radius = (-2.0 * libm::log(1.0 - uniform(rng))).sqrt();
-    radius * libm::cos(TAU * uniform(rng))
-}
-
-/// A number in [0, 1).
-fn uniform(rng: &mut ChaCha8Rng) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "53 bits fit an f64 exactly")]
-    let bits = (rng.next_u64() >> 11) as f64;
-    bits / 9_007_199_254_740_992.0
 }
