@@ -82,7 +82,7 @@ fn letters(
         Anchor::Middle => -0.5 * width,
         Anchor::End => -width,
     };
-    let (sin, cos) = turn_deg.to_radians().sin_cos();
+    let (sin, cos) = libm::sincosf(turn_deg.to_radians());
     let mut curves = Vec::new();
     for id in &ids {
         // A font's y points up.
@@ -103,7 +103,7 @@ fn letters(
 
 /// The rectangle of a line, and half its width beyond each end, so that lines meet without a gap.
 fn around(a: Point, b: Point, half: f32) -> Vec<OutlineCurve> {
-    let length = (b.x - a.x).hypot(b.y - a.y);
+    let length = libm::hypotf(b.x - a.x, b.y - a.y);
     if length <= 0.0 {
         return Vec::new();
     }
