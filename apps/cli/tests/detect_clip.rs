@@ -187,7 +187,7 @@ fn a_clip_is_broken_detected_and_followed() {
     assert_eq!(frames("clean"), frames("cracked"), "intact frames");
     assert_eq!(
         clip["clean"]["after"]["found"]["value"], 1.0,
-        "by its making"
+        "by construction"
     );
     assert!(at.join("out/report.html").is_file(), "the report");
     // The same of the frames: the results do not depend on the form of the clip.

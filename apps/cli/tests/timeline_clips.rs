@@ -150,9 +150,9 @@ fn the_objects_of_all_clips_are_in_one_curve_that_counts_from_each_damage() {
 
     // 4 objects of a clip are few, 24 of all are not; 6 clips are.
     let warnings = result["warnings"].to_string();
-    assert!(!warnings.contains("take longer clips"), "{warnings}");
+    assert!(!warnings.contains("use longer clips"), "{warnings}");
     assert!(
-        warnings.contains("between clips; of fewer than 20"),
+        warnings.contains("between clips; with fewer than 20"),
         "{warnings}"
     );
     let csv = fs::read_to_string(at.join("out/numbers.csv")).unwrap();
@@ -175,7 +175,7 @@ fn the_objects_of_all_clips_are_in_one_curve_that_counts_from_each_damage() {
     let page = fs::read_to_string(at.join("out/report.html")).unwrap();
     for said in [
         "all 6 clips together",
-        "all together",
+        "<th scope=\"row\">all clips together</th>",
         "fig-e0-clips-survival",
         "(Williams)",
     ] {
@@ -201,9 +201,9 @@ fn few_clips_take_objects_as_independent_and_say_so() {
     assert_eq!(interval["method"], json!("greenwood_log_log"), "{interval}");
     let warnings = result["warnings"].to_string();
     for said in [
-        "clip clip0: 4 objects are at risk",
-        "the 3 clips together: 12 objects are at risk",
-        "intervals take objects as independent",
+        "clip clip0: only 4 objects are at risk",
+        "the 3 clips together: only 12 objects are at risk",
+        "intervals treat objects as independent",
     ] {
         assert!(warnings.contains(said), "{said}: {warnings}");
     }

@@ -165,18 +165,18 @@ fn detections_that_stop_early_begin_late_or_are_not_there_are_warned_about() {
     write(at, "half.json", &results(1, 3, |_, frame| frame < 20));
     write(at, "late.json", &results(1, 3, |_, frame| frame >= 6));
     write(at, "empty.json", &json!([]));
-    let said = "the cracked detections end at frame 19, the clean ones at 29 of 29";
+    let said = "detections on the damaged side end at frame 19, on the clean side at 29 of 29";
     warned(at, &of_a("clean/a.json", "half.json"), said);
-    let said = "the clean detections end at frame 19";
+    let said = "detections on the clean side end at frame 19";
     warned(at, &of_a("half.json", "cracked/a.json"), said);
-    let said = "the cracked detections begin at frame 6, the clean ones at 0";
+    let said = "detections on the damaged side begin at frame 6, on the clean side at 0";
     warned(at, &of_a("clean/a.json", "late.json"), said);
-    let said = "there is no cracked detection in any of its 30 frames";
+    let said = "no detections on the damaged side in any of its 30 frames";
     let one = warned(at, &of_a("clean/a.json", "empty.json"), said);
-    assert!(!one.stderr.contains("no clean detection"), "{one:?}");
-    let said = "there is no clean detection in any of its 30 frames";
+    assert!(!one.stderr.contains("no detections on the clean side"), "{one:?}");
+    let said = "no detections on the clean side in any of its 30 frames";
     let both = warned(at, &of_a("empty.json", "empty.json"), said);
-    assert!(both.stderr.contains("no cracked detection"), "{both:?}");
+    assert!(both.stderr.contains("no detections on the damaged side"), "{both:?}");
     // Without labels likewise.
     let args = [
         "timeline",
@@ -189,7 +189,7 @@ fn detections_that_stop_early_begin_late_or_are_not_there_are_warned_about() {
         "--replicates",
         "50",
     ];
-    warned(at, &args, "the cracked detections end at frame 19");
+    warned(at, &args, "detections on the damaged side end at frame 19");
 }
 
 #[test]
@@ -212,7 +212,7 @@ fn detections_of_other_images_or_other_categories_are_refused() {
     refused(
         at,
         &args,
-        &["all 120 cracked detections", "categories", "\"60\""],
+        &["all 120 detections on the damaged side", "categories", "\"60\""],
     );
     let mut some = results(1, 3, |_, _| true);
     let foreign = results(1, 60, |k, _| k == 1);
@@ -220,7 +220,7 @@ fn detections_of_other_images_or_other_categories_are_refused() {
         .unwrap()
         .extend(foreign.as_array().unwrap().clone());
     write(at, "some.json", &some);
-    let said = "30 of 150 cracked detections are of categories that the labels lack";
+    let said = "30 of 150 detections on the damaged side have categories that the labels lack";
     warned(at, &of_a("clean/a.json", "some.json"), said);
     let name = |k| format!("frame_{k:06}.txt");
     kitti(at, "k", "Car", name);
@@ -235,7 +235,7 @@ fn detections_of_other_images_or_other_categories_are_refused() {
         "--track",
         "tracks/a.track.json",
     ];
-    refused(at, &args, &["all 120 cracked detections", "donut"]);
+    refused(at, &args, &["all 120 detections on the damaged side", "donut"]);
 }
 
 #[test]
@@ -435,11 +435,11 @@ fn names_of_kitti_results_are_numbers_of_frames_and_that_is_said() {
         match first {
             Some(first) => {
                 let said = format!(
-                    "{clean}: the names of its files are taken as numbers of frames, counted from {first}"
+                    "{clean}: its file names are read as frame numbers, counted from {first}"
                 );
                 warned(at, &args, &said);
             }
-            None => assert!(!outcome.stderr.contains("taken as numbers"), "{outcome:?}"),
+            None => assert!(!outcome.stderr.contains("read as frame numbers"), "{outcome:?}"),
         }
     }
     let args = args("far", "tracks/a.track.json");

@@ -73,15 +73,15 @@ pub(crate) fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) ->
     let mut cells = Vec::new();
     let mut reason = sets
         .is_empty()
-        .then(|| "there are no cracked images".to_owned());
+        .then(|| "there are no damaged images".to_owned());
     for family in &families {
         for severity in &severities {
             let cell = cell(family, *severity, sets);
             if reason.is_none() && cell.ap.is_none() {
                 reason = Some(match cell.n_seeds {
-                    0 => format!("{family} lacks severity {severity}, which others have"),
+                    0 => format!("{family} lacks severity {severity}, which other families have"),
                     _ => format!(
-                        "there is no AP of {family} at severity {severity}: too few objects, or none"
+                        "there is no AP of {family} at severity {severity}: too few objects or none"
                     ),
                 });
             }
@@ -96,7 +96,7 @@ pub(crate) fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) ->
         .zip(clean.filter(|clean| *clean > 0.0))
         .map(|(mpc, clean)| mpc / clean);
     if reason.is_none() && rpc.is_none() {
-        reason = Some("the clean AP is 0, or there is none: too few objects, or none".to_owned());
+        reason = Some("the clean AP is 0 or not given (too few objects or none)".to_owned());
     }
     MeanPerformance {
         clean,

@@ -420,7 +420,7 @@ fn an_object_with_an_area_below_0_is_not_to_be_found_anywhere() {
     assert!(
         texts
             .iter()
-            .any(|text| text.contains("2 objects have an area below 0")),
+            .any(|text| text.contains("2 objects have a negative area")),
         "and said: {texts:?}"
     );
     let of_all = &found.cracked.unwrap().results.groups[0];
@@ -483,13 +483,13 @@ fn a_dose_that_tells_no_objects_apart_says_so_in_the_place_of_its_chart() {
     assert_eq!(
         notes(vec![0.0; n], vec![0.3; n]),
         [
-            "it is 0 for all 60 objects found clean: these cracks do nothing of the kind",
-            "it is recorded of no object found clean",
-            "it is the same for nearly all of the 60 objects found clean",
+            "it is 0 for all 60 objects found in the clean images: this damage has no such effect",
+            "it was not recorded for any object found in the clean images",
+            "it is the same for nearly all of the 60 objects found in the clean images",
         ]
     );
     assert_eq!(
         notes(nearly.clone(), nearly)[0],
-        "it is 0 for 59 of 60 objects found clean, too many for bins of equal counts"
+        "it is 0 for 59 of 60 objects found in the clean images, too many for bins of equal counts"
     );
 }

@@ -470,7 +470,7 @@ fn a_span_says_how_many_conditions_have_a_number() {
         row.delta.value = None;
     }
     let page = html(&study).unwrap();
-    let facts = page.split("In short").nth(1).unwrap();
+    let facts = page.split(">Summary</h2>").nth(1).unwrap();
     let facts = facts.split("</section>").next().unwrap();
     let said: Vec<&str> = facts.split("<li>").skip(1).collect();
     assert!(

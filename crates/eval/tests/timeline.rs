@@ -97,9 +97,9 @@ fn an_object_is_lost_at_the_first_frame_of_a_gap_that_is_long_enough() {
             // Lost from frame 10 on, perhaps.
             "kept 0.6",
             "kept 0.4",
-            "it was not found without the damage either",
-            "it begins after the damage",
-            "it ends before the damage",
+            "it is not found without damage either",
+            "it begins after the onset of damage",
+            "it ends before the onset of damage",
             "lost 4 0.0",
         ],
         "fates"
@@ -125,8 +125,8 @@ fn the_clean_video_says_what_could_be_found() {
         fates(&timeline),
         [
             "lost 4 0.0",
-            "it was not found without the damage either",
-            "the clean video does not have it",
+            "it is not found without damage either",
+            "it is not in the clean video",
         ],
         "fates"
     );

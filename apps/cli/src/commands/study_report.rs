@@ -139,7 +139,7 @@ impl StudyReport<'_> {
         for (path, detector) in self.args.model.iter().zip(self.plan.detectors) {
             let contract = detector.detector.contract();
             let role = format!(
-                "model {}, contract {}: scores from {} on",
+                "model {}, contract {}: score threshold {}",
                 detector.name, contract.name, contract.score_threshold
             );
             let file = std::slice::from_ref(path);
@@ -160,7 +160,7 @@ impl StudyReport<'_> {
         for condition in self.plan.conditions {
             let run = self.plan.set_folder(condition).join("starbreak/run.json");
             inputs.push(InputFile::of(
-                "what the cracked set is made from",
+                "what the damaged set is made from",
                 &path_text(&run),
                 std::slice::from_ref(&run),
             )?);

@@ -219,7 +219,7 @@ fn of_labels(
         };
         let pair = [
             clean.named("clean", !by_frame),
-            cracked.named("cracked", !by_frame),
+            cracked.named("damaged", !by_frame),
         ];
         evaluated.warn(check_sides(&name, &of_clip.frames, &pair, args.lost_for)?);
         let frames = all_frames(&track);
@@ -269,7 +269,7 @@ fn without_labels(
     };
     let (clean, cracked) = (read(&args.clean)?, read(&args.damaged)?);
     let frames = all_frames(&track);
-    let pair = [clean.named("clean", false), cracked.named("cracked", false)];
+    let pair = [clean.named("clean", false), cracked.named("damaged", false)];
     evaluated.warn(check_sides(&track.name, &frames, &pair, args.lost_for)?);
     let input = ClipInput {
         name: &track.name,
@@ -357,7 +357,7 @@ fn study(
             version: env!("CARGO_PKG_VERSION").to_owned(),
         }],
         settings: Settings {
-            protocol: format!("objects over frames, matched as by {}", protocol.name()),
+            protocol: format!("objects over frames, matched as in {}", protocol.name()),
             score_threshold: args.score_threshold,
             iou_threshold: args.iou,
             n_bootstrap: args.replicates,
@@ -388,17 +388,17 @@ fn inputs(
         add("labels", path)?;
     }
     for path in tracks.files() {
-        add("track of the cracked clip", path)?;
+        add("track of the damaged clip", path)?;
     }
     let names: Vec<&str> = clips.iter().map(|clip| clip.clip.as_str()).collect();
-    for (side, path) in [("clean", &args.clean), ("cracked", &args.damaged)] {
+    for (side, path) in [("clean", &args.clean), ("damaged", &args.damaged)] {
         for (path, files) in side_files(path, &names) {
-            add_files(&format!("{side} detections"), &path, &files)?;
+            add_files(&format!("detections, {side}"), &path, &files)?;
         }
     }
     for (name, sha256) in tracks.clips() {
         inputs.push(InputFile {
-            role: "clip that was cracked, by its track".to_owned(),
+            role: "source clip, by its track".to_owned(),
             path: name.clone(),
             sha256: sha256.clone(),
             n_bytes: None,

@@ -179,7 +179,7 @@ impl ClipSettings {
                 let place = frames.partition_point(|frame| frame.frame_idx < onset_idx);
                 if place == frames.len() {
                     return Err(EvalError::Rule(format!(
-                        "no labeled frame of clip {:?} is at its damage (frame {onset_idx}) or after it; nothing can be lost",
+                        "no labeled frame of clip {:?} is at or after the onset of damage (frame {onset_idx}); nothing can be lost",
                         clip.name
                     )));
                 }
@@ -217,8 +217,8 @@ impl ClipSettings {
 
     fn check(&self) -> Result<(), EvalError> {
         for (what, value) in [
-            ("score from which a detection counts", self.score_threshold),
-            ("overlap from which an object is found", self.iou_threshold),
+            ("score threshold of a detection", self.score_threshold),
+            ("IoU threshold of a found object", self.iou_threshold),
         ] {
             if !(0.0..=1.0).contains(&value) {
                 return Err(EvalError::StatisticSetting {

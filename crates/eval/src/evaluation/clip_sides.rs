@@ -10,7 +10,7 @@ use crate::{Detections, EvalError, Unused};
 /// The detections of one side of a clip, and what was read with them.
 #[derive(Debug, Clone, Copy)]
 pub struct ClipSide<'a> {
-    /// `clean` or `cracked`.
+    /// `clean` or `damaged`.
     pub name: &'a str,
     /// The file or folder that they are from.
     pub path: &'a Path,
@@ -45,7 +45,7 @@ pub fn check_sides(
         if side.detections.items.is_empty() && side.is_of_all_images && side.n_read > 0 {
             let reason = format!(
                 "none of its {} detections is in clip {clip:?}, all are in other images of the labels; if they number \
-                 the frames of this clip from 1, say so with --by-frame, else give the detections of this clip",
+                 the frames of this clip from 1, add --by-frame; otherwise give the detections of this clip",
                 side.n_read
             );
             return Err(refuse_file(side.path, reason));
@@ -117,8 +117,8 @@ fn categories(side: &ClipSide<'_>) -> Result<Option<Warning>, EvalError> {
     };
     if side.n_read == 0 {
         let reason = format!(
-            "all {} {} detections are of categories that the labels lack, the first of {:?}; give the names or \
-             numbers of the labels' categories",
+            "all {} detections on the {} side have categories that the labels lack (first: {:?}); use the names \
+             or ids of the labels' categories",
             unused.n_detections, side.name, unused.first
         );
         return Err(refuse_file(side.path, reason));

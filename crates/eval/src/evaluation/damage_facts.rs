@@ -94,8 +94,7 @@ impl DamageFacts {
             let record: Record = serde_json::from_str(&text).map_err(|cause| EvalError::File {
                 path: path.clone(),
                 reason: format!(
-                    "it is no record of damage: {}; give the folder starbreak/provenance of a generated \
-                     set",
+                    "it is not a damage record: {}; give the folder starbreak/provenance of a generated set",
                     cause.to_string().replace('\n', " ")
                 ),
             })?;

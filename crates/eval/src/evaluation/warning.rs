@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 #[non_exhaustive]
 pub enum Warning {
     #[error(
-        "{n} objects have an area below 0 in the labels, the first is object {first_id} with {first_area_px2} px²; as by \
-         the rules of MS-COCO they are in no range of areas and count nowhere; mend `area` if they are to count"
+        "{n} objects have a negative area in the labels, the first is object {first_id} with {first_area_px2} px²; as in \
+         MS-COCO, they are in no area range and count nowhere; correct `area` if they should count"
     )]
     AreasBelowZero {
         n: Span,
@@ -21,13 +21,13 @@ pub enum Warning {
         first_area_px2: f64,
     },
     #[error(
-        "{n_frames} of {n_labeled} labeled frames have a result file; as in KITTI's own program the others are not \
+        "{n_frames} of {n_labeled} labeled frames have a result file; as in KITTI's development kit, the others are not \
          evaluated"
     )]
     FramesWithoutResults { n_frames: Span, n_labeled: Span },
     #[error(
-        "{n} of {n_all} {side} detections are of categories that the labels lack, the first of {first:?}; they count \
-         for nothing"
+        "{n} of {n_all} detections on the {side} side have categories that the labels lack (first: {first:?}); they are \
+         ignored"
     )]
     UnknownCategories {
         side: String,
@@ -36,44 +36,46 @@ pub enum Warning {
         first: String,
     },
     #[error(
-        "{n_clean} of {n_images} images have clean detections only and {n_cracked} cracked ones only; if a results file \
-         is not of all images, every difference is wrong: detect in all of them"
+        "{n_clean} of {n_images} images have detections only on the clean side and {n_cracked} only on the damaged side; \
+         if a results file does not cover all images, every difference is wrong: run the detector on all of them"
     )]
     OneSided {
         n_clean: Span,
         n_cracked: Span,
         n_images: Span,
     },
-    #[error("{n} of {n_images} images could not be broken or looked at and count nowhere")]
+    #[error(
+        "{n} of {n_images} images could not be damaged or run through a detector and count nowhere"
+    )]
     ImagesNotSeen { n: Span, n_images: Span },
     /// What to do about the classes, in words of the audit.
     #[error("{0}")]
     Classes(String),
-    #[error("intervals are over {n} {units}; over fewer than {few} they come out too narrow")]
+    #[error("intervals are over {n} {units}; over fewer than {few} they are too narrow")]
     FewUnits { n: Span, units: String, few: u32 },
     #[error(
-        "the region is {median_percent:.1} % of an image in the median, less than {small_percent:.0} %: little can be \
-         lost. A higher severity has more, or a smaller glass.distance_m, or a larger impact.count"
+        "the region is {median_percent:.1} % of an image (median), less than {small_percent:.0} %, so little can be \
+         lost; for more, use a higher severity, a smaller glass.distance_m or a larger impact.count"
     )]
     SmallDamage {
         median_percent: Span,
         small_percent: f64,
     },
     #[error(
-        "the region holds {n} objects, fewer than {few}: there is no number for it; take more images, or more damage by \
-         a higher severity, a smaller glass.distance_m or a larger impact.count"
+        "the region contains {n} objects, fewer than {few}, so no number is given for it; use more images, or more \
+         damage by a higher severity, a smaller glass.distance_m or a larger impact.count"
     )]
     FewObjectsInRegion { n: Span, few: u64 },
     #[error(
         "{n} of {n_classes} classes in the region have too few objects for an AP of their own (fewer than {few}); they \
-         count in the AP of all classes"
+         still count in the AP of all classes"
     )]
     FewObjectsOfClasses { n: Span, n_classes: Span, few: u64 },
 
     // Of clips.
     #[error(
-        "clip {clip}: there is no {side} detection in any of its {n_frames} frames; if the detector has not looked at \
-         them, all that follows is false"
+        "clip {clip}: no detections on the {side} side in any of its {n_frames} frames; if the detector was not run on \
+         them, everything that follows is wrong"
     )]
     NoDetections {
         clip: String,
@@ -81,8 +83,8 @@ pub enum Warning {
         n_frames: Span,
     },
     #[error(
-        "clip {clip}: the {side} detections end at frame {end}, the {other} ones at {other_end} of {last}; if the \
-         detector was stopped there, objects count as lost that it never looked for"
+        "clip {clip}: detections on the {side} side end at frame {end}, on the {other} side at {other_end} of {last}; if \
+         the detector was stopped there, objects count as lost in frames that it never processed"
     )]
     DetectionsEndEarly {
         clip: String,
@@ -93,8 +95,8 @@ pub enum Warning {
         last: Span,
     },
     #[error(
-        "clip {clip}: the {side} detections begin at frame {begin}, the {other} ones at {other_begin}; if the detector \
-         began there, objects count as missed that it never looked for"
+        "clip {clip}: detections on the {side} side begin at frame {begin}, on the {other} side at {other_begin}; if the \
+         detector was started there, objects count as missed in frames that it never processed"
     )]
     DetectionsBeginLate {
         clip: String,
@@ -105,36 +107,37 @@ pub enum Warning {
     },
     #[error(
         "clip {clip}: the labels end at frame {last}, the clip has {n_frames} frames, counted from 0; if the track is \
-         that of a longer clip, all that follows is false, else objects are followed up to there"
+         that of a longer clip, everything that follows is wrong; otherwise objects are followed up to there"
     )]
     LabelsEndEarly {
         clip: String,
         last: Span,
         n_frames: Span,
     },
-    #[error("{}: the names of its files are taken as numbers of frames, counted from {first}", path.display())]
+    #[error("{}: its file names are read as frame numbers, counted from {first}", path.display())]
     NumberedFrames { path: PathBuf, first: u64 },
     #[error(
-        "clip {clip}: there are no labels, so that the objects are what the detector itself finds in the clean clip, its \
-         errors included; what it misses clean is not counted, and the clean clip finds all by its making, so it is no \
-         control"
+        "clip {clip}: there are no labels, so the ground truth is what the detector itself finds in the clean clip, \
+         including its errors; what it misses there is not counted, and the clean clip finds everything by construction, \
+         so it is no control"
     )]
     NoLabels { clip: String },
-    #[error("clip {clip}: no damage begins in it, so there is no time to failure")]
+    #[error("clip {clip}: no onset of damage, so there is no time to detection loss")]
     NoDamage { clip: String },
-    #[error("clip {clip}: {n} objects are at risk of being lost; take longer clips or several")]
+    #[error("clip {clip}: only {n} objects are at risk of being lost; use longer clips or several")]
     FewAtRisk { clip: String, n: Span },
     #[error(
-        "the {n_clips} clips together: {n} objects are at risk of being lost; take longer clips or more"
+        "the {n_clips} clips together: only {n} objects are at risk of being lost; use longer clips or more"
     )]
     FewAtRiskTogether { n_clips: Span, n: Span },
     #[error(
-        "the {n_clips} clips together: fewer than {least} have objects at risk, so that intervals take objects as \
-         independent; objects of one clip share its cracks, so that they come out too narrow"
+        "the {n_clips} clips together: fewer than {least} have objects at risk, so intervals treat objects as \
+         independent; they are too narrow, because objects of one clip share its damage"
     )]
     ObjectsAsIndependent { n_clips: Span, least: u64 },
     #[error(
-        "the {n_clips} clips together: intervals are between clips; of fewer than {few} they come out too narrow"
+        "the {n_clips} clips together: intervals use the variance between clips; with fewer than {few} they are too \
+         narrow"
     )]
     FewClips { n_clips: Span, few: u64 },
 

@@ -121,7 +121,7 @@ impl Coefficient {
         let error = self.standard_error_clustered;
         let error = error.filter(|_| n_units >= MIN_UNITS as usize);
         let (Some(value), Some(error)) = (estimate.value, error) else {
-            let test = none("there is no curve, or the objects are in too few units");
+            let test = none("there is no curve, or the objects are in too few resampling units");
             return (estimate, test);
         };
         let n_degrees = (n_units - 1) as f64;
@@ -158,21 +158,20 @@ fn why_none(rows: &[Row]) -> Option<String> {
     };
     let ((low_no, high_no), (low_yes, high_yes)) = (range(false), range(true));
     if rows.is_empty() {
-        return Some("there are no objects with a dose".to_owned());
+        return Some("no objects have a dose".to_owned());
     }
     if !rows.iter().any(|row| row.failed) {
-        return Some("none failed".to_owned());
+        return Some("no object failed".to_owned());
     }
     if rows.iter().all(|row| row.failed) {
-        return Some("all failed".to_owned());
+        return Some("all objects failed".to_owned());
     }
     if low_no.min(low_yes) >= high_no.max(high_yes) {
         return Some(format!("all doses are {low_no}"));
     }
     if high_no <= low_yes || high_yes <= low_no {
         return Some(
-            "the dose separates failures from the rest: the steeper the curve, the better it fits"
-                .to_owned(),
+            "the dose separates failures from the rest, so the best fit is infinitely steep".to_owned(),
         );
     }
     None
@@ -228,7 +227,7 @@ fn solve(rows: &[Row]) -> Result<Curve, String> {
     for n_rounds in 1..=MAX_ROUNDS {
         let (score, information) = derivatives(&scaled, a, b);
         let [[var_a, cov], [_, var_b]] =
-            inverse(information).ok_or("the information is singular")?;
+            inverse(information).ok_or("the information matrix is singular")?;
         let step = [
             var_a * score[0] + cov * score[1],
             cov * score[0] + var_b * score[1],
@@ -242,7 +241,7 @@ fn solve(rows: &[Row]) -> Result<Curve, String> {
             return Ok(curve(rows, &scaled, [a, b], [mean, spread], n_rounds));
         }
     }
-    Err(format!("the fit has not settled after {MAX_ROUNDS} rounds"))
+    Err(format!("the fit did not converge in {MAX_ROUNDS} iterations"))
 }
 
 /// First derivative of the log likelihood, and minus the second.
@@ -350,7 +349,7 @@ fn rank_auc(rows: &[Row]) -> Measured {
     }
     let n = rows.len() as u64;
     if n_yes < 1.0 || n_below < 1.0 {
-        return Measured::none(n, Method::RankAuc, "it needs failures and others");
+        return Measured::none(n, Method::RankAuc, "it needs both failures and non-failures");
     }
     Measured::of(sum / (n_yes * n_below), n, Method::RankAuc)
 }

@@ -250,8 +250,7 @@ fn verdict(
     }
     if as_is < 0.5 {
         return Verdict::Unexplained {
-            advice: "look at the names of the classes: detections and labels seem to be of \
-                     different lists"
+            advice: "check the class names: detections and labels seem to use different class lists"
                 .to_owned(),
         };
     }
@@ -265,16 +264,16 @@ fn advice(labels: &LabelSet, map: &ClassMap) -> String {
     };
     match map {
         ClassMap::IdShift { by } => {
-            format!("category numbers of the detections are off by {by:+}: subtract {by} from each")
+            format!("category ids of the detections are off by {by:+}: subtract {by} from each")
         }
         ClassMap::PlaceShift { by } => format!(
-            "classes of the detections are {by:+} places off in the list of categories: check whether it starts with a background class"
+            "classes of the detections are {by:+} positions off in the category list: check whether it starts with a background class"
         ),
         ClassMap::PlaceAsId { first } => format!(
-            "the detections give places in the list of categories, counted from {first}, where category numbers are meant: map each place to the number of its category"
+            "the detections give positions in the category list, counted from {first}, instead of category ids: map each position to the id of its category"
         ),
         ClassMap::IdAsPlace { first } => format!(
-            "category numbers were taken for places in the list of categories, counted from {first}: use them as they are"
+            "category ids were read as positions in the category list, counted from {first}: use them as they are"
         ),
         ClassMap::Permutation { moves } => {
             let shown: Vec<String> = moves
@@ -283,7 +282,7 @@ fn advice(labels: &LabelSet, map: &ClassMap) -> String {
                 .map(|it| format!("{:?} is {:?}", name(it.detected), name(it.labeled)))
                 .collect();
             format!(
-                "classes of the detections are permuted ({} of them): {}",
+                "{} classes of the detections are permuted: {}",
                 moves.len(),
                 shown.join(", ")
             )

@@ -199,12 +199,12 @@ impl<'a> PrintedTable<'a> {
             .collect();
         let place = match study.provenance.settings.tau {
             Some(tau) => format!(
-                "of the objects in the region of each condition ($\\tau = {tau}$), $n$ of them"
+                "of the $n$ objects in the region of each condition ($\\tau = {tau}$)"
             ),
-            None => "of all objects, $n$ of them".to_owned(),
+            None => "of all $n$ objects".to_owned(),
         };
         let seeds = match conditions.iter().any(|one| one.is_pooled) {
-            true => " Of several seeds it is the mean over them; an object counts once per seed.",
+            true => " Values over several seeds are means; an object counts once per seed.",
             false => "",
         };
         let part = match n_tables {
@@ -215,8 +215,8 @@ impl<'a> PrintedTable<'a> {
         let _ = writeln!(text, "  \\centering");
         let _ = writeln!(
             text,
-            "  \\caption{{Average precision (\\%) {place}, on {}: clean and cracked, with 95\\,\\% intervals. \
-             Each condition has a region, and so objects and a clean value, of its own.{seeds}{part}}}",
+            "  \\caption{{Average precision (\\%) {place}, on {}: clean and damaged, with 95\\,\\% intervals. \
+             Each condition has its own region, and so its own objects and clean value.{seeds}{part}}}",
             escaped(&study.dataset)
         );
         let _ = writeln!(text, "  \\begin{{tabular}}{{lll{columns}}}");
@@ -226,7 +226,7 @@ impl<'a> PrintedTable<'a> {
         let _ = writeln!(
             text,
             "  Detector & Metric & Category & {} \\\\",
-            ["$n$ & Clean & Cracked"]
+            ["$n$ & Clean & Damaged"]
                 .repeat(conditions.len())
                 .join(" & ")
         );
@@ -289,7 +289,7 @@ fn printed_groups(evaluations: &[&[PairedRow]], scope: &Scope) -> Vec<Group> {
 fn group_name(group: &Group) -> String {
     match group.kind {
         GroupKind::All => "all".to_owned(),
-        GroupKind::MeanOfSupercategories => "mean of categories".to_owned(),
+        GroupKind::MeanOfSupercategories => "mean of supercategories".to_owned(),
         _ => words::name(&group.name),
     }
 }

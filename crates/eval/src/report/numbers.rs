@@ -380,7 +380,7 @@ fn of_sets(study: &Study, list: &mut Vec<Number>) {
             }
             let mut adder = Adder::new("", &format!("{from} | {to}"), list);
             let metric = format!("{} of {}", table.measure, table.feature);
-            adder.add(metric, estimate, "distance between sets of images");
+            adder.add(metric, estimate, "distance between image sets");
         }
     }
 }

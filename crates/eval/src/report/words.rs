@@ -3,45 +3,49 @@
 use crate::evaluation::{GroupKind, PairedMetric, Scope, ScopeKind};
 
 /// How intervals of differences of AP come about: the words of files.
-pub(super) const DIFFERENCE_INTERVAL: &str = "as far as permutations reach, 95 %";
+pub(super) const DIFFERENCE_INTERVAL: &str = "permutation interval, 95 %";
 /// Those of rPC.
 pub(super) const RATIO_INTERVAL: &str =
-    "the wider of expanded percentile bootstrap and permutations, 95 %";
+    "wider of expanded percentile bootstrap and permutation interval, 95 %";
 /// Those of AP alone, of mPC and of what is counted per area.
 pub(super) const AP_INTERVAL: &str = "expanded percentile bootstrap, 95 %";
 /// Those of shares of objects.
-pub(super) const RATE_INTERVAL: &str = "Wilson between images, 95 %";
+pub(super) const RATE_INTERVAL: &str = "cluster-adjusted Wilson (images), 95 %";
 /// Those of mean changes.
-pub(super) const SHIFT_INTERVAL: &str = "t between images, 95 %";
+pub(super) const SHIFT_INTERVAL: &str = "cluster-robust t (images), 95 %";
 /// Those of slopes over a dose.
-pub(super) const SLOPE_INTERVAL: &str = "maximum likelihood, t between images, 95 %";
+pub(super) const SLOPE_INTERVAL: &str = "maximum likelihood, cluster-robust t (images), 95 %";
 
 /// The same method where clusters of images are drawn in the place of images.
 pub(super) fn over_clusters(method: &'static str) -> &'static str {
     match method {
-        RATE_INTERVAL => "Wilson between clusters of images, 95 %",
-        SHIFT_INTERVAL => "t between clusters of images, 95 %",
-        SLOPE_INTERVAL => "maximum likelihood, t between clusters of images, 95 %",
+        RATE_INTERVAL => "cluster-adjusted Wilson (clusters of images), 95 %",
+        SHIFT_INTERVAL => "cluster-robust t (clusters of images), 95 %",
+        SLOPE_INTERVAL => "maximum likelihood, cluster-robust t (clusters of images), 95 %",
         other => other,
     }
 }
 
 /// What intervals are, for a reader; of the methods that [`crate::resampling`] and [`crate::statistic`] take.
-pub(super) const INTERVALS: &str = "Of a difference of AP: as far on either side of it as random exchanges of clean and cracked images (or clips \
-     and drives, where frames belong together) reach from 0 in 95 % of the exchanges, so that it holds 0 exactly where \
-     p is 0.05 or more. Of AP alone, of mPC, and of what is counted per area: the images are drawn anew with replacement, with all seeds; the interval holds the middle of the values of the draws, \
-     95 % of them and a little more, for how few images a number rests on (the expanded percentile interval), and \
-     that of an AP goes lower by as much as halves of the images have a higher AP than all. Of rPC: both, the \
-     exchanges by factors from 1, and at each end the wider. Of rates: Wilson's interval with \
-     the variance between images in place of that of single objects. Of mean changes of score and overlap, and of \
-     slopes: by the same variance. Intervals are for other images behind other cracks of the same kind, not for \
-     another detector.";
+pub(super) const INTERVALS: &str =
+    "Difference of AP: permutation interval. The clean and damaged versions of random images (or clips and drives, \
+     where frames belong together) are exchanged. The interval is the difference plus or minus the size within \
+     which 95 % of the differences after exchange lie, so it contains 0 exactly where p is 0.05 or more. AP alone, \
+     mPC, and counts per area: bootstrap over images, each with all its seeds. The expanded percentile interval is \
+     slightly wider than the central 95 % of the replicates, to allow for few images. The lower end of an AP \
+     interval is moved down by the amount by which halves of the images have a higher AP than all images. rPC: at \
+     each end the wider of this bootstrap and the permutation interval of its logarithm. Rates: Wilson's interval \
+     with the variance between images instead of that of independent objects. Mean changes of score and IoU, and \
+     slopes: intervals from the same variance. All intervals are for other images with other damage of the same \
+     kind, not for another detector.";
 /// What tests are, for a reader.
-pub(super) const TESTS: &str = "How often chance alone gives a difference as large, two-sided: clean and cracked are exchanged in random images (or \
-     clips and drives), with all seeds; for lost against recovered objects, in all combinations of images. Holm's \
-     correction raises p so that a false alarm stays as rare in all tests of one metric of one detector over all \
-     conditions together: once for all classes, and once for the supercategories and classes. A class that is all of \
-     its supercategory is one test with it.";
+pub(super) const TESTS: &str =
+    "p is the probability of a difference at least this large by chance alone, two-sided. Permutation test: the \
+     clean and damaged versions of random images (or clips and drives) are exchanged, with all seeds; for lost \
+     against recovered objects, those of all combinations of images. Holm's correction keeps the probability of any \
+     false alarm at the level of one test, over all tests of one metric and one detector under all conditions. The \
+     tests of all classes are one family, those of supercategories and classes another. A class that is all of its \
+     supercategory shares its test.";
 
 /// What stands where there is no number.
 pub(super) const NOTHING: &str = "–";
@@ -140,10 +144,10 @@ pub(super) fn distinct<T: PartialEq>(all: impl Iterator<Item = T>) -> Vec<T> {
 pub(super) fn scope(scope: &Scope) -> String {
     match (scope.kind, scope.tau) {
         (ScopeKind::WholeImage, _) => "whole image".to_owned(),
-        (ScopeKind::InRegion, Some(tau)) if tau <= 0.0 => "in region (touch)".to_owned(),
+        (ScopeKind::InRegion, Some(tau)) if tau <= 0.0 => "in region (any overlap)".to_owned(),
         (ScopeKind::InRegion, Some(tau)) => format!("in region (τ = {tau})"),
         (ScopeKind::InRegion, None) => "in region".to_owned(),
-        (ScopeKind::OutOfRegion, Some(tau)) if tau <= 0.0 => "out of region (no touch)".to_owned(),
+        (ScopeKind::OutOfRegion, Some(tau)) if tau <= 0.0 => "out of region (no overlap)".to_owned(),
         (ScopeKind::OutOfRegion, Some(tau)) => format!("out of region (τ = {tau})"),
         (ScopeKind::OutOfRegion, None) => "out of region".to_owned(),
     }

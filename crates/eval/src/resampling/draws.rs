@@ -122,7 +122,7 @@ impl Plan {
         }
         if !(self.level > 0.0 && self.level < 1.0) {
             return Err(EvalError::StatisticSetting {
-                what: "level of confidence",
+                what: "confidence level",
                 value: self.level,
                 range: "between 0 and 1",
             });

@@ -57,7 +57,7 @@ pub fn paired_kitti_precision(
     plan: &Plan,
 ) -> Result<PairedPrecisions, EvalError> {
     plan.check()?;
-    let lengths = ("cracked rankings", cracked.len(), clean.len(), "clean ones");
+    let lengths = ("damaged rankings", cracked.len(), clean.len(), "clean ones");
     let n_images = plan.n_images();
     let of_frames = clean.iter().chain(cracked);
     let frames = of_frames.map(|it| ("frames", it.n_cells(), n_images, "images of the plan"));

@@ -69,7 +69,7 @@ pub fn paired_average_precision(
     plan.check()?;
     if clean.len() != cracked.len() || clean.is_empty() {
         return Err(EvalError::StatisticLength {
-            what: "sets of cracked matches",
+            what: "sets of damaged matches",
             found: cracked.len(),
             expected: clean.len().max(1),
             of: "sets of clean matches",

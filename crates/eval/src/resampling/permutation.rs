@@ -63,7 +63,7 @@ where
             interval: None,
         };
         let Some(observed) = observed.filter(|it| it.is_finite()) else {
-            return none("undefined in the sample itself");
+            return none("undefined for the sample itself");
         };
         let values = rows.iter().filter_map(|row| *row.get(place)?);
         let mut sizes: Vec<f64> = values.map(f64::abs).collect();

@@ -99,7 +99,7 @@ impl Replicates {
     pub fn percentile(&self, place: usize, method: Method) -> Measured {
         self.measured(place, method, |values| {
             percentile_interval(values, self.level)
-                .ok_or_else(|| "there are too few replicates".to_owned())
+                .ok_or_else(|| "too few replicates".to_owned())
         })
     }
 
@@ -162,9 +162,9 @@ impl Replicates {
     ) -> Measured {
         self.measured(place, method, |values| match basis {
             Basis::Units(n @ ..MIN_UNITS) => Err(format!(
-                "its objects are in {n} units, fewer than {MIN_UNITS}"
+                "its objects are in {n} resampling units, fewer than {MIN_UNITS}"
             )),
-            _ => interval(values).ok_or_else(|| "there are too few replicates".to_owned()),
+            _ => interval(values).ok_or_else(|| "too few replicates".to_owned()),
         })
     }
 
@@ -176,7 +176,7 @@ impl Replicates {
     ) -> Measured {
         let n = u64::from(self.n_units);
         let Some(whole) = self.whole.get(place).copied().flatten() else {
-            return Measured::none(n, method, "undefined in the sample itself");
+            return Measured::none(n, method, "undefined for the sample itself");
         };
         let all = self.values.get(place).map_or(&[][..], Vec::as_slice);
         let values: Vec<f64> = all.iter().copied().flatten().collect();
@@ -187,7 +187,7 @@ impl Replicates {
         if n_undefined * 20 > all.len() {
             let mut without = measured;
             without.reason = Some(format!(
-                "no interval: {n_undefined} of {} draws leave it undefined",
+                "no interval: it is undefined in {n_undefined} of {} replicates",
                 all.len()
             ));
             return without;
@@ -197,10 +197,10 @@ impl Replicates {
         let is_alike = spread.fold(0.0_f64, f64::max) <= 1e-12 * whole.abs();
         let found = match () {
             () if self.n_units < MIN_UNITS => Err(format!(
-                "{} units are too few to draw from, fewer than {MIN_UNITS}",
+                "{} resampling units, fewer than {MIN_UNITS}",
                 self.n_units
             )),
-            () if is_alike => Err("all draws give the same".to_owned()),
+            () if is_alike => Err("all replicates give the same value".to_owned()),
             () => interval(&values),
         };
         match found {

@@ -24,14 +24,14 @@ pub(crate) fn clustered_mean(clusters: &[(f64, u64)], level: f64) -> (Measured, 
     let mean = with.iter().map(|(sum, _)| sum).sum::<f64>() / n as f64;
     let measured = Measured::of(mean, n, Method::Mean);
     if with.len() < MIN_UNITS as usize {
-        return (measured, none("the pairs are in too few units"));
+        return (measured, none("the pairs are in too few resampling units"));
     }
     let g = with.len() as f64;
     let squares: f64 = with.iter().map(|(sum, n)| (sum - mean * n).powi(2)).sum();
     let error = (g / (g - 1.0) * squares).sqrt() / n as f64;
     // What only rounding spreads is alike.
     if error <= 1e-12 * mean.abs() {
-        return (measured, none("all units are alike"));
+        return (measured, none("all resampling units have the same mean"));
     }
     let half = student_quantile(0.5 + level / 2.0, g - 1.0) * error;
     let interval = Interval {

@@ -13,7 +13,7 @@ use super::{
 #[must_use]
 pub fn proportion(k: u64, n: u64, level: f64) -> Measured {
     if n == 0 {
-        return Measured::none(0, Method::Share, "there is nothing to take a share of");
+        return Measured::none(0, Method::Share, "nothing was counted");
     }
     Measured::of(as_f64(k) / as_f64(n), n, Method::Share).within(wilson_interval(k, n, level))
 }
@@ -59,7 +59,7 @@ pub(crate) fn clustered_share(clusters: &[[u64; 2]], level: f64) -> Measured {
     if with.len() < MIN_UNITS as usize {
         let mut without = measured;
         without.reason = Some(format!(
-            "no interval: its objects are in {} units, fewer than {MIN_UNITS}",
+            "no interval: its objects are in {} resampling units, fewer than {MIN_UNITS}",
             with.len()
         ));
         return without;

@@ -21,7 +21,7 @@ pub(crate) fn sign_exchange_test(differences: &[i64]) -> TestOutcome {
         .collect();
     let n = sizes.len() as u64;
     if n == 0 {
-        return TestOutcome::none(0, Method::SignsExact, "no difference is other than 0");
+        return TestOutcome::none(0, Method::SignsExact, "all differences are 0");
     }
     let total: u64 = sizes.iter().sum();
     let sum: i64 = differences.iter().sum();

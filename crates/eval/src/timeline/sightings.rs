@@ -182,19 +182,19 @@ fn fate(
     let n = settings.lost_for_frames as usize;
     let (before, after) = seen.split_at(seen.partition_point(|it| it.frame < onset));
     if after.is_empty() {
-        return not_at_risk("it ends before the damage");
+        return not_at_risk("it ends before the onset of damage");
     }
     let was_found = match reference {
-        None if before.is_empty() => return not_at_risk("it begins after the damage"),
+        None if before.is_empty() => return not_at_risk("it begins after the onset of damage"),
         None => before.iter().rev().take(n).any(Sighting::is_found),
-        Some(None) => return not_at_risk("the clean video does not have it"),
+        Some(None) => return not_at_risk("it is not in the clean video"),
         Some(Some(clean)) => {
             let clean = clean.sightings.iter().filter(|it| it.frame >= onset);
             clean.take(n).any(Sighting::is_found)
         }
     };
     if !was_found {
-        return not_at_risk("it was not found without the damage either");
+        return not_at_risk("it is not found without damage either");
     }
     let since = |it: &Sighting| {
         let frame = frames.get(it.frame as usize);

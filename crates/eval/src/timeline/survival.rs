@@ -234,7 +234,7 @@ fn check(times_s: &[f64], is_lost: &[bool], level: f64) -> Result<(), EvalError>
     }
     if !(level > 0.0 && level < 1.0) {
         return Err(EvalError::StatisticSetting {
-            what: "level of confidence",
+            what: "confidence level",
             value: level,
             range: "between 0 and 1",
         });

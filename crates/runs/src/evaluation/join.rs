@@ -167,12 +167,12 @@ fn inputs(request: &EvaluateRequest) -> Result<Vec<InputFile>, Error> {
         (None, None) => {}
     }
     add(
-        "clean detections",
+        "detections, clean",
         &path_text(&request.clean),
         files_of(&request.clean),
     )?;
     if let Some(path) = &request.cracked {
-        add("cracked detections", &path_text(path), files_of(path))?;
+        add("detections, damaged", &path_text(path), files_of(path))?;
     }
     if let Some(path) = &request.clusters {
         add("clusters of images", &path_text(path), files_of(path))?;
@@ -180,7 +180,7 @@ fn inputs(request: &EvaluateRequest) -> Result<Vec<InputFile>, Error> {
     if let Some(set) = &request.cracked_set {
         let run = set.join("starbreak").join("run.json");
         add(
-            "what the cracked set is made from",
+            "what the damaged set is made from",
             &path_text(&run),
             vec![run.clone()],
         )?;

@@ -154,7 +154,7 @@ fn groups(
         let every: Vec<usize> = (0..coco.params.iou_thresholds.len()).collect();
         let at = |iou: f64| -> Vec<usize> { coco.threshold(iou).into_iter().collect() };
         let figure = |thresholds: &[usize]| match thresholds.is_empty() {
-            true => Estimate::refused(n, "not among the thresholds"),
+            true => Estimate::refused(n, "not among the IoU thresholds"),
             false if is_few(&group, n) => Estimate::few(n, params.min_objects),
             false => match coco.average_precision(thresholds, categories, range, cap) {
                 Some(ap) => Estimate::of(ap, n),
@@ -461,7 +461,7 @@ fn pair_of(
     (clean, cracked): (Estimate, Option<Estimate>),
     ceiling: Option<f64>,
 ) -> PairedRow {
-    let missing = || Estimate::refused(n_objects, "no cracked detections");
+    let missing = || Estimate::refused(n_objects, "no detections on the damaged side");
     let cracked = cracked.unwrap_or_else(missing);
     let delta = match (clean.value, cracked.value) {
         (Some(clean), Some(cracked)) => Estimate::of(cracked - clean, n_objects),

@@ -34,7 +34,7 @@ pub(super) fn check_pair(
         && frames(clean) != frames(cracked)
     {
         return Err(EvalError::Rule(
-            "clean and cracked results are not of the same frames; a pair has a result file for each frame on both sides, empty where nothing was found".to_owned(),
+            "clean and damaged results cover different frames; give a result file for each frame on both sides, empty where nothing was detected".to_owned(),
         ));
     }
     let n_frames = frames(clean).map_or(truth.labels.images.len(), |images| images.len());
@@ -45,15 +45,15 @@ pub(super) fn check_pair(
         });
     }
     warnings.extend(areas_below_0(&truth.labels));
-    for (side, said) in [("clean", Some(clean)), ("cracked", cracked)] {
+    for (side, said) in [("clean", Some(clean)), ("damaged", cracked)] {
         let Some(unused) = said.and_then(|said| said.unused.as_ref()) else {
             continue;
         };
         let n_known = said.map_or(0, |said| said.detections.items.len());
         if n_known == 0 {
             return Err(EvalError::Rule(format!(
-                "all {} {side} detections are of categories that the labels lack, the first of {:?}; give \
-                 the numbers of the labels' categories",
+                "all {} detections on the {side} side have categories that the labels lack (first: {:?}); \
+                 use the ids of the labels' categories",
                 unused.n_detections, unused.first
             )));
         }

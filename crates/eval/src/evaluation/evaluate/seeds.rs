@@ -276,7 +276,7 @@ fn row(
     let n = tally.n_objects();
     let is_few = tally.by_seed.iter().any(|n| *n < least) || tally.by_seed.is_empty();
     let of = |measured: &Measured| match is_few {
-        true => Estimate::refused(n, format!("fewer than {least} objects in a seed")),
+        true => Estimate::refused(n, format!("fewer than {least} objects in some seed")),
         false => Estimate {
             n,
             ..estimate(measured)

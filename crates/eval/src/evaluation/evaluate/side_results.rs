@@ -59,8 +59,8 @@ pub(super) fn audit(
         Verdict::TooFew { needed } => (
             LabelVerdict::TooFew,
             Some(format!(
-                "only {} detections lie on objects, {needed} are needed to tell whether the classes are \
-                 the right ones",
+                "only {} objects overlap well with a detection; at least {needed} are needed to check the \
+                 classes",
                 found.n_pairs
             )),
         ),

@@ -288,13 +288,17 @@ fn no_bins(known: &[f64]) -> String {
     let known: Vec<f64> = known.iter().copied().filter(|it| it.is_finite()).collect();
     let n_zero = known.iter().filter(|value| value.abs() <= 0.0).count();
     match (known.len(), n_zero) {
-        (0, _) => "it is recorded of no object found clean".to_owned(),
+        (0, _) => "it was not recorded for any object found in the clean images".to_owned(),
         (n, n_zero) if n == n_zero => {
-            format!("it is 0 for all {n} objects found clean: these cracks do nothing of the kind")
+            format!(
+                "it is 0 for all {n} objects found in the clean images: this damage has no such effect"
+            )
         }
-        (n, 0) => format!("it is the same for nearly all of the {n} objects found clean"),
+        (n, 0) => {
+            format!("it is the same for nearly all of the {n} objects found in the clean images")
+        }
         (n, n_zero) => format!(
-            "it is 0 for {n_zero} of {n} objects found clean, too many for bins of equal counts"
+            "it is 0 for {n_zero} of {n} objects found in the clean images, too many for bins of equal counts"
         ),
     }
 }

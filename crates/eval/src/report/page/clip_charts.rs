@@ -46,13 +46,13 @@ pub(super) fn time_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
     // The later lie over the earlier, narrower and with gaps: where all three are equal, all are seen.
     let curves = [
         curve(
-            "found cracked",
+            "found, damaged",
             Ink::Cracked,
             CurveStyle::Steps,
             points(frames, |row| row.n_found),
         ),
         curve(
-            "found clean",
+            "found, clean",
             Ink::Clean,
             CurveStyle::DashedSteps,
             points(&clip.clean.frames, |row| row.n_found),
@@ -92,8 +92,8 @@ pub(super) fn time_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
             id,
             title: &format!("Objects found over time in {name}"),
             description: &format!(
-                "Steps of the objects to be found, of those found clean and of those found cracked. {glass} The table \
-                 below has the numbers."
+                "Step curves of the objects to be found, of those found in the clean clip and of those found in the \
+                 damaged clip. {glass} The table below gives the numbers."
             ),
         },
     );
@@ -107,11 +107,11 @@ pub(super) fn time_chart(clip: &TimelineResults, id: &str) -> Option<Block> {
 /// When the glass breaks, in words.
 fn glass_words(onset: Option<f64>, growing: &[&FrameRow], step_s: f64) -> String {
     let Some(onset) = onset else {
-        return "No damage begins in it.".to_owned();
+        return "It has no onset of damage.".to_owned();
     };
     let grown = growing.last().map_or(String::new(), |last| {
         format!(
-            ", and cracks grow until {} s (shaded)",
+            " and grows until {} s (shaded)",
             words::decimal(last.time_s + step_s, 2)
         )
     });
@@ -130,14 +130,14 @@ fn frame_table(clip: &TimelineResults) -> Table {
     };
     let mut table = Table::new(
         &format!("{which}, {}.", clip.clip),
-        "#Frame|#Time, s|Glass|#Objects|#Found clean|#Found cracked|#Mean score clean|#Mean score cracked",
+        "#Frame|#Time, s|Glass|#Objects|#Found clean|#Found damaged|#Mean score clean|#Mean score damaged",
     );
     let pairs = clip.clean.frames.iter().zip(&clip.cracked.frames);
     for (clean, cracked) in pairs.step_by(every) {
         let glass = match cracked.state {
             Some(GlassState::Intact) => "intact",
             Some(GlassState::Growing) => "growing",
-            Some(GlassState::Still) => "still",
+            Some(GlassState::Still) => "static",
             None => words::NOTHING,
         };
         table.push(vec![
@@ -219,7 +219,7 @@ impl<'a> Curves<'a> {
         let value = |step: &crate::timeline::SurvivalStep| step.share.value;
         let mut curves = vec![
             curve(
-                "cracked",
+                "damaged",
                 Ink::Cracked,
                 CurveStyle::Steps,
                 steps(cracked, own, value),
@@ -232,7 +232,7 @@ impl<'a> Curves<'a> {
             ),
         ];
         let level = words::decimal(self.level * 100.0, 0);
-        let interval_name = format!("{level} % interval, cracked");
+        let interval_name = format!("{level} % interval, damaged");
         if cracked.n_lost > 0 {
             for (name, end) in [(interval_name.as_str(), 0), ("", 1)] {
                 let of = |step: &crate::timeline::SurvivalStep| {
@@ -256,14 +256,14 @@ impl<'a> Curves<'a> {
         let chart = curve_chart(
             &curves,
             &[],
-            Axis::of([0.0, end_s], "time after the damage, s"),
+            Axis::of([0.0, end_s], "time after the onset of damage, s"),
             Axis::of([0.0, 105.0], "objects not lost, %"),
             &ChartText {
                 id: &format!("{id}-survival"),
-                title: &format!("Objects not yet lost over the time after the damage in {of}"),
+                title: &format!("Objects not yet lost by time after the onset of damage in {of}"),
                 description: &format!(
-                    "Falling steps of the share of objects not lost, cracked and clean. Of {} objects {} are lost \
-                     cracked and {} clean. The table below has the numbers.",
+                    "Falling step curves of the share of objects not lost, damaged and clean. Of {} objects, {} are \
+                     lost with damage and {} without. The table below gives the numbers.",
                     cracked.n, cracked.n_lost, clean.n_lost
                 ),
             },
@@ -271,9 +271,9 @@ impl<'a> Curves<'a> {
         Some(Block::chart(
             chart,
             format!(
-                "Share of the objects of {of} that are not yet lost (Kaplan and Meier). At risk are the {} objects \
-                 that the clean clip shows just after the damage; {} are lost cracked, {} clean. Median time to \
-                 failure, cracked: {median}.",
+                "Share of the objects of {of} that are not yet lost (Kaplan-Meier). At risk are the {} objects found \
+                 in the clean clip just after the onset of damage; {} are lost with damage, {} without. Median time \
+                 to detection loss with damage: {median}.",
                 words::count(cracked.n),
                 words::count(cracked.n_lost),
                 words::count(clean.n_lost),
@@ -285,15 +285,15 @@ impl<'a> Curves<'a> {
     fn table(&self) -> Table {
         let mut table = Table::new(
             &format!(
-                "Objects of {} lost over the time after the damage.",
+                "Objects of {} lost, by time after the onset of damage.",
                 self.of
             ),
             "Clip|#Time, s|#At risk|#Lost|#Not lost, %",
         );
-        for (name, survival) in [("cracked", self.cracked), ("clean", self.clean)] {
+        for (name, survival) in [("damaged", self.cracked), ("clean", self.clean)] {
             if survival.steps.is_empty() {
                 table.remark(&format!(
-                    "In the {name} clip none of {} is lost.",
+                    "In the {name} clip, none of {} objects is lost.",
                     survival.n
                 ));
             }

@@ -13,7 +13,7 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
     if let (Some(clean), Some(cracked)) = (clean, &evaluation.tide_cracked) {
         blocks.push(Block::heading(
             format!("{id}-errors"),
-            "Kinds of errors".to_owned(),
+            "Error types".to_owned(),
         ));
         blocks.push(tide_chart(clean, cracked, id));
     }
@@ -34,14 +34,14 @@ pub(super) fn classes_section(study: &Study) -> Option<Section> {
         blocks.push(Block::text(audit_text(audit)));
         if !audit.disagreements.is_empty() {
             blocks.push(Block::fold(
-                "Objects that are found as another class",
+                "Objects detected as another class",
                 vec![Block::table(audit_table(audit))],
             ));
         }
     }
     (!blocks.is_empty()).then(|| Section {
         id: "classes".to_owned(),
-        title: "Classes of the detectors".to_owned(),
+        title: "Label-map audit".to_owned(),
         blocks,
     })
 }
@@ -61,8 +61,8 @@ fn of(errors: &TideErrors) -> [(&'static str, f64); 8] {
 
 fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
     let mut table = Table::new(
-        "What AP50 would gain if the errors of a kind were mended, points of percent.",
-        "Kind|#Clean|#Cracked|#Difference",
+        "AP50 gained if all errors of a type were corrected, percentage points.",
+        "Type|#Clean|#Damaged|#Difference",
     );
     let mut end = 1.0_f64;
     for ((name, clean), (_, cracked)) in of(clean).into_iter().zip(of(cracked)) {
@@ -86,22 +86,21 @@ fn tide_chart(clean: &TideErrors, cracked: &TideErrors, id: &str) -> Block {
         &names,
         &[
             series("clean (upper bar)", Ink::Clean, clean),
-            series("cracked (lower bar)", Ink::Cracked, cracked),
+            series("damaged (lower bar)", Ink::Cracked, cracked),
         ],
-        Axis::up_to(end, "gain of AP50, points"),
+        Axis::up_to(end, "AP50 gain, percentage points"),
         &ChartText {
             id: &chart_id,
-            title: "Gain of AP50 by kind of error, clean and cracked",
-            description: "Two bars per kind of error; the table has the numbers.",
+            title: "AP50 gain by error type, clean and damaged",
+            description: "Two bars per error type; the table gives the numbers.",
         },
     );
     Block::chart(
         chart,
         format!(
-            "Error types after TIDE, whole images: what TIDE's own AP50 ({} clean, {} cracked) would gain if \
-             the errors of a kind were mended. It is not the AP50 of the other tables: TIDE counts classes \
-             that are detected without having any object as 0, and keeps 100 detections per image over all \
-             classes together.",
+            "Error types by TIDE, whole images: the gain of TIDE's own AP50 ({} clean, {} damaged) if all errors \
+             of a type were corrected. It is not the AP50 of the other tables: TIDE counts classes that are \
+             detected but have no objects as 0, and keeps 100 detections per image over all classes together.",
             words::percent(clean.ap50),
             words::percent(cracked.ap50)
         ),
@@ -115,26 +114,27 @@ fn audit_text(audit: &LabelAudit) -> String {
         |share| format!("{} %", words::percent(share)),
     );
     let verdict = match audit.verdict {
-        LabelVerdict::Fits => "No other label map agrees clearly better.",
+        LabelVerdict::Fits => "No other label map agrees clearly better",
         LabelVerdict::Wrong => {
-            "Another label map agrees clearly better: the one in use is probably wrong, and every \
-             number per class with it."
+            "Another label map agrees clearly better, so the one in use is probably wrong, and every number \
+             per class with it"
         }
-        LabelVerdict::Unexplained => "No other label map explains the disagreement.",
-        LabelVerdict::TooFew => "That is too little to tell.",
+        LabelVerdict::Unexplained => "No other label map explains the disagreement",
+        LabelVerdict::TooFew => "There are too few for a verdict",
     };
-    let advice = audit.advice.as_deref().map(words::name).unwrap_or_default();
+    let advice = audit.advice.as_deref().map(words::name);
+    let advice = advice.map_or(String::new(), |advice| format!(": {advice}"));
     format!(
-        "{} objects of the clean images are covered well by a detection of whatever class; the class is the \
-         same in {agreement}. {verdict} {advice}",
+        "{} objects in the clean images overlap well with a detection of any class; the class agrees in \
+         {agreement}. {verdict}{advice}.",
         words::count(audit.n_pairs),
     )
 }
 
 fn audit_table(audit: &LabelAudit) -> Table {
     let mut table = Table::new(
-        "The commonest disagreements between labels and detections, clean images.",
-        "Labeled|Found as|#How often",
+        "The most frequent disagreements between labels and detections, clean images.",
+        "Label|Detected as|#Count",
     );
     for row in audit.disagreements.iter().take(20) {
         table.push(vec![

@@ -20,9 +20,9 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
     };
     let settings = &study.provenance.settings;
     let mut blocks = vec![
-        Block::heading(format!("{id}-failures"), "What fails".to_owned()),
+        Block::heading(format!("{id}-failures"), "Detection failures".to_owned()),
         Block::text(format!(
-            "An object counts as found if a detection of its class with a score of at least {} \
+            "An object counts as found if a detection of its class has a confidence score of at least {} and \
                  overlaps it by an IoU of at least {}.",
             settings.score_threshold, settings.iou_threshold
         )),
@@ -43,9 +43,9 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
     let all = rates.iter().filter(|row| row.group.kind == GroupKind::All);
     let mut blocks = vec![Block::table(rate_table(
         &format!(
-            "All classes, in the region and outside of it: lost and recovered objects, with 95 % intervals by \
-                 the variance between {units}; p of lost against recovered, by exchange of clean and cracked \
-                 {unit} by {unit}, and corrected by Holm's method over the conditions of the study.",
+            "All classes, in the region and outside it: lost and recovered objects. 95 % intervals use the \
+                 variance between {units}. p tests lost against recovered objects by exchanging clean and \
+                 damaged {unit} by {unit}; Holm's correction is over the conditions of the study.",
             units = units(study),
             unit = unit(study),
         ),
@@ -63,8 +63,8 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
         }
         let place = words::scope(scope);
         let caption = format!(
-            "Supercategories and classes with enough objects {place}; p corrected by Holm's method over \
-             them and the conditions of the study."
+            "Supercategories and classes with enough objects, {place}; Holm's correction is over them and \
+             the conditions of the study."
         );
         let table = rate_table(
             &caption,
@@ -78,7 +78,7 @@ fn rate_blocks(study: &Study, rates: &[FailureRow]) -> Vec<Block> {
         blocks.push(match is_main {
             true => Block::table(table),
             false => Block::fold(
-                format!("Failure rates per class {place}"),
+                format!("Failure rates per class, {place}"),
                 vec![Block::table(table)],
             ),
         });
@@ -93,7 +93,7 @@ pub(super) fn rate_table<'a>(
     rows: impl Iterator<Item = (Vec<String>, &'a FailureRow)>,
 ) -> Table {
     let columns = format!(
-        "{about}|#Objects|#Found clean|#Found cracked|#Lost|#Recovered|#Failure rate, %|#p|#p (Holm)"
+        "{about}|#Objects|#Found clean|#Found damaged|#Lost|#Recovered|#Failure rate, %|#p|#p (Holm)"
     );
     let mut table = Table::new(caption, &columns);
     for (names, row) in rows {
@@ -125,7 +125,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
     let fact = words::name(&dose.fact);
     if let Some(note) = &dose.note {
         return Some(Block::text(format!(
-            "Failure rate over {fact}: no chart, since {}.",
+            "Failure rate by {fact}: no chart, because {}.",
             words::name(note)
         )));
     }
@@ -134,7 +134,7 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         unit => format!(", {}", words::name(unit)),
     };
     let mut table = Table::new(
-        &format!("Lost over {fact}: objects found clean, by rising {fact}."),
+        &format!("Failure rate of the objects found in the clean images, by {fact}."),
         "#From|#To|#Mean|#Found clean|#Lost|#Failure rate, %",
     );
     let mut points = Vec::new();
@@ -164,13 +164,13 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
     if points.is_empty() || !end.is_finite() || end <= 0.0 {
         let why = match end > 0.0 {
             true => "no bin has enough objects",
-            false => "it is 0 for all objects found clean",
+            false => "it is 0 for all objects found in the clean images",
         };
         return Some(Block::text(format!(
-            "Failure rate over {fact}: no chart, since {why}."
+            "Failure rate by {fact}: no chart, because {why}."
         )));
     }
-    let name = "lost of those found clean, with 95 % intervals";
+    let name = "share lost, with 95 % intervals";
     let mut curves = Vec::new();
     if let Some(fit) = &dose.fit {
         curves.push(Curve {
@@ -193,15 +193,15 @@ fn dose_chart(dose: &DoseResponse, id: &str) -> Option<Block> {
         Axis::of([0.0, 118.0], "failure rate, %"),
         &ChartText {
             id,
-            title: &format!("Failure rate over {fact}"),
-            description: "Points are bins of objects, lines their intervals; the table has the numbers and \
-                          how many objects each rests on.",
+            title: &format!("Failure rate by {fact}"),
+            description: "Points are bins of objects, vertical lines their intervals; the table gives the \
+                          numbers and the objects in each bin.",
         },
     );
     Some(Block::chart(
         chart,
         format!(
-            "Share of the objects found clean that is lost, over {fact}{unit}.{}",
+            "Share of the objects found in the clean images that are lost, by {fact}{unit}.{}",
             dose.fit.as_ref().map_or(String::new(), fit_text)
         ),
         Some(table),
@@ -223,7 +223,7 @@ fn fit_text(fit: &LogisticFit) -> String {
         .p
         .map_or(String::new(), |p| format!(", p {}", words::probability(p)));
     format!(
-        " Logistic fit through the single objects: slope {}{interval} per unit{p}.",
+        " Logistic fit to the single objects: slope {}{interval} per unit{p}.",
         words::decimal(slope, 2)
     )
 }
@@ -244,8 +244,9 @@ fn new_table(failures: &FailureResults) -> Option<Table> {
         return None;
     }
     let mut table = Table::new(
-        "False positives, and those among the cracked ones that no clean detection overlaps by half.",
-        "Where|#Clean|#Cracked|#New|#Area, Mpx|#New per Mpx",
+        "False positives. New: those in the damaged images that no clean detection overlaps by an IoU of 0.5 or \
+         more.",
+        "Where|#Clean|#Damaged|#New|#Area, Mpx|#New per Mpx",
     );
     for row in &failures.new_false_positives {
         let rate = table.estimate(&row.new_per_mpx, |v| words::decimal(v, 2));
@@ -283,11 +284,12 @@ fn shift_table(study: &Study, failures: &FailureResults) -> Option<Table> {
     }
     let mut table = Table::new(
         &format!(
-            "Objects found in both: mean change of score and of overlap with the truth (cracked minus \
-             clean), with 95 % intervals and p by the variance between {}; p corrected by Holm's method.",
+            "Objects found in both images: mean change of the confidence score and of the IoU with the ground \
+             truth (damaged minus clean). 95 % intervals and p use the variance between {}; p with Holm's \
+             correction.",
             units(study)
         ),
-        "Class|Where|#Pairs|#Score|#p|#IoU|#p",
+        "Class|Where|#Pairs|#Score change|#p (Holm)|#IoU change|#p (Holm)",
     );
     for row in rows {
         let score = table.estimate(&row.score, signed_three_digits);
@@ -310,8 +312,8 @@ fn flip_table(study: &Study, failures: &FailureResults) -> Option<Table> {
         return None;
     }
     let mut table = Table::new(
-        "Objects found clean as what they are, and cracked as something else.",
-        "Where|#Found clean|#Flipped|#Rate, %|Commonest",
+        "Class flips: objects found in the clean image and detected as another class in the damaged one.",
+        "Where|#Found clean|#Flipped|#Rate, %|Most frequent",
     );
     let of_tau = failures.flips.iter();
     for row in of_tau.filter(|row| row.scope.is_at(study.provenance.settings.tau)) {

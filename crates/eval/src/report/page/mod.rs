@@ -142,7 +142,7 @@ pub(super) fn page(study: &Study) -> Page {
     if !one_by_one.is_empty() {
         sections.push(Section {
             id: "seeds".to_owned(),
-            title: "Each seed on its own".to_owned(),
+            title: "Each seed separately".to_owned(),
             blocks: one_by_one,
         });
     }
@@ -190,7 +190,7 @@ fn evaluation_section(
     // Of many, a reader opens what he wants to see.
     if n_evaluations > 2 {
         blocks = vec![Block::Fold {
-            title: format!("All numbers of {title}"),
+            title: format!("All numbers for {title}"),
             blocks,
         }];
     }

@@ -11,22 +11,22 @@ use crate::evaluation::{FailureRow, GroupKind, OverSeeds, Study};
 pub(super) fn section(study: &Study, one: &OverSeeds, id: &str) -> Section {
     let seeds: Vec<String> = one.seeds.iter().map(u64::to_string).collect();
     let text = format!(
-        "AP is the mean over the seeds {}; a share is that of the objects of all seeds, so that an object \
-         counts once for each seed in which it is in the region. Intervals and p draw and exchange {} with \
-         all their seeds.",
+        "AP is the mean over the seeds {}. Rates are over the objects of all seeds, so an object counts once \
+         for each seed in which it is in the region. Intervals and p resample and exchange {} with all their \
+         seeds.",
         seeds.join(", "),
         units(study)
     );
     let mut blocks = paired_blocks(study, &one.paired, &text, id);
     blocks.push(Block::heading(
         format!("{id}-failures"),
-        "What fails".to_owned(),
+        "Detection failures".to_owned(),
     ));
     blocks.push(Block::table(rates(one)));
     let title = words::name(&format!("{} · {}", one.detector, one.condition.name));
     Section {
         id: id.to_owned(),
-        blocks: vec![Block::fold(format!("All numbers of {title}"), blocks)],
+        blocks: vec![Block::fold(format!("All numbers for {title}"), blocks)],
         title,
     }
 }
@@ -37,8 +37,8 @@ fn rates(one: &OverSeeds) -> Table {
         |row: &&FailureRow| row.group.kind == GroupKind::All || row.failure_rate.value.is_some();
     let about = |row: &FailureRow| vec![words::scope(&row.scope), group_name(&row.group)];
     rate_table(
-        "Lost of the objects found clean, over all seeds; p of lost against recovered, alone and corrected by \
-         Holm's method. 95 % intervals in brackets.",
+        "Objects found in the clean images and lost, over all seeds. p tests lost against recovered objects, \
+         without and with Holm's correction. 95 % intervals in brackets.",
         "Where|Class",
         one.rates
             .iter()

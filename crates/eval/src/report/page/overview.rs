@@ -43,7 +43,7 @@ pub(super) fn subtitle(study: &Study) -> String {
     let n_images = study.evaluations.first().map_or(0, |e| e.counts.n_images);
     let n_objects = study.evaluations.first().map_or(0, |e| e.counts.n_objects);
     words::name(&format!(
-        "{} images with {} objects of {}, clean and cracked: {} and {}, by the rules of {}.",
+        "{} images with {} objects of {}, clean and damaged: {} and {}, by the rules of {}.",
         words::count(n_images),
         words::count(n_objects),
         study.dataset,
@@ -87,7 +87,7 @@ pub(super) fn facts(study: &Study) -> Vec<String> {
                 format!(", 95 % interval {} to {}", ends[0], ends[1])
             });
             facts.push(words::name(&format!(
-                "{who}: in the region AP50 goes from {} to {} ({} points{interval}).",
+                "{who}: AP50 in the region changes from {} to {} ({} points{interval}).",
                 words::percent(clean),
                 words::percent(cracked),
                 words::signed_percent(delta),
@@ -103,13 +103,13 @@ pub(super) fn facts(study: &Study) -> Vec<String> {
                 .map_or(String::new(), |row| {
                     let rate = row.failure_rate.value.map_or(String::new(), words::percent);
                     format!(
-                        "; outside of it {} of {} ({rate} %)",
+                        "; outside the region, {} of {} ({rate} %)",
                         words::count(row.n_lost),
                         words::count(row.n_found_clean),
                     )
                 });
             facts.push(words::name(&format!(
-                "{who}: of {} objects found clean in the region, {} are lost ({} %){control}.",
+                "{who}: of {} objects in the region found in the clean images, {} are lost ({} %){control}.",
                 words::count(row.n_found_clean),
                 words::count(row.n_lost),
                 words::percent(rate),
@@ -148,12 +148,12 @@ fn facts_of_many(study: &Study, all: &[Summed<'_>]) -> Vec<String> {
         }
         for (kind, place) in [
             (ScopeKind::InRegion, "in the region"),
-            (ScopeKind::OutOfRegion, "outside of it"),
+            (ScopeKind::OutOfRegion, "outside the region"),
         ] {
             let rates = rates(kind);
             if let Some([least, most]) = span(&rates) {
                 parts.push(format!(
-                    "{place} {} to {} % of the objects found clean are lost{}",
+                    "{place}, {} to {} % of the objects found in the clean images are lost{}",
                     words::percent(least),
                     words::percent(most),
                     have_a_number(rates.len(), n_conditions),
@@ -162,7 +162,7 @@ fn facts_of_many(study: &Study, all: &[Summed<'_>]) -> Vec<String> {
         }
         if parts.is_empty() {
             return words::name(&format!(
-                "{detector}: none of {n_conditions} conditions has a number in the region."
+                "{detector}: none of the {n_conditions} conditions has a number in the region."
             ));
         }
         words::name(&format!(
@@ -197,7 +197,7 @@ pub(super) fn section(study: &Study) -> Section {
     if all.iter().any(|one| one.n_seeds > 1) {
         let singles: Vec<Summed<'_>> = study.evaluations.iter().map(Summed::of).collect();
         blocks.push(Block::fold(
-            "Each seed on its own",
+            "Each seed separately",
             vec![Block::table(overview_table(study, &singles))],
         ));
     }
@@ -212,10 +212,10 @@ pub(super) fn section(study: &Study) -> Section {
 
 fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
     let mut table = Table::new(
-        "All detectors and conditions: AP50 of all classes in the region, clean and cracked, and how \
-         many objects that were found clean are lost, in the region and outside of it. Percent; 95 % \
+        "All detectors and conditions: AP50 of all classes in the region, clean and damaged, and the share of \
+         the objects found in the clean images that are lost, in the region and outside it. Percent; 95 % \
          intervals in brackets.",
-        "Detector|Condition|#Objects in region|#AP50 clean|#AP50 cracked|#Difference|#p (Holm)|#Lost in region|#Lost outside",
+        "Detector|Condition|#Objects in region|#AP50 clean|#AP50 damaged|#Difference|#p (Holm)|#Lost in region|#Lost outside",
     );
     for one in all {
         let paired = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)
@@ -244,15 +244,15 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
     let units = units(study);
     table.remark(&match n_seeds {
         0 | 1 => format!(
-            "Each row is one draw of cracks; its intervals are over {units}, each behind cracks of its own."
+            "Each row is one random draw of damage; its intervals are over {units}, each with damage of its own."
         ),
         _ => format!(
-            "Rows of several seeds are the mean over them; intervals and p draw and exchange {units} with all \
-             their seeds. An object counts once per seed."
+            "Rows with several seeds are means over them; intervals and p resample and exchange {units} with \
+             all their seeds. An object counts once per seed."
         ),
     });
     table.remark(
-        "p is of the difference, corrected by Holm's method over the conditions of the detector.",
+        "p tests the difference, with Holm's correction over the conditions of the detector.",
     );
     table
 }
@@ -264,8 +264,8 @@ fn severity_chart(study: &Study) -> Option<Block> {
     let severe = all.iter().filter(|one| one.condition.severity.is_some());
     let names = words::distinct(severe.map(|one| (one.detector, family(one))));
     let mut table = Table::new(
-        "AP50 in the region over the severity, mean over the seeds, percent.",
-        "Curve|#Severity|#Seeds|#AP50 cracked",
+        "AP50 in the region by severity, mean over the seeds, percent.",
+        "Curve|#Severity|#Seeds|#AP50 damaged",
     );
     let mut curves = Vec::new();
     let titles: Vec<String> = names
@@ -332,14 +332,14 @@ fn severity_chart(study: &Study) -> Option<Block> {
         Axis::of([0.0, 100.0], "AP50 in the region, %"),
         &ChartText {
             id: "severities",
-            title: "AP50 in the region over the severity of the cracks",
-            description: "One curve per detector and family of cracks; the table below has the numbers.",
+            title: "AP50 in the region by severity of the damage",
+            description: "One curve per detector and family of damage; the table below gives the numbers.",
         },
     );
     Some(Block::chart(
         chart,
-        "AP50 of all classes in the region over the severity of the cracks. The region grows \
-                  with the severity, so that each point has objects of its own.",
+        "AP50 of all classes in the region by severity of the damage. The region grows with the \
+                  severity, so each point has objects of its own.",
         Some(table),
     ))
 }
@@ -349,8 +349,8 @@ fn robustness_table(study: &Study) -> Option<Table> {
         return None;
     }
     let mut table = Table::new(
-        "Robustness over all conditions: mean performance under corruption (mPC) and its share of the \
-         clean performance (rPC). Percent; 95 % intervals in brackets, of AP50 and AP75.",
+        "Robustness over all conditions: mean performance under corruption (mPC) and relative performance \
+         under corruption (rPC). Percent; 95 % intervals in brackets, for AP50 and AP75.",
         "Detector|Where|Metric|#Clean|#mPC|#rPC",
     );
     for row in &study.robustness {
@@ -367,15 +367,15 @@ fn robustness_table(study: &Study) -> Option<Table> {
     let seeds: Vec<Option<u64>> = study.robustness.iter().map(|row| row.n_seeds).collect();
     let remark = match seeds.iter().copied().min().flatten() {
         None => {
-            "There are no intervals: not every family and severity has the same seeds.".to_owned()
+            "There are no intervals, because families and severities differ in their seeds.".to_owned()
         }
-        Some(0 | 1) => format!("Intervals draw {}.", units(study)),
-        Some(n) => format!("Intervals draw {} with all {n} seeds.", units(study)),
+        Some(0 | 1) => format!("Intervals resample {}.", units(study)),
+        Some(n) => format!("Intervals resample {} with all {n} seeds.", units(study)),
     };
     table.remark(&remark);
     let mut conditions = study.evaluations.iter().map(|one| &one.condition);
     if conditions.any(|condition| condition.severity.is_none()) {
-        table.remark("Conditions without a severity, such as recipes, are no part of these means.");
+        table.remark("Conditions without a severity, such as recipes, are left out of these means.");
     }
     Some(table)
 }

@@ -31,7 +31,10 @@ pub(in crate::report) struct Pair {
 /// One of both.
 #[derive(Debug, Serialize)]
 pub(in crate::report) struct Side {
+    /// What ids are made with.
     name: &'static str,
+    /// What a reader sees.
+    label: &'static str,
     uri: String,
     boxes: Vec<Drawn>,
 }
@@ -63,11 +66,10 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
     vec![
         Block::heading(format!("{id}-worst"), "Worst failures".to_owned()),
         Block::text(
-            "The images in which most objects found clean are lost, clean and cracked; lost objects \
-                   count wherever they are, and the line below says how much of each the region covers. \
-                   Solid frames: found in both. Thick frames with a dark edge: lost. Dashed frames: not \
-                   found in either. Dotted frames: new false positives, detections that match no label and \
-                   that no clean detection overlaps.",
+            "The images with the most lost objects, clean and damaged. Lost objects count wherever they are; \
+                   the caption says how much of each the region covers. Solid boxes: found in both images. \
+                   Thick boxes with a dark edge: lost. Dashed boxes: found in neither. Dotted boxes: new false \
+                   positives, that is, detections that match no label and that no clean detection overlaps.",
         ),
         Block::Pictures { pairs },
     ]
@@ -91,7 +93,7 @@ fn pair(worst: &WorstFailure, tau: Option<f64>, id: String) -> Option<Pair> {
     Some(Pair {
         image: words::name(&worst.image),
         text: format!(
-            "{} of {} lost, {} new{}",
+            "{} of {} found objects lost, {} new false positives{}",
             worst.n_lost,
             worst.n_found_clean,
             worst.n_new,
@@ -104,11 +106,13 @@ fn pair(worst: &WorstFailure, tau: Option<f64>, id: String) -> Option<Pair> {
         sides: vec![
             Side {
                 name: "clean",
+                label: "clean",
                 uri: uri(&pictures.clean_jpeg),
                 boxes: drawn(false),
             },
             Side {
                 name: "cracked",
+                label: "damaged",
                 uri: uri(&pictures.cracked_jpeg),
                 boxes: drawn(true),
             },
@@ -140,7 +144,7 @@ fn lost_objects(worst: &WorstFailure, tau: Option<f64>) -> String {
             format!("{class} ({} %{outside})", words::percent(*coverage))
         })
         .collect();
-    format!(". Lost, and covered by the region: {}", texts.join(", "))
+    format!(". Lost objects and their coverage: {}", texts.join(", "))
 }
 
 /// Whether the region leaves an object out, so that its loss has another cause than the glass in front.

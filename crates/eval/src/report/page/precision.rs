@@ -39,7 +39,7 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
     if let Some(clean) = clean {
         blocks.extend(coco_table(clean, evaluation).map(|table| {
             Block::fold(
-                "The twelve numbers of MS-COCO, whole images",
+                "The twelve MS-COCO metrics, whole images",
                 vec![Block::table(table)],
             )
         }));
@@ -95,14 +95,14 @@ pub(super) fn paired_blocks(
 
 fn region_text(evaluation: &Evaluation) -> String {
     let counts = &evaluation.counts;
-    let mut text = "The clean and the cracked image are judged by the same objects under the same \
-                    mask; the difference is cracked minus clean."
+    let mut text = "The clean and the damaged image are evaluated on the same objects under the same mask; \
+                    the difference is damaged minus clean."
         .to_owned();
     if let (Some(n_images), Some(n_objects)) =
         (counts.n_images_with_region, counts.n_objects_in_region)
     {
         text.push_str(&format!(
-            " The region touches {} of {} images and holds {} of {} objects",
+            " The region touches {} of {} images and contains {} of {} objects",
             words::count(n_images),
             words::count(counts.n_images),
             words::count(n_objects),
@@ -110,7 +110,7 @@ fn region_text(evaluation: &Evaluation) -> String {
         ));
         if let Some(n_intact @ 1..) = counts.n_images_intact {
             text.push_str(&format!(
-                "; {} images are intact: their pattern changes no pixel of them",
+                "; {} images are undamaged, as their pattern changes no pixel",
                 words::count(n_intact)
             ));
         }
@@ -190,7 +190,7 @@ fn chart(paired: &[PairedRow], scope: &Scope, id: &str) -> Option<Block> {
     };
     let series = [
         series("clean", Ink::Clean, Marker::Circle, |row| &row.clean),
-        series("cracked", Ink::Cracked, Marker::Diamond, |row| &row.cracked),
+        series("damaged", Ink::Cracked, Marker::Diamond, |row| &row.cracked),
     ];
     let metric = words::metric(metric);
     let place = words::scope(scope);
@@ -201,15 +201,15 @@ fn chart(paired: &[PairedRow], scope: &Scope, id: &str) -> Option<Block> {
         Axis::of([0.0, 100.0], &format!("{metric}, %")),
         &ChartText {
             id: &chart_id,
-            title: &format!("{metric} {place}, clean and cracked, with 95 % intervals"),
-            description: "One row per group of classes; the table that follows has the numbers.",
+            title: &format!("{metric} {place}, clean and damaged, with 95 % intervals"),
+            description: "One row per group of classes; the table below gives the numbers.",
         },
     );
     Some(Block::chart(
         chart,
         format!(
-            "{metric} {place} of all classes, supercategories and classes with enough objects; lines \
-             are 95 % intervals of the bootstrap."
+            "{metric} {place} of all classes, and of supercategories and classes with enough objects; lines \
+             are 95 % bootstrap intervals."
         ),
         None,
     ))
@@ -218,7 +218,7 @@ fn chart(paired: &[PairedRow], scope: &Scope, id: &str) -> Option<Block> {
 pub(super) fn group_name(group: &Group) -> String {
     match group.kind {
         GroupKind::All => "all classes".to_owned(),
-        GroupKind::MeanOfSupercategories => "mean of the groups".to_owned(),
+        GroupKind::MeanOfSupercategories => "mean of supercategories".to_owned(),
         GroupKind::Supercategory => format!("{} (all)", words::name(&group.name)),
         GroupKind::Class => words::name(&group.name),
     }
@@ -231,7 +231,7 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
     for metric in &metrics {
         let metric = words::metric(*metric);
         let of_test = if has_p { "|#p|#p (Holm)" } else { "" };
-        columns += &format!("|#{metric} clean|#{metric} cracked|#Difference{of_test}");
+        columns += &format!("|#{metric} clean|#{metric} damaged|#Difference{of_test}");
     }
     let place = words::scope(scope);
     let mut table = Table::new("", &columns);
@@ -271,13 +271,13 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
         table.push(cells);
     }
     let tests = match has_p {
-        true => "; p of the permutation test, alone and corrected by Holm's method",
+        true => "; p of the permutation test, without and with Holm's correction",
         false => "",
     };
     table.caption = format!("Average precision {place}, percent, with 95 % intervals{tests}.");
     if !left_out.is_empty() {
         table.remark(&format!(
-            "Classes with too few objects for a number of their own, and how many they have: {}.",
+            "Classes with too few objects for a number of their own (objects in parentheses): {}.",
             left_out.join(", ")
         ));
     }
@@ -287,9 +287,8 @@ fn paired_table(paired: &[PairedRow], scope: &Scope) -> Table {
 /// AP50 of all classes by bin of coverage and by size.
 fn subset_table(evaluation: &Evaluation) -> Option<Table> {
     let mut table = Table::new(
-        "AP50 of all classes by how much of an object the region covers, and by its size, percent; without \
-         intervals.",
-        "Objects of|#Objects|#Images|#AP50 clean|#AP50 cracked",
+        "AP50 of all classes by coverage and by size of the objects, percent; without intervals.",
+        "Subset|#Objects|#Images|#AP50 clean|#AP50 damaged",
     );
     let all = |row: &&crate::SubsetRow| row.group.kind == GroupKind::All;
     for row in evaluation.subsets.iter().filter(all) {
@@ -310,7 +309,7 @@ fn coco_table(clean: &ProtocolResults, evaluation: &Evaluation) -> Option<Table>
     let (clean, cracked) = (clean.coco_stats?, evaluation.cracked.coco_stats?);
     let mut table = Table::new(
         "Whole images by the rules of MS-COCO, percent; equal to pycocotools on the same files.",
-        "Number|#Clean|#Cracked|#Difference",
+        "Metric|#Clean|#Damaged|#Difference",
     );
     for ((name, clean), cracked) in COCO_STATS.iter().zip(clean).zip(cracked) {
         let difference = clean.zip(cracked).map(|(clean, cracked)| cracked - clean);
@@ -329,9 +328,9 @@ fn kitti_table(of_clean: &ProtocolResults, evaluation: &Evaluation) -> Option<Ta
         return None;
     }
     let mut table = Table::new(
-        "Whole images by the rules of KITTI, percent. The ceiling is what a perfect detector would \
-         reach with so few objects.",
-        "Class|Difficulty|#Overlap above|#Objects|#AP40 clean|#AP40 cracked|#Ceiling|#AP11 clean|#AP11 cracked|#Ceiling",
+        "Whole images by the rules of KITTI, percent. The ceiling is what a perfect detector would reach \
+         with this number of objects.",
+        "Class|Difficulty|#IoU above|#Objects|#AP40 clean|#AP40 damaged|#Ceiling|#AP11 clean|#AP11 damaged|#Ceiling",
     );
     for clean in &of_clean.kitti {
         let cracked = evaluation

@@ -9,8 +9,8 @@ pub(super) fn section(study: &Study) -> Section {
     let mut blocks = vec![Block::table(settings(provenance))];
     if !provenance.inputs.is_empty() {
         let mut table = Table::new(
-            "Files that were read, with SHA-256.",
-            "What|Where|#Bytes|SHA-256",
+            "Input files, with SHA-256.",
+            "What|Path|#Bytes|SHA-256",
         );
         for input in &provenance.inputs {
             table.push(vec![
@@ -24,14 +24,14 @@ pub(super) fn section(study: &Study) -> Section {
     }
     if let Some(command) = &provenance.command {
         blocks.push(Block::Verbatim {
-            title: "The command".to_owned(),
+            title: "Command".to_owned(),
             text: words::name(command),
         });
     }
     if let Some(recipe) = &provenance.recipe {
         let lines: Vec<String> = recipe.lines().map(words::name).collect();
         blocks.push(Block::fold(
-            "The recipe that broke the glass",
+            "The recipe of the damage",
             vec![Block::Verbatim {
                 title: "Recipe".to_owned(),
                 text: lines.join("\n"),
@@ -40,50 +40,50 @@ pub(super) fn section(study: &Study) -> Section {
     }
     Section {
         id: "provenance".to_owned(),
-        title: "Where the numbers come from".to_owned(),
+        title: "Provenance".to_owned(),
         blocks,
     }
 }
 
 fn settings(provenance: &Provenance) -> Table {
     let settings = &provenance.settings;
-    let mut table = Table::new("Settings and versions.", "What|Value");
+    let mut table = Table::new("Settings and versions.", "Setting|Value");
     let mut row = |what: &str, value: String| {
         table.push(vec![Cell::head(what), Cell::text(value)]);
     };
     row("protocol", settings.protocol.clone());
     if let Some(definition) = &settings.region_definition {
-        row("definition of the region", definition.clone());
+        row("region definition", definition.clone());
     }
     if let Some(tau) = settings.tau {
-        row("τ, least share of a box in the region", tau.to_string());
+        row("τ, minimum coverage of an object in the region", tau.to_string());
     }
     row(
-        "score of a detection that counts as found",
+        "minimum confidence score of a found object",
         settings.score_threshold.to_string(),
     );
     row(
-        "IoU of a detection that counts as found",
+        "minimum IoU of a found object",
         settings.iou_threshold.to_string(),
     );
     if settings.min_objects > 0 {
         row(
-            "fewest objects for a number",
+            "minimum number of objects for a number",
             settings.min_objects.to_string(),
         );
     }
     if let Some(n) = settings.max_detections {
-        row("most detections per image and class", n.to_string());
+        row("maximum detections per image and class", n.to_string());
     }
-    row("draws of the bootstrap", settings.n_bootstrap.to_string());
+    row("bootstrap replicates", settings.n_bootstrap.to_string());
     if settings.n_permutations > 0 {
         row(
-            "draws of the permutation test",
+            "replicates of the permutation test",
             settings.n_permutations.to_string(),
         );
     }
-    row("drawn as one", settings.resampling_unit.clone());
-    row("seed of the draws", settings.seed.to_string());
+    row("resampling unit", settings.resampling_unit.clone());
+    row("random seed", settings.seed.to_string());
     for version in &provenance.versions {
         row(&version.name, version.version.clone());
     }

@@ -6,10 +6,10 @@ use crate::evaluation::{DivergenceResults, DivergenceTable};
 
 pub(super) fn section(results: &DivergenceResults) -> Section {
     let mut blocks = vec![Block::text(
-        "Tables compare sets of images (row) with others (column); deeper shade is further apart. The \
-               noise floor is what two halves of the same set give: of two sets of different images, a \
-               distance near it says nothing. A clean set and its cracked twin show the same scenes, so that \
-               their distance may lie below the floor and yet be of the cracks.",
+        "Tables compare image sets (rows) with others (columns); a stronger shade is a larger distance. The \
+               noise floor is the distance between two halves of the same set: between sets of different \
+               images, a distance near it says nothing. A clean set and its damaged counterpart show the same \
+               scenes, so their distance may lie below the floor and still be due to the damage.",
     )];
     let n_before = blocks.len();
     for feature in words::distinct(results.tables.iter().map(|table| &table.feature)) {
@@ -24,12 +24,12 @@ pub(super) fn section(results: &DivergenceResults) -> Section {
         }
     }
     match has_summary && !matrices.is_empty() {
-        true => blocks.push(Block::fold("Every set against every other", matrices)),
+        true => blocks.push(Block::fold("All pairs of sets", matrices)),
         false => blocks.extend(matrices),
     }
     Section {
         id: "divergence".to_owned(),
-        title: "Distances between sets of images".to_owned(),
+        title: "Distances between image sets".to_owned(),
         blocks,
     }
 }
@@ -51,8 +51,8 @@ fn of_clean(results: &DivergenceResults, feature: &str) -> Option<Table> {
     let unit = w1.and_then(|w1| w1.measure.strip_prefix("W1, "));
     let unit = unit.map_or(String::new(), |unit| format!("; W1 in {unit}"));
     let caption = format!(
-        "{feature}: the clean images against those of each condition, with 95 % intervals of the bootstrap \
-         over images{unit}."
+        "{feature}: the clean images against those of each condition, with 95 % bootstrap intervals over \
+         images{unit}."
     );
     let mut table = Table::new(&caption, &columns);
     let at = |of: &DivergenceTable, row: usize, column: usize| {

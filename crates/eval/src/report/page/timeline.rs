@@ -35,9 +35,9 @@ fn about(clip: &TimelineResults) -> String {
     let objects = match clip.truth {
         TrackSource::Labels => "The objects are those of the labels".to_owned(),
         TrackSource::CleanDetections { follow } => format!(
-            "There are no labels: the objects are the detections of the clean clip with a score of at least {}, \
-             followed over frames by an IoU of at least {}, over gaps of at most {} frames, and kept if they are in at \
-             least {} frames",
+            "There are no labels: the objects are the detections in the clean clip with a confidence score of at \
+             least {}, followed from frame to frame by an IoU of at least {}, over gaps of at most {} frames, and kept \
+             if they are in at least {} frames",
             follow.score_threshold, follow.iou, follow.max_gap_frames, follow.min_frames
         ),
     };
@@ -54,9 +54,9 @@ fn about(clip: &TimelineResults) -> String {
         format!(" at {} per second", words::decimal(rate, 2))
     });
     format!(
-        "{objects}, over {frames}{rate}. An object is found by a detection of its class with a score of at least {} at \
-         an IoU of at least {}; it is lost at the first frame from the damage on from which it is not found in {} of \
-         its frames in a row.",
+        "{objects}, over {frames}{rate}. An object is found if a detection of its class has a confidence score of at \
+         least {} and an IoU of at least {}. From the onset of damage on, it is lost at the first frame from which it \
+         is missed in {} of its frames in a row.",
         clip.score_threshold, clip.iou_threshold, clip.cracked.settings.lost_for_frames
     )
 }
@@ -65,20 +65,20 @@ fn about(clip: &TimelineResults) -> String {
 fn steadiness_table(clip: &TimelineResults) -> Table {
     let mut table = Table::new(
         &format!(
-            "How steadily objects are found in {}, before the damage and from it on. Flicker: from one frame of an \
-             object to its next, how often found turns to missed or back. Percent; {} % intervals by drawing objects \
-             anew.",
+            "Stability of detection in {}, before the onset of damage and from it on. Flicker: the share of steps from \
+             one frame of an object to its next at which it changes between found and missed. Percent; {} % intervals \
+             by resampling objects.",
             clip.clip,
             words::decimal(clip.cracked.settings.level * 100.0, 0)
         ),
-        "Clip|When|#Objects|#Objects in frames|#Found|#Steps|#Flicker",
+        "Clip|When|#Objects|#Frames of objects|#Found|#Steps|#Flicker",
     );
     let has_onset = clip.cracked.damage_onset.is_some();
-    for (name, side) in [("clean", &clip.clean), ("cracked", &clip.cracked)] {
+    for (name, side) in [("clean", &clip.clean), ("damaged", &clip.cracked)] {
         let parts: &[(&str, &Steadiness)] = match has_onset {
             true => &[
-                ("before the damage", &side.before),
-                ("from the damage on", &side.after),
+                ("before the onset", &side.before),
+                ("from the onset on", &side.after),
             ],
             false => &[("all frames", &side.before)],
         };
@@ -97,8 +97,8 @@ fn steadiness_table(clip: &TimelineResults) -> Table {
     }
     if let Some(change) = &clip.change {
         let row = vec![
-            Cell::head("cracked − clean"),
-            Cell::text("from the damage on"),
+            Cell::head("damaged − clean"),
+            Cell::text("from the onset on"),
             Cell::count(change.found.n),
             Cell::nothing(),
             table.estimate(&Estimate::from(&change.found), words::signed_percent),
@@ -124,7 +124,7 @@ fn fate(row: &TrackRow) -> (u8, f64, String) {
         TrackFate::Kept { for_s } => (
             1,
             *for_s,
-            format!("kept for {} s", words::decimal(*for_s, 2)),
+            format!("not lost in {} s (censored)", words::decimal(*for_s, 2)),
         ),
         TrackFate::NotAtRisk { reason } => (2, 0.0, format!("not at risk: {reason}")),
     }
@@ -145,8 +145,8 @@ fn track_table(clip: &TimelineResults) -> Table {
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
     let mut caption = format!(
-        "Objects of {}, those lost first: in which share of their frames they are found, how often that changes, the \
-         longest gap, and what becomes of them in the cracked and in the clean clip.",
+        "Objects of {}, lost ones first: the share of their frames in which they are found, how often that changes, \
+         the longest gap, and whether they are lost in the damaged and in the clean clip.",
         clip.clip
     );
     if rows.len() > MAX_TRACKS {
@@ -157,7 +157,7 @@ fn track_table(clip: &TimelineResults) -> Table {
     }
     let mut table = Table::new(
         &caption,
-        "Object|Class|Cracked|Clean|#Frames|#Found clean, %|#Found cracked, %|#Changes clean|#Changes cracked|#Longest gap cracked, frames",
+        "Object|Class|Damaged|Clean|#Frames|#Found clean, %|#Found damaged, %|#Changes clean|#Changes damaged|#Longest gap damaged, frames",
     );
     let share = |row: &TrackRow| {
         (row.n_frames > 0).then(|| words::as_number(row.n_found) / words::as_number(row.n_frames))
@@ -181,7 +181,7 @@ fn track_table(clip: &TimelineResults) -> Table {
     table
 }
 
-/// The median time to failure with the ends of its interval, s.
+/// The median time to detection loss with the ends of its interval, s.
 pub(super) fn median_words(survival: &Survival, level: f64) -> String {
     let seconds = |value: f64| words::decimal(value, 2);
     let level = words::decimal(level * 100.0, 0);
@@ -196,14 +196,14 @@ pub(super) fn median_words(survival: &Survival, level: f64) -> String {
                     )
                 }
                 [Some(low), None] => format!(
-                    " ({level} % interval from {} s to beyond what the clip can tell)",
+                    " ({level} % interval from {} s, upper end beyond the clip)",
                     seconds(low)
                 ),
                 [None, _] => String::new(),
             };
             format!("{} s{interval}", words::decimal(value, 2))
         }
-        None => "not reached: fewer than half are lost".to_owned(),
+        None => "not reached (fewer than half are lost)".to_owned(),
     }
 }
 
@@ -228,8 +228,8 @@ pub(super) fn subtitle(study: &Study) -> String {
     let s = |n: u64| if n == 1 { "" } else { "s" };
     let n_clips = clips.len() as u64;
     words::name(&format!(
-        "{} clip{} of {} frames with {} object{} of {}, clean and cracked: what the detector finds in each frame, and \
-         after which time it loses an object.",
+        "{} clip{} of {} frames with {} object{} of {}, clean and damaged: what the detector finds in each frame, and \
+         after what time it loses an object.",
         words::count(n_clips),
         s(n_clips),
         words::count(n_frames),
@@ -258,8 +258,8 @@ fn fact(one: &Evaluation, clip: &TimelineResults) -> Option<String> {
     let found = percent(clip.cracked.after.found.value)?;
     let found_clean = percent(clip.clean.after.found.value)?;
     let mut text = format!(
-        "{}, {}: from the damage at {} s on, objects are found in {found} % of their frames, {found_clean} % in the \
-         clean clip",
+        "{}, {}: from the onset of damage at {} s on, objects are found in {found} % of their frames, against \
+         {found_clean} % in the clean clip",
         one.detector,
         clip.clip,
         words::decimal(onset.time_s, 2)
@@ -277,14 +277,14 @@ fn fact(one: &Evaluation, clip: &TimelineResults) -> Option<String> {
     }
     if let (Some(cracked), Some(clean)) = (&clip.cracked.survival, &clip.clean.survival) {
         text.push_str(&format!(
-            "; of {} objects at risk {} are lost, {} in the clean clip",
+            "; of {} objects at risk, {} are lost, against {} in the clean clip",
             words::count(cracked.n),
             words::count(cracked.n_lost),
             words::count(clean.n_lost)
         ));
         if cracked.n_lost > 0 {
             let median = median_words(cracked, clip.cracked.settings.level);
-            text.push_str(&format!("; median time to failure {median}"));
+            text.push_str(&format!("; median time to detection loss {median}"));
         }
     }
     text.push('.');
@@ -293,7 +293,7 @@ fn fact(one: &Evaluation, clip: &TimelineResults) -> Option<String> {
 
 fn pooled_fact(one: &Evaluation, pooled: &PooledClips) -> String {
     let mut text = format!(
-        "{}, all {} clips together: of {} objects at risk {} are lost, {} in the clean clips",
+        "{}, all {} clips together: of {} objects at risk, {} are lost, against {} in the clean clips",
         one.detector,
         words::count(pooled.n_clips),
         words::count(pooled.cracked.n),
@@ -302,7 +302,7 @@ fn pooled_fact(one: &Evaluation, pooled: &PooledClips) -> String {
     );
     if pooled.cracked.n_lost > 0 {
         let median = median_words(&pooled.cracked, pooled.level);
-        text.push_str(&format!("; median time to failure {median}"));
+        text.push_str(&format!("; median time to detection loss {median}"));
     }
     text.push('.');
     words::name(&text)
@@ -311,10 +311,10 @@ fn pooled_fact(one: &Evaluation, pooled: &PooledClips) -> String {
 /// All clips in one table.
 pub(super) fn section(study: &Study) -> Section {
     let mut table = Table::new(
-        "All clips: how many objects are at risk when the damage comes, how many of them are lost, and half of them \
-         after which time; in which share of their frames objects are found from then on. Percent; 95 % intervals in \
+        "All clips: objects at risk at the onset of damage, how many of them are lost, their median time to detection \
+         loss, and the share of their frames in which objects are found from then on. Percent; 95 % intervals in \
          brackets.",
-        "Clip|#Damage, s|#At risk|#Lost cracked|#Lost clean|#Median time to failure, s|#Found clean, %|#Found cracked, %|#Difference",
+        "Clip|#Onset, s|#At risk|#Lost damaged|#Lost clean|#Median time to detection loss, s|#Found clean, %|#Found damaged, %|#Difference",
     );
     for one in &study.evaluations {
         for clip in &one.timelines {
@@ -350,7 +350,7 @@ pub(super) fn section(study: &Study) -> Section {
             let median = median_cell(&mut table, &pooled.cracked);
             let nothing = Cell::nothing;
             table.push(vec![
-                Cell::head("all together"),
+                Cell::head("all clips together"),
                 nothing(),
                 Cell::count(pooled.cracked.n),
                 Cell::count(pooled.cracked.n_lost),
@@ -388,21 +388,21 @@ pub(super) fn section(study: &Study) -> Section {
 fn about_pooled(pooled: &PooledClips) -> String {
     let unit = match pooled.unit {
         PooledUnit::Clip => {
-            "objects of one clip share its cracks and its scene, so that the interval is between clips (Williams)"
+            "objects of one clip share its damage and its scene, so the interval uses the variance between clips (Williams)"
         }
         PooledUnit::Object => {
-            "the interval takes objects as independent (Greenwood), since the clips are too few; it is too narrow, as \
-             objects of one clip share its cracks"
+            "there are too few clips, so the interval treats objects as independent (Greenwood); it is too narrow, as \
+             objects of one clip share its damage"
         }
     };
     format!(
-        "The objects of all {} clips with damage in one curve, the time of each counted from the damage of its own \
-         clip; {unit}.",
+        "One curve for the objects of all {} clips with damage, with time from the onset of damage of each clip; \
+         {unit}.",
         words::count(pooled.n_clips)
     )
 }
 
-/// The median time to failure, s, with those ends of its interval that are known.
+/// The median time to detection loss, s, with those ends of its interval that are known.
 fn median_cell(table: &mut Table, survival: &Survival) -> Cell {
     let ends = survival.median_ends_s;
     let small = ends.iter().any(Option::is_some).then(|| {

@@ -45,7 +45,7 @@ pub(super) fn warnings(study: &Study) -> Vec<PageWarning> {
             n if n == n_evaluations => format!("All {n_evaluations} evaluations: {warning}"),
             1 => format!("{}: {warning}", by.concat()),
             n => format!(
-                "{n} of {n_evaluations} evaluations: {warning}. These are {}",
+                "{n} of {n_evaluations} evaluations: {warning}. These are: {}",
                 by.join("; ")
             ),
         };
@@ -68,9 +68,9 @@ fn rank(kind: WarningKind) -> u8 {
 fn about(kind: WarningKind) -> &'static str {
     match kind {
         WarningKind::LabelMap => "Classes",
-        WarningKind::SmallSample => "Few objects",
-        WarningKind::Refused => "No number",
+        WarningKind::SmallSample => "Small sample",
+        WarningKind::Refused => "Not given",
         WarningKind::Protocol => "Protocol",
-        WarningKind::Missing => "Missing",
+        WarningKind::Missing => "Missing data",
     }
 }
