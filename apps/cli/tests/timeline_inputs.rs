@@ -173,10 +173,16 @@ fn detections_that_stop_early_begin_late_or_are_not_there_are_warned_about() {
     warned(at, &of_a("clean/a.json", "late.json"), said);
     let said = "no detections on the damaged side in any of its 30 frames";
     let one = warned(at, &of_a("clean/a.json", "empty.json"), said);
-    assert!(!one.stderr.contains("no detections on the clean side"), "{one:?}");
+    assert!(
+        !one.stderr.contains("no detections on the clean side"),
+        "{one:?}"
+    );
     let said = "no detections on the clean side in any of its 30 frames";
     let both = warned(at, &of_a("empty.json", "empty.json"), said);
-    assert!(both.stderr.contains("no detections on the damaged side"), "{both:?}");
+    assert!(
+        both.stderr.contains("no detections on the damaged side"),
+        "{both:?}"
+    );
     // Without labels likewise.
     let args = [
         "timeline",
@@ -212,7 +218,11 @@ fn detections_of_other_images_or_other_categories_are_refused() {
     refused(
         at,
         &args,
-        &["all 120 detections on the damaged side", "categories", "\"60\""],
+        &[
+            "all 120 detections on the damaged side",
+            "categories",
+            "\"60\"",
+        ],
     );
     let mut some = results(1, 3, |_, _| true);
     let foreign = results(1, 60, |k, _| k == 1);
@@ -235,7 +245,11 @@ fn detections_of_other_images_or_other_categories_are_refused() {
         "--track",
         "tracks/a.track.json",
     ];
-    refused(at, &args, &["all 120 detections on the damaged side", "donut"]);
+    refused(
+        at,
+        &args,
+        &["all 120 detections on the damaged side", "donut"],
+    );
 }
 
 #[test]
@@ -439,7 +453,10 @@ fn names_of_kitti_results_are_numbers_of_frames_and_that_is_said() {
                 );
                 warned(at, &args, &said);
             }
-            None => assert!(!outcome.stderr.contains("read as frame numbers"), "{outcome:?}"),
+            None => assert!(
+                !outcome.stderr.contains("read as frame numbers"),
+                "{outcome:?}"
+            ),
         }
     }
     let args = args("far", "tracks/a.track.json");

@@ -396,8 +396,14 @@ fn a_curve_that_does_not_exist_is_not_given() {
     };
     let (no, yes) = (false, true);
     assert!(why(&[], &[]).contains("no objects"), "nothing");
-    assert!(why(&[1.0, 2.0], &[no, no]).contains("no object failed"), "none");
-    assert!(why(&[1.0, 2.0], &[yes, yes]).contains("all objects failed"), "all");
+    assert!(
+        why(&[1.0, 2.0], &[no, no]).contains("no object failed"),
+        "none"
+    );
+    assert!(
+        why(&[1.0, 2.0], &[yes, yes]).contains("all objects failed"),
+        "all"
+    );
     assert!(
         why(&[1.0, 1.0], &[no, yes]).contains("all doses"),
         "one dose"

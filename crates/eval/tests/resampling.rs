@@ -295,7 +295,10 @@ fn what_no_draw_changes_and_what_few_units_give_has_no_interval() {
     assert!(reason(&many, &varying).0.is_some(), "what varies has one");
     let few = Plan::of_clusters(&[Some("a"), Some("a"), Some("b"), Some("c")]).with(200, 1, 0.95);
     let (interval, why) = reason(&few, &varying);
-    assert!(interval.is_none() && why.contains("3 resampling units"), "{why}");
+    assert!(
+        interval.is_none() && why.contains("3 resampling units"),
+        "{why}"
+    );
 }
 
 #[test]

@@ -185,10 +185,7 @@ impl Plot {
         let (n, radius, first_deg) = marker.corners();
         let corner = |k: u32| {
             let angle = (first_deg + 360.0 * f64::from(k) / f64::from(n)).to_radians();
-            [
-                x + radius * libm::cos(angle),
-                y + radius * libm::sin(angle),
-            ]
+            [x + radius * libm::cos(angle), y + radius * libm::sin(angle)]
         };
         let corners: Vec<[f64; 2]> = (0..n).map(corner).collect();
         self.drawing.area(&corners, color, 1.0);

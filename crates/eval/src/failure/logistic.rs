@@ -171,7 +171,8 @@ fn why_none(rows: &[Row]) -> Option<String> {
     }
     if high_no <= low_yes || high_yes <= low_no {
         return Some(
-            "the dose separates failures from the rest, so the best fit is infinitely steep".to_owned(),
+            "the dose separates failures from the rest, so the best fit is infinitely steep"
+                .to_owned(),
         );
     }
     None
@@ -241,7 +242,9 @@ fn solve(rows: &[Row]) -> Result<Curve, String> {
             return Ok(curve(rows, &scaled, [a, b], [mean, spread], n_rounds));
         }
     }
-    Err(format!("the fit did not converge in {MAX_ROUNDS} iterations"))
+    Err(format!(
+        "the fit did not converge in {MAX_ROUNDS} iterations"
+    ))
 }
 
 /// First derivative of the log likelihood, and minus the second.
@@ -349,7 +352,11 @@ fn rank_auc(rows: &[Row]) -> Measured {
     }
     let n = rows.len() as u64;
     if n_yes < 1.0 || n_below < 1.0 {
-        return Measured::none(n, Method::RankAuc, "it needs both failures and non-failures");
+        return Measured::none(
+            n,
+            Method::RankAuc,
+            "it needs both failures and non-failures",
+        );
     }
     Measured::of(sum / (n_yes * n_below), n, Method::RankAuc)
 }

@@ -250,8 +250,9 @@ fn verdict(
     }
     if as_is < 0.5 {
         return Verdict::Unexplained {
-            advice: "check the class names: detections and labels seem to use different class lists"
-                .to_owned(),
+            advice:
+                "check the class names: detections and labels seem to use different class lists"
+                    .to_owned(),
         };
     }
     Verdict::Fits

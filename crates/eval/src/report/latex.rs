@@ -198,9 +198,9 @@ impl<'a> PrintedTable<'a> {
             .map(|place| format!("\\cmidrule(lr){{{}-{}}}", 3 * place + 4, 3 * place + 6))
             .collect();
         let place = match study.provenance.settings.tau {
-            Some(tau) => format!(
-                "of the $n$ objects in the region of each condition ($\\tau = {tau}$)"
-            ),
+            Some(tau) => {
+                format!("of the $n$ objects in the region of each condition ($\\tau = {tau}$)")
+            }
             None => "of all $n$ objects".to_owned(),
         };
         let seeds = match conditions.iter().any(|one| one.is_pooled) {

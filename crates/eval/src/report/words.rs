@@ -27,8 +27,7 @@ pub(super) fn over_clusters(method: &'static str) -> &'static str {
 }
 
 /// What intervals are, for a reader; of the methods that [`crate::resampling`] and [`crate::statistic`] take.
-pub(super) const INTERVALS: &str =
-    "Difference of AP: permutation interval. The clean and damaged versions of random images (or clips and drives, \
+pub(super) const INTERVALS: &str = "Difference of AP: permutation interval. The clean and damaged versions of random images (or clips and drives, \
      where frames belong together) are exchanged. The interval is the difference plus or minus the size within \
      which 95 % of the differences after exchange lie, so it contains 0 exactly where p is 0.05 or more. AP alone, \
      mPC, and counts per area: bootstrap over images, each with all its seeds. The expanded percentile interval is \
@@ -39,8 +38,7 @@ pub(super) const INTERVALS: &str =
      slopes: intervals from the same variance. All intervals are for other images with other damage of the same \
      kind, not for another detector.";
 /// What tests are, for a reader.
-pub(super) const TESTS: &str =
-    "p is the probability of a difference at least this large by chance alone, two-sided. Permutation test: the \
+pub(super) const TESTS: &str = "p is the probability of a difference at least this large by chance alone, two-sided. Permutation test: the \
      clean and damaged versions of random images (or clips and drives) are exchanged, with all seeds; for lost \
      against recovered objects, those of all combinations of images. Holm's correction keeps the probability of any \
      false alarm at the level of one test, over all tests of one metric and one detector under all conditions. The \
@@ -147,7 +145,9 @@ pub(super) fn scope(scope: &Scope) -> String {
         (ScopeKind::InRegion, Some(tau)) if tau <= 0.0 => "in region (any overlap)".to_owned(),
         (ScopeKind::InRegion, Some(tau)) => format!("in region (τ = {tau})"),
         (ScopeKind::InRegion, None) => "in region".to_owned(),
-        (ScopeKind::OutOfRegion, Some(tau)) if tau <= 0.0 => "out of region (no overlap)".to_owned(),
+        (ScopeKind::OutOfRegion, Some(tau)) if tau <= 0.0 => {
+            "out of region (no overlap)".to_owned()
+        }
         (ScopeKind::OutOfRegion, Some(tau)) => format!("out of region (τ = {tau})"),
         (ScopeKind::OutOfRegion, None) => "out of region".to_owned(),
     }

@@ -98,8 +98,7 @@ impl Replicates {
     #[must_use]
     pub fn percentile(&self, place: usize, method: Method) -> Measured {
         self.measured(place, method, |values| {
-            percentile_interval(values, self.level)
-                .ok_or_else(|| "too few replicates".to_owned())
+            percentile_interval(values, self.level).ok_or_else(|| "too few replicates".to_owned())
         })
     }
 

@@ -366,16 +366,16 @@ fn robustness_table(study: &Study) -> Option<Table> {
     }
     let seeds: Vec<Option<u64>> = study.robustness.iter().map(|row| row.n_seeds).collect();
     let remark = match seeds.iter().copied().min().flatten() {
-        None => {
-            "There are no intervals, because families and severities differ in their seeds.".to_owned()
-        }
+        None => "There are no intervals, because families and severities differ in their seeds."
+            .to_owned(),
         Some(0 | 1) => format!("Intervals resample {}.", units(study)),
         Some(n) => format!("Intervals resample {} with all {n} seeds.", units(study)),
     };
     table.remark(&remark);
     let mut conditions = study.evaluations.iter().map(|one| &one.condition);
     if conditions.any(|condition| condition.severity.is_none()) {
-        table.remark("Conditions without a severity, such as recipes, are left out of these means.");
+        table
+            .remark("Conditions without a severity, such as recipes, are left out of these means.");
     }
     Some(table)
 }

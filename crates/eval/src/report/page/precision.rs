@@ -95,9 +95,10 @@ pub(super) fn paired_blocks(
 
 fn region_text(evaluation: &Evaluation) -> String {
     let counts = &evaluation.counts;
-    let mut text = "The clean and the damaged image are evaluated on the same objects under the same mask; \
+    let mut text =
+        "The clean and the damaged image are evaluated on the same objects under the same mask; \
                     the difference is damaged minus clean."
-        .to_owned();
+            .to_owned();
     if let (Some(n_images), Some(n_objects)) =
         (counts.n_images_with_region, counts.n_objects_in_region)
     {

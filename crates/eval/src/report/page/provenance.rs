@@ -8,10 +8,7 @@ pub(super) fn section(study: &Study) -> Section {
     let provenance = &study.provenance;
     let mut blocks = vec![Block::table(settings(provenance))];
     if !provenance.inputs.is_empty() {
-        let mut table = Table::new(
-            "Input files, with SHA-256.",
-            "What|Path|#Bytes|SHA-256",
-        );
+        let mut table = Table::new("Input files, with SHA-256.", "What|Path|#Bytes|SHA-256");
         for input in &provenance.inputs {
             table.push(vec![
                 Cell::head(&input.role),
@@ -56,7 +53,10 @@ fn settings(provenance: &Provenance) -> Table {
         row("region definition", definition.clone());
     }
     if let Some(tau) = settings.tau {
-        row("τ, minimum coverage of an object in the region", tau.to_string());
+        row(
+            "τ, minimum coverage of an object in the region",
+            tau.to_string(),
+        );
     }
     row(
         "minimum confidence score of a found object",
