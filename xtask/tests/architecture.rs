@@ -52,7 +52,11 @@ const OURS: &[(&str, &[&str])] = &[
             "starbreak-eval",
         ],
     ),
-    ("starbreak-python", &["starbreak", "starbreak-runs"]),
+    // The wheel has the command, too.
+    (
+        "starbreak-python",
+        &["starbreak", "starbreak-runs", "starbreak-cli"],
+    ),
     (
         "starbreak-fuzz",
         &[

@@ -1,6 +1,7 @@
 //! The command line, as typed.
 
 pub(crate) mod bench;
+mod completed;
 pub(crate) mod crack;
 pub(crate) mod detect;
 pub(crate) mod divergence;
@@ -11,15 +12,17 @@ pub(crate) mod patterns;
 pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod timeline;
+mod unused;
 pub(crate) mod video;
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use bench::BenchArgs;
-use clap::{Args as ClapArgs, Parser, Subcommand};
+use clap::{Args as ClapArgs, CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use completed::Completed;
 use crack::CrackArgs;
 use detect::DetectArgs;
 use divergence::DivergenceArgs;
@@ -52,6 +55,23 @@ pub(crate) struct Args {
     pub(crate) global: Global,
 }
 
+/// The definition of the command line.
+pub(crate) fn command() -> clap::Command {
+    unused::hidden(Args::command())
+}
+
+/// The command line, the program's name first.
+pub(crate) fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Args, clap::Error> {
+    let words: Vec<OsString> = words.into_iter().collect();
+    let mut command = command();
+    let matches = command.try_get_matches_from_mut(&words)?;
+    unused::refuse(&mut command, &matches)?;
+    let mut args = Args::from_arg_matches(&matches)?;
+    let said: Vec<String> = words.iter().skip(1).map(|word| shell_word(word)).collect();
+    args.global.command = format!("starbreak {}", said.join(" "));
+    Ok(args)
+}
+
 /// Flags that every verb takes.
 #[derive(Debug, ClapArgs)]
 pub(crate) struct Global {
@@ -63,7 +83,7 @@ pub(crate) struct Global {
     pub(crate) recipe: Option<PathBuf>,
     /// Preset, a named set of parameters [default: windshield-spiderweb; for bench: paper];
     /// `starbreak recipe --list` lists them
-    #[arg(long, global = true, value_name = "NAME")]
+    #[arg(long, global = true, value_name = "NAME", value_parser = Completed::PRESET, hide_possible_values = true)]
     pub(crate) preset: Option<String>,
     /// Severity of the preset, 1 (mild) to 5 (severe); 3 is the preset itself. `starbreak
     /// recipe --severity N` prints what it sets
@@ -71,11 +91,11 @@ pub(crate) struct Global {
     pub(crate) severity: Option<u8>,
     /// Camera, applied over the recipe: focal length, lens, pixels and pose behind the glass;
     /// `starbreak recipe --list` lists them
-    #[arg(long, global = true, value_name = "NAME")]
+    #[arg(long, global = true, value_name = "NAME", value_parser = Completed::CAMERA, hide_possible_values = true)]
     pub(crate) camera: Option<String>,
     /// Override one parameter, e.g. impact.speed_m_s=30 or impact.0.position=[0.5,0.5];
     /// repeatable, applied in order, after --severity and --camera
-    #[arg(long, global = true, value_name = "TABLE.KEY=VALUE")]
+    #[arg(long, global = true, value_name = "TABLE.KEY=VALUE", value_parser = Completed::SET, hide_possible_values = true)]
     pub(crate) set: Vec<String>,
     /// Random seed; the same seed gives the same bytes
     #[arg(long, global = true, value_name = "N", default_value_t = 0)]
@@ -100,6 +120,9 @@ pub(crate) struct Global {
     /// Print errors only
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
+    /// The whole command line as a shell takes it, for the records of what was made.
+    #[arg(skip)]
+    pub(crate) command: String,
 }
 
 /// What to do.
@@ -178,6 +201,16 @@ pub(crate) enum Verb {
         #[arg(short, long, value_name = "DIR")]
         output: PathBuf,
     },
+}
+
+/// A word as a shell takes it.
+pub(crate) fn shell_word(word: &OsStr) -> String {
+    let word = word.to_string_lossy().into_owned();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
+    match !word.is_empty() && word.chars().all(is_plain) {
+        true => word,
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
 }
 
 /// The recipe in a file, or in what a pipe gives: its text, or what a record of ours has under `recipe`.

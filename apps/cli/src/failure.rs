@@ -4,6 +4,8 @@ use std::fmt::Display;
 
 use starbreak_dataset::DatasetError;
 
+/// All was done.
+pub(crate) const DONE: u8 = 0;
 /// The work or some items failed.
 pub(crate) const SOME_FAILED: u8 = 1;
 /// The command line, the recipe or the input is wrong.
@@ -13,9 +15,12 @@ pub(crate) const INTERRUPTED: u8 = 130;
 
 /// Why the command stops.
 #[derive(Debug)]
-pub(crate) struct Failure {
-    pub(crate) message: String,
-    pub(crate) code: u8,
+pub struct Failure {
+    /// What, where and the way out, in one line.
+    pub message: String,
+    /// The exit code: 1 where the work failed, 2 where the command line, the recipe or the input is wrong, 130 where
+    /// it was interrupted.
+    pub code: u8,
 }
 
 impl Failure {

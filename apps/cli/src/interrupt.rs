@@ -4,14 +4,19 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::{Failure, INTERRUPTED};
+use crate::screen::Screen;
 
 /// Set once the user has asked to stop.
 #[derive(Debug, Clone)]
 pub(crate) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Listens for Ctrl-C and termination from now on; the second time the process ends at once.
-    pub(crate) fn listen() -> Self {
+    /// Listens for Ctrl-C and termination from now on; the second time the process ends at once. In a
+    /// program that calls, whose signals are its own, it is the flag that came with the call.
+    pub(crate) fn listen(screen: &Screen) -> Self {
+        if let Some(flag) = screen.stop() {
+            return Self(flag);
+        }
         let flag = Arc::new(AtomicBool::new(false));
         let seen = Arc::clone(&flag);
         // A system without signals cannot be interrupted this way; that is no reason to fail.

@@ -2,7 +2,8 @@
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -18,16 +19,59 @@ pub(crate) fn path_text(path: impl AsRef<Path>) -> String {
     path.as_ref().to_string_lossy().into_owned()
 }
 
-/// Where text goes, by `--json` and `--quiet`.
-#[derive(Debug, Clone, Copy)]
+/// What a program that calls is told.
+#[derive(Debug, Clone)]
+pub enum Event {
+    /// What was done, for people.
+    Say(String),
+    /// A warning or a remark.
+    Note(String),
+    /// So many of `total` items called `what` are done; `total` is 0 where it is not known.
+    Progress {
+        /// Items done.
+        done: u64,
+        /// All items.
+        total: u64,
+        /// What they are called.
+        what: &'static str,
+    },
+}
+
+/// A program that calls the command, in place of a terminal.
+pub(crate) struct Caller {
+    pub(crate) tell: Box<dyn Fn(Event) + Send + Sync>,
+    pub(crate) stop: Arc<AtomicBool>,
+    pub(crate) result: Mutex<Option<String>>,
+}
+
+/// Where text goes: to standard output and error by `--json` and `--quiet`, or to a program that calls.
+#[derive(Clone)]
 pub(crate) struct Screen {
     json: bool,
     quiet: bool,
+    caller: Option<Arc<Caller>>,
 }
 
 impl Screen {
     pub(crate) fn new(json: bool, quiet: bool) -> Self {
-        Self { json, quiet }
+        Self {
+            json,
+            quiet,
+            caller: None,
+        }
+    }
+
+    pub(crate) fn of_caller(caller: Arc<Caller>) -> Self {
+        Self {
+            json: true,
+            quiet: false,
+            caller: Some(caller),
+        }
+    }
+
+    /// What a program that calls sets to stop the work.
+    pub(crate) fn stop(&self) -> Option<Arc<AtomicBool>> {
+        self.caller.as_ref().map(|caller| Arc::clone(&caller.stop))
     }
 
     /// Text for people: on standard output, or on standard error beside `--json`; not at all
@@ -37,17 +81,24 @@ impl Screen {
             return;
         }
         // Whoever closed the pipe does not want to hear about it.
-        let _ = if self.json {
-            writeln!(std::io::stderr(), "{text}")
-        } else {
-            writeln!(std::io::stdout(), "{text}")
+        let _ = match &self.caller {
+            Some(caller) => {
+                (caller.tell)(Event::Say(text.to_owned()));
+                Ok(())
+            }
+            None if self.json => writeln!(std::io::stderr(), "{text}"),
+            None => writeln!(std::io::stdout(), "{text}"),
         };
     }
 
     /// A remark that is no result: on standard error, not with `--quiet`.
     pub(crate) fn note(&self, text: &str) {
-        if !self.quiet {
-            let _ = writeln!(std::io::stderr(), "{text}");
+        match &self.caller {
+            Some(caller) => (caller.tell)(Event::Note(text.to_owned())),
+            None if self.quiet => {}
+            None => {
+                let _ = writeln!(std::io::stderr(), "{text}");
+            }
         }
     }
 
@@ -68,6 +119,12 @@ impl Screen {
     /// # Errors
     /// If it could not be written, except that the reader went away.
     pub(crate) fn data(&self, text: &str) -> Result<(), Failure> {
+        if let Some(caller) = &self.caller {
+            if let Ok(mut result) = caller.result.lock() {
+                *result = Some(text.to_owned());
+            }
+            return Ok(());
+        }
         let mut stdout = std::io::stdout().lock();
         let end = if text.ends_with('\n') { "" } else { "\n" };
         let written = write!(stdout, "{text}{end}").and_then(|()| stdout.flush());
@@ -87,7 +144,7 @@ impl Screen {
     /// Progress over `total` items called `what`.
     pub(crate) fn progress(&self, total: u64, what: &'static str) -> Progress {
         let terminal = std::io::stderr().is_terminal();
-        let bar = if self.quiet || !terminal || total < 2 {
+        let bar = if self.quiet || self.caller.is_some() || !terminal || total < 2 {
             ProgressBar::hidden()
         } else {
             ProgressBar::new(total)
@@ -100,7 +157,8 @@ impl Screen {
         bar.set_message(what);
         Progress {
             bar,
-            plain: !self.quiet && !terminal,
+            plain: !self.quiet && !terminal && self.caller.is_none(),
+            screen: self.clone(),
             started: Instant::now(),
             total,
             what,
@@ -112,6 +170,7 @@ impl Screen {
 /// A bar with rate and time left on a terminal, a line now and then elsewhere.
 pub(crate) struct Progress {
     bar: ProgressBar,
+    screen: Screen,
     plain: bool,
     started: Instant,
     total: u64,
@@ -128,6 +187,13 @@ impl Progress {
             return;
         };
         state.0 += 1;
+        if let Some(caller) = &self.screen.caller {
+            (caller.tell)(Event::Progress {
+                done: state.0,
+                total: self.total,
+                what: self.what,
+            });
+        }
         if self.plain && state.1.elapsed() >= PLAIN_INTERVAL {
             state.1 = Instant::now();
             #[expect(clippy::cast_precision_loss, reason = "counts, for a rate")]
@@ -149,8 +215,11 @@ impl Progress {
 
     /// Writes a line above the bar.
     pub(crate) fn line(&self, text: &str) {
-        self.bar.suspend(|| {
-            let _ = writeln!(std::io::stderr(), "{text}");
+        self.bar.suspend(|| match &self.screen.caller {
+            Some(caller) => (caller.tell)(Event::Note(text.to_owned())),
+            None => {
+                let _ = writeln!(std::io::stderr(), "{text}");
+            }
         });
     }
 

@@ -3,13 +3,14 @@
 use image::DynamicImage;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use serde_json::{Value, json};
 use starbreak::{Chain, Error, Seed, Settings, Simulated, Stopwatch, damage_to_json};
+use starbreak_runs::dataset::{Encoding, encode_image};
 
 use crate::arguments::{BoxesArg, Given, NameArg, SeedArg, SizeArg, Whole, seed_of};
 use crate::bank::PatternBank;
-use crate::errors::raised_in_memory;
+use crate::errors::{raised, raised_in_memory};
 use crate::images::{array_of, image_of, mask_of, size_of};
 use crate::network::CrackNetwork;
 use crate::recipe::{Recipe, RecipeArg};
@@ -65,8 +66,10 @@ pub(crate) fn item_seed(seed: SeedArg, name: NameArg, sample_index: Whole) -> Py
 
 /// The image behind broken glass, as a new array of the same shape; `image` is not changed.
 ///
-/// image: uint8, H x W x 3 (sRGB) or H x W (gray), any strides; 1 to 32768 px per side.
+/// image: uint8, H x W x 3 (sRGB), H x W x 4 (its alpha stays) or H x W (gray), any strides; 1 to
+/// 32768 px per side; or an image of Pillow in the mode RGB, RGBA or L.
 /// recipe: a `Recipe`, the name of a preset, or tables as a dict; default `windshield-spiderweb`.
+/// severity: 1 (mild) to 5 (severe), of a preset.
 /// seed: 0 to 2**64 - 1, determines everything random.
 /// name, sample_index: with a name, the seed is `item_seed(seed, name, sample_index)`. With the
 /// name that the command uses, the pixels are the command's: `starbreak crack` uses the file's name
@@ -91,8 +94,8 @@ pub(crate) fn item_seed(seed: SeedArg, name: NameArg, sample_index: Whole) -> Py
 /// ['blur_radius_px', 'contrast_lost', 'displacement_px', 'region_share']
 #[pyfunction]
 #[pyo3(
-    signature = (image, recipe = None, seed = SeedArg::ZERO, *, name = None, sample_index = Whole::of(0), network = None, boxes = None, full = Given::of(false)),
-    text_signature = "(image, recipe=None, seed=0, *, name=None, sample_index=0, network=None, boxes=None, full=False)"
+    signature = (image, recipe = None, seed = SeedArg::ZERO, *, severity = None, name = None, sample_index = Whole::of(0), network = None, boxes = None, full = Given::of(false)),
+    text_signature = "(image, recipe=None, seed=0, *, severity=None, name=None, sample_index=0, network=None, boxes=None, full=False)"
 )]
 #[expect(
     clippy::too_many_arguments,
@@ -103,6 +106,7 @@ pub(crate) fn crack<'py>(
     image: &Bound<'py, PyAny>,
     recipe: Option<RecipeArg>,
     seed: SeedArg,
+    severity: Option<Whole>,
     name: Option<NameArg>,
     sample_index: Whole,
     network: Option<Given<Py<CrackNetwork>>>,
@@ -110,7 +114,7 @@ pub(crate) fn crack<'py>(
     full: Given<bool>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let (network, full) = (Given::if_given(network, "network")?, full.named("full")?);
-    let recipe = RecipeArg::or_default(recipe)?;
+    let recipe = RecipeArg::at_severity(recipe, severity.as_ref())?;
     let pixels = image_of(image)?;
     let seed = seed_of(seed, name.as_ref(), &sample_index)?;
     let size = (pixels.width(), pixels.height());
@@ -144,13 +148,14 @@ pub(crate) fn corrupt<'py>(
     seed: SeedArg,
 ) -> PyResult<Bound<'py, PyAny>> {
     let corruption_name = corruption_name.named("corruption_name")?;
-    let recipe = RecipeArg(Recipe::named(&corruption_name, Some(&severity))?);
+    let recipe = Recipe::named(&corruption_name, Some(&severity))?;
     let sample_index = Whole::of(0);
     crack(
         py,
         image,
-        Some(recipe),
+        Some(RecipeArg::of(recipe)),
         seed,
+        None,
         None,
         sample_index,
         None,
@@ -452,6 +457,14 @@ impl Cracked {
             self.intact,
         );
         Ok((py.get_type::<Self>().into_any(), from.into_pyobject(py)?))
+    }
+
+    /// The image as PNG, which notebooks show.
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let pixels = image_of(self.image.bind(py))?;
+        let png = py.detach(|| encode_image(&pixels, &Encoding::Png, None));
+        let png = png.map_err(|error| raised(&starbreak_runs::Error::from(error)))?;
+        Ok(PyBytes::new(py, &png))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

@@ -1,6 +1,6 @@
 //! NumPy arrays to images and back.
 
-use image::{DynamicImage, GrayImage, RgbImage};
+use image::{DynamicImage, GrayImage, RgbImage, RgbaImage};
 use numpy::ndarray::{Array2, Array3, ArrayViewMut};
 use numpy::{
     IntoPyArray as _, PyArray2, PyArrayDyn, PyArrayMethods as _, PyUntypedArray,
@@ -15,6 +15,7 @@ use crate::values::python_of;
 
 /// An image from an array: a copy of it, which becomes the output.
 pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
+    let image = &array_of_pillow(image)?;
     let bytes = codes_of("image", image)?;
     refuse_masked(bytes.as_untyped())?;
     let (width, height) = sides_of("image", bytes, true)?;
@@ -22,9 +23,30 @@ pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
     let pixels = copied(bytes)?;
     let image = match bytes.ndim() {
         2 => GrayImage::from_raw(width_px, height_px, pixels).map(DynamicImage::ImageLuma8),
+        _ if bytes.shape().last() == Some(&4) => {
+            RgbaImage::from_raw(width_px, height_px, pixels).map(DynamicImage::ImageRgba8)
+        }
         _ => RgbImage::from_raw(width_px, height_px, pixels).map(DynamicImage::ImageRgb8),
     };
     image.ok_or_else(|| PyValueError::new_err("image changed its shape while it was read"))
+}
+
+/// The array of an image of Pillow whose numbers are colors; anything else as it is.
+fn array_of_pillow<'py>(image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let is_array = image.cast::<PyUntypedArray>().is_ok();
+    let (Ok(mode), false) = (image.getattr("mode"), is_array) else {
+        return Ok(image.clone());
+    };
+    let mode: String = mode.extract().unwrap_or_default();
+    if !["L", "RGB", "RGBA"].contains(&mode.as_str()) {
+        return Err(PyValueError::new_err(format!(
+            "image has mode {mode:?}; expected RGB, RGBA or L, such as image.convert(\"RGB\")"
+        )));
+    }
+    image
+        .py()
+        .import("numpy")?
+        .call_method1("asarray", (image,))
 }
 
 /// Width and height of an array that is an image or, without channels, a mask, px.
@@ -44,7 +66,7 @@ fn codes_of<'a, 'py>(
     let Ok(untyped) = array.cast::<PyUntypedArray>() else {
         let kind = array.get_type().name()?;
         return Err(PyTypeError::new_err(format!(
-            "{name} is of type {kind}; expected a numpy.ndarray of uint8, H x W x 3 or H x W, such as numpy.asarray({name})"
+            "{name} is of type {kind}; expected a numpy.ndarray of uint8, H x W x 3, H x W x 4 or H x W, such as numpy.asarray({name})"
         )));
     };
     array.cast::<PyArrayDyn<u8>>().map_err(|_| {
@@ -62,12 +84,12 @@ fn sides_of(
 ) -> PyResult<(usize, usize)> {
     match *array.shape() {
         [height, width] => Ok((width, height)),
-        [height, width, 3] if has_channels => Ok((width, height)),
+        [height, width, 3 | 4] if has_channels => Ok((width, height)),
         _ => Err(PyValueError::new_err(format!(
             "{name} has shape {}; expected {}(height, width)",
             array.getattr("shape")?.str()?,
             if has_channels {
-                "(height, width, 3) or "
+                "(height, width, 3), (height, width, 4) or "
             } else {
                 ""
             }
@@ -117,6 +139,10 @@ pub(crate) fn array_of(py: Python<'_>, image: DynamicImage) -> PyResult<Bound<'_
         DynamicImage::ImageLuma8(gray) => Ok(mask_of(py, gray)?.into_any()),
         DynamicImage::ImageRgb8(rgb) => {
             let array = Array3::from_shape_vec((height, width, 3), rgb.into_raw());
+            Ok(array.map_err(wrong_shape)?.into_pyarray(py).into_any())
+        }
+        DynamicImage::ImageRgba8(rgba) => {
+            let array = Array3::from_shape_vec((height, width, 4), rgba.into_raw());
             Ok(array.map_err(wrong_shape)?.into_pyarray(py).into_any())
         }
         _ => Err(PyValueError::new_err("the image came out in another mode")),

@@ -1,6 +1,6 @@
 //! The Python package `starbreak`: glue between Python and the crates, without logic of its own.
 //!
-//! Each file mirrors what it wraps: `recipe`, `network`, `crack`, `bank`, `file`, `measure`;
+//! Each file mirrors what it wraps: `recipe`, `network`, `crack`, `bank`, `file`, `measure`, `command`;
 //! `arguments`, `images` and `values` carry arguments, arrays and plain values across, `errors` says
 //! which Python error is which.
 //! What Python sees is described in `python/starbreak/_starbreak.pyi` and in the docstrings.
@@ -8,6 +8,7 @@
 
 mod arguments;
 mod bank;
+mod command;
 mod crack;
 mod errors;
 mod file;
@@ -24,6 +25,8 @@ mod _starbreak {
 
     #[pymodule_export]
     use crate::bank::PatternBank;
+    #[pymodule_export]
+    use crate::command::{_call, _run};
     #[pymodule_export]
     use crate::crack::{Cracked, ReadyCrack, corrupt, crack, item_seed, simulate};
     #[pymodule_export]

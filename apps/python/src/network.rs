@@ -268,6 +268,11 @@ impl CrackNetwork {
         Ok(columns)
     }
 
+    /// The drawing of `to_svg`, which notebooks show.
+    fn _repr_svg_(&self, py: Python<'_>) -> String {
+        self.to_svg(py)
+    }
+
     fn __repr__(&self) -> String {
         let summary = self.network.summary();
         format!(

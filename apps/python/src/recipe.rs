@@ -248,14 +248,44 @@ fn assignments(set: &Bound<'_, PyAny>) -> PyResult<Vec<Assignment>> {
 }
 
 /// A recipe as an argument: itself, the name of a preset, or tables as dicts.
-pub(crate) struct RecipeArg(pub(crate) Recipe);
+pub(crate) struct RecipeArg {
+    pub(crate) recipe: Recipe,
+    /// The preset's name, if that was given.
+    preset: Option<String>,
+}
 
 impl RecipeArg {
     /// The recipe, or the default preset.
     pub(crate) fn or_default(recipe: Option<Self>) -> PyResult<Recipe> {
         match recipe {
-            Some(Self(recipe)) => Ok(recipe),
+            Some(Self { recipe, .. }) => Ok(recipe),
             None => Recipe::named(DEFAULT_PRESET, None),
+        }
+    }
+
+    /// The same with a preset at a severity, if one is given.
+    pub(crate) fn at_severity(recipe: Option<Self>, severity: Option<&Whole>) -> PyResult<Recipe> {
+        let Some(severity) = severity else {
+            return Self::or_default(recipe);
+        };
+        let preset = match &recipe {
+            None => Some(DEFAULT_PRESET),
+            Some(recipe) => recipe.preset.as_deref(),
+        };
+        match preset {
+            Some(preset) => Recipe::named(preset, Some(severity)),
+            None => Err(PyValueError::new_err(
+                "severity scales a preset, but recipe says its values itself; give the name of a preset, or \
+                 Recipe(preset, severity=…)",
+            )),
+        }
+    }
+
+    /// A recipe as it is.
+    pub(crate) fn of(recipe: Recipe) -> Self {
+        Self {
+            recipe,
+            preset: None,
         }
     }
 }
@@ -265,13 +295,17 @@ impl<'a, 'py> FromPyObject<'a, 'py> for RecipeArg {
 
     fn extract(recipe: Borrowed<'a, 'py, PyAny>) -> PyResult<Self> {
         if let Ok(recipe) = recipe.cast::<Recipe>() {
-            return Ok(Self(recipe.get().clone()));
+            return Ok(Self::of(recipe.get().clone()));
         }
         if let Ok(name) = recipe.cast::<PyString>() {
-            return Ok(Self(Recipe::named(name.to_str()?, None)?));
+            let preset = name.to_str()?.to_owned();
+            return Ok(Self {
+                recipe: Recipe::named(&preset, None)?,
+                preset: Some(preset),
+            });
         }
         if let Ok(tables) = recipe.cast::<PyDict>() {
-            return Ok(Self(Recipe::from_dict(
+            return Ok(Self::of(Recipe::from_dict(
                 tables.py(),
                 Given::of(tables.as_mapping().to_owned().unbind()),
             )?));

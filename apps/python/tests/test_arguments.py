@@ -32,6 +32,7 @@ WHOLE = {
     "sample_index of crack_file": (lambda n: starbreak.crack_file(b"", "a.png", PAPER, sample_index=n), 0, 2**32 - 1),
     "n_samples": (lambda n: starbreak.crack_file(b"", "a.png", PAPER, n_samples=n), 1, 2**32 - 1),
     "severity": (lambda n: starbreak.Recipe("paper", severity=n), 1, 5),
+    "severity of crack": (lambda n: starbreak.crack(FRAME, "paper", severity=n), 1, 5),
     "severity of corrupt": (lambda n: starbreak.corrupt(FRAME, "paper", n), 1, 5),
     "width in size": (lambda n: starbreak.simulate(PAPER, size=(n, 9)), 1, 32768),
     "height in size": (lambda n: starbreak.ReadyCrack(PAPER, size=(9, n)), 1, 32768),
@@ -59,7 +60,7 @@ def test_whole_numbers_are_named_with_value_and_range(name):
         assert said.startswith(f"{name.split(' of ')[0]} = ") and expected in said, (wrong, said)
         assert str(int(wrong)) in said
     for wrong in (2.5, "7", None, True, np.float64(2), np.True_, [1], object()):
-        if wrong is None and name in ("severity", "limit"):
+        if wrong is None and name in ("severity", "severity of crack", "limit"):
             continue
         with pytest.raises(TypeError) as raised:
             call(wrong)

@@ -71,7 +71,7 @@ def test_a_gray_picture_in_any_layout(image, small):
         (picture().astype("S1"), "dtype"),
         (np.zeros((4, 4), "M8[s]"), "dtype datetime64"),
         (np.zeros((4, 4), [("r", "u1")]), "dtype"),
-        (np.zeros((96, 128, 4), np.uint8), "shape (96, 128, 4)"),
+        (np.zeros((96, 128, 5), np.uint8), "shape (96, 128, 5)"),
         (np.zeros((96, 128, 1), np.uint8), "shape (96, 128, 1)"),
         (np.zeros((3, 96, 128), np.uint8), "shape (3, 96, 128)"),
         (np.zeros((2, 96, 128, 3), np.uint8), "shape (2, 96, 128, 3)"),

@@ -34,8 +34,10 @@ pub struct ImageJob {
     pub input: PathBuf,
     /// Its file name, which its seed is keyed by.
     pub name: String,
-    /// Its file name without the extension, which its outputs are named by.
+    /// What its outputs are named by: as a rule its file name without the extension.
     pub stem: String,
+    /// The name of the damaged image, where it is not to be the stem with the extension of its format.
+    pub image_name: Option<String>,
 }
 
 impl ImageJob {
@@ -48,8 +50,13 @@ impl ImageJob {
             .map(|suffix| format!("{stem}.{suffix}"))
             .collect();
         names.extend(MAPS.map(|map| format!("{stem}.{map}.npy")));
-        if !names.contains(&self.name) {
-            names.push(self.name.clone());
+        for name in [Some(&self.name), self.image_name.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            if !names.contains(name) {
+                names.push(name.clone());
+            }
         }
         names
     }
@@ -88,13 +95,18 @@ pub struct Failure {
 /// How a job ended; `None` where the run was interrupted before it began.
 pub type JobResult = Option<Result<Written, Failure>>;
 
-/// The jobs for a list of image files, in its order.
+/// The jobs for a list of image files, in its order. `image_name` names the damaged image of one, and by its stem
+/// the other outputs.
 ///
 /// # Errors
 /// [`Error::OutputCollision`] where two images could write the same file,
 /// [`Error::OutputIsInput`] where one could replace another's input, [`Error::NoFileName`],
 /// [`Error::Dataset`] for a folder in a generated set.
-pub fn plan_images(inputs: &[PathBuf], out: &Path) -> Result<Vec<ImageJob>, Error> {
+pub fn plan_images(
+    inputs: &[PathBuf],
+    out: &Path,
+    image_name: Option<&str>,
+) -> Result<Vec<ImageJob>, Error> {
     refuse_inside_set(out)?;
     let known = FileSet::of(inputs);
     let mut writer_of: BTreeMap<String, &PathBuf> = BTreeMap::new();
@@ -110,7 +122,10 @@ pub fn plan_images(inputs: &[PathBuf], out: &Path) -> Result<Vec<ImageJob>, Erro
         let job = ImageJob {
             input: input.clone(),
             name,
-            stem,
+            stem: image_name.map_or(stem, |name| {
+                part(Path::new(name).file_stem()).unwrap_or_default()
+            }),
+            image_name: image_name.map(str::to_owned),
         };
         for output in job.possible_outputs() {
             // Letters of either case are one name on some file systems.
@@ -219,7 +234,10 @@ impl Paths {
     fn of(job: &ImageJob, out: &Path, format: ImageFormat) -> Result<Self, Error> {
         let beside = |suffix: &str| out.join(format!("{}.{suffix}", job.stem));
         let paths = Self {
-            image: beside(&extension(&job.input, format)),
+            image: match &job.image_name {
+                Some(name) => out.join(name),
+                None => beside(&extension(&job.input, format)),
+            },
             region: beside("region.png"),
             crack: beside("crack.png"),
             maps: MAPS.map(|map| beside(&format!("{map}.npy"))),

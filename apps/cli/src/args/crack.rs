@@ -12,7 +12,7 @@ pub(crate) struct CrackArgs {
     /// PNG or JPEG files
     #[arg(required = true, value_name = "IMAGE")]
     pub(crate) inputs: Vec<PathBuf>,
-    /// Output folder
+    /// Output folder; or for one image the name of the damaged one, .png or .jpg
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: PathBuf,
     /// Also write the maps of the optics as NumPy arrays of 32-bit floats: attenuation,

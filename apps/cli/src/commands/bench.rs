@@ -1,7 +1,6 @@
 //! `starbreak bench`: the paper's timing figure on this machine, and the time of physics and optics.
 
 use std::fmt::Write as _;
-use std::process::ExitCode;
 
 use image::DynamicImage;
 use serde_json::{Value, json};
@@ -13,7 +12,7 @@ use starbreak_runs::with_threads;
 use super::{bench_optics, bench_physics, plot, raster};
 use crate::args::Global;
 use crate::args::bench::{BenchArgs, BenchModel};
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Progress, Screen, path_text};
 
@@ -58,7 +57,7 @@ pub(super) struct Spread {
     pub(super) max: f64,
 }
 
-pub(crate) fn run(global: &Global, args: &BenchArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &BenchArgs, screen: &Screen) -> Result<u8, Failure> {
     let names = [
         "bench.csv",
         "bench.txt",
@@ -68,7 +67,7 @@ pub(crate) fn run(global: &Global, args: &BenchArgs, screen: &Screen) -> Result<
         "bench-optics.csv",
     ];
     global.refuse_recipe_among(&names.map(|name| args.output.join(name)))?;
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let mut batch = global.batch();
     let mut tables = Vec::new();
     let mut result = json!({ "output": path_text(&args.output) });
@@ -126,7 +125,7 @@ pub(crate) fn run(global: &Global, args: &BenchArgs, screen: &Screen) -> Result<
         args.output.display()
     ));
     screen.result(|| result)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// The paper's series: one for each number of particles.

@@ -1,7 +1,6 @@
 //! `starbreak crack`: photos to cracked photos.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use serde_json::{Value, json};
 use starbreak_dataset::OutputBatch;
@@ -13,20 +12,27 @@ use starbreak_runs::{Patterns, RunContext, with_threads};
 use super::generate::patterns;
 use crate::args::Global;
 use crate::args::crack::CrackArgs;
-use crate::failure::{Failure, SOME_FAILED};
+use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
-pub(crate) fn run(global: &Global, args: &CrackArgs, screen: &Screen) -> Result<ExitCode, Failure> {
-    let out = args.output.as_path();
+pub(crate) fn run(global: &Global, args: &CrackArgs, screen: &Screen) -> Result<u8, Failure> {
+    let (out, image_name) = folder_and_name(args)?;
+    let out = out.as_path();
     let mut recipe = global.recipe()?;
+    if let Some(name) = &image_name {
+        recipe.set(match name.to_lowercase().ends_with(".png") {
+            true => "output.format=\"png\"",
+            false => "output.format=\"jpeg\"",
+        })?;
+    }
     if args.maps {
         recipe.set("output.maps=true")?;
     }
     let mut context = RunContext::new(&recipe, global.seed(), out)?;
     context.replaces = global.replace;
     args.overlay_args.refuse_idle_gain(&context.settings)?;
-    let jobs = plan_images(&args.inputs, out)?;
+    let jobs = plan_images(&args.inputs, out, image_name.as_deref())?;
     let failures = out.join("failures.jsonl");
     global.refuse_recipe_among(std::slice::from_ref(&failures))?;
     if jobs.len() > 1 && !is_list_of_failures(&failures) {
@@ -46,7 +52,7 @@ pub(crate) fn run(global: &Global, args: &CrackArgs, screen: &Screen) -> Result<
         args.network.as_deref(),
         &outputs,
     )?;
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let progress = screen.progress(jobs.len() as u64, "images");
     let results = with_threads(usize::from(global.threads), || {
         damage_files(&jobs, &context, &patterns, interrupt.flag(), |_, result| {
@@ -68,7 +74,7 @@ fn finish(
     (context, patterns): (&RunContext, &Patterns),
     interrupt: &Interrupt,
     screen: &Screen,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     let RunContext { out, settings, .. } = context;
     let total = results.len();
     let (mut written, mut failed) = (Vec::new(), Vec::new());
@@ -109,7 +115,7 @@ fn finish(
         )));
     }
     if failed.is_empty() {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     let message = format!(
         "{} of {total} images failed; {:?} lists them with their reasons",
@@ -120,6 +126,28 @@ fn finish(
         message,
         code: SOME_FAILED,
     })
+}
+
+/// The output folder, and the name of the damaged image where the output is named as one.
+fn folder_and_name(args: &CrackArgs) -> Result<(PathBuf, Option<String>), Failure> {
+    let output = &args.output;
+    let extension = output.extension().map(|it| it.to_ascii_lowercase());
+    let is_image = extension.is_some_and(|it| it == "png" || it == "jpg" || it == "jpeg");
+    let name = output.file_name().and_then(|name| name.to_str());
+    let Some(name) = name.filter(|_| is_image && !output.is_dir()) else {
+        return Ok((output.clone(), None));
+    };
+    if args.inputs.len() > 1 {
+        return Err(Failure::wrong_input(format!(
+            "-o {output:?} names one image, but there are {}; give a folder",
+            args.inputs.len()
+        )));
+    }
+    let folder = output
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = folder.map_or_else(|| PathBuf::from("."), Path::to_owned);
+    Ok((folder, Some(name.to_owned())))
 }
 
 /// The list of failures beside the results; none where nothing failed.

@@ -1,7 +1,6 @@
 //! `starbreak demo`: the whole chain on an embedded scene, with nothing needed.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use serde_json::{Map, json};
 use starbreak::{Chain, PaneLayer, Stopwatch, growth_times};
@@ -14,7 +13,7 @@ use starbreak_runs::{Patterns, RunContext};
 
 use super::crack::item_json;
 use crate::args::Global;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
@@ -24,7 +23,7 @@ const GROWTH_FRAMES: u32 = 24;
 /// Name of the scene's file, which its seed is keyed by.
 const SCENE: &str = "scene.png";
 
-pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<u8, Failure> {
     let names = [
         "network.json",
         "network.svg",
@@ -34,7 +33,7 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
     ];
     global.refuse_recipe_among(&names.map(|name| out.join(name)))?;
     let recipe = global.recipe()?;
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let scene = street_scene();
     let pixels = image_of(&scene);
     let scene_png = encode_image(&pixels, &Encoding::Png, None)?;
@@ -55,6 +54,7 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
             input: PathBuf::from(SCENE),
             name: SCENE.to_owned(),
             stem: format!("{focus}-focus"),
+            image_name: None,
         };
         let chain = chain_for(&job, &file, &context, &Patterns::Fresh, &mut watch)?;
         Ok(stage_shown(
@@ -110,7 +110,7 @@ pub(crate) fn run(global: &Global, out: &Path, screen: &Screen) -> Result<ExitCo
             "images": written.iter().map(item_json).collect::<Vec<_>>(),
         })
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 fn image_of(scene: &StreetScene) -> image::DynamicImage {

@@ -2,7 +2,6 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
@@ -19,7 +18,7 @@ use super::detect_clip;
 use super::detect_labels::Referred;
 use crate::args::Global;
 use crate::args::detect::{DetectArgs, ResultFormat};
-use crate::failure::{Failure, SOME_FAILED};
+use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
@@ -29,11 +28,7 @@ const MOST_TOML_BYTES: u64 = 1 << 20;
 /// Names that are listed in a remark.
 const MOST_NAMED: usize = 12;
 
-pub(crate) fn run(
-    global: &Global,
-    args: &DetectArgs,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &DetectArgs, screen: &Screen) -> Result<u8, Failure> {
     let (Some(source), Some(model), Some(output)) = (&args.source, &args.model, &args.output)
     else {
         return list_contracts(screen);
@@ -194,7 +189,7 @@ pub(super) fn look_at(
     images: &[ImageToSee],
     referred: Referred,
 ) -> Result<Looked, Failure> {
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(run.screen);
     let progress = run.screen.progress(images.len() as u64, "images");
     let started = Instant::now();
     let seen = detector.detect_all(
@@ -249,13 +244,13 @@ fn write(run: &Run<'_>, detections: &Detections, referred: &Referred) -> Result<
     Ok(())
 }
 
-fn list_contracts(screen: &Screen) -> Result<ExitCode, Failure> {
+fn list_contracts(screen: &Screen) -> Result<u8, Failure> {
     let mut lines = Vec::new();
     for name in preset_names() {
         lines.push(format!("{name:24} {}", Contract::preset(name)?.about));
     }
     screen.data(&lines.join("\n"))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// The contract of a preset or a file.
@@ -424,7 +419,7 @@ fn finish(
     output: &Path,
     results: &Results,
     screen: &Screen,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     let n_images = looked.names.len();
     #[expect(clippy::cast_precision_loss, reason = "a rate")]
     let rate = n_images as f64 / looked.seconds.max(1e-9);
@@ -450,7 +445,7 @@ fn finish(
     screen.say(&said);
     screen.result(|| result_json(looked, output, results))?;
     if n_failed == 0 {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     let first = results.failures.first();
     Err(Failure {

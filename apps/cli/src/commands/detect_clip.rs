@@ -76,7 +76,7 @@ pub(super) fn look(run: &Run<'_>, clip: &Path) -> Result<Looked, Failure> {
     let n_expected = usize::try_from(info.n_frames)
         .unwrap_or(usize::MAX)
         .min(limit);
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(run.screen);
     let progress = run.screen.progress(n_expected as u64, "frames");
     let started = Instant::now();
     let mut reader = ffmpeg.read(clip, &info).map_err(DatasetError::from)?;

@@ -4,8 +4,6 @@ mod experiment;
 mod given;
 mod show;
 
-use std::process::ExitCode;
-
 use serde::Serialize;
 use starbreak_eval::divergence::{
     Background, CompareSettings, DivergenceReport, ImageSet, ReadSettings, compare_sets,
@@ -16,18 +14,14 @@ use starbreak_runs::with_threads;
 
 use crate::args::Global;
 use crate::args::divergence::DivergenceArgs;
-use crate::failure::{Failure, SOME_FAILED};
+use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
 /// The files that go into the output folder.
 const FILES: [&str; 3] = ["divergence.json", "divergence.csv", "divergence.svg"];
 
-pub(crate) fn run(
-    global: &Global,
-    args: &DivergenceArgs,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &DivergenceArgs, screen: &Screen) -> Result<u8, Failure> {
     if let Some(file) = &args.histograms {
         return given::histograms(file, screen);
     }
@@ -49,7 +43,7 @@ pub(crate) fn run(
         if let Some(files) = &args.features {
             return given::features(files, screen);
         }
-        let interrupt = Interrupt::listen();
+        let interrupt = Interrupt::listen(screen);
         let model = args.model.as_deref();
         let eye = model.map(|model| Eye::open(model, args.layer.as_deref()));
         let reader = Reader {
@@ -109,7 +103,7 @@ fn finish(
     reader: &Reader<'_>,
     report: &DivergenceReport,
     all: &impl Serialize,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     let (global, screen) = (reader.global, reader.screen);
     let value = serde_json::to_value(all).map_err(Failure::wrong_input)?;
     if let Some(folder) = &reader.args.output {
@@ -126,7 +120,7 @@ fn finish(
     screen.result(|| value)?;
     let n_failed: usize = report.sets.iter().map(|set| set.failed.len()).sum();
     if n_failed == 0 {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     Err(Failure {
         message: format!(

@@ -1,24 +1,17 @@
 //! `starbreak evaluate`: labels and detections to numbers.
 
-use std::ffi::OsStr;
-use std::process::ExitCode;
-
 use starbreak_dataset::OutputBatch;
-use starbreak_eval::evaluation::{Estimate, PairedMetric, PairedRow, ScopeKind};
+use starbreak_eval::evaluation::{Estimate, GroupKind, PairedMetric, PairedRow, ScopeKind};
 use starbreak_eval::{AreaRange, CocoEvaluation, Evaluated, KittiCurve, Protocol};
 use starbreak_runs::evaluation::{EvaluateRequest, REPORT_FILES, evaluate_files, report_batch};
 use starbreak_runs::with_threads;
 
 use crate::args::Global;
 use crate::args::evaluate::EvaluateArgs;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::screen::{Screen, path_text};
 
-pub(crate) fn run(
-    global: &Global,
-    args: &EvaluateArgs,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &EvaluateArgs, screen: &Screen) -> Result<u8, Failure> {
     let request = request(global, args);
     let source = args.source.as_deref().map(|source| global.spec(source));
     let read = request.read_files(source.transpose()?.as_ref());
@@ -55,7 +48,7 @@ pub(crate) fn run(
         screen.say(&format!("wrote {}", path_text(folder.join("report.html"))));
     }
     screen.result(|| answer.json)?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// What the flags ask for.
@@ -86,28 +79,12 @@ fn request(global: &Global, args: &EvaluateArgs) -> EvaluateRequest {
         joins: args.output.is_some(),
         curves: args.curves.is_some(),
         seed: global.seed,
-        command: Some(command()),
+        command: Some(global.command.clone()),
     }
 }
 
-/// The command line as a shell takes it.
-pub(super) fn command() -> String {
-    let words: Vec<String> = std::env::args_os()
-        .skip(1)
-        .map(|word| shell_word(&word))
-        .collect();
-    format!("starbreak {}", words.join(" "))
-}
-
-/// A word as a shell takes it.
-pub(super) fn shell_word(word: &OsStr) -> String {
-    let word = word.to_string_lossy().into_owned();
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
-    match !word.is_empty() && word.chars().all(is_plain) {
-        true => word,
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    }
-}
+/// So many lines of a table are for people.
+const MOST_ROWS: usize = 36;
 
 /// A table for people.
 fn show(
@@ -145,7 +122,15 @@ fn show(
     let is_shown = |row: &&PairedRow| {
         row.n_objects > 0 && matches!(row.metric, PairedMetric::Ap50 | PairedMetric::KittiAp40)
     };
-    for row in paired.into_iter().flatten().filter(is_shown) {
+    let mut rows: Vec<&PairedRow> = paired.into_iter().flatten().filter(is_shown).collect();
+    let n_all = rows.len();
+    for kind in [GroupKind::Class, GroupKind::Supercategory] {
+        if rows.len() > MOST_ROWS {
+            rows.retain(|row| row.group.kind != kind);
+        }
+    }
+    let n_left = n_all - rows.len();
+    for row in rows {
         let scope = match (row.scope.kind, row.scope.tau) {
             (ScopeKind::InRegion, Some(tau)) => format!("in region (tau {tau})"),
             (ScopeKind::OutOfRegion, Some(tau)) => format!("out of region (tau {tau})"),
@@ -162,6 +147,11 @@ fn show(
             figure(&row.cracked),
             row.n_objects,
             row.n_images
+        ));
+    }
+    if n_left > 0 {
+        screen.say(&format!(
+            "{n_left} more lines, of single classes and their groups, are in the report (-o) and in the result (--json)"
         ));
     }
 }

@@ -1,7 +1,6 @@
 //! `starbreak generate`: a dataset to its cracked twin.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
@@ -21,7 +20,7 @@ use super::network_file;
 use crate::args::Global;
 use crate::args::generate::{GenerateArgs, OnError, OtherFiles};
 use crate::args::overlay::is_bank;
-use crate::failure::{Failure, SOME_FAILED};
+use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
@@ -31,11 +30,7 @@ const N_PREVIEW: u64 = 12;
 /// Bad records that are shown one by one.
 const MOST_SHOWN: usize = 20;
 
-pub(crate) fn run(
-    global: &Global,
-    args: &GenerateArgs,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &GenerateArgs, screen: &Screen) -> Result<u8, Failure> {
     if let Some(overlays) = &args.overlays
         && (is_inside(&args.output, overlays) || is_inside(overlays, &args.output))
     {
@@ -88,7 +83,7 @@ pub(crate) fn run(
         return dry_run(global, &plan, screen);
     }
 
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let total = survey.n_selected * u64::from(options.n_samples);
     let progress = screen.progress(total, "images");
     let started = Instant::now();
@@ -220,7 +215,7 @@ pub(super) fn mind_bad_records(
 }
 
 /// Says what the run would do, and shows a few of its images.
-fn dry_run(global: &Global, plan: &Plan<'_>, screen: &Screen) -> Result<ExitCode, Failure> {
+fn dry_run(global: &Global, plan: &Plan<'_>, screen: &Screen) -> Result<u8, Failure> {
     let made = with_threads(usize::from(global.threads), || preview(plan, N_PREVIEW))??;
     let mut cells = Vec::new();
     for image in &made.images {
@@ -275,7 +270,7 @@ fn dry_run(global: &Global, plan: &Plan<'_>, screen: &Screen) -> Result<ExitCode
             "failed": made.failures.len(),
         })
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 fn would_do(plan: &Plan<'_>, made: &Preview) -> String {
@@ -327,7 +322,7 @@ fn finish(
     seconds: f64,
     interrupt: &Interrupt,
     screen: &Screen,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     let out = &plan.context.out;
     let n_failed = report.failures.len();
     if report.manifest.is_some() {
@@ -344,7 +339,7 @@ fn finish(
         )));
     }
     if n_failed == 0 {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     let list = out.join("starbreak").join("failures.jsonl");
     let stopped = match (report.manifest.is_some(), interrupt.is_set()) {

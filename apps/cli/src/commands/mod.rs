@@ -30,8 +30,6 @@ mod timeline_tracks;
 mod verify;
 mod video;
 
-use std::process::ExitCode;
-
 use crate::args::overlay::is_bank as is_overlay_bank;
 use crate::args::patterns::PatternsArgs;
 use crate::args::{Args, Global, Verb};
@@ -39,7 +37,7 @@ use crate::failure::Failure;
 use crate::screen::Screen;
 
 /// Does what the command line says.
-pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn run(args: Args, screen: &Screen) -> Result<u8, Failure> {
     let global = &args.global;
     match args.verb {
         Verb::Demo { output } => demo::run(global, &output, screen),
@@ -68,7 +66,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<ExitCode, Failure> {
 }
 
 /// `starbreak patterns`: makes a bank of either kind, or says what is in one.
-fn bank(global: &Global, args: &PatternsArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+fn bank(global: &Global, args: &PatternsArgs, screen: &Screen) -> Result<u8, Failure> {
     match (&args.info, &args.check, args.n, &args.output) {
         (Some(bank), ..) | (_, Some(bank), ..) if is_overlay_bank(bank) => {
             overlay_bank::info(bank, screen)

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
@@ -14,7 +13,7 @@ use starbreak_runs::with_threads;
 use super::patterns::bytes_text;
 use crate::args::Global;
 use crate::args::patterns::PatternsArgs;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
@@ -25,7 +24,7 @@ pub(crate) fn run(
     photos: &Path,
     (n, output): (u32, &Path),
     screen: &Screen,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     let &[size] = args.size.as_slice() else {
         return Err(Failure::wrong_input(
             "a bank of photos is for one --size; frames of other sizes get parts of the same photos that are drawn for \
@@ -36,7 +35,7 @@ pub(crate) fn run(
     let to = output.join(OVERLAY_BANK_FILE);
     let table = output.join("overlays.csv");
     global.refuse_taken(&[to.clone(), table.clone()])?;
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let started = Instant::now();
     let progress = screen.progress(u64::from(n), "patterns");
     let draft = with_threads(usize::from(global.threads), || {
@@ -94,11 +93,11 @@ pub(crate) fn run(
         result["files"] = json!([path_text(&table)]);
         result
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// What a bank was made from. All of it has been read then, and its checksums verified.
-pub(crate) fn info(path: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn info(path: &Path, screen: &Screen) -> Result<u8, Failure> {
     let bank = OverlayBank::open(path)?;
     let header = bank.header();
     screen.say(&format!(
@@ -119,7 +118,7 @@ pub(crate) fn info(path: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
         result["whole"] = true.into();
         result
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 fn described(header: &OverlayBankHeader, n: usize, path: &Path, sha256: &str) -> Value {

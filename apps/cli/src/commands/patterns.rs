@@ -2,7 +2,6 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Value, json};
@@ -16,7 +15,7 @@ use super::pattern_statistics::{Statistics, csv, figure};
 use super::raster;
 use crate::args::Global;
 use crate::args::patterns::PatternsArgs;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
@@ -58,7 +57,7 @@ pub(crate) fn run(
     args: &PatternsArgs,
     (n, output): (u32, &Path),
     screen: &Screen,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     let sizes = match &args.sizes_of {
         Some(source) => sizes_of(global, source, args.most_sizes, screen)?,
         None => args.size.clone(),
@@ -77,7 +76,7 @@ pub(crate) fn run(
     global.refuse_recipe_among(&all)?;
     // A bank is hours of work to some; neither it nor what lies there is replaced by the way.
     global.refuse_taken(&all)?;
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let started = Instant::now();
     let progress = screen.progress(u64::from(n), "patterns");
     let draft = with_threads(usize::from(global.threads), || {
@@ -113,11 +112,11 @@ pub(crate) fn run(
         result["files"] = files.iter().map(|(path, _)| path_text(path)).collect();
         result
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// Header and totals of a bank.
-pub(crate) fn info(path: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn info(path: &Path, screen: &Screen) -> Result<u8, Failure> {
     let bank = PatternBank::open(path)?;
     let header = bank.header();
     screen.say(&format!("{}: {}", bank.path().display(), totals(&bank)));
@@ -138,13 +137,13 @@ pub(crate) fn info(path: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
         result["recipe"] = header.recipe.as_str().into();
         result
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// Reads all of a bank.
-pub(crate) fn check(path: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn check(path: &Path, screen: &Screen) -> Result<u8, Failure> {
     let bank = PatternBank::open(path)?;
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let progress = screen.progress(bank.len() as u64, "patterns");
     let result = bank.check(|_| {
         progress.step();
@@ -169,7 +168,7 @@ pub(crate) fn check(path: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
         result["whole"] = true.into();
         result
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 fn totals(bank: &PatternBank) -> String {

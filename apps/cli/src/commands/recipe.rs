@@ -1,12 +1,10 @@
 //! `starbreak recipe`: what can be set, and to what it is set.
 
-use std::process::ExitCode;
-
 use serde_json::json;
 use starbreak::{PRESETS, cameras, json_schema};
 
 use crate::args::Global;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::screen::Screen;
 
 pub(crate) fn run(
@@ -14,7 +12,7 @@ pub(crate) fn run(
     schema: bool,
     list: bool,
     screen: &Screen,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     if schema {
         screen.data(&format!("{:#}", json_schema()))?;
     } else if list {
@@ -46,5 +44,5 @@ pub(crate) fn run(
             screen.data(&recipe.to_commented_toml())?;
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }

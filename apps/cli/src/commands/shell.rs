@@ -1,31 +1,22 @@
 //! `starbreak completions` and `starbreak man`, generated from the command line's definition.
 
 use std::path::Path;
-use std::process::ExitCode;
 
-use clap::CommandFactory as _;
 use serde_json::json;
 
-use crate::args::{Args, Global};
-use crate::failure::Failure;
+use crate::args::{Global, command};
+use crate::failure::{DONE, Failure};
 use crate::screen::{Screen, path_text};
 
-pub(crate) fn completions(
-    shell: clap_complete::Shell,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn completions(shell: clap_complete::Shell, screen: &Screen) -> Result<u8, Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(shell, &mut Args::command(), "starbreak", &mut script);
+    clap_complete::generate(shell, &mut command(), "starbreak", &mut script);
     screen.data(&String::from_utf8_lossy(&script))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
-pub(crate) fn man_pages(
-    global: &Global,
-    output: &Path,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
-    let mut command = Args::command();
+pub(crate) fn man_pages(global: &Global, output: &Path, screen: &Screen) -> Result<u8, Failure> {
+    let mut command = command();
     command.build();
     let mut batch = global.batch();
     let mut names = Vec::new();
@@ -52,5 +43,5 @@ pub(crate) fn man_pages(
         output.display()
     ));
     screen.result(|| json!({ "folder": path_text(output), "pages": names }))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }

@@ -1,7 +1,6 @@
 //! `starbreak simulate`: the crack network alone.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use serde_json::{Map, Value, json};
 use starbreak::fracture::physics::ImpactReport;
@@ -15,7 +14,7 @@ use starbreak_dataset::{AnimationParams, OutputBatch, encode_animation, encode_m
 use super::network_file;
 use crate::args::Global;
 use crate::args::simulate::SimulateArgs;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
@@ -73,13 +72,9 @@ pub(super) fn radius_hint(
     })
 }
 
-pub(crate) fn run(
-    global: &Global,
-    args: &SimulateArgs,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &SimulateArgs, screen: &Screen) -> Result<u8, Failure> {
     let settings = global.recipe()?.settings()?;
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let frames = args.growth_frames();
     let paths = [
         &args.output,
@@ -132,7 +127,7 @@ pub(crate) fn run(
         screen.say(&describe(&simulated));
     }
     screen.result(|| result_json(args, &simulated))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// The network file with the wall-clock times, which differ from run to run.

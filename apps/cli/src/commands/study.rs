@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::ExitCode;
 use std::sync::Mutex;
 
 use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
@@ -20,11 +19,11 @@ use super::generate::mind_bad_records;
 use super::study_report::StudyReport;
 use crate::args::study::{DivergenceWord, StudyArgs};
 use crate::args::{Global, read_recipe};
-use crate::failure::{Failure, SOME_FAILED};
+use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Progress, Screen};
 
-pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<u8, Failure> {
     let conditions = conditions_of(global, args)?;
     let spec = global.spec(&args.source)?;
     let truth = GroundTruth::of_dataset(&spec, args.protocol.map(Into::into))?;
@@ -41,7 +40,7 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
     }
     let detectors = detectors_of(args, &source, &truth, screen)?;
 
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let plan = StudyPlan {
         source: &source,
         survey: &survey,
@@ -83,13 +82,12 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
         runs: &runs,
         truth: &truth,
         divergence,
-        seed: global.seed,
-        replaces: global.replace,
+        global,
     };
     screen.say("evaluating: intervals and tests");
     with_threads(usize::from(global.threads), || report.write(screen))??;
     match runs.unseen.len() {
-        0 => Ok(ExitCode::SUCCESS),
+        0 => Ok(DONE),
         n => Err(Failure {
             message: format!(
                 "{n} images could not be used and count nowhere; {:?} lists them with their reasons",

@@ -13,7 +13,7 @@ use starbreak_eval::report::report_files;
 use starbreak_runs::evaluation::{files_of, label_files};
 use starbreak_runs::study::{StudyPlan, StudyRuns};
 
-use super::evaluate::command;
+use crate::args::Global;
 use crate::args::study::StudyArgs;
 use crate::failure::Failure;
 use crate::screen::{Screen, path_text};
@@ -25,9 +25,7 @@ pub(super) struct StudyReport<'a> {
     pub(super) runs: &'a StudyRuns,
     pub(super) truth: &'a GroundTruth,
     pub(super) divergence: Option<DivergenceResults>,
-    pub(super) seed: u64,
-    /// Whether files may be replaced that the study has not written.
-    pub(super) replaces: bool,
+    pub(super) global: &'a Global,
 }
 
 impl StudyReport<'_> {
@@ -36,7 +34,7 @@ impl StudyReport<'_> {
     pub(super) fn write(&self, screen: &Screen) -> Result<(), Failure> {
         let study = self.numbers()?;
         let out = &self.args.output;
-        let batch = OutputBatch::new().replacing(self.replaces);
+        let batch = OutputBatch::new().replacing(self.global.replace);
         let batch = batch.never_over(FileSet::of(&self.read_files()?));
         let mut batch = batch.with_list(&out.join("written.json"), "study");
         let labels = &self.truth.labels;
@@ -70,7 +68,7 @@ impl StudyReport<'_> {
         let settings = EvaluateSettings {
             score_threshold: args.score_threshold,
             n_replicates: args.replicates,
-            seed: self.seed,
+            seed: self.global.seed,
             n_worst: args.worst.unwrap_or_else(|| self.usual_n_worst()),
             ..EvaluateSettings::of(self.truth.protocol)
         };
@@ -89,7 +87,7 @@ impl StudyReport<'_> {
                 version: env!("CARGO_PKG_VERSION").to_owned(),
             }],
             settings: settings.described(self.truth, true),
-            command: Some(command()),
+            command: Some(self.global.command.clone()),
             recipe: match self.plan.conditions {
                 [alone] => Some(alone.recipe.to_toml()),
                 _ => None,

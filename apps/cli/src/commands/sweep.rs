@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use serde_json::{Value, json};
 use starbreak::{CameraSettings, Chain, FractureSettings, Simulated, Stopwatch, simulate};
@@ -16,7 +15,7 @@ use starbreak_runs::{PROVENANCE_SCHEMA, RunContext};
 use super::contact_sheet::{Cell, contact_sheet};
 use super::crack::item_json;
 use crate::args::Global;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
@@ -68,9 +67,9 @@ pub(crate) fn run(
     out: &Path,
     over: &str,
     screen: &Screen,
-) -> Result<ExitCode, Failure> {
+) -> Result<u8, Failure> {
     let (key, values) = values_of(over)?;
-    let jobs = plan_images(&[input.to_owned()], out)?;
+    let jobs = plan_images(&[input.to_owned()], out, None)?;
     let Some(job) = jobs.first() else {
         return Err(Failure::wrong_input("no image"));
     };
@@ -85,7 +84,7 @@ pub(crate) fn run(
     }
     global.refuse_recipe_among(std::slice::from_ref(&csv_path))?;
     let contexts = contexts(global, &key, &values, out)?;
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let file = read_image(input, &ImageLimits::default())?;
 
     let progress = screen.progress(values.len() as u64, "values");
@@ -142,7 +141,7 @@ pub(crate) fn run(
             "steps": steps.iter().map(step_json).collect::<Vec<_>>(),
         })
     })?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// The key and its values: `camera.focus_distance_m=far,2,1`. Commas in brackets do not separate.

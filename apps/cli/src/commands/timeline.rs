@@ -1,7 +1,6 @@
 //! `starbreak timeline`: what a detector finds over the frames of clips, clean and cracked.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use serde_json::json;
 use starbreak_dataset::{FileSet, same_file};
@@ -17,26 +16,21 @@ use starbreak_eval::{
 use starbreak_runs::evaluation::{files_of, report_batch, stem_of};
 use starbreak_runs::with_threads;
 
-use super::evaluate::command;
 use super::timeline_sides::{Side, by_frame_of, of_one_clip, side_files};
 use super::timeline_tracks::{NamedTrack, Tracks};
 use crate::args::Global;
 use crate::args::timeline::TimelineArgs;
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::screen::{Screen, path_text};
 
 /// The files that a report of clips has; the others are of images.
 const FILES: [&str; 3] = ["numbers.csv", "evaluation.json", "report.html"];
 
-pub(crate) fn run(
-    global: &Global,
-    args: &TimelineArgs,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<u8, Failure> {
     with_threads(usize::from(global.threads), || {
         evaluated(global, args, screen)
     })??;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 fn evaluated(global: &Global, args: &TimelineArgs, screen: &Screen) -> Result<(), Failure> {
@@ -366,7 +360,7 @@ fn study(
             max_detections: Some(100),
             ..Settings::default()
         },
-        command: Some(command()),
+        command: Some(global.command.clone()),
         recipe: None,
     };
     Ok(Study::of_one(evaluation, &dataset, provenance))

@@ -1,34 +1,28 @@
 //! `starbreak verify` and `starbreak merge`: finished sets.
 
-use std::process::ExitCode;
-
 use serde_json::{Value, json};
 use starbreak_dataset::{Finding, Source, merge_sets};
 use starbreak_runs::generate::{RegenerateReport, VerifyReport, regenerate, verify};
 use starbreak_runs::with_threads;
 
-use super::evaluate::shell_word;
 use super::generate::patterns;
 use crate::args::Global;
 use crate::args::generate::{HowMany, MergeArgs, VerifyArgs};
-use crate::failure::{Failure, SOME_FAILED};
+use crate::args::shell_word;
+use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
 /// Findings that are shown one by one.
 const MOST_SHOWN: usize = 50;
 
-pub(crate) fn run(
-    global: &Global,
-    args: &VerifyArgs,
-    screen: &Screen,
-) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: &VerifyArgs, screen: &Screen) -> Result<u8, Failure> {
     if global.says_what_to_make() {
         return Err(Failure::wrong_input(
             "verify takes recipe and seed from the set itself; leave --preset, --recipe, --severity, --camera, --set and --seed out",
         ));
     }
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let progress = screen.progress(0, "files");
     let n_threads = usize::from(global.threads);
     let checked = with_threads(n_threads, || {
@@ -80,7 +74,7 @@ pub(crate) fn run(
     let n_findings =
         checked.findings.len() + again.as_ref().map_or(0, |again| again.findings.len());
     if n_findings == 0 {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     let mends = mends(global, args, &checked);
     for mend in &mends {
@@ -142,7 +136,7 @@ fn mends(global: &Global, args: &VerifyArgs, checked: &VerifyReport) -> Vec<Stri
     mends
 }
 
-pub(crate) fn merge(args: &MergeArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn merge(args: &MergeArgs, screen: &Screen) -> Result<u8, Failure> {
     let report = merge_sets(&args.parts, &args.output)?;
     let manifest = &report.manifest;
     screen.say(&format!(
@@ -160,7 +154,7 @@ pub(crate) fn merge(args: &MergeArgs, screen: &Screen) -> Result<ExitCode, Failu
         })
     })?;
     if manifest.n_failed == 0 {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     Err(Failure {
         message: format!("{} images had failed in the shards", manifest.n_failed),

@@ -1,6 +1,5 @@
 //! `starbreak video`: a clip or a folder of frames to the same behind broken glass.
 
-use std::process::ExitCode;
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
@@ -12,11 +11,11 @@ use super::generate::{patterns, recipe_of_bank};
 use super::simulate::{radius_hint, why_no_damage};
 use crate::args::Global;
 use crate::args::video::{LightWord, VideoArgs};
-use crate::failure::Failure;
+use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
 
-pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<u8, Failure> {
     let request = request_of(&args)?;
     let outputs = [request.output.clone(), request.track(), request.network()];
     global.refuse_recipe_among(&outputs)?;
@@ -34,7 +33,7 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
     let mut context = RunContext::new(&recipe, global.seed(), &request.output)?;
     context.replaces = global.replace;
     args.overlay_args.refuse_idle_gain(&context.settings)?;
-    let interrupt = Interrupt::listen();
+    let interrupt = Interrupt::listen(screen);
     let clip = Clip::open(request.clone())?;
     if clip.has_rare_pixels() {
         let (width, height) = clip.size();
@@ -65,7 +64,7 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<E
     let elapsed_s = started.elapsed().as_secs_f64();
     screen.say(&describe(&request, &report, elapsed_s));
     screen.result(|| result_json(&request, &clip, &report, elapsed_s))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// What the clip loses, and what the user may not expect of it.

@@ -1,5 +1,6 @@
 """Break the glass in front of a camera and render what the camera then sees."""
 
+from ._command import command, detect, generate, patterns, study, sweep, video
 from ._starbreak import (
     Cracked,
     CrackNetwork,
@@ -32,14 +33,21 @@ __all__ = [
     "__version__",
     "blake3_hex",
     "cameras",
+    "command",
     "corrupt",
     "crack",
     "crack_file",
+    "detect",
     "divergence",
     "evaluate",
+    "generate",
     "item_seed",
     "json_schema",
+    "patterns",
     "presets",
     "simulate",
     "street_scene",
+    "study",
+    "sweep",
+    "video",
 ]

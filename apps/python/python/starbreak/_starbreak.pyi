@@ -1,8 +1,8 @@
 """Types of the compiled part of the package; the docstrings are available at run time."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, SupportsIndex, TypeAlias, final, overload
+from typing import Any, Literal, Protocol, SupportsIndex, TypeAlias, final, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,12 @@ _Size: TypeAlias = Sequence[SupportsIndex] | npt.NDArray[np.integer[Any]]
 _Numbers: TypeAlias = Sequence[float] | npt.NDArray[np.floating[Any]]
 _Set: TypeAlias = Mapping[str, Any] | Sequence[str]
 
+class _Pillow(Protocol):
+    @property
+    def mode(self) -> str: ...
+    @property
+    def __array_interface__(self) -> dict[str, Any]: ...
+
 __all__ = [
     "CrackNetwork",
     "Cracked",
@@ -23,6 +29,8 @@ __all__ = [
     "Recipe",
     "SimulationError",
     "__version__",
+    "_call",
+    "_run",
     "blake3_hex",
     "cameras",
     "corrupt",
@@ -40,6 +48,9 @@ __all__ = [
 __version__: str
 
 class SimulationError(RuntimeError): ...
+
+def _run(words: Sequence[_Path]) -> int: ...
+def _call(words: Sequence[_Path], tell: Callable[..., object]) -> Any: ...
 
 @final
 class Recipe:
@@ -84,6 +95,7 @@ class CrackNetwork:
     def from_file(path: _Path) -> CrackNetwork: ...
     def to_json(self) -> str: ...
     def to_svg(self) -> str: ...
+    def _repr_svg_(self) -> str: ...
     def save(self, path: _Path, *, replace: bool = False) -> None: ...
     @property
     def nodes(self) -> dict[str, npt.NDArray[Any]]: ...
@@ -136,6 +148,7 @@ class Cracked:
     def damage(self) -> list[dict[str, float | None] | None]: ...
     @property
     def intact(self) -> bool: ...
+    def _repr_png_(self) -> bytes: ...
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]: ...
 
 @final
@@ -159,19 +172,19 @@ class ReadyCrack:
     def crack_mask(self) -> _Image: ...
     @overload
     def over(
-        self, image: _Image, seed: SupportsIndex = 0, *, boxes: _Boxes, full: bool = False
+        self, image: _Image | _Pillow, seed: SupportsIndex = 0, *, boxes: _Boxes, full: bool = False
     ) -> Cracked: ...
     @overload
     def over(
-        self, image: _Image, seed: SupportsIndex = 0, *, boxes: _Boxes | None = None, full: Literal[True]
+        self, image: _Image | _Pillow, seed: SupportsIndex = 0, *, boxes: _Boxes | None = None, full: Literal[True]
     ) -> Cracked: ...
     @overload
     def over(
-        self, image: _Image, seed: SupportsIndex = 0, *, boxes: None = None, full: Literal[False] = False
+        self, image: _Image | _Pillow, seed: SupportsIndex = 0, *, boxes: None = None, full: Literal[False] = False
     ) -> _Image: ...
     @overload
     def over(
-        self, image: _Image, seed: SupportsIndex = 0, *, boxes: _Boxes | None = None, full: bool = False
+        self, image: _Image | _Pillow, seed: SupportsIndex = 0, *, boxes: _Boxes | None = None, full: bool = False
     ) -> _Image | Cracked: ...
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]: ...
 
@@ -198,7 +211,7 @@ class PatternBank:
     @overload
     def crack(
         self,
-        image: _Image,
+        image: _Image | _Pillow,
         seed: SupportsIndex = 0,
         *,
         name: _Path | None = None,
@@ -210,7 +223,7 @@ class PatternBank:
     @overload
     def crack(
         self,
-        image: _Image,
+        image: _Image | _Pillow,
         seed: SupportsIndex = 0,
         *,
         name: _Path | None = None,
@@ -222,7 +235,7 @@ class PatternBank:
     @overload
     def crack(
         self,
-        image: _Image,
+        image: _Image | _Pillow,
         seed: SupportsIndex = 0,
         *,
         name: _Path | None = None,
@@ -234,7 +247,7 @@ class PatternBank:
     @overload
     def crack(
         self,
-        image: _Image,
+        image: _Image | _Pillow,
         seed: SupportsIndex = 0,
         *,
         name: _Path | None = None,
@@ -252,10 +265,11 @@ def simulate(
 ) -> CrackNetwork: ...
 @overload
 def crack(
-    image: _Image,
+    image: _Image | _Pillow,
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
     *,
+    severity: SupportsIndex | None = None,
     name: _Path | None = None,
     sample_index: SupportsIndex = 0,
     network: CrackNetwork | None = None,
@@ -264,10 +278,11 @@ def crack(
 ) -> Cracked: ...
 @overload
 def crack(
-    image: _Image,
+    image: _Image | _Pillow,
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
     *,
+    severity: SupportsIndex | None = None,
     name: _Path | None = None,
     sample_index: SupportsIndex = 0,
     network: CrackNetwork | None = None,
@@ -276,10 +291,11 @@ def crack(
 ) -> Cracked: ...
 @overload
 def crack(
-    image: _Image,
+    image: _Image | _Pillow,
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
     *,
+    severity: SupportsIndex | None = None,
     name: _Path | None = None,
     sample_index: SupportsIndex = 0,
     network: CrackNetwork | None = None,
@@ -288,10 +304,11 @@ def crack(
 ) -> _Image: ...
 @overload
 def crack(
-    image: _Image,
+    image: _Image | _Pillow,
     recipe: _RecipeLike | None = None,
     seed: SupportsIndex = 0,
     *,
+    severity: SupportsIndex | None = None,
     name: _Path | None = None,
     sample_index: SupportsIndex = 0,
     network: CrackNetwork | None = None,
@@ -299,7 +316,7 @@ def crack(
     full: bool = False,
 ) -> _Image | Cracked: ...
 def corrupt(
-    image: _Image,
+    image: _Image | _Pillow,
     corruption_name: str = "windshield-spiderweb",
     severity: SupportsIndex = 1,
     *,

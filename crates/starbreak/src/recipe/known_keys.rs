@@ -68,11 +68,20 @@ pub(super) fn hint<'a>(
     known: impl Iterator<Item = &'a str> + Clone,
     what: &str,
 ) -> String {
-    let lower = given.to_lowercase();
-    let nearest = known
-        .clone()
-        .map(|name| (strsim::normalized_damerau_levenshtein(&lower, name), name))
-        .max_by(|a, b| a.0.total_cmp(&b.0));
+    // The British word, and a name without its unit or its kind.
+    let lower = given.to_lowercase().replace("windscreen", "windshield");
+    let begins = |name: &&str| {
+        let rest = name.strip_prefix(&*lower);
+        rest.is_some_and(|rest| rest.starts_with(['_', '-']))
+    };
+    let nearness = |name: &'a str| (strsim::normalized_damerau_levenshtein(&lower, name), name);
+    let nearest = match known.clone().find(begins) {
+        Some(name) => Some((1.0, name)),
+        None => known
+            .clone()
+            .map(nearness)
+            .max_by(|a, b| a.0.total_cmp(&b.0)),
+    };
     match nearest {
         Some((nearness, name)) if nearness >= NEAR => format!("did you mean `{name}`?"),
         _ => format!("known {what}: {}", known.collect::<Vec<_>>().join(", ")),

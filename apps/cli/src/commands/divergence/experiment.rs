@@ -1,7 +1,5 @@
 //! `--experiment paper`: the paper's distributions and its control.
 
-use std::process::ExitCode;
-
 use starbreak_dataset::SourceFormat;
 use starbreak_eval::divergence::{
     CompareSettings, DivergenceReport, Measure, PAPER_SETS, PaperComparison, paper_experiment,
@@ -15,7 +13,7 @@ use crate::failure::Failure;
 /// Fewer make no distribution.
 const FEWEST_IMAGES: usize = 10;
 
-pub(super) fn run(reader: &Reader<'_>, settings: &CompareSettings) -> Result<ExitCode, Failure> {
+pub(super) fn run(reader: &Reader<'_>, settings: &CompareSettings) -> Result<u8, Failure> {
     let given = &reader.args.experiment;
     let kitti = Some(SourceFormat::Kitti);
     // In the order of the paper's sets.

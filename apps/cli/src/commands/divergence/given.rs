@@ -1,7 +1,6 @@
 //! Distributions that somebody else made: histograms in JSON, vectors in NumPy files.
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -11,7 +10,7 @@ use starbreak_eval::divergence::{
 };
 
 use super::show;
-use crate::failure::{Failure, SOME_FAILED};
+use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::screen::{Screen, path_text};
 
 /// Longest file of histograms or vectors, bytes.
@@ -60,7 +59,7 @@ fn measured(pair: Value) -> Result<Answer, String> {
     })
 }
 
-pub(super) fn histograms(file: &Path, screen: &Screen) -> Result<ExitCode, Failure> {
+pub(super) fn histograms(file: &Path, screen: &Screen) -> Result<u8, Failure> {
     let text = read_text(file, MAX_BYTES)?.text;
     let value: Value = serde_json::from_str(&text).map_err(|error| {
         Failure::wrong_input(format!(
@@ -90,7 +89,7 @@ pub(super) fn histograms(file: &Path, screen: &Screen) -> Result<ExitCode, Failu
     let is_failed = |answer: &&Answer| matches!(answer, Answer::Failed { .. });
     let n_failed = answers.iter().filter(is_failed).count();
     if n_failed == 0 {
-        return Ok(ExitCode::SUCCESS);
+        return Ok(DONE);
     }
     Err(Failure {
         message: format!("{n_failed} entries of {file:?} have no numbers; each says why"),
@@ -98,7 +97,7 @@ pub(super) fn histograms(file: &Path, screen: &Screen) -> Result<ExitCode, Failu
     })
 }
 
-pub(super) fn features(files: &[PathBuf], screen: &Screen) -> Result<ExitCode, Failure> {
+pub(super) fn features(files: &[PathBuf], screen: &Screen) -> Result<u8, Failure> {
     let [a, b] = files else {
         return Err(Failure::wrong_input("--features takes two files"));
     };
@@ -106,7 +105,7 @@ pub(super) fn features(files: &[PathBuf], screen: &Screen) -> Result<ExitCode, F
         .map_err(|error| Failure::wrong_input(format!("{a:?} and {b:?}: {error}")))?;
     show::vectors(&compared, screen);
     screen.result(|| json!({ "definition": DEFINITION, "activations": compared }))?;
-    Ok(ExitCode::SUCCESS)
+    Ok(DONE)
 }
 
 /// The rows of a two-dimensional array.

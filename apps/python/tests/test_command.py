@@ -1,0 +1,123 @@
+"""The verbs of the command from Python, and the command that the wheel installs."""
+
+import json
+import logging
+import os
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import numpy as np
+import pytest
+import starbreak
+from PIL import Image
+
+
+@pytest.fixture
+def images(tmp_path):
+    folder = tmp_path / "images"
+    folder.mkdir()
+    street, _ = starbreak.street_scene()
+    for k in range(3):
+        Image.fromarray(street[:96, 40 * k : 40 * k + 160]).save(folder / f"{k}.png")
+    return folder
+
+
+def files_of(folder):
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(Path(folder).rglob("*"))
+        if path.is_file() and path.suffix == ".png"
+    }
+
+
+def test_generate_is_that_of_the_command_and_tells_its_progress(images, tmp_path, caplog):
+    told = []
+    with caplog.at_level(logging.INFO, logger="starbreak"):
+        result = starbreak.generate(
+            f"folder:{images}",
+            tmp_path / "python",
+            starbreak.Recipe("windshield-star", severity=2),
+            seed=3,
+            progress=lambda *said: told.append(said),
+        )
+    assert told[-1] == (3, 3, "images")
+    assert any("3" in record.message for record in caplog.records), caplog.records
+    again = starbreak.command(
+        "generate", f"folder:{images}", o=tmp_path / "flags", preset="windshield-star",
+        severity=2, seed=3,
+    )  # fmt: skip
+    assert files_of(tmp_path / "python") == files_of(tmp_path / "flags")
+    assert len(files_of(tmp_path / "python")) > 3
+    assert result.keys() == again.keys()
+
+
+def test_a_dict_of_flags_and_a_recipe_say_the_same(images, tmp_path):
+    image = images / "0.png"
+    sets = {"impact.position": [0.3, 0.5], "impact.speed_m_s": 31.0}
+    by_flag = tmp_path / "by-flag.png"
+    starbreak.command("crack", image, output=by_flag, preset="windshield-star", set=sets)
+    by_recipe = tmp_path / "by-recipe.png"
+    recipe = starbreak.Recipe("windshield-star", set=sets)
+    starbreak.command("crack", image, output=by_recipe, recipe=recipe)
+    whole = np.asarray(Image.open(image))
+    cracked = starbreak.crack(whole, recipe, name="0.png")
+    assert np.array_equal(np.asarray(Image.open(by_flag)), cracked)
+    assert by_flag.read_bytes() == by_recipe.read_bytes()
+
+
+def test_patterns_sweep_and_video(images, tmp_path):
+    bank = starbreak.patterns(2, tmp_path / "bank", "windshield-star", size="160x96")
+    assert bank["bank"].endswith("patterns.bank")
+    over = "camera.focus_distance_m=far,1"
+    swept = starbreak.sweep(images / "0.png", tmp_path / "sweep", over, "windshield-star")
+    assert Path(tmp_path / "sweep").is_dir() and swept
+    clip = starbreak.video(images, tmp_path / "clip", "windshield-star", impact_at=0, fps=10)
+    assert clip["n_frames"] == 3
+
+
+def test_what_is_wrong_is_said_as_by_the_command(images, tmp_path):
+    with pytest.raises(ValueError, match="did you mean `windshield-star`"):
+        starbreak.generate(f"folder:{images}", tmp_path / "x", "windscreen-star")
+    with pytest.raises(ValueError, match="--smaples.*--samples"):
+        starbreak.generate(f"folder:{images}", tmp_path / "x", smaples=2)
+    with pytest.raises(ValueError, match="no such file or folder"):
+        starbreak.detect(f"folder:{images}", tmp_path / "none.onnx", tmp_path / "x.json")
+    with pytest.raises(ValueError, match="breaks no glass"):
+        starbreak.command("evaluate", f"folder:{images}", clean="x", preset="paper")
+    assert not (tmp_path / "x").exists()
+
+
+def test_an_interrupt_ends_the_work_and_is_raised(images, tmp_path):
+    text = (
+        "import signal, sys, threading, os, starbreak\n"
+        "threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        "try:\n"
+        f"    starbreak.generate({'folder:' + str(images)!r}, {str(tmp_path / 'long')!r},\n"
+        "                       samples=10000, threads=1)\n"
+        "except KeyboardInterrupt:\n"
+        "    sys.exit(7)\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", text], timeout=60, check=False)
+    assert ended.returncode == 7
+
+
+def test_a_listener_that_raises_ends_the_work(images, tmp_path):
+    def listen(*_):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        starbreak.generate(f"folder:{images}", tmp_path / "x", samples=2000, progress=listen)
+
+
+def test_the_wheel_has_the_command(tmp_path):
+    program = Path(sysconfig.get_path("scripts")) / ("starbreak" + (".exe" if os.name == "nt" else ""))
+    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+    assert version.stdout.split() == ["starbreak", starbreak.__version__]
+    wrong = subprocess.run([program, "demo", "--preset", "papr"], capture_output=True, text=True, check=False)
+    assert wrong.returncode == 2
+    assert wrong.stderr == "error: unknown preset `papr`; did you mean `paper`?\n"
+    listed = subprocess.run([program, "recipe", "--list", "--json"], capture_output=True, text=True, check=True)
+    names = [preset["name"] for preset in json.loads(listed.stdout)["presets"]]
+    assert names == list(starbreak.presets())
