@@ -78,18 +78,8 @@ fn every_verb_helps() {
         let help = succeed(dir.path(), &[verb, "--help"]);
         let usage = format!("Usage: starbreak {verb}");
         assert!(help.stdout.contains(&usage), "{verb}: {}", help.stdout);
-        for flag in [
-            "--recipe",
-            "--preset",
-            "--severity",
-            "--set",
-            "--seed",
-            "--threads",
-            "--json",
-            "--quiet",
-        ] {
-            assert!(help.stdout.contains(flag), "{verb} without {flag}");
-        }
+        // What else a verb shows is in flags.rs.
+        assert!(help.stdout.contains("--quiet"), "{verb}: {}", help.stdout);
         assert_eq!(help.stderr, "", "{verb}: help is no error");
     }
     let version = succeed(dir.path(), &["--version"]).stdout;

@@ -50,13 +50,9 @@ impl ImageJob {
             .map(|suffix| format!("{stem}.{suffix}"))
             .collect();
         names.extend(MAPS.map(|map| format!("{stem}.{map}.npy")));
-        for name in [Some(&self.name), self.image_name.as_ref()]
-            .into_iter()
-            .flatten()
-        {
-            if !names.contains(name) {
-                names.push(name.clone());
-            }
+        let own = self.image_name.as_ref().unwrap_or(&self.name);
+        if !names.contains(own) {
+            names.push(own.clone());
         }
         names
     }
