@@ -39,8 +39,7 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
 /// prints nothing.
 ///
 /// # Errors
-/// [`Failure`] where the command line is wrong or the work stopped. Items that failed while others did not are no
-/// error: the result counts them.
+/// [`Failure`] where the command line is wrong, the work stopped, or items failed.
 pub fn call(
     words: impl IntoIterator<Item = OsString>,
     stop: Arc<AtomicBool>,

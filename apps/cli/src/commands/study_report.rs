@@ -10,7 +10,7 @@ use starbreak_eval::evaluation::{
     ScopeKind, Study, Versions, WarningKind,
 };
 use starbreak_eval::report::report_files;
-use starbreak_runs::evaluation::{files_of, label_files};
+use starbreak_runs::evaluation::{files_of, label_files, short_name};
 use starbreak_runs::study::{StudyPlan, StudyRuns};
 
 use crate::args::Global;
@@ -72,7 +72,7 @@ impl StudyReport<'_> {
             n_worst: args.worst.unwrap_or_else(|| self.usual_n_worst()),
             ..EvaluateSettings::of(self.truth.protocol)
         };
-        let dataset = args.source.to_string_lossy();
+        let dataset = short_name(&args.source.to_string_lossy());
         let names: Vec<&str> = self
             .plan
             .detectors

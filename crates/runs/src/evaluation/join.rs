@@ -120,9 +120,7 @@ impl Join<'_> {
                 .and_then(|set| set.get("recipe").and_then(Value::as_str))
                 .map(str::to_owned),
         };
-        let dataset = dataset_name(request);
-        let name = Path::new(&dataset).file_name();
-        let name = name.map_or(dataset.clone(), |name| name.to_string_lossy().into_owned());
+        let name = short_name(&dataset_name(request));
         let mut study = Study::of_one(evaluation, &name, provenance);
         let results = self.of_clean.results.clone();
         let clean = clean_results(&detector, self.truth, self.clean, results)?;
@@ -139,6 +137,16 @@ pub fn stem_of(path: &Path) -> String {
         || "detector".to_owned(),
         |stem| stem.to_string_lossy().into_owned(),
     )
+}
+
+/// The last part of the path of a dataset or a file, `FORMAT:` before it or not: what a reader calls it.
+#[must_use]
+pub fn short_name(dataset: &str) -> String {
+    let path = dataset.split_once(':').map_or(dataset, |(_, path)| path);
+    let name = Path::new(path).file_name();
+    name.map_or(dataset.to_owned(), |name| {
+        name.to_string_lossy().into_owned()
+    })
 }
 
 fn dataset_name(request: &EvaluateRequest) -> String {

@@ -20,7 +20,7 @@ use starbreak_eval::{
 use crate::Error;
 
 use join::Join;
-pub use join::{files_of, label_files, stem_of};
+pub use join::{files_of, label_files, short_name, stem_of};
 use plain::side;
 pub use report_folder::{REPORT_FILES, report_batch};
 

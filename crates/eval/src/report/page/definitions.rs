@@ -70,7 +70,7 @@ const TERMS: &[Term] = &[
     Term {
         word: "mPC and rPC",
         meaning: "Mean performance under corruption (mPC): AP on the damaged images, averaged over families \
-                  (presets or recipes), severities and seeds. Relative performance under corruption (rPC): mPC \
+                  (presets), severities and seeds. Relative performance under corruption (rPC): mPC \
                   divided by the clean AP. Their n counts the different objects evaluated in at least one \
                   condition.",
     },

@@ -11,6 +11,7 @@ mod pictures;
 mod precision;
 mod provenance;
 mod sets;
+mod severity;
 mod table;
 mod timeline;
 mod warnings;

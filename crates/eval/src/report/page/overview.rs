@@ -1,10 +1,8 @@
 //! What all evaluations of a study say together.
 
-use super::super::charts::{ChartText, Curve, CurvePoint, CurveStyle, Ink, curve_chart};
 use super::super::conditions::{Summed, summed};
 use super::super::words;
-use super::{Block, Cell, Section, Table};
-use crate::chart::{Axis, Marker};
+use super::{Block, Cell, Section, Table, pictures, severity};
 use crate::evaluation::{FailureRow, GroupKind, PairedMetric, PairedRow, ScopeKind, Study};
 
 /// The row that sums up: all classes, of the given place and metric, at the study's own τ.
@@ -193,7 +191,8 @@ fn span(values: &[f64]) -> Option<[f64; 2]> {
 
 pub(super) fn section(study: &Study) -> Section {
     let all = summed(study);
-    let mut blocks = vec![Block::table(overview_table(study, &all))];
+    let mut blocks = severity::charts(study);
+    blocks.push(Block::table(overview_table(study, &all)));
     if all.iter().any(|one| one.n_seeds > 1) {
         let singles: Vec<Summed<'_>> = study.evaluations.iter().map(Summed::of).collect();
         blocks.push(Block::fold(
@@ -201,7 +200,7 @@ pub(super) fn section(study: &Study) -> Section {
             vec![Block::table(overview_table(study, &singles))],
         ));
     }
-    blocks.extend(severity_chart(study));
+    blocks.extend(pictures::examples(study));
     blocks.extend(robustness_table(study).map(Block::table));
     Section {
         id: "overview".to_owned(),
@@ -257,93 +256,6 @@ fn overview_table(study: &Study, all: &[Summed<'_>]) -> Table {
     table
 }
 
-/// AP50 in the region over the severity, a curve per detector and family.
-fn severity_chart(study: &Study) -> Option<Block> {
-    let all = summed(study);
-    let family = |one: &Summed<'_>| one.condition.family.clone().unwrap_or_default();
-    let severe = all.iter().filter(|one| one.condition.severity.is_some());
-    let names = words::distinct(severe.map(|one| (one.detector, family(one))));
-    let mut table = Table::new(
-        "AP50 in the region by severity, mean over the seeds, percent.",
-        "Curve|#Severity|#Seeds|#AP50 damaged",
-    );
-    let mut curves = Vec::new();
-    let titles: Vec<String> = names
-        .iter()
-        .map(|(detector, family)| {
-            words::name(format!("{detector}, {family}").trim_end_matches(", "))
-        })
-        .collect();
-    for (place, (name, title)) in names.iter().zip(&titles).enumerate() {
-        let mut points = Vec::new();
-        for severity in 1..=5_u8 {
-            let at_severity = all.iter().find(|one| {
-                (one.detector, family(one)) == *name && one.condition.severity == Some(severity)
-            });
-            let Some((n_seeds, row)) = at_severity.and_then(|one| {
-                let row = headline(study, one, ScopeKind::InRegion, PairedMetric::Ap50)?;
-                Some((u64::try_from(one.n_seeds).ok()?, row))
-            }) else {
-                continue;
-            };
-            let Some(y) = row.cracked.value.map(|value| value * 100.0) else {
-                continue;
-            };
-            let ends = row.cracked.interval();
-            let interval = ends.map(|ends| ends.map(|end| end * 100.0));
-            let small = interval.map(|[low, high]| {
-                format!("[{}, {}]", words::decimal(low, 1), words::decimal(high, 1))
-            });
-            table.push(vec![
-                Cell::head(title),
-                Cell::count(severity.into()),
-                Cell::count(n_seeds),
-                Cell::number(Some(y / 100.0), words::percent).with_small(small),
-            ]);
-            points.push(CurvePoint {
-                x: severity.into(),
-                y,
-                interval,
-                words: None,
-            });
-        }
-        let markers = [
-            Marker::Circle,
-            Marker::Diamond,
-            Marker::Square,
-            Marker::Triangle,
-        ];
-        let marker = markers.get((place + place / 8) % 4).copied();
-        curves.push(Curve {
-            name: title,
-            ink: Ink::of_series(place),
-            style: CurveStyle::JoinedPoints(marker.unwrap_or(Marker::Circle)),
-            points,
-        });
-    }
-    let n_severities = curves.iter().map(|curve| curve.points.len()).max()?;
-    if n_severities < 2 {
-        return None;
-    }
-    let chart = curve_chart(
-        &curves,
-        &[],
-        Axis::of([0.5, 5.5], "severity"),
-        Axis::of([0.0, 100.0], "AP50 in the region, %"),
-        &ChartText {
-            id: "severities",
-            title: "AP50 in the region by severity of the damage",
-            description: "One curve per detector and family of damage; the table below gives the numbers.",
-        },
-    );
-    Some(Block::chart(
-        chart,
-        "AP50 of all classes in the region by severity of the damage. The region grows with the \
-                  severity, so each point has objects of its own.",
-        Some(table),
-    ))
-}
-
 fn robustness_table(study: &Study) -> Option<Table> {
     if study.robustness.is_empty() {
         return None;
@@ -380,7 +292,6 @@ fn robustness_table(study: &Study) -> Option<Table> {
     Some(table)
 }
 
-/// What is drawn for intervals.
 /// One of what intervals draw.
 pub(super) fn unit(study: &Study) -> &'static str {
     match study.draws_clusters() {

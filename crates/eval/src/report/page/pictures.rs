@@ -11,6 +11,12 @@ use crate::evaluation::{BoxRole, Evaluation, RoledBox, Study, WorstFailure};
 /// Most boxes that are drawn over a picture.
 const MAX_BOXES: usize = 60;
 
+/// What the boxes are.
+const BOXES: &str = "The images with the most lost objects, clean and damaged. Lost objects count wherever they are; the \
+     caption says how much of each the region covers. Solid boxes: found in both images. Thick boxes with a dark edge: \
+     lost. Dashed boxes: found in neither. Dotted boxes: new false positives, that is, detections that match no label \
+     and that no clean detection overlaps.";
+
 /// Width of a bold letter, at most and on average, as a share of its height.
 const LETTER_WIDTH: f64 = 0.62;
 
@@ -65,12 +71,47 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
     }
     vec![
         Block::heading(format!("{id}-worst"), "Worst failures".to_owned()),
-        Block::text(
-            "The images with the most lost objects, clean and damaged. Lost objects count wherever they are; \
-                   the caption says how much of each the region covers. Solid boxes: found in both images. \
-                   Thick boxes with a dark edge: lost. Dashed boxes: found in neither. Dotted boxes: new false \
-                   positives, that is, detections that match no label and that no clean detection overlaps.",
-        ),
+        Block::text(BOXES),
+        Block::Pictures { pairs },
+    ]
+}
+
+/// So many pairs stand at the beginning.
+const N_EXAMPLES: usize = 3;
+
+/// The images with the most lost objects of all conditions, each image once.
+pub(super) fn examples(study: &Study) -> Vec<Block> {
+    if study.evaluations.len() < 2 {
+        return Vec::new();
+    }
+    let mut all: Vec<(&Evaluation, &WorstFailure)> = study
+        .evaluations
+        .iter()
+        .flat_map(|one| one.worst.iter().map(move |worst| (one, worst)))
+        .filter(|(_, worst)| worst.n_lost > 0)
+        .collect();
+    all.sort_by_key(|(_, worst)| std::cmp::Reverse(worst.n_lost));
+    let tau = study.provenance.settings.tau;
+    let mut shown: Vec<&str> = Vec::new();
+    let mut pairs = Vec::new();
+    for (one, worst) in all {
+        if pairs.len() == N_EXAMPLES || shown.contains(&worst.image.as_str()) {
+            continue;
+        }
+        let id = format!("example{}", pairs.len());
+        if let Some(mut pair) = pair(worst, tau, id) {
+            shown.push(&worst.image);
+            let who = words::name(&format!("{}, {}", one.detector, one.condition.name));
+            pair.text = format!("{who}: {}", pair.text);
+            pairs.push(pair);
+        }
+    }
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    vec![
+        Block::heading("examples".to_owned(), "Examples".to_owned()),
+        Block::text(BOXES),
         Block::Pictures { pairs },
     ]
 }
