@@ -121,7 +121,11 @@ pub(super) fn page(study: &Study) -> Page {
     let of_clips = timeline::is_of_clips_alone(study);
     let mut sections = vec![match of_clips {
         true => timeline::section(study),
-        false => overview::section(study),
+        false => {
+            let mut section = overview::section(study);
+            section.blocks.splice(0..0, severity::charts(study));
+            section
+        }
     }];
     sections.extend(errors::classes_section(study));
     for (place, one) in study.over_seeds.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::super::conditions::{Summed, summed};
 use super::super::words;
-use super::{Block, Cell, Section, Table, pictures, severity};
+use super::{Block, Cell, Section, Table, pictures};
 use crate::evaluation::{FailureRow, GroupKind, PairedMetric, PairedRow, ScopeKind, Study};
 
 /// The row that sums up: all classes, of the given place and metric, at the study's own τ.
@@ -191,8 +191,7 @@ fn span(values: &[f64]) -> Option<[f64; 2]> {
 
 pub(super) fn section(study: &Study) -> Section {
     let all = summed(study);
-    let mut blocks = severity::charts(study);
-    blocks.push(Block::table(overview_table(study, &all)));
+    let mut blocks = vec![Block::table(overview_table(study, &all))];
     if all.iter().any(|one| one.n_seeds > 1) {
         let singles: Vec<Summed<'_>> = study.evaluations.iter().map(Summed::of).collect();
         blocks.push(Block::fold(
