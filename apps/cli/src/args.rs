@@ -67,9 +67,15 @@ pub(crate) fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Args, c
     let matches = command.try_get_matches_from_mut(&words)?;
     unused::refuse(&mut command, &matches)?;
     let mut args = Args::from_arg_matches(&matches)?;
-    let said: Vec<String> = words.iter().skip(1).map(|word| shell_word(word)).collect();
-    args.global.command = format!("starbreak {}", said.join(" "));
+    args.global.command = as_typed(words);
     Ok(args)
+}
+
+/// A command line as a shell takes it.
+pub(crate) fn as_typed(words: impl IntoIterator<Item = OsString>) -> String {
+    let words = words.into_iter().skip(1);
+    let said: Vec<String> = words.map(|word| shell_word(&word)).collect();
+    format!("starbreak {}", said.join(" "))
 }
 
 /// Flags that every verb takes.

@@ -35,29 +35,43 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
 }
 
 /// Runs a command line, the program's name first, for a program that calls: nothing is printed, `tell` gets what
-/// would be, and setting `stop` ends the work as Ctrl-C does. Gives what `--json` prints, `null` where the verb
-/// prints nothing.
+/// would be, and setting `stop` ends the work as Ctrl-C does, where the verb listens for it. Gives what `--json`
+/// prints, `null` where the verb prints nothing. Records of what was made have the command line `recorded`.
 ///
 /// # Errors
-/// [`Failure`] where the command line is wrong, the work stopped, or items failed.
+/// [`Failure`] where the command line is wrong or the work stopped. Where some items failed (exit code 1) and there
+/// is a result, that is given, and the failure is told as a note.
 pub fn call(
     words: impl IntoIterator<Item = OsString>,
+    recorded: impl IntoIterator<Item = OsString>,
     stop: Arc<AtomicBool>,
     tell: impl Fn(Event) + Send + Sync + 'static,
 ) -> Result<Value, Failure> {
     starbreak_dataset::silence_fenced_panics();
-    let args = args::parse(words).map_err(|error| Failure::wrong_input(in_one_line(&error)))?;
+    let mut args = args::parse(words).map_err(|error| Failure::wrong_input(in_one_line(&error)))?;
+    args.global.command = args::as_typed(recorded);
+    let quiet = args.global.quiet;
     let caller = Arc::new(Caller {
         tell: Box::new(tell),
         stop,
         result: Mutex::new(None),
     });
-    commands::run(args, &Screen::of_caller(Arc::clone(&caller)))?;
-    let result = caller.result.lock().unwrap_or_else(PoisonError::into_inner);
-    let value = result
-        .as_deref()
-        .map(|text| serde_json::from_str(text).unwrap_or_else(|_| Value::String(text.to_owned())));
-    Ok(value.unwrap_or_default())
+    let screen = Screen::of_caller(Arc::clone(&caller), quiet);
+    let ended = commands::run(args, &screen);
+    let result = caller
+        .result
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .take();
+    let value = result.map(|text| serde_json::from_str(&text).unwrap_or(Value::String(text)));
+    match (ended, value) {
+        (Ok(_), value) => Ok(value.unwrap_or_default()),
+        (Err(failure), Some(value)) if failure.code == failure::SOME_FAILED => {
+            screen.note(&format!("warning: {}", failure.message));
+            Ok(value)
+        }
+        (Err(failure), _) => Err(failure),
+    }
 }
 
 fn refuse(screen: &Screen, failure: &Failure) -> u8 {

@@ -61,10 +61,10 @@ impl Screen {
         }
     }
 
-    pub(crate) fn of_caller(caller: Arc<Caller>) -> Self {
+    pub(crate) fn of_caller(caller: Arc<Caller>, quiet: bool) -> Self {
         Self {
             json: true,
-            quiet: false,
+            quiet,
             caller: Some(caller),
         }
     }
@@ -94,8 +94,8 @@ impl Screen {
     /// A remark that is no result: on standard error, not with `--quiet`.
     pub(crate) fn note(&self, text: &str) {
         match &self.caller {
+            _ if self.quiet => {}
             Some(caller) => (caller.tell)(Event::Note(text.to_owned())),
-            None if self.quiet => {}
             None => {
                 let _ = writeln!(std::io::stderr(), "{text}");
             }

@@ -141,6 +141,11 @@ fn one_image_may_be_named() {
     }
     let begin = std::fs::read(at.join("out/cracked.jpg")).unwrap();
     assert_eq!(begin[..2], [0xff, 0xd8], "a JPEG");
+    // A JPEG becomes a PNG beside it, and the list of another run stays.
+    std::fs::write(at.join("failures.jsonl"), "{}\n").unwrap();
+    std::fs::copy(at.join("out/cracked.jpg"), at.join("a.jpg")).unwrap();
+    succeed(at, &with_paper(&["crack", "a.jpg", "-o", "a.png"]));
+    assert!(at.join("failures.jsonl").is_file(), "of another run");
     // The same pixels as in a folder.
     succeed(at, &with_paper(&["crack", "photo.png", "-o", "folder"]));
     let same = [at.join("folder/photo.png"), at.join("cracked.PNG")]
@@ -156,6 +161,17 @@ fn one_image_may_be_named() {
             (
                 with_paper(&["crack", "photo.png", "-o", "photo.png"]),
                 "would replace the input",
+            ),
+            (
+                with_paper(&[
+                    "crack",
+                    "photo.png",
+                    "-o",
+                    "x.jpg",
+                    "--set",
+                    "output.format=\"png\"",
+                ]),
+                "not in the format that output.format asks for",
             ),
         ],
     );

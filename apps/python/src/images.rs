@@ -34,10 +34,12 @@ pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
 /// The array of an image of Pillow whose numbers are colors; anything else as it is.
 fn array_of_pillow<'py>(image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let is_array = image.cast::<PyUntypedArray>().is_ok();
-    let (Ok(mode), false) = (image.getattr("mode"), is_array) else {
+    let mode = image
+        .getattr("mode")
+        .and_then(|mode| mode.extract::<String>());
+    let (Ok(mode), false) = (mode, is_array) else {
         return Ok(image.clone());
     };
-    let mode: String = mode.extract().unwrap_or_default();
     if !["L", "RGB", "RGBA"].contains(&mode.as_str()) {
         return Err(PyValueError::new_err(format!(
             "image has mode {mode:?}; expected RGB, RGBA or L, such as image.convert(\"RGB\")"

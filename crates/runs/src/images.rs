@@ -44,15 +44,15 @@ impl ImageJob {
     /// Names of all files that the image may become, whatever its format turns out to be.
     #[must_use]
     pub fn possible_outputs(&self) -> Vec<String> {
-        let stem = &self.stem;
-        let mut names: Vec<String> = ["png", "jpg", "region.png", "crack.png", "json"]
-            .iter()
-            .map(|suffix| format!("{stem}.{suffix}"))
-            .collect();
-        names.extend(MAPS.map(|map| format!("{stem}.{map}.npy")));
-        let own = self.image_name.as_ref().unwrap_or(&self.name);
-        if !names.contains(own) {
-            names.push(own.clone());
+        let of_stem = |suffix: &str| format!("{}.{suffix}", self.stem);
+        let mut names = match &self.image_name {
+            Some(name) => vec![name.clone()],
+            None => vec![of_stem("png"), of_stem("jpg")],
+        };
+        names.extend(["region.png", "crack.png", "json"].map(of_stem));
+        names.extend(MAPS.map(|map| of_stem(&format!("{map}.npy"))));
+        if self.image_name.is_none() && !names.contains(&self.name) {
+            names.push(self.name.clone());
         }
         names
     }

@@ -12,8 +12,8 @@ pub(crate) struct CrackArgs {
     /// PNG or JPEG files
     #[arg(required = true, value_name = "IMAGE")]
     pub(crate) inputs: Vec<PathBuf>,
-    /// Output folder; or for one image the name of the damaged one, .png or .jpg
-    #[arg(short, long, value_name = "DIR")]
+    /// Output folder; or for one image the name of the damaged one, .png, .jpg or .jpeg
+    #[arg(short, long, value_name = "DIR|FILE")]
     pub(crate) output: PathBuf,
     /// Also write the maps of the optics as NumPy arrays of 32-bit floats: attenuation,
     /// added light, light from elsewhere in the frame and its displacement, coverage

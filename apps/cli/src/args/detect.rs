@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::video::FfmpegArgs;
+
 /// `starbreak detect`.
 #[derive(Debug, Args)]
 pub(crate) struct DetectArgs {
@@ -54,14 +56,8 @@ pub(crate) struct DetectArgs {
     /// Run the model on an NVIDIA GPU
     #[arg(long, requires = "onnxruntime")]
     pub(crate) cuda: bool,
-    /// The ffmpeg program, which reads clips [default: the one on PATH]
-    #[arg(
-        long,
-        value_name = "PATH",
-        default_value = "ffmpeg",
-        hide_default_value = true
-    )]
-    pub(crate) ffmpeg: PathBuf,
+    #[command(flatten)]
+    pub(crate) reader: FfmpegArgs,
 }
 
 /// Form of detections.

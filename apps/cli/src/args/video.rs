@@ -63,7 +63,14 @@ pub(crate) struct VideoArgs {
     /// Light around the camera: the mean of about the last second, or that of the first frame
     #[arg(long, value_enum, default_value_t = LightWord::Follow)]
     pub(crate) light: LightWord,
-    /// The ffmpeg program [default: the one on PATH]
+    #[command(flatten)]
+    pub(crate) reader: FfmpegArgs,
+}
+
+/// What reads and writes clips.
+#[derive(Debug, Args)]
+pub(crate) struct FfmpegArgs {
+    /// The ffmpeg program, which reads and writes clips [default: the one on PATH]
     #[arg(
         long,
         value_name = "PATH",

@@ -1,8 +1,9 @@
 //! `starbreak crack`: photos to cracked photos.
 
-use std::path::{Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 use serde_json::{Value, json};
+use starbreak::OutputFormat;
 use starbreak_dataset::OutputBatch;
 use starbreak_runs::images::{
     Failure as ItemFailure, ImageJob, JobResult, Written, damage_files, plan_images,
@@ -21,10 +22,16 @@ pub(crate) fn run(global: &Global, args: &CrackArgs, screen: &Screen) -> Result<
     let out = out.as_path();
     let mut recipe = global.recipe()?;
     if let Some(name) = &image_name {
-        recipe.set(match name.to_lowercase().ends_with(".png") {
-            true => "output.format=\"png\"",
-            false => "output.format=\"jpeg\"",
-        })?;
+        let (format, word) = match name.to_lowercase().ends_with(".png") {
+            true => (OutputFormat::Png, "png"),
+            false => (OutputFormat::Jpeg, "jpeg"),
+        };
+        if ![format, OutputFormat::Same].contains(&recipe.settings()?.output.format) {
+            return Err(Failure::wrong_input(format!(
+                "-o {name:?} is not in the format that output.format asks for; leave one of both out"
+            )));
+        }
+        recipe.set(&format!("output.format={word:?}"))?;
     }
     if args.maps {
         recipe.set("output.maps=true")?;
@@ -65,13 +72,16 @@ pub(crate) fn run(global: &Global, args: &CrackArgs, screen: &Screen) -> Result<
         })
     })?;
     progress.finish();
-    finish(results, (&context, &patterns), &interrupt, screen)
+    // One image with a name has no list, and the folder's may be of other images.
+    let has_list = image_name.is_none();
+    finish(results, (&context, &patterns), has_list, &interrupt, screen)
 }
 
 /// Says how it went, and with which exit code.
 fn finish(
     results: Vec<JobResult>,
     (context, patterns): (&RunContext, &Patterns),
+    has_list: bool,
     interrupt: &Interrupt,
     screen: &Screen,
 ) -> Result<u8, Failure> {
@@ -100,7 +110,9 @@ fn finish(
     {
         screen.note(&hint);
     }
-    record_failures(&failed, out)?;
+    if has_list {
+        record_failures(&failed, out)?;
+    }
     screen.result(|| {
         json!({
             "output": path_text(out),
@@ -134,7 +146,8 @@ fn folder_and_name(args: &CrackArgs) -> Result<(PathBuf, Option<String>), Failur
     let extension = output.extension().map(|it| it.to_ascii_lowercase());
     let is_image = extension.is_some_and(|it| it == "png" || it == "jpg" || it == "jpeg");
     let name = output.file_name().and_then(|name| name.to_str());
-    let Some(name) = name.filter(|_| is_image && !output.is_dir()) else {
+    let is_folder = output.is_dir() || output.to_string_lossy().ends_with(['/', MAIN_SEPARATOR]);
+    let Some(name) = name.filter(|_| is_image && !is_folder) else {
         return Ok((output.clone(), None));
     };
     if args.inputs.len() > 1 {

@@ -64,7 +64,7 @@ pub(super) fn look(run: &Run<'_>, clip: &Path) -> Result<Looked, Failure> {
         let map = run.map(&detector, &referred.labels, FORMAT)?;
         return look_at(run, detector, map, &images, referred);
     }
-    let ffmpeg = Ffmpeg::at(&run.args.ffmpeg).map_err(DatasetError::from)?;
+    let ffmpeg = Ffmpeg::at(&run.args.reader.ffmpeg).map_err(DatasetError::from)?;
     let info = ffmpeg.probe(clip)?;
     let detector = run.detector()?;
     let categories = LabelSet {

@@ -125,10 +125,12 @@ fn show(
     let mut rows: Vec<&PairedRow> = paired.into_iter().flatten().filter(is_shown).collect();
     let n_all = rows.len();
     for kind in [GroupKind::Class, GroupKind::Supercategory] {
-        if rows.len() > MOST_ROWS {
+        // Of KITTI all rows are of classes.
+        if rows.len() > MOST_ROWS && rows.iter().any(|row| row.group.kind != kind) {
             rows.retain(|row| row.group.kind != kind);
         }
     }
+    rows.truncate(MOST_ROWS);
     let n_left = n_all - rows.len();
     for row in rows {
         let scope = match (row.scope.kind, row.scope.tau) {
@@ -151,7 +153,7 @@ fn show(
     }
     if n_left > 0 {
         screen.say(&format!(
-            "{n_left} more lines, of single classes and their groups, are in the report (-o) and in the result (--json)"
+            "{n_left} more lines are in the report (-o) and in the result (--json)"
         ));
     }
 }

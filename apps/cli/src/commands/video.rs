@@ -105,7 +105,7 @@ fn request_of(args: &VideoArgs) -> Result<ClipRequest, Failure> {
             LightWord::First => Light::First,
             LightWord::Follow => Light::Follow,
         },
-        ffmpeg: args.ffmpeg.clone(),
+        ffmpeg: args.reader.ffmpeg.clone(),
     })
 }
 

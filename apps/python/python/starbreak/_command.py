@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
+import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
 from ._starbreak import Recipe, _call, _run
 
 _Path: TypeAlias = str | os.PathLike[str]
-_RecipeLike: TypeAlias = Recipe | str | dict[str, Any] | None
+_RecipeLike: TypeAlias = Recipe | str | dict[str, Any] | os.PathLike[str] | None
 _Progress: TypeAlias = Callable[[int, int, str], object] | bool
 
 _LOG = logging.getLogger("starbreak")
@@ -20,6 +22,8 @@ _LOG = logging.getLogger("starbreak")
 
 def main() -> None:
     """The command `starbreak`, as the wheel installs it."""
+    # Python's own handler waits for Python code, of which none runs until the command ends.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(_run(["starbreak", *sys.argv[1:]]))
 
 
@@ -34,16 +38,18 @@ def command(
 
     verb: `generate`, `study`, …, as `starbreak help` lists them.
     inputs: what stands on the command line without a flag.
-    recipe: a `Recipe`, the name of a preset, or tables as a dict.
+    recipe: a `Recipe`, the name of a preset, tables as a dict, or the path of a file (`pathlib.Path`).
     progress: a function of items done, all items (0 if not known) and what they are called; or
     True for a bar of tqdm where that is installed.
     options: the flags, with `_` for `-`: `n=3` is `-n 3`, `damaged_set="out"` is
-    `--damaged-set out`, True a flag without a value, None or False no flag, a list or tuple the
-    flag for each entry, a dict `NAME=VALUE` for each.
+    `--damaged-set out`, True a flag without a value, None or False no flag, a list, tuple or array
+    the flag for each entry, a dict `NAME=VALUE` for each.
 
-    What the command would print is logged by the logger `starbreak`, remarks and warnings as
-    warnings. Raises `ValueError` where the command ends with exit code 2, and `SimulationError`
-    where all the work failed. Ctrl-C finishes what has begun, as the command does.
+    What the command would print is logged by the logger `starbreak`: warnings and errors of single
+    items as warnings, the rest as info. If only some items fail, the result counts them. Raises
+    `ValueError` where the command ends with exit code 2, `SimulationError` where it ends with 1
+    without a result. Ctrl-C finishes what has begun, as the command does; `evaluate`, `timeline`,
+    `merge` and the report of `study` run to their end, and a second Ctrl-C does not wait for it.
 
     >>> import starbreak
     >>> starbreak.command("recipe", preset="paper", severity=2)["recipe"][:10]
@@ -53,13 +59,13 @@ def command(
         ...
     ValueError: unknown preset `papr`; did you mean `paper`?
     """
-    with _recipe_flags(recipe) as flags, _listener(progress) as listener:
-        words = ["starbreak", verb, "--json", *flags]
-        for name, value in options.items():
-            words += _flag(name, value)
+    begin = ["starbreak", verb, "--json"]
+    end = [word for name, value in options.items() for word in _flag(name, value)]
+    if inputs:
         # What begins with a dash is an input here, too.
-        words += ["--", *(os.fspath(word) for word in inputs)] if inputs else []
-        return _call(words, listener)
+        end += ["--", *(os.fspath(word) for word in inputs)]
+    with _recipe_flags(recipe) as (flags, recorded), _listener(progress) as listener:
+        return _call([*begin, *flags, *end], [*begin, *recorded, *end], listener)
 
 
 def generate(source: _Path, output: _Path, recipe: _RecipeLike = None, **options: Any) -> Any:
@@ -101,69 +107,82 @@ def sweep(
 
 
 def _flag(name: str, value: Any) -> list[str]:
-    flag = f"-{name}" if len(name) == 1 else "--" + name.rstrip("_").replace("_", "-")
+    flag = f"-{name}" if len(name) == 1 else "--" + name.replace("_", "-")
+    value = _plain(value)
     if value is None or value is False:
         return []
     if value is True:
         return [flag]
     if isinstance(value, Mapping):
-        return [word for key, one in value.items() for word in (flag, f"{key}={_toml(one)}")]
-    if isinstance(value, (list, tuple)):
+        return [f"{flag}={key}={_toml(_plain(one))}" for key, one in value.items()]
+    if isinstance(value, list):
         return [word for one in value for word in _flag(name, one)]
     # In one word, so that a value may begin with a dash.
-    text = os.fspath(value) if isinstance(value, os.PathLike) else str(value)
-    return [flag, text] if len(name) == 1 else [f"{flag}={text}"]
+    return [f"{flag}={value}"]
+
+
+def _plain(value: Any) -> Any:
+    """A number, text, mapping or list, of what NumPy and others have in their place."""
+    if isinstance(value, (str, Mapping)):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return list(value) if isinstance(value, Iterable) else value
 
 
 def _toml(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return value
-    if isinstance(value, Sequence) or hasattr(value, "tolist") and getattr(value, "ndim", 0):
-        return "[" + ", ".join(_toml(one) for one in value) + "]"
-    return str(value)
+    # Text alone is taken as text; in a list it is quoted, as in JSON.
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 @contextmanager
-def _recipe_flags(recipe: _RecipeLike) -> Iterator[list[str]]:
+def _recipe_flags(recipe: _RecipeLike) -> Iterator[tuple[list[str], list[str]]]:
+    """The flags of a recipe, and those that records show: a file of ours has another path each time."""
     if recipe is None:
-        yield []
+        yield [], []
     elif isinstance(recipe, str):
-        yield [f"--preset={recipe}"]
+        yield [f"--preset={recipe}"], [f"--preset={recipe}"]
+    elif isinstance(recipe, os.PathLike):
+        yield [f"--recipe={os.fspath(recipe)}"], [f"--recipe={os.fspath(recipe)}"]
     else:
         import tempfile
 
         whole = Recipe.from_dict(recipe) if isinstance(recipe, dict) else recipe
+        # Its name is what a study calls the condition.
+        name = f"recipe-{whole.sha256[:8]}.toml"
         with tempfile.TemporaryDirectory() as folder:
-            path = os.path.join(folder, "recipe.toml")
+            path = os.path.join(folder, name)
             with open(path, "w", encoding="utf-8") as file:
                 file.write(whole.to_toml())
-            yield [f"--recipe={path}"]
+            yield [f"--recipe={path}"], [f"--recipe={name}"]
 
 
 @contextmanager
 def _listener(progress: _Progress) -> Iterator[Callable[..., None]]:
-    bars: dict[str, Any] = {}
+    bars: list[Any] = []
     bar_of = _tqdm() if progress is True else None
 
     def listen(kind: str, *said: Any) -> None:
         if kind == "say":
             _LOG.info("%s", said[0])
         elif kind == "note":
-            _LOG.warning("%s", said[0])
+            is_grave = said[0].startswith(("warning: ", "error: "))
+            _LOG.log(logging.WARNING if is_grave else logging.INFO, "%s", said[0])
         elif callable(progress):
             progress(*said)
         elif bar_of is not None:
             done, total, what = said
-            if what not in bars:
-                bars[what] = bar_of(total=total or None, unit=f" {what}")
-            bars[what].update(done - bars[what].n)
+            # One step follows the other, each with its own bar.
+            if not bars or done <= bars[-1].n:
+                bars.append(bar_of(total=total or None, unit=f" {what}"))
+            bars[-1].update(done - bars[-1].n)
 
     try:
         yield listen
     finally:
-        for bar in bars.values():
+        for bar in bars:
             bar.close()
 
 

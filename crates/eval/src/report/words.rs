@@ -40,7 +40,7 @@ pub(super) const INTERVALS: &str = "Difference of AP: permutation interval. The 
 /// What tests are, for a reader.
 pub(super) const TESTS: &str = "p is the probability of a difference at least this large by chance alone, two-sided. Permutation test: the \
      clean and damaged versions of random images (or clips and drives) are exchanged, with all seeds; for lost \
-     against recovered objects, those of all combinations of images. Holm's correction keeps the probability of any \
+     against recovered objects, every combination of images is exchanged. Holm's correction keeps the probability of any \
      false alarm at the level of one test, over all tests of one metric and one detector under all conditions. The \
      tests of all classes are one family, those of supercategories and classes another. A class that is all of its \
      supercategory shares its test.";

@@ -3,11 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use starbreak_glass::Material;
-use starbreak_seed::{Seed, Stream};
+use starbreak_seed::{Seed, Stream, normal, uniform};
 
 use super::ContactLoad;
 use crate::params::StoneImpact;
-use starbreak_seed::{normal, uniform};
 
 /// Median of Auerbach's constant of soda-lime glass, N/m: critical force over radius of the tip.
 /// **Source** \[FrankLawn1967\]: 1 to 2 × 10⁵ N/m.

@@ -5,14 +5,13 @@ use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 
 use rand_chacha::ChaCha8Rng;
-use starbreak_seed::{Seed, Stream};
+use starbreak_seed::{Seed, Stream, normal, uniform};
 
 use super::count::ONSET_PA;
 use super::graph::Diced;
 use super::tracks::{Meeting, Tracks};
 use crate::FractureError;
 use crate::mesh::Outline;
-use starbreak_seed::{normal, uniform};
 
 /// Speed of a running tip, m/s.
 const TIP_SPEED_M_S: f64 = 1500.0;

@@ -1,10 +1,10 @@
 //! Where dice have their middles: points that keep their distance.
 
 use rand_chacha::rand_core::Rng;
+use starbreak_seed::uniform;
 
 use super::radial_map::RadialMap;
 use crate::mesh::Outline;
-use starbreak_seed::uniform;
 
 /// Least distance of two points, in distances of a hexagonal lattice of their density. A random
 /// packing of discs reaches 0.77. FIT within the 0.55 to 0.75 of \[Pourmoghaddam2018\].

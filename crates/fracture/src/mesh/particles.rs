@@ -1,10 +1,9 @@
 //! Uniform particles over a pane, sorted into the cells of a grid.
 
 use starbreak_glass::Pane;
-use starbreak_seed::{Seed, Stream};
+use starbreak_seed::{Seed, Stream, uniform};
 
 use crate::lattice::Lattice;
-use starbreak_seed::uniform;
 
 /// Particles per grid cell on average.
 const PER_CELL: f64 = 6.0;

@@ -4,7 +4,7 @@ use starbreak_glass::{
     CrackNetwork, Generator, Impact, LengthUnit, Model, NETWORK_SCHEMA, NetworkData, Pane,
     SegmentKind,
 };
-use starbreak_seed::{Seed, Stream};
+use starbreak_seed::{Seed, Stream, uniform};
 
 use super::params::{Direction, PaperImpact, PaperParams, Position};
 use super::propagation::{ConvergenceReport, Propagation, ResolvedImpact, propagate};
@@ -14,7 +14,6 @@ use crate::arrangement::{Stroke, arrange};
 use crate::growth::grow;
 use crate::lattice::Lattice;
 use crate::mesh::{PaneMesh, mesh_pane};
-use starbreak_seed::uniform;
 
 /// A part of the work, reported when it is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

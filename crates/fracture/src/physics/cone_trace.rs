@@ -3,12 +3,11 @@
 use std::f64::consts::PI;
 
 use starbreak_glass::SegmentKind;
-use starbreak_seed::Stream;
+use starbreak_seed::{Stream, normal, uniform};
 
 use super::impact::{Breaking, Hit};
 use crate::contact::ConeOutcome;
 use crate::tips::{Piece, TERMINAL_SPEED_M_S, unit};
-use starbreak_seed::{normal, uniform};
 
 /// A cone leans by 68° from the normal of the pane: 22° to its surface \[FrankLawn1967\].
 const CONE_TILT_RAD: f64 = 68.0 * PI / 180.0;

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
 use starbreak_glass::SegmentKind;
-use starbreak_seed::{Seed, Stream};
+use starbreak_seed::{Seed, Stream, normal, uniform};
 
 use super::impact::{Breaking, Facts};
 use super::outcome::{ImpactReport, Stage};
@@ -21,7 +21,6 @@ use super::rings;
 use crate::contact::{ContactLoad, contact_load};
 use crate::params::{GlassBuild, GlassPane, StoneImpact};
 use crate::tips::{Piece, TERMINAL_SPEED_M_S, Tilt, Tip, TipLaw, Web, unit};
-use starbreak_seed::{normal, uniform};
 
 /// A body is heavy where bending has come this far, in thicknesses of the ply, in the time in which
 /// both plies take its momentum. FIT: stones of some 10 g leave the inner ply whole, hail of 50 g

@@ -2,6 +2,7 @@
 
 use rand_chacha::ChaCha8Rng;
 use starbreak_glass::SegmentKind;
+use starbreak_seed::normal;
 
 use super::impact::{Breaking, Hit};
 use super::outcome::Stage;
@@ -11,7 +12,6 @@ use super::windows::{Opening, Window};
 use crate::FractureError;
 use crate::stress::{Face, StressField};
 use crate::tips::{COMPETITION, Ledger, Motion, Piece, Tip, TipState, Tracing, trace, unit};
-use starbreak_seed::normal;
 
 /// Scatter of the distances at which radials start, standard deviation of the logarithm. FIT: legs of
 /// real stars differ by a factor of two.

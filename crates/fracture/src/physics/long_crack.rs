@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use starbreak_glass::SegmentKind;
-use starbreak_seed::{Seed, Stream};
+use starbreak_seed::{Seed, Stream, normal};
 
 use super::outcome::LongCrackReport;
 use super::shadow::Relieved;
@@ -16,7 +16,6 @@ use crate::stress::{EXPANSION_PER_K, MembraneField, PlaneStress, StressField, me
 use crate::tips::{
     COMPETITION, Ledger, MAX_STEPS, Motion, Piece, Tip, TipLaw, Tracing, Web, trace, unit,
 };
-use starbreak_seed::normal;
 
 /// Factor of K of a flaw at a free edge \[TadaParisIrwin2000\].
 const EDGE_FACTOR: f64 = 1.12;

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
 use starbreak_glass::Material;
+use starbreak_seed::{normal, uniform};
 
 use crate::tips::{Gaps, TipLaw};
-use starbreak_seed::{normal, uniform};
 
 /// Scatter of the number of radials, standard deviation of its logarithm.
 /// FIT: \[Vandenberghe2013\] sees 4 and 8 where the law says 4.4 and 7.

@@ -4,12 +4,11 @@ use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
 use starbreak_glass::SegmentKind;
-use starbreak_seed::Seed;
+use starbreak_seed::{Seed, uniform};
 
 use crate::draw::weibull_factor;
 use crate::stress::StressField;
 use crate::tips::{Ledger, Piece, Tilt, TipLaw, Web, crack_direction, unit};
-use starbreak_seed::uniform;
 
 /// A sector between two neighboring radial cracks.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,9 +3,7 @@
 use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
-use starbreak_seed::{Seed, Stream};
-
-use starbreak_seed::normal;
+use starbreak_seed::{Seed, Stream, normal};
 
 /// The tilt of a crack's surface against the normal of the pane, which wanders along the crack.
 ///

@@ -6,14 +6,13 @@ use std::f64::consts::PI;
 
 use rand_chacha::ChaCha8Rng;
 use starbreak_glass::SegmentKind;
-use starbreak_seed::{Seed, Stream};
+use starbreak_seed::{Seed, Stream, normal};
 
 use super::gaps::{finite_width, gaps_beside, way_to_rim};
 use super::law::{BRANCHING_SCATTER, Gaps, TipLaw, WANDER_RAD, crack_direction, fork_angle_rad};
 use super::tilt::{TILT_RAD, Tilt};
 use super::web::{Piece, Web};
 use crate::stress::{PlaneStress, StressField};
-use starbreak_seed::normal;
 
 /// Most steps of all tips of one hit or load.
 pub(crate) const MAX_STEPS: u32 = 300_000;
