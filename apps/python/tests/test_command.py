@@ -13,6 +13,8 @@ import pytest
 import starbreak
 from PIL import Image
 
+SMALL = {"fracture": {"model": "paper", "particles": 300, "neighbour_radius_px": 20.0}}
+
 
 @pytest.fixture
 def images(tmp_path):
@@ -121,3 +123,69 @@ def test_the_wheel_has_the_command(tmp_path):
     listed = subprocess.run([program, "recipe", "--list", "--json"], capture_output=True, text=True, check=True)
     names = [preset["name"] for preset in json.loads(listed.stdout)["presets"]]
     assert names == list(starbreak.presets())
+
+
+def test_items_that_fail_are_counted_and_warned_of(images, tmp_path, caplog):
+    (images / "broken.png").write_bytes(b"no image")
+    with caplog.at_level(logging.INFO, logger="starbreak"):
+        result = starbreak.command("crack", *images.iterdir(), output=tmp_path / "out", recipe=SMALL)
+    assert len(result["images"]) == 3 and len(result["failed"]) == 1
+    warned = [record.message for record in caplog.records if record.levelno == logging.WARNING]
+    assert any("1 of 4 images failed" in text for text in warned), warned
+    with pytest.raises(ValueError, match="broken.png"):
+        starbreak.command("crack", images / "broken.png", output=tmp_path / "one", recipe=SMALL)
+
+
+def test_what_options_may_be(images, tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(starbreak.Recipe.from_dict(SMALL).to_toml())
+    for name, recipe, flag, seed in (
+        ("a.png", SMALL, np.True_, np.int64(4)),
+        ("b.png", file, True, 4),
+    ):
+        starbreak.command(
+            "crack", images / "0.png", output=tmp_path / name, recipe=recipe, replace=flag, seed=seed
+        )
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    sets = {"impact.position": np.array([0.5, 0.25]), "optics.model": "paper"}
+    text = starbreak.command("recipe", preset="paper", set=sets, quiet=True)["recipe"]
+    assert "position = [0.5, 0.25]" in text.replace("\n", " "), text
+    # An output that begins with a dash, and its record, which shows no folder of a passing file.
+    here = os.getcwd()
+    os.chdir(tmp_path)
+    try:
+        starbreak.command("crack", images / "0.png", o="-odd", recipe=SMALL)
+    finally:
+        os.chdir(here)
+    assert (tmp_path / "-odd" / "0.json").is_file()
+
+
+def test_each_step_has_a_bar_of_its_own(monkeypatch, images, tmp_path):
+    bars = []
+
+    class Bar:
+        def __init__(self, total, unit):
+            self.total, self.unit, self.n, self.is_closed = total, unit, 0, False
+            bars.append(self)
+
+        def update(self, n):
+            assert n > 0
+            self.n += n
+
+        def close(self):
+            self.is_closed = True
+
+    monkeypatch.setattr("starbreak._command._tqdm", lambda: Bar)
+    starbreak.generate(f"folder:{images}", tmp_path / "set", SMALL, progress=True)
+    starbreak.command("verify", tmp_path / "set", source=f"folder:{images}", regenerate=2, progress=True)
+    assert [bar.n for bar in bars if bar.unit == " images"][0] == 3
+    assert all(bar.is_closed and bar.n <= (bar.total or bar.n) for bar in bars)
+
+
+def test_what_only_looks_like_pillow_is_no_image():
+    class Tensor:
+        def mode(self):
+            return "RGB"
+
+    with pytest.raises(TypeError, match="is of type Tensor"):
+        starbreak.crack(Tensor(), SMALL)

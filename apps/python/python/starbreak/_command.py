@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 import os
 import signal
@@ -134,6 +133,8 @@ def _plain(value: Any) -> Any:
 
 def _toml(value: Any) -> str:
     # Text alone is taken as text; in a list it is quoted, as in JSON.
+    import json
+
     return value if isinstance(value, str) else json.dumps(value)
 
 
