@@ -9,6 +9,7 @@
 pub mod advisories;
 pub mod command;
 pub mod deps;
+pub mod docs;
 pub mod failure;
 pub mod gallery;
 pub mod licences;

@@ -83,7 +83,7 @@ fn check(root: &Path, page: &str, target: &str) -> Result<Result<(), &'static st
 }
 
 /// A path without `..`, if it stays inside.
-fn plain(path: &Path) -> Option<PathBuf> {
+pub(crate) fn plain(path: &Path) -> Option<PathBuf> {
     let mut plain = PathBuf::new();
     for part in path.components() {
         match part {
@@ -110,7 +110,7 @@ fn prose(text: &str) -> impl Iterator<Item = (usize, &str)> {
 }
 
 /// Targets of the relative links and pictures of a page, with their lines.
-fn links(text: &str) -> impl Iterator<Item = (usize, &str)> {
+pub(crate) fn links(text: &str) -> impl Iterator<Item = (usize, &str)> {
     prose(text).flat_map(|(number, line)| {
         let targets = line.split("](").skip(1);
         targets.filter_map(move |rest| {

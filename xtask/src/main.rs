@@ -7,7 +7,7 @@
 
 use std::process::ExitCode;
 
-use xtask::{advisories, deps, gallery, licences, links, lint, notices, refs, root, test};
+use xtask::{advisories, deps, docs, gallery, licences, links, lint, notices, refs, root, test};
 
 const USAGE: &str = "\
 usage: cargo xtask <task>
@@ -27,6 +27,10 @@ usage: cargo xtask <task>
   deps [--check]  writes the dependency graph into ARCHITECTURE.md, or says that it is stale
   refs            every [AuthorYear] has an entry in a .bib file
   links           every link between pages leads to a file and a heading
+  docs            the documentation site in target/docs-site, from the pages of docs/SUMMARY.md and
+                  the docstrings of the Python package; every link in it leads somewhere, and every
+                  command and Python block of the pages runs, on made-up inputs; mdBook comes from
+                  crates.io into target/test-mdbook, pdoc from PyPI into target/docs-venv
   gallery         writes docs/figures/gallery: every preset and damage class, and the animation of
                   the README, for which it takes the ffmpeg of the tests";
 
@@ -44,6 +48,7 @@ fn main() -> ExitCode {
         ["deps", "--check"] => deps::run(root(), deps::Mode::Check),
         ["refs"] => refs::run(root()),
         ["links"] => links::run(root()),
+        ["docs"] => docs::run(root()),
         ["gallery"] => gallery::run(root()),
         [] | ["help" | "--help" | "-h"] => {
             println!("{USAGE}");

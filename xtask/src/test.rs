@@ -16,6 +16,8 @@ mod report;
 mod tools;
 
 pub(crate) use processors::standard_library;
+pub(crate) use python::install as install_wheel;
+pub(crate) use tools::environment;
 
 use report::Report;
 use tools::Tools;
@@ -43,6 +45,17 @@ pub fn run(root: &Path) -> Result<(), Failure> {
 /// If the tools of the tests cannot be made.
 pub(crate) fn ffmpeg(root: &Path) -> Result<PathBuf, Failure> {
     Ok(Tools::prepare(root)?.ffmpeg().to_path_buf())
+}
+
+/// The Python of the tests, in which the package is then installed, and the package's wheel.
+///
+/// # Errors
+/// If the tools of the tests or the wheel cannot be made.
+pub(crate) fn python_with_package(root: &Path) -> Result<(PathBuf, PathBuf), Failure> {
+    let tools = Tools::prepare(root)?;
+    let wheel = python::build(root, &tools)?;
+    python::install(tools.python(), &wheel)?;
+    Ok((tools.python().to_path_buf(), wheel))
 }
 
 /// `cargo xtask processors`: the golden digests on a processor without AVX, on WebAssembly, and on aarch64.

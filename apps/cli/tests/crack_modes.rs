@@ -5,7 +5,10 @@ mod common;
 
 use std::fs;
 
-use common::{RawPng, folder, high_byte, json, names, picture, png_bytes, raw_png, succeed_small};
+use common::{
+    RawPng, folder, high_byte, json, names, picture, png_bytes, raw_png, starbreak_small,
+    succeed_small,
+};
 use image::DynamicImage;
 use starbreak_dataset::{ImageFile, ImageFormat, ImageLimits, read_image};
 
@@ -185,6 +188,45 @@ fn the_content_decides_and_not_the_name() {
     assert_eq!(a.format, ImageFormat::Png, "a PNG that is called .jpg");
     let b = read(&dir.path().join("o/b.jpg"));
     assert_eq!(b.format, ImageFormat::Jpeg, "a JPEG without extension");
+}
+
+/// What is not written becomes PNG, but in a set, which keeps names and formats.
+#[test]
+fn webp_and_bitmaps_become_png() {
+    let dir = folder();
+    let [png, webp, bmp] = ["png", "webp", "bmp"].map(|format| {
+        let photo = dir.path().join(format!("{format}/a.{format}"));
+        fs::create_dir(photo.parent().unwrap()).unwrap();
+        common::photo(SIZE).save(&photo).unwrap();
+        // Cracks go by the name of the image.
+        let same_name = photo.with_file_name("photo.png");
+        fs::copy(&photo, &same_name).unwrap();
+        let [input, out] = [same_name.to_str().unwrap(), &format!("out-{format}")];
+        succeed_small(dir.path(), &["crack", input, "-o", out]);
+        raw_png(&dir.path().join(out).join("photo.png")).data
+    });
+    assert_eq!(png, webp, "the same pixels and crack");
+    assert_eq!(png, bmp, "the same pixels and crack");
+    succeed_small(dir.path(), &["crack", "webp/a.webp", "-o", "named"]);
+    assert_eq!(
+        read(&dir.path().join("named/a.png")).format,
+        ImageFormat::Png,
+        "by its name"
+    );
+
+    fs::create_dir(dir.path().join("photos")).unwrap();
+    fs::rename(
+        dir.path().join("webp/a.webp"),
+        dir.path().join("photos/a.png"),
+    )
+    .unwrap();
+    let set = starbreak_small(dir.path(), &["generate", "folder:photos", "-o", "set"]);
+    assert_eq!(set.code, Some(1), "{}", set.stderr);
+    let failures = fs::read_to_string(dir.path().join("set/starbreak/failures.jsonl")).unwrap();
+    assert!(
+        failures.contains("a.png") && failures.contains("WebP"),
+        "{failures}"
+    );
 }
 
 #[test]

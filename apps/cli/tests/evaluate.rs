@@ -151,7 +151,7 @@ fn what_does_not_fit_is_refused() {
     let plain = ["--ground-truth", "gt.json", "--clean", "a.json"];
     refused(
         &[&plain[..], &["--tau", "0.5"]].concat(),
-        "tau is about the region; give regions or a cracked set",
+        "tau is about the region; give regions or a damaged set",
     );
     refused(
         &[&plain[..], &["--regions", "masks", "--class-agnostic"]].concat(),

@@ -17,6 +17,72 @@ const FILES: [&str; 4] = [
     "statistics.svg",
 ];
 
+/// The paper's gray lines; of the physical model crack masks.
+#[test]
+fn a_bank_is_written_out_as_images_of_its_patterns() {
+    let dir = folder();
+    let at = |name: &str| dir.path().join(name);
+    let small = ["patterns", "-n", "3", "--size", "320x200", "-o"];
+    succeed_small(dir.path(), &[&small[..], &["paper"]].concat());
+    let physics = [
+        "physics",
+        "--preset",
+        "windshield-star",
+        "--set",
+        "fracture.mesh=fast",
+    ];
+    succeed(dir.path(), &[&small[..], &physics].concat());
+    for bank in ["paper", "physics"] {
+        let out = format!("{bank}-images");
+        succeed(dir.path(), &["patterns", "--images-of", bank, "-o", &out]);
+        let files = [
+            "pattern_000000.png",
+            "pattern_000001.png",
+            "pattern_000002.png",
+        ];
+        assert_eq!(names(&at(&out)), files, "{bank}");
+        let images = files.map(|name| common::raw_png(&at(&out).join(name)));
+        for image in &images {
+            assert_eq!(image.size, (320, 200), "{bank}");
+            let n_dark = image.data.iter().filter(|code| **code == 0).count();
+            assert!(n_dark * 2 > image.data.len(), "{bank}: on black");
+            assert!(n_dark < image.data.len(), "{bank}: cracks");
+        }
+        assert_ne!(images[0].data, images[1].data, "{bank}: each its own");
+        let first = fs::read(at(&out).join(files[0])).unwrap();
+        let again = [
+            "patterns",
+            "--images-of",
+            bank,
+            "-n",
+            "1",
+            "-o",
+            "first",
+            "--replace",
+        ];
+        succeed(dir.path(), &again);
+        assert_eq!(
+            first,
+            fs::read(at("first").join(files[0])).unwrap(),
+            "{bank}: -n"
+        );
+    }
+    let cases = [
+        (
+            vec!["patterns", "--images-of", "paper", "-o", "paper-images"],
+            "pattern_000000.png",
+        ),
+        (
+            vec!["patterns", "--images-of", "paper", "-n", "4", "-o", "new"],
+            "has 3 patterns",
+        ),
+        (vec!["patterns", "--images-of", "none", "-o", "new"], "none"),
+        (vec!["patterns", "--images-of", "paper"], "--output"),
+    ];
+    all_refused(dir.path(), &cases);
+    assert!(!at("new").exists(), "nothing half-written");
+}
+
 #[test]
 fn a_bank_comes_with_a_table_and_a_figure() {
     let dir = folder();

@@ -232,6 +232,35 @@ fn one_frame_and_odd_sides_are_clips_too() {
 }
 
 #[test]
+fn a_gif_has_all_frames_and_their_colors_but_no_audio() {
+    let Some(studio) = Studio::open() else { return };
+    let audio = "-f lavfi -i sine=440:d=1 -c:v libx264 -crf 4 -pix_fmt yuv420p -c:a libmp3lame";
+    studio.make("s=160x120:r=25:d=1", audio, "in.mp4");
+    studio.succeed(&["in.mp4", "-o", "a.gif", "--impact-at", "0.5"]);
+    studio.succeed(&["in.mp4", "-o", "a.mkv", "--impact-at", "0.5", "--lossless"]);
+    let (times, sound) = studio.times("a.gif");
+    assert_eq!(sound, None, "no audio");
+    same_times(
+        &times,
+        &studio.times("in.mp4").0,
+        5.1e-3,
+        "a clock of 1/100 s",
+    );
+    let [gif, exact] = ["a.gif", "a.mkv"].map(|name| studio.frames(name, (160, 120)));
+    assert_eq!(gif.len(), 25, "frames");
+    for (k, (a, b)) in gif.iter().zip(&exact).enumerate() {
+        let sum: f64 = a
+            .iter()
+            .zip(b)
+            .map(|(a, b)| f64::from(a.abs_diff(*b)))
+            .sum();
+        let mean = sum / a.len() as f64;
+        assert!(mean < 6.0, "frame {k}: {mean} codes off");
+    }
+    assert_eq!(studio.track("a.gif")["n_frames"], 25, "track");
+}
+
+#[test]
 fn color_tags_are_kept_and_the_matrix_is_the_same() {
     let Some(studio) = Studio::open() else { return };
     for (tags, said) in [

@@ -37,7 +37,7 @@ type NamedFiles<'py> = Vec<(String, Bound<'py, PyBytes>)>;
 /// >>> starbreak.crack_file(b"no image", "a.png")
 /// Traceback (most recent call last):
 ///     ...
-/// OSError: "a.png": "a.png" is neither PNG nor JPEG, it looks like text; convert it to PNG
+/// OSError: "a.png": "a.png" is not PNG, JPEG, WebP or BMP, it looks like text; convert it to PNG
 #[pyfunction]
 #[pyo3(
     signature = (data, name, recipe = None, seed = SeedArg::ZERO, *, bank = None, sample_index = Whole::of(0), n_samples = Whole::of(1)),

@@ -79,7 +79,7 @@ fn rows_of(path: &Path) -> Outcome<Rows> {
         }
         match image.format {
             ImageFormat::Png => png_rows(&mut rows, &bytes, &image.pixels)?,
-            ImageFormat::Jpeg => jpeg_rows(&mut rows, &bytes, &image.pixels)?,
+            _ => jpeg_rows(&mut rows, &bytes, &image.pixels)?,
         }
     }
     Ok(rows)

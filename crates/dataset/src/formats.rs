@@ -2,32 +2,40 @@
 
 use std::fmt;
 
-/// The image formats which are read and written.
+/// The image formats which are read; PNG and JPEG are written, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ImageFormat {
     /// Portable Network Graphics. Of an animated PNG only the default image is read.
     Png,
     /// JPEG, baseline or progressive, 8 bits per channel.
     Jpeg,
+    /// WebP, with or without loss. Of an animation only the first image is read.
+    WebP,
+    /// Windows bitmap.
+    Bmp,
 }
 
 impl ImageFormat {
-    /// The usual extension of file names, without the dot: `png` or `jpg`.
+    /// The usual extension of file names, without the dot.
     #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
             Self::Png => "png",
             Self::Jpeg => "jpg",
+            Self::WebP => "webp",
+            Self::Bmp => "bmp",
         }
     }
 }
 
 impl fmt::Display for ImageFormat {
-    /// Writes `PNG` or `JPEG`.
+    /// Writes its name in capitals, `WebP` as here.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Png => "PNG",
             Self::Jpeg => "JPEG",
+            Self::WebP => "WebP",
+            Self::Bmp => "BMP",
         })
     }
 }

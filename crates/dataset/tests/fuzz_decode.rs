@@ -26,6 +26,12 @@ fn seeds() -> Vec<Vec<u8>> {
         e.set_sampling_factor(jpeg_encoder::SamplingFactor::F_2_2)
     }));
     seeds.push(jpeg_with(&image, |e| e.set_restart_interval(2)));
+    for format in [image::ImageFormat::WebP, image::ImageFormat::Bmp] {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        if image.write_to(&mut bytes, format).is_ok() {
+            seeds.push(bytes.into_inner());
+        }
+    }
     seeds
 }
 
@@ -56,8 +62,9 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn random_bytes(bytes in prop::collection::vec(any::<u8>(), 0..600), head in 0..3usize) {
-        let head: &[u8] = [&b""[..], b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"][head];
+    fn random_bytes(bytes in prop::collection::vec(any::<u8>(), 0..600), head in 0..5usize) {
+        let heads = [&b""[..], b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff", b"RIFF\xff\0\0\0WEBPVP8 ", b"BM\xff\0\0\0\0\0\0\0"];
+        let head: &[u8] = heads[head];
         let _ = decode_image("x", &[head, &bytes].concat(), &LIMITS);
         let _ = Provenance::from_bytes(&bytes);
     }

@@ -1,4 +1,4 @@
-//! What comes out of each kind of PNG and JPEG.
+//! What comes out of each kind of PNG, JPEG, WebP and BMP.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
 mod common;
@@ -6,7 +6,7 @@ mod common;
 use common::{exif, jpeg_with, png_info, png_with, psnr_db, ramp};
 use image::{DynamicImage, GrayImage, RgbImage};
 use png::{BitDepth, ColorType};
-use starbreak_dataset::{ImageFormat, ImageLimits, decode_image};
+use starbreak_dataset::{ImageFormat, ImageLimits, decode_image, image_size};
 
 fn decode(bytes: &[u8]) -> DynamicImage {
     decode_image("test", bytes, &ImageLimits::default())
@@ -189,4 +189,93 @@ fn of_an_animation_the_default_image_is_read() {
         &frames[0],
         "frame 0"
     );
+}
+
+/// 6 x 4 px of WebP with loss, to be turned by 90°, as Pillow 12 writes it.
+const TURNED_WEBP: &str = "\
+     52494646aa00000057454250565038580a00000008000000050000030000565038206a0000009001009d012a06000400\
+     00c01225b000035f12849800fefaa31dff920787028bce4410cf75ff53ff1db5d7ed01f5feb3aa3fffaf04f0efe8e4c5\
+     47fc0fff8d2cbdbfd0fe9cd07fff22bc07f84efdfdb0ffc1bffff426beefff0456ff837fe2bff8facbdfed2cb0000000\
+     455849461a0000004d4d002a00000008000101120003000000010006000000000000\
+     ";
+
+/// Its upright pixels by Pillow.
+const BY_PILLOW: [[u8; 3]; 24] = [
+    [33, 166, 201],
+    [17, 118, 184],
+    [18, 54, 185],
+    [3, 6, 169],
+    [56, 169, 190],
+    [40, 120, 173],
+    [41, 57, 172],
+    [25, 8, 157],
+    [97, 171, 162],
+    [81, 123, 145],
+    [82, 59, 144],
+    [66, 11, 130],
+    [136, 170, 129],
+    [121, 122, 115],
+    [119, 58, 113],
+    [105, 11, 97],
+    [175, 171, 100],
+    [157, 120, 81],
+    [162, 60, 85],
+    [144, 9, 66],
+    [201, 176, 89],
+    [183, 126, 70],
+    [187, 65, 74],
+    [169, 14, 55],
+];
+
+fn turned_webp() -> Vec<u8> {
+    let digits: Vec<char> = TURNED_WEBP.chars().collect();
+    let byte = |pair: &[char]| u8::from_str_radix(&pair.iter().collect::<String>(), 16).unwrap();
+    digits.chunks(2).map(byte).collect()
+}
+
+#[test]
+fn webp_and_bitmaps_are_read_and_their_size_is_that_of_the_header() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("image");
+    let image = DynamicImage::ImageRgb8(ramp(40, 24));
+    let alpha = DynamicImage::ImageRgba8(image.to_rgba8());
+    for (pixels, name) in [
+        (&image, "webp"),
+        (&alpha, "webp"),
+        (&image, "bmp"),
+        (&alpha, "bmp"),
+    ] {
+        let as_written = dir.path().join(format!("image.{name}"));
+        pixels.save(&as_written).unwrap();
+        let bytes = std::fs::read(&as_written).unwrap();
+        let file = decode_image("test", &bytes, &ImageLimits::default()).unwrap();
+        assert_eq!(file.format.extension(), name, "by its content");
+        assert_eq!(
+            file.pixels.to_rgba8(),
+            pixels.to_rgba8(),
+            "{name}: without loss"
+        );
+        std::fs::rename(&as_written, &path).unwrap();
+        assert_eq!(image_size(&path).unwrap(), (40, 24), "{name}");
+        for cut in [20, bytes.len() / 2, bytes.len() - 1] {
+            let refused = decode_image("test", &bytes[..cut], &ImageLimits::default());
+            assert!(refused.is_err(), "{name} of {cut} bytes: {refused:?}");
+        }
+        let small = ImageLimits {
+            max_pixels: 40 * 23,
+            ..ImageLimits::default()
+        };
+        let refused = decode_image("test", &bytes, &small)
+            .unwrap_err()
+            .to_string();
+        assert!(refused.contains("40 x 24 px"), "{name}: {refused}");
+    }
+    std::fs::write(&path, turned_webp()).unwrap();
+    assert_eq!(image_size(&path).unwrap(), (4, 6), "upright");
+    let found = decode(&turned_webp()).into_rgb8();
+    assert_eq!(found.dimensions(), (4, 6), "upright");
+    for (own, theirs) in found.pixels().zip(BY_PILLOW) {
+        let off = own.0.iter().zip(theirs).map(|(a, b)| a.abs_diff(b)).max();
+        assert!(off < Some(4), "{own:?}, by Pillow {theirs:?}");
+    }
 }

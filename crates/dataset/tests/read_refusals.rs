@@ -209,7 +209,10 @@ fn other_content_is_named() {
         ),
     ] {
         let message = refusal(bytes).to_string();
-        assert!(message.contains("neither PNG nor JPEG"), "{message}");
+        assert!(
+            message.contains("is not PNG, JPEG, WebP or BMP"),
+            "{message}"
+        );
         assert!(message.contains(word), "{message}");
     }
     assert!(
@@ -295,7 +298,7 @@ fn text_named_png() {
     fs::write(&path, "just notes\n").unwrap();
     let message = read_refusal(&path);
     assert!(
-        message.contains("notes.png\" is neither PNG nor JPEG, it looks like text"),
+        message.contains("notes.png\" is not PNG, JPEG, WebP or BMP, it looks like text"),
         "{message}"
     );
 }

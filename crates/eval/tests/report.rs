@@ -11,7 +11,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use starbreak_eval::evaluation::{Estimate, Group, GroupKind, Study, Warning};
+use starbreak_eval::evaluation::{
+    Estimate, Group, GroupKind, PairedMetric, ScopeKind, Study, Warning,
+};
 use starbreak_eval::report::{csv, html, json, latex, numbers, read_json};
 
 #[path = "report/plausible.rs"]
@@ -378,9 +380,57 @@ fn rows_of(text: &str) -> Vec<Vec<String>> {
 }
 
 #[test]
+fn a_column_of_latex_says_what_a_study_comes_to() {
+    let study = plausible::study(&[3, 5]);
+    let text = latex(&study);
+    let column = text.split("\\begin{table*}").next().unwrap();
+    assert!(column.contains("\\label{tab:starbreak}"), "to refer to");
+    let rows: Vec<Vec<&str>> = column
+        .lines()
+        .filter_map(|line| line.strip_suffix(" \\\\"))
+        .map(|line| line.trim().split(" & ").collect())
+        .filter(|cells: &Vec<&str>| cells.len() > 1)
+        .collect();
+    let detectors: BTreeSet<&str> = study
+        .evaluations
+        .iter()
+        .map(|one| one.detector.as_str())
+        .collect();
+    assert_eq!(
+        rows.len(),
+        1 + 2 * detectors.len(),
+        "a head, and each condition: {rows:?}"
+    );
+    assert!(rows.iter().all(|cells| cells.len() == 6), "{rows:?}");
+    let row = study.evaluations[0]
+        .paired
+        .iter()
+        .find(|row| {
+            row.metric == PairedMetric::Ap50
+                && row.group.kind == GroupKind::All
+                && row.scope.kind == ScopeKind::InRegion
+        })
+        .unwrap();
+    let percent = |value: Option<f64>| format!("{:.1}", value.unwrap() * 100.0);
+    assert_eq!(rows[1][1], row.n_objects.to_string(), "objects");
+    assert_eq!(rows[1][2], percent(row.clean.value), "clean, alone");
+    let [low, high] = row.delta.interval().unwrap();
+    let difference = format!(
+        "{} {{\\scriptsize [{}, {}]}}",
+        percent(row.delta.value),
+        percent(Some(low)),
+        percent(Some(high))
+    );
+    assert_eq!(rows[1][4], difference, "with its interval");
+    let p: f64 = rows[1][5].trim_start_matches("$<$").parse().unwrap();
+    assert!((p - row.p_holm.or(row.p).unwrap()).abs() < 1.1e-3, "p {p}");
+}
+
+#[test]
 fn the_latex_table_is_balanced_and_rectangular() {
     for study in [plausible::study(&[3, 5]), hostile()] {
-        let text = latex(&study);
+        let whole = latex(&study);
+        let text = &whole[whole.find("\\begin{table*}").unwrap()..];
         let plain = text.replace("\\{", "").replace("\\}", "");
         assert_eq!(
             plain.matches('{').count(),
@@ -453,7 +503,11 @@ fn the_latex_table_gives_each_condition_its_own_objects_and_clean_value() {
     assert_eq!([n_of(3), n_of(6)], [1, 2], "each its own objects");
 
     let many = latex(&plausible::study(&[1, 2, 3, 4, 5]));
-    let n_tables = many.matches("\\begin{tabular}").count();
+    assert!(
+        many.contains("\\label{tab:starbreak-classes-3}"),
+        "each has its label"
+    );
+    let n_tables = many.matches("\\begin{table*}").count();
     assert_eq!(n_tables, 3, "two conditions side by side, of five");
     assert!(many.contains("Table 3 of 3."), "the parts are numbered");
     for severity in 1..=5 {

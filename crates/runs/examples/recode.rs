@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     ImageFormat::Jpeg => Encoding::Jpeg {
                         quality: JpegQuality::new(quality)?,
                     },
-                    ImageFormat::Png => Encoding::Png,
+                    _ => Encoding::Png,
                 };
                 let mut batch = OutputBatch::new_unsynced().replacing(true);
                 let bytes = encode_image_as(&file, &encoding)?;

@@ -1,6 +1,6 @@
 //! Where the damage of a run comes from.
 
-use serde_json::json;
+use serde_json::{Value, json};
 use starbreak::import::ImportedNetwork;
 use starbreak::{Chain, Settings, Simulated, Stopwatch, simulate};
 use starbreak_dataset::{LabeledObject, ObjectKind};
@@ -54,6 +54,17 @@ impl Damaged {
 }
 
 impl Patterns {
+    /// All that the damage depends on beside recipe and seed.
+    pub(crate) fn identity(&self) -> Value {
+        match self {
+            Self::Fresh => json!("fresh"),
+            Self::Network(imported) => json!({ "network_sha256": imported.sha256 }),
+            Self::OverlayBank(bank) => json!({ "bank_sha256": bank.sha256() }),
+            Self::Overlays(set) => json!({ "overlays": set.facts() }),
+            Self::Bank(bank) => json!({ "bank_sha256": bank.sha256() }),
+        }
+    }
+
     /// Whether the damage is a network; photographs have none.
     pub(crate) fn has_networks(&self) -> bool {
         match self {

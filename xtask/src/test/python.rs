@@ -20,9 +20,22 @@ const WHEELS: &str = "test-wheels";
 /// The feature with which dependencies are those of the tests of the workspace.
 const FEATURE: &str = "as-in-workspace";
 
-/// Builds the wheel beside what the tests of the workspace have built, installs it where the tools
-/// are, and runs its tests against the command.
+/// Installs the wheel where the tools are, and runs its tests against the command.
 pub(super) fn test(root: &Path, tools: &Tools, report: &mut Report) -> Result<(), Failure> {
+    let target = Metadata::of_workspace(root)?.target_directory;
+    install(tools.python(), &build(root, tools)?)?;
+
+    let mut test = Command::new(tools.python());
+    test.args(["-m", "pytest", "--quiet", "-rs"]);
+    test.current_dir(root.join(FOLDER));
+    test.env("PYTHONDONTWRITEBYTECODE", "1");
+    let name = format!("starbreak{}", std::env::consts::EXE_SUFFIX);
+    test.env("STARBREAK_TEST_COMMAND", target.join("debug").join(name));
+    run_tests(test, report)
+}
+
+/// Builds the wheel beside what the tests of the workspace have built.
+pub(super) fn build(root: &Path, tools: &Tools) -> Result<PathBuf, Failure> {
     let target = Metadata::of_workspace(root)?.target_directory;
     let wheels = target.join(WHEELS);
     let _ = fs::remove_dir_all(&wheels);
@@ -32,19 +45,16 @@ pub(super) fn test(root: &Path, tools: &Tools, report: &mut Report) -> Result<()
     build.args(["--manifest-path", "apps/python/Cargo.toml", "--out"]);
     build.arg(&wheels).current_dir(root);
     run_command(build)?;
+    wheel_in(&wheels)
+}
 
-    let mut install = Command::new(tools.python());
+/// Installs a wheel, in place of an earlier one.
+pub(crate) fn install(python: &Path, wheel: &Path) -> Result<(), Failure> {
+    let mut install = Command::new(python);
     install.args(["-m", "pip", "install", "--quiet", "--no-index", "--no-deps"]);
     install.args(["--disable-pip-version-check", "--force-reinstall"]);
-    answer(install.arg(wheel_in(&wheels)?))?;
-
-    let mut test = Command::new(tools.python());
-    test.args(["-m", "pytest", "--quiet", "-rs"]);
-    test.current_dir(root.join(FOLDER));
-    test.env("PYTHONDONTWRITEBYTECODE", "1");
-    let name = format!("starbreak{}", std::env::consts::EXE_SUFFIX);
-    test.env("STARBREAK_TEST_COMMAND", target.join("debug").join(name));
-    run_tests(test, report)
+    answer(install.arg(wheel))?;
+    Ok(())
 }
 
 /// The one wheel in a folder.

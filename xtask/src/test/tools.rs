@@ -20,7 +20,7 @@ const MADE_FOR: &str = "made-for.txt";
 pub(super) struct Tools {
     python: PathBuf,
     ffmpeg: PathBuf,
-    chromium: Option<PathBuf>,
+    target: PathBuf,
 }
 
 impl Tools {
@@ -30,29 +30,8 @@ impl Tools {
     /// If there is no Python with venv, or PyPI does not give the packages: tests that need them
     /// would else pass without having run.
     pub(super) fn prepare(root: &Path) -> Result<Self, Failure> {
-        let requirements = root.join(REQUIREMENTS);
-        let wanted = fs::read_to_string(&requirements)
-            .map_err(|cause| Failure::of_file(&requirements, &cause))?;
         let target = Metadata::of_workspace(root)?.target_directory;
-        let venv = Path::new(&target).join("test-venv");
-        let made_for = venv.join(MADE_FOR);
-        let python = venv.join(if cfg!(windows) {
-            "Scripts/python.exe"
-        } else {
-            "bin/python"
-        });
-        if fs::read_to_string(&made_for).ok().as_deref() != Some(&wanted) {
-            println!("== python3 -m venv {}", venv.display());
-            let base = if cfg!(windows) { "python" } else { "python3" };
-            let mut make = Command::new(base);
-            answer(make.args(["-m", "venv", "--clear"]).arg(&venv))?;
-            println!("== pip install -r {REQUIREMENTS}");
-            let mut install = Command::new(&python);
-            install.args(["-m", "pip", "install", "--quiet"]);
-            install.args(["--disable-pip-version-check", "--requirement"]);
-            answer(install.arg(&requirements))?;
-            fs::write(&made_for, wanted).map_err(|cause| Failure::of_file(&made_for, &cause))?;
-        }
+        let python = environment(root, REQUIREMENTS, &target.join("test-venv"))?;
         let mut ask = Command::new(&python);
         ask.args([
             "-c",
@@ -63,7 +42,7 @@ impl Tools {
         Ok(Self {
             python,
             ffmpeg: PathBuf::from(said.trim()),
-            chromium: browser::prepare(&target),
+            target,
         })
     }
 
@@ -81,10 +60,43 @@ impl Tools {
     pub(super) fn name_to(&self, command: &mut Command) {
         command.env("STARBREAK_TEST_PYTHON", &self.python);
         command.env("STARBREAK_TEST_FFMPEG", &self.ffmpeg);
-        if let Some(chromium) = &self.chromium {
+        if let Some(chromium) = browser::prepare(&self.target) {
             command.env("STARBREAK_TEST_CHROMIUM", chromium);
         }
     }
+}
+
+/// The Python of a virtual environment with the packages of a file of requirements, made if it is
+/// not there for these.
+///
+/// # Errors
+/// If there is no Python with venv, or PyPI does not give the packages.
+pub(crate) fn environment(
+    root: &Path,
+    requirements: &str,
+    venv: &Path,
+) -> Result<PathBuf, Failure> {
+    let file = root.join(requirements);
+    let wanted = fs::read_to_string(&file).map_err(|cause| Failure::of_file(&file, &cause))?;
+    let made_for = venv.join(MADE_FOR);
+    let python = venv.join(if cfg!(windows) {
+        "Scripts/python.exe"
+    } else {
+        "bin/python"
+    });
+    if fs::read_to_string(&made_for).ok().as_deref() != Some(&wanted) {
+        println!("== python3 -m venv {}", venv.display());
+        let base = if cfg!(windows) { "python" } else { "python3" };
+        let mut make = Command::new(base);
+        answer(make.args(["-m", "venv", "--clear"]).arg(venv))?;
+        println!("== pip install -r {requirements}");
+        let mut install = Command::new(&python);
+        install.args(["-m", "pip", "install", "--quiet"]);
+        install.args(["--disable-pip-version-check", "--requirement"]);
+        answer(install.arg(&file))?;
+        fs::write(&made_for, wanted).map_err(|cause| Failure::of_file(&made_for, &cause))?;
+    }
+    Ok(python)
 }
 
 /// What a program prints.

@@ -9,7 +9,7 @@ use super::overlay::OverlayArgs;
 /// `starbreak crack`.
 #[derive(Debug, Args)]
 pub(crate) struct CrackArgs {
-    /// PNG or JPEG files
+    /// PNG, JPEG, WebP or BMP files
     #[arg(required = true, value_name = "IMAGE")]
     pub(crate) inputs: Vec<PathBuf>,
     /// Output folder; or for one image the name of the damaged one, .png, .jpg or .jpeg

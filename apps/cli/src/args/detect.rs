@@ -56,6 +56,9 @@ pub(crate) struct DetectArgs {
     /// Run the model on an NVIDIA GPU
     #[arg(long, requires = "onnxruntime")]
     pub(crate) cuda: bool,
+    /// Write the clip with the boxes of scores from 0.3 on, too (clip:FILE only)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) video: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) reader: FfmpegArgs,
 }

@@ -12,7 +12,7 @@ use super::parse_size;
 #[derive(Debug, Args)]
 pub(crate) struct PatternsArgs {
     /// Number of patterns; pattern k is the same in a bank of any number
-    #[arg(short, long = "number", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000), required_unless_present_any = ["info", "check"])]
+    #[arg(short, long = "number", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000), required_unless_present_any = ["info", "check", "images_of"])]
     pub(crate) n: Option<u32>,
     /// Output folder: patterns.bank, statistics.csv, statistics.svg and statistics.png
     #[arg(short, long, value_name = "DIR", required_unless_present_any = ["info", "check"])]
@@ -35,6 +35,10 @@ pub(crate) struct PatternsArgs {
     pub(crate) overlays: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) overlay: OverlayArgs,
+    /// Write the patterns of a bank as PNG files to the output folder instead: on black as the
+    /// paper's optics draw them, or their crack masks; -n for the first N only
+    #[arg(long, value_name = "BANK", conflicts_with_all = ["overlays", "size", "sizes_of", "info", "check", "preset", "recipe", "severity", "camera", "set"])]
+    pub(crate) images_of: Option<PathBuf>,
     /// Print what a bank was made from, and its size, instead
     #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "check"])]
     pub(crate) info: Option<PathBuf>,

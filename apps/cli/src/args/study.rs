@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 
 use super::evaluate::ProtocolWord;
 use super::generate::OnError;
+use super::overlay::OverlayArgs;
 
 /// `starbreak study`.
 #[derive(Debug, Args)]
@@ -31,6 +32,13 @@ pub(crate) struct StudyArgs {
     /// Recipes to damage the images with; severities do not scale them
     #[arg(long, value_name = "FILE,…", value_delimiter = ',', conflicts_with_all = ["preset", "recipe"])]
     pub(crate) recipes: Vec<PathBuf>,
+    /// Photos of broken glass, too, as one more condition: for each image a random part of a
+    /// random PNG or JPEG file below a folder, or of a bank made by `starbreak patterns
+    /// --overlays`. They are lit by the optics of the first preset or recipe
+    #[arg(long, value_name = "DIR")]
+    pub(crate) overlays: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) overlay: OverlayArgs,
     /// Severities of each preset
     #[arg(long, value_name = "N,…", value_delimiter = ',', conflicts_with = "severity",
         value_parser = clap::value_parser!(u8).range(1..=5))]

@@ -12,7 +12,7 @@ pub(crate) struct VideoArgs {
     /// A clip, or a folder of PNG or JPEG frames in the order of their names
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
-    /// Output clip (.mp4, .m4v, .mov: H.264; .mkv; .avi: Motion JPEG), or a new or empty
+    /// Output clip (.mp4, .m4v, .mov: H.264; .mkv; .avi: Motion JPEG; .gif), or a new or empty
     /// folder. OUT.track.json and OUT.network.json are written beside it
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,

@@ -14,8 +14,8 @@ use starbreak_eval::detector::{
 };
 use starbreak_eval::{Detection, Detections, EvalError, LabelSet};
 
-use super::detect_clip;
 use super::detect_labels::Referred;
+use super::{boxed_clip, detect_clip};
 use crate::args::Global;
 use crate::args::detect::{DetectArgs, ResultFormat};
 use crate::failure::{DONE, Failure, SOME_FAILED};
@@ -41,8 +41,10 @@ pub(crate) fn run(global: &Global, args: &DetectArgs, screen: &Screen) -> Result
         screen,
     };
     run.refuse_output()?;
-    let looked = match detect_clip::clip_of(source) {
-        Some(clip) => detect_clip::look(&run, &clip)?,
+    let clip = detect_clip::clip_of(source);
+    boxed_clip::refuse(&run, clip.as_deref())?;
+    let looked = match &clip {
+        Some(clip) => detect_clip::look(&run, clip)?,
         None => look(&run, source)?,
     };
     let results = Results::of(&looked);
@@ -59,7 +61,12 @@ pub(crate) fn run(global: &Global, args: &DetectArgs, screen: &Screen) -> Result
             code: SOME_FAILED,
         });
     }
-    write(&run, &results.detections, &looked.referred)?;
+    let mut batch = run.batch();
+    if let (Some(clip), Some(video)) = (&clip, &args.video) {
+        boxed_clip::stage(&run, (clip, video), &looked, &mut batch)?;
+    }
+    stage(&run, &results.detections, &looked.referred, &mut batch)?;
+    batch.commit()?;
     finish(&looked, output, &results, screen)
 }
 
@@ -219,8 +226,13 @@ pub(super) fn interrupted() -> Failure {
     Failure::interrupted("interrupted: nothing was written; run the command again")
 }
 
-/// All files together, or none.
-fn write(run: &Run<'_>, detections: &Detections, referred: &Referred) -> Result<(), Failure> {
+/// The files of the detections.
+fn stage(
+    run: &Run<'_>,
+    detections: &Detections,
+    referred: &Referred,
+    batch: &mut OutputBatch,
+) -> Result<(), Failure> {
     let (labels, output) = (&referred.labels, run.output);
     let files: Vec<(PathBuf, String)> = match run.args.format {
         ResultFormat::Coco => vec![(output.to_owned(), detections.to_coco(labels))],
@@ -236,11 +248,9 @@ fn write(run: &Run<'_>, detections: &Detections, referred: &Referred) -> Result<
                 .collect()
         }
     };
-    let mut batch = run.batch();
     for (path, text) in &files {
         batch.stage(path, text.as_bytes())?;
     }
-    batch.commit()?;
     Ok(())
 }
 

@@ -93,7 +93,7 @@ fn show(
     cracked: Option<&Evaluated>,
     paired: Option<&[PairedRow]>,
 ) {
-    for (name, side) in [("clean", Some(clean)), ("cracked", cracked)] {
+    for (name, side) in [("clean", Some(clean)), ("damaged", cracked)] {
         let Some(side) = side else { continue };
         if let Some(stats) = side.coco.as_ref().and_then(CocoEvaluation::stats) {
             let [ap, ap50, ap75, ..] = stats.map(|stat| match stat < 0.0 {
@@ -143,7 +143,7 @@ fn show(
             _ => "AP50",
         };
         screen.say(&format!(
-            "{scope}: {}: {metric} clean {}, cracked {} %, {} objects in {} images",
+            "{scope}: {}: {metric} clean {}, damaged {} %, {} objects in {} images",
             row.group.name,
             figure(&row.clean),
             figure(&row.cracked),

@@ -30,15 +30,21 @@ const N_PREVIEW: u64 = 12;
 /// Bad records that are shown one by one.
 const MOST_SHOWN: usize = 20;
 
-pub(crate) fn run(global: &Global, args: &GenerateArgs, screen: &Screen) -> Result<u8, Failure> {
-    if let Some(overlays) = &args.overlays
-        && (is_inside(&args.output, overlays) || is_inside(overlays, &args.output))
-    {
+/// Refuses an output folder in the folder of an input, and around it.
+pub(super) fn refuse_output_in(input: &Path, output: &Path) -> Result<(), Failure> {
+    if is_inside(output, input) || is_inside(input, output) {
         return Err(DatasetError::OutputInInput {
-            input: overlays.clone(),
-            output: args.output.clone(),
+            input: input.to_owned(),
+            output: output.to_owned(),
         }
         .into());
+    }
+    Ok(())
+}
+
+pub(crate) fn run(global: &Global, args: &GenerateArgs, screen: &Screen) -> Result<u8, Failure> {
+    if let Some(overlays) = &args.overlays {
+        refuse_output_in(overlays, &args.output)?;
     }
     let photos = args.overlay.read_folder(args.overlays.as_deref())?;
     let patterns = patterns(

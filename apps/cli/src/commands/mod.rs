@@ -3,6 +3,7 @@
 mod bench;
 mod bench_optics;
 mod bench_physics;
+mod boxed_clip;
 mod contact_sheet;
 mod crack;
 mod demo;
@@ -14,6 +15,7 @@ mod evaluate;
 mod generate;
 mod network_file;
 mod overlay_bank;
+mod pattern_images;
 mod pattern_statistics;
 mod patterns;
 mod plot;
@@ -67,6 +69,9 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<u8, Failure> {
 
 /// `starbreak patterns`: makes a bank of either kind, or says what is in one.
 fn bank(global: &Global, args: &PatternsArgs, screen: &Screen) -> Result<u8, Failure> {
+    if let (Some(bank), Some(output)) = (&args.images_of, &args.output) {
+        return pattern_images::run(global, bank, (args.n, output), screen);
+    }
     match (&args.info, &args.check, args.n, &args.output) {
         (Some(bank), ..) | (_, Some(bank), ..) if is_overlay_bank(bank) => {
             overlay_bank::info(bank, screen)
@@ -81,7 +86,7 @@ fn bank(global: &Global, args: &PatternsArgs, screen: &Screen) -> Result<u8, Fai
             }
         }
         _ => Err(Failure::wrong_input(
-            "patterns needs a number -n and a folder -o, or --info BANK, or --check BANK",
+            "patterns needs a number -n and a folder -o, or a folder -o and --images-of BANK, or --info BANK, or --check BANK",
         )),
     }
 }

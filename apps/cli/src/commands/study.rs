@@ -12,10 +12,10 @@ use starbreak_runs::generate::{Selection, Survey, refuse_outputs, survey};
 use starbreak_runs::study::{
     Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns, conditions,
 };
-use starbreak_runs::with_threads;
+use starbreak_runs::{Patterns, with_threads};
 
 use super::detect::{contract_of, say_contract, say_unmapped};
-use super::generate::mind_bad_records;
+use super::generate::{mind_bad_records, refuse_output_in};
 use super::study_report::StudyReport;
 use crate::args::study::{DivergenceWord, StudyArgs};
 use crate::args::{Global, read_recipe};
@@ -23,7 +23,11 @@ use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Progress, Screen};
 
+/// Family of the condition of photographs, and the start of its folder's name.
+const PHOTOS: &str = "photos";
+
 pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<u8, Failure> {
+    let photos = photos_of(args)?;
     let conditions = conditions_of(global, args)?;
     let spec = global.spec(&args.source)?;
     let truth = GroundTruth::of_dataset(&spec, args.protocol.map(Into::into))?;
@@ -48,6 +52,7 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
         images: &images,
         detectors: &detectors,
         conditions: &conditions,
+        photos: photos.as_ref(),
         out: &args.output,
         n_threads: n_threads(global),
     };
@@ -105,6 +110,14 @@ fn n_threads(global: &Global) -> usize {
     }
 }
 
+/// The photographs of broken glass, if a folder was named; the study does not lie in it.
+fn photos_of(args: &StudyArgs) -> Result<Option<Patterns>, Failure> {
+    if let Some(folder) = &args.overlays {
+        refuse_output_in(folder, &args.output)?;
+    }
+    args.overlay.read_folder(args.overlays.as_deref())
+}
+
 /// Families times severities times seeds.
 fn conditions_of(global: &Global, args: &StudyArgs) -> Result<Vec<Condition>, Failure> {
     let mut families = Vec::new();
@@ -126,6 +139,14 @@ fn conditions_of(global: &Global, args: &StudyArgs) -> Result<Vec<Condition>, Fa
             ),
         });
     }
+    if args.overlays.is_some() {
+        let recipe = match families.first() {
+            Some(Family::Preset(name)) => Recipe::preset(name)?,
+            Some(Family::Recipe(_, recipe) | Family::Photos(_, recipe)) => (**recipe).clone(),
+            None => Recipe::preset(DEFAULT_PRESET)?,
+        };
+        families.push(Family::Photos(PHOTOS.to_owned(), Box::new(recipe)));
+    }
     let mut severities = args.severities.clone();
     severities.extend(global.severity);
     let has_preset = families
@@ -143,7 +164,11 @@ fn conditions_of(global: &Global, args: &StudyArgs) -> Result<Vec<Condition>, Fa
     let adjust = |recipe: &mut Recipe| -> Result<(), RecipeError> { global.adjust(recipe) };
     let all = conditions(&families, &severities, &seeds, &adjust)?;
     for condition in &all {
-        refuse_outputs(&condition.recipe.settings()?.output)?;
+        let settings = condition.recipe.settings()?;
+        refuse_outputs(&settings.output)?;
+        if condition.is_photographed {
+            args.overlay.refuse_idle_gain(&settings)?;
+        }
     }
     Ok(all)
 }

@@ -408,14 +408,14 @@ fn said(clip: &TimelineResults) -> String {
     let name = &clip.clip;
     let Some(onset) = clip.cracked.damage_onset else {
         return format!(
-            "{name}: found in {} % of frames clean, {} % cracked; no damage",
+            "{name}: found in {} % of frames clean, {} % damaged; no damage",
             percent(clip.clean.before.found.value),
             percent(clip.cracked.before.found.value)
         );
     };
     let mut text = format!(
-        "{name}: damage from frame {} ({:.3} s) on; before it found in {} % of frames clean, {} % cracked; from it on \
-         {} % clean, {} % cracked",
+        "{name}: damage from frame {} ({:.3} s) on; before it found in {} % of frames clean, {} % damaged; from it on \
+         {} % clean, {} % damaged",
         onset.frame_idx,
         onset.time_s,
         percent(clip.clean.before.found.value),

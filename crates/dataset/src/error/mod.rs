@@ -86,8 +86,10 @@ pub enum DatasetError {
         /// Place of the first byte that is wrong, from 0.
         at: usize,
     },
-    /// The first bytes are those of neither PNG nor JPEG.
-    #[error("{name:?} is neither PNG nor JPEG, it looks like {looks_like}; convert it to PNG")]
+    /// The first bytes are those of no format that is read.
+    #[error(
+        "{name:?} is not PNG, JPEG, WebP or BMP, it looks like {looks_like}; convert it to PNG"
+    )]
     UnknownFormat {
         /// The file.
         name: String,

@@ -1,6 +1,7 @@
 //! Reading: from a path or from bytes to pixels.
 
 mod jpeg;
+mod other;
 mod png;
 mod size;
 mod sniff;
@@ -107,7 +108,8 @@ pub fn read_image(path: &Path, limits: &ImageLimits) -> Result<ImageFile, Datase
 ///
 /// PNG checksums are verified, so that damage is always found. JPEG has none: a file that is cut
 /// short, whatever stands behind the cut, is refused by the count of its blocks, but other damage
-/// inside the compressed data may come out as wrong pixels, as it does from other readers.
+/// inside the compressed data may come out as wrong pixels, as it does from other readers. WebP and
+/// BMP have none either.
 pub fn decode_image(
     name: &str,
     bytes: &[u8],
@@ -118,6 +120,7 @@ pub fn decode_image(
     let decoded = fence(|| match format {
         ImageFormat::Png => png::decode(name, bytes, limits),
         ImageFormat::Jpeg => jpeg::decode(name, bytes, limits),
+        ImageFormat::WebP | ImageFormat::Bmp => other::decode(name, bytes, format, limits),
     });
     let decoded = decoded.unwrap_or_else(|| {
         Err(DatasetError::Corrupt {
@@ -140,7 +143,7 @@ pub fn decode_image(
     })
 }
 
-/// What both decoders deliver.
+/// What all decoders deliver.
 struct Decoded {
     pixels: DynamicImage,
     orientation: Orientation,

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use image::metadata::Orientation;
 
-use super::sniff;
+use super::{other, sniff};
 use crate::error::{DatasetError, one_line};
 use crate::formats::ImageFormat;
 use crate::ordinary_file::open_file;
@@ -47,6 +47,10 @@ pub fn image_size(path: &Path) -> Result<(u32, u32), DatasetError> {
     let found = match format {
         ImageFormat::Png => png_size(&mut reader),
         ImageFormat::Jpeg => jpeg_size(&mut reader),
+        ImageFormat::WebP | ImageFormat::Bmp => {
+            reader.seek(SeekFrom::Start(0)).map_err(read_error)?;
+            other::size(&mut reader, format)
+        }
     };
     let (width_px, height_px) = match found {
         Ok(Some(size_px)) => size_px,

@@ -27,6 +27,15 @@ pub(super) fn format_from_bytes(name: &str, bytes: &[u8]) -> Result<ImageFormat,
             });
         }
     }
+    let at =
+        |offset: usize, magic: &[u8]| bytes.get(offset..).is_some_and(|b| b.starts_with(magic));
+    if at(0, b"RIFF") && at(8, b"WEBP") {
+        return Ok(ImageFormat::WebP);
+    }
+    // Two letters begin a text, too; four bytes are always zero in a bitmap.
+    if at(0, b"BM") && at(6, &[0; 4]) {
+        return Ok(ImageFormat::Bmp);
+    }
     Err(DatasetError::UnknownFormat {
         name: name.to_owned(),
         looks_like: looks_like(bytes),
@@ -40,8 +49,6 @@ fn looks_like(bytes: &[u8]) -> &'static str {
         "a PNG file damaged by a transfer in text mode"
     } else if at(0, b"GIF8") {
         "a GIF image"
-    } else if at(0, b"RIFF") && at(8, b"WEBP") {
-        "a WebP image"
     } else if at(0, b"II*\0") || at(0, b"MM\0*") {
         "a TIFF or camera raw image"
     } else if at(4, b"ftyp") {
@@ -74,12 +81,11 @@ mod tests {
     fn guesses_name_what_users_really_have() {
         for (bytes, guess) in [
             (&b"GIF89a\0"[..], "a GIF image"),
-            (b"RIFF\0\0\0\0WEBPVP8 ", "a WebP image"),
             (
                 b"\x89PNG\n\x1a\n",
                 "a PNG file damaged by a transfer in text mode",
             ),
-            (b"BM\x36\0\0\0", "a BMP image"),
+            (b"BM\x36\0\0\0\x01", "a BMP image"),
             (b"BMW and others", "text"),
             (b"<html>404</html>", "text"),
             (b"\0\0\0\0\0\0\0\0\0", "zeros, as after an interrupted copy"),

@@ -29,6 +29,8 @@ pub enum ClipFormat {
     MatroskaLossless,
     /// `.avi`: Motion JPEG of quality 2.
     Avi,
+    /// `.gif`: 256 colors of its own for each frame, without audio, times rounded to 1/100 s.
+    Gif,
 }
 
 impl ClipFormat {
@@ -46,6 +48,7 @@ impl ClipFormat {
             Some("mov") => Self::Mov,
             Some("mkv") => Self::Matroska,
             Some("avi") => Self::Avi,
+            Some("gif") => Self::Gif,
             _ => {
                 return Err(VideoError::OutputFormat {
                     path: path.to_owned(),
@@ -67,6 +70,7 @@ impl ClipFormat {
             Self::Mov => "mov",
             Self::Matroska | Self::MatroskaLossless => "matroska",
             Self::Avi => "avi",
+            Self::Gif => "gif",
         }
     }
 }
@@ -161,6 +165,11 @@ impl ClipStream {
                 tag("-c:v", "mjpeg");
                 tag("-q:v", "2");
             }
+            // A palette of the whole clip would hold all of its frames in memory.
+            ClipFormat::Gif => filters.push(
+                "split[a][b];[a]palettegen=stats_mode=single[p];[b][p]paletteuse=new=1:dither=sierra2_4a"
+                    .to_owned(),
+            ),
         }
         // Newer versions of ffmpeg take these from the frames and not from the options.
         let known = [
@@ -170,8 +179,9 @@ impl ClipStream {
             ),
             ("color_trc", known_tag(&self.color.transfer, &TRANSFERS)),
         ];
+        let has_tags = !matches!(format, ClipFormat::Avi | ClipFormat::Gif);
         for (name, value) in known {
-            if let (Some(value), false) = (value, format == ClipFormat::Avi) {
+            if let (Some(value), true) = (value, has_tags) {
                 filters.push(format!("setparams={name}={value}"));
                 tag(&format!("-{name}"), value);
             }
@@ -180,13 +190,16 @@ impl ClipStream {
             let (width, height) = (aspect.numerator(), aspect.denominator());
             filters.push(format!("setsar={width}/{height}"));
         }
-        // An AVI file has no clock but its rate.
+        // An AVI file has no clock but its rate, and the clock of a GIF is always the same.
         let tick = match format {
-            ClipFormat::Avi => self.rate.inverse(),
-            _ => self.time_base,
+            ClipFormat::Gif => None,
+            ClipFormat::Avi => Some(self.rate.inverse()),
+            _ => Some(self.time_base),
         };
-        let tick = format!("{}:{}", tick.numerator(), tick.denominator());
-        tag("-enc_time_base", &tick);
+        if let Some(tick) = tick {
+            let tick = format!("{}:{}", tick.numerator(), tick.denominator());
+            tag("-enc_time_base", &tick);
+        }
         tag("-threads:v", N_ENCODER_THREADS);
         args.extend(["-vf".to_owned(), filters.join(",")]);
         args.into_iter().map(OsString::from).collect()
@@ -275,6 +288,7 @@ impl Ffmpeg {
             ClipFormat::Avi => 0.0,
             _ => stream.time_base.seconds(stream.first_ticks),
         };
+        let audio_from = audio_from.filter(|_| format != ClipFormat::Gif);
         let mut args: Vec<OsString> = vec!["-y".into()];
         if audio_from.is_some() {
             args.extend(["-itsoffset".into(), format!("{start_s:.9}").into()]);

@@ -1,4 +1,6 @@
-//! The table of the paper, with intervals.
+//! Tables to print: a column of the main numbers, and the table of the paper with intervals.
+
+mod summary;
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -15,10 +17,11 @@ const MAX_GROUPS: usize = 12;
 /// Most conditions side by side: with intervals more do not fit a page.
 const MAX_CONDITIONS: usize = 2;
 
-/// AP50 and AP75 per class over detectors and conditions as LaTeX tables, in the layout of the paper's
-/// Table 1: detectors and thresholds as row groups, classes as rows, conditions as columns.
+/// LaTeX tables: first one of a column's width, with AP50, difference and p of all classes together
+/// under each condition; then AP50 and AP75 per class over detectors and conditions, in the layout of the
+/// paper's Table 1: detectors and thresholds as row groups, classes as rows, conditions as columns.
 ///
-/// A condition has three columns, its objects, clean and cracked: the region is its own, and so are the
+/// In the latter a condition has three columns, its objects, clean and cracked: the region is its own, and so are the
 /// objects in it and their clean AP. Up to two conditions stand side by side, more have further tables,
 /// family by family. It holds all classes, the supercategories (of data without any: the classes) with
 /// numbers, in the region at the study's own τ, or on whole images where there is no region. Needs the
@@ -29,6 +32,7 @@ pub fn latex(study: &Study) -> String {
     let told = printed(study);
     let blocks = blocks(&told);
     let mut text = String::from("% Needs \\usepackage{booktabs} and \\usepackage{multirow}.\n");
+    summary::add(study, &told, &mut text);
     for (place, conditions) in blocks.iter().enumerate() {
         let mut table = PrintedTable {
             study,
@@ -156,30 +160,11 @@ impl<'a> PrintedTable<'a> {
         match row {
             Some(row) => [
                 row.n_objects.to_string(),
-                self.number(&row.clean),
-                self.number(&row.cracked),
+                number(&row.clean, &mut self.reasons),
+                number(&row.cracked, &mut self.reasons),
             ],
             None => ["0".to_owned(), "--".to_owned(), "--".to_owned()],
         }
-    }
-
-    fn number(&mut self, estimate: &Estimate) -> String {
-        let print = |value: f64| format!("{:.1}", value * 100.0);
-        if let Some(value) = estimate.value {
-            let interval = estimate.interval().map_or(String::new(), |[low, high]| {
-                format!(" {{\\scriptsize [{}, {}]}}", print(low), print(high))
-            });
-            return format!("{}{interval}", print(value));
-        }
-        let Some(why) = &estimate.refused else {
-            return "--".to_owned();
-        };
-        let place = self.reasons.iter().position(|known| known == why);
-        let place = place.unwrap_or_else(|| {
-            self.reasons.push(why.clone());
-            self.reasons.len() - 1
-        });
-        format!("--\\textsuperscript{{{}}}", place + 1)
     }
 
     fn finish(self, (number, n_tables): (usize, usize), text: &mut String) {
@@ -219,6 +204,7 @@ impl<'a> PrintedTable<'a> {
              Each condition has its own region, and so its own objects and clean value.{seeds}{part}}}",
             escaped(&study.dataset)
         );
+        let _ = writeln!(text, "  \\label{{tab:starbreak-classes-{number}}}");
         let _ = writeln!(text, "  \\begin{{tabular}}{{lll{columns}}}");
         let _ = writeln!(text, "  \\toprule");
         let _ = writeln!(text, "   &  &  & {} \\\\", heads.join(" & "));
@@ -234,15 +220,40 @@ impl<'a> PrintedTable<'a> {
         text.push_str(&body);
         let _ = writeln!(text, "  \\bottomrule");
         let _ = writeln!(text, "  \\end{{tabular}}");
-        for (place, reason) in reasons.iter().enumerate() {
-            let _ = writeln!(
-                text,
-                "  \\par{{\\footnotesize \\textsuperscript{{{}}} {}}}",
-                place + 1,
-                escaped(reason)
-            );
-        }
+        add_notes(&reasons, text);
         let _ = writeln!(text, "\\end{{table*}}");
+    }
+}
+
+/// A number in percent with its interval, or the number of the note that says why there is none.
+fn number(estimate: &Estimate, reasons: &mut Vec<String>) -> String {
+    let print = |value: f64| format!("{:.1}", value * 100.0);
+    if let Some(value) = estimate.value {
+        let interval = estimate.interval().map_or(String::new(), |[low, high]| {
+            format!(" {{\\scriptsize [{}, {}]}}", print(low), print(high))
+        });
+        return format!("{}{interval}", print(value));
+    }
+    let Some(why) = &estimate.refused else {
+        return "--".to_owned();
+    };
+    let place = reasons.iter().position(|known| known == why);
+    let place = place.unwrap_or_else(|| {
+        reasons.push(why.clone());
+        reasons.len() - 1
+    });
+    format!("--\\textsuperscript{{{}}}", place + 1)
+}
+
+/// Why numbers are missing, below a table.
+fn add_notes(reasons: &[String], text: &mut String) {
+    for (place, reason) in reasons.iter().enumerate() {
+        let _ = writeln!(
+            text,
+            "  \\par{{\\footnotesize \\textsuperscript{{{}}} {}}}",
+            place + 1,
+            escaped(reason)
+        );
     }
 }
 

@@ -176,7 +176,7 @@ impl ClipTrack {
         let text = read_text(path, MAX_BYTES)?.text;
         let file: File = serde_json::from_str(&text).map_err(|error| {
             let reason = format!(
-                "it is no track of `video`: {}; give the file OUT.track.json beside the cracked clip",
+                "it is no track of `video`: {}; give the file OUT.track.json beside the damaged clip",
                 error.to_string().replace('\n', " ")
             );
             refuse_file(path, reason)

@@ -162,7 +162,7 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
     let folder = regions_folder(request);
     if folder.is_none() && !request.taus.is_empty() {
         return Err(refused(
-            "tau is about the region; give regions or a cracked set, too".to_owned(),
+            "tau is about the region; give regions or a damaged set, too".to_owned(),
         ));
     }
     let masks = folder.as_deref().map(|folder| RegionMasks {

@@ -6,7 +6,7 @@ use starbreak_dataset::{Carry, SET_SCHEMA};
 use starbreak_seed::Seed;
 
 use super::Plan;
-use crate::{Error, Patterns};
+use crate::Error;
 
 impl Plan<'_> {
     /// All that the bytes of the set depend on, as the object in its `run.json`.
@@ -18,13 +18,7 @@ impl Plan<'_> {
             "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
             "recipe_sha256": self.context.recipe_sha256,
             "seed": self.context.seed.0,
-            "patterns": match self.patterns {
-                Patterns::Fresh => json!("fresh"),
-                Patterns::Network(imported) => json!({ "network_sha256": imported.sha256 }),
-                Patterns::OverlayBank(bank) => json!({ "bank_sha256": bank.sha256() }),
-                Patterns::Overlays(set) => json!({ "overlays": set.facts() }),
-                Patterns::Bank(bank) => json!({ "bank_sha256": bank.sha256() }),
-            },
+            "patterns": self.patterns.identity(),
             "samples": self.options.n_samples,
             "selection": { "limit": selection.limit, "sample": selection.sample },
             "source": {

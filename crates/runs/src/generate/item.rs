@@ -5,8 +5,9 @@ use image::metadata::Orientation;
 use serde_json::json;
 use starbreak::{Stopwatch, Timings};
 use starbreak_dataset::{
-    DatasetError, GeneratedSet, ImageFile, ImageLimits, ItemRecord, LabeledObject, MAX_ITEM_BYTES,
-    Provenance, SampleFiles, SourceImage, blake3_hex, encode_image_as, encode_mask_as, read_image,
+    DatasetError, GeneratedSet, ImageFile, ImageFormat, ImageLimits, ItemRecord, LabeledObject,
+    MAX_ITEM_BYTES, Provenance, SampleFiles, SourceImage, blake3_hex, encode_image_as,
+    encode_mask_as, read_image,
 };
 use starbreak_seed::Seed;
 
@@ -79,6 +80,12 @@ impl Item<'_> {
         mut watch: Stopwatch,
     ) -> Result<MadeItem, Error> {
         let settings = &context.settings;
+        if matches!(file.format, ImageFormat::WebP | ImageFormat::Bmp) {
+            return Err(Error::SetOutput {
+                why: "WebP and BMP are read, not written, and images of a set keep their names and formats; convert it \
+                      to PNG",
+            });
+        }
         let seed = context.seed.of_item(self.name, self.sample_idx.into());
         let size = (file.pixels.width(), file.pixels.height());
         let Damaged {

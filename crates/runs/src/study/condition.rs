@@ -19,6 +19,8 @@ pub struct Condition {
     pub seed: Seed,
     /// The recipe.
     pub recipe: Recipe,
+    /// Whether the glass is that of the study's photographs; its cracks are simulated otherwise.
+    pub is_photographed: bool,
 }
 
 /// A family of cracks before it is scaled and drawn.
@@ -28,6 +30,9 @@ pub enum Family {
     Preset(String),
     /// A recipe with its name; severities do not scale it.
     Recipe(String, Box<Recipe>),
+    /// Photographs of broken glass under this name, lit by the optics of a recipe; severities do not
+    /// scale them.
+    Photos(String, Box<Recipe>),
 }
 
 /// All conditions: each family at each severity with each seed, in this order.
@@ -56,8 +61,11 @@ pub fn conditions(
                 let scaled: Result<Vec<_>, RecipeError> = severities.iter().map(at).collect();
                 (name, scaled?)
             }
-            Family::Recipe(name, recipe) => (name, vec![(None, (**recipe).clone())]),
+            Family::Recipe(name, recipe) | Family::Photos(name, recipe) => {
+                (name, vec![(None, (**recipe).clone())])
+            }
         };
+        let is_photographed = matches!(family, Family::Photos(..));
         for (severity, mut recipe) in scaled {
             adjust(&mut recipe)?;
             for seed in seeds {
@@ -75,6 +83,7 @@ pub fn conditions(
                     severity,
                     seed: *seed,
                     recipe: recipe.clone(),
+                    is_photographed,
                 });
             }
         }
@@ -113,6 +122,10 @@ mod tests {
                 "my glass/1".to_owned(),
                 Box::new(Recipe::preset("tempered-cover").unwrap()),
             ),
+            Family::Photos(
+                "photos".to_owned(),
+                Box::new(Recipe::preset("paper").unwrap()),
+            ),
         ];
         let all = conditions(&families, &[1, 5], &[Seed(0), Seed(7)], &|_| Ok(())).unwrap();
         let names: Vec<&str> = all
@@ -126,8 +139,15 @@ mod tests {
             "paper-severity-5-seed-7",
             "my_glass_1-seed-0",
             "my_glass_1-seed-7",
+            "photos-seed-0",
+            "photos-seed-7",
         ];
-        assert_eq!(names, expected, "a recipe is not scaled");
+        assert_eq!(
+            names, expected,
+            "neither recipes nor photographs are scaled"
+        );
+        let n_photographed = all.iter().filter(|one| one.is_photographed).count();
+        assert_eq!(n_photographed, 2, "the last two");
     }
 
     #[test]

@@ -47,6 +47,9 @@ pub(super) struct DetectorIdentity {
 struct ConditionIdentity {
     recipe: String,
     seed: u64,
+    /// What the photographs are, of a condition that has any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    photos: Option<Value>,
 }
 
 impl DetectorIdentity {
@@ -65,13 +68,19 @@ impl Identity {
     pub(super) fn of(plan: &StudyPlan<'_>, truth: &GroundTruth) -> Result<Self, Error> {
         let detectors = plan.detectors.iter();
         let detectors = detectors.map(|one| (one.name.clone(), DetectorIdentity::of(one)));
-        let conditions = plan.conditions.iter().map(|condition| {
+        let mut conditions = BTreeMap::new();
+        for condition in plan.conditions {
+            let photos = match condition.is_photographed {
+                true => Some(plan.patterns(condition)?.identity()),
+                false => None,
+            };
             let one = ConditionIdentity {
                 recipe: condition.recipe.to_toml(),
                 seed: condition.seed.0,
+                photos,
             };
-            (condition.name.clone(), one)
-        });
+            conditions.insert(condition.name.clone(), one);
+        }
         let labels =
             serde_json::to_vec(&(&truth.labels, &truth.kitti)).map_err(cannot_be_written)?;
         Ok(Self {
@@ -81,7 +90,7 @@ impl Identity {
             labels: sha256_hex(&labels),
             protocol: truth.protocol.name().to_owned(),
             detectors: detectors.collect(),
-            conditions: conditions.collect(),
+            conditions,
         })
     }
 
@@ -159,6 +168,9 @@ impl Identity {
                     return Some(format!(
                         "it has the condition {name}, which is left out now"
                     ));
+                }
+                Some(own) if own.photos != theirs.photos => {
+                    return Some(format!("the photos of its condition {name} are others"));
                 }
                 Some(own) if own != theirs => {
                     return Some(format!("its condition {name} has another recipe"));

@@ -16,8 +16,8 @@ use super::Condition;
 use super::arm::{Arm, ArmRun, UnseenImage};
 use super::identity::{DetectorIdentity, Identity};
 use super::set::make_set;
-use crate::Error;
 use crate::generate::{Event, GenerateReport, Selection, Survey};
+use crate::{Error, Patterns};
 
 /// A detector of a study.
 #[derive(Debug)]
@@ -47,6 +47,8 @@ pub struct StudyPlan<'a> {
     pub detectors: &'a [StudyDetector],
     /// What is done to the glass.
     pub conditions: &'a [Condition],
+    /// The photographs of broken glass of those conditions that are not simulated.
+    pub photos: Option<&'a Patterns>,
     /// The folder that everything is written into.
     pub out: &'a Path,
     /// Threads to use, 1 or more.
@@ -225,7 +227,7 @@ impl StudyPlan<'_> {
         make_set(
             (self.source, self.survey),
             self.selection,
-            condition,
+            (condition, self.patterns(condition)?),
             folder,
             stop,
             &|event| match event {
@@ -233,6 +235,17 @@ impl StudyPlan<'_> {
                 Event::Failed(failure) => tell(StudyEvent::Failed(failure.error.to_string())),
             },
         )
+    }
+
+    /// Where the damage of a condition comes from.
+    pub(super) fn patterns(&self, condition: &Condition) -> Result<&Patterns, Error> {
+        match (condition.is_photographed, self.photos) {
+            (false, _) => Ok(&Patterns::Fresh),
+            (true, Some(photos)) => Ok(photos),
+            (true, None) => Err(Error::NoPhotos {
+                folder: self.out.join("sets").join(&condition.name),
+            }),
+        }
     }
 
     fn look(
@@ -246,7 +259,7 @@ impl StudyPlan<'_> {
         let step = Step::Detecting(&detector.name, condition);
         tell(StudyEvent::Begun(step, self.images.len() as u64));
         let log = self.log(detector, condition);
-        let identity = json!({
+        let mut identity = json!({
             "schema": "starbreak.detections/2",
             "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
             "detector": DetectorIdentity::of(detector),
@@ -255,6 +268,9 @@ impl StudyPlan<'_> {
             "seed": condition.map(|condition| condition.seed.0),
             "jpeg_quality": self.quality()?.get(),
         });
+        if let Some(condition) = condition.filter(|condition| condition.is_photographed) {
+            identity["photos"] = self.patterns(condition)?.identity();
+        }
         ArmRun {
             log: &log,
             identity,
@@ -304,7 +320,7 @@ impl StudyPlan<'_> {
 /// The pixels of a source's image after the codec that its cracked twins pass.
 pub(super) fn clean_image(path: &Path, quality: JpegQuality) -> Result<image::RgbImage, Error> {
     let file = read_image(path, &ImageLimits::default())?;
-    if file.format == ImageFormat::Png {
+    if file.format != ImageFormat::Jpeg {
         return Ok(file.pixels.to_rgb8());
     }
     let bytes = encode_image_as(&file, &Encoding::Jpeg { quality })?;

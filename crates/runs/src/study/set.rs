@@ -14,7 +14,7 @@ use crate::{Error, Patterns};
 pub(super) fn make_set(
     (source, survey): (&Source, &Survey),
     selection: Selection,
-    condition: &Condition,
+    (condition, patterns): (&Condition, &Patterns),
     folder: &Path,
     stop: &AtomicBool,
     tell: &(dyn Fn(Event<'_>) + Sync),
@@ -28,7 +28,7 @@ pub(super) fn make_set(
     let plan = Plan {
         source,
         context: &context,
-        patterns: &Patterns::Fresh,
+        patterns,
         options: &options,
         survey,
     };
@@ -69,6 +69,7 @@ mod tests {
             severity: None,
             seed: Seed(7),
             recipe,
+            is_photographed: false,
         };
         let survey = survey(&source, Selection::default(), condition.seed);
         let set = dir.path().join("set");
@@ -78,7 +79,7 @@ mod tests {
             make_set(
                 (&source, &survey),
                 selection,
-                &condition,
+                (&condition, &Patterns::Fresh),
                 &set,
                 &go,
                 &|_| (),

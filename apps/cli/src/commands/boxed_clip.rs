@@ -1,0 +1,149 @@
+//! `starbreak detect clip:FILE --video OUT`: the clip with the boxes that were found in it.
+
+use std::path::Path;
+
+use image::RgbImage;
+use starbreak_dataset::video::{ClipFormat, ClipStream, Ffmpeg};
+use starbreak_dataset::{DatasetError, OutputBatch, same_file};
+use starbreak_eval::chart::{Anchor, Shape};
+
+use super::detect::{Looked, Run, interrupted};
+use super::raster::draw;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+
+/// Boxes below this score are not drawn; `evaluate` counts an object as found from here on, too.
+const MIN_SCORE: f64 = 0.3;
+
+/// Colors of categories, in turn (Okabe and Ito), and of the words on them.
+const COLORS: [(&str, &str); 6] = [
+    ("#e69f00", "#000000"),
+    ("#56b4e9", "#000000"),
+    ("#009e73", "#ffffff"),
+    ("#f0e442", "#000000"),
+    ("#d55e00", "#ffffff"),
+    ("#cc79a7", "#000000"),
+];
+
+/// The clip to be written can be, and is not the one that is read: better said before the work.
+pub(super) fn refuse(run: &Run<'_>, clip: Option<&Path>) -> Result<(), Failure> {
+    let Some(video) = &run.args.video else {
+        return Ok(());
+    };
+    let Some(clip) = clip.filter(|clip| !clip.is_dir()) else {
+        return Err(Failure::wrong_input(
+            "--video draws boxes into a clip; give clip:FILE with it",
+        ));
+    };
+    ClipFormat::of(video, false).map_err(DatasetError::from)?;
+    if same_file(clip, video) {
+        return Err(DatasetError::OutputIsInput {
+            input: clip.to_owned(),
+            output: video.clone(),
+        }
+        .into());
+    }
+    run.global.batch().reserve(video)?;
+    Ok(())
+}
+
+/// Reads the clip again, and writes it with the boxes as a file of the batch.
+pub(super) fn stage(
+    run: &Run<'_>,
+    (clip, video): (&Path, &Path),
+    looked: &Looked,
+    batch: &mut OutputBatch,
+) -> Result<(), Failure> {
+    let ffmpeg = Ffmpeg::at(&run.args.reader.ffmpeg).map_err(DatasetError::from)?;
+    let info = ffmpeg.probe(clip)?;
+    let format = ClipFormat::of(video, false).map_err(DatasetError::from)?;
+    let file = batch.reserve(video)?;
+    let stream = ClipStream::like(&info);
+    let interrupt = Interrupt::listen(run.screen);
+    let mut reader = ffmpeg.read(clip, &info).map_err(DatasetError::from)?;
+    let mut writer = ffmpeg
+        .write(&file, video, format, &stream, Some(clip))
+        .map_err(DatasetError::from)?;
+    let progress = run
+        .screen
+        .progress(looked.seen.len() as u64, "frames with boxes");
+    for found in &looked.seen {
+        if interrupt.is_set() {
+            return Err(interrupted());
+        }
+        let Some(frame) = reader.next_frame().map_err(DatasetError::from)? else {
+            break;
+        };
+        let mut pixels = frame.pixels;
+        for raw in found.iter().flat_map(|found| &found.detections) {
+            if raw.score >= MIN_SCORE
+                && let Some(category) = looked.map.category(raw.class)
+            {
+                let name = looked.referred.labels.categories.get(category as usize);
+                let name = name.map_or("", |category| category.name.as_str());
+                let words = format!("{name} {:.2}", raw.score);
+                let sides = raw.box_px;
+                let corners = [
+                    sides.x,
+                    sides.y,
+                    sides.x + sides.width,
+                    sides.y + sides.height,
+                ];
+                draw_box(&mut pixels, corners, &words, category as usize);
+            }
+        }
+        writer
+            .write_frame(frame.ticks, &pixels)
+            .map_err(DatasetError::from)?;
+        progress.step();
+    }
+    progress.finish();
+    writer.finish().map_err(DatasetError::from)?;
+    Ok(())
+}
+
+/// A frame of lines with its words above it, or within it at the upper rim.
+fn draw_box(image: &mut RgbImage, [x0, y0, x1, y1]: [f64; 4], words: &str, place: usize) {
+    let (color, ink) = COLORS[place % COLORS.len()];
+    let height = f64::from(image.height());
+    let width_px = (height / 250.0).max(1.5);
+    let size_px = (height / 36.0).max(10.0);
+    let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
+    // All letters of the font are equally wide.
+    let letters = u32::try_from(words.chars().count()).unwrap_or(0);
+    let length = 0.602 * size_px * f64::from(letters) + 0.4 * size_px;
+    let top = match y0 - 1.3 * size_px >= 0.0 {
+        true => y0 - 1.3 * size_px,
+        false => y0,
+    };
+    let left = x0.min(f64::from(image.width()) - length).max(0.0);
+    let shapes = [
+        Shape::Line {
+            points: corners.to_vec(),
+            color: color.into(),
+            width_px,
+            dashes: &[],
+        },
+        Shape::Area {
+            points: vec![
+                [left, top],
+                [left + length, top],
+                [left + length, top + 1.3 * size_px],
+                [left, top + 1.3 * size_px],
+            ],
+            color: color.into(),
+            opacity: 1.0,
+        },
+        Shape::Words {
+            at: [left + 0.2 * size_px, top + size_px],
+            text: words.to_owned(),
+            size_px,
+            anchor: Anchor::Start,
+            turn_deg: 0.0,
+            color: ink.into(),
+        },
+    ];
+    for shape in &shapes {
+        draw(image, shape, 1.0);
+    }
+}

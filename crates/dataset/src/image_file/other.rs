@@ -1,0 +1,101 @@
+//! WebP and BMP, by the decoders of the `image` crate.
+
+use std::io::{BufRead, Cursor, Seek};
+
+use image::codecs::bmp::BmpDecoder;
+use image::codecs::webp::WebPDecoder;
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder, ImageError, ImageResult};
+
+use super::{Decoded, ImageFormat, ImageLimits};
+use crate::error::{DatasetError, one_line};
+
+/// Most memory that a decoder takes for a pixel beside its own 16 bytes.
+const BYTES_PER_PIXEL: u64 = 20;
+
+pub(super) fn decode(
+    name: &str,
+    bytes: &[u8],
+    format: ImageFormat,
+    limits: &ImageLimits,
+) -> Result<Decoded, DatasetError> {
+    let error = |error: ImageError| dataset_error(name, format, bytes.len(), &error);
+    // The decoder minds no pixels that are missing at the end.
+    if let (ImageFormat::WebP, Some(&[a, b, c, d])) = (format, bytes.get(4..8))
+        && u64::from(u32::from_le_bytes([a, b, c, d])) + 8 > bytes.len() as u64
+    {
+        return Err(DatasetError::Truncated {
+            name: name.to_owned(),
+            format,
+            n_bytes: bytes.len(),
+        });
+    }
+    let mut decoder = decoder_of(Cursor::new(bytes), format).map_err(error)?;
+    let (width_px, height_px) = decoder.dimensions();
+    limits.check_size(name, width_px, height_px)?;
+    let mut memory = image::Limits::no_limits();
+    memory.max_alloc = Some(limits.max_pixels.saturating_mul(BYTES_PER_PIXEL));
+    decoder.set_limits(memory).map_err(error)?;
+    let orientation = decoder.orientation().map_err(error)?;
+    let icc_profile = decoder.icc_profile().map_err(error)?;
+    Ok(Decoded {
+        pixels: DynamicImage::from_decoder(decoder).map_err(error)?,
+        orientation,
+        icc_profile,
+    })
+}
+
+/// Width and height of the upright image, px.
+pub(super) fn size(
+    reader: impl BufRead + Seek,
+    format: ImageFormat,
+) -> std::io::Result<Option<(u32, u32)>> {
+    let upright = || -> ImageResult<(u32, u32)> {
+        let mut decoder = decoder_of(reader, format)?;
+        let (width_px, height_px) = decoder.dimensions();
+        Ok(match decoder.orientation()? {
+            Orientation::Rotate90
+            | Orientation::Rotate270
+            | Orientation::Rotate90FlipH
+            | Orientation::Rotate270FlipH => (height_px, width_px),
+            _ => (width_px, height_px),
+        })
+    };
+    upright().map(Some).map_err(|error| match error {
+        ImageError::IoError(error) => error,
+        error => std::io::Error::new(std::io::ErrorKind::InvalidData, error),
+    })
+}
+
+fn decoder_of<'a>(
+    reader: impl BufRead + Seek + 'a,
+    format: ImageFormat,
+) -> ImageResult<Box<dyn ImageDecoder + 'a>> {
+    Ok(match format {
+        ImageFormat::Bmp => Box::new(BmpDecoder::new(reader)?),
+        _ => Box::new(WebPDecoder::new(reader)?),
+    })
+}
+
+fn dataset_error(
+    name: &str,
+    format: ImageFormat,
+    n_bytes: usize,
+    error: &ImageError,
+) -> DatasetError {
+    let name = name.to_owned();
+    match error {
+        ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
+            DatasetError::Truncated {
+                name,
+                format,
+                n_bytes,
+            }
+        }
+        other => DatasetError::Corrupt {
+            name,
+            format,
+            reason: one_line(other),
+        },
+    }
+}
