@@ -181,7 +181,8 @@ const PYTHON: &[&str] = &["starbreak-python"];
 const CODECS: &[&str] = &["starbreak-dataset"];
 
 /// Features of `image` that each crate may turn on.
-const IMAGE_FEATURES: &[(&str, &[&str])] = &[("starbreak-dataset", &["bmp", "jpeg", "png", "webp"])];
+const IMAGE_FEATURES: &[(&str, &[&str])] =
+    &[("starbreak-dataset", &["bmp", "jpeg", "png", "webp"])];
 
 /// What library code may use only in certain places: what, prefixes of paths, reason.
 const LIBRARY_USES: &[(Use, &[&str], &str)] = &[

@@ -75,7 +75,9 @@ pub(super) fn stage(
             break;
         };
         let mut pixels = frame.pixels;
-        for raw in found.iter().flat_map(|found| &found.detections) {
+        // The surest last, on top of the others.
+        let boxes = found.as_ref().map_or(&[][..], |found| &found.detections);
+        for raw in boxes.iter().rev() {
             if raw.score >= MIN_SCORE
                 && let Some(category) = looked.map.category(raw.class)
             {
@@ -107,7 +109,7 @@ fn draw_box(image: &mut RgbImage, [x0, y0, x1, y1]: [f64; 4], words: &str, place
     let (color, ink) = COLORS[place % COLORS.len()];
     let height = f64::from(image.height());
     let width_px = (height / 250.0).max(1.5);
-    let size_px = (height / 36.0).max(10.0);
+    let size_px = (height / 42.0).max(10.0);
     let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
     // All letters of the font are equally wide.
     let letters = u32::try_from(words.chars().count()).unwrap_or(0);
