@@ -74,6 +74,60 @@ fn the_boxes_of_a_clip_are_drawn_where_they_are() {
     }
 }
 
+/// A contract may leave boxes beyond the frame.
+#[test]
+fn boxes_beyond_the_frame_are_drawn_as_far_as_they_are_in_it() {
+    let Some(studio) = scene() else { return };
+    let wide = [-3e8, 30.0, 3e8, 3e8, 0.9, 0.0];
+    let outside = [-50.0, -50.0, -20.0, -20.0, 0.9, 0.0];
+    let rows = [(0, wide), (1, outside)];
+    let entries: Vec<_> = rows
+        .into_iter()
+        .flat_map(|(place, row)| {
+            (0..)
+                .zip(row)
+                .map(move |(k, value)| fixed(&[0, place, k], value))
+        })
+        .collect();
+    Builder::default()
+        .image("images", &[1, 3, 128, 128])
+        .output("output0", &[1, 300, 6], &entries)
+        .write(studio.path(), "model.onnx");
+    let contract = "schema = 1\npreset = \"yolov10\"\n[detections]\nclip = false\n";
+    std::fs::write(studio.path().join("contract.toml"), contract).unwrap();
+    let ffmpeg = studio.ffmpeg.to_str().unwrap();
+    succeed(
+        studio.path(),
+        &[
+            "detect",
+            "clip:in.mkv",
+            "--model",
+            "model.onnx",
+            "--contract",
+            "contract.toml",
+            "-o",
+            "dt.json",
+            "--video",
+            "boxes.mkv",
+            "--ffmpeg",
+            ffmpeg,
+            "--limit",
+            "1",
+        ],
+    );
+    let frames = studio.frames("boxes.mkv", (128, 128));
+    assert_eq!(frames.len(), 1, "as many as were looked at");
+    let blue = |x: usize, y: usize| frames[0][3 * (y * 128 + x) + 2];
+    assert!(
+        blue(120, 30).abs_diff(0xb0) > 24,
+        "the upper side of the wide box"
+    );
+    assert!(
+        blue(64, 8).abs_diff(0xb0) < 24 && blue(64, 80).abs_diff(0xb0) < 24,
+        "nothing else"
+    );
+}
+
 #[test]
 fn a_clip_that_cannot_be_drawn_is_refused_before_the_work() {
     let Some(studio) = scene() else { return };

@@ -15,6 +15,9 @@ use crate::interrupt::Interrupt;
 /// Boxes below this score are not drawn; `evaluate` counts an object as found from here on, too.
 const MIN_SCORE: f64 = 0.3;
 
+/// So much of a category's name is written.
+const MAX_LETTERS: usize = 40;
+
 /// Colors of categories, in turn (Okabe and Ito), and of the words on them.
 const COLORS: [(&str, &str); 6] = [
     ("#e69f00", "#000000"),
@@ -83,6 +86,7 @@ pub(super) fn stage(
             {
                 let name = looked.referred.labels.categories.get(category as usize);
                 let name = name.map_or("", |category| category.name.as_str());
+                let name: String = name.chars().take(MAX_LETTERS).collect();
                 let words = format!("{name} {:.2}", raw.score);
                 let sides = raw.box_px;
                 let corners = [
@@ -105,10 +109,17 @@ pub(super) fn stage(
 }
 
 /// A frame of lines with its words above it, or within it at the upper rim.
-fn draw_box(image: &mut RgbImage, [x0, y0, x1, y1]: [f64; 4], words: &str, place: usize) {
+fn draw_box(image: &mut RgbImage, corners: [f64; 4], words: &str, place: usize) {
     let (color, ink) = COLORS[place % COLORS.len()];
-    let height = f64::from(image.height());
+    let (width, height) = (f64::from(image.width()), f64::from(image.height()));
     let width_px = (height / 250.0).max(1.5);
+    // A contract may leave boxes as wide as it likes; what lies outside of the frame is not drawn.
+    let [x0, y0, x1, y1] = corners;
+    if !(x1 > 0.0 && y1 > 0.0 && x0 < width && y0 < height) {
+        return;
+    }
+    let [x0, x1] = [x0, x1].map(|x| x.clamp(-width_px, width + width_px));
+    let [y0, y1] = [y0, y1].map(|y| y.clamp(-width_px, height + width_px));
     let size_px = (height / 42.0).max(10.0);
     let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
     // All letters of the font are equally wide.
@@ -118,7 +129,7 @@ fn draw_box(image: &mut RgbImage, [x0, y0, x1, y1]: [f64; 4], words: &str, place
         true => y0 - 1.3 * size_px,
         false => y0,
     };
-    let left = x0.min(f64::from(image.width()) - length).max(0.0);
+    let left = x0.min(width - length).max(0.0);
     let shapes = [
         Shape::Line {
             points: corners.to_vec(),
