@@ -6,8 +6,8 @@ mod common;
 use std::fs;
 
 use common::{
-    RawPng, folder, high_byte, json, names, picture, png_bytes, raw_png, starbreak_small,
-    succeed_small,
+    RawPng, all_refused, folder, high_byte, json, names, picture, png_bytes, raw_png,
+    starbreak_small, succeed_small,
 };
 use image::DynamicImage;
 use starbreak_dataset::{ImageFile, ImageFormat, ImageLimits, read_image};
@@ -212,6 +212,14 @@ fn webp_and_bitmaps_become_png() {
         read(&dir.path().join("named/a.png")).format,
         ImageFormat::Png,
         "by its name"
+    );
+
+    all_refused(
+        dir.path(),
+        &[(
+            vec!["crack", "webp/a.webp", "-o", "a.webp"],
+            "written as .png",
+        )],
     );
 
     fs::create_dir(dir.path().join("photos")).unwrap();

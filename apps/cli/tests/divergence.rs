@@ -311,12 +311,12 @@ fn a_bank_counts_with_its_patterns_and_a_few_pictures_not_at_all() {
         "--simulated",
         "few",
         "--real-overlays",
-        "b",
+        "few",
     ];
     let output = run(dir.path(), &[&args[..], &cheap].concat());
     let said = said(&output);
     assert_eq!(output.status.code(), Some(2), "{said}");
-    for word in ["--simulated", "1 images", "10 or more"] {
+    for word in ["--simulated", "--real-overlays", "1 images", "10 or more"] {
         assert!(said.contains(word), "{word}: {said}");
     }
 }

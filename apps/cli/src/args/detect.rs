@@ -16,6 +16,7 @@ pub(crate) struct DetectArgs {
     pub(crate) source: Option<OsString>,
     /// The detector, an ONNX file
     #[arg(
+        short,
         long,
         value_name = "FILE.onnx",
         required_unless_present = "list_contracts"

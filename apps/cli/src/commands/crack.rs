@@ -144,9 +144,20 @@ fn finish(
 fn folder_and_name(args: &CrackArgs) -> Result<(PathBuf, Option<String>), Failure> {
     let output = &args.output;
     let extension = output.extension().map(|it| it.to_ascii_lowercase());
-    let is_image = extension.is_some_and(|it| it == "png" || it == "jpg" || it == "jpeg");
+    let is_one_of = |known: &[&str]| {
+        extension
+            .as_ref()
+            .is_some_and(|it| known.iter().any(|known| it == known))
+    };
+    let is_image = is_one_of(&["png", "jpg", "jpeg"]);
     let name = output.file_name().and_then(|name| name.to_str());
     let is_folder = output.is_dir() || output.to_string_lossy().ends_with(['/', MAIN_SEPARATOR]);
+    if !is_folder && is_one_of(&["webp", "bmp", "gif", "tif", "tiff"]) {
+        return Err(Failure::wrong_input(format!(
+            "-o {output:?}: images are written as .png, .jpg or .jpeg; choose one of them, or end the name with / for \
+             a folder of that name"
+        )));
+    }
     let Some(name) = name.filter(|_| is_image && !is_folder) else {
         return Ok((output.clone(), None));
     };

@@ -195,8 +195,18 @@ fn say_numbers(study: &Study, screen: &Screen) {
                 .map_or_else(|| "not given".to_owned(), |row| percent(&row.failure_rate))
         };
         let ap50 = ap50.map_or_else(String::new, |row| {
+            let points = |value: f64| format!("{:.1}", value * 100.0);
+            let change = match (row.delta.value, row.delta.interval(), row.p_holm.or(row.p)) {
+                (Some(delta), Some([low, high]), Some(p)) => format!(
+                    " ({} points [{}, {}], p {p:.3})",
+                    points(delta),
+                    points(low),
+                    points(high)
+                ),
+                _ => String::new(),
+            };
             format!(
-                "AP50 {} to {}, ",
+                "AP50 of whole images {} to {}{change}, ",
                 percent(&row.clean),
                 percent(&row.cracked)
             )

@@ -116,7 +116,7 @@ pub enum VideoError {
     },
     /// The extension of the output is none of a known container.
     #[error(
-        "{path:?}: a clip is written as .mp4, .m4v, .mov, .mkv or .avi; choose one of them, or end the name with / \
+        "{path:?}: a clip is written as .mp4, .m4v, .mov, .mkv, .avi or .gif; choose one of them, or end the name with / \
          for a folder of frames"
     )]
     OutputFormat {

@@ -1,5 +1,7 @@
 //! `--experiment paper`: the paper's distributions and its control.
 
+use std::ffi::OsStr;
+
 use starbreak_dataset::SourceFormat;
 use starbreak_eval::divergence::{
     CompareSettings, DivergenceReport, Measure, PAPER_SETS, PaperComparison, paper_experiment,
@@ -7,7 +9,7 @@ use starbreak_eval::divergence::{
 use starbreak_runs::divergence::NamedSet;
 
 use super::show::{self, digits};
-use super::{Reader, finish};
+use super::{Reader, finish, wide};
 use crate::failure::Failure;
 
 /// Fewer make no distribution.
@@ -28,18 +30,23 @@ pub(super) fn run(reader: &Reader<'_>, settings: &CompareSettings) -> Result<u8,
         (&given.bdd, Some(SourceFormat::Bdd)),
         (&given.cats, None),
     ];
-    let mut sets = Vec::new();
+    let limit = reader.args.limit.map(wide);
+    let (mut named, mut small) = (Vec::new(), Vec::new());
     for ((flag, name), (text, layout)) in PAPER_SETS.into_iter().zip(given) {
-        let Some(text) = text else {
-            continue;
-        };
-        let set = reader.read(NamedSet::parse_or(text, name, layout))?;
-        let n = set.summary.n;
-        if n < FEWEST_IMAGES {
-            return Err(Failure::wrong_input(format!(
-                "{flag}: {text:?} has {n} images, of which nothing can be said; give {FEWEST_IMAGES} or more"
-            )));
+        if let Some(text) = text {
+            let set = NamedSet::parse_or(text, name, layout);
+            let set = set.following_links(reader.global.follow_links);
+            small.extend(too_few(flag, text, set.open(limit)?.n()));
+            named.push((flag, text, set));
         }
+    }
+    // Before any is read, which takes minutes.
+    refuse_small(&small)?;
+    let mut sets = Vec::new();
+    for (flag, text, set) in named {
+        let set = reader.read(set)?;
+        // Some may be unreadable.
+        refuse_small(too_few(flag, text, set.summary.n).as_slice())?;
         sets.push(set);
     }
     if sets.len() < 2 {
@@ -64,6 +71,21 @@ pub(super) fn run(reader: &Reader<'_>, settings: &CompareSettings) -> Result<u8,
         screen.note(&format!("note: not given: {missing}"));
     }
     finish(reader, &experiment.report, &experiment)
+}
+
+/// What is said of a set of too few images.
+fn too_few(flag: &str, text: &OsStr, n: usize) -> Option<String> {
+    (n < FEWEST_IMAGES).then(|| format!("{flag}: {text:?} has {n} images"))
+}
+
+fn refuse_small(small: &[String]) -> Result<(), Failure> {
+    match small.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::wrong_input(format!(
+            "{}, of which nothing can be said; give {FEWEST_IMAGES} or more each",
+            small.join("; ")
+        ))),
+    }
 }
 
 fn line(report: &DivergenceReport, comparison: &PaperComparison) -> String {

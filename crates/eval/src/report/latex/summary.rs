@@ -49,7 +49,7 @@ pub(super) fn add(study: &Study, conditions: &[Told<'_>], text: &mut String) {
         text,
         "\\begin{{table}}\n  \\centering\n  \\footnotesize\n  \\setlength{{\\tabcolsep}}{{3pt}}\n  \
          \\caption{{{metric} (\\%) {place}, on {}: clean, damaged, and the difference with its 95\\,\\% interval; \
-         $p$ by permutation, after Holm's correction for all tests of the study.}}\n  \
+         $p$ by permutation, after Holm's correction.}}\n  \
          \\label{{tab:starbreak}}\n  \\begin{{tabular}}{{@{{}}lrrrrr@{{}}}}\n  \\toprule\n  \
          Condition & $n$ & Clean & Dam. & Difference & $p$ \\\\\n  \\midrule",
         escaped(&study.dataset)
