@@ -132,7 +132,7 @@ def test_divergence_says_what_the_command_prints(command, labeled, tmp_path, sma
         (lambda f: compared(f, form="networks"), "or with networks (JSON)"),
         (lambda f: starbreak.evaluate("voc:here", clean=f / "clean.json"), "voc"),
         (lambda f: of(f, protocol="voc"), "coco, kitti, bdd"),
-        (lambda f: of(f, tau=[0.1]), "tau is about the region; give regions or a cracked set"),
+        (lambda f: of(f, tau=[0.1]), "tau is about the region; give regions or a damaged set"),
         (lambda f: of(f, regions=f / "regions", tau=[2.0]), "shares from 0 to 1"),
         (lambda f: of(f, regions=f / "regions", class_agnostic=True), "class-agnostic matching: only for"),
         (lambda f: of(f, score_threshold=float("nan")), "expected 0 to 1"),
