@@ -1,10 +1,13 @@
 //! Ctrl-C: finish what is begun, begin nothing more, leave nothing half-written.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use crate::failure::{Failure, INTERRUPTED};
 use crate::screen::Screen;
+
+/// The flag of this process, whose signals have one listener.
+static OF_PROCESS: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 /// Set once the user has asked to stop.
 #[derive(Debug, Clone)]
@@ -17,16 +20,19 @@ impl Interrupt {
         if let Some(flag) = screen.stop() {
             return Self(flag);
         }
-        let flag = Arc::new(AtomicBool::new(false));
-        let seen = Arc::clone(&flag);
-        // A system without signals cannot be interrupted this way; that is no reason to fail.
-        let _ = ctrlc::set_handler(move || {
-            // Whoever asks twice does not want to wait; what is in its place is whole.
-            if seen.swap(true, Ordering::Relaxed) {
-                std::process::exit(i32::from(INTERRUPTED));
-            }
+        let flag = OF_PROCESS.get_or_init(|| {
+            let flag = Arc::new(AtomicBool::new(false));
+            let seen = Arc::clone(&flag);
+            // A system without signals cannot be interrupted this way; that is no reason to fail.
+            let _ = ctrlc::set_handler(move || {
+                // Whoever asks twice does not want to wait; what is in its place is whole.
+                if seen.swap(true, Ordering::Relaxed) {
+                    std::process::exit(i32::from(INTERRUPTED));
+                }
+            });
+            flag
         });
-        Self(flag)
+        Self(Arc::clone(flag))
     }
 
     pub(crate) fn is_set(&self) -> bool {

@@ -160,5 +160,36 @@ fn a_clip_that_cannot_be_drawn_is_refused_before_the_work() {
             (detect("clip:in.mkv", "dt.json"), "dt.json"),
         ],
     );
+    // Not after the work: of the same name, and audio that the container does not hold.
+    let same = [
+        "detect",
+        "clip:in.mkv",
+        "--model",
+        "none.onnx",
+        "-o",
+        "a.mkv",
+        "--video",
+        "a.mkv",
+    ];
+    let wma = "-f lavfi -i sine=440:d=0.4 -c:v ffv1 -c:a wmav2";
+    studio.make("s=64x64:r=25:d=0.4", wma, "wma.mkv");
+    let audio = [
+        "detect",
+        "clip:wma.mkv",
+        "--model",
+        "none.onnx",
+        "-o",
+        "dt.json",
+        "--video",
+        "a.mp4",
+    ];
+    for args in [same, audio] {
+        let refused = common::starbreak(at, &[&args[..], &["--ffmpeg", ffmpeg]].concat());
+        assert_ne!(refused.code, Some(0), "{refused:?}");
+        assert!(
+            !refused.stderr.contains("none.onnx"),
+            "before the model: {refused:?}"
+        );
+    }
     assert!(!at.join("dt.json").exists(), "nothing is written");
 }

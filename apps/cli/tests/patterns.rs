@@ -40,7 +40,8 @@ fn a_bank_is_written_out_as_images_of_its_patterns() {
             "pattern_000001.png",
             "pattern_000002.png",
         ];
-        assert_eq!(names(&at(&out)), files, "{bank}");
+        let with_list = [&files[..], &["written.json"]].concat();
+        assert_eq!(names(&at(&out)), with_list, "{bank}");
         let images = files.map(|name| common::raw_png(&at(&out).join(name)));
         for image in &images {
             assert_eq!(image.size, (320, 200), "{bank}");
@@ -67,10 +68,49 @@ fn a_bank_is_written_out_as_images_of_its_patterns() {
             "{bank}: -n"
         );
     }
+    // Those of another bank take the place of all of them, and of nobody else's.
+    let fewer = [
+        "patterns",
+        "--images-of",
+        "physics",
+        "-n",
+        "1",
+        "-o",
+        "paper-images",
+    ];
+    succeed(dir.path(), &fewer);
+    let left = ["pattern_000000.png", "written.json"];
+    assert_eq!(names(&at("paper-images")), left, "no patterns of two banks");
+    fs::create_dir(at("taken")).unwrap();
+    fs::write(at("taken/pattern_000001.png"), "somebody's").unwrap();
     let cases = [
         (
-            vec!["patterns", "--images-of", "paper", "-o", "paper-images"],
-            "pattern_000000.png",
+            vec!["patterns", "--images-of", "paper", "-o", "taken"],
+            "pattern_000001.png",
+        ),
+        (
+            vec![
+                "patterns",
+                "--images-of",
+                "paper",
+                "-o",
+                "new",
+                "--overlay-gain",
+                "3",
+            ],
+            "--overlay-gain",
+        ),
+        (
+            vec![
+                "patterns",
+                "--images-of",
+                "paper",
+                "-o",
+                "new",
+                "--seed",
+                "3",
+            ],
+            "--seed",
         ),
         (
             vec!["patterns", "--images-of", "paper", "-n", "4", "-o", "new"],

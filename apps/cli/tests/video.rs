@@ -258,6 +258,10 @@ fn a_gif_has_all_frames_and_their_colors_but_no_audio() {
         assert!(mean < 6.0, "frame {k}: {mean} codes off");
     }
     assert_eq!(studio.track("a.gif")["n_frames"], 25, "track");
+    studio.make("s=160x120:r=60:d=0.2", "-c:v libx264", "fast.mp4");
+    let refused = studio.video(&["fast.mp4", "-o", "fast.gif"]);
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(refused.stderr.contains("at most 50"), "{refused:?}");
 }
 
 #[test]

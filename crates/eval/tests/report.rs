@@ -411,6 +411,7 @@ fn a_column_of_latex_says_what_a_study_comes_to() {
                 && row.scope.kind == ScopeKind::InRegion
         })
         .unwrap();
+    let row_scope = row.scope.clone();
     let percent = |value: Option<f64>| format!("{:.1}", value.unwrap() * 100.0);
     assert_eq!(rows[1][1], row.n_objects.to_string(), "objects");
     assert_eq!(rows[1][2], percent(row.clean.value), "clean, alone");
@@ -423,7 +424,24 @@ fn a_column_of_latex_says_what_a_study_comes_to() {
     );
     assert_eq!(rows[1][4], difference, "with its interval");
     let p: f64 = rows[1][5].trim_start_matches("$<$").parse().unwrap();
-    assert!((p - row.p_holm.or(row.p).unwrap()).abs() < 1.1e-3, "p {p}");
+    assert!((p - row.p_holm.unwrap()).abs() < 1.1e-3, "p {p}");
+
+    // KITTI has no AP of all classes, and AP50 is not its number.
+    let mut of_kitti = study;
+    of_kitti.provenance.settings.protocol = "kitti".to_owned();
+    let mut car = of_kitti.evaluations[0].paired[0].clone();
+    car.scope = row_scope;
+    car.metric = PairedMetric::KittiAp40;
+    car.group = Group {
+        kind: GroupKind::Class,
+        name: "Car".to_owned(),
+    };
+    of_kitti.evaluations[0].paired.push(car);
+    let text = latex(&of_kitti);
+    let column = text.split("\\begin{table*}").next().unwrap();
+    let rows: Vec<&str> = column.lines().filter(|line| line.contains(" & ")).collect();
+    assert_eq!(rows.len(), 2, "a head, and the one class: {rows:?}");
+    assert!(rows[1].contains(", Car &"), "{rows:?}");
 }
 
 #[test]

@@ -112,7 +112,7 @@ impl OverlayArgs {
         };
         if folder.join(BANK_FILE).is_file() {
             return Err(Failure::wrong_input(format!(
-                "{folder:?} is a bank of cracks, not of photos; name it with --bank"
+                "{folder:?} is a bank of cracks, not of photos; `generate --bank` takes it"
             )));
         }
         if !is_bank(folder) {

@@ -37,7 +37,7 @@ pub(crate) struct PatternsArgs {
     pub(crate) overlay: OverlayArgs,
     /// Write the patterns of a bank as PNG files to the output folder instead: on black as the
     /// paper's optics draw them, or their crack masks; -n for the first N only
-    #[arg(long, value_name = "BANK", conflicts_with_all = ["overlays", "size", "sizes_of", "info", "check", "preset", "recipe", "severity", "camera", "set"])]
+    #[arg(long, value_name = "BANK", conflicts_with_all = ["overlays", "size", "sizes_of", "most_sizes", "seed", "info", "check", "preset", "recipe", "severity", "camera", "set"])]
     pub(crate) images_of: Option<PathBuf>,
     /// Print what a bank was made from, and its size, instead
     #[arg(long, value_name = "BANK", conflicts_with_all = ["n", "output", "check"])]

@@ -4,13 +4,15 @@ use std::path::Path;
 
 use image::RgbImage;
 use starbreak_dataset::video::{ClipFormat, ClipStream, Ffmpeg};
-use starbreak_dataset::{DatasetError, OutputBatch, same_file};
+use starbreak_dataset::{DatasetError, OutputBatch, is_inside, same_file};
 use starbreak_eval::chart::{Anchor, Shape};
 
 use super::detect::{Looked, Run, interrupted};
 use super::raster::draw;
+use crate::args::detect::ResultFormat;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::screen::path_text;
 
 /// Boxes below this score are not drawn; `evaluate` counts an object as found from here on, too.
 const MIN_SCORE: f64 = 0.3;
@@ -38,7 +40,7 @@ pub(super) fn refuse(run: &Run<'_>, clip: Option<&Path>) -> Result<(), Failure> 
             "--video draws boxes into a clip; give clip:FILE with it",
         ));
     };
-    ClipFormat::of(video, false).map_err(DatasetError::from)?;
+    let format = ClipFormat::of(video, false).map_err(DatasetError::from)?;
     if same_file(clip, video) {
         return Err(DatasetError::OutputIsInput {
             input: clip.to_owned(),
@@ -46,8 +48,38 @@ pub(super) fn refuse(run: &Run<'_>, clip: Option<&Path>) -> Result<(), Failure> 
         }
         .into());
     }
-    run.global.batch().reserve(video)?;
+    if run.args.format == ResultFormat::Kitti && is_inside(video, run.output) {
+        return Err(Failure::wrong_input(format!(
+            "--video {video:?} lies in the folder of the detections {:?}; choose another place",
+            run.output
+        )));
+    }
+    let mut trial = run.global.batch();
+    if run.args.format != ResultFormat::Kitti {
+        trial.reserve(run.output)?;
+    }
+    let file = trial.reserve(video)?;
+    // What ffmpeg cannot write, such as this audio in this container, it says at the first frame.
+    let ffmpeg = Ffmpeg::at(&run.args.reader.ffmpeg).map_err(DatasetError::from)?;
+    let info = ffmpeg.probe(clip)?;
+    format
+        .check_rate((info.rate, info.has_constant_rate), clip, video)
+        .map_err(DatasetError::from)?;
+    let stream = ClipStream::like(&info);
+    let mut writer = ffmpeg
+        .write(&file, video, format, &stream, audio_of(run, clip))
+        .map_err(DatasetError::from)?;
+    let black = RgbImage::new(info.width_px, info.height_px);
+    writer
+        .write_frame(info.first_ticks, &black)
+        .map_err(DatasetError::from)?;
+    writer.finish().map_err(DatasetError::from)?;
     Ok(())
+}
+
+/// The clip whose audio goes with all of the frames; that of a part would go on after them.
+fn audio_of<'a>(run: &Run<'_>, clip: &'a Path) -> Option<&'a Path> {
+    run.args.limit.is_none().then_some(clip)
 }
 
 /// Reads the clip again, and writes it with the boxes as a file of the batch.
@@ -65,7 +97,7 @@ pub(super) fn stage(
     let interrupt = Interrupt::listen(run.screen);
     let mut reader = ffmpeg.read(clip, &info).map_err(DatasetError::from)?;
     let mut writer = ffmpeg
-        .write(&file, video, format, &stream, Some(clip))
+        .write(&file, video, format, &stream, audio_of(run, clip))
         .map_err(DatasetError::from)?;
     let progress = run
         .screen
@@ -105,6 +137,8 @@ pub(super) fn stage(
     }
     progress.finish();
     writer.finish().map_err(DatasetError::from)?;
+    run.screen
+        .say(&format!("boxes drawn in {}", path_text(video)));
     Ok(())
 }
 
@@ -122,6 +156,16 @@ fn draw_box(image: &mut RgbImage, corners: [f64; 4], words: &str, place: usize) 
     let [y0, y1] = [y0, y1].map(|y| y.clamp(-width_px, height + width_px));
     let size_px = (height / 42.0).max(10.0);
     let corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]];
+    // Side by side: what a line encloses is looked through pixel by pixel.
+    for side in corners.windows(2) {
+        let line = Shape::Line {
+            points: side.to_vec(),
+            color: color.into(),
+            width_px,
+            dashes: &[],
+        };
+        draw(image, &line, 1.0);
+    }
     // All letters of the font are equally wide.
     let letters = u32::try_from(words.chars().count()).unwrap_or(0);
     let length = 0.602 * size_px * f64::from(letters) + 0.4 * size_px;
@@ -131,12 +175,6 @@ fn draw_box(image: &mut RgbImage, corners: [f64; 4], words: &str, place: usize) 
     };
     let left = x0.min(width - length).max(0.0);
     let shapes = [
-        Shape::Line {
-            points: corners.to_vec(),
-            color: color.into(),
-            width_px,
-            dashes: &[],
-        },
         Shape::Area {
             points: vec![
                 [left, top],

@@ -70,6 +70,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<u8, Failure> {
 /// `starbreak patterns`: makes a bank of either kind, or says what is in one.
 fn bank(global: &Global, args: &PatternsArgs, screen: &Screen) -> Result<u8, Failure> {
     if let (Some(bank), Some(output)) = (&args.images_of, &args.output) {
+        args.overlay.refuse_idle(false, true)?;
         return pattern_images::run(global, bank, (args.n, output), screen);
     }
     match (&args.info, &args.check, args.n, &args.output) {

@@ -9,6 +9,7 @@ use starbreak_runs::bank::PatternBank;
 use starbreak_runs::with_threads;
 
 use crate::args::Global;
+use crate::args::overlay::is_bank as is_overlay_bank;
 use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
@@ -23,6 +24,11 @@ pub(crate) fn run(
     (n, output): (Option<u32>, &Path),
     screen: &Screen,
 ) -> Result<u8, Failure> {
+    if is_overlay_bank(path) {
+        return Err(Failure::wrong_input(format!(
+            "{path:?} is a bank of photos; --images-of writes those of cracks"
+        )));
+    }
     let bank = PatternBank::open(path)?;
     let n = n.map_or(bank.len(), |n| n as usize);
     if n > bank.len() {
@@ -34,10 +40,16 @@ pub(crate) fn run(
     let files: Vec<PathBuf> = (0..n)
         .map(|idx| output.join(format!("pattern_{idx:06}.png")))
         .collect();
-    global.refuse_taken(&files)?;
+    let batch = || {
+        let list = output.join("written.json");
+        global.batch().with_list(&list, "patterns --images-of")
+    };
+    for file in &files {
+        batch().may_write(file)?;
+    }
     let interrupt = Interrupt::listen(screen);
     let progress = screen.progress(n as u64, "images");
-    let mut batch = global.batch();
+    let mut batch = batch();
     let idxs: Vec<usize> = (0..n).collect();
     for some in idxs.chunks(AT_ONCE) {
         interrupt.check()?;

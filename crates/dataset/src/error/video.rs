@@ -139,6 +139,19 @@ pub enum VideoError {
         /// The output.
         output: PathBuf,
     },
+    /// More frames per second than a GIF shows.
+    #[error(
+        "{input:?} has {rate:.4} frames per second, and a .gif shows at most 50; write {output:?} as .mp4, or give \
+         fewer frames"
+    )]
+    GifRate {
+        /// The clip.
+        input: PathBuf,
+        /// The output.
+        output: PathBuf,
+        /// Its frames per second.
+        rate: f64,
+    },
     /// A folder without frames.
     #[error("{path:?} has no frames; expected files that end in .png, .jpg or .jpeg")]
     NoFrames {

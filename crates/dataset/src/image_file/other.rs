@@ -10,9 +10,6 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageResult};
 use super::{Decoded, ImageFormat, ImageLimits};
 use crate::error::{DatasetError, one_line};
 
-/// Most memory that a decoder takes for a pixel beside its own 16 bytes.
-const BYTES_PER_PIXEL: u64 = 20;
-
 pub(super) fn decode(
     name: &str,
     bytes: &[u8],
@@ -33,9 +30,6 @@ pub(super) fn decode(
     let mut decoder = decoder_of(Cursor::new(bytes), format).map_err(error)?;
     let (width_px, height_px) = decoder.dimensions();
     limits.check_size(name, width_px, height_px)?;
-    let mut memory = image::Limits::no_limits();
-    memory.max_alloc = Some(limits.max_pixels.saturating_mul(BYTES_PER_PIXEL));
-    decoder.set_limits(memory).map_err(error)?;
     let orientation = decoder.orientation().map_err(error)?;
     let icc_profile = decoder.icc_profile().map_err(error)?;
     Ok(Decoded {
@@ -92,6 +86,11 @@ fn dataset_error(
                 n_bytes,
             }
         }
+        ImageError::Unsupported(_) => DatasetError::UnsupportedFeature {
+            name,
+            format,
+            reason: one_line(error),
+        },
         other => DatasetError::Corrupt {
             name,
             format,

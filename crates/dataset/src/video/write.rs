@@ -64,6 +64,29 @@ impl ClipFormat {
         }
     }
 
+    /// Refuses times that the container cannot hold: those of a variable rate in `.avi`, more than 50
+    /// frames per second in `.gif`.
+    ///
+    /// # Errors
+    /// [`VideoError::VariableRate`], [`VideoError::GifRate`].
+    pub fn check_rate(
+        self,
+        (rate, is_constant): (Fraction, bool),
+        input: &Path,
+        output: &Path,
+    ) -> Result<(), VideoError> {
+        let (input, output) = (input.to_owned(), output.to_owned());
+        match self {
+            Self::Avi if !is_constant => Err(VideoError::VariableRate { input, output }),
+            Self::Gif if rate.value() > 50.0 => Err(VideoError::GifRate {
+                input,
+                output,
+                rate: rate.value(),
+            }),
+            _ => Ok(()),
+        }
+    }
+
     fn muxer(self) -> &'static str {
         match self {
             Self::Mp4 => "mp4",

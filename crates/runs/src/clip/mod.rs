@@ -17,9 +17,7 @@ use std::sync::atomic::AtomicBool;
 
 use serde_json::Value;
 use starbreak::Chain;
-use starbreak_dataset::video::{
-    Ffmpeg, Fraction, VideoError, holds_anything, is_folder, is_inside,
-};
+use starbreak_dataset::video::{Ffmpeg, Fraction, holds_anything, is_folder, is_inside};
 use starbreak_dataset::{
     DatasetError, OutputBatch, blake3_hex, read_bytes, refuse_inside_set, same_file, sha256_hex,
 };
@@ -220,16 +218,18 @@ impl Clip {
                 last_frame_s,
             }));
         }
-        if let (Target::Clip(format), Source::Clip { info, path, .. }) = (target, &source)
-            && format == starbreak_dataset::video::ClipFormat::Avi
-            && !info.has_constant_rate
-        {
-            return Err(Error::Dataset(DatasetError::Video(
-                VideoError::VariableRate {
-                    input: path.clone(),
-                    output: request.output.clone(),
-                },
-            )));
+        if let Target::Clip(format) = target {
+            let is_constant = match &source {
+                Source::Clip { info, .. } => info.has_constant_rate,
+                Source::Folder { .. } => true,
+            };
+            format
+                .check_rate(
+                    (source.rate(), is_constant),
+                    &request.input,
+                    &request.output,
+                )
+                .map_err(DatasetError::from)?;
         }
         Ok(Self {
             request,

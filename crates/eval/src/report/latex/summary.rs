@@ -32,7 +32,7 @@ pub(super) fn add(study: &Study, conditions: &[Told<'_>], text: &mut String) {
                     number(&alone(&row.clean), &mut reasons),
                     number(&alone(&row.cracked), &mut reasons),
                     number(&row.delta, &mut reasons),
-                    p_text(row.p_holm.or(row.p))
+                    p_text(row.p_holm)
                 );
             }
         }
@@ -41,15 +41,19 @@ pub(super) fn add(study: &Study, conditions: &[Told<'_>], text: &mut String) {
         Some(tau) => format!("of the $n$ objects in the damaged region ($\\tau = {tau}$)"),
         None => "of all $n$ objects".to_owned(),
     };
-    let metric = match study.provenance.settings.protocol.as_str() {
-        "kitti" => "AP40 of moderate objects",
-        _ => "AP50",
+    let metric = match is_of_kitti(study) {
+        true => "AP40 of moderate objects",
+        false => "AP50",
+    };
+    let seeds = match conditions.iter().any(|one| one.is_pooled) {
+        true => " Values over several seeds are means; an object counts once per seed.",
+        false => "",
     };
     let _ = writeln!(
         text,
         "\\begin{{table}}\n  \\centering\n  \\footnotesize\n  \\setlength{{\\tabcolsep}}{{3pt}}\n  \
          \\caption{{{metric} (\\%) {place}, on {}: clean, damaged, and the difference with its 95\\,\\% interval; \
-         $p$ by permutation, after Holm's correction.}}\n  \
+         $p$ by permutation, after Holm's correction.{seeds}}}\n  \
          \\label{{tab:starbreak}}\n  \\begin{{tabular}}{{@{{}}lrrrrr@{{}}}}\n  \\toprule\n  \
          Condition & $n$ & Clean & Dam. & Difference & $p$ \\\\\n  \\midrule",
         escaped(&study.dataset)
@@ -63,15 +67,18 @@ pub(super) fn add(study: &Study, conditions: &[Told<'_>], text: &mut String) {
 /// All classes together; of KITTI, which has no mean over classes, each of them.
 fn rows_of<'a>(study: &Study, paired: &'a [PairedRow]) -> Vec<&'a PairedRow> {
     let scope = main_scope(study, &[paired]);
-    let is_main = |row: &&PairedRow| match row.metric {
-        PairedMetric::Ap50 => row.group.kind == GroupKind::All,
-        PairedMetric::KittiAp40 => true,
-        _ => false,
+    let is_main = |row: &&PairedRow| match is_of_kitti(study) {
+        true => row.metric == PairedMetric::KittiAp40,
+        false => row.metric == PairedMetric::Ap50 && row.group.kind == GroupKind::All,
     };
     let rows = paired
         .iter()
         .filter(|row| Some(&row.scope) == scope.as_ref());
     rows.filter(is_main).collect()
+}
+
+fn is_of_kitti(study: &Study) -> bool {
+    study.provenance.settings.protocol == "kitti"
 }
 
 /// A number without its interval: the difference has one.
