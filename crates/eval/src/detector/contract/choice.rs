@@ -224,7 +224,8 @@ fn by_two_outputs(facts: &ModelFacts) -> Vec<Candidate> {
     let has = |name: &str| facts.output(name);
     if let (Some(boxes), Some(labels)) = (has("dets"), has("labels")) {
         return match (boxes.side(2), labels.rank()) {
-            (Some(5), Some(2) | None) => vec![(
+            // MMDeploy's exports may leave the five numbers open.
+            (Some(5), Some(2) | None) | (None, Some(2)) => vec![(
                 "mmdeploy",
                 format!("its outputs are boxes with scores, and labels: {boxes}, {labels}"),
             )],
