@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use image::RgbImage;
-use starbreak_dataset::video::{ClipFormat, ClipStream, Ffmpeg};
+use starbreak_dataset::video::{ClipFormat, ClipInfo, ClipStream, ClipWriter, Ffmpeg};
 use starbreak_dataset::{DatasetError, OutputBatch, is_inside, same_file};
 use starbreak_eval::chart::{Anchor, Shape};
 
@@ -30,116 +30,139 @@ const COLORS: [(&str, &str); 6] = [
     ("#cc79a7", "#000000"),
 ];
 
-/// The clip to be written can be, and is not the one that is read: better said before the work.
-pub(super) fn refuse(run: &Run<'_>, clip: Option<&Path>) -> Result<(), Failure> {
-    let Some(video) = &run.args.video else {
-        return Ok(());
-    };
-    let Some(clip) = clip.filter(|clip| !clip.is_dir()) else {
-        return Err(Failure::wrong_input(
-            "--video draws boxes into a clip; give clip:FILE with it",
-        ));
-    };
-    let format = ClipFormat::of(video, false).map_err(DatasetError::from)?;
-    if same_file(clip, video) {
-        return Err(DatasetError::OutputIsInput {
-            input: clip.to_owned(),
-            output: video.clone(),
-        }
-        .into());
-    }
-    if run.args.format == ResultFormat::Kitti && is_inside(video, run.output) {
-        return Err(Failure::wrong_input(format!(
-            "--video {video:?} lies in the folder of the detections {:?}; choose another place",
-            run.output
-        )));
-    }
-    let mut trial = run.global.batch();
-    if run.args.format != ResultFormat::Kitti {
-        trial.reserve(run.output)?;
-    }
-    let file = trial.reserve(video)?;
-    // What ffmpeg cannot write, such as this audio in this container, it says at the first frame.
-    let ffmpeg = Ffmpeg::at(&run.args.reader.ffmpeg).map_err(DatasetError::from)?;
-    let info = ffmpeg.probe(clip)?;
-    format
-        .check_rate((info.rate, info.has_constant_rate), clip, video)
-        .map_err(DatasetError::from)?;
-    let stream = ClipStream::like(&info);
-    let mut writer = ffmpeg
-        .write(&file, video, format, &stream, audio_of(run, clip))
-        .map_err(DatasetError::from)?;
-    let black = RgbImage::new(info.width_px, info.height_px);
-    writer
-        .write_frame(info.first_ticks, &black)
-        .map_err(DatasetError::from)?;
-    writer.finish().map_err(DatasetError::from)?;
-    Ok(())
+/// A clip that is to be written with boxes, once it is known that it can be.
+#[derive(Debug)]
+pub(super) struct BoxedClip<'a> {
+    clip: &'a Path,
+    video: &'a Path,
+    /// Whose audio goes with the frames; that of a part of them would go on after it.
+    audio: Option<&'a Path>,
+    ffmpeg: Ffmpeg,
+    info: ClipInfo,
+    format: ClipFormat,
 }
 
-/// The clip whose audio goes with all of the frames; that of a part would go on after them.
-fn audio_of<'a>(run: &Run<'_>, clip: &'a Path) -> Option<&'a Path> {
-    run.args.limit.is_none().then_some(clip)
-}
-
-/// Reads the clip again, and writes it with the boxes as a file of the batch.
-pub(super) fn stage(
-    run: &Run<'_>,
-    (clip, video): (&Path, &Path),
-    looked: &Looked,
-    batch: &mut OutputBatch,
-) -> Result<(), Failure> {
-    let ffmpeg = Ffmpeg::at(&run.args.reader.ffmpeg).map_err(DatasetError::from)?;
-    let info = ffmpeg.probe(clip)?;
-    let format = ClipFormat::of(video, false).map_err(DatasetError::from)?;
-    let file = batch.reserve(video)?;
-    let stream = ClipStream::like(&info);
-    let interrupt = Interrupt::listen(run.screen);
-    let mut reader = ffmpeg.read(clip, &info).map_err(DatasetError::from)?;
-    let mut writer = ffmpeg
-        .write(&file, video, format, &stream, audio_of(run, clip))
-        .map_err(DatasetError::from)?;
-    let progress = run
-        .screen
-        .progress(looked.seen.len() as u64, "frames with boxes");
-    for found in &looked.seen {
-        if interrupt.is_set() {
-            return Err(interrupted());
-        }
-        let Some(frame) = reader.next_frame().map_err(DatasetError::from)? else {
-            break;
+impl<'a> BoxedClip<'a> {
+    /// The clip that was asked for. Refuses one that cannot be written, or would take the place of the
+    /// one that is read: better said before the work.
+    pub(super) fn of(run: &Run<'a>, clip: Option<&'a Path>) -> Result<Option<Self>, Failure> {
+        let Some(video) = &run.args.video else {
+            return Ok(None);
         };
-        let mut pixels = frame.pixels;
-        // The surest last, on top of the others.
-        let boxes = found.as_ref().map_or(&[][..], |found| &found.detections);
-        for raw in boxes.iter().rev() {
-            if raw.score >= MIN_SCORE
-                && let Some(category) = looked.map.category(raw.class)
-            {
-                let name = looked.referred.labels.categories.get(category as usize);
-                let name = name.map_or("", |category| category.name.as_str());
-                let name: String = name.chars().take(MAX_LETTERS).collect();
-                let words = format!("{name} {:.2}", raw.score);
-                let sides = raw.box_px;
-                let corners = [
-                    sides.x,
-                    sides.y,
-                    sides.x + sides.width,
-                    sides.y + sides.height,
-                ];
-                draw_box(&mut pixels, corners, &words, category as usize);
+        let Some(clip) = clip.filter(|clip| !clip.is_dir()) else {
+            return Err(Failure::wrong_input(
+                "--video draws boxes into a clip; give clip:FILE with it",
+            ));
+        };
+        let format = ClipFormat::of(video, false).map_err(DatasetError::from)?;
+        if same_file(clip, video) {
+            return Err(DatasetError::OutputIsInput {
+                input: clip.to_owned(),
+                output: video.clone(),
             }
+            .into());
         }
-        writer
-            .write_frame(frame.ticks, &pixels)
+        if run.args.format == ResultFormat::Kitti && is_inside(video, run.output) {
+            return Err(Failure::wrong_input(format!(
+                "--video {video:?} lies in the folder of the detections {:?}; choose another place",
+                run.output
+            )));
+        }
+        let mut trial = run.global.batch();
+        if run.args.format != ResultFormat::Kitti {
+            trial.reserve(run.output)?;
+        }
+        let file = trial.reserve(video)?;
+        let ffmpeg = Ffmpeg::at(&run.args.reader.ffmpeg).map_err(DatasetError::from)?;
+        let info = ffmpeg.probe(clip)?;
+        format
+            .check_rate((info.rate, info.has_constant_rate), clip, video)
             .map_err(DatasetError::from)?;
-        progress.step();
+        let boxed = Self {
+            clip,
+            video,
+            audio: run.args.limit.is_none().then_some(clip),
+            ffmpeg,
+            info,
+            format,
+        };
+        boxed.try_writing(&file)?;
+        Ok(Some(boxed))
     }
-    progress.finish();
-    writer.finish().map_err(DatasetError::from)?;
-    run.screen
-        .say(&format!("boxes drawn in {}", path_text(video)));
-    Ok(())
+
+    /// Writes a black frame: what ffmpeg cannot write, such as this audio in this container, it says then.
+    fn try_writing(&self, file: &Path) -> Result<(), Failure> {
+        let mut writer = self.writer(file)?;
+        let black = RgbImage::new(self.info.width_px, self.info.height_px);
+        writer
+            .write_frame(self.info.first_ticks, &black)
+            .map_err(DatasetError::from)?;
+        writer.finish().map_err(DatasetError::from)?;
+        Ok(())
+    }
+
+    /// What writes frames into a file under a temporary name.
+    fn writer(&self, file: &Path) -> Result<ClipWriter, Failure> {
+        let stream = ClipStream::like(&self.info);
+        let writer = self
+            .ffmpeg
+            .write(file, self.video, self.format, &stream, self.audio);
+        Ok(writer.map_err(DatasetError::from)?)
+    }
+
+    /// Reads the clip again, and writes it with the boxes as a file of the batch.
+    pub(super) fn stage(
+        &self,
+        run: &Run<'_>,
+        looked: &Looked,
+        batch: &mut OutputBatch,
+    ) -> Result<(), Failure> {
+        let interrupt = Interrupt::listen(run.screen);
+        let reader = self.ffmpeg.read(self.clip, &self.info);
+        let mut reader = reader.map_err(DatasetError::from)?;
+        let mut writer = self.writer(&batch.reserve(self.video)?)?;
+        let progress = run
+            .screen
+            .progress(looked.seen.len() as u64, "frames with boxes");
+        for found in &looked.seen {
+            if interrupt.is_set() {
+                return Err(interrupted());
+            }
+            let Some(frame) = reader.next_frame().map_err(DatasetError::from)? else {
+                break;
+            };
+            let mut pixels = frame.pixels;
+            // The surest last, on top of the others.
+            let boxes = found.as_ref().map_or(&[][..], |found| &found.detections);
+            for raw in boxes.iter().rev() {
+                if raw.score >= MIN_SCORE
+                    && let Some(category) = looked.map.category(raw.class)
+                {
+                    let name = looked.referred.labels.categories.get(category as usize);
+                    let name = name.map_or("", |category| category.name.as_str());
+                    let name: String = name.chars().take(MAX_LETTERS).collect();
+                    let words = format!("{name} {:.2}", raw.score);
+                    let sides = raw.box_px;
+                    let corners = [
+                        sides.x,
+                        sides.y,
+                        sides.x + sides.width,
+                        sides.y + sides.height,
+                    ];
+                    draw_box(&mut pixels, corners, &words, category as usize);
+                }
+            }
+            writer
+                .write_frame(frame.ticks, &pixels)
+                .map_err(DatasetError::from)?;
+            progress.step();
+        }
+        progress.finish();
+        writer.finish().map_err(DatasetError::from)?;
+        run.screen
+            .say(&format!("boxes drawn in {}", path_text(self.video)));
+        Ok(())
+    }
 }
 
 /// A frame of lines with its words above it, or within it at the upper rim.

@@ -11,6 +11,7 @@ use starbreak_runs::images::{
 use starbreak_runs::{Patterns, RunContext, with_threads};
 
 use super::generate::patterns;
+use super::simulate::extension;
 use crate::args::Global;
 use crate::args::crack::CrackArgs;
 use crate::failure::{DONE, Failure, SOME_FAILED};
@@ -143,16 +144,12 @@ fn finish(
 /// The output folder, and the name of the damaged image where the output is named as one.
 fn folder_and_name(args: &CrackArgs) -> Result<(PathBuf, Option<String>), Failure> {
     let output = &args.output;
-    let extension = output.extension().map(|it| it.to_ascii_lowercase());
-    let is_one_of = |known: &[&str]| {
-        extension
-            .as_ref()
-            .is_some_and(|it| known.iter().any(|known| it == known))
-    };
-    let is_image = is_one_of(&["png", "jpg", "jpeg"]);
+    let extension = extension(output);
+    let is_image = matches!(extension.as_str(), "png" | "jpg" | "jpeg");
+    let is_other_image = matches!(extension.as_str(), "webp" | "bmp" | "gif" | "tif" | "tiff");
     let name = output.file_name().and_then(|name| name.to_str());
     let is_folder = output.is_dir() || output.to_string_lossy().ends_with(['/', MAIN_SEPARATOR]);
-    if !is_folder && is_one_of(&["webp", "bmp", "gif", "tif", "tiff"]) {
+    if is_other_image && !is_folder {
         return Err(Failure::wrong_input(format!(
             "-o {output:?}: images are written as .png, .jpg or .jpeg; choose one of them, or end the name with / for \
              a folder of that name"

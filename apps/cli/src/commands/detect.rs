@@ -14,8 +14,9 @@ use starbreak_eval::detector::{
 };
 use starbreak_eval::{Detection, Detections, EvalError, LabelSet};
 
+use super::boxed_clip::BoxedClip;
+use super::detect_clip;
 use super::detect_labels::Referred;
-use super::{boxed_clip, detect_clip};
 use crate::args::Global;
 use crate::args::detect::{DetectArgs, ResultFormat};
 use crate::failure::{DONE, Failure, SOME_FAILED};
@@ -42,7 +43,7 @@ pub(crate) fn run(global: &Global, args: &DetectArgs, screen: &Screen) -> Result
     };
     run.refuse_output()?;
     let clip = detect_clip::clip_of(source);
-    boxed_clip::refuse(&run, clip.as_deref())?;
+    let boxed = BoxedClip::of(&run, clip.as_deref())?;
     let looked = match &clip {
         Some(clip) => detect_clip::look(&run, clip)?,
         None => look(&run, source)?,
@@ -62,8 +63,8 @@ pub(crate) fn run(global: &Global, args: &DetectArgs, screen: &Screen) -> Result
         });
     }
     let mut batch = run.batch();
-    if let (Some(clip), Some(video)) = (&clip, &args.video) {
-        boxed_clip::stage(&run, (clip, video), &looked, &mut batch)?;
+    if let Some(boxed) = &boxed {
+        boxed.stage(&run, &looked, &mut batch)?;
     }
     stage(&run, &results.detections, &looked.referred, &mut batch)?;
     batch.commit()?;

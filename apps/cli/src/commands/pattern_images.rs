@@ -40,16 +40,11 @@ pub(crate) fn run(
     let files: Vec<PathBuf> = (0..n)
         .map(|idx| output.join(format!("pattern_{idx:06}.png")))
         .collect();
-    let batch = || {
-        let list = output.join("written.json");
-        global.batch().with_list(&list, "patterns --images-of")
-    };
-    for file in &files {
-        batch().may_write(file)?;
-    }
+    let list = output.join("written.json");
+    let mut batch = global.batch().with_list(&list, "patterns --images-of");
+    files.iter().try_for_each(|file| batch.may_write(file))?;
     let interrupt = Interrupt::listen(screen);
     let progress = screen.progress(n as u64, "images");
-    let mut batch = batch();
     let idxs: Vec<usize> = (0..n).collect();
     for some in idxs.chunks(AT_ONCE) {
         interrupt.check()?;

@@ -183,7 +183,7 @@ fn is_animation(to: &Path) -> bool {
     ["png", "apng"].contains(&extension(to).as_str())
 }
 
-fn extension(path: &Path) -> String {
+pub(super) fn extension(path: &Path) -> String {
     let extension = path.extension().unwrap_or_default();
     extension.to_string_lossy().to_lowercase()
 }

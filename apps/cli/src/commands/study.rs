@@ -139,11 +139,10 @@ fn conditions_of(global: &Global, args: &StudyArgs) -> Result<Vec<Condition>, Fa
             ),
         });
     }
-    if args.overlays.is_some() {
-        let recipe = match families.first() {
-            Some(Family::Preset(name)) => Recipe::preset(name)?,
-            Some(Family::Recipe(_, recipe) | Family::Photos(_, recipe)) => (**recipe).clone(),
-            None => Recipe::preset(DEFAULT_PRESET)?,
+    if let (Some(_), Some(first)) = (&args.overlays, families.first()) {
+        let recipe = match first {
+            Family::Preset(name) => Recipe::preset(name)?,
+            Family::Recipe(_, recipe) | Family::Photos(_, recipe) => (**recipe).clone(),
         };
         families.push(Family::Photos(PHOTOS.to_owned(), Box::new(recipe)));
     }

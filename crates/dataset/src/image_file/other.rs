@@ -4,9 +4,9 @@ use std::io::{BufRead, Cursor, Seek};
 
 use image::codecs::bmp::BmpDecoder;
 use image::codecs::webp::WebPDecoder;
-use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageResult};
 
+use super::size::turned;
 use super::{Decoded, ImageFormat, ImageLimits};
 use crate::error::{DatasetError, one_line};
 
@@ -46,14 +46,8 @@ pub(super) fn size(
 ) -> std::io::Result<Option<(u32, u32)>> {
     let upright = || -> ImageResult<(u32, u32)> {
         let mut decoder = decoder_of(reader, format)?;
-        let (width_px, height_px) = decoder.dimensions();
-        Ok(match decoder.orientation()? {
-            Orientation::Rotate90
-            | Orientation::Rotate270
-            | Orientation::Rotate90FlipH
-            | Orientation::Rotate270FlipH => (height_px, width_px),
-            _ => (width_px, height_px),
-        })
+        let orientation = decoder.orientation()?;
+        Ok(turned(decoder.dimensions(), orientation))
     };
     upright().map(Some).map_err(|error| match error {
         ImageError::IoError(error) => error,

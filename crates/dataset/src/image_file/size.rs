@@ -81,14 +81,19 @@ pub fn image_size(path: &Path) -> Result<(u32, u32), DatasetError> {
 
 /// Width and height as they are shown.
 fn upright(size_px: (u32, u32), exif: Option<&[u8]>) -> (u32, u32) {
-    let (w, h) = size_px;
     match exif.and_then(Orientation::from_exif_chunk) {
-        Some(
-            Orientation::Rotate90
-            | Orientation::Rotate270
-            | Orientation::Rotate90FlipH
-            | Orientation::Rotate270FlipH,
-        ) => (h, w),
+        Some(orientation) => turned(size_px, orientation),
+        None => size_px,
+    }
+}
+
+/// Width and height once the orientation is applied.
+pub(super) fn turned((w, h): (u32, u32), orientation: Orientation) -> (u32, u32) {
+    match orientation {
+        Orientation::Rotate90
+        | Orientation::Rotate270
+        | Orientation::Rotate90FlipH
+        | Orientation::Rotate270FlipH => (h, w),
         _ => (w, h),
     }
 }
