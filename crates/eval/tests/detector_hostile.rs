@@ -84,10 +84,12 @@ fn bytes_that_flip_give_an_error_or_a_model_but_no_panic() {
 }
 
 #[test]
-fn an_operator_that_is_not_known_is_named_with_the_way_out() {
-    let graph = yolox().operator("RoiAlign", "images", "pooled");
-    let error = refusal(&graph.bytes(), None);
-    assert_says(&error, &["RoiAlign", "--onnxruntime"]);
+fn an_operator_that_is_not_known_or_wrong_is_named_with_the_way_out() {
+    for name in ["RoiAlign", "NonMaxSuppression"] {
+        let graph = yolox().operator(name, "images", "found");
+        let error = refusal(&graph.bytes(), None);
+        assert_says(&error, &[name, "--onnxruntime"]);
+    }
 }
 
 #[test]

@@ -167,7 +167,7 @@ impl Detector {
                 PureRust::load(
                     bytes,
                     external,
-                    &facts.values,
+                    &facts,
                     options.limits.max_tensor_bytes,
                 )
                 .map_err(wrong)?,

@@ -10,7 +10,7 @@ use rten_tensor::{AsView as _, Layout as _, Tensor};
 use starbreak_dataset::fence;
 
 use super::{InputTensor, InputValues, RawOutput, Runtime};
-use crate::detector::model_file::one_line;
+use crate::detector::model_file::{ModelFacts, one_line};
 
 /// A model in rten.
 pub(in super::super) struct PureRust {
@@ -26,14 +26,21 @@ impl fmt::Debug for PureRust {
 }
 
 impl PureRust {
-    /// The model in the bytes of a file, with the files of weights beside it, of which none of
-    /// these values may become longer than so many bytes.
+    /// The model in the bytes of a file, with the files of weights beside it, of which no value may
+    /// become longer than so many bytes.
     pub(in super::super) fn load(
         bytes: Vec<u8>,
         external: Vec<(String, Vec<u8>)>,
-        values: &[String],
+        facts: &ModelFacts,
         max_tensor_bytes: u64,
     ) -> Result<Self, String> {
+        if facts.has_operator("NonMaxSuppression") {
+            return Err(
+                "has the operator NonMaxSuppression, by which rten loses and gains boxes; run it with ONNX \
+                 Runtime: --onnxruntime PATH (docs/detectors.md), or export it without suppression"
+                    .to_owned(),
+            );
+        }
         let load = || {
             let mut options = ModelOptions::with_all_ops();
             for (name, bytes) in external {
@@ -66,7 +73,7 @@ impl PureRust {
                 );
             }
         };
-        let sizes = values.iter().map(|name| (name, bytes_of(&model, name)));
+        let sizes = facts.values.iter().map(|name| (name, bytes_of(&model, name)));
         if let Some((name, n_bytes)) = sizes.into_iter().find(|(_, n)| *n > max_tensor_bytes) {
             return Err(format!(
                 "asks for {n_bytes} bytes or more: the value {name:?}; at most {max_tensor_bytes} are allowed for one \
