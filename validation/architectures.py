@@ -191,7 +191,7 @@ def letterboxed(path):
 class FasterRcnn:
     """Faster R-CNN of torchvision."""
 
-    name, contract, wrong, lacking = "Faster R-CNN R50-FPN", "torchvision-fasterrcnn", "mmdeploy", "RoiAlign"
+    name, contract, wrong, lacking = "Faster R-CNN R50-FPN", "torchvision-fasterrcnn", "mmdeploy", "NonMaxSuppression"
     session = None
     threshold = 0.05
 

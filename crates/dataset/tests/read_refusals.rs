@@ -326,3 +326,21 @@ fn a_palette_with_a_color_cut_short_is_refused() {
         );
     }
 }
+
+#[test]
+fn a_bitmap_whose_pixels_would_begin_in_its_header_is_refused() {
+    let image = image::DynamicImage::new_rgb8(9, 7);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut bytes, image::ImageFormat::Bmp).unwrap();
+    let mut bytes = bytes.into_inner();
+    assert!(
+        decode_image("x", &bytes, &ImageLimits::default()).is_ok(),
+        "as it is written"
+    );
+    bytes[10] = 2;
+    let message = refusal(&bytes).to_string();
+    assert!(
+        message.contains("begin at byte 2, but its header ends"),
+        "{message}"
+    );
+}

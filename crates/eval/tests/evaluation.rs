@@ -2,6 +2,9 @@
 //! an area, doses that say nothing.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "evaluation/curves.rs"]
+mod curves;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

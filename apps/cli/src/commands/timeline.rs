@@ -331,6 +331,7 @@ fn study(
         warnings,
         cracked: ProtocolResults::default(),
         paired: Vec::new(),
+        curves: Vec::new(),
         subsets: Vec::new(),
         failures: None,
         tide_cracked: None,

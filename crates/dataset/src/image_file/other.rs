@@ -27,6 +27,9 @@ pub(super) fn decode(
             n_bytes: bytes.len(),
         });
     }
+    if format == ImageFormat::Bmp {
+        check_pixel_offset(name, bytes)?;
+    }
     let mut decoder = decoder_of(Cursor::new(bytes), format).map_err(error)?;
     let (width_px, height_px) = decoder.dimensions();
     limits.check_size(name, width_px, height_px)?;
@@ -37,6 +40,23 @@ pub(super) fn decode(
         orientation,
         icc_profile,
     })
+}
+
+/// The decoder takes pixels from where a bitmap says that they begin, be it its own header.
+fn check_pixel_offset(name: &str, bytes: &[u8]) -> Result<(), DatasetError> {
+    let Some(&[o0, o1, o2, o3, h0, h1, h2, h3]) = bytes.get(10..18) else {
+        return Ok(());
+    };
+    let offset = u64::from(u32::from_le_bytes([o0, o1, o2, o3]));
+    let end = 14 + u64::from(u32::from_le_bytes([h0, h1, h2, h3]));
+    match offset >= end {
+        true => Ok(()),
+        false => Err(DatasetError::Corrupt {
+            name: name.to_owned(),
+            format: ImageFormat::Bmp,
+            reason: format!("its pixels begin at byte {offset}, but its header ends at byte {end}"),
+        }),
+    }
 }
 
 /// Width and height of the upright image, px.

@@ -164,13 +164,8 @@ impl Detector {
         let outputs = outputs_of(&contract, &facts).map_err(wrong)?;
         let runtime: Box<dyn Runtime> = match &options.backend {
             Backend::PureRust => Box::new(
-                PureRust::load(
-                    bytes,
-                    external,
-                    &facts,
-                    options.limits.max_tensor_bytes,
-                )
-                .map_err(wrong)?,
+                PureRust::load(bytes, external, &facts, options.limits.max_tensor_bytes)
+                    .map_err(wrong)?,
             ),
             #[cfg(feature = "ort")]
             Backend::OnnxRuntime { library, device } => {

@@ -37,7 +37,7 @@ pub use failures::{
     NewFalsePositives, ShiftRow,
 };
 pub use over_seeds::OverSeeds;
-pub use paired::{Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
+pub use paired::{Group, GroupKind, PairedMetric, PairedRow, PrecisionCurves, Scope, ScopeKind};
 pub use pooled_clips::{PooledClips, PooledUnit, pool_clips};
 pub use provenance::{InputFile, Provenance, Settings, Versions};
 pub use results::{

@@ -102,6 +102,18 @@ pub enum PairedMetric {
     KittiAp40,
 }
 
+/// Precision over recall at IoU 0.5, clean and cracked, of all classes: at the recalls 0, 0.01, …, 1 the mean over
+/// the classes that have objects, so that the mean of each side is its AP50.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PrecisionCurves {
+    /// Where.
+    pub scope: Scope,
+    /// On the clean images.
+    pub clean: Vec<f64>,
+    /// On the cracked images.
+    pub cracked: Vec<f64>,
+}
+
 /// One number, clean and cracked, of the same objects in the same images under the same mask.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PairedRow {

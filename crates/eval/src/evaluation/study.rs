@@ -2,8 +2,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     ChangedObject, CleanResults, Estimate, FailureResults, OverSeeds, PairedMetric, PairedRow,
-    PooledClips, ProtocolResults, Provenance, Scope, TideErrors, TimelineResults, Warning,
-    WorstFailure,
+    PooledClips, PrecisionCurves, ProtocolResults, Provenance, Scope, TideErrors, TimelineResults,
+    Warning, WorstFailure,
 };
 use crate::SubsetRow;
 
@@ -92,6 +92,9 @@ pub struct Evaluation {
     /// Clean against cracked, inside the region, outside of it, and everywhere.
     #[serde(default)]
     pub paired: Vec<PairedRow>,
+    /// Precision over recall in the region and on whole images.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub curves: Vec<PrecisionCurves>,
     /// Clean against cracked by bin of coverage, and by size in the region.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub subsets: Vec<SubsetRow>,

@@ -72,6 +72,17 @@ pub enum Warning {
     )]
     FewObjectsOfClasses { n: Span, n_classes: Span, few: u64 },
 
+    #[error(
+        "AP50 of the objects outside the region, covered by less than τ = {tau}, changes by {change_points:.1} points \
+         (p = {p:.3}); they should be a control, so part of the damage reaches beyond the region, or the two sides \
+         differ in something else; a smaller --tau or optics.region_threshold makes the region larger"
+    )]
+    ControlMoves {
+        change_points: Span,
+        p: Span,
+        tau: f64,
+    },
+
     // Of clips.
     #[error(
         "clip {clip}: no detections on the {side} side in any of its {n_frames} frames; if the detector was not run on \
@@ -221,6 +232,7 @@ impl Warning {
             Self::AreasBelowZero { .. }
             | Self::FramesWithoutResults { .. }
             | Self::NumberedFrames { .. }
+            | Self::ControlMoves { .. }
             | Self::NoLabels { .. } => WarningKind::Protocol,
             Self::OneSided { .. }
             | Self::ImagesNotSeen { .. }
@@ -274,6 +286,11 @@ impl Warning {
             | Self::DetectionsBeginLate {
                 begin: a,
                 other_begin: b,
+                ..
+            }
+            | Self::ControlMoves {
+                change_points: a,
+                p: b,
                 ..
             }
             | Self::FewAtRiskTogether { n_clips: a, n: b } => vec![a, b],

@@ -365,6 +365,27 @@ impl CocoEvaluation {
         mean_in_numpy_order(&values)
     }
 
+    /// The mean over these categories of the precision at each of the 101 recalls, likewise; the mean of
+    /// it is [`average_precision`](Self::average_precision). Empty where there is nothing to be found.
+    #[must_use]
+    pub(crate) fn precision_curve(
+        &self,
+        threshold: usize,
+        categories: &[usize],
+        area_range: usize,
+        max_detections: usize,
+    ) -> Vec<f64> {
+        let at_recall = |r: usize| {
+            let of_categories = categories.iter().filter_map(|&k| {
+                let at = self.precision_at([threshold, k, area_range, max_detections], r);
+                self.precision.get(at).copied()
+            });
+            let values: Vec<f64> = of_categories.filter(|value| *value > -1.0).collect();
+            mean_in_numpy_order(&values)
+        };
+        (0..N_RECALLS).map_while(at_recall).collect()
+    }
+
     /// The mean of the highest recalls, likewise.
     #[must_use]
     pub(crate) fn average_recall(

@@ -75,6 +75,8 @@ pub(super) struct Summed<'a> {
     pub(super) rates: &'a [FailureRow],
     /// Seeds taken together; 1 of a condition that stands alone.
     pub(super) n_seeds: usize,
+    /// A condition that stands alone.
+    alone: Option<&'a Evaluation>,
 }
 
 impl<'a> Summed<'a> {
@@ -87,16 +89,31 @@ impl<'a> Summed<'a> {
             paired: &evaluation.paired,
             rates: failures.map_or(&[], |failures| &failures.rates),
             n_seeds: 1,
+            alone: Some(evaluation),
         }
     }
 
-    fn of_pool(pooled: &'a OverSeeds) -> Self {
+    /// The evaluations of its seeds.
+    pub(super) fn evaluations(self, study: &'a Study) -> impl Iterator<Item = &'a Evaluation> {
+        let is_of_pool = move |one: &&Evaluation| {
+            let pool = pool_of(study, one).filter(|_| self.alone.is_none());
+            pool.is_some_and(|pool| {
+                pool.detector == self.detector && pool.condition == *self.condition
+            })
+        };
+        let pooled = study.evaluations.iter().filter(is_of_pool);
+        self.alone.into_iter().chain(pooled)
+    }
+
+    /// All seeds of a condition.
+    pub(super) fn of_pool(pooled: &'a OverSeeds) -> Self {
         Self {
             detector: &pooled.detector,
             condition: &pooled.condition,
             paired: &pooled.paired,
             rates: &pooled.rates,
             n_seeds: pooled.seeds.len(),
+            alone: None,
         }
     }
 }

@@ -7,9 +7,9 @@ use starbreak_eval::evaluation::{
     BoxRole, ClassFlip, CleanResults, Condition, Counts, DivergenceResults, DivergenceTable,
     DoseBin, DoseResponse, Estimate, Evaluation, FailureResults, FailureRow, FlipRow, Group,
     GroupAp, GroupKind, InputFile, KittiAp, LabelAudit, LabelVerdict, LogisticFit,
-    NewFalsePositives, PairedMetric, PairedRow, PicturePair, ProtocolResults, Provenance,
-    RobustnessRow, RoledBox, Scope, ScopeKind, Settings, ShiftRow, ShiftedLabel, Study, TideErrors,
-    TimelineResults, TrackSource, Versions, Warning, WorstFailure,
+    NewFalsePositives, PairedMetric, PairedRow, PicturePair, PrecisionCurves, ProtocolResults,
+    Provenance, RobustnessRow, RoledBox, Scope, ScopeKind, Settings, ShiftRow, ShiftedLabel, Study,
+    TideErrors, TimelineResults, TrackSource, Versions, Warning, WorstFailure,
 };
 use starbreak_eval::timeline::{
     Frame, GlassState, Sighting, TimelineSettings, Track, change_after, timeline,
@@ -114,6 +114,26 @@ fn paired(severity: f64, skill: f64) -> Vec<PairedRow> {
         }
     }
     rows
+}
+
+/// Straight lines with the area that AP50 is.
+fn curves(severity: f64, skill: f64) -> Vec<PrecisionCurves> {
+    let ap = groups()[0].2 * skill;
+    let curve = |area: f64| -> Vec<f64> {
+        (0..=100)
+            .map(|place| area * 2.0 * (1.0 - f64::from(place) / 100.0))
+            .map(|precision| precision.min(1.0))
+            .collect()
+    };
+    let of = |(scope, _, loss): (Scope, f64, f64)| PrecisionCurves {
+        scope,
+        clean: curve(ap),
+        cracked: curve(ap * (1.0 - loss)),
+    };
+    let mut scopes = scopes(severity);
+    scopes.retain(|one| one.0 == Scope::whole_image() || one.0.tau == Some(TAU));
+    scopes.retain(|one| one.0.kind != ScopeKind::OutOfRegion);
+    scopes.into_iter().map(of).collect()
 }
 
 fn failures(severity: f64) -> FailureResults {
@@ -383,6 +403,7 @@ pub(crate) fn evaluation(detector: &str, severity: u8) -> Evaluation {
         }],
         cracked: protocol(skill * (1.0 - 0.06 * strength)),
         paired: paired(strength, skill),
+        curves: curves(strength, skill),
         subsets: Vec::new(),
         failures: Some(failures(strength)),
         tide_cracked: Some(tide(1.0 + 0.1 * strength)),

@@ -73,7 +73,10 @@ impl PureRust {
                 );
             }
         };
-        let sizes = facts.values.iter().map(|name| (name, bytes_of(&model, name)));
+        let sizes = facts
+            .values
+            .iter()
+            .map(|name| (name, bytes_of(&model, name)));
         if let Some((name, n_bytes)) = sizes.into_iter().find(|(_, n)| *n > max_tensor_bytes) {
             return Err(format!(
                 "asks for {n_bytes} bytes or more: the value {name:?}; at most {max_tensor_bytes} are allowed for one \

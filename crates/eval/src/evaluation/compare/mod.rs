@@ -11,8 +11,8 @@ pub use precision::{SubsetAp, SubsetParams, subset_curves, subset_precision};
 use serde::{Deserialize, Serialize};
 
 use crate::evaluation::{
-    Counts, Estimate, Group, GroupAp, GroupKind, KittiAp, PairedMetric, PairedRow, ProtocolResults,
-    Scope, ScopeKind,
+    Counts, Estimate, Group, GroupAp, GroupKind, KittiAp, PairedMetric, PairedRow, PrecisionCurves,
+    ProtocolResults, Scope, ScopeKind,
 };
 use crate::{
     AreaRange, CocoEvaluation, CocoParams, CoverageOf, Coverages, EvalError, GroundTruth,
@@ -91,6 +91,8 @@ pub struct SubsetRow {
 pub struct RegionResults {
     /// In the region by each least coverage, out of it, and everywhere.
     pub paired: Vec<PairedRow>,
+    /// In the region by the first of these, and everywhere.
+    pub curves: Vec<PrecisionCurves>,
     /// By bin of coverage, and by size in the region.
     pub subsets: Vec<SubsetRow>,
 }
@@ -348,6 +350,18 @@ pub(crate) fn compare_in_regions(
     let is_there = |row: &SubsetAp| row.group.kind != GroupKind::Class || row.n_objects > 0;
     for (scope, subset) in &scopes {
         let (clean, cracked) = both(subset)?;
+        if scope.kind != ScopeKind::OutOfRegion
+            && scope.is_at(Some(params.tau()))
+            && let (Some(one), Some(other)) =
+                (clean.first(), cracked.as_ref().and_then(|c| c.first()))
+            && !one.curve50.is_empty()
+        {
+            results.curves.push(PrecisionCurves {
+                scope: scope.clone(),
+                clean: one.curve50.clone(),
+                cracked: other.curve50.clone(),
+            });
+        }
         for (idx, row) in clean.iter().enumerate().filter(|(_, row)| is_there(row)) {
             let other = cracked.as_ref().and_then(|rows| rows.get(idx));
             for metric in [PairedMetric::Ap50, PairedMetric::Ap75, PairedMetric::Ap] {

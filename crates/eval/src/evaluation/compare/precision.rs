@@ -24,6 +24,9 @@ pub struct SubsetAp {
     pub ap50: Estimate,
     /// Average precision at IoU 0.75.
     pub ap75: Estimate,
+    /// Precision at the recalls 0, 0.01, …, 1 and IoU 0.5, the mean over the classes; its own mean is
+    /// [`ap50`](Self::ap50), without which it is empty.
+    pub curve50: Vec<f64>,
 }
 
 /// Which groups, and how many detections per image.
@@ -160,13 +163,21 @@ fn one_kind(
             None => Estimate::refused(n, "no objects"),
         }
     };
-    let row = |group: Group, categories: &[usize], n_objects: u64, n_images: u64| SubsetAp {
-        group,
-        n_objects,
-        n_images,
-        ap: figure(&thresholds, categories, n_objects),
-        ap50: figure(&at(0.5), categories, n_objects),
-        ap75: figure(&at(0.75), categories, n_objects),
+    let row = |group: Group, categories: &[usize], n_objects: u64, n_images: u64| {
+        let ap50 = figure(&at(0.5), categories, n_objects);
+        let curve50 = match (ap50.value, at(0.5).first()) {
+            (Some(_), Some(t)) => evaluation.precision_curve(*t, categories, 0, 0),
+            _ => Vec::new(),
+        };
+        SubsetAp {
+            group,
+            n_objects,
+            n_images,
+            ap: figure(&thresholds, categories, n_objects),
+            ap50,
+            ap75: figure(&at(0.75), categories, n_objects),
+            curve50,
+        }
     };
     let all: Vec<usize> = (0..n_categories).collect();
     let all_images: Vec<u32> = images.iter().flatten().copied().collect();

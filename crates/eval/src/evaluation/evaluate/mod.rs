@@ -201,6 +201,7 @@ fn with_coverages(
         warnings: Vec::new(),
         cracked: cracked_results,
         paired: Vec::new(),
+        curves: Vec::new(),
         subsets: Vec::new(),
         failures: None,
         tide_cracked: None,
@@ -219,6 +220,7 @@ fn with_coverages(
     let coverages = with_plain(input, &mut evaluation, coverages, regions)?;
     warnings.extend(small_samples(&evaluation, settings));
     warnings.extend(coverages.as_ref().and_then(small_damage));
+    warnings.extend(control_moves(&evaluation, settings));
     evaluation.warnings.extend(warnings);
     Ok((evaluation, coverages))
 }
@@ -312,6 +314,7 @@ fn with_plain(
     let mut paired = rows.paired;
     intervals::put(&mut paired, &all)?;
     evaluation.paired.extend(paired);
+    evaluation.curves = rows.curves;
     if has_regions {
         evaluation.subsets = rows.subsets;
     }
@@ -412,6 +415,26 @@ fn small_damage(coverages: &Coverages) -> Option<Warning> {
     (median < SMALL_DAMAGE).then(|| Warning::SmallDamage {
         median_percent: (100.0 * median).into(),
         small_percent: 100.0 * SMALL_DAMAGE,
+    })
+}
+
+/// A control whose difference has a p below this moves. Stricter than elsewhere, since every condition is asked.
+const CONTROL_P: f64 = 0.01;
+
+/// That AP50 outside the region changes.
+fn control_moves(evaluation: &Evaluation, settings: &EvaluateSettings) -> Option<Warning> {
+    use super::{GroupKind, PairedMetric, ScopeKind};
+    let row = evaluation.paired.iter().find(|row| {
+        row.scope.kind == ScopeKind::OutOfRegion
+            && row.scope.is_at(Some(settings.tau()))
+            && row.group.kind == GroupKind::All
+            && row.metric == PairedMetric::Ap50
+    })?;
+    let (change, p) = (row.delta.value?, row.p.filter(|p| *p < CONTROL_P)?);
+    Some(Warning::ControlMoves {
+        change_points: (100.0 * change).into(),
+        p: p.into(),
+        tau: settings.tau(),
     })
 }
 

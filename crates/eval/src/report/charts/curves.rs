@@ -34,7 +34,9 @@ pub(in crate::report) enum CurveStyle {
     Points(Marker),
     /// Markers with intervals, joined.
     JoinedPoints(Marker),
-    /// A dashed line alone.
+    /// A line alone.
+    Line,
+    /// A dashed one.
     Dashed,
     /// A wide line that jumps.
     Steps,
@@ -49,7 +51,7 @@ impl CurveStyle {
     fn line(self) -> Option<(f64, &'static [f64], bool)> {
         match self {
             Self::Points(_) => None,
-            Self::JoinedPoints(_) => Some((2.0, &[], false)),
+            Self::JoinedPoints(_) | Self::Line => Some((2.0, &[], false)),
             Self::Dashed => Some((2.0, &[7.0, 4.0], false)),
             Self::Steps => Some((4.0, &[], true)),
             Self::DashedSteps => Some((2.0, &[7.0, 4.0], true)),
@@ -61,7 +63,7 @@ impl CurveStyle {
     fn letter(self) -> &'static str {
         match self {
             Self::Points(marker) | Self::JoinedPoints(marker) => marker.letter(),
-            Self::Steps => "━",
+            Self::Line | Self::Steps => "━",
             Self::Dashed | Self::DashedSteps => "╍",
             Self::ThinSteps => "┈",
         }

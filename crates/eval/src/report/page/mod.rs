@@ -2,6 +2,7 @@
 //! block its markup and escapes all text.
 
 mod clip_charts;
+mod curves;
 mod definitions;
 mod errors;
 mod failures;

@@ -1,11 +1,12 @@
 //! The mean over seeds of conditions that differ in nothing else.
 
+use super::super::conditions::Summed;
 use super::super::words;
 use super::failures::rate_table;
 use super::overview::units;
 use super::precision::group_name;
 use super::precision::paired_blocks;
-use super::{Block, Section, Table};
+use super::{Block, Section, Table, curves};
 use crate::evaluation::{FailureRow, GroupKind, OverSeeds, Study};
 
 pub(super) fn section(study: &Study, one: &OverSeeds, id: &str) -> Section {
@@ -18,6 +19,7 @@ pub(super) fn section(study: &Study, one: &OverSeeds, id: &str) -> Section {
         units(study)
     );
     let mut blocks = paired_blocks(study, &one.paired, &text, id);
+    blocks.extend(curves::of_condition(study, &Summed::of_pool(one), id));
     blocks.push(Block::heading(
         format!("{id}-failures"),
         "Detection failures".to_owned(),

@@ -2,7 +2,7 @@
 
 use super::super::conditions::{Summed, summed};
 use super::super::words;
-use super::{Block, Cell, Section, Table, pictures};
+use super::{Block, Cell, Section, Table, curves, pictures};
 use crate::evaluation::{FailureRow, GroupKind, PairedMetric, PairedRow, ScopeKind, Study};
 
 /// The row that sums up: all classes, of the given place and metric, at the study's own τ.
@@ -200,6 +200,7 @@ pub(super) fn section(study: &Study) -> Section {
         ));
     }
     blocks.extend(pictures::examples(study));
+    blocks.extend(curves::overview(study));
     blocks.extend(robustness_table(study).map(Block::table));
     Section {
         id: "overview".to_owned(),

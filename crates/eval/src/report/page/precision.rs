@@ -1,8 +1,9 @@
 //! AP: paired in and out of the region, on whole images, by the protocol's own table.
 
 use super::super::charts::{ChartText, Ink, RowSeries, row_chart};
+use super::super::conditions::Summed;
 use super::super::words;
-use super::{Block, Cell, Table};
+use super::{Block, Cell, Table, curves};
 use crate::chart::{Axis, Marker};
 use crate::evaluation::{
     Evaluation, Group, GroupKind, PairedMetric, PairedRow, ProtocolResults, Scope, ScopeKind, Study,
@@ -35,6 +36,7 @@ pub(super) fn blocks(study: &Study, evaluation: &Evaluation, id: &str) -> Vec<Bl
             vec![Block::table(table)],
         )
     }));
+    blocks.extend(curves::of_condition(study, &Summed::of(evaluation), id));
     let clean = study.clean_of(&evaluation.detector).map(|one| &one.results);
     if let Some(clean) = clean {
         blocks.extend(coco_table(clean, evaluation).map(|table| {
