@@ -20,6 +20,7 @@ pub mod notices;
 pub mod refs;
 pub mod rust_source;
 pub mod test;
+pub mod web;
 
 use std::path::Path;
 

@@ -7,7 +7,9 @@
 
 use std::process::ExitCode;
 
-use xtask::{advisories, deps, docs, gallery, licences, links, lint, notices, refs, root, test};
+use xtask::{
+    advisories, deps, docs, gallery, licences, links, lint, notices, refs, root, test, web,
+};
 
 const USAGE: &str = "\
 usage: cargo xtask <task>
@@ -31,6 +33,9 @@ usage: cargo xtask <task>
                   the docstrings of the Python package; every link in it leads somewhere, and every
                   command and Python block of the pages runs, on made-up inputs; mdBook comes from
                   crates.io into target/test-mdbook, pdoc from PyPI into target/docs-venv
+  web [--serve]   the playground in target/web, for any web server: the module in Rust for browsers, whose
+                  library comes from rustup, and the page, whose packages come from npm; with --serve it
+                  is served on this machine
   gallery         writes docs/figures/gallery: every preset and damage class, and the animation of
                   the README, for which it takes the ffmpeg of the tests";
 
@@ -49,6 +54,8 @@ fn main() -> ExitCode {
         ["refs"] => refs::run(root()),
         ["links"] => links::run(root()),
         ["docs"] => docs::run(root()),
+        ["web"] => web::run(root(), false),
+        ["web", "--serve"] => web::run(root(), true),
         ["gallery"] => gallery::run(root()),
         [] | ["help" | "--help" | "-h"] => {
             println!("{USAGE}");

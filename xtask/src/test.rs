@@ -14,6 +14,7 @@ mod processors;
 mod python;
 mod report;
 mod tools;
+mod web;
 
 pub(crate) use processors::standard_library;
 pub(crate) use python::install as install_wheel;
@@ -24,7 +25,7 @@ use tools::Tools;
 
 /// `cargo xtask test`: the tools of the tests, all tests and doctests with the replay of the fuzz
 /// corpus, the golden digests on a processor without AVX and on WebAssembly, then the tests of the Python package in
-/// its wheel.
+/// its wheel, and those of the playground in a browser.
 ///
 /// # Errors
 /// If the tools or the wheel cannot be made, or a test fails.
@@ -35,8 +36,9 @@ pub fn run(root: &Path) -> Result<(), Failure> {
     let without_avx = processors::x86_without_avx(root, &target, &mut report);
     let wasm = processors::wasm(root, &mut report);
     let of_python = python::test(root, &tools, &mut report);
+    let of_web = web::test(root, &tools, &mut report);
     tell(&report);
-    tests.and(without_avx).and(wasm).and(of_python)
+    tests.and(without_avx).and(wasm).and(of_python).and(of_web)
 }
 
 /// The ffmpeg of the tests.

@@ -57,6 +57,8 @@ const OURS: &[(&str, &[&str])] = &[
         "starbreak-python",
         &["starbreak", "starbreak-runs", "starbreak-cli"],
     ),
+    // The playground needs neither threads nor, yet, detectors.
+    ("starbreak-web", &["starbreak", "starbreak-dataset"]),
     (
         "starbreak-fuzz",
         &[
@@ -140,6 +142,7 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
             "starbreak-runs",
             "starbreak-cli",
             "starbreak-python",
+            "starbreak-web",
             "xtask",
         ],
         "solvers do not serialize; serialization is a boundary",

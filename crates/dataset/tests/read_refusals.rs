@@ -329,7 +329,7 @@ fn a_palette_with_a_color_cut_short_is_refused() {
 
 #[test]
 fn a_bitmap_whose_pixels_would_begin_in_its_header_is_refused() {
-    let image = image::DynamicImage::new_rgb8(9, 7);
+    let image = DynamicImage::new_rgb8(9, 7);
     let mut bytes = std::io::Cursor::new(Vec::new());
     image.write_to(&mut bytes, image::ImageFormat::Bmp).unwrap();
     let mut bytes = bytes.into_inner();

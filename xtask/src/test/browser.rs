@@ -18,9 +18,7 @@ const PROGRAM: &str = "usr/lib/chromium/chromium";
 /// Where Chromium is for the tests; none where they find one by themselves, or where there is
 /// none to be had, which is said: the tests that need it are then skipped and listed.
 pub(super) fn prepare(target: &Path) -> Option<PathBuf> {
-    let is_named = env::var_os("STARBREAK_TEST_CHROMIUM").is_some();
-    let names = ["chromium", "chromium-browser", "google-chrome"];
-    if is_named || names.into_iter().any(debian::is_on_path) {
+    if is_found() {
         return None;
     }
     let folder = target.join(FOLDER);
@@ -32,6 +30,12 @@ pub(super) fn prepare(target: &Path) -> Option<PathBuf> {
         return None;
     }
     Some(starter)
+}
+
+/// Whether the tests find one by themselves.
+pub(super) fn is_found() -> bool {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    env::var_os("STARBREAK_TEST_CHROMIUM").is_some() || names.into_iter().any(debian::is_on_path)
 }
 
 /// Unpacks the package and what it needs, and writes the starter.

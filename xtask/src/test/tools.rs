@@ -56,6 +56,11 @@ impl Tools {
         &self.ffmpeg
     }
 
+    /// Whether there is a browser.
+    pub(super) fn has_chromium(&self) -> bool {
+        browser::is_found() || browser::prepare(&self.target).is_some()
+    }
+
     /// Names the tools to a command.
     pub(super) fn name_to(&self, command: &mut Command) {
         command.env("STARBREAK_TEST_PYTHON", &self.python);

@@ -1,0 +1,48 @@
+// What the module says.
+
+export interface Named {
+  name: string;
+  about: string;
+}
+
+export interface Key {
+  type?: string;
+  description?: string;
+  minimum?: number;
+  maximum?: number;
+  oneOf?: { const: string; description?: string }[];
+}
+
+export interface Catalog {
+  version: string;
+  default_preset: string;
+  presets: Named[];
+  cameras: Named[];
+  schema: { properties: Record<string, { properties?: Record<string, Key>; items?: { properties: Record<string, Key> } }> };
+}
+
+export interface Picture {
+  name: string;
+  width_px: number;
+  height_px: number;
+}
+
+export type Table = Record<string, unknown>;
+
+export interface Broken {
+  region_share: number;
+  optics: { contrast: { mean: number; weber: number | null; rms_code: number } };
+  glass_disc_px: number | null;
+  scene_disc_px: number | null;
+  damage: { hits?: Table[]; summary?: Table; long_crack?: Table } | null;
+  last_arrival: number | null;
+  unit: string | null;
+  recipe: Record<string, Table | Table[]>;
+  assignments: string[];
+}
+
+export interface Grown {
+  time: number;
+  unit: string;
+  length_px: number;
+}

@@ -1,0 +1,52 @@
+// What came out, in numbers.
+
+import type { Broken } from "./answers";
+
+const number = (value: unknown, digits: number) =>
+  typeof value === "number" && Number.isFinite(value) ? value.toLocaleString("en", { maximumFractionDigits: digits }) : "–";
+
+export function Figures({ broken, took }: { broken: Broken; took: number }) {
+  const hit = broken.damage?.hits?.[0];
+  const rows: [string, string][] = [["of the picture affected", `${number(100 * broken.region_share, 2)} %`]];
+  if (broken.glass_disc_px !== null) {
+    rows.push(["a point of the glass", `a disc of ${number(broken.glass_disc_px, 1)} px`]);
+    rows.push(["a point of the scene", broken.scene_disc_px ? `a disc of ${number(broken.scene_disc_px, 2)} px` : "sharp"]);
+  }
+  rows.push(["change in the region", `${number(broken.optics.contrast.rms_code, 1)} codes (RMS)`]);
+  if (hit) {
+    const hits = broken.damage?.hits?.length ?? 1;
+    rows.push([hits > 1 ? `first of ${hits} hits` : "damage", String(hit.damage_class)]);
+    rows.push(["legs", number(hit.n_legs, 0)]);
+    rows.push(["peak force", `${number(hit.peak_force_n, 0)} N`]);
+    rows.push(["energy of the stone", `${number(hit.kinetic_energy_j, 3)} J`]);
+    rows.push(["spent on cracks", `${number(hit.dissipated_j, 4)} J`]);
+  }
+  return (
+    <dl class="figures">
+      {rows.map(([name, value]) => (
+        <div key={name}>
+          <dt>{name}</dt>
+          <dd>{value}</dd>
+        </div>
+      ))}
+      <div>
+        <dt>computed in</dt>
+        <dd>{number(took, 0)} ms</dd>
+      </div>
+    </dl>
+  );
+}
+
+/** A time of growth in the unit that fits it. */
+export function timeWords(time: number, unit: string): string {
+  if (unit !== "us") return `step ${number(time, 1)}`;
+  const units: [number, string][] = [
+    [86_400e6, "days"],
+    [3_600e6, "h"],
+    [60e6, "min"],
+    [1e6, "s"],
+    [1e3, "ms"],
+  ];
+  const [size, name] = units.find(([size]) => time >= size) ?? [1, "µs"];
+  return `${number(time / size, 1)} ${name}`;
+}

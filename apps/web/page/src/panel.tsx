@@ -1,0 +1,152 @@
+// The keys of the recipe, made from its schema.
+
+import type { Broken, Catalog, Key, Table } from "./answers";
+
+/** What most people turn, in the order of the light's way. */
+const BASIC: [string, string][] = [
+  ["impact", "speed_m_s"],
+  ["impact", "radius_mm"],
+  ["impact", "tip_radius_mm"],
+  ["glass", "distance_m"],
+  ["glass", "rake_deg"],
+  ["camera", "focal_length_mm"],
+  ["camera", "f_number"],
+  ["camera", "focus_distance_m"],
+  ["optics", "sun_azimuth_deg"],
+  ["optics", "sun_elevation_deg"],
+  ["optics", "veiling_glare"],
+];
+const TITLES: Record<string, string> = {
+  impact: "Stone",
+  glass: "Glass",
+  fracture: "Fracture",
+  long_crack: "Long crack",
+  camera: "Camera",
+  optics: "Light",
+};
+/** Set by buttons of their own, or of no use on a page. */
+const HIDDEN = ["impact.position", "impact.count"];
+
+interface Props {
+  catalog: Catalog;
+  broken: Broken | null;
+  set: Record<string, string>;
+  onSet(key: string, toml: string | null): void;
+}
+
+export function Panel({ catalog, broken, set, onSet }: Props) {
+  if (!broken) return null;
+  const tableOf = (name: string): Table | undefined => {
+    const table = broken.recipe[name];
+    return Array.isArray(table) ? table[0] : table;
+  };
+  const field = (table: string, key: string) => {
+    const value = tableOf(table)?.[key];
+    const place = catalog.schema.properties[table];
+    const about = (place?.items?.properties ?? place?.properties)?.[key];
+    if (value === undefined || !about) return null;
+    const name = `${table}.${key}`;
+    return <Field key={name} name={name} about={about} value={value} isSet={name in set} onSet={(toml) => onSet(name, toml)} />;
+  };
+  const tables = Object.keys(TITLES).filter((name) => tableOf(name) !== undefined);
+  return (
+    <>
+      {[...new Set(BASIC.map(([table]) => table))].map((title) => (
+        <fieldset key={title}>
+          <legend>{TITLES[title]}</legend>
+          <div class="fields">{BASIC.map(([table, key]) => table === title && field(table, key))}</div>
+        </fieldset>
+      ))}
+      <details>
+        <summary>All parameters</summary>
+        {tables.map((table) => (
+          <fieldset key={table}>
+            <legend>{TITLES[table]}</legend>
+            <div class="fields">
+              {Object.keys(tableOf(table)!)
+                .filter((key) => !HIDDEN.includes(`${table}.${key}`))
+                .map((key) => field(table, key))}
+            </div>
+          </fieldset>
+        ))}
+      </details>
+    </>
+  );
+}
+
+interface FieldProps {
+  name: string;
+  about: Key;
+  value: unknown;
+  isSet: boolean;
+  onSet(toml: string | null): void;
+}
+
+function Field({ name, about, value, isSet, onSet }: FieldProps) {
+  const id = `key-${name}`;
+  const change = (event: Event) => {
+    const input = event.currentTarget as HTMLInputElement | HTMLSelectElement;
+    if (input instanceof HTMLInputElement && input.type === "checkbox") return onSet(String(input.checked));
+    if (input.value.trim() === "") return onSet(null);
+    onSet(about.oneOf ? JSON.stringify(input.value) : toToml(input.value.trim()));
+  };
+  let input;
+  if (about.oneOf) {
+    input = (
+      <select id={id} value={String(value)} onChange={change}>
+        {about.oneOf.map((one) => (
+          <option value={one.const} title={one.description}>
+            {one.const}
+          </option>
+        ))}
+      </select>
+    );
+  } else if (about.type === "boolean") {
+    input = <input id={id} type="checkbox" checked={value === true} onChange={change} />;
+  } else if (about.type === "number" || about.type === "integer") {
+    const number = Number(value);
+    input = (
+      <input id={id} type="number" step="any" min={about.minimum} max={about.maximum} value={number} onChange={change} />
+    );
+  } else {
+    input = <input id={id} type="text" value={typeof value === "string" ? value : JSON.stringify(value)} onChange={change} />;
+  }
+  return (
+    <div class={isSet ? "field set" : "field"} title={about.description?.replace(/^\(physical\) /, "").replaceAll("\n", " ")}>
+      <label for={id}>{wordsOf(name)}</label>
+      {input}
+      {isSet && (
+        <button type="button" class="plain" aria-label={`Reset ${name}`} title="Reset" onClick={() => onSet(null)}>
+          ×
+        </button>
+      )}
+    </div>
+  );
+}
+
+const UNITS: [string, string][] = [
+  ["_m_s", "m/s"],
+  ["_kg_m3", "kg/m³"],
+  ["_mpa", "MPa"],
+  ["_mm", "mm"],
+  ["_um", "µm"],
+  ["_deg", "°"],
+  ["_px", "px"],
+  ["_k", "K"],
+  ["_m", "m"],
+  ["_s", "s"],
+];
+
+/** A key as one reads it: `glass.distance_m` is "distance, m". */
+function wordsOf(name: string): string {
+  const key = name.replace(/^.*\./, "");
+  const unit = UNITS.find(([end]) => key.endsWith(end));
+  const words = (unit ? key.slice(0, -unit[0].length) : key).replaceAll("_", " ").replace(/^f number$/, "f-number");
+  return unit ? `${words}, ${unit[1]}` : words;
+}
+
+/** A number, a list or a truth value as it is; a word in quotes. */
+function toToml(text: string): string {
+  if (/^(true|false|\[.*\]|[-+]?[\d.]+([eE][-+]?\d+)?)$/.test(text)) return text;
+  return JSON.stringify(text.replace(/^"(.*)"$/, "$1"));
+}

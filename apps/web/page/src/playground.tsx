@@ -1,0 +1,401 @@
+// The page: a picture with glass before it, what it is made of, and what can be taken away.
+
+import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
+import type { Broken, Catalog, Grown, Picture } from "./answers";
+import { Desk, Trouble } from "./desk";
+import { Figures, timeWords } from "./figures";
+import { Panel } from "./panel";
+import { Presets } from "./presets";
+import { Stage, type Look, type Pixels } from "./stage";
+import { fromAddress, question, toAddress, toCommand, toPython, type Hit, type State } from "./state";
+import { Webcam } from "./webcam";
+
+const LOOKS: [Look, string][] = [
+  ["damaged", "Damaged"],
+  ["swipe", "Before | after"],
+  ["clean", "Clean"],
+  ["region", "Region mask"],
+  ["crack", "Crack mask"],
+  ["arrival", "Cracks by time"],
+  ["stress", "Cracks by stress"],
+  ["depth", "Cracks by depth"],
+];
+const FILES: [string, string][] = [
+  ["picture", "Picture"],
+  ["region", "Region mask"],
+  ["crack", "Crack mask"],
+  ["network.json", "Network"],
+  ["network.svg", "Drawing"],
+  ["recipe", "Recipe"],
+];
+/** How long the growth is shown, ms. */
+const GROWTH_MS = 2500;
+const START: State = { preset: "windshield-spiderweb", severity: 3, camera: null, set: {}, hits: [], seed: 1 };
+
+export function Playground() {
+  const desk = useMemo(() => new Desk(), []);
+  const [catalog, setCatalog] = useState<Catalog | null>(null);
+  const [picture, setPicture] = useState<(Picture & Pixels) | null>(null);
+  const [state, setState] = useState<State>(() => fromAddress(location.hash, START));
+  const [pending, setPending] = useState<Hit | null>(null);
+  const [broken, setBroken] = useState<(Broken & { took: number }) | null>(null);
+  const [damaged, setDamaged] = useState<Pixels | null>(null);
+  const [look, setLook] = useState<Look>("damaged");
+  const [mask, setMask] = useState<ImageBitmap | null>(null);
+  const [cracks, setCracks] = useState<Float32Array | null>(null);
+  const [trouble, setTrouble] = useState<string | null>(null);
+  const [said, setSaid] = useState("");
+  const [share, setShare] = useState(1);
+  const [grown, setGrown] = useState<Grown | null>(null);
+  const [plays, setPlays] = useState(false);
+  const [isCamera, setIsCamera] = useState(false);
+  const [nShown, setNShown] = useState(0);
+
+  const fails = (error: unknown) => setTrouble(error instanceof Trouble ? error.message : String(error));
+  const pixelsOf = (picture: Picture, bytes: Pixels["bytes"]): Picture & Pixels => ({
+    ...picture,
+    width: picture.width_px,
+    height: picture.height_px,
+    bytes,
+  });
+
+  const load = useCallback(
+    async (name: string | null, bytes?: Pixels["bytes"]) => {
+      const given = await desk.ask<Picture>(name === null ? { ask: "street" } : { ask: "picture", name }, bytes);
+      setDamaged(null);
+      setPicture(pixelsOf(given.words, given.bytes));
+      setTrouble(null);
+    },
+    [desk],
+  );
+  const loadFile = useCallback(
+    async (file: File) => {
+      try {
+        await load(file.name, new Uint8Array(await file.arrayBuffer()));
+      } catch (error) {
+        fails(error);
+      }
+    },
+    [load],
+  );
+
+  useEffect(() => {
+    desk.ask<Catalog>({ ask: "catalog" }).then((given) => setCatalog(given.words), fails);
+    load(null).catch(fails);
+    const follow = () => setState((now) => fromAddress(location.hash, now));
+    addEventListener("hashchange", follow);
+    return () => removeEventListener("hashchange", follow);
+  }, []);
+
+  // One break at a time; of those that were asked for meanwhile, the last.
+  const wanted = useRef<{ state: State; isDraft: boolean } | null>(null);
+  const isBusy = useRef(false);
+  const shatter = useCallback(
+    async (state: State, isDraft: boolean) => {
+      wanted.current = { state, isDraft };
+      if (isBusy.current) return;
+      isBusy.current = true;
+      while (wanted.current) {
+        const next: { state: State; isDraft: boolean } = wanted.current;
+        wanted.current = null;
+        try {
+          const given = await desk.ask<Broken>(question(next.state, next.isDraft));
+          setBroken({ ...given.words, took: given.took });
+          if (!next.isDraft) setNShown((n) => n + 1);
+          setPicture((picture) => {
+            if (picture) setDamaged({ width: picture.width, height: picture.height, bytes: given.bytes });
+            return picture;
+          });
+          setTrouble(null);
+          setShare(1);
+          setGrown(null);
+        } catch (error) {
+          fails(error);
+        }
+      }
+      isBusy.current = false;
+    },
+    [desk],
+  );
+
+  useEffect(() => {
+    if (picture && catalog) void shatter(state, false);
+    history.replaceState(null, "", toAddress(state));
+  }, [state, picture?.name, picture?.bytes, catalog]);
+  useEffect(() => {
+    if (pending) void shatter({ ...state, hits: [...state.hits, pending] }, true);
+  }, [pending]);
+
+  // What lies over the picture is asked for when it is looked at.
+  useEffect(() => {
+    let isStale = false;
+    const show = async () => {
+      if (look === "region" || look === "crack") {
+        const file = await desk.ask<{ name: string }>({ ask: "file", what: look });
+        const bitmap = await createImageBitmap(new Blob([file.bytes], { type: "image/png" }));
+        if (!isStale) setMask(bitmap);
+      } else if (look === "arrival" || look === "stress" || look === "depth") {
+        const given = await desk.ask({ ask: "cracks" });
+        if (!isStale) setCracks(new Float32Array(given.bytes.buffer));
+      }
+    };
+    if (broken) show().catch(fails);
+    return () => {
+      isStale = true;
+    };
+  }, [look, broken]);
+
+  // Growth, frame by frame as fast as they come.
+  const growTo = useCallback(
+    async (share: number) => {
+      setShare(share);
+      const given = await desk.ask<Grown>({ ask: "grown", share });
+      setGrown(given.words);
+      setPicture((picture) => {
+        if (picture) setDamaged({ width: picture.width, height: picture.height, bytes: given.bytes });
+        return picture;
+      });
+    },
+    [desk],
+  );
+  useEffect(() => {
+    if (!plays) return;
+    let isOver = false;
+    const play = async () => {
+      const start = performance.now();
+      while (!isOver) {
+        const share = Math.min((performance.now() - start) / GROWTH_MS, 1);
+        await growTo(share);
+        if (share === 1) break;
+      }
+      if (!isOver) setPlays(false);
+    };
+    play().catch((error) => {
+      fails(error);
+      setPlays(false);
+    });
+    return () => {
+      isOver = true;
+    };
+  }, [plays]);
+
+  const change = (part: Partial<State>) => setState((now) => ({ ...now, ...part }));
+  const save = async (what: string) => {
+    try {
+      const file = await desk.ask<{ name: string; media_type: string }>({ ask: "file", what });
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(new Blob([file.bytes], { type: file.words.media_type }));
+      link.download = file.words.name;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+    } catch (error) {
+      fails(error);
+    }
+  };
+  const copy = async (text: string, what: string) => {
+    try {
+      await navigator.clipboard.writeText(text);
+      setSaid(`${what} copied`);
+    } catch {
+      setSaid(text);
+    }
+  };
+
+  const name = picture?.name ?? "scene.png";
+  return (
+    <div
+      class="page"
+      data-shown={nShown}
+      onDragOver={(event) => event.preventDefault()}
+      onDrop={(event) => {
+        event.preventDefault();
+        const file = event.dataTransfer?.files[0];
+        if (file) void loadFile(file);
+      }}
+      onPaste={(event) => {
+        const file = event.clipboardData?.files[0];
+        if (file) void loadFile(file);
+      }}
+    >
+      <header>
+        <h1>starbreak</h1>
+        <p>Click on the picture: a stone hits the glass there. Drag to throw it.</p>
+      </header>
+      <main>
+        <section class="picture" aria-label="Picture">
+          <Stage
+            clean={picture}
+            damaged={damaged}
+            mask={mask}
+            cracks={cracks}
+            look={look}
+            hits={state.hits}
+            label={`${name} behind broken glass. Arrow keys move the aim, Enter throws a stone.`}
+            onHit={(hit, isDraft) => {
+              if (isDraft) return setPending(hit);
+              setPending(null);
+              change({ hits: [...state.hits, hit] });
+            }}
+          />
+          <div class="bar">
+            <label>
+              View{" "}
+              <select value={look} onChange={(event) => setLook(event.currentTarget.value as Look)}>
+                {LOOKS.map(([value, word]) => (
+                  <option value={value}>{word}</option>
+                ))}
+              </select>
+            </label>
+            <button type="button" disabled={broken?.last_arrival == null} onClick={() => setPlays(!plays)}>
+              {plays ? "Stop" : "Play growth"}
+            </button>
+            <label class="growth">
+              <span class="hidden">Growth</span>
+              <input
+                type="range"
+                min="0"
+                max="1"
+                step="0.01"
+                value={share}
+                disabled={broken?.last_arrival == null}
+                onInput={(event) => {
+                  setPlays(false);
+                  growTo(Number(event.currentTarget.value)).catch(fails);
+                }}
+              />
+            </label>
+            <output class="time">{grown ? timeWords(grown.time, grown.unit) : ""}</output>
+            <button type="button" disabled={state.hits.length === 0} onClick={() => change({ hits: [] })}>
+              Clear hits
+            </button>
+          </div>
+          <p class="trouble" role="alert">
+            {trouble}
+          </p>
+          <Presets presets={catalog?.presets ?? []} chosen={state.preset} isReady={nShown > 0} onChoice={(preset) => change({ preset, set: {} })} />
+          {broken && <Figures broken={broken} took={broken.took} />}
+        </section>
+        <section class="controls" aria-label="Recipe">
+          <div class="fields">
+            <div class="field wide">
+              <label for="severity">Severity {state.severity ?? "of the preset"}</label>
+              <input
+                id="severity"
+                type="range"
+                min="1"
+                max="5"
+                step="1"
+                value={state.severity ?? 3}
+                onChange={(event) => change({ severity: Number(event.currentTarget.value) })}
+              />
+            </div>
+            <div class="field wide">
+              <label for="camera">Camera</label>
+              <select
+                id="camera"
+                value={state.camera ?? ""}
+                onChange={(event) => change({ camera: event.currentTarget.value || null })}
+              >
+                <option value="">that of the preset</option>
+                {catalog?.cameras.map((camera) => (
+                  <option value={camera.name} title={camera.about}>
+                    {camera.name}
+                  </option>
+                ))}
+              </select>
+            </div>
+            <div class="field wide">
+              <label for="seed">Seed</label>
+              <input
+                id="seed"
+                type="number"
+                min="0"
+                step="1"
+                value={state.seed}
+                onChange={(event) => {
+                  const seed = Number(event.currentTarget.value);
+                  if (Number.isSafeInteger(seed) && seed >= 0) change({ seed });
+                }}
+              />
+              <button type="button" onClick={() => change({ seed: crypto.getRandomValues(new Uint16Array(1))[0]! })}>
+                Roll
+              </button>
+            </div>
+          </div>
+          {catalog && (
+            <Panel
+              catalog={catalog}
+              broken={broken}
+              set={state.set}
+              onSet={(key, toml) => {
+                const { [key]: _, ...others } = state.set;
+                change({ set: toml === null ? others : { ...others, [key]: toml } });
+              }}
+            />
+          )}
+        </section>
+        <section class="away" aria-label="Pictures and files">
+          <h2>Your picture</h2>
+          <div class="buttons">
+            <label class="button">
+              Open a photo
+              <input
+                type="file"
+                class="hidden"
+                accept="image/png,image/jpeg,image/webp,image/bmp"
+                onChange={(event) => {
+                  const file = event.currentTarget.files?.[0];
+                  if (file) void loadFile(file);
+                  event.currentTarget.value = "";
+                }}
+              />
+            </label>
+            <button type="button" onClick={() => load(null).catch(fails)}>
+              The street
+            </button>
+            <button type="button" aria-pressed={isCamera} onClick={() => setIsCamera(!isCamera)}>
+              {isCamera ? "Stop webcam" : "Webcam"}
+            </button>
+          </div>
+          <p class="about">It stays in your browser: this page sends nothing.</p>
+          <h2>Take away</h2>
+          <div class="buttons">
+            <button type="button" onClick={() => void copy(location.href, "Link")}>
+              Copy link
+            </button>
+            <button type="button" onClick={() => void copy(toCommand(state, broken?.assignments ?? [], name), "Command")}>
+              Copy command
+            </button>
+            <button type="button" onClick={() => void copy(toPython(state, broken?.assignments ?? [], name), "Python")}>
+              Copy Python
+            </button>
+          </div>
+          <div class="buttons" aria-label="Download">
+            {FILES.map(([what, word]) => (
+              <button type="button" onClick={() => void save(what)}>
+                {word}
+              </button>
+            ))}
+          </div>
+          <p class="said" role="status">
+            {said}
+          </p>
+        </section>
+      </main>
+      {isCamera && (
+        <Webcam
+          onPicture={(bytes) => load("webcam.png", bytes)}
+          onFrame={async (frame) => {
+            const given = await desk.ask<null>({ ask: "frame", width_px: frame.width, height_px: frame.height }, frame.bytes);
+            setPicture((picture) => picture && { ...picture, bytes: picture.bytes });
+            setDamaged({ ...frame, bytes: given.bytes });
+          }}
+          onFailure={(error) => {
+            setIsCamera(false);
+            fails(error);
+          }}
+        />
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,123 @@
+// What a page shows, as its address holds it, and as command and Python say it.
+
+export interface Hit {
+  position: [number, number];
+  azimuth_deg?: number;
+  speed_m_s?: number;
+}
+
+export interface State {
+  preset: string;
+  severity: number | null;
+  camera: string | null;
+  /** Keys that were set, with their values as TOML. */
+  set: Record<string, string>;
+  hits: Hit[];
+  seed: number;
+}
+
+const rounded = (value: number, digits: number) => Number(value.toFixed(digits));
+
+/** A hit at a place of the picture, with numbers short enough for an address. */
+export function hitAt(x: number, y: number, drag?: { azimuth: number; speed: number }): Hit {
+  const inside = (value: number) => rounded(Math.min(Math.max(value, 0), 1), 4);
+  const hit: Hit = { position: [inside(x), inside(y)] };
+  if (drag) {
+    hit.azimuth_deg = rounded(drag.azimuth, 1);
+    hit.speed_m_s = rounded(drag.speed, 1);
+  }
+  return hit;
+}
+
+export function question(state: State, isDraft: boolean): Record<string, unknown> {
+  return {
+    ask: "break",
+    preset: state.preset,
+    severity: state.severity,
+    camera: state.camera,
+    set: Object.entries(state.set).map(([key, value]) => `${key}=${value}`),
+    hits: state.hits,
+    seed: state.seed,
+    is_draft: isDraft,
+  };
+}
+
+export function toAddress(state: State): string {
+  const words = new URLSearchParams();
+  words.set("preset", state.preset);
+  if (state.severity !== null) words.set("severity", String(state.severity));
+  if (state.camera !== null) words.set("camera", state.camera);
+  for (const [key, value] of Object.entries(state.set)) words.append("set", `${key}=${value}`);
+  for (const hit of state.hits) {
+    words.append("hit", [...hit.position, hit.azimuth_deg, hit.speed_m_s].filter((v) => v !== undefined).join(","));
+  }
+  words.set("seed", String(state.seed));
+  return `#${words}`;
+}
+
+/** The state of an address; what it does not say is as in `start`. */
+export function fromAddress(hash: string, start: State): State {
+  const words = new URLSearchParams(hash.replace(/^#/, ""));
+  const whole = (text: string | null, least: number, most: number) => {
+    const value = Number(text ?? "");
+    return text !== null && text !== "" && Number.isInteger(value) && value >= least && value <= most ? value : null;
+  };
+  const set: Record<string, string> = {};
+  for (const text of words.getAll("set")) {
+    const at = text.indexOf("=");
+    if (at > 0) set[text.slice(0, at)] = text.slice(at + 1);
+  }
+  const hits = words.getAll("hit").flatMap((text) => {
+    const [x, y, azimuth, speed] = text.split(",").map(Number);
+    if (x === undefined || y === undefined || !text.split(",").map(Number).every(Number.isFinite)) return [];
+    const hit: Hit = { position: [x, y] };
+    if (azimuth !== undefined && speed !== undefined) Object.assign(hit, { azimuth_deg: azimuth, speed_m_s: speed });
+    return [hit];
+  });
+  return {
+    preset: words.get("preset") ?? start.preset,
+    severity: words.has("preset") ? whole(words.get("severity"), 1, 5) : start.severity,
+    camera: words.get("camera") ?? (words.has("preset") ? null : start.camera),
+    set,
+    hits: hits.length > 0 || words.has("preset") ? hits : start.hits,
+    seed: whole(words.get("seed"), 0, Number.MAX_SAFE_INTEGER) ?? start.seed,
+  };
+}
+
+const quoted = (text: string) => (/^[\w./=,-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
+
+/** The command that writes this picture; several hits need the recipe as a file. */
+export function toCommand(state: State, assignments: string[], name: string): string {
+  const words = ["starbreak", "crack", quoted(name)];
+  if (state.hits.length > 1) {
+    words.push("--recipe", quoted(name.replace(/\.[^.]*$/, "") + ".recipe.toml"));
+  } else {
+    words.push("--preset", state.preset);
+    if (state.severity !== null) words.push("--severity", String(state.severity));
+    if (state.camera !== null) words.push("--camera", state.camera);
+    const set = Object.entries(state.set).map(([key, value]) => `${key}=${value}`);
+    for (const text of [...set, ...assignments]) words.push("--set", quoted(text));
+  }
+  words.push("--seed", String(state.seed), "--output", "out");
+  return words.join(" ");
+}
+
+/** The same in Python, for a `photo`. */
+export function toPython(state: State, assignments: string[], name: string): string {
+  const literal = (toml: string) => ({ true: "True", false: "False" })[toml] ?? toml;
+  let recipe: string;
+  if (state.hits.length > 1) {
+    recipe = `starbreak.Recipe.from_file(${JSON.stringify(name.replace(/\.[^.]*$/, "") + ".recipe.toml")})`;
+  } else {
+    const words = [JSON.stringify(state.preset)];
+    if (state.severity !== null) words.push(`severity=${state.severity}`);
+    if (state.camera !== null) words.push(`camera=${JSON.stringify(state.camera)}`);
+    const set = [...Object.entries(state.set).map(([key, value]) => `${key}=${value}`), ...assignments].map((text) => {
+      const at = text.indexOf("=");
+      return `${JSON.stringify(text.slice(0, at))}: ${literal(text.slice(at + 1))}`;
+    });
+    if (set.length > 0) words.push(`set={${set.join(", ")}}`);
+    recipe = `starbreak.Recipe(${words.join(", ")})`;
+  }
+  return `cracked = starbreak.crack(photo, ${recipe}, seed=starbreak.item_seed(${state.seed}, ${JSON.stringify(name)}))`;
+}

@@ -1,0 +1,350 @@
+// The playground in a browser: playground.mjs SITE STARBREAK, with Chromium in STARBREAK_TEST_CHROMIUM or on PATH.
+// Ends with a line `test result: …` as cargo's tests do.
+
+import { execFileSync } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { delimiter, join } from "node:path";
+import { chromium } from "playwright-core";
+import { serve } from "./serve.mjs";
+
+const [site, starbreak] = process.argv.slice(2);
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const scratch = mkdtempSync(join(tmpdir(), "playground-"));
+const server = await serve(site);
+const start = `http://127.0.0.1:${server.address().port}/`;
+const onPath = (process.env.PATH ?? "")
+  .split(delimiter)
+  .flatMap((folder) => ["chromium", "chromium-browser", "google-chrome"].map((name) => join(folder, name)))
+  .find((path) => existsSync(path));
+const browser = await chromium.launch({
+  executablePath: process.env.STARBREAK_TEST_CHROMIUM ?? onPath,
+  args: ["--no-sandbox", "--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"],
+});
+
+const complaints = [];
+const strangers = [];
+
+/** A page of its own, with everything that it complains of and asks for noted. */
+async function open(options = {}, address = "") {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, ...options });
+  const page = await context.newPage();
+  page.setDefaultTimeout(30_000);
+  page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(String(error)));
+  context.on("request", (request) => {
+    if (!request.url().startsWith(start) && !request.url().startsWith("blob:")) strangers.push(request.url());
+  });
+  await page.goto(start + address);
+  await shown(page, 0);
+  await page.waitForTimeout(100);
+  return page;
+}
+
+const nShown = async (page) => Number(await page.locator(".page").getAttribute("data-shown"));
+/** Waits until more than so many breaks were shown, and no other is under way. */
+const shown = (page, before) =>
+  page.waitForFunction((before) => Number(document.querySelector(".page")?.dataset.shown) > before, before);
+/** Does something that breaks the glass, and waits for it. */
+async function after(page, act) {
+  const before = await nShown(page);
+  await act();
+  await shown(page, before);
+  await page.waitForTimeout(50);
+}
+const view = (page, value) => page.getByLabel("View").selectOption(value);
+/** The canvas, as bytes in base 64. */
+const pixels = (page) =>
+  page.evaluate(() => {
+    const canvas = document.querySelector("canvas");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let text = "";
+    for (let at = 0; at < data.length; at += 0x8000) text += String.fromCharCode(...data.subarray(at, at + 0x8000));
+    return btoa(text);
+  });
+const bytesOf = async (page) => Buffer.from(await pixels(page), "base64");
+async function download(page, name) {
+  const [file] = await Promise.all([
+    page.waitForEvent("download"),
+    page.getByLabel("Download").getByRole("button", { name, exact: true }).click(),
+  ]);
+  return { name: file.suggestedFilename(), bytes: readFileSync(await file.path()) };
+}
+/** Pixels of a PNG file, by the browser. */
+const decode = (page, png) =>
+  page
+    .evaluate(async (text) => {
+      const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+      const bitmap = await createImageBitmap(new Blob([bytes]), { colorSpaceConversion: "none" });
+      const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+      const context = canvas.getContext("2d");
+      context.drawImage(bitmap, 0, 0);
+      const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+      let out = "";
+      for (let at = 0; at < data.length; at += 0x8000) out += String.fromCharCode(...data.subarray(at, at + 0x8000));
+      return btoa(out);
+    }, png.toString("base64"))
+    .then((text) => Buffer.from(text, "base64"));
+const linear = (code) => (code <= 10.31475 ? code / 255 / 12.92 : ((code / 255 + 0.055) / 1.055) ** 2.4);
+const clickAt = async (page, x, y) => {
+  const box = await page.locator("canvas").boundingBox();
+  await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
+};
+function must(isSo, what) {
+  if (!isSo) throw new Error(what);
+}
+function command(...args) {
+  try {
+    return execFileSync(starbreak, args, { cwd: scratch, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+  } catch (error) {
+    return error.stderr;
+  }
+}
+
+const tests = {
+  async a_click_breaks_the_glass_there_and_nothing_outside_the_region() {
+    const page = await open({}, "#preset=windshield-star&severity=3&seed=5");
+    await after(page, () => clickAt(page, 0.25, 0.5));
+    const damaged = await bytesOf(page);
+    await view(page, "clean");
+    const clean = await bytesOf(page);
+    const region = await decode(page, (await download(page, "Region mask")).bytes);
+    const recipe = (await download(page, "Recipe")).bytes.toString();
+    const threshold = Number(/^region_threshold = (.*)$/m.exec(recipe)[1]);
+    let [sumX, n, worst] = [0, 0, 0];
+    for (let at = 0; at < clean.length; at += 4) {
+      if (region[at] > 0) {
+        sumX += (at / 4) % 1242;
+        n += 1;
+      } else {
+        for (const c of [0, 1, 2]) worst = Math.max(worst, Math.abs(linear(damaged[at + c]) - linear(clean[at + c])));
+      }
+    }
+    must(n > 200, `${n} pixels in the region`);
+    must(Math.abs(sumX / n / 1242 - 0.25) < 0.15, `the middle of the region is at ${sumX / n / 1242} of the width`);
+    // One code of 255 above is what rounding adds.
+    must(worst < threshold + 0.01, `outside the region linear light changes by ${worst}, not less than ${threshold}`);
+    must(/^position = \[0\.25\d*, 0\.5\d*\]$/m.test(recipe), "the recipe has the hit");
+  },
+
+  async several_hits_add_up_and_are_cleared() {
+    const page = await open({}, "#preset=windshield-star&severity=1&seed=5");
+    const share = async () => Number((await page.locator(".figures dd").first().textContent()).split(" ")[0]);
+    await after(page, () => clickAt(page, 0.2, 0.3));
+    const one = await share();
+    await after(page, () => clickAt(page, 0.7, 0.6));
+    const two = await share();
+    must(two > one, `two hits affect ${two} %, one ${one} %`);
+    must(await page.getByText("2 hits", { exact: true }).isVisible(), "they are counted");
+    await after(page, () => page.getByRole("button", { name: "Clear hits" }).click());
+    must(!page.url().includes("hit="), "none in the address");
+  },
+
+  async a_drag_gives_speed_and_direction() {
+    const page = await open();
+    const box = await page.locator("canvas").boundingBox();
+    await page.mouse.move(box.x + 0.3 * box.width, box.y + 0.5 * box.height);
+    await after(page, async () => {
+      await page.mouse.down();
+      await page.mouse.move(box.x + 0.5 * box.width, box.y + 0.5 * box.height, { steps: 4 });
+      await page.mouse.up();
+      await page.waitForFunction(() => location.hash.includes("hit="));
+    });
+    const hit = new URLSearchParams(new URL(page.url()).hash.slice(1)).get("hit").split(",").map(Number);
+    must(hit.length === 4 && hit[2] === 0 && Math.abs(hit[3] - 24) < 1, `to the right at 24 m/s: ${hit}`);
+  },
+
+  async keys_throw_a_stone() {
+    const page = await open();
+    await page.locator("canvas").focus();
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowUp"]) await page.keyboard.press(key);
+    await after(page, () => page.keyboard.press("Enter"));
+    must(page.url().includes("hit=0.54%2C0.46"), page.url());
+  },
+
+  async each_preset_and_severity_shows_something() {
+    const page = await open();
+    const presets = await page.locator("input[name=preset]").evaluateAll((all) => all.map((one) => one.value));
+    must(presets.length === 11, `${presets.length} presets`);
+    for (const preset of presets) {
+      for (const severity of [1, 3, 5]) {
+        const address = `#preset=${preset}&severity=${severity}&hit=0.5,0.45&seed=2`;
+        await after(page, () => page.evaluate((address) => (location.hash = address), address));
+        const words = await page.locator(".figures dd").first().textContent();
+        must(!(await page.locator(".trouble").textContent()), `${address}: ${await page.locator(".trouble").textContent()}`);
+        must(Number(words.split(" ")[0]) > 0, `${address}: ${words}`);
+      }
+    }
+  },
+
+  async a_link_shows_the_same_pixels() {
+    const page = await open();
+    await after(page, () => page.getByLabel("Camera").selectOption("dashcam"));
+    await after(page, () => clickAt(page, 0.6, 0.3));
+    await after(page, async () => {
+      await page.getByLabel("f-number").fill("4");
+      await page.keyboard.press("Tab");
+    });
+    const there = await open({}, page.url().slice(start.length));
+    must((await pixels(page)) === (await pixels(there)), "other pixels");
+    must((await there.getByLabel("f-number").inputValue()) === "4", "f-number");
+  },
+
+  async ten_recipes_give_the_pixels_of_the_command() {
+    const page = await open();
+    await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+    command("demo", "-o", "demo");
+    writeFileSync(join(scratch, "scene.png"), readFileSync(join(scratch, "demo", "scene.png")));
+    const addresses = [
+      "preset=windshield-star&severity=4&seed=1",
+      "preset=windshield-bullseye&hit=0.3,0.4&seed=2",
+      "preset=windshield-combination&severity=5&hit=0.7,0.5&seed=3",
+      "preset=windshield-long-crack&camera=dashcam&seed=4",
+      "preset=windshield-spiderweb&severity=2&hit=0.5,0.5,30,40&seed=5",
+      "preset=windshield-gravel&severity=3&seed=6",
+      "preset=tempered-cover&hit=0.4,0.6&seed=7",
+      "preset=lens-cover-shattered&set=camera.f_number=4&seed=8",
+      "preset=paper&severity=4&seed=9",
+      "preset=windshield-star&severity=2&hit=0.2,0.3&hit=0.6,0.5,90,25&seed=10",
+    ];
+    for (const address of addresses) {
+      await after(page, () => page.evaluate((address) => (location.hash = address), address));
+      await page.getByRole("button", { name: "Copy command" }).click();
+      await page.getByText("Command copied").waitFor();
+      const words = await page.evaluate(() => navigator.clipboard.readText());
+      const recipe = await download(page, "Recipe");
+      writeFileSync(join(scratch, recipe.name), recipe.bytes);
+      const args = words.replace(/^starbreak /, "").match(/'[^']*'|\S+/g).map((word) => word.replaceAll("'", ""));
+      const said = command(...args, "--replace");
+      const file = join(scratch, "out", "scene.png");
+      must(existsSync(file), `${words}: ${said}`);
+      const ours = await decode(page, readFileSync(file));
+      must(ours.equals(await decode(page, (await download(page, "Picture")).bytes)), `${words}: other pixels in the file`);
+      must(ours.equals(await bytesOf(page)), `${words}: other pixels on the page`);
+      rmSync(join(scratch, "out"), { recursive: true });
+    }
+  },
+
+  async a_photo_is_taken_and_a_broken_file_is_refused_as_by_the_command() {
+    const page = await open();
+    const png = (await download(page, "Crack mask")).bytes;
+    const choose = (name, bytes) => page.locator("input[type=file]").setInputFiles({ name, mimeType: "image/png", buffer: bytes });
+    await after(page, () => choose("mine.png", png));
+    must((await download(page, "Picture")).name === "mine.png", "its name");
+    const cut = png.subarray(0, png.length - 40);
+    writeFileSync(join(scratch, "cut.png"), cut);
+    const said = command("crack", "cut.png", "-o", "cut");
+    await choose("cut.png", cut);
+    await page.waitForFunction(() => document.querySelector(".trouble").textContent !== "");
+    const words = await page.locator(".trouble").textContent();
+    must(words.includes("cut.png") && said.includes(words), `${words}, the command: ${said}`);
+  },
+
+  async a_wrong_value_is_refused_as_by_the_command_and_the_picture_stays() {
+    const page = await open();
+    const before = await pixels(page);
+    await page.getByLabel("f-number").fill("0");
+    await page.keyboard.press("Tab");
+    await page.waitForFunction(() => document.querySelector(".trouble").textContent !== "");
+    const words = await page.locator(".trouble").textContent();
+    const said = command("crack", "scene.png", "--set", "camera.f_number=0", "-o", "wrong");
+    must(said.includes(words), `${words}, the command: ${said}`);
+    must(before === (await pixels(page)), "the picture changed");
+  },
+
+  async growth_plays_and_ends_as_the_whole() {
+    const page = await open();
+    const whole = await pixels(page);
+    const slider = page.getByLabel("Growth", { exact: true });
+    await slider.fill("0");
+    await page.waitForFunction(() => document.querySelector(".time").textContent !== "");
+    await view(page, "damaged");
+    const none = await pixels(page);
+    await slider.fill("0.5");
+    await page.waitForFunction(() => !/^0 /.test(document.querySelector(".time").textContent));
+    await page.waitForTimeout(200);
+    const half = await pixels(page);
+    must(none !== half && half !== whole, "it grows");
+    await page.getByRole("button", { name: "Play growth" }).click();
+    await page.getByRole("button", { name: "Play growth" }).waitFor();
+    must((await pixels(page)) === whole, "in the end it is the whole");
+  },
+
+  async every_view_differs_and_masks_and_networks_are_files() {
+    const page = await open();
+    const looks = await page.getByLabel("View").locator("option").evaluateAll((all) => all.map((one) => one.value));
+    const seen = new Set();
+    for (const look of looks) {
+      await view(page, look);
+      await page.waitForTimeout(250);
+      seen.add(await pixels(page));
+    }
+    must(seen.size === looks.length, `${seen.size} of ${looks.length} views differ`);
+    const network = JSON.parse((await download(page, "Network")).bytes);
+    must(network.segments.from.length > 10, "a network");
+    must((await download(page, "Drawing")).bytes.toString().includes("<svg"), "a drawing");
+  },
+
+  async the_webcam_is_seen_through_the_glass() {
+    const page = await open();
+    await after(page, () => page.getByRole("button", { name: "Webcam" }).click());
+    await page.waitForTimeout(500);
+    const [first] = [await pixels(page), await page.waitForTimeout(400)];
+    must(first !== (await pixels(page)), "it moves");
+    must(!(await page.locator(".trouble").textContent()), "no trouble");
+    await page.getByRole("button", { name: "Stop webcam" }).click();
+  },
+
+  async it_opens_without_a_network_after_the_first_visit() {
+    const page = await open();
+    await page.evaluate(() => navigator.serviceWorker.ready);
+    await page.waitForFunction(() => navigator.serviceWorker.controller !== null);
+    await page.context().setOffline(true);
+    await page.reload();
+    await shown(page, 0);
+  },
+
+  async nothing_is_in_the_way_of_anybody() {
+    for (const colorScheme of ["light", "dark"]) {
+      const page = await open({ colorScheme });
+      await page.getByText("All parameters").click();
+      await page.evaluate(axe);
+      const { violations } = await page.evaluate(() => window.axe.run());
+      const serious = violations.filter((one) => ["serious", "critical"].includes(one.impact));
+      must(serious.length === 0, serious.map((one) => `${one.id}: ${one.nodes[0].html}`).join("\n"));
+    }
+    const phone = await open({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+    const width = await phone.evaluate(() => document.documentElement.scrollWidth);
+    must(width <= 390, `a phone has to scroll sideways: ${width} px`);
+  },
+
+  async nobody_complained_and_nothing_left_the_page() {
+    const csp = await (await open()).locator("meta[http-equiv]").getAttribute("content");
+    must(!csp.includes("unsafe-inline") && !csp.includes("'unsafe-eval'") && csp.includes("default-src 'none'"), csp);
+    must(complaints.length === 0, complaints.join("\n"));
+    must(strangers.length === 0, strangers.join("\n"));
+  },
+};
+
+const wanted = process.argv[4];
+let [nPassed, nFailed] = [0, 0];
+for (const [name, test] of Object.entries(tests)) {
+  if (wanted && !name.includes(wanted)) continue;
+  const begin = performance.now();
+  try {
+    await test();
+    nPassed += 1;
+    console.log(`test playground::${name} ... ok`);
+  } catch (error) {
+    nFailed += 1;
+    console.log(`test playground::${name} ... FAILED\n${error.message}`);
+  }
+  if (process.env.TIMES) console.log(`  ${Math.round(performance.now() - begin)} ms`);
+  for (const context of browser.contexts()) await context.close();
+}
+console.log(`test result: ${nFailed ? "FAILED" : "ok"}. ${nPassed} passed; ${nFailed} failed; 0 ignored`);
+await browser.close();
+server.close();
+rmSync(scratch, { recursive: true });
+process.exit(nFailed ? 1 : 0);

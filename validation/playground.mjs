@@ -1,0 +1,83 @@
+// How fast and how large the playground is: playground.mjs SITE, with Chromium in STARBREAK_TEST_CHROMIUM or on
+// PATH, after `cargo xtask web`. Medians; the module's own times are those that it says of each answer.
+
+import { existsSync, readdirSync, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { delimiter, join } from "node:path";
+import { brotliCompressSync, gzipSync } from "node:zlib";
+
+const page = join(import.meta.dirname, "../apps/web/page");
+const { chromium } = createRequire(join(page, "package.json"))("playwright-core");
+const { serve } = await import(join(page, "test/serve.mjs"));
+const N = 15;
+
+const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
+const site = process.argv[2];
+const files = readdirSync(join(site, "assets")).map((name) => join(site, "assets", name));
+const code = [...files.filter((name) => /\.(js|wasm)$/.test(name)), join(site, "sw.js")].map((name) => readFileSync(name));
+const size = (pack) => (code.map((bytes) => pack(bytes).length).reduce((a, b) => a + b) / 1e6).toFixed(2);
+console.log(`module and scripts: ${size(brotliCompressSync)} MB by Brotli, ${size((bytes) => gzipSync(bytes, { level: 9 }))} MB by gzip (at most 1.5)`);
+
+const server = await serve(site);
+const address = `http://127.0.0.1:${server.address().port}/`;
+const onPath = (process.env.PATH ?? "")
+  .split(delimiter)
+  .flatMap((folder) => ["chromium", "chromium-browser", "google-chrome"].map((name) => join(folder, name)))
+  .find((path) => existsSync(path));
+const browser = await chromium.launch({ executablePath: process.env.STARBREAK_TEST_CHROMIUM ?? onPath, args: ["--no-sandbox"] });
+
+async function open() {
+  const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
+  const tab = await context.newPage();
+  const begin = performance.now();
+  await tab.goto(address);
+  await tab.waitForFunction(() => Number(document.querySelector(".page")?.dataset.shown) > 0);
+  return { tab, context, took: performance.now() - begin };
+}
+
+const firsts = [];
+for (let k = 0; k < N; k += 1) {
+  const { context, took } = await open();
+  firsts.push(took);
+  await context.close();
+}
+console.log(`first picture, nothing kept: ${Math.round(median(firsts))} ms (at most 1500)`);
+
+const { tab } = await open();
+/** Times that the module says, ms, of a question that is asked again and again. */
+async function times(questions, bytes) {
+  return tab.evaluate(
+    async ([questions, nBytes]) => {
+      const asset = performance.getEntriesByType("resource").find((entry) => /worker-.*\.js$/.test(entry.name)).name;
+      const worker = new Worker(asset, { type: "module" });
+      const ask = (words, bytes = new Uint8Array()) =>
+        new Promise((done) => {
+          worker.onmessage = (event) => done(event.data);
+          worker.postMessage({ id: 1, words: JSON.stringify(words), bytes });
+        });
+      const street = await ask({ ask: "street" });
+      const times = [];
+      for (const question of questions) {
+        const begin = performance.now();
+        const said = await ask(question, nBytes ? street.bytes.slice() : undefined);
+        const { trouble } = JSON.parse(said.words);
+        if (trouble) throw new Error(trouble);
+        times.push(performance.now() - begin);
+      }
+      worker.terminate();
+      return times;
+    },
+    [questions, bytes],
+  );
+}
+const star = (more) => ({ ask: "break", preset: "windshield-star", seed: 1, ...more });
+const each = (of) => Array.from({ length: N }, (_, k) => of(k));
+const say = (what, all, skip, bound) => console.log(`${what}: ${Math.round(median(all.slice(skip)))} ms (at most ${bound})`);
+say("another stop of the lens, 1242 x 375", await times([star(), ...each((k) => star({ set: [`camera.f_number=${2 + 0.1 * k}`] }))]), 1, 50);
+say("another light", await times([star(), ...each((k) => star({ set: [`optics.sun_elevation_deg=${10 + k}`] }))]), 1, 50);
+say("a fresh star on the fast mesh", await times(each((k) => star({ seed: k, is_draft: true }))), 0, 250);
+say("a fresh star on the default mesh", await times(each((k) => star({ seed: k }))), 0, "no bound");
+const frames = await times([star(), ...each(() => ({ ask: "frame", width_px: 1242, height_px: 375 }))], true);
+say("the glass over a frame of the webcam, 1242 x 375", frames, 1, 40);
+await browser.close();
+server.close();

@@ -1,0 +1,88 @@
+//! The playground: the module in Rust and the page around it, as files for any web server.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+
+use crate::Failure;
+use crate::command::{cargo, run as run_command};
+use crate::metadata::Metadata;
+use crate::test::standard_library;
+
+/// What browsers run.
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// The page's own folder.
+const PAGE: &str = "apps/web/page";
+
+/// `cargo xtask web [--serve]`: builds the playground, and serves it on this machine alone.
+///
+/// # Errors
+/// If it cannot be built or served.
+pub fn run(root: &Path, serves: bool) -> Result<(), Failure> {
+    let site = build(root)?;
+    println!("the playground is {}", site.join("index.html").display());
+    if serves {
+        let mut serve = node();
+        serve.arg(root.join(PAGE).join("test/serve.mjs")).arg(&site);
+        run_command(serve)?;
+    }
+    Ok(())
+}
+
+/// Builds it; gives the folder of the site.
+///
+/// # Errors
+/// If a tool or package cannot be had, or it does not build.
+pub(crate) fn build(root: &Path) -> Result<PathBuf, Failure> {
+    standard_library(TARGET)?;
+    let target = Metadata::of_workspace(root)?.target_directory;
+    let what = ["build", "--locked", "--profile", "web", "--target", TARGET];
+    let mut command = cargo(root, &[&what[..], &["--package", "starbreak-web"]].concat());
+    command.env(
+        "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS",
+        "-C target-feature=+simd128",
+    );
+    run_command(command)?;
+    let page = root.join(PAGE);
+    install(&page)?;
+    let site = target.join("web");
+    let module = target.join(TARGET).join("web/starbreak_web.wasm");
+    let mut npm = npm(&page);
+    npm.args(["run", "build", "--", "--emptyOutDir", "--outDir"]);
+    npm.arg(&site).env("STARBREAK_WASM", &module);
+    run_command(npm)?;
+    Ok(site)
+}
+
+/// The packages of the lock file, where they are not there yet.
+fn install(page: &Path) -> Result<(), Failure> {
+    let lock = page.join("package-lock.json");
+    let wanted = fs::read(&lock).map_err(|cause| Failure::of_file(&lock, &cause))?;
+    let installed = page.join("node_modules/.installed-lock.json");
+    if fs::read(&installed).is_ok_and(|bytes| bytes == wanted) {
+        return Ok(());
+    }
+    let mut command = npm(page);
+    command.args(["ci", "--no-audit", "--no-fund"]);
+    run_command(command)?;
+    fs::write(&installed, wanted).map_err(|cause| Failure::of_file(&installed, &cause))
+}
+
+fn npm(page: &Path) -> Command {
+    let mut command = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
+    command.current_dir(page);
+    command
+}
+
+fn node() -> Command {
+    Command::new(format!("node{}", env::consts::EXE_SUFFIX))
+}
+
+/// The test of the page in a browser.
+pub(crate) fn page_test(root: &Path, site: &Path, starbreak: &Path) -> Command {
+    let mut command = node();
+    command.arg(root.join(PAGE).join("test/playground.mjs"));
+    command.arg(site).arg(starbreak);
+    command
+}
