@@ -24,7 +24,7 @@ pub fn files_below(root: &Path, folder: &str, ext: &str) -> Result<Vec<String>, 
             let name = entry.file_name().to_string_lossy().into_owned();
             let file = format!("{folder}/{name}");
             if entry.path().is_dir() {
-                if name != "target" {
+                if name != "target" && name != "node_modules" {
                     folders.push(file);
                 }
             } else if Path::new(&name).extension().is_some_and(|e| e == ext) {

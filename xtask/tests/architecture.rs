@@ -128,6 +128,7 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
             "starbreak",
             "starbreak-runs",
             "starbreak-cli",
+            "starbreak-web",
         ],
         "solvers do not serialize; serialization is a boundary",
     ),
