@@ -8,6 +8,9 @@ pub enum File {
     /// The damaged picture.
     #[serde(rename = "picture")]
     Picture,
+    /// The picture as it was.
+    #[serde(rename = "clean")]
+    Clean,
     /// Where the glass affects it.
     #[serde(rename = "region")]
     Region,
@@ -30,7 +33,8 @@ impl File {
     #[must_use]
     pub fn suffix(self) -> &'static str {
         match self {
-            Self::Picture => ".png",
+            Self::Picture => ".damaged.png",
+            Self::Clean => ".png",
             Self::Region => ".region.png",
             Self::Crack => ".crack.png",
             Self::Network => ".network.json",
@@ -43,7 +47,7 @@ impl File {
     #[must_use]
     pub fn media_type(self) -> &'static str {
         match self {
-            Self::Picture | Self::Region | Self::Crack => "image/png",
+            Self::Picture | Self::Clean | Self::Region | Self::Crack => "image/png",
             Self::Network => "application/json",
             Self::Drawing => "image/svg+xml",
             Self::Recipe => "application/toml",

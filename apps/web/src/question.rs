@@ -32,7 +32,7 @@ pub enum Question {
     Cracks,
     /// What can be taken away.
     File {
-        /// `picture`, `region`, `crack`, `network.json`, `network.svg` or `recipe`.
+        /// `picture`, `clean`, `region`, `crack`, `network.json`, `network.svg` or `recipe`.
         what: crate::file::File,
     },
     /// Puts the glass over a frame of a camera, four bytes a pixel.

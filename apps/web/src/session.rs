@@ -260,12 +260,10 @@ impl Session {
     fn file(&self, what: File) -> Result<Answer, Trouble> {
         let (picture, glass) = self.glass()?;
         let network = || glass.chain.network().ok_or(Trouble::Missing("network"));
+        let png_of = |pixels| encode_image(pixels, &Encoding::Png, picture.icc_profile.as_deref());
         let bytes = match what {
-            File::Picture => encode_image(
-                &glass.damaged,
-                &Encoding::Png,
-                picture.icc_profile.as_deref(),
-            )?,
+            File::Picture => png_of(&glass.damaged)?,
+            File::Clean => png_of(&picture.pixels)?,
             File::Region => encode_mask(&glass.shown.region)?,
             File::Crack => encode_mask(&glass.chain.crack_mask()?)?,
             File::Network => network()?.to_json().into_bytes(),

@@ -5,7 +5,7 @@ import type { Broken } from "./answers";
 const number = (value: unknown, digits: number) =>
   typeof value === "number" && Number.isFinite(value) ? value.toLocaleString("en", { maximumFractionDigits: digits }) : "–";
 
-export function Figures({ broken, took }: { broken: Broken; took: number }) {
+export function Figures({ broken, took, isOld }: { broken: Broken; took: number; isOld: boolean }) {
   const hit = broken.damage?.hits?.[0];
   const rows: [string, string][] = [["of the picture affected", `${number(100 * broken.region_share, 2)} %`]];
   if (broken.glass_disc_px !== null) {
@@ -22,7 +22,7 @@ export function Figures({ broken, took }: { broken: Broken; took: number }) {
     rows.push(["spent on cracks", `${number(hit.dissipated_j, 4)} J`]);
   }
   return (
-    <dl class="figures">
+    <dl class={isOld ? "figures old" : "figures"} aria-busy={isOld}>
       {rows.map(([name, value]) => (
         <div key={name}>
           <dt>{name}</dt>

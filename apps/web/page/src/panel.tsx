@@ -40,13 +40,13 @@ export function Panel({ catalog, broken, set, onSet }: Props) {
     const table = broken.recipe[name];
     return Array.isArray(table) ? table[0] : table;
   };
-  const field = (table: string, key: string) => {
+  const field = (place: string, table: string, key: string) => {
     const value = tableOf(table)?.[key];
-    const place = catalog.schema.properties[table];
-    const about = (place?.items?.properties ?? place?.properties)?.[key];
+    const keys = catalog.schema.properties[table];
+    const about = (keys?.items?.properties ?? keys?.properties)?.[key];
     if (value === undefined || !about) return null;
     const name = `${table}.${key}`;
-    return <Field key={name} name={name} about={about} value={value} isSet={name in set} onSet={(toml) => onSet(name, toml)} />;
+    return <Field key={name} id={`${place}-${name}`} name={name} about={about} value={value} isSet={name in set} onSet={(toml) => onSet(name, toml)} />;
   };
   const tables = Object.keys(TITLES).filter((name) => tableOf(name) !== undefined);
   return (
@@ -54,7 +54,7 @@ export function Panel({ catalog, broken, set, onSet }: Props) {
       {[...new Set(BASIC.map(([table]) => table))].map((title) => (
         <fieldset key={title}>
           <legend>{TITLES[title]}</legend>
-          <div class="fields">{BASIC.map(([table, key]) => table === title && field(table, key))}</div>
+          <div class="fields">{BASIC.map(([table, key]) => table === title && field("basic", table, key))}</div>
         </fieldset>
       ))}
       <details>
@@ -65,7 +65,7 @@ export function Panel({ catalog, broken, set, onSet }: Props) {
             <div class="fields">
               {Object.keys(tableOf(table)!)
                 .filter((key) => !HIDDEN.includes(`${table}.${key}`))
-                .map((key) => field(table, key))}
+                .map((key) => field("all", table, key))}
             </div>
           </fieldset>
         ))}
@@ -75,6 +75,7 @@ export function Panel({ catalog, broken, set, onSet }: Props) {
 }
 
 interface FieldProps {
+  id: string;
   name: string;
   about: Key;
   value: unknown;
@@ -82,8 +83,7 @@ interface FieldProps {
   onSet(toml: string | null): void;
 }
 
-function Field({ name, about, value, isSet, onSet }: FieldProps) {
-  const id = `key-${name}`;
+function Field({ id, name, about, value, isSet, onSet }: FieldProps) {
   const change = (event: Event) => {
     const input = event.currentTarget as HTMLInputElement | HTMLSelectElement;
     if (input instanceof HTMLInputElement && input.type === "checkbox") return onSet(String(input.checked));

@@ -22,6 +22,7 @@ const LOOKS: [Look, string][] = [
 ];
 const FILES: [string, string][] = [
   ["picture", "Picture"],
+  ["clean", "Clean picture"],
   ["region", "Region mask"],
   ["crack", "Crack mask"],
   ["network.json", "Network"],
@@ -48,6 +49,7 @@ export function Playground() {
   const [share, setShare] = useState(1);
   const [grown, setGrown] = useState<Grown | null>(null);
   const [plays, setPlays] = useState(false);
+  const [isBusy, setIsBusy] = useState(false);
   const [isCamera, setIsCamera] = useState(false);
   const [nShown, setNShown] = useState(0);
 
@@ -82,38 +84,52 @@ export function Playground() {
   useEffect(() => {
     desk.ask<Catalog>({ ask: "catalog" }).then((given) => setCatalog(given.words), fails);
     load(null).catch(fails);
-    const follow = () => setState((now) => fromAddress(location.hash, now));
+    const follow = () => setState(fromAddress(location.hash, START));
     addEventListener("hashchange", follow);
     return () => removeEventListener("hashchange", follow);
   }, []);
 
   // One break at a time; of those that were asked for meanwhile, the last.
   const wanted = useRef<{ state: State; isDraft: boolean } | null>(null);
-  const isBusy = useRef(false);
+  const isBreaking = useRef(false);
+  // What was shown last, to which a refused change goes back.
+  const good = useRef<State | null>(null);
+  const isBack = useRef(false);
   const shatter = useCallback(
     async (state: State, isDraft: boolean) => {
       wanted.current = { state, isDraft };
-      if (isBusy.current) return;
-      isBusy.current = true;
+      if (isBreaking.current) return;
+      isBreaking.current = true;
+      setIsBusy(true);
       while (wanted.current) {
         const next: { state: State; isDraft: boolean } = wanted.current;
         wanted.current = null;
         try {
           const given = await desk.ask<Broken>(question(next.state, next.isDraft));
           setBroken({ ...given.words, took: given.took });
-          if (!next.isDraft) setNShown((n) => n + 1);
+          if (!next.isDraft) {
+            good.current = next.state;
+            setNShown((n) => n + 1);
+          }
           setPicture((picture) => {
             if (picture) setDamaged({ width: picture.width, height: picture.height, bytes: given.bytes });
             return picture;
           });
-          setTrouble(null);
+          if (!isBack.current) setTrouble(null);
+          isBack.current = false;
           setShare(1);
           setGrown(null);
         } catch (error) {
           fails(error);
+          const back = good.current ?? START;
+          if (!next.isDraft && next.state !== START && wanted.current === null) {
+            isBack.current = true;
+            setState(back === next.state ? START : back);
+          }
         }
       }
-      isBusy.current = false;
+      isBreaking.current = false;
+      setIsBusy(false);
     },
     [desk],
   );
@@ -187,6 +203,7 @@ export function Playground() {
       link.href = URL.createObjectURL(new Blob([file.bytes], { type: file.words.media_type }));
       link.download = file.words.name;
       link.click();
+      setSaid(`${file.words.name} saved${share < 1 && what !== "clean" ? ", with the cracks as they end" : ""}`);
       setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
     } catch (error) {
       fails(error);
@@ -195,13 +212,14 @@ export function Playground() {
   const copy = async (text: string, what: string) => {
     try {
       await navigator.clipboard.writeText(text);
-      setSaid(`${what} copied`);
+      setSaid(`Copied: ${what}`);
     } catch {
       setSaid(text);
     }
   };
 
   const name = picture?.name ?? "scene.png";
+  const needs = state.hits.length > 1 ? " (it reads the recipe of several hits: download that, too)" : "";
   return (
     <div
       class="page"
@@ -232,6 +250,7 @@ export function Playground() {
             hits={state.hits}
             label={`${name} behind broken glass. Arrow keys move the aim, Enter throws a stone.`}
             onHit={(hit, isDraft) => {
+              if (look !== "damaged") setLook("damaged");
               if (isDraft) return setPending(hit);
               setPending(null);
               change({ hits: [...state.hits, hit] });
@@ -240,7 +259,15 @@ export function Playground() {
           <div class="bar">
             <label>
               View{" "}
-              <select value={look} onChange={(event) => setLook(event.currentTarget.value as Look)}>
+              <select
+                value={look}
+                onChange={(event) => {
+                  const next = event.currentTarget.value as Look;
+                  // Masks are those of the whole.
+                  if (next === "region" || next === "crack") growTo(1).catch(fails);
+                  setLook(next);
+                }}
+              >
                 {LOOKS.map(([value, word]) => (
                   <option value={value}>{word}</option>
                 ))}
@@ -265,6 +292,9 @@ export function Playground() {
               />
             </label>
             <output class="time">{grown ? timeWords(grown.time, grown.unit) : ""}</output>
+            <button type="button" disabled={state.hits.length === 0} onClick={() => change({ hits: state.hits.slice(0, -1) })}>
+              Undo hit
+            </button>
             <button type="button" disabled={state.hits.length === 0} onClick={() => change({ hits: [] })}>
               Clear hits
             </button>
@@ -273,19 +303,19 @@ export function Playground() {
             {trouble}
           </p>
           <Presets presets={catalog?.presets ?? []} chosen={state.preset} isReady={nShown > 0} onChoice={(preset) => change({ preset, set: {} })} />
-          {broken && <Figures broken={broken} took={broken.took} />}
+          {broken && <Figures broken={broken} took={broken.took} isOld={isBusy} />}
         </section>
         <section class="controls" aria-label="Recipe">
           <div class="fields">
             <div class="field wide">
-              <label for="severity">Severity {state.severity ?? "of the preset"}</label>
+              <label for="severity">Severity {state.severity}</label>
               <input
                 id="severity"
                 type="range"
                 min="1"
                 max="5"
                 step="1"
-                value={state.severity ?? 3}
+                value={state.severity}
                 onChange={(event) => change({ severity: Number(event.currentTarget.value) })}
               />
             </div>
@@ -313,8 +343,11 @@ export function Playground() {
                 step="1"
                 value={state.seed}
                 onChange={(event) => {
-                  const seed = Number(event.currentTarget.value);
-                  if (Number.isSafeInteger(seed) && seed >= 0) change({ seed });
+                  const text = event.currentTarget.value.trim();
+                  const seed = Number(text);
+                  if (text !== "" && Number.isSafeInteger(seed) && seed >= 0) return change({ seed });
+                  event.currentTarget.value = String(state.seed);
+                  setTrouble(`seed = ${text}; expected a whole number from 0 to ${Number.MAX_SAFE_INTEGER}`);
                 }}
               />
               <button type="button" onClick={() => change({ seed: crypto.getRandomValues(new Uint16Array(1))[0]! })}>
@@ -363,14 +396,15 @@ export function Playground() {
             <button type="button" onClick={() => void copy(location.href, "Link")}>
               Copy link
             </button>
-            <button type="button" onClick={() => void copy(toCommand(state, broken?.assignments ?? [], name), "Command")}>
+            <button type="button" onClick={() => void copy(toCommand(state, broken?.assignments ?? [], name), `Command${needs}`)}>
               Copy command
             </button>
-            <button type="button" onClick={() => void copy(toPython(state, broken?.assignments ?? [], name), "Python")}>
+            <button type="button" onClick={() => void copy(toPython(state, broken?.assignments ?? [], name), `Python${needs}`)}>
               Copy Python
             </button>
           </div>
-          <div class="buttons" aria-label="Download">
+          <h2 id="download">Download</h2>
+          <div class="buttons" role="group" aria-labelledby="download">
             {FILES.map(([what, word]) => (
               <button type="button" onClick={() => void save(what)}>
                 {word}

@@ -142,7 +142,7 @@ export function Stage(props: Props) {
         )}
       </svg>
       <p class="said" aria-live="polite">
-        {hits.length > 1 ? `${hits.length} hits` : ""}
+        {hits.length > 0 ? `${hits.length} hit${hits.length > 1 ? "s" : ""}` : ""}
       </p>
     </div>
   );

@@ -8,7 +8,7 @@ export interface Hit {
 
 export interface State {
   preset: string;
-  severity: number | null;
+  severity: number;
   camera: string | null;
   /** Keys that were set, with their values as TOML. */
   set: Record<string, string>;
@@ -45,7 +45,7 @@ export function question(state: State, isDraft: boolean): Record<string, unknown
 export function toAddress(state: State): string {
   const words = new URLSearchParams();
   words.set("preset", state.preset);
-  if (state.severity !== null) words.set("severity", String(state.severity));
+  words.set("severity", String(state.severity));
   if (state.camera !== null) words.set("camera", state.camera);
   for (const [key, value] of Object.entries(state.set)) words.append("set", `${key}=${value}`);
   for (const hit of state.hits) {
@@ -76,10 +76,10 @@ export function fromAddress(hash: string, start: State): State {
   });
   return {
     preset: words.get("preset") ?? start.preset,
-    severity: words.has("preset") ? whole(words.get("severity"), 1, 5) : start.severity,
-    camera: words.get("camera") ?? (words.has("preset") ? null : start.camera),
+    severity: whole(words.get("severity"), 1, 5) ?? start.severity,
+    camera: words.get("camera") ?? start.camera,
     set,
-    hits: hits.length > 0 || words.has("preset") ? hits : start.hits,
+    hits,
     seed: whole(words.get("seed"), 0, Number.MAX_SAFE_INTEGER) ?? start.seed,
   };
 }
@@ -93,7 +93,7 @@ export function toCommand(state: State, assignments: string[], name: string): st
     words.push("--recipe", quoted(name.replace(/\.[^.]*$/, "") + ".recipe.toml"));
   } else {
     words.push("--preset", state.preset);
-    if (state.severity !== null) words.push("--severity", String(state.severity));
+    words.push("--severity", String(state.severity));
     if (state.camera !== null) words.push("--camera", state.camera);
     const set = Object.entries(state.set).map(([key, value]) => `${key}=${value}`);
     for (const text of [...set, ...assignments]) words.push("--set", quoted(text));
@@ -102,7 +102,7 @@ export function toCommand(state: State, assignments: string[], name: string): st
   return words.join(" ");
 }
 
-/** The same in Python, for a `photo`. */
+/** The same in Python. */
 export function toPython(state: State, assignments: string[], name: string): string {
   const literal = (toml: string) => ({ true: "True", false: "False" })[toml] ?? toml;
   let recipe: string;
@@ -110,7 +110,7 @@ export function toPython(state: State, assignments: string[], name: string): str
     recipe = `starbreak.Recipe.from_file(${JSON.stringify(name.replace(/\.[^.]*$/, "") + ".recipe.toml")})`;
   } else {
     const words = [JSON.stringify(state.preset)];
-    if (state.severity !== null) words.push(`severity=${state.severity}`);
+    words.push(`severity=${state.severity}`);
     if (state.camera !== null) words.push(`camera=${JSON.stringify(state.camera)}`);
     const set = [...Object.entries(state.set).map(([key, value]) => `${key}=${value}`), ...assignments].map((text) => {
       const at = text.indexOf("=");
@@ -119,5 +119,11 @@ export function toPython(state: State, assignments: string[], name: string): str
     if (set.length > 0) words.push(`set={${set.join(", ")}}`);
     recipe = `starbreak.Recipe(${words.join(", ")})`;
   }
-  return `cracked = starbreak.crack(photo, ${recipe}, seed=starbreak.item_seed(${state.seed}, ${JSON.stringify(name)}))`;
+  return [
+    "import starbreak",
+    "from PIL import Image",
+    `photo = Image.open(${JSON.stringify(name)})`,
+    `cracked = starbreak.crack(photo, ${recipe}, seed=starbreak.item_seed(${state.seed}, ${JSON.stringify(name)}))`,
+    "",
+  ].join("\n");
 }
