@@ -46,7 +46,8 @@ pub(crate) fn build(root: &Path) -> Result<PathBuf, Failure> {
     run_command(command)?;
     let page = root.join(PAGE);
     install(&page)?;
-    let site = target.join("web");
+    // Not `web`, where cargo keeps what builds this profile.
+    let site = target.join("playground");
     let module = target.join(TARGET).join("web/starbreak_web.wasm");
     let mut npm = npm(&page);
     npm.args(["run", "build", "--", "--emptyOutDir", "--outDir"]);
@@ -64,7 +65,7 @@ fn install(page: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     let mut command = npm(page);
-    command.args(["ci", "--no-audit", "--no-fund"]);
+    command.args(["ci", "--ignore-scripts", "--no-audit", "--no-fund"]);
     run_command(command)?;
     fs::write(&installed, wanted).map_err(|cause| Failure::of_file(&installed, &cause))
 }

@@ -1,3 +1,4 @@
+import { createHash } from "node:crypto";
 import { defineConfig, type Plugin } from "vite";
 
 /** Lists the page's own files in its service worker, which keeps them for a visit without a network. */
@@ -5,11 +6,18 @@ function listFiles(): Plugin {
   return {
     name: "list-files",
     apply: "build",
+    enforce: "post",
     generateBundle(_, bundle) {
       const files = Object.keys(bundle).filter((name) => name !== "sw.js");
       const worker = bundle["sw.js"];
       if (worker?.type === "chunk") {
-        worker.code = worker.code.replace("__FILES__", JSON.stringify(["./", ...files].sort()));
+        const html = bundle["index.html"];
+        if (html?.type !== "asset") throw new Error("there is no index.html to keep");
+        // Names of other files hold what is in them.
+        const version = createHash("sha256").update(files.sort().join(" ")).update(html.source).digest("hex");
+        worker.code = worker.code
+          .replace("__FILES__", JSON.stringify(["./", ...files]))
+          .replace("__VERSION__", JSON.stringify(version.slice(0, 16)));
       }
     },
   };

@@ -28,7 +28,7 @@ pub enum Question {
         /// The share, 0 to 1.
         share: f64,
     },
-    /// The cracks that the frame shows: numbers of 32 bits, seven for each piece (see [`Session`](crate::Session)).
+    /// The cracks that the frame shows: numbers of 32 bits, seven for each piece (see [`Answer::bytes`](crate::Answer::bytes)).
     Cracks,
     /// What can be taken away.
     File {
@@ -139,9 +139,11 @@ impl Hit {
         all
     }
 
+    /// By key; the paper's model has a direction of its own, and no speed.
     fn values(&self) -> impl Iterator<Item = (&'static str, f64)> {
         let both = [
             ("azimuth_deg", self.azimuth_deg),
+            ("direction_deg", self.azimuth_deg),
             ("speed_m_s", self.speed_m_s),
         ];
         both.into_iter()

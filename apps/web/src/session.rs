@@ -18,14 +18,10 @@ use crate::{Question, Scene, Trouble};
 const STREET: &str = "scene.png";
 
 /// Keys of a camera that say what is sharp, and nothing of where a line of sight goes.
-const LENS_KEYS: [&str; 6] = [
-    "f_number",
-    "focal_length_mm",
-    "focus_distance_m",
-    "scene_distance_m",
-    "blades",
-    "blade_angle_deg",
-];
+const LENS_KEYS: [&str; 3] = ["f_number", "blades", "blade_angle_deg"];
+
+/// Likewise, unless a pixel pitch makes the focal length in px of them.
+const FOCUS_KEYS: [&str; 3] = ["focal_length_mm", "focus_distance_m", "scene_distance_m"];
 
 /// Frames of a camera after which its light is estimated anew.
 const FRAMES_PER_LIGHT: u32 = 25;
@@ -308,7 +304,7 @@ impl Session {
             ..light
         });
         let lit = glass.chain.under(light.light.as_ref())?;
-        lit.over(&mut frame, Seed(glass.seed.0))?;
+        lit.over(&mut frame, glass.seed)?;
         Ok(Answer {
             words: Value::Null,
             bytes: frame.into_rgba8().into_raw(),
@@ -325,7 +321,8 @@ fn time_of(chain: &Chain, share: f64) -> f64 {
     let Some(times) = network.data().segments.arrival() else {
         return 0.0;
     };
-    let length = |[x0, y0, x1, y1]: [f64; 4]| (x1 - x0).hypot(y1 - y0);
+    let length =
+        |[x0, y0, x1, y1]: [f64; 4]| ((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0)).sqrt();
     let mut pieces: Vec<(f64, f64)> = (times.iter().enumerate())
         .map(|(idx, time)| (*time, length(network.ends(idx))))
         .collect();
@@ -378,10 +375,9 @@ fn breaking_of(recipe: &Recipe, seed: Seed) -> Value {
         tables.remove("output");
     }
     if let Some(camera) = tables["camera"].as_object_mut() {
-        // A pixel pitch lays the frame over the pane together with the focal length.
         let has_pitch = camera.get("pixel_pitch_um").is_some_and(Value::is_number);
         let is_lens =
-            |key: &str| LENS_KEYS.contains(&key) && !(has_pitch && key == "focal_length_mm");
+            |key: &str| LENS_KEYS.contains(&key) || (!has_pitch && FOCUS_KEYS.contains(&key));
         camera.retain(|key, _| !is_lens(key));
     }
     json!([tables, seed.0])

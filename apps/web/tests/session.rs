@@ -56,6 +56,26 @@ fn a_change_of_lens_or_light_gives_what_breaking_anew_gives() {
         let given = broken(&mut session, &scene).bytes;
         assert!(given == expected(&recipe, 3), "{set}");
     }
+    // With a pixel pitch, what is sharp decides where a line of sight goes, too.
+    for (focus, scene_m) in [
+        ("0.5", "20.0"),
+        ("0.05", "20.0"),
+        ("far", "20.0"),
+        ("far", "0.5"),
+    ] {
+        let set = [
+            "camera.pixel_pitch_um=4.0".to_owned(),
+            format!("camera.scene_distance_m={scene_m}"),
+            format!("camera.focus_distance_m={focus}"),
+        ];
+        let mut recipe = Recipe::preset("windshield-star").unwrap();
+        for text in &set {
+            recipe.set(text).unwrap();
+        }
+        let scene = json!({ "preset": "windshield-star", "seed": 3, "set": set });
+        let given = broken(&mut session, &scene).bytes;
+        assert!(given == expected(&recipe, 3), "{set:?}");
+    }
 }
 
 #[test]

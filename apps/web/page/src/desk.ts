@@ -23,8 +23,6 @@ export class Desk {
   private worker = this.open();
   private waiting = new Map<number, Waiting>();
   private last = 0;
-  /** How often the module had to be started anew, without picture and glass. */
-  starts = 0;
 
   private open(): Worker {
     const worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
@@ -35,13 +33,12 @@ export class Desk {
         waiting?.done(event.data);
         return;
       }
-      const stopped = new Trouble(`the module stopped (${event.data.stopped}); it is started anew, try something smaller`);
+      const stopped = new Trouble(`the module stopped (${event.data.stopped}); reload the page, and try something smaller`);
       waiting?.failed(stopped);
       this.waiting.forEach((other) => other.failed(stopped));
       this.waiting.clear();
       this.worker.terminate();
       this.worker = this.open();
-      this.starts += 1;
     };
     return worker;
   }

@@ -65,6 +65,10 @@ export function Playground() {
     async (name: string | null, bytes?: Pixels["bytes"]) => {
       const given = await desk.ask<Picture>(name === null ? { ask: "street" } : { ask: "picture", name }, bytes);
       setDamaged(null);
+      setMask(null);
+      setCracks(null);
+      setGrown(null);
+      setPlays(false);
       setPicture(pixelsOf(given.words, given.bytes));
       setTrouble(null);
     },
@@ -253,7 +257,11 @@ export function Playground() {
               if (look !== "damaged") setLook("damaged");
               if (isDraft) return setPending(hit);
               setPending(null);
-              change({ hits: [...state.hits, hit] });
+              setState((now) => ({ ...now, hits: [...now.hits, hit] }));
+            }}
+            onCancel={() => {
+              setPending(null);
+              void shatter(state, false);
             }}
           />
           <div class="bar">
@@ -396,17 +404,17 @@ export function Playground() {
             <button type="button" onClick={() => void copy(location.href, "Link")}>
               Copy link
             </button>
-            <button type="button" onClick={() => void copy(toCommand(state, broken?.assignments ?? [], name), `Command${needs}`)}>
+            <button type="button" disabled={isBusy || !broken} onClick={() => void copy(toCommand(state, broken?.assignments ?? [], name), `Command${needs}`)}>
               Copy command
             </button>
-            <button type="button" onClick={() => void copy(toPython(state, broken?.assignments ?? [], name), `Python${needs}`)}>
+            <button type="button" disabled={isBusy || !broken} onClick={() => void copy(toPython(state, broken?.assignments ?? [], name), `Python${needs}`)}>
               Copy Python
             </button>
           </div>
           <h2 id="download">Download</h2>
           <div class="buttons" role="group" aria-labelledby="download">
             {FILES.map(([what, word]) => (
-              <button type="button" onClick={() => void save(what)}>
+              <button type="button" disabled={isBusy || !broken} onClick={() => void save(what)}>
                 {word}
               </button>
             ))}

@@ -21,6 +21,8 @@ interface Props {
   hits: Hit[];
   label: string;
   onHit(hit: Hit, isDraft: boolean): void;
+  /** A throw that was broken off. */
+  onCancel(): void;
 }
 
 /** Speed of a stone per share of the picture's width that it is dragged over, m/s. */
@@ -107,7 +109,10 @@ export function Stage(props: Props) {
           onHit(hit([aim[0], aim[1], x, y]), false);
           setAim(null);
         }}
-        onPointerCancel={() => setAim(null)}
+        onPointerCancel={() => {
+          setAim(null);
+          props.onCancel();
+        }}
         onKeyDown={(event) => {
           const steps: Record<string, [number, number]> = {
             ArrowLeft: [-0.02, 0],

@@ -84,20 +84,22 @@ export function fromAddress(hash: string, start: State): State {
   };
 }
 
-const quoted = (text: string) => (/^[\w./=,-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
+const quoted = (text: string) => (/^[\w./=,][\w./=,-]*$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
 
 /** The command that writes this picture; several hits need the recipe as a file. */
 export function toCommand(state: State, assignments: string[], name: string): string {
-  const words = ["starbreak", "crack", quoted(name)];
+  const words = ["starbreak", "crack", quoted(name.startsWith("-") ? `./${name}` : name)];
   if (state.hits.length > 1) {
     words.push("--recipe", quoted(name.replace(/\.[^.]*$/, "") + ".recipe.toml"));
   } else {
-    words.push("--preset", state.preset);
+    words.push("--preset", quoted(state.preset));
     words.push("--severity", String(state.severity));
-    if (state.camera !== null) words.push("--camera", state.camera);
+    if (state.camera !== null) words.push("--camera", quoted(state.camera));
     const set = Object.entries(state.set).map(([key, value]) => `${key}=${value}`);
     for (const text of [...set, ...assignments]) words.push("--set", quoted(text));
   }
+  // The page writes PNG; the command writes what it reads.
+  if (!/\.png$/i.test(name)) words.push("--set", "output.format=png");
   words.push("--seed", String(state.seed), "--output", "out");
   return words.join(" ");
 }
@@ -121,8 +123,8 @@ export function toPython(state: State, assignments: string[], name: string): str
   }
   return [
     "import starbreak",
-    "from PIL import Image",
-    `photo = Image.open(${JSON.stringify(name)})`,
+    "from PIL import Image, ImageOps",
+    `photo = ImageOps.exif_transpose(Image.open(${JSON.stringify(name)})).convert("RGB")`,
     `cracked = starbreak.crack(photo, ${recipe}, seed=starbreak.item_seed(${state.seed}, ${JSON.stringify(name)}))`,
     "",
   ].join("\n");

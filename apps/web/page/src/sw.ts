@@ -2,16 +2,16 @@
 // Keeps the page's own files, so that it opens without a network after the first visit.
 
 declare const __FILES__: string[];
+declare const __VERSION__: string;
 const files: string[] = __FILES__;
 const worker = self as unknown as ServiceWorkerGlobalScope;
-// Names of files hold what is in them, so a list of them names a version.
-const shelf = `starbreak ${files.join(" ")}`;
+const shelf = `starbreak ${__VERSION__}`;
 
 worker.addEventListener("install", (event) => {
   event.waitUntil(
     caches
       .open(shelf)
-      .then((kept) => kept.addAll(files))
+      .then((kept) => kept.addAll(files.map((file) => new Request(file, { cache: "reload" }))))
       .then(() => worker.skipWaiting()),
   );
 });

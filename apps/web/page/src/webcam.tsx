@@ -20,6 +20,9 @@ export function Webcam({ onPicture, onFrame, onFailure }: Props) {
       stream = await navigator.mediaDevices.getUserMedia({ video: { width: { ideal: 1280 } } }).catch((error: Error) => {
         throw new Trouble(`no camera: ${error.message}`);
       });
+      const stop = () => stream?.getTracks().forEach((track) => track.stop());
+      // It was stopped while the browser asked.
+      if (isOver) return stop();
       const video = document.createElement("video");
       video.muted = true;
       video.srcObject = stream;
@@ -30,7 +33,7 @@ export function Webcam({ onPicture, onFrame, onFailure }: Props) {
       const context = canvas.getContext("2d", { willReadFrequently: true })!;
       context.drawImage(video, 0, 0);
       const first = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
-      if (first) await onPicture(new Uint8Array(await first.arrayBuffer()));
+      if (first && !isOver) await onPicture(new Uint8Array(await first.arrayBuffer()));
       while (!isOver) {
         context.drawImage(video, 0, 0);
         const frame = context.getImageData(0, 0, canvas.width, canvas.height);
