@@ -73,15 +73,11 @@ pub enum Warning {
     FewObjectsOfClasses { n: Span, n_classes: Span, few: u64 },
 
     #[error(
-        "AP50 of the objects outside the region, covered by less than τ = {tau}, changes by {change_points:.1} points \
-         (p = {p:.3}); they should be a control, so part of the damage reaches beyond the region, or the two sides \
-         differ in something else; a smaller --tau or optics.region_threshold makes the region larger"
+        "AP50 of the objects outside the region (τ = {tau}) changes by {change_points:.1} points (p below 0.01); they \
+         should be a control, so part of the damage reaches beyond the region, or the two sides differ in something \
+         else; a smaller optics.region_threshold makes the region larger"
     )]
-    ControlMoves {
-        change_points: Span,
-        p: Span,
-        tau: f64,
-    },
+    ControlMoves { change_points: Span, tau: f64 },
 
     // Of clips.
     #[error(
@@ -288,11 +284,6 @@ impl Warning {
                 other_begin: b,
                 ..
             }
-            | Self::ControlMoves {
-                change_points: a,
-                p: b,
-                ..
-            }
             | Self::FewAtRiskTogether { n_clips: a, n: b } => vec![a, b],
             Self::OneSided {
                 n_clean: a,
@@ -306,6 +297,7 @@ impl Warning {
                 ..
             } => vec![a, b, c],
             Self::SmallDamage { median_percent, .. } => vec![median_percent],
+            Self::ControlMoves { change_points, .. } => vec![change_points],
             Self::NoDetections { n_frames, .. } => vec![n_frames],
             Self::ObjectsAsIndependent { n_clips, .. } | Self::FewClips { n_clips, .. } => {
                 vec![n_clips]

@@ -93,16 +93,25 @@ impl<'a> Summed<'a> {
         }
     }
 
-    /// The evaluations of its seeds.
+    /// The evaluations of its seeds, one of each.
     pub(super) fn evaluations(self, study: &'a Study) -> impl Iterator<Item = &'a Evaluation> {
-        let is_of_pool = move |one: &&Evaluation| {
-            let pool = pool_of(study, one).filter(|_| self.alone.is_none());
-            pool.is_some_and(|pool| {
-                pool.detector == self.detector && pool.condition == *self.condition
+        let is_it = move |pool: &&OverSeeds| {
+            self.alone.is_none()
+                && pool.detector == self.detector
+                && pool.condition == *self.condition
+        };
+        let pool = study.over_seeds.iter().find(is_it);
+        let seeds = pool.map_or(&[][..], |pool| &pool.seeds);
+        let of_seed = move |seed: &u64| {
+            let mut all = study.evaluations.iter();
+            all.find(|one| {
+                one.condition.seed == Some(*seed)
+                    && pool_of(study, one).is_some_and(|of_one| pool == Some(of_one))
             })
         };
-        let pooled = study.evaluations.iter().filter(is_of_pool);
-        self.alone.into_iter().chain(pooled)
+        self.alone
+            .into_iter()
+            .chain(seeds.iter().filter_map(of_seed))
     }
 
     /// All seeds of a condition.

@@ -111,7 +111,7 @@ fn a_control_that_moves_is_told_and_one_that_does_not_is_not() {
             }
         };
         let mut texts = one.warnings.iter().map(ToString::to_string);
-        texts.any(|text| text.contains("outside the region, covered by less than τ = 0.05"))
+        texts.any(|text| text.contains("outside the region (τ = 0.05)"))
     };
     let outside = |k: u32| k < 30 || super::hashed(k, 3) > 0.5;
     let inside = |k: u32| k >= 30 || super::hashed(k, 3) > 0.5;
@@ -122,4 +122,25 @@ fn a_control_that_moves_is_told_and_one_that_does_not_is_not() {
         !is_told(&outside, false),
         "without regions there is no control"
     );
+}
+
+#[test]
+fn every_family_has_its_curve() {
+    let folder = tempfile::tempdir().unwrap();
+    let masks = masks(&folder.path().join("m"), 0..50);
+    let cracked = said(|k| super::hashed(k, 3) > 0.4);
+    let (one, _) = alone(&truth(), &("star", 1, 7, cracked, &masks), None);
+    let mut study = Study::of_one(one.clone(), "made-up", Provenance::default());
+    let of_family = |k: u32| {
+        let mut one = one.clone();
+        one.condition.family = Some(format!("family {k}"));
+        one.condition.name = format!("family {k}, severity 1, seed 7");
+        one
+    };
+    study.evaluations = (0..9).map(of_family).collect();
+    let page = html(&study).unwrap();
+    for k in 0..9 {
+        let key = format!("family {k}, severity 1, seed 7: AP50 ");
+        assert!(page.contains(&key), "{key}");
+    }
 }

@@ -430,10 +430,12 @@ fn control_moves(evaluation: &Evaluation, settings: &EvaluateSettings) -> Option
             && row.group.kind == GroupKind::All
             && row.metric == PairedMetric::Ap50
     })?;
-    let (change, p) = (row.delta.value?, row.p.filter(|p| *p < CONTROL_P)?);
+    let change = row
+        .delta
+        .value
+        .filter(|_| row.p.is_some_and(|p| p < CONTROL_P))?;
     Some(Warning::ControlMoves {
         change_points: (100.0 * change).into(),
-        p: p.into(),
         tau: settings.tau(),
     })
 }

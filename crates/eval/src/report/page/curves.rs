@@ -21,37 +21,39 @@ struct Line {
 pub(super) fn overview(study: &Study) -> Vec<Block> {
     let all = summed(study);
     let detectors = words::distinct(all.iter().map(|one| one.detector));
-    let charts = detectors
-        .iter()
-        .enumerate()
-        .filter_map(|(place, detector)| {
-            let mut lines: Vec<Line> = Vec::new();
-            for one in all.iter().filter(|one| one.detector == *detector) {
-                let is_less_severe = |other: &&Summed<'_>| {
-                    other.detector == one.detector
-                        && one.condition.family.is_some()
-                        && other.condition.family == one.condition.family
-                        && other.condition.severity > one.condition.severity
-                };
-                if all.iter().any(|other| is_less_severe(&other)) || lines.len() > MAX_CONDITIONS {
-                    continue;
-                }
-                let Some([clean, cracked]) = mean(study, one, ScopeKind::WholeImage) else {
-                    continue;
-                };
-                if lines.is_empty() {
-                    lines.push(clean_line("clean", clean));
-                }
-                lines.push(Line {
+    let mut charts = Vec::new();
+    for (place, detector) in detectors.iter().enumerate() {
+        let mut clean_curve = None;
+        let mut damaged: Vec<Line> = Vec::new();
+        for one in all.iter().filter(|one| one.detector == *detector) {
+            let is_more_severe = |other: &Summed<'_>| {
+                other.detector == one.detector
+                    && one.condition.family.is_some()
+                    && other.condition.family == one.condition.family
+                    && other.condition.severity > one.condition.severity
+            };
+            if all.iter().any(is_more_severe) {
+                continue;
+            }
+            if let Some([clean, cracked]) = mean(study, one, ScopeKind::WholeImage) {
+                clean_curve.get_or_insert(clean);
+                damaged.push(Line {
                     name: one.condition.name.clone(),
                     is_clean: false,
                     precision: cracked,
                 });
             }
-            let title = words::name(&format!("Precision over recall, whole images, {detector}"));
-            chart(&lines, &format!("curves-{place}"), &title)
-        });
-    charts.collect()
+        }
+        let title = words::name(&format!("Precision over recall, whole images, {detector}"));
+        let mut part = 0;
+        while let (false, Some(clean)) = (damaged.is_empty(), &clean_curve) {
+            let rest = damaged.split_off(MAX_CONDITIONS.min(damaged.len()));
+            damaged.insert(0, clean_line("clean", clean.clone()));
+            charts.extend(chart(&damaged, &format!("curves-{place}-{part}"), &title));
+            (damaged, part) = (rest, part + 1);
+        }
+    }
+    charts
 }
 
 /// Of one condition: clean and damaged, in the region, or without one on whole images.
@@ -93,6 +95,9 @@ fn mean(study: &Study, one: &Summed<'_>, kind: ScopeKind) -> Option<[Vec<f64>; 2
         .evaluations(study)
         .map(of_evaluation)
         .collect::<Option<_>>()?;
+    if all.len() != one.n_seeds {
+        return None;
+    }
     let side = |of: fn(&PrecisionCurves) -> &Vec<f64>| -> Option<Vec<f64>> {
         let n_recalls = of(all.first()?).len();
         let mut sums = vec![0.0; n_recalls];

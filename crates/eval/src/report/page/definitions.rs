@@ -15,7 +15,8 @@ const TERMS: &[Term] = &[
         meaning: "Average precision as in MS-COCO: the mean precision at 101 recalls, where a detection counts \
                   as correct at an IoU of at least 0.5 or 0.75; AP alone is the mean over the IoUs 0.50, 0.55, \
                   …, 0.95. Over all classes it is the mean of the classes. In a supercategory, all its classes \
-                  count as one; the mean of supercategories is the mean over these.",
+                  count as one; the mean of supercategories is the mean over these. Curves of precision over recall \
+                  have these 101 precisions.",
     },
     Term {
         word: "AP40, AP11",
@@ -37,7 +38,8 @@ const TERMS: &[Term] = &[
     Term {
         word: "Out of region",
         meaning: "The control: objects with a coverage below τ. A change there is not due to damage in front of \
-                  the object, but to its surroundings, haze over the whole image, or chance.",
+                  the object, but to its surroundings, haze over the whole image, or chance. A warning says where AP50 \
+                  changes there with p below 0.01.",
     },
     Term {
         word: "95 % confidence interval",
