@@ -20,6 +20,7 @@ const PAGE: &str = "apps/web/page";
 /// # Errors
 /// If it cannot be built or served.
 pub fn run(root: &Path, serves: bool) -> Result<(), Failure> {
+    prepare(root)?;
     let site = build(root)?;
     println!("the playground is {}", site.join("index.html").display());
     if serves {
@@ -30,12 +31,20 @@ pub fn run(root: &Path, serves: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Builds it; gives the folder of the site.
+/// What it is built with: Rust's library for browsers, and the packages of the page.
 ///
 /// # Errors
-/// If a tool or package cannot be had, or it does not build.
-pub(crate) fn build(root: &Path) -> Result<PathBuf, Failure> {
+/// If they cannot be had.
+pub(crate) fn prepare(root: &Path) -> Result<(), Failure> {
     standard_library(TARGET)?;
+    install(&root.join(PAGE))
+}
+
+/// Builds it with what [`prepare`] got; gives the folder of the site.
+///
+/// # Errors
+/// If it does not build.
+pub(crate) fn build(root: &Path) -> Result<PathBuf, Failure> {
     let target = Metadata::of_workspace(root)?.target_directory;
     let what = ["build", "--locked", "--profile", "web", "--target", TARGET];
     let mut command = cargo(root, &[&what[..], &["--package", "starbreak-web"]].concat());
@@ -45,7 +54,6 @@ pub(crate) fn build(root: &Path) -> Result<PathBuf, Failure> {
     );
     run_command(command)?;
     let page = root.join(PAGE);
-    install(&page)?;
     // Not `web`, where cargo keeps what builds this profile.
     let site = target.join("playground");
     let module = target.join(TARGET).join("web/starbreak_web.wasm");

@@ -10,7 +10,7 @@ use super::tools::Tools;
 use crate::Failure;
 use crate::command::line_of;
 use crate::metadata::Metadata;
-use crate::web::{build, page_test};
+use crate::web::{build, page_test, prepare};
 
 /// Builds the playground and tries it in Chromium, beside the command that the tests have built. What cannot
 /// be had is skipped, and said.
@@ -28,6 +28,10 @@ pub(super) fn test(root: &Path, tools: &Tools, report: &mut Report) -> Result<()
     }
     if !tools.has_chromium() {
         report.skip(what, "there is no Chromium");
+        return Ok(());
+    }
+    if let Err(why) = prepare(root) {
+        report.skip(what, &why.to_string());
         return Ok(());
     }
     let site = build(root)?;
