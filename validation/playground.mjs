@@ -1,14 +1,12 @@
 // How fast and how large the playground is: playground.mjs SITE, with Chromium in STARBREAK_TEST_CHROMIUM or on
 // PATH, after `cargo xtask web`. Medians, over the worker's messages.
 
-import { existsSync, readdirSync, readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { delimiter, join } from "node:path";
+import { readdirSync, readFileSync } from "node:fs";
+import { join } from "node:path";
 import { brotliCompressSync, gzipSync } from "node:zlib";
+import { launch } from "../apps/web/page/test/browser.mjs";
+import { serve } from "../apps/web/page/test/serve.mjs";
 
-const page = join(import.meta.dirname, "../apps/web/page");
-const { chromium } = createRequire(join(page, "package.json"))("playwright-core");
-const { serve } = await import(join(page, "test/serve.mjs"));
 const N = 15;
 
 const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
@@ -20,11 +18,7 @@ console.log(`module and scripts: ${size(brotliCompressSync)} MB by Brotli, ${siz
 
 const server = await serve(site);
 const address = `http://127.0.0.1:${server.address().port}/`;
-const onPath = (process.env.PATH ?? "")
-  .split(delimiter)
-  .flatMap((folder) => ["chromium", "chromium-browser", "google-chrome"].map((name) => join(folder, name)))
-  .find((path) => existsSync(path));
-const browser = await chromium.launch({ executablePath: process.env.STARBREAK_TEST_CHROMIUM ?? onPath, args: ["--no-sandbox"] });
+const browser = await launch();
 
 async function open() {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });

@@ -1,8 +1,8 @@
 //! The playground: the module in Rust and the page around it, as files for any web server.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, fs};
 
 use crate::Failure;
 use crate::command::{cargo, run as run_command};
@@ -24,7 +24,7 @@ pub fn run(root: &Path, serves: bool) -> Result<(), Failure> {
     let site = build(root)?;
     println!("the playground is {}", site.join("index.html").display());
     if serves {
-        let mut serve = node();
+        let mut serve = Command::new("node");
         serve.arg(root.join(PAGE).join("test/serve.mjs")).arg(&site);
         run_command(serve)?;
     }
@@ -84,13 +84,9 @@ fn npm(page: &Path) -> Command {
     command
 }
 
-fn node() -> Command {
-    Command::new(format!("node{}", env::consts::EXE_SUFFIX))
-}
-
 /// The test of the page in a browser.
 pub(crate) fn page_test(root: &Path, site: &Path, starbreak: &Path) -> Command {
-    let mut command = node();
+    let mut command = Command::new("node");
     command.arg(root.join(PAGE).join("test/playground.mjs"));
     command.arg(site).arg(starbreak);
     command

@@ -86,11 +86,8 @@ pub struct Hit {
 }
 
 impl Scene {
-    /// The recipe. A hit alone is what `--set` makes of it, so that the command can say it.
-    ///
-    /// # Errors
-    /// [`Trouble::Recipe`].
-    pub fn recipe(&self) -> Result<Recipe, Trouble> {
+    /// The recipe without hits and draft.
+    fn base(&self) -> Result<Recipe, Trouble> {
         let preset = self.preset.as_deref().unwrap_or(DEFAULT_PRESET);
         let mut recipe = match self.severity {
             Some(severity) => Recipe::preset_at(preset, severity)?,
@@ -99,6 +96,26 @@ impl Scene {
         let assignments = self.set.iter().map(|text| Assignment::parse(text));
         let assignments: Vec<Assignment> = assignments.collect::<Result<_, _>>()?;
         recipe.adjust(self.camera.as_deref(), &assignments)?;
+        Ok(recipe)
+    }
+
+    /// What `--set` makes of a hit that is alone; of none or several nothing.
+    ///
+    /// # Errors
+    /// [`Trouble::Recipe`].
+    pub fn assignments(&self) -> Result<Vec<String>, Trouble> {
+        Ok(match self.hits.as_slice() {
+            [hit] => hit.assignments(&self.base()?),
+            _ => Vec::new(),
+        })
+    }
+
+    /// The recipe. A hit alone is what `--set` makes of it, so that the command can say it.
+    ///
+    /// # Errors
+    /// [`Trouble::Recipe`].
+    pub fn recipe(&self) -> Result<Recipe, Trouble> {
+        let mut recipe = self.base()?;
         match self.hits.as_slice() {
             [] => {}
             [hit] => {
@@ -122,8 +139,7 @@ impl Scene {
 
 impl Hit {
     /// As `--set` has it: every stone of the recipe hits here, each of them once.
-    #[must_use]
-    pub fn assignments(&self, recipe: &Recipe) -> Vec<String> {
+    fn assignments(&self, recipe: &Recipe) -> Vec<String> {
         let tables = recipe.to_json();
         let has = |key: &str| tables["impact"][0].get(key).is_some();
         let [x, y] = self.position;
@@ -162,14 +178,13 @@ fn with_hits(recipe: &Recipe, hits: &[Hit], run_to_end: bool) -> Result<Recipe, 
     let impacts = hits.iter().map(|hit| {
         let mut stone = stone.clone();
         stone["position"] = hit.position.as_slice().into();
-        let numbers = hit.values().chain([("count", 1.0)]);
-        for (key, value) in numbers {
+        for (key, value) in hit.values() {
             if let Some(kept) = stone.get_mut(key) {
-                *kept = match key {
-                    "count" => 1.into(),
-                    _ => value.into(),
-                };
+                *kept = value.into();
             }
+        }
+        if let Some(count) = stone.get_mut("count") {
+            *count = 1.into();
         }
         stone
     });

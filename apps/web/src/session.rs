@@ -162,10 +162,7 @@ impl Session {
                 "last_arrival": chain.arrivals().map(|times| times.last),
                 "unit": chain.arrivals().map(|times| times.unit),
                 "recipe": recipe.to_json(),
-                "assignments": match scene.hits.as_slice() {
-                    [hit] => hit.assignments(&scene_without_hits(scene)?),
-                    _ => Vec::new(),
-                },
+                "assignments": scene.assignments()?,
             }),
             bytes: damaged.to_rgba8().into_raw(),
         };
@@ -356,15 +353,6 @@ fn catalog() -> Result<Answer, Trouble> {
         }),
         bytes: Vec::new(),
     })
-}
-
-fn scene_without_hits(scene: &Scene) -> Result<Recipe, Trouble> {
-    let without = Scene {
-        hits: Vec::new(),
-        is_draft: false,
-        ..scene.clone()
-    };
-    without.recipe()
 }
 
 /// All that breaking the glass depends on: the recipe without what is done with light, and the seed.

@@ -61,6 +61,13 @@ export function Playground() {
     bytes,
   });
 
+  /** Shows what the module made of the picture that is before the camera now. */
+  const showDamaged = (bytes: Pixels["bytes"]) =>
+    setPicture((picture) => {
+      if (picture) setDamaged({ width: picture.width, height: picture.height, bytes });
+      return picture;
+    });
+
   const load = useCallback(
     async (name: string | null, bytes?: Pixels["bytes"]) => {
       const given = await desk.ask<Picture>(name === null ? { ask: "street" } : { ask: "picture", name }, bytes);
@@ -115,10 +122,7 @@ export function Playground() {
             good.current = next.state;
             setNShown((n) => n + 1);
           }
-          setPicture((picture) => {
-            if (picture) setDamaged({ width: picture.width, height: picture.height, bytes: given.bytes });
-            return picture;
-          });
+          showDamaged(given.bytes);
           if (!isBack.current) setTrouble(null);
           isBack.current = false;
           setShare(1);
@@ -171,10 +175,7 @@ export function Playground() {
       setShare(share);
       const given = await desk.ask<Grown>({ ask: "grown", share });
       setGrown(given.words);
-      setPicture((picture) => {
-        if (picture) setDamaged({ width: picture.width, height: picture.height, bytes: given.bytes });
-        return picture;
-      });
+      showDamaged(given.bytes);
     },
     [desk],
   );
@@ -429,7 +430,6 @@ export function Playground() {
           onPicture={(bytes) => load("webcam.png", bytes)}
           onFrame={async (frame) => {
             const given = await desk.ask<null>({ ask: "frame", width_px: frame.width, height_px: frame.height }, frame.bytes);
-            setPicture((picture) => picture && { ...picture, bytes: picture.bytes });
             setDamaged({ ...frame, bytes: given.bytes });
           }}
           onFailure={(error) => {

@@ -35,7 +35,7 @@ export function Stage(props: Props) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [swipe, setSwipe] = useState(0.5);
   const [aim, setAim] = useState<[number, number, number, number] | null>(null);
-  const cursor = useRef<[number, number]>([0.5, 0.5]);
+  const [cursor, setCursor] = useState<[number, number]>([0.5, 0.5]);
   const [hasCursor, setHasCursor] = useState(false);
   const shown = damaged ?? clean;
 
@@ -124,20 +124,17 @@ export function Stage(props: Props) {
           if (step) {
             event.preventDefault();
             if (swipes) return setSwipe((at) => Math.min(Math.max(at + step[0], 0), 1));
-            const [x, y] = cursor.current;
-            cursor.current = [Math.min(Math.max(x + step[0], 0), 1), Math.min(Math.max(y + step[1], 0), 1)];
-            setHasCursor(false);
+            setCursor(([x, y]) => [Math.min(Math.max(x + step[0], 0), 1), Math.min(Math.max(y + step[1], 0), 1)]);
             setHasCursor(true);
-            setAim(null);
           } else if ((event.key === "Enter" || event.key === " ") && !swipes) {
             event.preventDefault();
-            onHit(hitAt(...cursor.current), false);
+            onHit(hitAt(...cursor), false);
           }
         }}
       />
       <svg class="aim" viewBox="0 0 1000 1000" preserveAspectRatio="none" aria-hidden="true">
         {hasCursor && !swipes && (
-          <path d={`M${cursor.current[0] * 1000 - 12} ${cursor.current[1] * 1000}h24m-12 -40v80`} vector-effect="non-scaling-stroke" />
+          <path d={`M${cursor[0] * 1000 - 12} ${cursor[1] * 1000}h24m-12 -40v80`} vector-effect="non-scaling-stroke" />
         )}
         {aim && (
           <path

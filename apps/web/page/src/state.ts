@@ -29,13 +29,16 @@ export function hitAt(x: number, y: number, drag?: { azimuth: number; speed: num
   return hit;
 }
 
+/** The keys that were set, as `--set` has them. */
+const assignmentsOf = (state: State) => Object.entries(state.set).map(([key, value]) => `${key}=${value}`);
+
 export function question(state: State, isDraft: boolean): Record<string, unknown> {
   return {
     ask: "break",
     preset: state.preset,
     severity: state.severity,
     camera: state.camera,
-    set: Object.entries(state.set).map(([key, value]) => `${key}=${value}`),
+    set: assignmentsOf(state),
     hits: state.hits,
     seed: state.seed,
     is_draft: isDraft,
@@ -47,7 +50,7 @@ export function toAddress(state: State): string {
   words.set("preset", state.preset);
   words.set("severity", String(state.severity));
   if (state.camera !== null) words.set("camera", state.camera);
-  for (const [key, value] of Object.entries(state.set)) words.append("set", `${key}=${value}`);
+  for (const text of assignmentsOf(state)) words.append("set", text);
   for (const hit of state.hits) {
     words.append("hit", [...hit.position, hit.azimuth_deg, hit.speed_m_s].filter((v) => v !== undefined).join(","));
   }
@@ -68,8 +71,9 @@ export function fromAddress(hash: string, start: State): State {
     if (at > 0) set[text.slice(0, at)] = text.slice(at + 1);
   }
   const hits = words.getAll("hit").flatMap((text) => {
-    const [x, y, azimuth, speed] = text.split(",").map(Number);
-    if (x === undefined || y === undefined || !text.split(",").map(Number).every(Number.isFinite)) return [];
+    const numbers = text.split(",").map(Number);
+    const [x, y, azimuth, speed] = numbers;
+    if (x === undefined || y === undefined || !numbers.every(Number.isFinite)) return [];
     const hit: Hit = { position: [x, y] };
     if (azimuth !== undefined && speed !== undefined) Object.assign(hit, { azimuth_deg: azimuth, speed_m_s: speed });
     return [hit];
@@ -86,17 +90,19 @@ export function fromAddress(hash: string, start: State): State {
 
 const quoted = (text: string) => (/^[\w./=,][\w./=,-]*$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
 
+/** Name of the recipe among the downloads of a picture. */
+const recipeFile = (name: string) => `${name.replace(/\.[^.]*$/, "")}.recipe.toml`;
+
 /** The command that writes this picture; several hits need the recipe as a file. */
 export function toCommand(state: State, assignments: string[], name: string): string {
   const words = ["starbreak", "crack", quoted(name.startsWith("-") ? `./${name}` : name)];
   if (state.hits.length > 1) {
-    words.push("--recipe", quoted(name.replace(/\.[^.]*$/, "") + ".recipe.toml"));
+    words.push("--recipe", quoted(recipeFile(name)));
   } else {
     words.push("--preset", quoted(state.preset));
     words.push("--severity", String(state.severity));
     if (state.camera !== null) words.push("--camera", quoted(state.camera));
-    const set = Object.entries(state.set).map(([key, value]) => `${key}=${value}`);
-    for (const text of [...set, ...assignments]) words.push("--set", quoted(text));
+    for (const text of [...assignmentsOf(state), ...assignments]) words.push("--set", quoted(text));
   }
   // The page writes PNG; the command writes what it reads.
   if (!/\.png$/i.test(name)) words.push("--set", "output.format=png");
@@ -109,12 +115,12 @@ export function toPython(state: State, assignments: string[], name: string): str
   const literal = (toml: string) => ({ true: "True", false: "False" })[toml] ?? toml;
   let recipe: string;
   if (state.hits.length > 1) {
-    recipe = `starbreak.Recipe.from_file(${JSON.stringify(name.replace(/\.[^.]*$/, "") + ".recipe.toml")})`;
+    recipe = `starbreak.Recipe.from_file(${JSON.stringify(recipeFile(name))})`;
   } else {
     const words = [JSON.stringify(state.preset)];
     words.push(`severity=${state.severity}`);
     if (state.camera !== null) words.push(`camera=${JSON.stringify(state.camera)}`);
-    const set = [...Object.entries(state.set).map(([key, value]) => `${key}=${value}`), ...assignments].map((text) => {
+    const set = [...assignmentsOf(state), ...assignments].map((text) => {
       const at = text.indexOf("=");
       return `${JSON.stringify(text.slice(0, at))}: ${literal(text.slice(at + 1))}`;
     });

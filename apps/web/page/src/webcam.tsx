@@ -15,12 +15,12 @@ export function Webcam({ onPicture, onFrame, onFailure }: Props) {
   useEffect(() => {
     let isOver = false;
     let stream: MediaStream | null = null;
+    const stop = () => stream?.getTracks().forEach((track) => track.stop());
     const run = async () => {
       if (!navigator.mediaDevices) throw new Trouble("this browser gives no camera to a page that is not served safely");
       stream = await navigator.mediaDevices.getUserMedia({ video: { width: { ideal: 1280 } } }).catch((error: Error) => {
         throw new Trouble(`no camera: ${error.message}`);
       });
-      const stop = () => stream?.getTracks().forEach((track) => track.stop());
       // It was stopped while the browser asked.
       if (isOver) return stop();
       const video = document.createElement("video");
@@ -49,7 +49,7 @@ export function Webcam({ onPicture, onFrame, onFailure }: Props) {
     });
     return () => {
       isOver = true;
-      stream?.getTracks().forEach((track) => track.stop());
+      stop();
     };
   }, []);
   return null;

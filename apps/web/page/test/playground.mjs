@@ -5,8 +5,8 @@ import { execFileSync } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
-import { delimiter, join } from "node:path";
-import { chromium } from "playwright-core";
+import { join } from "node:path";
+import { launch } from "./browser.mjs";
 import { serve } from "./serve.mjs";
 
 const [site, starbreak] = process.argv.slice(2);
@@ -14,14 +14,7 @@ const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 const scratch = mkdtempSync(join(tmpdir(), "playground-"));
 const server = await serve(site);
 const start = `http://127.0.0.1:${server.address().port}/`;
-const onPath = (process.env.PATH ?? "")
-  .split(delimiter)
-  .flatMap((folder) => ["chromium", "chromium-browser", "google-chrome"].map((name) => join(folder, name)))
-  .find((path) => existsSync(path));
-const browser = await chromium.launch({
-  executablePath: process.env.STARBREAK_TEST_CHROMIUM ?? onPath,
-  args: ["--no-sandbox", "--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"],
-});
+const browser = await launch(["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]);
 
 const complaints = [];
 const strangers = [];
@@ -245,11 +238,13 @@ const tests = {
 
   async a_wrong_value_is_refused_as_by_the_command_and_the_picture_stays() {
     const page = await open();
-    const before = await pixels(page);
+    const [before, n] = [await pixels(page), await nShown(page)];
     await page.getByLabel("f-number").first().fill("0");
     await page.keyboard.press("Tab");
     await page.waitForFunction(() => document.querySelector(".trouble").textContent !== "");
     const words = await page.locator(".trouble").textContent();
+    // What was good before is shown again.
+    await shown(page, n);
     const said = command("crack", "scene.png", "--set", "camera.f_number=0", "-o", "wrong");
     must(said.includes(words), `${words}, the command: ${said}`);
     must(before === (await pixels(page)), "the picture changed");

@@ -48,7 +48,7 @@ pub(super) fn overview(study: &Study) -> Vec<Block> {
         let mut part = 0;
         while let (false, Some(clean)) = (damaged.is_empty(), &clean_curve) {
             let rest = damaged.split_off(MAX_CONDITIONS.min(damaged.len()));
-            damaged.insert(0, clean_line("clean", clean.clone()));
+            damaged.insert(0, clean_line(clean.clone()));
             charts.extend(chart(&damaged, &format!("curves-{place}-{part}"), &title));
             (damaged, part) = (rest, part + 1);
         }
@@ -71,15 +71,15 @@ pub(super) fn of_condition(study: &Study, one: &Summed<'_>, id: &str) -> Option<
     };
     let title = format!("Precision over recall {place}");
     chart(
-        &[clean_line("clean", clean), damaged],
+        &[clean_line(clean), damaged],
         &format!("{id}-curves"),
         &title,
     )
 }
 
-fn clean_line(name: &str, precision: Vec<f64>) -> Line {
+fn clean_line(precision: Vec<f64>) -> Line {
     Line {
-        name: name.to_owned(),
+        name: "clean".to_owned(),
         is_clean: true,
         precision,
     }
