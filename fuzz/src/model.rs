@@ -1,4 +1,4 @@
-use starbreak_eval::detector::{Contract, LabelRules, ModelFacts, ModelLimits, choose};
+use starbreak_detect::{Contract, LabelRules, ModelFacts, ModelLimits, choose};
 
 use crate::Vocabulary;
 

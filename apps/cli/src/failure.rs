@@ -67,6 +67,12 @@ impl From<starbreak::RecipeError> for Failure {
     }
 }
 
+impl From<starbreak_detect::DetectError> for Failure {
+    fn from(error: starbreak_detect::DetectError) -> Self {
+        Self::wrong_input(error)
+    }
+}
+
 impl From<starbreak_eval::EvalError> for Failure {
     fn from(error: starbreak_eval::EvalError) -> Self {
         Self::wrong_input(error)

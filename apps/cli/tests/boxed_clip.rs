@@ -4,7 +4,7 @@
 #[expect(dead_code, reason = "each test file uses its own part")]
 mod clip;
 mod common;
-#[path = "../../../crates/eval/tests/onnx_graph/mod.rs"]
+#[path = "../../../crates/detect/tests/onnx_graph/mod.rs"]
 mod onnx_graph;
 
 use clip::Studio;

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 mod common;
-#[path = "../../../crates/eval/tests/onnx_graph/mod.rs"]
+#[path = "../../../crates/detect/tests/onnx_graph/mod.rs"]
 mod onnx_graph;
 
 use std::fs;

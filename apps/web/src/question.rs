@@ -28,7 +28,9 @@ pub enum Question {
         /// The share, 0 to 1.
         share: f64,
     },
-    /// The cracks that the frame shows: numbers of 32 bits, seven for each piece (see [`Answer::bytes`](crate::Answer::bytes)).
+    /// The cracks that the frame shows: numbers of 32 bits, little-endian, seven for each piece: x₀, y₀, x₁, y₁ in px,
+    /// its arrival in the unit of the network, the stress that drove it and its depth as a share of the ply; what is
+    /// not known is NaN.
     Cracks,
     /// What can be taken away.
     File {

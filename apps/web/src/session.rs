@@ -10,6 +10,7 @@ use starbreak::{
 use starbreak_dataset::{
     Encoding, ImageLimits, decode_image, encode_image, encode_mask, street_scene,
 };
+use starbreak_web_desk::{Answer, Answers};
 
 use crate::file::File;
 use crate::{Question, Scene, Trouble};
@@ -25,17 +26,6 @@ const FOCUS_KEYS: [&str; 3] = ["focal_length_mm", "focus_distance_m", "scene_dis
 
 /// Frames of a camera after which its light is estimated anew.
 const FRAMES_PER_LIGHT: u32 = 25;
-
-/// What a question comes to: words, and bytes with some.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Answer {
-    /// JSON.
-    pub words: Value,
-    /// Pixels of four bytes, a file, or numbers of 32 bits, little-endian: of
-    /// [`Question::Cracks`] for each piece x₀, y₀, x₁, y₁ in px, its arrival in the unit of the network, the
-    /// stress that drove it and its depth as a share of the ply; what is not known is NaN.
-    pub bytes: Vec<u8>,
-}
 
 /// A picture before the camera.
 #[derive(Debug, Clone)]
@@ -87,6 +77,12 @@ pub struct Session {
     broken: Option<Broken>,
     glass: Option<Glass>,
     camera_light: Option<CameraLight>,
+}
+
+impl Answers for Session {
+    fn answer(&mut self, words: &str, bytes: Vec<u8>) -> Result<Answer, String> {
+        Self::answer(self, words, &bytes).map_err(|trouble| trouble.to_string())
+    }
 }
 
 impl Session {

@@ -5,7 +5,8 @@ use image::DynamicImage;
 use serde_json::{Value, json};
 use starbreak::{Chain, Recipe, Seed};
 use starbreak_dataset::street_scene;
-use starbreak_web::{Answer, Session};
+use starbreak_web::Session;
+use starbreak_web_desk::Answer;
 
 fn ask(session: &mut Session, question: &Value) -> Answer {
     session.answer(&question.to_string(), &[]).unwrap()

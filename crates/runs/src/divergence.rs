@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use starbreak_dataset::{
     BadRecord, ImageLimits, Source, SourceFile, SourceFormat, SourceSpec, blake3_hex, read_image,
 };
+use starbreak_detect::{Detector, DetectorOptions};
 use starbreak_eval::EvalError;
-use starbreak_eval::detector::{Detector, DetectorOptions};
 use starbreak_eval::divergence::{FailedImage, ImageSet, Item, ReadSettings};
 use starbreak_glass::CrackNetwork;
 
@@ -39,7 +39,7 @@ impl Eye {
     /// widest of its coarsest maps unless given.
     ///
     /// # Errors
-    /// [`Error::Eval`] for a model that cannot be read, or has no such layer.
+    /// [`Error::Detect`] for a model that cannot be read, or has no such layer.
     pub fn open(model: &Path, layer: Option<&str>) -> Result<Self, Error> {
         let detector = Detector::open(model, &DetectorOptions::default())?;
         let layer = match layer {

@@ -2,6 +2,7 @@ use std::path::{Path, PathBuf};
 
 use starbreak::{ImportError, RecipeError};
 use starbreak_dataset::DatasetError;
+use starbreak_detect::DetectError;
 use starbreak_eval::EvalError;
 use starbreak_fracture::FractureError;
 use starbreak_optics::OpticsError;
@@ -49,7 +50,10 @@ pub enum Error {
         /// Why not, and what to set.
         why: &'static str,
     },
-    /// Labels, detections, a model or a question of the evaluation.
+    /// A detector.
+    #[error(transparent)]
+    Detect(#[from] DetectError),
+    /// Labels, detections or a question of the evaluation.
     #[error(transparent)]
     Eval(#[from] EvalError),
     /// A comparison of sets that makes no sense.

@@ -142,14 +142,7 @@ impl<'a> BoxedClip<'a> {
                     let name = name.map_or("", |category| category.name.as_str());
                     let name: String = name.chars().take(MAX_LETTERS).collect();
                     let words = format!("{name} {:.2}", raw.score);
-                    let sides = raw.box_px;
-                    let corners = [
-                        sides.x,
-                        sides.y,
-                        sides.x + sides.width,
-                        sides.y + sides.height,
-                    ];
-                    draw_box(&mut pixels, corners, &words, category as usize);
+                    draw_box(&mut pixels, raw.corners_px, &words, category as usize);
                 }
             }
             writer

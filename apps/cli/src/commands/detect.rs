@@ -8,11 +8,11 @@ use serde_json::{Value, json};
 use starbreak_dataset::{
     DatasetError, ObjectKind, OutputBatch, Source, files_in, is_inside, read_text, same_file,
 };
-use starbreak_eval::detector::{
-    Backend, Contract, Detector, DetectorOptions, Device, ImageDetections, ImageToSee, LabelMap,
-    LabelRules, preset_names,
+use starbreak_detect::{
+    Backend, Contract, DetectError, Detector, DetectorOptions, Device, ImageDetections, ImageToSee,
+    LabelMap, LabelRules, preset_names,
 };
-use starbreak_eval::{Detection, Detections, EvalError, LabelSet};
+use starbreak_eval::{BoxPx, Detection, Detections, LabelSet};
 
 use super::boxed_clip::BoxedClip;
 use super::detect_clip;
@@ -156,7 +156,7 @@ impl Run<'_> {
             Some(path) => label_rules(path)?,
             None => LabelRules::of_dataset(format)?,
         };
-        let map = LabelMap::new(detector.classes(), &labels.categories, &rules)?;
+        let map = LabelMap::new(detector.classes(), &labels.category_names(), &rules)?;
         say_contract(detector, self.screen);
         say_unmapped(&map, self.screen);
         Ok(map)
@@ -168,7 +168,7 @@ pub(super) struct Looked {
     pub(super) detector: Detector,
     pub(super) map: LabelMap,
     pub(super) names: Vec<String>,
-    pub(super) seen: Vec<Result<ImageDetections, EvalError>>,
+    pub(super) seen: Vec<Result<ImageDetections, DetectError>>,
     pub(super) referred: Referred,
     pub(super) seconds: f64,
 }
@@ -413,7 +413,7 @@ impl Results {
                         results.detections.items.push(Detection {
                             image: place,
                             category,
-                            box_px: raw.box_px,
+                            box_px: BoxPx::from_corners(raw.corners_px),
                             score: raw.score,
                         });
                     }

@@ -9,8 +9,8 @@ use std::time::Instant;
 
 use starbreak_dataset::DatasetError;
 use starbreak_dataset::video::{Ffmpeg, check_frame_sizes, frame_files, is_folder};
+use starbreak_detect::ImageToSee;
 use starbreak_eval::LabelSet;
-use starbreak_eval::detector::ImageToSee;
 
 use super::detect::{Looked, Run, interrupted, look_at};
 use super::detect_labels::{Referred, of_model};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use starbreak_dataset::{SourceFormat, SourceSpec};
-use starbreak_eval::detector::{ClassNames, ImageToSee};
+use starbreak_detect::{ClassNames, ImageToSee};
 use starbreak_eval::{Category, GroundTruth, LabelSet, LabeledImage};
 
 use crate::failure::Failure;

@@ -6,8 +6,8 @@ use std::sync::Mutex;
 
 use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
 use starbreak_dataset::{Source, sha256_file};
+use starbreak_detect::{Detector, DetectorOptions, ImageToSee, LabelMap, LabelRules};
 use starbreak_eval::GroundTruth;
-use starbreak_eval::detector::{Detector, DetectorOptions, ImageToSee, LabelMap, LabelRules};
 use starbreak_runs::generate::{Selection, Survey, refuse_outputs, survey};
 use starbreak_runs::study::{
     Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns, conditions,
@@ -255,7 +255,7 @@ fn detectors_of(
         }
         screen.note(&format!("detector {name}:"));
         say_contract(&detector, screen);
-        let map = LabelMap::new(detector.classes(), &truth.labels.categories, &rules)?;
+        let map = LabelMap::new(detector.classes(), &truth.labels.category_names(), &rules)?;
         say_unmapped(&map, screen);
         detectors.push(StudyDetector {
             name,

@@ -80,6 +80,13 @@ impl Object {
 }
 
 impl LabelSet {
+    /// The names of its categories, in their order.
+    #[must_use]
+    pub fn category_names(&self) -> Vec<&str> {
+        let names = self.categories.iter();
+        names.map(|category| category.name.as_str()).collect()
+    }
+
     /// The ground truth in a file of MS-COCO, `instances_*.json`: images and categories in the
     /// order of their numbers, objects in that of the file.
     ///

@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use starbreak_dataset::{LineLog, blake3_hex};
-use starbreak_eval::detector::ImageToSee;
+use starbreak_detect::ImageToSee;
 use starbreak_eval::{BoxPx, Detection, Detections};
 
 use crate::Error;

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use image::RgbImage;
 use rayon::prelude::*;
 use starbreak_dataset::blake3_file;
-use starbreak_eval::detector::ImageToSee;
+use starbreak_detect::ImageToSee;
 use starbreak_eval::divergence::{
     CompareSettings, FailedImage, ImageSet, Item, ReadSettings, compare_sets,
 };

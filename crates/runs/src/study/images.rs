@@ -5,7 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use starbreak_dataset::{SetLayout, blake3_file, image_size};
-use starbreak_eval::detector::ImageToSee;
+use starbreak_detect::ImageToSee;
 use starbreak_eval::{GroundTruth, LabeledImage};
 
 use super::StudyPlan;

@@ -9,8 +9,8 @@ use starbreak_dataset::{
     Encoding, ImageFormat, ImageLimits, JpegQuality, SetLayout, Source, blake3_file, decode_image,
     encode_image_as, read_image, refuse_inside_set,
 };
-use starbreak_eval::detector::{Detector, ImageToSee, LabelMap};
-use starbreak_eval::{Detection, Detections, GroundTruth};
+use starbreak_detect::{Detector, ImageToSee, LabelMap};
+use starbreak_eval::{BoxPx, Detection, Detections, GroundTruth};
 
 use super::Condition;
 use super::arm::{Arm, ArmRun, UnseenImage};
@@ -280,11 +280,11 @@ impl StudyPlan<'_> {
                 let found = detector
                     .detector
                     .detect(&image.name, &read(&path_of(image))?)?;
-                let of_labels = |raw: &starbreak_eval::detector::RawDetection| {
+                let of_labels = |raw: &starbreak_detect::RawDetection| {
                     Some(Detection {
                         image: place,
                         category: detector.map.category(raw.class)?,
-                        box_px: raw.box_px,
+                        box_px: BoxPx::from_corners(raw.corners_px),
                         score: raw.score,
                     })
                 };
