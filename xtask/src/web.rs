@@ -1,4 +1,4 @@
-//! The playground: the module in Rust and the page around it, as files for any web server.
+//! The playground: the modules in Rust and the page around them, as files for any web server.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,6 +11,9 @@ use crate::test::standard_library;
 
 /// What browsers run.
 const TARGET: &str = "wasm32-unknown-unknown";
+
+/// What breaks glass, and detectors for those who bring a model.
+const MODULES: [&str; 2] = ["starbreak-web", "starbreak-web-detector"];
 
 /// The page's own folder.
 const PAGE: &str = "apps/web/page";
@@ -47,7 +50,8 @@ pub(crate) fn prepare(root: &Path) -> Result<(), Failure> {
 pub(crate) fn build(root: &Path) -> Result<PathBuf, Failure> {
     let target = Metadata::of_workspace(root)?.target_directory;
     let what = ["build", "--locked", "--profile", "web", "--target", TARGET];
-    let mut command = cargo(root, &[&what[..], &["--package", "starbreak-web"]].concat());
+    let packages = MODULES.map(|name| ["--package", name]).concat();
+    let mut command = cargo(root, &[&what[..], &packages].concat());
     command.env(
         "CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS",
         "-C target-feature=+simd128",
@@ -56,10 +60,10 @@ pub(crate) fn build(root: &Path) -> Result<PathBuf, Failure> {
     let page = root.join(PAGE);
     // Not `web`, where cargo keeps what builds this profile.
     let site = target.join("playground");
-    let module = target.join(TARGET).join("web/starbreak_web.wasm");
+    let modules = target.join(TARGET).join("web");
     let mut npm = npm(&page);
     npm.args(["run", "build", "--", "--emptyOutDir", "--outDir"]);
-    npm.arg(&site).env("STARBREAK_WASM", &module);
+    npm.arg(&site).env("STARBREAK_WASM", &modules);
     run_command(npm)?;
     Ok(site)
 }

@@ -182,14 +182,14 @@ impl Session {
         Ok((picture, glass))
     }
 
-    /// The glass at a share of its time.
+    /// The glass when a share of the length of its cracks is there.
     fn grown(&self, share: f64) -> Result<Answer, Trouble> {
         let (picture, Glass { chain, seed, .. }) = self.glass()?;
         let unit = chain
             .arrivals()
             .ok_or(Trouble::Missing("time of arrival"))?
             .unit;
-        let time = time_of(chain, share);
+        let time = (chain.network()).map_or(0.0, |network| network.time_of_length(share));
         let layer = match time > 0.0 {
             true => chain.grown_at(time)?,
             false => chain.before_impact()?,
@@ -285,53 +285,23 @@ impl Session {
             width_px,
             height_px,
         })?);
+        let idx = self.camera_light.map_or(0, |known| known.n_frames);
         let light = match self.camera_light {
-            Some(known) if known.n_frames < FRAMES_PER_LIGHT => known,
-            _ => CameraLight {
-                light: glass.chain.light_of(&frame),
-                n_frames: 0,
-            },
+            Some(known) if !idx.is_multiple_of(FRAMES_PER_LIGHT) => known.light,
+            _ => glass.chain.light_of(&frame),
         };
         self.camera_light = Some(CameraLight {
-            n_frames: light.n_frames + 1,
-            ..light
+            light,
+            n_frames: idx.wrapping_add(1),
         });
-        let lit = glass.chain.under(light.light.as_ref())?;
-        lit.over(&mut frame, glass.seed)?;
+        let lit = glass.chain.under(light.as_ref())?;
+        // Noise is that of each frame.
+        lit.over(&mut frame, glass.seed.of_item("frame", u64::from(idx)))?;
         Ok(Answer {
             words: Value::Null,
             bytes: frame.into_rgba8().into_raw(),
         })
     }
-}
-
-/// When a share of the length of all cracks is there, in the unit of their arrivals. Cracks that take hours come
-/// after others of microseconds, so a share of the time would show either of them alone.
-fn time_of(chain: &Chain, share: f64) -> f64 {
-    let Some(network) = chain.network() else {
-        return 0.0;
-    };
-    let Some(times) = network.data().segments.arrival() else {
-        return 0.0;
-    };
-    let length =
-        |[x0, y0, x1, y1]: [f64; 4]| ((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0)).sqrt();
-    let mut pieces: Vec<(f64, f64)> = (times.iter().enumerate())
-        .map(|(idx, time)| (*time, length(network.ends(idx))))
-        .collect();
-    pieces.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let wanted = share * pieces.iter().map(|(_, length)| length).sum::<f64>();
-    let mut sum = 0.0;
-    let mut before = 0.0;
-    for (time, length) in pieces {
-        if sum + length >= wanted {
-            // Between the arrivals of two pieces the tip runs evenly.
-            return before + (time - before) * (wanted - sum) / length.max(f64::MIN_POSITIVE);
-        }
-        sum += length;
-        before = time;
-    }
-    before
 }
 
 /// Presets, cameras, and the keys of recipes.

@@ -476,6 +476,33 @@ fn growth_shows_each_tip_between_its_parents_arrival_and_its_own() {
     assert_eq!(network.grown_at(2.0).count(), 4, "all there");
 }
 
+#[test]
+fn a_share_of_the_length_is_there_at_its_time() {
+    let network = CrackNetwork::new(star()).unwrap();
+    let length_at = |time: f64| -> f64 {
+        network
+            .grown_at(time)
+            .map(|(_, [x0, y0, x1, y1])| (x1 - x0).hypot(y1 - y0))
+            .sum()
+    };
+    let whole = length_at(2.0);
+    for share in [0.1, 0.25, 0.5, 0.9, 0.999] {
+        let time = network.time_of_length(share);
+        let there = length_at(time) / whole;
+        assert!((there - share).abs() < 1e-12, "{there} at {time}");
+    }
+    assert_eq!(
+        network.time_of_length(0.0),
+        0.0,
+        "nothing before the impact"
+    );
+    assert_eq!(
+        network.time_of_length(1.0),
+        2.0,
+        "all with the last arrival"
+    );
+}
+
 /// Whether two segments share a point other than one node that both have; integers, so exact.
 fn meet(p: [[i64; 2]; 2], q: [[i64; 2]; 2], same_node: bool) -> bool {
     let side = |a: [i64; 2], b: [i64; 2], c: [i64; 2]| {

@@ -46,3 +46,21 @@ export interface Grown {
   unit: string;
   length_px: number;
 }
+
+export interface Model {
+  name: string;
+  /** How its outputs are read, and why so. */
+  contract: string;
+  reason: string;
+}
+
+export interface Box {
+  class: string | null;
+  score: number;
+  /** Left, upper, right and lower side. */
+  corners_px: [number, number, number, number];
+}
+
+export interface Found {
+  boxes: Box[];
+}

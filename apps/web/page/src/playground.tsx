@@ -2,12 +2,14 @@
 
 import { useCallback, useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Broken, Catalog, Grown, Picture } from "./answers";
+import { Away } from "./away";
 import { Desk, Trouble } from "./desk";
+import { Detector, type Boxes } from "./detector";
 import { Figures, timeWords } from "./figures";
 import { Panel } from "./panel";
 import { Presets } from "./presets";
 import { Stage, type Look, type Pixels } from "./stage";
-import { fromAddress, question, toAddress, toCommand, toPython, type Hit, type State } from "./state";
+import { fromAddress, question, toAddress, type Hit, type State } from "./state";
 import { Webcam } from "./webcam";
 
 const LOOKS: [Look, string][] = [
@@ -20,32 +22,29 @@ const LOOKS: [Look, string][] = [
   ["stress", "Cracks by stress"],
   ["depth", "Cracks by depth"],
 ];
-const FILES: [string, string][] = [
-  ["picture", "Picture"],
-  ["clean", "Clean picture"],
-  ["region", "Region mask"],
-  ["crack", "Crack mask"],
-  ["network.json", "Network"],
-  ["network.svg", "Drawing"],
-  ["recipe", "Recipe"],
-];
 /** How long the growth is shown, ms. */
 const GROWTH_MS = 2500;
 const START: State = { preset: "windshield-spiderweb", severity: 3, camera: null, set: {}, hits: [], seed: 1 };
 
 export function Playground() {
-  const desk = useMemo(() => new Desk(), []);
+  const desk = useMemo(() => new Desk("glass"), []);
+  const [address] = useState(() => fromAddress(location.hash, START));
   const [catalog, setCatalog] = useState<Catalog | null>(null);
   const [picture, setPicture] = useState<(Picture & Pixels) | null>(null);
-  const [state, setState] = useState<State>(() => fromAddress(location.hash, START));
+  const [state, setState] = useState<State>(address.state);
   const [pending, setPending] = useState<Hit | null>(null);
   const [broken, setBroken] = useState<(Broken & { took: number }) | null>(null);
   const [damaged, setDamaged] = useState<Pixels | null>(null);
+  // The damaged picture with the cracks as they end.
+  const [whole, setWhole] = useState<Pixels | null>(null);
+  // A moment of the webcam.
+  const [live, setLive] = useState<{ clean: Pixels; damaged: Pixels } | null>(null);
+  const [model, setModel] = useState<File | null>(null);
+  const [boxes, setBoxes] = useState<Boxes | null>(null);
   const [look, setLook] = useState<Look>("damaged");
   const [mask, setMask] = useState<ImageBitmap | null>(null);
   const [cracks, setCracks] = useState<Float32Array | null>(null);
   const [trouble, setTrouble] = useState<string | null>(null);
-  const [said, setSaid] = useState("");
   const [share, setShare] = useState(1);
   const [grown, setGrown] = useState<Grown | null>(null);
   const [plays, setPlays] = useState(false);
@@ -62,9 +61,11 @@ export function Playground() {
   });
 
   /** Shows what the module made of the picture that is before the camera now. */
-  const showDamaged = (bytes: Pixels["bytes"]) =>
+  const showDamaged = (bytes: Pixels["bytes"], isWhole: boolean) =>
     setPicture((picture) => {
-      if (picture) setDamaged({ width: picture.width, height: picture.height, bytes });
+      const shown = picture && { width: picture.width, height: picture.height, bytes };
+      setDamaged(shown);
+      if (isWhole) setWhole(shown);
       return picture;
     });
 
@@ -72,6 +73,7 @@ export function Playground() {
     async (name: string | null, bytes?: Pixels["bytes"]) => {
       const given = await desk.ask<Picture>(name === null ? { ask: "street" } : { ask: "picture", name }, bytes);
       setDamaged(null);
+      setWhole(null);
       setMask(null);
       setCracks(null);
       setGrown(null);
@@ -83,6 +85,8 @@ export function Playground() {
   );
   const loadFile = useCallback(
     async (file: File) => {
+      if (/\.onnx$/i.test(file.name)) return setModel(file);
+      setIsCamera(false);
       try {
         await load(file.name, new Uint8Array(await file.arrayBuffer()));
       } catch (error) {
@@ -95,11 +99,17 @@ export function Playground() {
   useEffect(() => {
     desk.ask<Catalog>({ ask: "catalog" }).then((given) => setCatalog(given.words), fails);
     load(null).catch(fails);
-    const follow = () => setState(fromAddress(location.hash, START));
+    const follow = () => {
+      const { state, left } = fromAddress(location.hash, START);
+      leftOut.current = left;
+      setState(state);
+    };
     addEventListener("hashchange", follow);
     return () => removeEventListener("hashchange", follow);
   }, []);
 
+  // What the address says that means nothing, until it was told.
+  const leftOut = useRef(address.left);
   // One break at a time; of those that were asked for meanwhile, the last.
   const wanted = useRef<{ state: State; isDraft: boolean } | null>(null);
   const isBreaking = useRef(false);
@@ -122,8 +132,9 @@ export function Playground() {
             good.current = next.state;
             setNShown((n) => n + 1);
           }
-          showDamaged(given.bytes);
-          if (!isBack.current) setTrouble(null);
+          showDamaged(given.bytes, !next.isDraft);
+          if (!isBack.current) setTrouble(leftOut.current.length > 0 ? `of the address is left out: ${leftOut.current.join("; ")}` : null);
+          if (!next.isDraft) leftOut.current = [];
           isBack.current = false;
           setShare(1);
           setGrown(null);
@@ -175,7 +186,7 @@ export function Playground() {
       setShare(share);
       const given = await desk.ask<Grown>({ ask: "grown", share });
       setGrown(given.words);
-      showDamaged(given.bytes);
+      showDamaged(given.bytes, false);
     },
     [desk],
   );
@@ -201,30 +212,7 @@ export function Playground() {
   }, [plays]);
 
   const change = (part: Partial<State>) => setState((now) => ({ ...now, ...part }));
-  const save = async (what: string) => {
-    try {
-      const file = await desk.ask<{ name: string; media_type: string }>({ ask: "file", what });
-      const link = document.createElement("a");
-      link.href = URL.createObjectURL(new Blob([file.bytes], { type: file.words.media_type }));
-      link.download = file.words.name;
-      link.click();
-      setSaid(`${file.words.name} saved${share < 1 && what !== "clean" ? ", with the cracks as they end" : ""}`);
-      setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-    } catch (error) {
-      fails(error);
-    }
-  };
-  const copy = async (text: string, what: string) => {
-    try {
-      await navigator.clipboard.writeText(text);
-      setSaid(`Copied: ${what}`);
-    } catch {
-      setSaid(text);
-    }
-  };
-
   const name = picture?.name ?? "scene.png";
-  const needs = state.hits.length > 1 ? " (it reads the recipe of several hits: download that, too)" : "";
   return (
     <div
       class="page"
@@ -247,11 +235,12 @@ export function Playground() {
       <main>
         <section class="picture" aria-label="Picture">
           <Stage
-            clean={picture}
-            damaged={damaged}
+            clean={live?.clean ?? picture}
+            damaged={live?.damaged ?? damaged}
             mask={mask}
             cracks={cracks}
             look={look}
+            boxes={boxes && { ...boxes, damaged: damaged === whole ? boxes.damaged : [] }}
             hits={state.hits}
             label={`${name} behind broken glass. Arrow keys move the aim, Enter throws a stone.`}
             onHit={(hit, isDraft) => {
@@ -392,7 +381,11 @@ export function Playground() {
                 }}
               />
             </label>
-            <button type="button" onClick={() => load(null).catch(fails)}>
+            <button type="button" onClick={() => {
+                setIsCamera(false);
+                load(null).catch(fails);
+              }}
+            >
               The street
             </button>
             <button type="button" aria-pressed={isCamera} onClick={() => setIsCamera(!isCamera)}>
@@ -400,38 +393,34 @@ export function Playground() {
             </button>
           </div>
           <p class="about">It stays in your browser: this page sends nothing.</p>
-          <h2>Take away</h2>
-          <div class="buttons">
-            <button type="button" onClick={() => void copy(location.href, "Link")}>
-              Copy link
-            </button>
-            <button type="button" disabled={isBusy || !broken} onClick={() => void copy(toCommand(state, broken?.assignments ?? [], name), `Command${needs}`)}>
-              Copy command
-            </button>
-            <button type="button" disabled={isBusy || !broken} onClick={() => void copy(toPython(state, broken?.assignments ?? [], name), `Python${needs}`)}>
-              Copy Python
-            </button>
-          </div>
-          <h2 id="download">Download</h2>
-          <div class="buttons" role="group" aria-labelledby="download">
-            {FILES.map(([what, word]) => (
-              <button type="button" disabled={isBusy || !broken} onClick={() => void save(what)}>
-                {word}
-              </button>
-            ))}
-          </div>
-          <p class="said" role="status">
-            {said}
-          </p>
+          <Away
+            desk={desk}
+            state={state}
+            name={name}
+            broken={broken}
+            isBusy={isBusy}
+            isGrowing={share < 1}
+            onFailure={fails}
+          />
+          <Detector
+            file={model}
+            clean={live ? null : picture}
+            damaged={live ? null : whole}
+            onFile={setModel}
+            onBoxes={setBoxes}
+            onFailure={fails}
+          />
         </section>
       </main>
       {isCamera && (
         <Webcam
           onPicture={(bytes) => load("webcam.png", bytes)}
-          onFrame={async (frame) => {
+          through={async (frame) => {
             const given = await desk.ask<null>({ ask: "frame", width_px: frame.width, height_px: frame.height }, frame.bytes);
-            setDamaged({ ...frame, bytes: given.bytes });
+            return { ...frame, bytes: given.bytes };
           }}
+          onMoment={(clean, damaged) => setLive({ clean, damaged })}
+          onEnd={() => setLive(null)}
           onFailure={(error) => {
             setIsCamera(false);
             fails(error);

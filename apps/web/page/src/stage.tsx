@@ -2,6 +2,8 @@
 // are thrown at it.
 
 import { useEffect, useRef, useState } from "preact/hooks";
+import type { Box } from "./answers";
+import type { Boxes } from "./detector";
 import { hitAt, type Hit } from "./state";
 
 export interface Pixels {
@@ -18,6 +20,7 @@ interface Props {
   mask: ImageBitmap | null;
   cracks: Float32Array | null;
   look: Look;
+  boxes: Boxes | null;
   hits: Hit[];
   label: string;
   onHit(hit: Hit, isDraft: boolean): void;
@@ -31,7 +34,7 @@ const NUMBERS_OF_A_PIECE = 7;
 const COLUMN = { arrival: 4, stress: 5, depth: 6 } as const;
 
 export function Stage(props: Props) {
-  const { clean, damaged, mask, cracks, look, hits, onHit } = props;
+  const { clean, damaged, mask, cracks, look, boxes, hits, onHit } = props;
   const canvas = useRef<HTMLCanvasElement>(null);
   const [swipe, setSwipe] = useState(0.5);
   const [aim, setAim] = useState<[number, number, number, number] | null>(null);
@@ -132,6 +135,15 @@ export function Stage(props: Props) {
           }
         }}
       />
+      {boxes && clean && (look === "clean" || swipes) && (
+        <Marks boxes={boxes.clean} of={clean} from={0} to={swipes ? swipe : 1} />
+      )}
+      {boxes && clean && look !== "clean" && (
+        <>
+          <Marks boxes={boxes.clean} of={clean} from={swipes ? swipe : 0} to={1} wasThere />
+          <Marks boxes={boxes.damaged} of={clean} from={swipes ? swipe : 0} to={1} />
+        </>
+      )}
       <svg class="aim" viewBox="0 0 1000 1000" preserveAspectRatio="none" aria-hidden="true">
         {hasCursor && !swipes && (
           <path d={`M${cursor[0] * 1000 - 12} ${cursor[1] * 1000}h24m-12 -40v80`} vector-effect="non-scaling-stroke" />
@@ -146,6 +158,36 @@ export function Stage(props: Props) {
       <p class="said" aria-live="polite">
         {hits.length > 0 ? `${hits.length} hit${hits.length > 1 ? "s" : ""}` : ""}
       </p>
+    </div>
+  );
+}
+
+interface MarksProps {
+  boxes: Box[];
+  of: Pixels;
+  from: number;
+  to: number;
+  /** Found in the clean picture: without its damaged twin it is lost. */
+  wasThere?: boolean;
+}
+
+/** Boxes of a detector, over a part of the picture's width. */
+function Marks({ boxes, of, from, to, wasThere }: MarksProps) {
+  const share = (value: number) => `${value * 100}%`;
+  return (
+    <div class={wasThere ? "marks were" : "marks"} style={{ clipPath: `inset(0 ${share(1 - to)} 0 ${share(from)})` }} aria-hidden="true">
+      {boxes.map(({ class: name, score, corners_px: [x0, y0, x1, y1] }) => (
+        <div
+          style={{
+            left: share(x0 / of.width),
+            top: share(y0 / of.height),
+            width: share((x1 - x0) / of.width),
+            height: share((y1 - y0) / of.height),
+          }}
+        >
+          {!wasThere && <span>{name ?? "?"} {score.toFixed(2)}</span>}
+        </div>
+      ))}
     </div>
   );
 }

@@ -16,6 +16,9 @@ export interface State {
   seed: number;
 }
 
+/** What an address may say. */
+const KEYS = ["preset", "severity", "camera", "set", "hit", "seed"];
+
 const rounded = (value: number, digits: number) => Number(value.toFixed(digits));
 
 /** A hit at a place of the picture, with numbers short enough for an address. */
@@ -58,34 +61,47 @@ export function toAddress(state: State): string {
   return `#${words}`;
 }
 
-/** The state of an address; what it does not say is as in `start`. */
-export function fromAddress(hash: string, start: State): State {
+/** The state of an address, where what it does not say is as in `start`, and what it says that means nothing. */
+export function fromAddress(hash: string, start: State): { state: State; left: string[] } {
   const words = new URLSearchParams(hash.replace(/^#/, ""));
-  const whole = (text: string | null, least: number, most: number) => {
-    const value = Number(text ?? "");
-    return text !== null && text !== "" && Number.isInteger(value) && value >= least && value <= most ? value : null;
+  const left: string[] = [];
+  const whole = (key: string, least: number, most: number) => {
+    const text = words.get(key);
+    if (text === null) return null;
+    const value = Number(text);
+    if (text.trim() !== "" && Number.isInteger(value) && value >= least && value <= most) return value;
+    left.push(`${key}=${text} (a whole number from ${least} to ${most} is expected)`);
+    return null;
   };
   const set: Record<string, string> = {};
   for (const text of words.getAll("set")) {
     const at = text.indexOf("=");
-    if (at > 0) set[text.slice(0, at)] = text.slice(at + 1);
+    if (at > 0) set[text.slice(0, at).trim()] = text.slice(at + 1);
+    else left.push(`set=${text} (a key and its value, key=value, are expected)`);
   }
   const hits = words.getAll("hit").flatMap((text) => {
-    const numbers = text.split(",").map(Number);
+    const numbers = text.split(",").map((part) => (part.trim() === "" ? NaN : Number(part)));
     const [x, y, azimuth, speed] = numbers;
-    if (x === undefined || y === undefined || !numbers.every(Number.isFinite)) return [];
+    if (x === undefined || y === undefined || ![2, 4].includes(numbers.length) || !numbers.every(Number.isFinite)) {
+      left.push(`hit=${text} (x,y or x,y,azimuth,speed are expected)`);
+      return [];
+    }
     const hit: Hit = { position: [x, y] };
     if (azimuth !== undefined && speed !== undefined) Object.assign(hit, { azimuth_deg: azimuth, speed_m_s: speed });
     return [hit];
   });
-  return {
+  for (const key of new Set(words.keys())) {
+    if (!KEYS.includes(key)) left.push(`${key} (${KEYS.join(", ")} are known)`);
+  }
+  const state = {
     preset: words.get("preset") ?? start.preset,
-    severity: whole(words.get("severity"), 1, 5) ?? start.severity,
+    severity: whole("severity", 1, 5) ?? start.severity,
     camera: words.get("camera") ?? start.camera,
     set,
     hits,
-    seed: whole(words.get("seed"), 0, Number.MAX_SAFE_INTEGER) ?? start.seed,
+    seed: whole("seed", 0, Number.MAX_SAFE_INTEGER) ?? start.seed,
   };
+  return { state, left };
 }
 
 const quoted = (text: string) => (/^[\w./=,][\w./=,-]*$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
@@ -112,7 +128,11 @@ export function toCommand(state: State, assignments: string[], name: string): st
 
 /** The same in Python. */
 export function toPython(state: State, assignments: string[], name: string): string {
-  const literal = (toml: string) => ({ true: "True", false: "False" })[toml] ?? toml;
+  const literal = (toml: string) => {
+    if (/^[-+]?(inf|nan)$/.test(toml)) return `float("${toml}")`;
+    const isAlike = /^([-+]?[\d.]+([eE][-+]?\d+)?|\[.*\]|".*"|'.*')$/.test(toml);
+    return { true: "True", false: "False" }[toml] ?? (isAlike ? toml : JSON.stringify(toml));
+  };
   let recipe: string;
   if (state.hits.length > 1) {
     recipe = `starbreak.Recipe.from_file(${JSON.stringify(recipeFile(name))})`;

@@ -24,5 +24,14 @@ worker.addEventListener("activate", (event) => {
 });
 
 worker.addEventListener("fetch", (event) => {
-  event.respondWith(caches.match(event.request, { ignoreSearch: true }).then((kept) => kept ?? fetch(event.request)));
+  const answer = async () => {
+    const kept = await caches.open(shelf);
+    const found = await kept.match(event.request, { ignoreSearch: true });
+    if (found) return found;
+    const given = await fetch(event.request);
+    // What not everybody needs is kept once it was needed.
+    if (event.request.method === "GET" && given.ok && given.type === "basic") await kept.put(event.request, given.clone());
+    return given;
+  };
+  event.respondWith(answer());
 });

@@ -1,7 +1,11 @@
 /// <reference types="vite/client" />
 
-/** Where the module in Rust is; `cargo xtask web` says which file that is. */
-declare module "starbreak.wasm?url" {
+// Where the modules in Rust are; `cargo xtask web` says in which folder.
+declare module "glass.wasm?url" {
+  const address: string;
+  export default address;
+}
+declare module "detector.wasm?url" {
   const address: string;
   export default address;
 }

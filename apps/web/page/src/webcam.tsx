@@ -7,11 +7,14 @@ import type { Pixels } from "./stage";
 interface Props {
   /** The first frame, as the bytes of a PNG file: the glass is broken before it. */
   onPicture(bytes: Pixels["bytes"]): Promise<void>;
-  onFrame(frame: Pixels): Promise<void>;
+  /** Puts the glass over a frame. */
+  through(frame: Pixels): Promise<Pixels>;
+  onMoment(clean: Pixels, damaged: Pixels): void;
+  onEnd(): void;
   onFailure(error: unknown): void;
 }
 
-export function Webcam({ onPicture, onFrame, onFailure }: Props) {
+export function Webcam({ onPicture, through, onMoment, onEnd, onFailure }: Props) {
   useEffect(() => {
     let isOver = false;
     let stream: MediaStream | null = null;
@@ -36,11 +39,15 @@ export function Webcam({ onPicture, onFrame, onFailure }: Props) {
       if (first && !isOver) await onPicture(new Uint8Array(await first.arrayBuffer()));
       while (!isOver) {
         context.drawImage(video, 0, 0);
-        const frame = context.getImageData(0, 0, canvas.width, canvas.height);
-        await onFrame({ width: frame.width, height: frame.height, bytes: new Uint8Array(frame.data.buffer) }).catch((error) => {
+        const { width, height, data } = context.getImageData(0, 0, canvas.width, canvas.height);
+        const frame = { width, height, bytes: new Uint8Array(data.buffer) };
+        try {
+          const damaged = await through(frame);
+          if (!isOver) onMoment(frame, damaged);
+        } catch (error) {
           // The glass is not yet broken.
           if (!(error instanceof Trouble) || !error.message.includes("yet")) throw error;
-        });
+        }
         await new Promise((done) => requestAnimationFrame(done));
       }
     };
@@ -50,6 +57,7 @@ export function Webcam({ onPicture, onFrame, onFailure }: Props) {
     return () => {
       isOver = true;
       stop();
+      onEnd();
     };
   }, []);
   return null;

@@ -1,10 +1,13 @@
 /// <reference lib="webworker" />
-// The module in Rust, off the page's own thread: words and bytes in, words and bytes out.
+// A module in Rust, off the page's own thread: words and bytes in, words and bytes out. The name of the worker says
+// which.
 
-import address from "starbreak.wasm?url";
+import detector from "detector.wasm?url";
+import glass from "glass.wasm?url";
 
 interface Desk {
   memory: WebAssembly.Memory;
+  take_seat(): void;
   room_for_question(nBytes: number): number;
   room_for_bytes(nBytes: number): number;
   ask(): number;
@@ -13,9 +16,11 @@ interface Desk {
   n_bytes(): number;
 }
 
-const desk = WebAssembly.instantiateStreaming(fetch(address), {}).then(
-  (module) => module.instance.exports as unknown as Desk,
-);
+const desk = WebAssembly.instantiateStreaming(fetch(self.name === "detector" ? detector : glass), {}).then((module) => {
+  const desk = module.instance.exports as unknown as Desk;
+  desk.take_seat();
+  return desk;
+});
 
 function answer(desk: Desk, words: string, bytes: Uint8Array) {
   const question = new TextEncoder().encode(words);

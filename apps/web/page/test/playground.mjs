@@ -2,7 +2,7 @@
 // Ends with a line `test result: …` as cargo's tests do.
 
 import { execFileSync } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -11,6 +11,7 @@ import { serve } from "./serve.mjs";
 
 const [site, starbreak] = process.argv.slice(2);
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const model = join(import.meta.dirname, "spot.onnx");
 const scratch = mkdtempSync(join(tmpdir(), "playground-"));
 const server = await serve(site);
 const start = `http://127.0.0.1:${server.address().port}/`;
@@ -163,7 +164,7 @@ const tests = {
     const presets = await page.locator("input[name=preset]").evaluateAll((all) => all.map((one) => one.value));
     must(presets.length === 11, `${presets.length} presets`);
     for (const preset of presets) {
-      for (const severity of [1, 3, 5]) {
+      for (const severity of [1, 2, 3, 4, 5]) {
         const address = `#preset=${preset}&severity=${severity}&hit=0.5,0.45&seed=2`;
         await after(page, () => page.evaluate((address) => (location.hash = address), address));
         const words = await page.locator(".figures dd").first().textContent();
@@ -224,7 +225,7 @@ const tests = {
   async a_photo_is_taken_and_a_broken_file_is_refused_as_by_the_command() {
     const page = await open();
     const png = (await download(page, "Crack mask")).bytes;
-    const choose = (name, bytes) => page.locator("input[type=file]").setInputFiles({ name, mimeType: "image/png", buffer: bytes });
+    const choose = (name, bytes) => page.getByLabel("Open a photo").setInputFiles({ name, mimeType: "image/png", buffer: bytes });
     await after(page, () => choose("mine.png", png));
     must((await download(page, "Picture")).name === "mine.damaged.png", "its name");
     const cut = png.subarray(0, png.length - 40);
@@ -254,12 +255,17 @@ const tests = {
   },
 
   async a_bad_address_says_so_and_shows_the_start() {
-    for (const bad of ["#preset=nope", "#set=camera.nope=3", "#set=x&hit=a,b&severity=9&seed=-1", "#hit=5,-3"]) {
+    const bads = {
+      "#preset=nope": ["nope"],
+      "#set=camera.nope=3": ["camera.nope"],
+      "#set=x&hit=a,b&severity=9&seed=-1&speed=3": ["set=x ", "hit=a,b ", "severity=9 ", "seed=-1 ", "speed "],
+      "#hit=5,-3": ["5"],
+    };
+    for (const [bad, parts] of Object.entries(bads)) {
       const page = await open({}, bad);
       await page.waitForTimeout(200);
       const words = await page.locator(".trouble").textContent();
-      const isDropped = bad.includes("hit=a,b");
-      must(isDropped || words !== "", `${bad}: nothing is said`);
+      for (const part of parts) must(words.includes(part), `${bad}: nothing is said of ${part}: ${words}`);
       must(page.url().includes("preset=windshield-spiderweb&severity=3&seed=1"), `${bad}: ${page.url()}`);
       await page.context().close();
     }
@@ -304,8 +310,84 @@ const tests = {
     await page.waitForTimeout(500);
     const [first] = [await pixels(page), await page.waitForTimeout(400)];
     must(first !== (await pixels(page)), "it moves");
+    await view(page, "clean");
+    const [clean] = [await pixels(page), await page.waitForTimeout(400)];
+    must(clean !== (await pixels(page)), "the clean view moves with it");
     must(!(await page.locator(".trouble").textContent()), "no trouble");
-    await page.getByRole("button", { name: "Stop webcam" }).click();
+    const name = () => page.locator("canvas").getAttribute("aria-label");
+    must((await name()).startsWith("webcam.png"), await name());
+    // A photo takes its place.
+    await page.getByRole("button", { name: "The street" }).click();
+    await page.getByRole("button", { name: "Webcam" }).waitFor();
+    await view(page, "damaged");
+    await page.waitForFunction(() => document.querySelector("canvas").height === 375);
+  },
+
+  async a_model_finds_the_boxes_that_the_command_finds() {
+    const page = await open({}, "#preset=windshield-spiderweb&severity=5&hit=0.5,0.5&seed=4");
+    await page.getByLabel("Open a model").setInputFiles(model);
+    await page.locator(".found[aria-busy=false]").waitFor();
+    await page.getByLabel("Score from").fill("0.05");
+    const shown = () =>
+      page.locator(".marks:not(.were) div").evaluateAll((all) =>
+        all.map(({ style, textContent }) => [textContent, style.left, style.top, style.width, style.height].join(" ")),
+      );
+    mkdirSync(join(scratch, "frames"));
+    for (const [k, name] of ["Clean picture", "Picture"].entries()) {
+      writeFileSync(join(scratch, "frames", `${k}.png`), (await download(page, name)).bytes);
+    }
+    const said = command("detect", "clip:frames", "--model", model, "-o", "boxes.json");
+    must(existsSync(join(scratch, "boxes.json")), said);
+    const names = ["", "red", "always"];
+    const expected = JSON.parse(readFileSync(join(scratch, "boxes.json"))).map(({ image_id, category_id, score, bbox }) => {
+      const [x, y, w, h] = bbox;
+      const share = (value, of) => Math.round((value / of) * 1e4);
+      return [image_id, names[category_id], score.toFixed(2), share(x, 1242), share(y, 375), share(w, 1242), share(h, 375)].join(" ");
+    });
+    must(expected.length === 4, `${expected.length} boxes in both pictures`);
+    for (const [k, look] of ["clean", "damaged"].entries()) {
+      await view(page, look);
+      const found = (await shown()).map((text) => text.replace(/[\d.-]+(e-\d+)?%/g, (part) => Math.round(Number.parseFloat(part) * 100)));
+      const wanted = expected.filter((text) => text.startsWith(`${k + 1} `)).map((text) => text.slice(2));
+      must(found.join("; ") === wanted.join("; "), `${look}: ${found.join("; ")}, the command: ${wanted.join("; ")}`);
+    }
+    const scores = expected.map((text) => text.split(" ")).filter(([, name]) => name === "red");
+    must(scores[0][2] !== scores[1][2], "the glass changes what the model sees");
+    must((await page.locator(".found tbody tr").last().textContent()) === "all22", "they are counted");
+    await page.getByRole("button", { name: "Remove it" }).click();
+    await page.waitForFunction(() => !document.querySelector(".marks div"));
+  },
+
+  async a_broken_model_is_refused_as_by_the_command() {
+    const page = await open();
+    const cut = readFileSync(model).subarray(0, 60);
+    writeFileSync(join(scratch, "cut.onnx"), cut);
+    mkdirSync(join(scratch, "one"), { recursive: true });
+    writeFileSync(join(scratch, "one", "0.png"), (await download(page, "Crack mask")).bytes);
+    const said = command("detect", "clip:one", "--model", "cut.onnx", "-o", "cut.json");
+    await page.getByLabel("Open a model").setInputFiles({ name: "cut.onnx", mimeType: "", buffer: cut });
+    await page.waitForFunction(() => document.querySelector(".trouble").textContent !== "");
+    const words = await page.locator(".trouble").textContent();
+    must(words.includes("cut.onnx") && said.includes(words), `${words}, the command: ${said}`);
+  },
+
+  async a_module_that_stops_is_started_anew_with_the_picture() {
+    const page = await open();
+    const png = (await download(page, "Crack mask")).bytes;
+    const photo = { name: "mine.png", mimeType: "image/png", buffer: png };
+    await after(page, () => page.getByLabel("Open a photo").setInputFiles(photo));
+    await page.workers()[0].evaluate(() => {
+      TextDecoder.prototype.decode = () => {
+        throw new Error("out of memory");
+      };
+    });
+    const before = await pixels(page);
+    await page.getByLabel("Seed").fill("77");
+    await page.keyboard.press("Tab");
+    await page.waitForFunction(() => document.querySelector(".trouble").textContent.includes("out of memory"));
+    await page.waitForTimeout(1500);
+    must((await download(page, "Picture")).name === "mine.damaged.png", "the picture is there");
+    must(before === (await pixels(page)), "as it was");
   },
 
   async it_opens_without_a_network_after_the_first_visit() {

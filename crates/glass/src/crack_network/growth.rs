@@ -12,6 +12,43 @@ impl CrackNetwork {
             .map_or(0.0, |times| times.iter().copied().fold(0.0, f64::max))
     }
 
+    /// The time at which a share of the length of all cracks is there, in the unit of the arrival column; 0 for
+    /// networks without times.
+    ///
+    /// Cracks of hours follow cracks of microseconds: even steps of time would show one or the other, even steps of
+    /// length show both.
+    #[must_use]
+    pub fn time_of_length(&self, share: f64) -> f64 {
+        let length_at = |time: f64| -> f64 {
+            let length = |(_, [x0, y0, x1, y1]): (usize, [f64; 4])| {
+                ((x1 - x0) * (x1 - x0) + (y1 - y0) * (y1 - y0)).sqrt()
+            };
+            self.grown_at(time).map(length).sum()
+        };
+        let last = self.last_arrival();
+        if share >= 1.0 {
+            return last;
+        }
+        let wanted = share * length_at(last);
+        if length_at(0.0) >= wanted {
+            return 0.0;
+        }
+        // The length only grows. Halved until nothing lies between.
+        let (mut early, mut late) = (0.0, last);
+        loop {
+            let middle = 0.5 * (early + late);
+            if middle <= early || middle >= late {
+                break;
+            }
+            if length_at(middle) < wanted {
+                early = middle;
+            } else {
+                late = middle;
+            }
+        }
+        late
+    }
+
     /// The segments as far as they have grown at `time` (same unit as the arrival column):
     /// index and ends `[x0, y0, x1, y1]`, the last one up to the tip.
     ///
