@@ -22,9 +22,9 @@ pub struct StreetScene {
     pub objects: Vec<SceneObject>,
 }
 
-/// The street without grain, which does not compress. Our own drawing: a program in the history of
+/// The street without grain, which does not compress, as lossless WebP. Our own drawing: a program in the history of
 /// this repository (`crates/dataset/src/scene`) made it and the boxes.
-static PICTURE: &[u8] = include_bytes!("../data/street.png");
+static PICTURE: &[u8] = include_bytes!("../data/street.webp");
 
 /// Classes and boxes of [`PICTURE`], the farthest first.
 const OBJECTS: [(&str, [f64; 4]); 11] = [
