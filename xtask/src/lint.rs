@@ -4,7 +4,6 @@ use std::path::Path;
 
 use crate::command::{cargo, run as run_command};
 use crate::deps::{self, Mode};
-use crate::test::standard_library;
 use crate::{Failure, advisories, licences, links, refs};
 
 /// `cargo xtask lint`: all checks, also after one has failed.
@@ -32,7 +31,6 @@ pub fn run(root: &Path) -> Result<(), Failure> {
             &[&clippy[..], &deny].concat(),
         )),
         run_command(rustdoc),
-        section("wasm", wasm(root)),
         section("licences", licences::run(root)),
         section("advisories", advisories::run(root)),
         section("deps --check", deps::run(root, Mode::Check)),
@@ -48,17 +46,6 @@ pub fn run(root: &Path) -> Result<(), Failure> {
     Failure::from_findings(&failures, "checks failed")?;
     println!("lint: all checks passed");
     Ok(())
-}
-
-/// The chain compiles for a browser: no file, no thread, no clock of the system.
-fn wasm(root: &Path) -> Result<(), Failure> {
-    const TARGET: &str = "wasm32-unknown-unknown";
-    if let Err(why) = standard_library(TARGET) {
-        println!("lint: the chain for {TARGET}: NOT CHECKED: {why}");
-        return Ok(());
-    }
-    let package = ["check", "--package", "starbreak", "--lib", "--locked"];
-    run_command(cargo(root, &[&package[..], &["--target", TARGET]].concat()))
 }
 
 fn section(task: &str, result: Result<(), Failure>) -> Result<(), Failure> {

@@ -311,6 +311,7 @@ const tests = {
     const [first] = [await pixels(page), await page.waitForTimeout(400)];
     must(first !== (await pixels(page)), "it moves");
     await view(page, "clean");
+    await page.waitForTimeout(300);
     const [clean] = [await pixels(page), await page.waitForTimeout(400)];
     must(clean !== (await pixels(page)), "the clean view moves with it");
     must(!(await page.locator(".trouble").textContent()), "no trouble");
@@ -318,9 +319,10 @@ const tests = {
     must((await name()).startsWith("webcam.png"), await name());
     // A photo takes its place.
     await page.getByRole("button", { name: "The street" }).click();
-    await page.getByRole("button", { name: "Webcam" }).waitFor();
+    await page.getByRole("button", { name: "Webcam", exact: true }).waitFor();
     await view(page, "damaged");
     await page.waitForFunction(() => document.querySelector("canvas").height === 375);
+    must(!(await page.locator(".trouble").textContent()), "no trouble then, either");
   },
 
   async a_model_finds_the_boxes_that_the_command_finds() {
@@ -403,6 +405,8 @@ const tests = {
     for (const colorScheme of ["light", "dark"]) {
       const page = await open({ colorScheme });
       await page.getByText("All parameters").click();
+      await page.getByLabel("Open a model").setInputFiles(model);
+      await page.locator(".found[aria-busy=false]").waitFor();
       await page.evaluate(axe);
       const { violations } = await page.evaluate(() => window.axe.run());
       const serious = violations.filter((one) => ["serious", "critical"].includes(one.impact));
