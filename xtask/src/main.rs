@@ -33,7 +33,7 @@ usage: cargo xtask <task>
                   the docstrings of the Python package; every link in it leads somewhere, and every
                   command and Python block of the pages runs, on made-up inputs; mdBook comes from
                   crates.io into target/test-mdbook, pdoc from PyPI into target/docs-venv
-  web [--serve]   the playground in target/playground, for any web server: the module in Rust for browsers, whose
+  web [--serve]   the playground in target/playground, for any web server: the modules in Rust for browsers, whose
                   library comes from rustup, and the page, whose packages come from npm; with --serve it
                   is served on this machine
   gallery         writes docs/figures/gallery: every preset and damage class, and the animation of

@@ -19,12 +19,21 @@ const NAMES: [&str; 6] = [
     "OFL",
 ];
 
-/// `cargo xtask notices`: on the output, each text of a licence after the packages that it is of.
+/// `cargo xtask notices`: on the output, what the command and the Python package contain.
 ///
 /// # Errors
 /// If cargo does not say what is linked, or a file cannot be read.
 pub fn run(root: &Path) -> Result<(), Failure> {
-    let linked = linked(root)?;
+    print!("{}", notices(root, &["starbreak-cli", "starbreak-python"])?);
+    Ok(())
+}
+
+/// Each text of a licence after those packages within some of ours that it is of.
+///
+/// # Errors
+/// If cargo does not say what is linked, or a file cannot be read.
+pub(crate) fn notices(root: &Path, ours: &[&str]) -> Result<String, Failure> {
+    let linked = linked(root, ours)?;
     let metadata: Value = serde_json::from_str(&said(
         root,
         &["metadata", "--format-version", "1", "--locked"],
@@ -50,20 +59,21 @@ pub fn run(root: &Path) -> Result<(), Failure> {
             }
         }
     }
-    println!("starbreak contains these packages. The text of each licence follows its packages.");
-    for (licence, packages) in packages_of {
-        println!("\n{}\n\n{}\n", "=".repeat(80), packages.join("\n"));
-        println!("{licence}");
-    }
-    Ok(())
+    let head =
+        "starbreak contains these packages. The text of each licence follows its packages.\n";
+    let parts = packages_of.iter().map(|(licence, packages)| {
+        let line = "=".repeat(80);
+        format!("\n{line}\n\n{}\n\n{licence}\n", packages.join("\n"))
+    });
+    Ok(head.to_owned() + &parts.collect::<String>())
 }
 
-/// The packages within the command and the Python package on any system, as `name vVERSION`.
-fn linked(root: &Path) -> Result<BTreeSet<String>, Failure> {
-    let published = ["--package", "starbreak-cli", "--package"];
+/// The packages within some of ours on any system, as `name vVERSION`.
+fn linked(root: &Path, ours: &[&str]) -> Result<BTreeSet<String>, Failure> {
     let tree = ["tree", "--locked", "--edges", "normal", "--target", "all"];
-    let form = ["starbreak-python", "--prefix", "none"];
-    let tree = said(root, &[&tree[..], &published, &form].concat())?;
+    let ours: Vec<&str> = ours.iter().flat_map(|name| ["--package", name]).collect();
+    let form = ["--prefix", "none"];
+    let tree = said(root, &[&tree[..], &ours, &form].concat())?;
     Ok(packages_in(&tree))
 }
 

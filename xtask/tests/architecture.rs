@@ -20,6 +20,7 @@ const OURS: &[(&str, &[&str])] = &[
     ("starbreak-glass", &["starbreak-seed"]),
     ("starbreak-fracture", &["starbreak-seed", "starbreak-glass"]),
     ("starbreak-optics", &["starbreak-seed", "starbreak-glass"]),
+    ("starbreak-sensor", &["starbreak-seed"]),
     ("starbreak-dataset", &[]),
     ("starbreak-detect", &["starbreak-dataset"]),
     ("starbreak-eval", &["starbreak-dataset"]),

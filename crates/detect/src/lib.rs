@@ -5,7 +5,7 @@
 //! model's authors evaluate with; `docs/detectors.md` names it per preset.
 //!
 //! It is: the contracts of detectors, what runs them, and their classes by the names of a dataset.
-//! It is not: anything that knows labels, numbers of an evaluation, or how an image was broken.
+//! It is not: anything that sees ground truth, numbers of an evaluation, or how an image was broken.
 
 mod contract;
 mod decode;

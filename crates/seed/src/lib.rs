@@ -54,6 +54,14 @@ pub enum Stream {
     SensorNoise,
     /// Part of a photograph of broken glass that fills a frame.
     OverlayPlacement,
+    /// Electrons that a faulty sensor counts, by row.
+    SensorElectrons,
+    /// What is fixed in each of a sensor's pixels, by row.
+    SensorPattern,
+    /// Places of a sensor's defects.
+    SensorDefects,
+    /// Phase of lamps.
+    Lamps,
 }
 
 impl Stream {
@@ -73,6 +81,10 @@ impl Stream {
             Self::CrackRelief => b"crack-relief",
             Self::SensorNoise => b"sensor-noise",
             Self::OverlayPlacement => b"overlay-place",
+            Self::SensorElectrons => b"sensor-electrons",
+            Self::SensorPattern => b"sensor-pattern",
+            Self::SensorDefects => b"sensor-defects",
+            Self::Lamps => b"lamps",
         }
     }
 }
@@ -143,6 +155,10 @@ mod tests {
             Stream::CrackRelief,
             Stream::SensorNoise,
             Stream::OverlayPlacement,
+            Stream::SensorElectrons,
+            Stream::SensorPattern,
+            Stream::SensorDefects,
+            Stream::Lamps,
         ]
         .map(Stream::name);
         for (i, name) in names.iter().enumerate() {

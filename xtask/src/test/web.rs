@@ -26,15 +26,15 @@ pub(super) fn test(root: &Path, tools: &Tools, report: &mut Report) -> Result<()
         report.skip(what, &format!("there is no {missing}"));
         return Ok(());
     }
-    if !tools.has_chromium() {
-        report.skip(what, "there is no Chromium");
-        return Ok(());
-    }
     if let Err(why) = prepare(root) {
         report.skip(what, &why.to_string());
         return Ok(());
     }
     let site = build(root)?;
+    if !tools.has_chromium() {
+        report.skip(what, "there is no Chromium");
+        return Ok(());
+    }
     let target = Metadata::of_workspace(root)?.target_directory;
     let starbreak = target.join(format!("debug/starbreak{}", env::consts::EXE_SUFFIX));
     let mut command = page_test(root, &site, &starbreak);

@@ -90,7 +90,6 @@ impl Lookout {
                     "name": name,
                     "contract": contract.name,
                     "reason": detector.reason(),
-                    "score_threshold": contract.score_threshold,
                 });
                 self.detector = Some(detector);
                 words

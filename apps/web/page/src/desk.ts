@@ -2,6 +2,9 @@
 
 export class Trouble extends Error {}
 
+/** The module has stopped, and holds nothing any more. */
+export class Stopped extends Trouble {}
+
 export interface Answered<T> {
   words: T;
   bytes: Uint8Array<ArrayBuffer>;
@@ -9,67 +12,71 @@ export interface Answered<T> {
   took: number;
 }
 
-interface Said {
-  id: number;
+interface Asked {
   words: string;
-  bytes: Uint8Array<ArrayBuffer>;
-  took: number;
+  bytes: Uint8Array;
+}
+
+interface Said extends Answered<string> {
+  id: number;
+  /** Why there is no answer, and never will be one. */
+  missing?: string;
   stopped?: string;
 }
 
 type Waiting = { done: (said: Said) => void; failed: (error: Error) => void };
 
-/** The module that breaks glass, or that of detectors. */
-export type Of = "glass" | "detector";
-
 export class Desk {
-  private worker: Worker;
+  private worker: Worker | null = null;
   private waiting = new Map<number, Waiting>();
   private last = 0;
-  /** What a module that was started anew is given first. */
-  private first: { words: string; bytes: Uint8Array } | null = null;
+  /** The picture and the glass, which a module that was started anew is given first. */
+  private kept: Asked[] = [];
 
-  constructor(private of: Of) {
-    this.worker = this.open();
-  }
+  /** The module that breaks glass, or that of detectors. */
+  constructor(private of: "glass" | "detector") {}
 
   private open(): Worker {
     const worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module", name: this.of });
-    worker.onmessage = (event: MessageEvent<Said>) => {
-      if (event.data.stopped !== undefined) return this.startAnew(event.data.stopped);
-      this.waiting.get(event.data.id)?.done(event.data);
-      this.waiting.delete(event.data.id);
+    const stop = (why: string) => {
+      if (worker === this.worker) this.close(new Stopped(why));
     };
-    worker.onerror = (event) => this.startAnew(event.message || "its script did not load");
+    worker.onmessage = ({ data }: MessageEvent<Said>) => {
+      if (data.missing !== undefined) return stop(`a part of the page could not be loaded (${data.missing}); reload it`);
+      if (data.stopped !== undefined) {
+        const wayOut = this.of === "glass" ? "try something smaller" : "run this model by the command, or export it smaller";
+        return stop(`the module stopped (${data.stopped}); ${wayOut}`);
+      }
+      this.waiting.get(data.id)?.done(data);
+      this.waiting.delete(data.id);
+    };
+    worker.onerror = (event) => stop(`a part of the page could not be loaded (${event.message || "its script"}); reload it`);
+    this.kept.forEach((asked) => worker.postMessage({ id: 0, ...asked }));
     return worker;
   }
 
-  /** A module that has stopped holds nothing that can be trusted: another one takes its place. */
-  private startAnew(why: string) {
-    this.worker.terminate();
-    const stopped = new Trouble(
-      this.of === "glass"
-        ? `the module stopped (${why}) and was started anew; try something smaller`
-        : `the model stopped its module (${why}); run it by the command with ONNX Runtime, or export it smaller`,
-    );
+  /** Ends the module, and all that is asked of it. The next question starts another. */
+  close(why: Error = new Stopped("it was closed")) {
+    this.worker?.terminate();
+    this.worker = null;
     const waiting = [...this.waiting.values()];
     this.waiting.clear();
-    this.worker = this.open();
-    if (this.first) this.worker.postMessage({ id: 0, ...this.first });
-    waiting.forEach((one) => one.failed(stopped));
+    waiting.forEach((one) => one.failed(why));
   }
 
   /** Bytes are copied, never taken away. */
   async ask<T>(question: Record<string, unknown>, bytes = new Uint8Array()): Promise<Answered<T>> {
     const id = ++this.last;
     const asked = { words: JSON.stringify(question), bytes };
+    const worker = (this.worker ??= this.open());
     const said = await new Promise<Said>((done, failed) => {
       this.waiting.set(id, { done, failed });
-      this.worker.postMessage({ id, ...asked });
+      worker.postMessage({ id, ...asked });
     });
     const words = JSON.parse(said.words) as { answer: T; trouble?: string };
     if (words.trouble !== undefined) throw new Trouble(words.trouble);
-    if (question.ask === "street" || question.ask === "picture") this.first = asked;
+    if (question.ask === "street" || question.ask === "picture") this.kept = [asked];
+    if (question.ask === "break" && question.is_draft === false) this.kept = [...this.kept.slice(0, 1), asked];
     return { words: words.answer, bytes: said.bytes, took: said.took };
   }
 }

@@ -1,102 +1,124 @@
 // What a detector of the user's own sees, before the glass broke and after. It comes with a module of its own,
 // which is loaded with the first model.
 
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Box, Found, Model } from "./answers";
-import { Desk } from "./desk";
+import { Desk, Stopped } from "./desk";
 import type { Pixels } from "./stage";
 
+/** What was found in the clean picture and in the damaged one; null while it is not known. */
 export interface Boxes {
-  clean: Box[];
-  damaged: Box[];
+  clean: Box[] | null;
+  damaged: Box[] | null;
 }
 
 interface Props {
-  /** The model, as a file. */
+  /** A model that somebody gave, as a file. */
   file: File | null;
   clean: Pixels | null;
   /** The picture behind the glass as it ends; null while it is not known. */
   damaged: Pixels | null;
-  onFile(file: File | null): void;
+  /** Pictures that move are not looked at. */
+  isLive: boolean;
   onBoxes(boxes: Boxes | null): void;
   onFailure(error: unknown): void;
 }
 
-/** What was found, and in which pixels. */
+type Loaded = Model & { desk: Desk };
+
+/** What a model found in which pixels. */
 interface Seen extends Found {
+  model: Loaded;
   pixels: Pixels;
   took: number;
 }
 
-export function Detector({ file, clean, damaged, onFile, onBoxes, onFailure }: Props) {
-  const desk = useRef<Desk | null>(null);
-  const [model, setModel] = useState<Model | null>(null);
-  const [inClean, setInClean] = useState<Seen | null>(null);
-  const [inDamaged, setInDamaged] = useState<Seen | null>(null);
-  const [least, setLeast] = useState(0.3);
-  const fails = (error: unknown) => {
-    onFailure(error);
-    onFile(null);
-  };
+const SIDES = ["clean", "damaged"] as const;
+type Side = (typeof SIDES)[number];
 
-  useEffect(() => {
-    setModel(null);
-    if (file === null) return;
-    let isStale = false;
-    const load = async () => {
+export function Detector({ file, clean, damaged, isLive, onBoxes, onFailure }: Props) {
+  const [model, setModel] = useState<Loaded | null>(null);
+  const [loading, setLoading] = useState<string | null>(null);
+  const [seen, setSeen] = useState<Record<Side, Seen | null>>({ clean: null, damaged: null });
+  const [least, setLeast] = useState(0.3);
+  // As they are now, for what was begun before.
+  const now = useRef({ model, clean, damaged });
+  now.current = { model, clean, damaged };
+  const done = useRef(seen);
+
+  const change = (next: Loaded | null) => {
+    now.current.model?.desk.close();
+    now.current.model = next;
+    setModel(next);
+  };
+  const wanted = useRef<File | null>(null);
+  const load = async (file: File) => {
+    wanted.current = file;
+    setLoading(file.name);
+    const desk = new Desk("detector");
+    try {
       const bytes = new Uint8Array(await file.arrayBuffer());
-      const given = await (desk.current ??= new Desk("detector")).ask<Model>({ ask: "model", name: file.name }, bytes);
-      if (!isStale) setModel(given.words);
-    };
-    load().catch((error) => {
-      if (!isStale) fails(error);
-    });
-    return () => {
-      isStale = true;
-    };
-  }, [file]);
-  // One picture at a time; of those that come meanwhile, the last of each side.
-  const wanted = useRef<{ clean: Pixels | null; damaged: Pixels | null }>({ clean: null, damaged: null });
-  const looks = useRef(false);
-  useEffect(() => {
-    if (model === null) {
-      wanted.current = { clean: null, damaged: null };
-      setInClean(null);
-      setInDamaged(null);
-      return;
+      const given = await desk.ask<Model>({ ask: "model", name: file.name }, bytes);
+      if (wanted.current === file) return change({ ...given.words, desk });
+      desk.close();
+    } catch (error) {
+      desk.close();
+      // The model before stays.
+      if (wanted.current === file) onFailure(error);
+    } finally {
+      if (wanted.current === file) setLoading(null);
     }
-    if (clean && clean !== inClean?.pixels) wanted.current.clean = clean;
-    if (damaged && damaged !== inDamaged?.pixels) wanted.current.damaged = damaged;
-    const look = async () => {
-      const find = async (pixels: Pixels): Promise<Seen> => {
-        const words = { ask: "detect", width_px: pixels.width, height_px: pixels.height };
-        const given = await desk.current!.ask<Found>(words, pixels.bytes);
-        return { ...given.words, pixels, took: given.took };
-      };
-      while (wanted.current.clean ?? wanted.current.damaged) {
-        const { clean, damaged } = wanted.current;
-        wanted.current = { clean: null, damaged: null };
-        if (clean) setInClean(await find(clean));
-        if (damaged) setInDamaged(await find(damaged));
-      }
-    };
+  };
+  useEffect(() => {
+    if (file) void load(file);
+  }, [file]);
+
+  // One picture at a time, and always those that are there now.
+  const looks = useRef(false);
+  const look = async () => {
     if (looks.current) return;
     looks.current = true;
-    look()
-      .catch(fails)
-      .finally(() => {
-        looks.current = false;
-      });
-  }, [model, clean, damaged]);
+    for (;;) {
+      const { model, ...pictures } = now.current;
+      const isNew = (side: Side) => pictures[side] && (done.current[side]?.model !== model || done.current[side]?.pixels !== pictures[side]);
+      const side = SIDES.find(isNew);
+      if (!model || !side) break;
+      const pixels = pictures[side]!;
+      let found: Found & { took: number } = { boxes: [], took: 0 };
+      try {
+        const words = { ask: "detect", width_px: pixels.width, height_px: pixels.height };
+        const given = await model.desk.ask<Found>(words, pixels.bytes);
+        found = { ...given.words, took: given.took };
+      } catch (error) {
+        // Another model, or none, has taken its place.
+        if (now.current.model !== model) continue;
+        onFailure(error);
+        if (error instanceof Stopped) change(null);
+      }
+      done.current = { ...done.current, [side]: { ...found, model, pixels } };
+      setSeen(done.current);
+    }
+    looks.current = false;
+  };
+  useEffect(() => void look(), [model, clean, damaged]);
 
-  const sure = (seen: Seen | null, of: Pixels | null) => (seen && seen.pixels === of ? seen.boxes.filter((box) => box.score >= least) : null);
-  const before = sure(inClean, clean);
-  const after = sure(inDamaged, damaged);
-  useEffect(() => onBoxes(model ? { clean: before ?? [], damaged: after ?? [] } : null), [model, inClean, inDamaged, clean, damaged, least]);
+  const sure = (side: Side, of: Pixels | null) => {
+    const one = seen[side];
+    return model && one && one.model === model && one.pixels === of ? one.boxes.filter((box) => box.score >= least) : null;
+  };
+  const before = sure("clean", clean);
+  const after = sure("damaged", damaged);
+  useLayoutEffect(() => onBoxes(model ? { clean: before, damaged: after } : null), [model, seen, clean, damaged, least]);
 
   const classes = [...new Set([...(before ?? []), ...(after ?? [])].map((box) => box.class ?? "?"))].sort();
   const count = (boxes: Box[] | null, name?: string) =>
     boxes === null ? "…" : boxes.filter((box) => name === undefined || (box.class ?? "?") === name).length;
+  const isDone = before !== null && after !== null;
+  let words = "An ONNX file of yours. It stays in your browser, too.";
+  if (loading !== null) words = `loading ${loading} …`;
+  else if (model && isLive) words = `${model.name} looks at pictures, not at the webcam.`;
+  else if (model && !isDone) words = `${model.name} looks …`;
+  else if (model) words = `${model.name}, read as ${model.contract}: ${model.reason}. Found in ${Math.round(seen.damaged?.took ?? 0)} ms.`;
   return (
     <>
       <h2>What a detector sees</h2>
@@ -109,28 +131,31 @@ export function Detector({ file, clean, damaged, onFile, onBoxes, onFailure }: P
             accept=".onnx"
             onChange={(event) => {
               const file = event.currentTarget.files?.[0];
-              if (file) onFile(file);
+              if (file) void load(file);
               event.currentTarget.value = "";
             }}
           />
         </label>
-        {file && (
-          <button type="button" onClick={() => onFile(null)}>
-            Remove it
+        {(model ?? loading) && (
+          <button
+            type="button"
+            onClick={() => {
+              wanted.current = null;
+              setLoading(null);
+              change(null);
+            }}
+          >
+            Remove the model
           </button>
         )}
       </div>
-      {file === null ? (
-        <p class="about">An ONNX file of yours. It stays in your browser, too.</p>
-      ) : (
-        <p class="about" title={model?.reason}>
-          {model ? `${model.name}, read as ${model.contract}` : `loading ${file.name} …`}
-        </p>
-      )}
-      {model && (
+      <p class="about" role="status">
+        {words}
+      </p>
+      {model && !isLive && (
         <>
           <div class="field wide">
-            <label for="least">Score from {least.toFixed(2)}</label>
+            <label for="least">Score ≥ {least.toFixed(2)}</label>
             <input
               id="least"
               type="range"
@@ -141,7 +166,7 @@ export function Detector({ file, clean, damaged, onFile, onBoxes, onFailure }: P
               onInput={(event) => setLeast(Number(event.currentTarget.value))}
             />
           </div>
-          <table class="found" aria-busy={after === null}>
+          <table class="found" aria-busy={!isDone}>
             <thead>
               <tr>
                 <th scope="col">boxes</th>
@@ -164,9 +189,7 @@ export function Detector({ file, clean, damaged, onFile, onBoxes, onFailure }: P
               </tr>
             </tbody>
           </table>
-          <p class="about">
-            Dashed: seen in the clean picture.{inDamaged && ` Found in ${Math.round(inDamaged.took)} ms.`}
-          </p>
+          <p class="about">Dashed in the damaged picture: seen in the clean one.</p>
         </>
       )}
     </>

@@ -72,6 +72,7 @@ export function Playground() {
   const load = useCallback(
     async (name: string | null, bytes?: Pixels["bytes"]) => {
       const given = await desk.ask<Picture>(name === null ? { ask: "street" } : { ask: "picture", name }, bytes);
+      hasGlass.current = false;
       setDamaged(null);
       setWhole(null);
       setMask(null);
@@ -110,6 +111,8 @@ export function Playground() {
 
   // What the address says that means nothing, until it was told.
   const leftOut = useRef(address.left);
+  // Whether glass stands before the picture.
+  const hasGlass = useRef(false);
   // One break at a time; of those that were asked for meanwhile, the last.
   const wanted = useRef<{ state: State; isDraft: boolean } | null>(null);
   const isBreaking = useRef(false);
@@ -130,10 +133,13 @@ export function Playground() {
           setBroken({ ...given.words, took: given.took });
           if (!next.isDraft) {
             good.current = next.state;
+            hasGlass.current = true;
             setNShown((n) => n + 1);
           }
           showDamaged(given.bytes, !next.isDraft);
-          if (!isBack.current) setTrouble(leftOut.current.length > 0 ? `of the address is left out: ${leftOut.current.join("; ")}` : null);
+          const left = leftOut.current.length > 0 ? `of the address is left out: ${leftOut.current.join("; ")}` : null;
+          if (!isBack.current) setTrouble(left);
+          else if (left) setTrouble((trouble) => `${trouble}; ${left}`);
           if (!next.isDraft) leftOut.current = [];
           isBack.current = false;
           setShare(1);
@@ -143,7 +149,9 @@ export function Playground() {
           const back = good.current ?? START;
           if (!next.isDraft && next.state !== START && wanted.current === null) {
             isBack.current = true;
-            setState(back === next.state ? START : back);
+            // Where only the picture is another, nothing that could be set is better.
+            if (back === next.state) setBroken(null);
+            else setState(back);
           }
         }
       }
@@ -186,7 +194,9 @@ export function Playground() {
       setShare(share);
       const given = await desk.ask<Grown>({ ask: "grown", share });
       setGrown(given.words);
-      showDamaged(given.bytes, false);
+      // In the end it is the whole, and not a picture like it.
+      if (share === 1) setWhole((whole) => (setDamaged(whole), whole));
+      else showDamaged(given.bytes, false);
     },
     [desk],
   );
@@ -240,7 +250,7 @@ export function Playground() {
             mask={mask}
             cracks={cracks}
             look={look}
-            boxes={boxes && { ...boxes, damaged: damaged === whole ? boxes.damaged : [] }}
+            boxes={boxes && { ...boxes, damaged: damaged === whole ? boxes.damaged : null }}
             hits={state.hits}
             label={`${name} behind broken glass. Arrow keys move the aim, Enter throws a stone.`}
             onHit={(hit, isDraft) => {
@@ -406,16 +416,20 @@ export function Playground() {
             file={model}
             clean={live ? null : picture}
             damaged={live ? null : whole}
-            onFile={setModel}
+            isLive={live !== null}
             onBoxes={setBoxes}
             onFailure={fails}
           />
         </section>
       </main>
+      <footer class="about">
+        starbreak {catalog?.version} is free under MIT or Apache-2.0; <a href="LICENSE-THIRD-PARTY.txt">what it contains</a>.
+      </footer>
       {isCamera && (
         <Webcam
           onPicture={(bytes) => load("webcam.png", bytes)}
           through={async (frame) => {
+            if (!hasGlass.current) return null;
             const given = await desk.ask<null>({ ask: "frame", width_px: frame.width, height_px: frame.height }, frame.bytes);
             return { ...frame, bytes: given.bytes };
           }}

@@ -135,12 +135,12 @@ export function Stage(props: Props) {
           }
         }}
       />
-      {boxes && clean && (look === "clean" || swipes) && (
+      {boxes?.clean && clean && (look === "clean" || swipes) && (
         <Marks boxes={boxes.clean} of={clean} from={0} to={swipes ? swipe : 1} />
       )}
-      {boxes && clean && look !== "clean" && (
+      {boxes?.damaged && clean && look !== "clean" && (
         <>
-          <Marks boxes={boxes.clean} of={clean} from={swipes ? swipe : 0} to={1} wasThere />
+          {boxes.clean && <Marks boxes={boxes.clean} of={clean} from={swipes ? swipe : 0} to={1} wasThere />}
           <Marks boxes={boxes.damaged} of={clean} from={swipes ? swipe : 0} to={1} />
         </>
       )}

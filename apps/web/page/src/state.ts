@@ -76,7 +76,7 @@ export function fromAddress(hash: string, start: State): { state: State; left: s
   const set: Record<string, string> = {};
   for (const text of words.getAll("set")) {
     const at = text.indexOf("=");
-    if (at > 0) set[text.slice(0, at).trim()] = text.slice(at + 1);
+    if (at > 0) set[text.slice(0, at).trim()] = text.slice(at + 1).trim();
     else left.push(`set=${text} (a key and its value, key=value, are expected)`);
   }
   const hits = words.getAll("hit").flatMap((text) => {
@@ -130,7 +130,7 @@ export function toCommand(state: State, assignments: string[], name: string): st
 export function toPython(state: State, assignments: string[], name: string): string {
   const literal = (toml: string) => {
     if (/^[-+]?(inf|nan)$/.test(toml)) return `float("${toml}")`;
-    const isAlike = /^([-+]?[\d.]+([eE][-+]?\d+)?|\[.*\]|".*"|'.*')$/.test(toml);
+    const isAlike = /^([-+]?[\d._]+([eE][-+]?\d+)?|\[[-+\d.,\s_eE]*\]|".*"|'.*')$/.test(toml);
     return { true: "True", false: "False" }[toml] ?? (isAlike ? toml : JSON.stringify(toml));
   };
   let recipe: string;

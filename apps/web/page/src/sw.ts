@@ -5,7 +5,8 @@ declare const __FILES__: string[];
 declare const __VERSION__: string;
 const files: string[] = __FILES__;
 const worker = self as unknown as ServiceWorkerGlobalScope;
-const shelf = `starbreak ${__VERSION__}`;
+const PREFIX = "starbreak ";
+const shelf = `${PREFIX}${__VERSION__}`;
 
 worker.addEventListener("install", (event) => {
   event.waitUntil(
@@ -17,20 +18,25 @@ worker.addEventListener("install", (event) => {
 });
 
 worker.addEventListener("activate", (event) => {
-  const old = caches.keys().then((names) =>
-    Promise.all(names.filter((name) => name !== shelf && name.startsWith("starbreak ")).map((name) => caches.delete(name))),
-  );
+  // In the order in which they came. A page that is open still needs files of the one before.
+  const old = caches.keys().then((names) => {
+    const others = names.filter((name) => name !== shelf && name.startsWith(PREFIX));
+    return Promise.all(others.slice(0, -1).map((name) => caches.delete(name)));
+  });
   event.waitUntil(old.then(() => worker.clients.claim()));
 });
 
 worker.addEventListener("fetch", (event) => {
   const answer = async () => {
     const kept = await caches.open(shelf);
-    const found = await kept.match(event.request, { ignoreSearch: true });
+    const options = { ignoreSearch: true };
+    const found = (await kept.match(event.request, options)) ?? (await caches.match(event.request, options));
     if (found) return found;
     const given = await fetch(event.request);
-    // What not everybody needs is kept once it was needed.
-    if (event.request.method === "GET" && given.ok && given.type === "basic") await kept.put(event.request, given.clone());
+    // What not everybody needs is kept once it was needed; a name with a hash stands for what is in it.
+    if (given.ok && new URL(event.request.url).pathname.includes("/assets/")) {
+      event.waitUntil(kept.put(event.request, given.clone()).catch(() => {}));
+    }
     return given;
   };
   event.respondWith(answer());

@@ -7,8 +7,8 @@ import type { Pixels } from "./stage";
 interface Props {
   /** The first frame, as the bytes of a PNG file: the glass is broken before it. */
   onPicture(bytes: Pixels["bytes"]): Promise<void>;
-  /** Puts the glass over a frame. */
-  through(frame: Pixels): Promise<Pixels>;
+  /** Puts the glass over a frame; null while there is none. */
+  through(frame: Pixels): Promise<Pixels | null>;
   onMoment(clean: Pixels, damaged: Pixels): void;
   onEnd(): void;
   onFailure(error: unknown): void;
@@ -26,6 +26,9 @@ export function Webcam({ onPicture, through, onMoment, onEnd, onFailure }: Props
       });
       // It was stopped while the browser asked.
       if (isOver) return stop();
+      stream.getTracks().forEach((track) => {
+        track.onended = () => !isOver && onFailure(new Trouble("the camera has gone"));
+      });
       const video = document.createElement("video");
       video.muted = true;
       video.srcObject = stream;
@@ -41,13 +44,8 @@ export function Webcam({ onPicture, through, onMoment, onEnd, onFailure }: Props
         context.drawImage(video, 0, 0);
         const { width, height, data } = context.getImageData(0, 0, canvas.width, canvas.height);
         const frame = { width, height, bytes: new Uint8Array(data.buffer) };
-        try {
-          const damaged = await through(frame);
-          if (!isOver) onMoment(frame, damaged);
-        } catch (error) {
-          // The glass is not yet broken.
-          if (!(error instanceof Trouble) || !error.message.includes("yet")) throw error;
-        }
+        const damaged = await through(frame);
+        if (damaged && !isOver) onMoment(frame, damaged);
         await new Promise((done) => requestAnimationFrame(done));
       }
     };

@@ -82,6 +82,7 @@ const decode = (page, png) =>
     .then((text) => Buffer.from(text, "base64"));
 const linear = (code) => (code <= 10.31475 ? code / 255 / 12.92 : ((code / 255 + 0.055) / 1.055) ** 2.4);
 const clickAt = async (page, x, y) => {
+  await page.locator("canvas").scrollIntoViewIfNeeded();
   const box = await page.locator("canvas").boundingBox();
   await page.mouse.click(box.x + x * box.width, box.y + y * box.height);
 };
@@ -259,7 +260,7 @@ const tests = {
       "#preset=nope": ["nope"],
       "#set=camera.nope=3": ["camera.nope"],
       "#set=x&hit=a,b&severity=9&seed=-1&speed=3": ["set=x ", "hit=a,b ", "severity=9 ", "seed=-1 ", "speed "],
-      "#hit=5,-3": ["5"],
+      "#hit=5,-3": ["impact.position"],
     };
     for (const [bad, parts] of Object.entries(bads)) {
       const page = await open({}, bad);
@@ -329,7 +330,7 @@ const tests = {
     const page = await open({}, "#preset=windshield-spiderweb&severity=5&hit=0.5,0.5&seed=4");
     await page.getByLabel("Open a model").setInputFiles(model);
     await page.locator(".found[aria-busy=false]").waitFor();
-    await page.getByLabel("Score from").fill("0.05");
+    await page.getByLabel("Score ≥").fill("0.05");
     const shown = () =>
       page.locator(".marks:not(.were) div").evaluateAll((all) =>
         all.map(({ style, textContent }) => [textContent, style.left, style.top, style.width, style.height].join(" ")),
@@ -356,7 +357,14 @@ const tests = {
     const scores = expected.map((text) => text.split(" ")).filter(([, name]) => name === "red");
     must(scores[0][2] !== scores[1][2], "the glass changes what the model sees");
     must((await page.locator(".found tbody tr").last().textContent()) === "all22", "they are counted");
-    await page.getByRole("button", { name: "Remove it" }).click();
+    // Growth ends where it was.
+    const n = await page.locator(".marks:not(.were) div").count();
+    const slider = page.getByLabel("Growth", { exact: true });
+    await slider.fill("0.4");
+    await page.waitForFunction(() => !document.querySelector(".marks div"));
+    await slider.fill("1");
+    await page.waitForFunction((n) => document.querySelectorAll(".marks:not(.were) div").length === n, n);
+    await page.getByRole("button", { name: "Remove the model" }).click();
     await page.waitForFunction(() => !document.querySelector(".marks div"));
   },
 
@@ -371,6 +379,22 @@ const tests = {
     await page.waitForFunction(() => document.querySelector(".trouble").textContent !== "");
     const words = await page.locator(".trouble").textContent();
     must(words.includes("cut.onnx") && said.includes(words), `${words}, the command: ${said}`);
+    // A good model stays where another is refused, and gives way to a good one.
+    await page.getByLabel("Open a model").setInputFiles(model);
+    await page.locator(".found[aria-busy=false]").waitFor();
+    await page.getByLabel("Open a model").setInputFiles({ name: "cut.onnx", mimeType: "", buffer: cut });
+    await page.waitForTimeout(300);
+    must(await page.getByText("spot.onnx, read as yolov8").isVisible(), "it stays");
+    // One that stops its module is gone, and the page goes on.
+    const names = await Promise.all(page.workers().map((worker) => worker.evaluate(() => self.name)));
+    await page.workers()[names.indexOf("detector")].evaluate(() => {
+      TextDecoder.prototype.decode = () => {
+        throw new Error("unreachable");
+      };
+    });
+    await after(page, () => clickAt(page, 0.5, 0.5));
+    await page.waitForFunction(() => document.querySelector(".trouble").textContent.includes("run this model by the command"));
+    must((await page.locator(".found").count()) === 0, "the model is gone");
   },
 
   async a_module_that_stops_is_started_anew_with_the_picture() {
@@ -396,9 +420,14 @@ const tests = {
     const page = await open();
     await page.evaluate(() => navigator.serviceWorker.ready);
     await page.waitForFunction(() => navigator.serviceWorker.controller !== null);
+    await page.getByLabel("Open a model").setInputFiles(model);
+    await page.locator(".found[aria-busy=false]").waitFor();
+    await page.waitForTimeout(300);
     await page.context().setOffline(true);
     await page.reload();
     await shown(page, 0);
+    await page.getByLabel("Open a model").setInputFiles(model);
+    await page.locator(".found[aria-busy=false]").waitFor();
   },
 
   async nothing_is_in_the_way_of_anybody() {

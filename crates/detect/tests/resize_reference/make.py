@@ -1,4 +1,4 @@
-"""Digests of images that OpenCV and Pillow have resized, for tests/detector_resize.rs.
+"""Digests of images that OpenCV and Pillow have resized, for tests/resize.rs.
 
 pip install opencv-python-headless==5.0.0.93 pillow==11.3.0 numpy; python make.py > digests.txt
 """

@@ -1,0 +1,33 @@
+//! Too much light, or too little.
+
+/// A wrong exposure: the light of a frame is 2^EV times what it should be.
+///
+/// A photograph brings the noise of its own exposure along. Of light k times as strong, k < 1, a sensor counts k times
+/// the photons, whose noise is √k times as large, but the photograph's own noise becomes k times as large. The
+/// missing part is added: μ(k − k²) + read_e²(1 − k²) electrons squared, with μ those of the photograph.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exposure {
+    /// Steps of a factor of 2; below 0 it is darker.
+    pub ev: f64,
+    /// Electrons of a green pixel where the photograph is white.
+    pub white_e: f64,
+    /// Standard deviation of the reading of a pixel, electrons.
+    pub read_e: f64,
+}
+
+impl Exposure {
+    /// How many times as much light there is.
+    #[must_use]
+    pub fn gain(&self) -> f64 {
+        libm::exp2(self.ev)
+    }
+
+    /// Standard deviation of the noise that is missing where light u was, in units of white.
+    #[must_use]
+    pub fn missing(&self, light: f64) -> f64 {
+        let gain = self.gain();
+        let shot = light.max(0.0) * self.white_e * (gain - gain * gain);
+        let read = self.read_e * self.read_e * (1.0 - gain * gain);
+        (shot + read).max(0.0).sqrt() / self.white_e
+    }
+}

@@ -1,0 +1,232 @@
+//! The stages behind the lens, in the order in which light meets them.
+
+use starbreak_seed::{Seed, Stream, uniform};
+
+use crate::draw::{Normal, single};
+use crate::mosaic::{Padded, REACH, color_at};
+use crate::{Defect, Exposure, Lamps, Light, Lines, Noise, Pixels};
+use rand_chacha::rand_core::Rng as _;
+
+/// What white balance multiplies red, green and blue by, in daylight: the filters let through less red and blue
+/// \[Brooks2019\].
+pub const WHITE_BALANCE: [f32; 3] = [2.0, 1.0, 1.7];
+
+/// A frame among others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// What differs from frame to frame is drawn from it.
+    pub frame: Seed,
+    /// What is the same in all frames of a clip.
+    pub clip: Seed,
+    /// When the frame begins, s.
+    pub time_s: f64,
+}
+
+impl From<Seed> for Moment {
+    /// A picture by itself.
+    fn from(seed: Seed) -> Self {
+        Self {
+            frame: seed,
+            clip: seed,
+            time_s: 0.0,
+        }
+    }
+}
+
+/// A sensor with its faults. Without any, or with all of them at nothing, a frame stays as it is, to the last bit.
+///
+/// Stages that work are not run: a photograph has been through them. With U the way from light back to the mosaic and
+/// P from there to light, a fault F of the mosaic gives I + P(F(U(I)) − U(I)), since P, the white balance and the
+/// interpolation of colors, is linear: the photograph keeps its sharpness, and a defect reaches 5 x 5 px.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Sensor {
+    /// Too much light, or too little.
+    pub exposure: Option<Exposure>,
+    /// Lamps on the mains.
+    pub lamps: Option<Lamps>,
+    /// Noise.
+    pub noise: Option<Noise>,
+    /// Defective pixels.
+    pub pixels: Option<Pixels>,
+    /// Defective rows and columns.
+    pub lines: Option<Lines>,
+    /// Which sensor it is: what is fixed in it is drawn from this.
+    pub number: u64,
+}
+
+impl Sensor {
+    /// Whether it has no fault at all.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let Self {
+            exposure,
+            lamps,
+            noise,
+            pixels,
+            lines,
+            number: _,
+        } = self;
+        exposure.is_none()
+            && lamps.is_none()
+            && noise.is_none()
+            && pixels.is_none()
+            && lines.is_none()
+    }
+
+    /// What the faults make of a frame, in place; returns for each pixel how much they influence it: the greatest
+    /// change of a color, or the standard deviation of the noise there, in units of white.
+    pub fn over(&self, light: &mut Light, at: Moment) -> Vec<f32> {
+        let (width, height) = light.size();
+        let mut influence = vec![0.0_f32; width * height];
+        let before = (self.exposure.is_some() && self.noise.is_none()).then(|| light.clone());
+        self.expose(light, at, &mut influence);
+        let change = self.mosaic_change(light, before.as_ref(), at, &mut influence);
+        if light.n_colors() == 1 {
+            for (idx, change) in change.iter().enumerate().filter(|(_, it)| **it != 0.0) {
+                light.pixel_mut(idx)[0] += change;
+            }
+        } else {
+            add_colors(light, &change);
+        }
+        influence
+    }
+
+    /// Exposure and lamps.
+    fn expose(&self, light: &mut Light, at: Moment, influence: &mut [f32]) {
+        if self.exposure.is_none() && self.lamps.is_none() {
+            return;
+        }
+        let gain = self.exposure.map_or(1.0, |exposure| exposure.gain());
+        let phase = uniform(&mut at.clip.stream(Stream::Lamps, 0));
+        let n_colors = light.n_colors();
+        let (width, _) = light.size();
+        for (y, row) in light.rows_mut() {
+            #[expect(clippy::cast_precision_loss, reason = "rows of a frame")]
+            let lamps = (self.lamps).map_or(1.0, |lamps| lamps.gain(y as f64, at.time_s, phase));
+            let gain = single(gain * lamps);
+            for (pixel, influence) in row
+                .chunks_exact_mut(n_colors)
+                .zip(&mut influence[y * width..])
+            {
+                for color in pixel {
+                    let changed = *color * gain;
+                    *influence = influence.max((changed.min(1.0) - color.min(1.0)).abs());
+                    *color = changed;
+                }
+            }
+        }
+    }
+
+    /// What the faults of the mosaic add to it.
+    fn mosaic_change(
+        &self,
+        light: &Light,
+        before: Option<&Light>,
+        at: Moment,
+        influence: &mut [f32],
+    ) -> Vec<f32> {
+        let (width, height) = light.size();
+        let n_colors = light.n_colors();
+        let sensor = Seed(self.number);
+        let balance = |x: usize, y: usize| match n_colors {
+            1 => (0, 1.0),
+            _ => {
+                let color = color_at(x, y);
+                (color, WHITE_BALANCE[color])
+            }
+        };
+        // What a pixel of the mosaic sees; it cannot hold more than 1.
+        let raw_of = |values: &[f32], x: usize, y: usize| {
+            let (color, balance) = balance(x, y);
+            values[(y * width + x) * n_colors + color] / balance
+        };
+        let raw = |x: usize, y: usize| raw_of(light.values(), x, y).min(1.0);
+        let mut change = vec![0.0_f32; width * height];
+        if let Some(noise) = &self.noise {
+            for y in 0..height {
+                let mut row = noise.row(y, at.frame, sensor);
+                for x in 0..width {
+                    let here = raw(x, y);
+                    let at = y * width + x;
+                    change[at] = (here + row.next(noise, here)).min(1.0) - here;
+                    let (_, balance) = balance(x, y);
+                    let deviation = single(noise.deviation(f64::from(here))) * balance;
+                    influence[at] = influence[at].max(deviation);
+                }
+            }
+        } else if let (Some(exposure), Some(before)) = (&self.exposure, before) {
+            let normal = Normal::new();
+            for y in 0..height {
+                let mut words = at.frame.stream(Stream::SensorElectrons, y as u64);
+                for x in 0..width {
+                    let deviation =
+                        single(exposure.missing(f64::from(raw_of(before.values(), x, y))));
+                    let more = deviation * normal.of(words.next_u32());
+                    let here = raw(x, y);
+                    change[y * width + x] = (here + more).min(1.0) - here;
+                }
+            }
+        }
+        let mut set = |at: usize, defect: Defect| {
+            let (x, y) = (at % width, at / width);
+            let here = raw(x, y) + change[at];
+            let more = defect.of(here).min(1.0) - here;
+            change[at] += more;
+            let reach = if n_colors == 1 { 0 } else { REACH };
+            for y in y.saturating_sub(reach)..(y + reach + 1).min(height) {
+                for x in x.saturating_sub(reach)..(x + reach + 1).min(width) {
+                    let near = y * width + x;
+                    // Beside the defect the interpolation gives it a weight of about an eighth.
+                    let weight = if near == at { 1.0 } else { 0.125 };
+                    influence[near] = influence[near].max(weight * more.abs());
+                }
+            }
+        };
+        if let Some(pixels) = &self.pixels {
+            for (at, defect) in pixels.of_sensor(width * height, sensor) {
+                set(at, defect);
+            }
+        }
+        if let Some(lines) = &self.lines {
+            let [rows, columns] = lines.of_sensor((width, height), sensor);
+            let level = Defect::Stuck(single(lines.level));
+            for y in rows {
+                (0..width).for_each(|x| set(y * width + x, level));
+            }
+            for x in columns {
+                (0..height).for_each(|y| set(y * width + x, level));
+            }
+        }
+        change
+    }
+}
+
+/// Adds the colors that are made of a change of the mosaic, where there is one within reach.
+fn add_colors(light: &mut Light, change: &[f32]) {
+    let (width, height) = light.size();
+    let padded = Padded::of(change, width, height);
+    let has_change = |part: &[f32]| part.iter().any(|change| *change != 0.0);
+    let rows_with: Vec<bool> = change.chunks_exact(width).map(has_change).collect();
+    for y in 0..height {
+        let near = y.saturating_sub(REACH)..(y + REACH + 1).min(height);
+        let rows: Vec<usize> = near.filter(|y| rows_with[*y]).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        for x in 0..width {
+            let near = x.saturating_sub(REACH)..(x + REACH + 1).min(width);
+            // A few defects cost little.
+            if !rows
+                .iter()
+                .any(|y| has_change(&change[y * width..][near.clone()]))
+            {
+                continue;
+            }
+            let more = padded.colors(x, y);
+            let colors = light.pixel_mut(y * width + x).iter_mut();
+            for ((color, more), balance) in colors.zip(more).zip(WHITE_BALANCE) {
+                *color += more * balance;
+            }
+        }
+    }
+}
