@@ -12,7 +12,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 76] = [
+const NUMERIC: [(&str, &str, &[&str]); 100] = [
     (
         "paper",
         "camera.f_px",
@@ -294,6 +294,54 @@ const NUMERIC: [(&str, &str, &[&str]); 76] = [
         "long_crack.period_s",
         &["-1", "0", "nan", "inf", "1e7"],
     ),
+    ("overexposed", "exposure.ev", &["-11", "10.1", "nan", "inf"]),
+    (
+        "overexposed",
+        "exposure.white_e",
+        &["0", "nan", "inf", "1e7"],
+    ),
+    (
+        "overexposed",
+        "exposure.read_e",
+        &["-1", "nan", "inf", "1001"],
+    ),
+    ("banding", "banding.depth", &["-0.1", "nan", "1.1"]),
+    ("banding", "banding.mains_hz", &["0", "nan", "inf", "1001"]),
+    ("banding", "banding.row_us", &["0", "nan", "inf", "1001"]),
+    (
+        "banding",
+        "banding.exposure_ms",
+        &["0", "nan", "inf", "1001"],
+    ),
+    ("noise", "noise.white_e", &["0", "-1", "nan"]),
+    ("noise", "noise.read_e", &["-1", "nan", "inf", "1001"]),
+    ("noise", "noise.row_e", &["-1", "nan", "inf", "1001"]),
+    ("noise", "noise.prnu_percent", &["-1", "nan", "inf", "51"]),
+    ("noise", "noise.dsnu_e", &["-1", "nan", "inf", "10001"]),
+    ("noise", "noise.dark_e_s", &["-1", "nan", "inf", "1e7"]),
+    (
+        "noise",
+        "noise.temperature_c",
+        &["-61", "nan", "inf", "151"],
+    ),
+    ("noise", "noise.doubling_k", &["0", "nan", "inf", "51"]),
+    ("noise", "noise.exposure_ms", &["0", "nan", "inf", "1e6"]),
+    (
+        "pixels",
+        "pixels.dead_per_mpx",
+        &["-1", "nan", "inf", "1e7"],
+    ),
+    ("pixels", "pixels.hot_per_mpx", &["-1", "nan", "inf", "1e7"]),
+    (
+        "pixels",
+        "pixels.stuck_per_mpx",
+        &["-1", "nan", "inf", "1e7"],
+    ),
+    ("pixels", "pixels.hot_level", &["-0.1", "nan", "1.1"]),
+    ("lines", "lines.rows", &["-1", "1001"]),
+    ("lines", "lines.columns", &["-1", "1001"]),
+    ("lines", "lines.level", &["-0.1", "nan", "1.1"]),
+    ("lines", "sensor.number", &["-1", "1000001"]),
 ];
 
 const STAR: &str = "windshield-star";
@@ -374,9 +422,13 @@ fn every_numeric_key_was_tried() {
     let dir = folder();
     let schema: Value =
         serde_json::from_str(&succeed(dir.path(), &["recipe", "--schema"]).stdout).unwrap();
-    let printed = [STAR, LONG, "tempered-cover", "paper"]
+    let presets = [STAR, LONG, "tempered-cover", "paper"];
+    let faults = ["overexposed", "banding", "noise", "pixels", "lines"];
+    let printed: Vec<String> = (presets.iter().chain(&faults))
         .map(|preset| succeed(dir.path(), &["recipe", "--preset", preset]).stdout)
-        .concat();
+        .collect();
+    let sensor = ["recipe", "--set", "sensor.number=1"];
+    let printed = printed.concat() + &succeed(dir.path(), &sensor).stdout;
     let mut numeric = BTreeSet::new();
     for (table, property) in schema["properties"].as_object().unwrap() {
         let items = &property["items"];
@@ -467,7 +519,10 @@ fn wrong_overrides_are_refused() {
                 "glass.surface_compression_mpa: ",
             ),
             set("glass.kind=cover", "a cover is a disc"),
-            set("fracture.model=papper", "expected `physics` or `paper`"),
+            set(
+                "fracture.model=papper",
+                "expected one of `physics`, `paper`, `none`",
+            ),
             paper("camera.focus_distance_m=7", "camera.focus_distance_m"),
             set("optics.model=pbr", "expected `physical` or `paper`"),
             set(

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString};
-use starbreak::{Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, PRESETS, Settings};
+use starbreak::{Assignment, DEFAULT_PRESET, LEAST_MAX_MEMORY_BYTES, Settings};
 use starbreak_runs::dataset::{read_text, sha256_hex};
 
 use crate::arguments::{Given, List, NameArg, Whole, shown};
@@ -325,7 +325,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for RecipeArg {
 #[pyfunction]
 pub(crate) fn presets(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);
-    for (name, purpose) in PRESETS {
+    for (name, purpose) in starbreak::presets() {
         all.set_item(name, purpose)?;
     }
     Ok(all)

@@ -4,8 +4,8 @@ use image::{DynamicImage, RgbaImage};
 use serde_json::{Value, json};
 use starbreak::optics::environment::Environment;
 use starbreak::{
-    Chain, DEFAULT_PRESET, OpticsSettings, PRESETS, Recipe, Seed, Shown, Simulated, Stopwatch,
-    cameras, json_schema, simulate,
+    Chain, DEFAULT_PRESET, FAULTS, OpticsSettings, Recipe, Seed, Shown, Simulated, Stopwatch,
+    cameras, json_schema, presets, simulate,
 };
 use starbreak_dataset::{
     Encoding, ImageLimits, decode_image, encode_image, encode_mask, street_scene,
@@ -313,7 +313,7 @@ fn catalog() -> Result<Answer, Trouble> {
         words: json!({
             "version": env!("CARGO_PKG_VERSION"),
             "default_preset": DEFAULT_PRESET,
-            "presets": PRESETS.map(named),
+            "presets": presets().map(named).collect::<Vec<_>>(),
             "cameras": cameras.collect::<Vec<_>>(),
             "schema": json_schema(),
         }),
@@ -327,6 +327,10 @@ fn breaking_of(recipe: &Recipe, seed: Seed) -> Value {
     if let Some(tables) = tables.as_object_mut() {
         tables.remove("optics");
         tables.remove("output");
+        let faults = FAULTS.iter().map(|fault| fault.table);
+        faults.chain(["sensor"]).for_each(|table| {
+            tables.remove(table);
+        });
     }
     if let Some(camera) = tables["camera"].as_object_mut() {
         let has_pitch = camera.get("pixel_pitch_um").is_some_and(Value::is_number);

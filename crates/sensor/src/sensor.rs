@@ -73,14 +73,11 @@ impl Sensor {
             && lines.is_none()
     }
 
-    /// What the faults make of a frame, in place; returns for each pixel how much they influence it: the greatest
-    /// change of a color, or the standard deviation of the noise there, in units of white.
-    pub fn over(&self, light: &mut Light, at: Moment) -> Vec<f32> {
-        let (width, height) = light.size();
-        let mut influence = vec![0.0_f32; width * height];
+    /// What the faults make of a frame, in place.
+    pub fn over(&self, light: &mut Light, at: Moment) {
         let before = (self.exposure.is_some() && self.noise.is_none()).then(|| light.clone());
-        self.expose(light, at, &mut influence);
-        let change = self.mosaic_change(light, before.as_ref(), at, &mut influence);
+        self.expose(light, at);
+        let change = self.mosaic_change(light, before.as_ref(), at);
         if light.n_colors() == 1 {
             for (idx, change) in change.iter().enumerate().filter(|(_, it)| **it != 0.0) {
                 light.pixel_mut(idx)[0] += change;
@@ -88,70 +85,89 @@ impl Sensor {
         } else {
             add_colors(light, &change);
         }
+    }
+
+    /// How much the faults influence each pixel of a frame, in units of white: how far they change a gray of 18 %, or
+    /// the standard deviation of the noise there. It is the same for every frame of this size.
+    #[must_use]
+    pub fn influence(&self, (width, height): (usize, usize)) -> Vec<f32> {
+        const GRAY: f64 = 0.18;
+        let exposed = (self.exposure).map_or(0.0, |it| (GRAY * it.gain()).min(1.0) - GRAY);
+        let banded = (self.lamps).map_or(0.0, |lamps| GRAY * lamps.band_depth());
+        let noisy = self.noise.map_or(0.0, |noise| noise.deviation(GRAY));
+        let everywhere = exposed.abs().max(banded.abs()).max(noisy);
+        let mut influence = vec![single(everywhere); width * height];
+        for (at, defect) in self.defects((width, height)) {
+            let more = (defect.of(single(GRAY)).min(1.0) - single(GRAY)).abs();
+            let (x, y) = (at % width, at / width);
+            for y in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
+                for x in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
+                    let near = y * width + x;
+                    // Beside the defect the interpolation gives it a weight of about an eighth.
+                    let weight = if near == at { 1.0 } else { 0.125 };
+                    influence[near] = influence[near].max(weight * more);
+                }
+            }
+        }
         influence
     }
 
+    /// The defects with their places, in rows from the top.
+    fn defects(&self, (width, height): (usize, usize)) -> Vec<(usize, Defect)> {
+        let sensor = Seed(self.number);
+        let mut all = match &self.pixels {
+            Some(pixels) => pixels.of_sensor(width * height, sensor),
+            None => Vec::new(),
+        };
+        if let Some(lines) = &self.lines {
+            let [rows, columns] = lines.of_sensor((width, height), sensor);
+            let level = Defect::Stuck(single(lines.level));
+            for y in rows {
+                all.extend((0..width).map(|x| (y * width + x, level)));
+            }
+            for x in columns {
+                all.extend((0..height).map(|y| (y * width + x, level)));
+            }
+        }
+        all
+    }
+
     /// Exposure and lamps.
-    fn expose(&self, light: &mut Light, at: Moment, influence: &mut [f32]) {
+    fn expose(&self, light: &mut Light, at: Moment) {
         if self.exposure.is_none() && self.lamps.is_none() {
             return;
         }
         let gain = self.exposure.map_or(1.0, |exposure| exposure.gain());
         let phase = uniform(&mut at.clip.stream(Stream::Lamps, 0));
-        let n_colors = light.n_colors();
-        let (width, _) = light.size();
         for (y, row) in light.rows_mut() {
             #[expect(clippy::cast_precision_loss, reason = "rows of a frame")]
             let lamps = (self.lamps).map_or(1.0, |lamps| lamps.gain(y as f64, at.time_s, phase));
             let gain = single(gain * lamps);
-            for (pixel, influence) in row
-                .chunks_exact_mut(n_colors)
-                .zip(&mut influence[y * width..])
-            {
-                for color in pixel {
-                    let changed = *color * gain;
-                    *influence = influence.max((changed.min(1.0) - color.min(1.0)).abs());
-                    *color = changed;
-                }
-            }
+            row.iter_mut().for_each(|color| *color *= gain);
         }
     }
 
     /// What the faults of the mosaic add to it.
-    fn mosaic_change(
-        &self,
-        light: &Light,
-        before: Option<&Light>,
-        at: Moment,
-        influence: &mut [f32],
-    ) -> Vec<f32> {
+    fn mosaic_change(&self, light: &Light, before: Option<&Light>, at: Moment) -> Vec<f32> {
         let (width, height) = light.size();
         let n_colors = light.n_colors();
-        let sensor = Seed(self.number);
-        let balance = |x: usize, y: usize| match n_colors {
-            1 => (0, 1.0),
+        // What a pixel of the mosaic sees.
+        let raw_of = |values: &[f32], x: usize, y: usize| match n_colors {
+            1 => values[y * width + x],
             _ => {
                 let color = color_at(x, y);
-                (color, WHITE_BALANCE[color])
+                values[(y * width + x) * n_colors + color] / WHITE_BALANCE[color]
             }
         };
-        // What a pixel of the mosaic sees; it cannot hold more than 1.
-        let raw_of = |values: &[f32], x: usize, y: usize| {
-            let (color, balance) = balance(x, y);
-            values[(y * width + x) * n_colors + color] / balance
-        };
+        // It cannot hold more than 1.
         let raw = |x: usize, y: usize| raw_of(light.values(), x, y).min(1.0);
         let mut change = vec![0.0_f32; width * height];
         if let Some(noise) = &self.noise {
             for y in 0..height {
-                let mut row = noise.row(y, at.frame, sensor);
+                let mut row = noise.row(y, at.frame, Seed(self.number));
                 for x in 0..width {
                     let here = raw(x, y);
-                    let at = y * width + x;
-                    change[at] = (here + row.next(noise, here)).min(1.0) - here;
-                    let (_, balance) = balance(x, y);
-                    let deviation = single(noise.deviation(f64::from(here))) * balance;
-                    influence[at] = influence[at].max(deviation);
+                    change[y * width + x] = (here + row.next(noise, here)).min(1.0) - here;
                 }
             }
         } else if let (Some(exposure), Some(before)) = (&self.exposure, before) {
@@ -159,43 +175,16 @@ impl Sensor {
             for y in 0..height {
                 let mut words = at.frame.stream(Stream::SensorElectrons, y as u64);
                 for x in 0..width {
-                    let deviation =
-                        single(exposure.missing(f64::from(raw_of(before.values(), x, y))));
-                    let more = deviation * normal.of(words.next_u32());
+                    let deviation = exposure.missing(f64::from(raw_of(before.values(), x, y)));
                     let here = raw(x, y);
+                    let more = single(deviation) * normal.of(words.next_u32());
                     change[y * width + x] = (here + more).min(1.0) - here;
                 }
             }
         }
-        let mut set = |at: usize, defect: Defect| {
-            let (x, y) = (at % width, at / width);
-            let here = raw(x, y) + change[at];
-            let more = defect.of(here).min(1.0) - here;
-            change[at] += more;
-            let reach = if n_colors == 1 { 0 } else { REACH };
-            for y in y.saturating_sub(reach)..(y + reach + 1).min(height) {
-                for x in x.saturating_sub(reach)..(x + reach + 1).min(width) {
-                    let near = y * width + x;
-                    // Beside the defect the interpolation gives it a weight of about an eighth.
-                    let weight = if near == at { 1.0 } else { 0.125 };
-                    influence[near] = influence[near].max(weight * more.abs());
-                }
-            }
-        };
-        if let Some(pixels) = &self.pixels {
-            for (at, defect) in pixels.of_sensor(width * height, sensor) {
-                set(at, defect);
-            }
-        }
-        if let Some(lines) = &self.lines {
-            let [rows, columns] = lines.of_sensor((width, height), sensor);
-            let level = Defect::Stuck(single(lines.level));
-            for y in rows {
-                (0..width).for_each(|x| set(y * width + x, level));
-            }
-            for x in columns {
-                (0..height).for_each(|y| set(y * width + x, level));
-            }
+        for (at, defect) in self.defects((width, height)) {
+            let here = raw(at % width, at / width);
+            change[at] = defect.of(here + change[at]).min(1.0) - here;
         }
         change
     }

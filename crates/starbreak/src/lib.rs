@@ -42,14 +42,15 @@ pub use error::Error;
 pub use growth::{Arrivals, growth_drawing, growth_times};
 pub use import::ImportError;
 pub use recipe::{
-    Assignment, CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DEFAULT_PRESET, FocalLength,
-    FractureSettings, LEAST_MAX_MEMORY_BYTES, MAX_RECIPE_BYTES, Mount, OpticsSettings,
+    Assignment, CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DEFAULT_PRESET, FAULTS, FaultKind,
+    FocalLength, FractureSettings, LEAST_MAX_MEMORY_BYTES, MAX_RECIPE_BYTES, Mount, OpticsSettings,
     OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe, RecipeError,
-    SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema,
+    SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema, presets,
 };
 pub use scene::Scene;
 pub use starbreak_fracture as fracture;
 pub use starbreak_glass as glass;
 pub use starbreak_optics as optics;
 pub use starbreak_seed::Seed;
+pub use starbreak_sensor as sensor;
 pub use timings::{Stopwatch, Timings};

@@ -10,7 +10,7 @@
 use std::path::Path;
 
 use image::{DynamicImage, GenericImage as _, Rgb, RgbImage};
-use starbreak::{Chain, PRESETS, Recipe, Seed};
+use starbreak::{Chain, PRESETS, Recipe, Seed, presets};
 use starbreak_dataset::{Encoding, ImageLimits, decode_image, encode_image};
 
 const SIZE: (u32, u32) = (128, 80);
@@ -30,6 +30,10 @@ fn scene() -> RgbImage {
 }
 
 fn picture(preset: &str, focus: &str) -> RgbImage {
+    if !PRESETS.iter().any(|(glass, _)| *glass == preset) {
+        // Of few pixels some have to be defective.
+        return through(&Recipe::preset_at(preset, 4).unwrap());
+    }
     let mut recipe = Recipe::preset(preset).unwrap();
     // A small frame behind glass at hand sees the hit and what runs from it.
     for setting in ["impact.position=[0.5, 0.5]", "camera.f_px=220"] {
@@ -40,6 +44,10 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
         let setting = format!("camera.focus_distance_m={focus}");
         recipe.set(&setting).unwrap();
     }
+    through(&recipe)
+}
+
+fn through(recipe: &Recipe) -> RgbImage {
     let settings = recipe.settings().unwrap();
     let mut image = DynamicImage::ImageRgb8(scene());
     let chain = Chain::of(&settings, SIZE, Seed(11)).unwrap();
@@ -74,9 +82,10 @@ fn triptych(was: &RgbImage, is: &RgbImage) -> RgbImage {
 fn pictures_are_what_they_were() {
     let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/golden/pictures");
     let mut changed = Vec::new();
-    for (preset, _) in PRESETS {
+    for (preset, _) in presets() {
         for (focus, in_focus) in [("far", "scene"), ("0.15", "glass")] {
-            if (preset, in_focus) == ("paper", "glass") {
+            let is_glass = PRESETS.iter().any(|(glass, _)| *glass == preset) && preset != "paper";
+            if in_focus == "glass" && !is_glass {
                 continue;
             }
             let name = format!("{preset}-{in_focus}.png");
@@ -105,7 +114,7 @@ fn pictures_are_what_they_were() {
 
 #[test]
 fn every_picture_shows_damage() {
-    for (preset, _) in PRESETS {
+    for (preset, _) in presets() {
         let n = picture(preset, "far")
             .pixels()
             .zip(scene().pixels())

@@ -25,7 +25,7 @@ fn simulated(preset: &str, severity: u8, seed: u64) -> Simulated {
 fn physics(preset: &str, seed: u64) -> PhysicsDetails {
     match simulated(preset, 3, seed).details {
         Details::Physics(details) => details,
-        Details::Paper(_) | Details::Imported(_) => {
+        Details::Paper(_) | Details::Imported(_) | Details::None => {
             panic!("{preset} is a preset of the physics")
         }
     }

@@ -14,7 +14,7 @@ fn refusal(text: &str) -> String {
 fn physics(recipe: &Recipe) -> PhysicsSettings {
     match recipe.settings().unwrap().fracture {
         FractureSettings::Physics(physics) => *physics,
-        FractureSettings::Paper(_) => panic!("the paper"),
+        _ => panic!("not the physics"),
     }
 }
 

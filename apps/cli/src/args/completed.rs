@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Arg, Command};
 use serde_json::Value;
-use starbreak::{PRESETS, cameras, json_schema};
+use starbreak::{cameras, json_schema, presets};
 
 /// Any text, which a shell may complete with names; what is no such name is refused by the recipe, with the nearest.
 #[derive(Clone)]
@@ -13,7 +13,7 @@ pub(super) struct Completed(fn() -> Vec<String>);
 
 impl Completed {
     /// Names of presets.
-    pub(super) const PRESET: Self = Self(|| PRESETS.map(|(name, _)| name.to_owned()).into());
+    pub(super) const PRESET: Self = Self(|| presets().map(|(name, _)| name.to_owned()).collect());
     /// Names of cameras.
     pub(super) const CAMERA: Self = Self(|| {
         let all = cameras().unwrap_or_default();

@@ -147,7 +147,7 @@ fn run_of(settings: &Settings, seed: Seed) -> Result<Run, Error> {
     let simulated = starbreak::simulate(settings, FRAME, seed)?;
     let damage = match &simulated.details {
         Details::Physics(physics) => physics.impacts.first().map_or("", |hit| hit.damage.name()),
-        Details::Paper(_) | Details::Imported(_) => "",
+        Details::Paper(_) | Details::Imported(_) | Details::None => "",
     };
     Ok(Run {
         seed,

@@ -1,7 +1,7 @@
 //! `starbreak recipe`: what can be set, and to what it is set.
 
 use serde_json::json;
-use starbreak::{PRESETS, cameras, json_schema};
+use starbreak::{cameras, json_schema, presets};
 
 use crate::args::Global;
 use crate::failure::{DONE, Failure};
@@ -17,9 +17,7 @@ pub(crate) fn run(
         screen.data(&format!("{:#}", json_schema()))?;
     } else if list {
         let cameras = cameras()?;
-        let presets = PRESETS
-            .iter()
-            .map(|(name, purpose)| json!({ "name": name, "purpose": purpose }));
+        let presets = presets().map(|(name, purpose)| json!({ "name": name, "purpose": purpose }));
         if global.json {
             let cameras: Vec<_> = cameras
                 .iter()
@@ -28,7 +26,7 @@ pub(crate) fn run(
             screen
                 .result(|| json!({ "presets": presets.collect::<Vec<_>>(), "cameras": cameras }))?;
         } else {
-            for (name, purpose) in PRESETS {
+            for (name, purpose) in starbreak::presets() {
                 screen.data(&format!("{name:24} {purpose}"))?;
             }
             screen.data("\ncameras (--camera NAME):")?;

@@ -20,6 +20,9 @@ use crate::screen::{Screen, path_text};
 
 /// What to tell of a chain that shows no crack; nothing where there is one, or a photograph.
 pub(super) fn why_no_damage(chain: &Chain) -> Option<&'static str> {
+    if chain.settings().sensor.is_some() {
+        return None;
+    }
     match chain.network().zip(chain.details()) {
         Some((network, details)) => why_intact(network, details),
         None => (chain.is_intact() && chain.photo().is_none()).then_some("nothing is broken"),
@@ -34,6 +37,7 @@ fn why_intact(network: &CrackNetwork, details: &Details) -> Option<&'static str>
     let paper = match details {
         Details::Paper(paper) => paper,
         Details::Imported(_) => return Some("the network has no cracks"),
+        Details::None => return Some("fracture.model is \"none\": no glass breaks"),
         Details::Physics(_) => {
             return Some(
                 "nothing broke: the stone is too slow or too blunt for this glass; raise impact.speed_m_s or \
@@ -207,6 +211,7 @@ fn describe(simulated: &Simulated) -> String {
             network.data().impacts.len(),
             summary.n_fragments.unwrap_or(1),
         ),
+        Details::None => "nothing breaks".to_owned(),
         Details::Paper(paper) => {
             let report = &paper.convergence;
             format!(

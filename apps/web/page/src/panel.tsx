@@ -23,6 +23,12 @@ const TITLES: Record<string, string> = {
   long_crack: "Long crack",
   camera: "Camera",
   optics: "Light",
+  exposure: "Exposure",
+  banding: "Lamps",
+  noise: "Noise",
+  pixels: "Defective pixels",
+  lines: "Defective lines",
+  sensor: "Sensor",
 };
 /** Set by buttons of their own, or of no use on a page. */
 const HIDDEN = ["impact.position", "impact.count"];

@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
 use rayon::prelude::*;
+use starbreak::sensor::Moment;
 use starbreak::{Chain, Lit, PaneLayer, Settings};
 use starbreak_optics::environment::Environment;
 use starbreak_seed::Seed;
@@ -90,7 +91,7 @@ pub(super) fn run<'a>(
         onset_light: None,
         still: None,
         lit: None,
-        intact: StageFacts::intact(show.chain.size(), show.with_masks)?,
+        intact: StageFacts::intact(show.bare, show.chain.size(), show.with_masks)?,
     };
     let frames = source.frames()?;
     std::thread::scope(|scope| {
@@ -256,17 +257,21 @@ impl<'a> Show<'a> {
     }
 
     fn one(&self, kept: &Kept<'a>, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {
-        let noise = self.seed.of_item(self.name, frame.idx);
+        let at = Moment {
+            frame: self.seed.of_item(self.name, frame.idx),
+            clip: self.seed,
+            time_s: frame.time_s,
+        };
         let mut is_untouched = false;
         let facts = match (plan.state, &plan.lit, &kept.still) {
             (GlassState::Still, Some(lit), Some(facts)) => {
-                lit.over(&mut frame.pixels, noise)?;
+                lit.over(&mut frame.pixels, at)?;
                 Arc::clone(facts)
             }
             (GlassState::Growing, ..) => {
                 let grown = self.chain.grown_at(plan.grown)?;
                 let lit = self.chain.layer_under(&grown, plan.light.as_ref())?;
-                lit.over(&mut frame.pixels, noise)?;
+                lit.over(&mut frame.pixels, at)?;
                 if plan.light == kept.onset_light {
                     self.facts(&grown, &lit, plan.grown)?
                 } else {
@@ -277,7 +282,7 @@ impl<'a> Show<'a> {
             _ => {
                 is_untouched = self.bare.changes_nothing();
                 if !is_untouched {
-                    self.bare.over(&mut frame.pixels, noise)?;
+                    self.bare.over(&mut frame.pixels, at)?;
                 }
                 Arc::clone(&kept.intact)
             }

@@ -73,18 +73,24 @@ impl StageFacts {
         }))
     }
 
+    /// Before the glass breaks: what the sensor does is there already.
     pub(super) fn intact(
+        bare: &Lit<'_>,
         (width, height): (u32, u32),
         with_masks: bool,
     ) -> Result<Arc<Self>, Error> {
+        let region = bare.sensor_region((width, height));
+        let region_fraction = region_fraction(&region);
         let masks = if with_masks {
-            let black = || StageMask::of(GrayImage::new(width, height));
-            Some([black()?, black()?])
+            Some([
+                StageMask::of(region)?,
+                StageMask::of(GrayImage::new(width, height))?,
+            ])
         } else {
             None
         };
         Ok(Arc::new(Self {
-            region_fraction: 0.0,
+            region_fraction,
             crack_length_px: Some(0.0),
             masks,
         }))

@@ -59,7 +59,7 @@ impl Timeline {
         }
         Self::of_arrivals(
             chain.arrivals(),
-            !chain.is_intact(),
+            !chain.is_glass_intact(),
             (impact_at_s, frame_s),
             growth,
         )

@@ -191,7 +191,7 @@ fn cracked(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
     let mut recipe = recipe.clone();
     let is_one = match &recipe.settings()?.fracture {
         FractureSettings::Physics(physics) => physics.stones[0].count == 1,
-        FractureSettings::Paper(_) => true,
+        FractureSettings::Paper(_) | FractureSettings::None => true,
     };
     if is_one {
         recipe.set("impact.position=[0.5,0.5]")?;
@@ -279,7 +279,7 @@ fn drawing(
     for seed in 1..=TRIES {
         let simulated = simulate(&settings, FRAME, Seed(seed))?;
         let is_found = match &simulated.details {
-            Details::Paper(_) | Details::Imported(_) => true,
+            Details::Paper(_) | Details::Imported(_) | Details::None => true,
             Details::Physics(physics) => {
                 let long = physics.long_crack.iter().map(|report| report.class);
                 let mut all = physics

@@ -14,6 +14,8 @@ pub enum Details {
     Physics(PhysicsDetails),
     /// From a file.
     Imported(ImportedDetails),
+    /// Nothing broke.
+    None,
 }
 
 /// Which file a network comes from.
@@ -88,6 +90,7 @@ impl Details {
                 });
                 named.insert("file".to_owned(), file);
             }
+            Self::None => {}
         }
         named
     }

@@ -55,6 +55,11 @@ pub fn simulate(settings: &Settings, size_px: (u32, u32), seed: Seed) -> Result<
         FractureSettings::Physics(physics) => {
             physics::network(physics, &Scene::of(settings, size_px).pane()?, seed)
         }
+        FractureSettings::None => Ok(Simulated {
+            network: CrackNetwork::without_cracks(size_px.0, size_px.1),
+            details: Details::None,
+            timings: Timings::default(),
+        }),
     }
 }
 

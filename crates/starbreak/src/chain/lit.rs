@@ -1,16 +1,25 @@
-//! Broken glass under one light, over frame after frame.
+//! Broken glass under one light, and the sensor behind it, over frame after frame.
 
 use image::{DynamicImage, GrayImage};
 use starbreak_optics::paper::{Focus, PaperOptics, composite};
-use starbreak_optics::physical::Overlay;
+use starbreak_optics::physical::{OpticalMaps, Overlay};
 use starbreak_optics::{Before, Coverage, DamageReader};
-use starbreak_seed::Seed;
+use starbreak_sensor::{Moment, Sensor};
 
+use super::sense::{add_region, sense};
 use crate::{Error, Stopwatch};
 
 /// A chain under one light: what it does to any frame of its size.
 #[derive(Debug, Clone)]
-pub enum Lit<'a> {
+pub struct Lit<'a> {
+    pub(super) glass: Glass<'a>,
+    /// The sensor, where it has a fault, and the influence from which a pixel belongs to the region.
+    pub(super) sensor: Option<(&'a Sensor, f32)>,
+}
+
+/// The glass under a light.
+#[derive(Debug, Clone)]
+pub(super) enum Glass<'a> {
     /// The paper's optics, which know no light.
     Paper(&'a Coverage, &'a PaperOptics),
     /// What each pixel keeps, and what is added to it.
@@ -18,72 +27,100 @@ pub enum Lit<'a> {
 }
 
 impl Lit<'_> {
-    /// Puts the glass over a frame, in place; the seed is that of the sensor's noise in it.
+    /// What the chain makes of a frame, in place: first the glass, then the sensor. A [`Seed`](crate::Seed) alone is a
+    /// picture by itself; it is that of the noise.
     ///
     /// # Errors
     /// [`Error::Optics`]; the image may then be half changed.
-    pub fn over(&self, frame: &mut DynamicImage, seed: Seed) -> Result<(), Error> {
-        match self {
-            Self::Paper(coverage, optics) => {
+    pub fn over(&self, frame: &mut DynamicImage, at: impl Into<Moment>) -> Result<(), Error> {
+        let at = at.into();
+        match &self.glass {
+            Glass::Paper(coverage, optics) => {
                 composite(frame, coverage, optics)?;
             }
-            Self::Physical(overlay) => overlay.apply(frame, seed)?,
+            Glass::Physical(overlay) => overlay.apply(frame, at.frame)?,
         }
-        Ok(())
+        match self.sensor {
+            Some((sensor, _)) => sense(sensor, frame, at),
+            None => Ok(()),
+        }
     }
 
-    /// As [`Lit::over`]; returns 255 where the glass affects the frame, else 0.
+    /// As [`Lit::over`]; returns 255 where the chain affects the frame, else 0.
     pub(super) fn over_region(
         &self,
         frame: &mut DynamicImage,
-        seed: Seed,
+        at: Moment,
         watch: &mut Stopwatch,
     ) -> Result<GrayImage, Error> {
-        match self {
-            Self::Paper(coverage, optics) => {
+        let mut region = match &self.glass {
+            Glass::Paper(coverage, optics) => {
                 let masks = composite(frame, coverage, optics)?;
                 watch.lap("render");
-                Ok(masks.region)
+                masks.region
             }
-            Self::Physical(overlay) => {
-                overlay.apply(frame, seed)?;
+            Glass::Physical(overlay) => {
+                overlay.apply(frame, at.frame)?;
                 watch.lap("render");
                 let region = overlay.region();
                 watch.lap("region");
-                Ok(region)
+                region
             }
+        };
+        if let Some((sensor, threshold)) = self.sensor {
+            sense(sensor, frame, at)?;
+            add_region(sensor, &mut region, threshold);
+            watch.lap("sensor");
         }
+        Ok(region)
     }
 
     /// True if [`Lit::over`] would leave every frame as it is.
     #[must_use]
     pub fn changes_nothing(&self) -> bool {
-        match self {
-            Self::Paper(coverage, optics) => coverage.is_empty() && optics.focus == Focus::Far,
-            Self::Physical(overlay) => overlay.changes_nothing(),
-        }
+        self.sensor.is_none()
+            && match &self.glass {
+                Glass::Paper(coverage, optics) => coverage.is_empty() && optics.focus == Focus::Far,
+                Glass::Physical(overlay) => overlay.changes_nothing(),
+            }
     }
 
-    /// 255 where the glass affects frames of the chain's width and height, px, else 0.
+    /// 255 where the chain affects frames of its width and height, px, else 0.
     ///
     /// # Errors
     /// [`Error::Optics`] where the paper's optics get another size.
     pub fn region(&self, (width, height): (u32, u32)) -> Result<GrayImage, Error> {
-        match self {
-            Self::Paper(coverage, optics) => {
+        let mut region = match &self.glass {
+            Glass::Paper(coverage, optics) => {
                 // What it may change does not depend on the image.
                 let mut gray = DynamicImage::ImageLuma8(GrayImage::new(width, height));
-                Ok(composite(&mut gray, coverage, optics)?.region)
+                composite(&mut gray, coverage, optics)?.region
             }
-            Self::Physical(overlay) => Ok(overlay.region()),
+            Glass::Physical(overlay) => overlay.region(),
+        };
+        self.add_sensor(&mut region);
+        Ok(region)
+    }
+
+    /// The same of the sensor alone: what is affected before the glass breaks.
+    #[must_use]
+    pub fn sensor_region(&self, (width, height): (u32, u32)) -> GrayImage {
+        let mut region = GrayImage::new(width, height);
+        self.add_sensor(&mut region);
+        region
+    }
+
+    fn add_sensor(&self, region: &mut GrayImage) {
+        if let Some((sensor, threshold)) = self.sensor {
+            add_region(sensor, region, threshold);
         }
     }
 
     /// What an image shows before the glass is put over it.
     pub(super) fn before(&self, image: &DynamicImage) -> Before {
-        match self {
-            Self::Paper(..) => Before::whole(image.clone()),
-            Self::Physical(overlay) => overlay.before(image),
+        match &self.glass {
+            Glass::Physical(overlay) if self.sensor.is_none() => overlay.before(image),
+            _ => Before::whole(image.clone()),
         }
     }
 
@@ -93,9 +130,17 @@ impl Lit<'_> {
         images: (&'b Before, &'b DynamicImage),
         region: &'b GrayImage,
     ) -> DamageReader<'b> {
-        match self {
-            Self::Paper(_, optics) => DamageReader::of_paper(images, region, optics),
-            Self::Physical(overlay) => DamageReader::of_overlay(images, region, overlay),
+        match &self.glass {
+            Glass::Paper(_, optics) => DamageReader::of_paper(images, region, optics),
+            Glass::Physical(overlay) => DamageReader::of_overlay(images, region, overlay),
+        }
+    }
+
+    /// What the physical optics did to the light of each pixel.
+    pub(super) fn maps(&self) -> Option<OpticalMaps> {
+        match &self.glass {
+            Glass::Physical(overlay) => Some(overlay.maps()),
+            Glass::Paper(..) => None,
         }
     }
 }

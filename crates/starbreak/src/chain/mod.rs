@@ -7,6 +7,7 @@
 mod layer;
 mod lit;
 mod report;
+mod sense;
 
 use image::{DynamicImage, GrayImage};
 use serde_json::{Map, Value};
@@ -15,6 +16,7 @@ use starbreak_optics::environment::Environment;
 use starbreak_optics::paper::draw;
 use starbreak_optics::physical::bake;
 use starbreak_seed::Seed;
+use starbreak_sensor::Moment;
 
 use crate::photo::PlacedPhoto;
 use crate::{
@@ -22,6 +24,7 @@ use crate::{
 };
 
 pub use layer::PaneLayer;
+use lit::Glass;
 pub use lit::Lit;
 pub use report::{OpticsReport, SceneReport, Shown, damage_to_json, region_fraction};
 
@@ -47,7 +50,7 @@ pub struct Chain {
     layer: PaneLayer,
     origin: Origin,
     facts: Map<String, Value>,
-    is_intact: bool,
+    is_glass_intact: bool,
 }
 
 /// What a layer was made from.
@@ -55,7 +58,7 @@ pub struct Chain {
 enum Origin {
     Network(Box<Cracks>),
     Photo(Box<PlacedPhoto>),
-    /// A bank, which keeps the network.
+    /// A bank, which keeps the network, or no glass at all.
     Stored,
 }
 
@@ -109,17 +112,24 @@ impl Chain {
         watch.append(timings);
         let layer = PaneLayer::of_network(settings, (&network, f64::INFINITY), size_px, seed)?;
         watch.lap(layer.stage());
-        Ok(Self {
+        let chain = Self {
             settings: settings.clone(),
             layer,
-            is_intact: network.n_segments() == 0,
-            facts: Map::from_iter([("network".to_owned(), details.facts_of(&network))]),
-            origin: Origin::Network(Box::new(Cracks {
-                network,
-                details: Some(details),
-                seed,
-            })),
-        })
+            is_glass_intact: network.n_segments() == 0,
+            facts: match details {
+                Details::None => Map::new(),
+                _ => Map::from_iter([("network".to_owned(), details.facts_of(&network))]),
+            },
+            origin: match details {
+                Details::None => Origin::Stored,
+                details => Origin::Network(Box::new(Cracks {
+                    network,
+                    details: Some(details),
+                    seed,
+                })),
+            },
+        };
+        Ok(chain.with_faults())
     }
 
     /// Bakes a part of a photograph of broken glass for frames of this size.
@@ -134,13 +144,14 @@ impl Chain {
     ) -> Result<Self, Error> {
         let layer = PaneLayer::of_photo(settings, &placed, size_px)?;
         watch.lap(layer.stage());
-        Ok(Self {
+        let chain = Self {
             settings: settings.clone(),
-            is_intact: layer.is_intact(),
+            is_glass_intact: layer.is_intact(),
             layer,
             facts: Map::from_iter([("overlay".to_owned(), placed.facts())]),
             origin: Origin::Photo(Box::new(placed)),
-        })
+        };
+        Ok(chain.with_faults())
     }
 
     /// What was baked before and kept elsewhere, as in a bank: with what a record says of it, by key,
@@ -150,15 +161,25 @@ impl Chain {
         settings: &Settings,
         layer: PaneLayer,
         facts: Map<String, Value>,
-        is_intact: bool,
+        is_glass_intact: bool,
     ) -> Self {
-        Self {
+        let chain = Self {
             settings: settings.clone(),
             layer,
             origin: Origin::Stored,
             facts,
-            is_intact,
+            is_glass_intact,
+        };
+        chain.with_faults()
+    }
+
+    /// With what a record says of the sensor's faults.
+    fn with_faults(mut self) -> Self {
+        if let Some(sensor) = &self.settings.sensor {
+            let faults = report::faults_to_json(sensor, self.layer.size());
+            self.facts.insert("faults".to_owned(), faults);
         }
+        self
     }
 
     /// Gives a stored layer its network, so that it can grow, and the seed that placed what the network
@@ -249,10 +270,16 @@ impl Chain {
         self.layer.size()
     }
 
-    /// Whether nothing is broken: no crack in the network, or nothing of a photograph in the frame.
+    /// Whether nothing is damaged: the glass is whole, and the sensor has no fault.
     #[must_use]
     pub fn is_intact(&self) -> bool {
-        self.is_intact
+        self.is_glass_intact && self.settings.sensor.is_none()
+    }
+
+    /// Whether the glass is whole: no crack in the network, or nothing of a photograph in the frame.
+    #[must_use]
+    pub fn is_glass_intact(&self) -> bool {
+        self.is_glass_intact
     }
 
     /// What a record says of the damage, by key.
@@ -339,7 +366,7 @@ impl Chain {
         let light = light.unwrap_or(&DARK);
         let overlay = match (layer, &self.settings.optics) {
             (PaneLayer::Paper(drawn), OpticsSettings::Paper(optics)) => {
-                return Ok(Lit::Paper(drawn, optics));
+                return Ok(self.with_sensor(Glass::Paper(drawn, optics)));
             }
             (PaneLayer::Baked(pattern), OpticsSettings::Physical(optics)) => {
                 pattern.light(light, optics)
@@ -352,19 +379,34 @@ impl Chain {
             }
             _ => return Err(Error::OtherOptics),
         };
-        Ok(Lit::Physical(Box::new(overlay)))
+        Ok(self.with_sensor(Glass::Physical(Box::new(overlay))))
     }
 
-    /// Puts the glass over an image, in place, under the light of the image, and says nothing of it:
-    /// the fastest way. The seed is that of the sensor's noise.
+    fn with_sensor<'a>(&'a self, glass: Glass<'a>) -> Lit<'a> {
+        /// That of recipes whose optics have none.
+        const THRESHOLD: f64 = 0.01;
+        let threshold = match &self.settings.optics {
+            OpticsSettings::Physical(optics) => optics.region_threshold,
+            OpticsSettings::Paper(_) => THRESHOLD,
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
+        let threshold = threshold as f32;
+        Lit {
+            glass,
+            sensor: (self.settings.sensor.as_ref()).map(|sensor| (sensor, threshold)),
+        }
+    }
+
+    /// Puts the glass over an image, in place, under the light of the image, then the image before the sensor, and says
+    /// nothing of it: the fastest way. A seed alone is a picture by itself; it is that of the sensor's noise.
     ///
     /// The pixels are a function of image, settings and seeds alone.
     ///
     /// # Errors
     /// [`Error::Optics`] for an image of another size; the image may then be half changed. As for
     /// [`Chain::layer_under`].
-    pub fn over(&self, image: &mut DynamicImage, seed: Seed) -> Result<(), Error> {
-        self.under(self.light_of(image).as_ref())?.over(image, seed)
+    pub fn over(&self, image: &mut DynamicImage, at: impl Into<Moment>) -> Result<(), Error> {
+        self.under(self.light_of(image).as_ref())?.over(image, at)
     }
 
     /// Puts the glass over an image as [`Chain::over`] does, and says what that did to it and to boxes
@@ -386,7 +428,7 @@ impl Chain {
         }
         let before = lit.before(image);
         watch.lap("copy");
-        let region = lit.over_region(image, seed, watch)?;
+        let region = lit.over_region(image, seed.into(), watch)?;
         let contrast = before.contrast(image, &region)?;
         watch.lap("contrast");
         let reader = lit.damage_reader((&before, image), &region);
@@ -394,10 +436,7 @@ impl Chain {
         if !boxes_px.is_empty() {
             watch.lap("damage");
         }
-        let maps = match &lit {
-            Lit::Physical(overlay) if self.settings.output.maps => Some(overlay.maps()),
-            _ => None,
-        };
+        let maps = (self.settings.output.maps).then(|| lit.maps()).flatten();
         Ok(Shown {
             region_fraction: region_fraction(&region),
             optics: OpticsReport {

@@ -1,10 +1,12 @@
 //! What a chain says of what it did to an image.
 
 use image::GrayImage;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::physical::OpticalMaps;
 use starbreak_optics::{Contrast, Damage};
+use starbreak_seed::Seed;
+use starbreak_sensor::Sensor;
 
 /// What the glass did to an image.
 #[derive(Debug, Clone)]
@@ -80,6 +82,39 @@ fn rgb(rgb: Rgb) -> [f64; 3] {
             .parse()
             .unwrap_or_else(|_| channel.into())
     })
+}
+
+/// What a record says of a sensor's faults, each in the unit of its law; `size` is the frame's, px.
+pub(super) fn faults_to_json(sensor: &Sensor, (width, height): (u32, u32)) -> Value {
+    let mut facts = Map::new();
+    let mut say = |name: &str, fact: Value| facts.insert(name.to_owned(), fact);
+    if let Some(exposure) = &sensor.exposure {
+        say("exposure", json!({ "ev": exposure.ev }));
+    }
+    if let Some(lamps) = &sensor.lamps {
+        let rows = 1.0 / (2.0 * lamps.mains_hz * lamps.row_s);
+        let bands = json!({ "depth": lamps.band_depth(), "rows_per_band": rows });
+        say("banding", bands);
+    }
+    if let Some(noise) = &sensor.noise {
+        // JSON has no infinity: without noise there is no ratio.
+        let snr_18 = Some(noise.snr_18()).filter(|snr| snr.is_finite());
+        say(
+            "noise",
+            json!({ "snr_18": snr_18, "dark_e": noise.dark_e() }),
+        );
+    }
+    let n_pixels = width as usize * height as usize;
+    if let Some(pixels) = &sensor.pixels {
+        let defects = pixels.of_sensor(n_pixels, Seed(sensor.number));
+        say("pixels", json!({ "n_defects": defects.len() }));
+    }
+    if let Some(lines) = &sensor.lines {
+        let size = (width as usize, height as usize);
+        let [rows, columns] = lines.of_sensor(size, Seed(sensor.number));
+        say("lines", json!({ "rows": rows, "columns": columns }));
+    }
+    Value::Object(facts)
 }
 
 /// Share of a mask that is not black.

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use super::{MAX_RECIPE_BYTES, PRESETS, SCHEMA_VERSION};
+use super::{MAX_RECIPE_BYTES, SCHEMA_VERSION, presets};
 
 /// Where a recipe text came from, for messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -221,7 +221,7 @@ pub(super) fn short_number(text: String) -> String {
 
 impl RecipeError {
     pub(super) fn unknown_preset(name: &str) -> Self {
-        let names = PRESETS.iter().map(|(known, _)| *known);
+        let names = presets().map(|(known, _)| known);
         let hint = super::known_keys::hint(name, names, "presets");
         Self::UnknownPreset {
             name: name.escape_debug().to_string(),

@@ -5,7 +5,7 @@ use toml::{Table, Value};
 
 use super::error::{Place, RecipeError};
 use super::schema::{all, has, keys, keys_of, of_choice};
-use super::tables::Choice;
+use super::tables::{Choice, ModelWord};
 
 /// Names of the presets or keys nearer than this are suggested.
 const NEAR: f64 = 0.6;
@@ -133,9 +133,10 @@ fn other_model(
     choice: Choice,
 ) -> Option<(&'static str, &'static str, &'static str)> {
     let Choice { fracture, optics } = choice;
-    if has(Choice::new(fracture.other(), optics), table, key) {
-        let names = (fracture.name(), fracture.other().name());
-        return Some(("fracture.model", names.0, names.1));
+    for other in ModelWord::ALL {
+        if has(Choice::new(other, optics), table, key) {
+            return Some(("fracture.model", fracture.name(), other.name()));
+        }
     }
     has(Choice::new(fracture, optics.other()), table, key)
         .then(|| ("optics.model", optics.name(), optics.other().name()))

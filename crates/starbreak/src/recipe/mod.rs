@@ -3,6 +3,8 @@
 mod assignment;
 mod cameras;
 mod error;
+mod fault_tables;
+mod faults;
 mod known_keys;
 mod paper_tables;
 mod physical_tables;
@@ -20,6 +22,7 @@ use toml::{Table, Value};
 pub use assignment::Assignment;
 pub use cameras::cameras;
 pub use error::RecipeError;
+pub use faults::{FAULTS, FaultKind, presets};
 pub use presets::{DEFAULT_PRESET, PRESETS};
 pub use schema::json_schema;
 pub use settings::{
@@ -67,7 +70,12 @@ impl Recipe {
     /// # Errors
     /// [`RecipeError::UnknownPreset`] with the names that exist.
     pub fn preset(name: &str) -> Result<Self, RecipeError> {
-        Ok(Self::of(Preset::named(name)?.table))
+        let mut recipe = Self::of(Preset::named(name)?.table);
+        // The others are complete.
+        if !PRESETS.iter().any(|(glass, _)| *glass == name) {
+            recipe.finish(&Place::preset(name))?;
+        }
+        Ok(recipe)
     }
 
     /// A preset scaled to a severity from 1 (mild) to 5 (severe); 3 is the preset itself. Each
@@ -278,8 +286,10 @@ impl Recipe {
             let kind: KindWord = word(place, "glass.kind", kind)?;
             complete.insert("glass".to_owned(), presets::glass_of(kind)?.into());
         }
-        if self.table.contains_key("long_crack") {
-            complete.insert("long_crack".to_owned(), presets::long_crack()?.into());
+        for (name, table) in presets::optional() {
+            if self.table.contains_key(name) {
+                complete.insert(name.to_owned(), table?.into());
+            }
         }
         merge(&mut complete, std::mem::take(&mut self.table));
         self.table = complete;
@@ -304,7 +314,7 @@ impl Recipe {
         };
         let optics = match (model("optics"), fracture) {
             (Some(model), _) => word(place, "optics.model", model)?,
-            (None, ModelWord::Physics) => OpticsWord::Physical,
+            (None, ModelWord::Physics | ModelWord::None) => OpticsWord::Physical,
             (None, ModelWord::Paper) => OpticsWord::Paper,
         };
         Ok(Choice::new(fracture, optics))

@@ -3,6 +3,7 @@
 use toml::{Table, Value};
 
 use super::error::{Place, RecipeError};
+use super::faults::FAULTS;
 use super::known_keys;
 use super::parse_table;
 use super::tables::{Choice, KindWord, ModelWord, OpticsWord};
@@ -77,7 +78,7 @@ pub(super) const KEYS_OF_KINDS: [&str; 4] = [
 /// this fracture model, shown as by the preset with these optics.
 pub(super) fn base(choice: Choice) -> Result<Table, RecipeError> {
     let breaks = match choice.fracture {
-        ModelWord::Physics => BASE_PRESET,
+        ModelWord::Physics | ModelWord::None => BASE_PRESET,
         ModelWord::Paper => "paper",
     };
     let shows = match choice.optics {
@@ -95,6 +96,10 @@ pub(super) fn base(choice: Choice) -> Result<Table, RecipeError> {
         table.insert(name.to_owned(), table_of(of, name)?.into());
     }
     known_keys::retain(&mut table, choice);
+    if choice.fracture == ModelWord::None {
+        let whole = Table::from_iter([("model".to_owned(), choice.fracture.name().into())]);
+        table.insert("fracture".to_owned(), whole.into());
+    }
     Ok(table)
 }
 
@@ -120,6 +125,12 @@ impl Preset {
                 include_str!("../../presets/lens-cover-shattered.toml")
             }
             "paper" => include_str!("../../presets/paper.toml"),
+            "overexposed" => include_str!("../../presets/overexposed.toml"),
+            "underexposed" => include_str!("../../presets/underexposed.toml"),
+            "banding" => include_str!("../../presets/banding.toml"),
+            "noise" => include_str!("../../presets/noise.toml"),
+            "pixels" => include_str!("../../presets/pixels.toml"),
+            "lines" => include_str!("../../presets/lines.toml"),
             _ => return Err(RecipeError::unknown_preset(name)),
         };
         let mut table = parse_table(&Place::preset(name), text)?;
@@ -164,9 +175,15 @@ pub(super) fn glass_of(kind: KindWord) -> Result<Table, RecipeError> {
     Ok(glass)
 }
 
-/// The `[long_crack]` table that fills in what a recipe leaves out of it.
-pub(super) fn long_crack() -> Result<Table, RecipeError> {
-    table_of("windshield-long-crack", "long_crack")
+/// The tables that a recipe may leave out as a whole, each with what fills it in where it is there.
+pub(super) fn optional() -> impl Iterator<Item = (&'static str, Result<Table, RecipeError>)> {
+    let sensor = Table::from_iter([("number".to_owned(), 0.into())]);
+    let faults = FAULTS.iter().filter_map(|fault| {
+        let (preset, _) = fault.presets.first()?;
+        Some((fault.table, table_of(preset, fault.table)))
+    });
+    let long_crack = table_of("windshield-long-crack", "long_crack");
+    faults.chain([("long_crack", long_crack), ("sensor", Ok(sensor))])
 }
 
 fn table_of(preset: &str, name: &str) -> Result<Table, RecipeError> {

@@ -9,13 +9,19 @@ use super::schema::{keys, of_choice};
 use super::tables::Choice;
 
 /// Tables in the order in which a reader thinks of them.
-const ORDER: [&str; 7] = [
+const ORDER: [&str; 13] = [
     "camera",
     "glass",
     "impact",
     "fracture",
     "long_crack",
     "optics",
+    "exposure",
+    "banding",
+    "noise",
+    "pixels",
+    "lines",
+    "sensor",
     "output",
 ];
 

@@ -8,8 +8,9 @@ use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value as Json, json};
 
 use super::tables::{
-    Choice, CommonTables, GlassMountTables, ModelWord, OpticsWord, PaperFractureTables,
-    PaperOpticsTables, PhysicalOpticsTables, PhysicsFractureTables,
+    Choice, CommonTables, FaultTables, GlassMountTables, ModelWord, OpticsWord,
+    PaperFractureTables, PaperOpticsTables, PhysicalOpticsTables, PhysicsFractureTables,
+    WholeTables,
 };
 
 /// The JSON Schema of a recipe, for editors: the keys of all models; those that only some have say
@@ -36,7 +37,8 @@ pub(super) fn all() -> &'static Json {
 /// The schema of one choice of models.
 pub(super) fn of_choice(choice: Choice) -> &'static Json {
     // Each by itself, since most programs ask for one.
-    static EACH: [OnceLock<Json>; 4] = [const { OnceLock::new() }; 4];
+    static EACH: [OnceLock<Json>; Choice::ALL.len()] =
+        [const { OnceLock::new() }; Choice::ALL.len()];
     let at = Choice::ALL.iter().position(|known| *known == choice);
     EACH[at.unwrap_or(0)].get_or_init(|| root(tables_of(choice)))
 }
@@ -88,6 +90,7 @@ fn tables_of(choice: Choice) -> Map<String, Json> {
     tables.extend(match choice.fracture {
         ModelWord::Physics => properties::<PhysicsFractureTables>(),
         ModelWord::Paper => properties::<PaperFractureTables>(),
+        ModelWord::None => properties::<WholeTables>(),
     });
     tables.extend(match choice.optics {
         OpticsWord::Physical => properties::<PhysicalOpticsTables>(),
@@ -96,6 +99,7 @@ fn tables_of(choice: Choice) -> Map<String, Json> {
     if choice == Choice::new(ModelWord::Paper, OpticsWord::Physical) {
         tables.extend(properties::<GlassMountTables>());
     }
+    tables.extend(properties::<FaultTables>());
     tables
 }
 
@@ -168,14 +172,17 @@ fn variants(having: &[(Choice, &Json)]) -> Option<Json> {
 
 /// The models of which each goes with one of these choices, whatever it is combined with.
 fn models(choices: impl Iterator<Item = Choice> + Clone) -> String {
+    // Where nothing breaks there is no model to tell apart, unless it has the key, too.
+    let with_none = (choices.clone()).any(|choice| choice.fracture == ModelWord::None);
     let complete = |of: &dyn Fn(&Choice) -> bool| {
-        Choice::ALL
+        let mut told = Choice::ALL
             .iter()
-            .filter(|choice| of(choice))
-            .all(|choice| choices.clone().any(|having| having == *choice))
+            .filter(|choice| of(choice) && (with_none || choice.fracture != ModelWord::None))
+            .peekable();
+        told.peek().is_some() && told.all(|choice| choices.clone().any(|having| having == *choice))
     };
     let mut names = Vec::new();
-    for fracture in [ModelWord::Physics, ModelWord::Paper] {
+    for fracture in ModelWord::ALL {
         if complete(&|choice| choice.fracture == fracture) {
             names.push(fracture.name());
         }

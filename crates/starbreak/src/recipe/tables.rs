@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use toml::Table;
 
 use super::error::{Place, RecipeError, printable};
+pub(super) use super::fault_tables::FaultTables;
 pub(super) use super::paper_tables::{
     FarFocusBlurWord, FocusEntry, FocusWord, LightEntry, NeighborhoodWord, NormalizationWord,
     PaperFractureTables, PaperImpactTable, PaperOpticsTables, RuleWord,
@@ -31,11 +32,13 @@ pub(super) struct Choice {
 
 impl Choice {
     /// All of them, the default one first.
-    pub(super) const ALL: [Self; 4] = [
+    pub(super) const ALL: [Self; 6] = [
         Self::new(ModelWord::Physics, OpticsWord::Physical),
         Self::new(ModelWord::Physics, OpticsWord::Paper),
         Self::new(ModelWord::Paper, OpticsWord::Physical),
         Self::new(ModelWord::Paper, OpticsWord::Paper),
+        Self::new(ModelWord::None, OpticsWord::Physical),
+        Self::new(ModelWord::None, OpticsWord::Paper),
     ];
 
     pub(super) const fn new(fracture: ModelWord, optics: OpticsWord) -> Self {
@@ -60,22 +63,35 @@ pub(super) enum ModelWord {
     Physics,
     /// As in "Fractured Glass, Failing Cameras".
     Paper,
+    /// Nothing breaks.
+    None,
 }
 
 impl ModelWord {
+    pub(super) const ALL: [Self; 3] = [Self::Physics, Self::Paper, Self::None];
+
     pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Physics => "physics",
             Self::Paper => "paper",
+            Self::None => "none",
         }
     }
+}
 
-    pub(super) const fn other(self) -> Self {
-        match self {
-            Self::Physics => Self::Paper,
-            Self::Paper => Self::Physics,
-        }
-    }
+/// What a recipe has under which nothing breaks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct WholeTables {
+    /// How the glass breaks.
+    pub(super) fracture: WholeTable,
+}
+
+/// How the glass breaks: not at all.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct WholeTable {
+    /// Fracture model: "physics", "paper", or "none" where the glass is whole.
+    pub(super) model: ModelWord,
 }
 
 /// The optics models.

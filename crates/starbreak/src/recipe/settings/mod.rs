@@ -1,5 +1,6 @@
 //! The recipe as it is used: SI units, every value in range.
 
+mod faults;
 mod paper;
 mod paper_optics;
 mod physical;
@@ -12,6 +13,7 @@ use starbreak_glass::MAX_IMPACTS;
 use starbreak_optics::paper::PaperOptics;
 use starbreak_optics::physical::PhysicalOptics;
 use starbreak_seed::{Seed, Stream};
+use starbreak_sensor::Sensor;
 use toml::Table;
 
 pub use paper::PaperSettings;
@@ -38,6 +40,8 @@ pub struct Settings {
     pub camera: CameraSettings,
     /// How the crack looks, by which model.
     pub optics: OpticsSettings,
+    /// The sensor, where it has a fault.
+    pub sensor: Option<Sensor>,
     /// What is written.
     pub output: OutputSettings,
     /// Most memory of one picture, bytes; no part of the recipe's text.
@@ -51,6 +55,8 @@ pub enum FractureSettings {
     Paper(PaperSettings),
     /// By the physics, on a pane of its own before the camera.
     Physics(Box<PhysicsSettings>),
+    /// Not at all: there is no pane.
+    None,
 }
 
 impl FractureSettings {
@@ -61,6 +67,7 @@ impl FractureSettings {
         match self {
             Self::Paper(paper) => paper.mount,
             Self::Physics(physics) => Some(physics.mount),
+            Self::None => None,
         }
     }
 
@@ -70,6 +77,7 @@ impl FractureSettings {
         match self {
             Self::Paper(paper) => paper.aimed.iter().any(|is_aimed| *is_aimed),
             Self::Physics(physics) => physics.stones.iter().any(|stone| stone.is_aimed),
+            Self::None => false,
         }
     }
 
@@ -88,6 +96,7 @@ impl FractureSettings {
         match &mut aimed {
             Self::Paper(paper) => paper.aim(drawn),
             Self::Physics(physics) => physics.aim(drawn),
+            Self::None => {}
         }
         aimed
     }
@@ -177,6 +186,7 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
             let sheet = physical::Sheet::of(&physics);
             (FractureSettings::Physics(Box::new(physics)), Some(sheet))
         }
+        ModelWord::None => (FractureSettings::None, Some(physical::Sheet::NONE)),
     };
     let (camera, optics) = match sheet {
         Some(sheet) if choice.optics == OpticsWord::Physical => {
@@ -189,6 +199,7 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
         fracture,
         camera,
         optics,
+        sensor: faults::settings(&from_table(place, recipe)?),
         max_memory_bytes: DEFAULT_MAX_MEMORY_BYTES,
     })
 }

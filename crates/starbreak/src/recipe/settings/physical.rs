@@ -33,6 +33,19 @@ pub(super) struct Sheet {
 }
 
 impl Sheet {
+    /// No glass at all; what the optics ask of it does not matter.
+    pub(super) const NONE: Self = Self {
+        mount: Mount {
+            distance_m: 1.0,
+            rake_rad: 0.0,
+            axis_at: [0.5; 2],
+        },
+        thickness_mm: 1.0,
+        interlayer_mm: 0.0,
+        inner_ply_mm: 0.0,
+        rim_way_mm: RIM_WAY_MM,
+    };
+
     /// The pane of the physics.
     pub(super) fn of(physics: &PhysicsSettings) -> Self {
         let [width_m, height_m] = physics.pane.outline.size_m();
