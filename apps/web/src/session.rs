@@ -7,9 +7,7 @@ use starbreak::{
     Chain, DEFAULT_PRESET, FAULTS, OpticsSettings, Recipe, Seed, Shown, Simulated, Stopwatch,
     cameras, json_schema, presets, simulate,
 };
-use starbreak_dataset::{
-    Encoding, ImageLimits, decode_image, encode_image, encode_mask, street_scene,
-};
+use starbreak_dataset::{ImageLimits, decode_image, encode_mask, encode_png, street_scene};
 use starbreak_web_desk::{Answer, Answers};
 
 use crate::file::File;
@@ -249,7 +247,7 @@ impl Session {
     fn file(&self, what: File) -> Result<Answer, Trouble> {
         let (picture, glass) = self.glass()?;
         let network = || glass.chain.network().ok_or(Trouble::Missing("network"));
-        let png_of = |pixels| encode_image(pixels, &Encoding::Png, picture.icc_profile.as_deref());
+        let png_of = |pixels| encode_png(pixels, picture.icc_profile.as_deref());
         let bytes = match what {
             File::Picture => png_of(&glass.damaged)?,
             File::Clean => png_of(&picture.pixels)?,

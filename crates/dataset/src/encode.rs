@@ -78,6 +78,24 @@ pub fn encode_image(
     encode_oriented(pixels, encoding, icc_profile, Orientation::NoTransforms)
 }
 
+/// The bytes of a PNG file: [`encode_image`] for those who need no codec of JPEG, as a page.
+///
+/// # Errors
+///
+/// As for [`encode_image`].
+pub fn encode_png(
+    pixels: &DynamicImage,
+    icc_profile: Option<&[u8]>,
+) -> Result<Vec<u8>, DatasetError> {
+    let size_px = (pixels.width(), pixels.height());
+    check_size(Encoding::Png.format(), size_px, MAX_PNG_SIDE_PX)?;
+    png_of(
+        pixels,
+        icc_profile.filter(|profile| !profile.is_empty()),
+        None,
+    )
+}
+
 /// As [`encode_image`], with an orientation in the EXIF data unless it is the plain one.
 fn encode_oriented(
     pixels: &DynamicImage,
@@ -95,7 +113,7 @@ fn encode_oriented(
     let size_px = (pixels.width(), pixels.height());
     check_size(encoding.format(), size_px, max_side_px)?;
     match encoding {
-        Encoding::Png => encode_png(pixels, icc_profile, exif),
+        Encoding::Png => png_of(pixels, icc_profile, exif),
         Encoding::Jpeg { quality } => encode_jpeg(pixels, *quality, icc_profile, exif),
     }
 }
@@ -179,7 +197,7 @@ pub(crate) fn check_size(
     })
 }
 
-fn encode_png(
+fn png_of(
     pixels: &DynamicImage,
     icc_profile: Option<&[u8]>,
     exif: Option<&[u8]>,

@@ -62,7 +62,7 @@ pub use animation::{AnimationParams, encode_animation};
 pub use array::{DecodedArray, decode_array, encode_array, encode_array_f64};
 pub use bank_file::{BankFile, BankRecord, BankWriter, WrittenBank};
 pub use encode::{
-    Encoding, JpegQuality, encode_image, encode_image_as, encode_mask, encode_mask_as,
+    Encoding, JpegQuality, encode_image, encode_image_as, encode_mask, encode_mask_as, encode_png,
 };
 pub use error::{BankFault, DatasetError};
 pub use fence::{fence, silence_fenced_panics};

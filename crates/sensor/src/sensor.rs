@@ -75,7 +75,9 @@ impl Sensor {
 
     /// What the faults make of a frame, in place.
     pub fn over(&self, light: &mut Light, at: Moment) {
-        let before = (self.exposure.is_some() && self.noise.is_none()).then(|| light.clone());
+        // Only a darker frame lacks noise.
+        let is_darker = self.exposure.is_some_and(|exposure| exposure.ev < 0.0);
+        let before = (is_darker && self.noise.is_none()).then(|| light.clone());
         self.expose(light, at);
         let change = self.mosaic_change(light, before.as_ref(), at);
         if light.n_colors() == 1 {
@@ -87,29 +89,26 @@ impl Sensor {
         }
     }
 
-    /// How much the faults influence each pixel of a frame, in units of white: how far they change a gray of 18 %, or
-    /// the standard deviation of the noise there. It is the same for every frame of this size.
+    /// Which pixels of a frame the faults reach: all of them, or 5 x 5 around each defect. It is the same for every frame
+    /// of this size, and none where all faults are nothing.
     #[must_use]
-    pub fn influence(&self, (width, height): (usize, usize)) -> Vec<f32> {
-        const GRAY: f64 = 0.18;
-        let exposed = (self.exposure).map_or(0.0, |it| (GRAY * it.gain()).min(1.0) - GRAY);
-        let banded = (self.lamps).map_or(0.0, |lamps| GRAY * lamps.band_depth());
-        let noisy = self.noise.map_or(0.0, |noise| noise.deviation(GRAY));
-        let everywhere = exposed.abs().max(banded.abs()).max(noisy);
-        let mut influence = vec![single(everywhere); width * height];
-        for (at, defect) in self.defects((width, height)) {
-            let more = (defect.of(single(GRAY)).min(1.0) - single(GRAY)).abs();
+    pub fn reach(&self, (width, height): (usize, usize)) -> Vec<bool> {
+        let is_everywhere = self.exposure.is_some_and(|exposure| exposure.ev != 0.0)
+            || self.lamps.is_some_and(|lamps| lamps.depth > 0.0)
+            || self.noise.is_some_and(|noise| noise.white_e.is_finite());
+        let mut reached = vec![is_everywhere; width * height];
+        if is_everywhere {
+            return reached;
+        }
+        for (at, _) in self.defects((width, height)) {
             let (x, y) = (at % width, at / width);
             for y in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
-                for x in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
-                    let near = y * width + x;
-                    // Beside the defect the interpolation gives it a weight of about an eighth.
-                    let weight = if near == at { 1.0 } else { 0.125 };
-                    influence[near] = influence[near].max(weight * more);
-                }
+                let row = y * width;
+                let near = x.saturating_sub(REACH)..(x + REACH + 1).min(width);
+                reached[row + near.start..row + near.end].fill(true);
             }
         }
-        influence
+        reached
     }
 
     /// The defects with their places, in rows from the top.

@@ -163,14 +163,17 @@ const tests = {
   async each_preset_and_severity_shows_something() {
     const page = await open();
     const presets = await page.locator("input[name=preset]").evaluateAll((all) => all.map((one) => one.value));
-    must(presets.length === 11, `${presets.length} presets`);
+    must(presets.length === 17, `${presets.length} presets`);
     for (const preset of presets) {
+      const isGlass = /cover|windshield|paper/.test(preset);
       for (const severity of [1, 2, 3, 4, 5]) {
-        const address = `#preset=${preset}&severity=${severity}&hit=0.5,0.45&seed=2`;
+        const address = `#preset=${preset}&severity=${severity}${isGlass ? "&hit=0.5,0.45" : ""}&seed=2`;
         await after(page, () => page.evaluate((address) => (location.hash = address), address));
         const words = await page.locator(".figures dd").first().textContent();
         must(!(await page.locator(".trouble").textContent()), `${address}: ${await page.locator(".trouble").textContent()}`);
-        must(Number(words.split(" ")[0]) > 0, `${address}: ${words}`);
+        // Of half a million pixels, one in a million is defective where there is one.
+        const isRare = preset === "pixels" && severity === 1;
+        must(isRare || Number(words.split(" ")[0]) > 0, `${address}: ${words}`);
       }
     }
   },

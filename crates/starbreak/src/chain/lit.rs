@@ -13,8 +13,8 @@ use crate::{Error, Stopwatch};
 #[derive(Debug, Clone)]
 pub struct Lit<'a> {
     pub(super) glass: Glass<'a>,
-    /// The sensor, where it has a fault, and the influence from which a pixel belongs to the region.
-    pub(super) sensor: Option<(&'a Sensor, f32)>,
+    /// The sensor, where it has a fault.
+    pub(super) sensor: Option<&'a Sensor>,
 }
 
 /// The glass under a light.
@@ -41,7 +41,7 @@ impl Lit<'_> {
             Glass::Physical(overlay) => overlay.apply(frame, at.frame)?,
         }
         match self.sensor {
-            Some((sensor, _)) => sense(sensor, frame, at),
+            Some(sensor) => sense(sensor, frame, at),
             None => Ok(()),
         }
     }
@@ -67,9 +67,9 @@ impl Lit<'_> {
                 region
             }
         };
-        if let Some((sensor, threshold)) = self.sensor {
+        if let Some(sensor) = self.sensor {
             sense(sensor, frame, at)?;
-            add_region(sensor, &mut region, threshold);
+            add_region(sensor, &mut region);
             watch.lap("sensor");
         }
         Ok(region)
@@ -111,8 +111,8 @@ impl Lit<'_> {
     }
 
     fn add_sensor(&self, region: &mut GrayImage) {
-        if let Some((sensor, threshold)) = self.sensor {
-            add_region(sensor, region, threshold);
+        if let Some(sensor) = self.sensor {
+            add_region(sensor, region);
         }
     }
 

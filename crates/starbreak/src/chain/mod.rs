@@ -383,18 +383,8 @@ impl Chain {
     }
 
     fn with_sensor<'a>(&'a self, glass: Glass<'a>) -> Lit<'a> {
-        /// That of recipes whose optics have none.
-        const THRESHOLD: f64 = 0.01;
-        let threshold = match &self.settings.optics {
-            OpticsSettings::Physical(optics) => optics.region_threshold,
-            OpticsSettings::Paper(_) => THRESHOLD,
-        };
-        #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
-        let threshold = threshold as f32;
-        Lit {
-            glass,
-            sensor: (self.settings.sensor.as_ref()).map(|sensor| (sensor, threshold)),
-        }
+        let sensor = self.settings.sensor.as_ref();
+        Lit { glass, sensor }
     }
 
     /// Puts the glass over an image, in place, under the light of the image, then the image before the sensor, and says

@@ -85,12 +85,11 @@ where
     Ok(())
 }
 
-/// 255 where a sensor influences frames of a width and height, px, by a threshold or more, else 0; added to a region.
-pub(super) fn add_region(sensor: &Sensor, region: &mut GrayImage, threshold: f32) {
+/// 255 where a sensor reaches a frame, added to a region.
+pub(super) fn add_region(sensor: &Sensor, region: &mut GrayImage) {
     let size = (region.width() as usize, region.height() as usize);
-    let influence = sensor.influence(size);
-    for (code, influence) in region.iter_mut().zip(influence) {
-        if influence >= threshold {
+    for (code, is_reached) in region.iter_mut().zip(sensor.reach(size)) {
+        if is_reached {
             *code = 255;
         }
     }

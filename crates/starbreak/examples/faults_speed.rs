@@ -1,0 +1,38 @@
+//! How long each fault of the camera takes for a frame, on one thread: medians of 15, ms.
+#![expect(clippy::print_stdout, reason = "an example says what it does")]
+
+use std::error::Error;
+use std::time::Instant;
+
+use image::{DynamicImage, Rgb, RgbImage};
+use starbreak::{Chain, FAULTS, Recipe, Seed};
+
+const N: u64 = 15;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("{:14} {:>10} {:>10}", "", "1242 x 375", "1280 x 720");
+    for (preset, _) in FAULTS.iter().flat_map(|fault| fault.presets) {
+        print!("{preset:14}");
+        for (width, height) in [(1242, 375), (1280, 720)] {
+            let settings = Recipe::preset(preset)?.settings()?;
+            let chain = Chain::of(&settings, (width, height), Seed(1))?;
+            let lit = chain.under(None)?;
+            let frame = RgbImage::from_fn(width, height, |x, y| {
+                let code = |of: u32| u8::try_from((of * 7) % 256).unwrap_or(0);
+                Rgb([code(x), code(y), code(x + y)])
+            });
+            let mut times = Vec::new();
+            for k in 0..N {
+                let mut frame = DynamicImage::ImageRgb8(frame.clone());
+                let begin = Instant::now();
+                lit.over(&mut frame, Seed(k))?;
+                times.push(begin.elapsed().as_secs_f64() * 1e3);
+            }
+            times.sort_by(f64::total_cmp);
+            let median = times.get(times.len() / 2).copied().unwrap_or(0.0);
+            print!(" {median:10.1}");
+        }
+        println!();
+    }
+    Ok(())
+}
