@@ -27,6 +27,7 @@ const OURS: &[(&str, &[&str])] = &[
     (
         "starbreak",
         &[
+            "starbreak-sensor",
             "starbreak-seed",
             "starbreak-glass",
             "starbreak-fracture",

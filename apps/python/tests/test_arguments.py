@@ -155,7 +155,7 @@ def test_a_range_of_areas_has_two_ends():
         ("camera.f_number", "x", 'invalid type: string "x", expected a number'),
         ("camera.blades", 2.5, "invalid type: floating point `2.5`, expected a whole number"),
         ("fracture.mesh", 5, "expected text"),
-        ("fracture.model", "a", "unknown word `a`, expected `physics` or `paper`"),
+        ("fracture.model", "a", "unknown word `a`, expected one of `physics`, `paper`, `none`"),
     ],
 )
 def test_the_kind_of_a_key_is_said_in_words(key, value, says):

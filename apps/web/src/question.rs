@@ -106,8 +106,9 @@ impl Scene {
     /// # Errors
     /// [`Trouble::Recipe`].
     pub fn assignments(&self) -> Result<Vec<String>, Trouble> {
+        let base = self.base()?;
         Ok(match self.hits.as_slice() {
-            [hit] => hit.assignments(&self.base()?),
+            [hit] if breaks(&base) => hit.assignments(&base),
             _ => Vec::new(),
         })
     }
@@ -120,6 +121,8 @@ impl Scene {
         let mut recipe = self.base()?;
         match self.hits.as_slice() {
             [] => {}
+            // A stone before no glass breaks nothing.
+            _ if !breaks(&recipe) => {}
             [hit] => {
                 for text in hit.assignments(&recipe) {
                     recipe.set(&text)?;
@@ -137,6 +140,11 @@ impl Scene {
         recipe.set_max_memory(MAX_MEMORY_BYTES);
         Ok(recipe)
     }
+}
+
+/// Whether a recipe has glass that a stone can hit.
+fn breaks(recipe: &Recipe) -> bool {
+    recipe.to_json().get("impact").is_some()
 }
 
 impl Hit {

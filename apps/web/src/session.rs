@@ -153,6 +153,7 @@ impl Session {
                 "glass_disc_px": shown.optics.scene.map(|scene| scene.glass_disc_px),
                 "scene_disc_px": shown.optics.scene.map(|scene| scene.scene_disc_px),
                 "damage": chain.facts().get("network"),
+                "faults": chain.facts().get("faults"),
                 "last_arrival": chain.arrivals().map(|times| times.last),
                 "unit": chain.arrivals().map(|times| times.unit),
                 "recipe": recipe.to_json(),
@@ -307,8 +308,16 @@ fn catalog() -> Result<Answer, Trouble> {
     let named = |(name, about): (&str, &str)| json!({ "name": name, "about": about });
     let cameras = cameras()?;
     let cameras = cameras.iter().map(|(name, about)| named((name, about)));
+    let mut faults = serde_json::Map::new();
+    for fault in FAULTS {
+        if let Some((preset, _)) = fault.presets.first() {
+            let tables = Recipe::preset(preset)?.to_json();
+            faults.insert(fault.table.to_owned(), tables[fault.table].clone());
+        }
+    }
     Ok(Answer {
         words: json!({
+            "faults": faults,
             "version": env!("CARGO_PKG_VERSION"),
             "default_preset": DEFAULT_PRESET,
             "presets": presets().map(named).collect::<Vec<_>>(),

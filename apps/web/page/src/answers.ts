@@ -13,11 +13,15 @@ export interface Key {
   oneOf?: { const: string; description?: string }[];
 }
 
+export type Table = Record<string, unknown>;
+
 export interface Catalog {
   version: string;
   default_preset: string;
   presets: Named[];
   cameras: Named[];
+  /** Tables that turn faults on, each with what its preset says. */
+  faults: Record<string, Table>;
   schema: { properties: Record<string, { properties?: Record<string, Key>; items?: { properties: Record<string, Key> } }> };
 }
 
@@ -27,14 +31,15 @@ export interface Picture {
   height_px: number;
 }
 
-export type Table = Record<string, unknown>;
-
 export interface Broken {
   region_share: number;
   optics: { contrast: { mean: number; weber: number | null; rms_code: number } };
   glass_disc_px: number | null;
   scene_disc_px: number | null;
+  /** Null where no glass breaks. */
   damage: { hits?: Table[]; summary?: Table; long_crack?: Table } | null;
+  /** The size of each fault of the camera. */
+  faults: Record<string, Table> | null;
   last_arrival: number | null;
   unit: string | null;
   recipe: Record<string, Table | Table[]>;

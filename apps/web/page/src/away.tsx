@@ -15,6 +15,8 @@ const FILES: [string, string][] = [
   ["recipe", "Recipe"],
 ];
 
+const CRACK_FILES = ["crack", "network.json", "network.svg"];
+
 interface Props {
   desk: Desk;
   state: State;
@@ -76,7 +78,7 @@ export function Away({ desk, state, name, broken, isBusy, isGrowing, onFailure }
       <h2 id="download">Download</h2>
       <div class="buttons" role="group" aria-labelledby="download">
         {FILES.map(([what, word]) => (
-          <button type="button" disabled={!isReady} onClick={() => void save(what)}>
+          <button type="button" disabled={!isReady || (CRACK_FILES.includes(what) && !broken.damage)} onClick={() => void save(what)}>
             {word}
           </button>
         ))}

@@ -42,7 +42,7 @@ export class Desk {
       if (worker === this.worker) this.close(new Stopped(why));
     };
     worker.onmessage = ({ data }: MessageEvent<Said>) => {
-      if (data.missing !== undefined) return stop(`a part of the page could not be loaded (${data.missing}); reload it`);
+      if (data.missing !== undefined) return stop(`a part of the page could not be loaded (${data.missing}); reload it where there is a network`);
       if (data.stopped !== undefined) {
         const wayOut = this.of === "glass" ? "try something smaller" : "run this model by the command, or export it smaller";
         return stop(`the module stopped (${data.stopped}); ${wayOut}`);
@@ -50,7 +50,7 @@ export class Desk {
       this.waiting.get(data.id)?.done(data);
       this.waiting.delete(data.id);
     };
-    worker.onerror = (event) => stop(`a part of the page could not be loaded (${event.message || "its script"}); reload it`);
+    worker.onerror = (event) => stop(`a part of the page could not be loaded (${event.message || "its script"}); reload it where there is a network`);
     this.kept.forEach((asked) => worker.postMessage({ id: 0, ...asked }));
     return worker;
   }

@@ -21,6 +21,7 @@ interface Props {
   /** Pictures that move are not looked at. */
   isLive: boolean;
   onBoxes(boxes: Boxes | null): void;
+  onDone(): void;
   onFailure(error: unknown): void;
 }
 
@@ -36,7 +37,7 @@ interface Seen extends Found {
 const SIDES = ["clean", "damaged"] as const;
 type Side = (typeof SIDES)[number];
 
-export function Detector({ file, clean, damaged, isLive, onBoxes, onFailure }: Props) {
+export function Detector({ file, clean, damaged, isLive, onBoxes, onDone, onFailure }: Props) {
   const [model, setModel] = useState<Loaded | null>(null);
   const [loading, setLoading] = useState<string | null>(null);
   const [seen, setSeen] = useState<Record<Side, Seen | null>>({ clean: null, damaged: null });
@@ -59,7 +60,10 @@ export function Detector({ file, clean, damaged, isLive, onBoxes, onFailure }: P
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
       const given = await desk.ask<Model>({ ask: "model", name: file.name }, bytes);
-      if (wanted.current === file) return change({ ...given.words, desk });
+      if (wanted.current === file) {
+        onDone();
+        return change({ ...given.words, desk });
+      }
       desk.close();
     } catch (error) {
       desk.close();

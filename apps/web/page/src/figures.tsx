@@ -5,14 +5,33 @@ import type { Broken } from "./answers";
 const number = (value: unknown, digits: number) =>
   typeof value === "number" && Number.isFinite(value) ? value.toLocaleString("en", { maximumFractionDigits: digits }) : "–";
 
+const list = (fact: unknown) => (Array.isArray(fact) && fact.length > 0 ? fact.join(", ") : "none");
+/** The size of each fault, as one reads it. */
+const FACTS: Record<string, [string, (fact: unknown) => string]> = {
+  "exposure.ev": ["exposure", (fact) => `${number(Number(fact), 1)} EV`],
+  "banding.depth": ["bands", (fact) => `${number(100 * Number(fact), 1)} % of the light`],
+  "banding.rows_per_band": ["a band", (fact) => `${number(Number(fact), 0)} rows`],
+  "noise.snr_18": ["signal over noise, 18 % gray", (fact) => (fact === null ? "no noise" : number(Number(fact), 1))],
+  "noise.dark_e": ["dark current", (fact) => `${number(Number(fact), 1)} electrons`],
+  "pixels.n_defects": ["defective pixels", (fact) => number(Number(fact), 0)],
+  "lines.rows": ["defective rows", list],
+  "lines.columns": ["defective columns", list],
+};
+
 export function Figures({ broken, took, isOld }: { broken: Broken; took: number; isOld: boolean }) {
   const hit = broken.damage?.hits?.[0];
   const rows: [string, string][] = [["of the picture affected", `${number(100 * broken.region_share, 2)} %`]];
-  if (broken.glass_disc_px !== null) {
+  if (broken.glass_disc_px !== null && broken.damage !== null) {
     rows.push(["a point of the glass", `a disc of ${number(broken.glass_disc_px, 1)} px`]);
     rows.push(["a point of the scene", broken.scene_disc_px ? `a disc of ${number(broken.scene_disc_px, 2)} px` : "sharp"]);
   }
   rows.push(["change in the region", `${number(broken.optics.contrast.rms_code, 1)} codes (RMS)`]);
+  for (const [table, facts] of Object.entries(broken.faults ?? {})) {
+    for (const [key, fact] of Object.entries(facts)) {
+      const [words, of] = FACTS[`${table}.${key}`] ?? [`${table}: ${key}`, (fact: unknown) => JSON.stringify(fact)];
+      rows.push([words, of(fact)]);
+    }
+  }
   if (hit) {
     const hits = broken.damage?.hits?.length ?? 1;
     rows.push([hits > 1 ? `first of ${hits} hits` : "damage", String(hit.damage_class)]);

@@ -15,6 +15,28 @@ const BASIC: [string, string][] = [
   ["optics", "sun_azimuth_deg"],
   ["optics", "sun_elevation_deg"],
   ["optics", "veiling_glare"],
+  ["exposure", "ev"],
+  ["banding", "depth"],
+  ["banding", "mains_hz"],
+  ["banding", "row_us"],
+  ["noise", "white_e"],
+  ["noise", "read_e"],
+  ["noise", "row_e"],
+  ["pixels", "dead_per_mpx"],
+  ["pixels", "hot_per_mpx"],
+  ["pixels", "stuck_per_mpx"],
+  ["lines", "rows"],
+  ["lines", "columns"],
+  ["sensor", "number"],
+];
+/** What is set to add a fault: its key, and the value of its preset unless there is one here. */
+const ADDED: [string, string, number?][] = [
+  ["exposure", "ev", -2],
+  ["banding", "depth"],
+  ["noise", "white_e"],
+  ["pixels", "hot_per_mpx"],
+  ["lines", "rows"],
+  ["sensor", "number", 1],
 ];
 const TITLES: Record<string, string> = {
   impact: "Stone",
@@ -57,12 +79,27 @@ export function Panel({ catalog, broken, set, onSet }: Props) {
   const tables = Object.keys(TITLES).filter((name) => tableOf(name) !== undefined);
   return (
     <>
-      {[...new Set(BASIC.map(([table]) => table))].map((title) => (
-        <fieldset key={title}>
-          <legend>{TITLES[title]}</legend>
-          <div class="fields">{BASIC.map(([table, key]) => table === title && field("basic", table, key))}</div>
-        </fieldset>
-      ))}
+      {[...new Set(BASIC.map(([table]) => table))].map((title) => {
+        const fields = BASIC.map(([table, key]) => table === title && field("basic", table, key)).filter(Boolean);
+        return (
+          fields.length > 0 && (
+            <fieldset key={title}>
+              <legend>{TITLES[title]}</legend>
+              <div class="fields">{fields}</div>
+            </fieldset>
+          )
+        );
+      })}
+      <fieldset>
+        <legend>Add</legend>
+        <div class="buttons">
+          {ADDED.filter(([table]) => tableOf(table) === undefined).map(([table, key, value]) => (
+            <button type="button" key={table} onClick={() => onSet(`${table}.${key}`, String(value ?? catalog.faults[table]?.[key]))}>
+              {TITLES[table]}
+            </button>
+          ))}
+        </div>
+      </fieldset>
       <details>
         <summary>All parameters</summary>
         {tables.map((table) => (
@@ -131,6 +168,14 @@ function Field({ id, name, about, value, isSet, onSet }: FieldProps) {
 }
 
 const UNITS: [string, string][] = [
+  ["_per_mpx", "per million"],
+  ["_percent", "%"],
+  ["_e_s", "electrons/s"],
+  ["_e", "electrons"],
+  ["_ms", "ms"],
+  ["_us", "µs"],
+  ["_hz", "Hz"],
+  ["_c", "°C"],
   ["_m_s", "m/s"],
   ["_kg_m3", "kg/m³"],
   ["_mpa", "MPa"],
@@ -147,7 +192,7 @@ const UNITS: [string, string][] = [
 function wordsOf(name: string): string {
   const key = name.replace(/^.*\./, "");
   const unit = UNITS.find(([end]) => key.endsWith(end));
-  const words = (unit ? key.slice(0, -unit[0].length) : key).replaceAll("_", " ").replace(/^f number$/, "f-number");
+  const words = (unit ? key.slice(0, -unit[0].length) : key).replaceAll("_", " ").replace(/^f number$/, "f-number").replace(/^ev$/, "exposure, EV");
   return unit ? `${words}, ${unit[1]}` : words;
 }
 

@@ -22,6 +22,7 @@ const LOOKS: [Look, string][] = [
   ["stress", "Cracks by stress"],
   ["depth", "Cracks by depth"],
 ];
+const CRACK_LOOKS: Look[] = ["crack", "arrival", "stress", "depth"];
 /** How long the growth is shown, ms. */
 const GROWTH_MS = 2500;
 const START: State = { preset: "windshield-spiderweb", severity: 3, camera: null, set: {}, hits: [], seed: 1 };
@@ -169,6 +170,7 @@ export function Playground() {
     if (pending) void shatter({ ...state, hits: [...state.hits, pending] }, true);
   }, [pending]);
 
+  const hasCracks = broken?.damage != null;
   // What lies over the picture is asked for when it is looked at.
   useEffect(() => {
     let isStale = false;
@@ -182,7 +184,7 @@ export function Playground() {
         if (!isStale) setCracks(new Float32Array(given.bytes.buffer));
       }
     };
-    if (broken) show().catch(fails);
+    if (broken && (hasCracks || !CRACK_LOOKS.includes(look))) show().catch(fails);
     return () => {
       isStale = true;
     };
@@ -223,6 +225,9 @@ export function Playground() {
 
   const change = (part: Partial<State>) => setState((now) => ({ ...now, ...part }));
   const name = picture?.name ?? "scene.png";
+  useEffect(() => {
+    if (broken && !hasCracks && CRACK_LOOKS.includes(look)) setLook("damaged");
+  }, [broken]);
   return (
     <div
       class="page"
@@ -251,9 +256,12 @@ export function Playground() {
             cracks={cracks}
             look={look}
             boxes={boxes && { ...boxes, damaged: damaged === whole ? boxes.damaged : null }}
-            hits={state.hits}
+            hits={broken && !broken.recipe.impact ? [] : state.hits}
             label={`${name} behind broken glass. Arrow keys move the aim, Enter throws a stone.`}
             onHit={(hit, isDraft) => {
+              if (broken && !broken.recipe.impact) {
+                return setTrouble("here nothing breaks: choose a preset of glass, and add the fault to it");
+              }
               if (look !== "damaged") setLook("damaged");
               if (isDraft) return setPending(hit);
               setPending(null);
@@ -272,12 +280,16 @@ export function Playground() {
                 onChange={(event) => {
                   const next = event.currentTarget.value as Look;
                   // Masks are those of the whole.
-                  if (next === "region" || next === "crack") growTo(1).catch(fails);
+                  setTrouble(null);
+                  const isMask = next === "region" || next === "crack";
+                  if (isMask && broken?.last_arrival != null) growTo(1).catch(fails);
                   setLook(next);
                 }}
               >
                 {LOOKS.map(([value, word]) => (
-                  <option value={value}>{word}</option>
+                  <option value={value} disabled={!hasCracks && CRACK_LOOKS.includes(value)}>
+                    {word}
+                  </option>
                 ))}
               </select>
             </label>
@@ -418,6 +430,7 @@ export function Playground() {
             damaged={live ? null : whole}
             isLive={live !== null}
             onBoxes={setBoxes}
+            onDone={() => setTrouble(null)}
             onFailure={fails}
           />
         </section>

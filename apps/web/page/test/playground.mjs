@@ -191,7 +191,7 @@ const tests = {
     must((await there.getByLabel("f-number").first().inputValue()) === "4", "f-number");
   },
 
-  async ten_recipes_give_the_pixels_of_the_command() {
+  async a_dozen_recipes_give_the_pixels_of_the_command() {
     const page = await open();
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
     command("demo", "-o", "demo");
@@ -207,6 +207,8 @@ const tests = {
       "preset=lens-cover-shattered&set=camera.f_number=4&seed=8",
       "preset=paper&severity=4&seed=9",
       "preset=windshield-star&severity=2&hit=0.2,0.3&hit=0.6,0.5,90,25&seed=10",
+      "preset=noise&severity=2&hit=0.5,0.5&hit=0.6,0.6&seed=11",
+      "preset=windshield-spiderweb&set=exposure.ev=-1&set=noise.white_e=300&hit=0.4,0.5&seed=12",
     ];
     for (const address of addresses) {
       await after(page, () => page.evaluate((address) => (location.hash = address), address));
@@ -224,6 +226,27 @@ const tests = {
       must(ours.equals(await bytesOf(page)), `${words}: other pixels on the page`);
       rmSync(join(scratch, "out"), { recursive: true });
     }
+  },
+
+  async faults_are_shown_alone_and_beside_cracks() {
+    const page = await open({}, "#preset=noise&severity=4");
+    const figures = () => page.locator(".figures").textContent();
+    const trouble = () => page.locator(".trouble").textContent();
+    must((await figures()).includes("18 % gray5"), await figures());
+    must(!(await figures()).includes("a point of the glass"), "there is no glass");
+    must(await page.getByLabel("white, electrons").first().isVisible(), "its parameters");
+    await clickAt(page, 0.5, 0.5);
+    await page.waitForFunction(() => document.querySelector(".trouble").textContent.includes("nothing breaks"));
+    must(!page.url().includes("hit="), "no hit is counted");
+    await view(page, "region");
+    await page.waitForTimeout(300);
+    must((await trouble()) === "", await trouble());
+    must(await page.locator("option[value=stress]").isDisabled(), "there are no cracks");
+    await after(page, () => page.locator("input[name=preset][value=windshield-spiderweb]").dispatchEvent("click"));
+    const clean = await figures();
+    await after(page, () => page.locator("fieldset", { hasText: "Add" }).getByRole("button", { name: "Noise" }).click());
+    must((await figures()).includes("18 % gray10") && !clean.includes("18 % gray"), await figures());
+    must(page.url().includes("noise.white_e"), page.url());
   },
 
   async a_photo_is_taken_and_a_broken_file_is_refused_as_by_the_command() {
