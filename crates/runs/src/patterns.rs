@@ -12,10 +12,6 @@ use crate::overlay::OverlaySet;
 
 /// Where the damage of a run comes from.
 #[derive(Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "there is one of them in a run, and it is handed on by reference"
-)]
 pub enum Patterns {
     /// Broken anew for each sample of each image.
     Fresh,
