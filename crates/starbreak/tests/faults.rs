@@ -233,6 +233,12 @@ fn recipes_know_the_faults() {
     );
     let unknown = Recipe::preset("noisy").unwrap_err().to_string();
     assert!(unknown.contains("did you mean `noise`?"), "{unknown}");
+    let stone = Recipe::preset("noise").unwrap().set("impact.speed_m_s=3");
+    let stone = stone.unwrap_err().to_string();
+    assert!(
+        stone.contains("impact") && stone.contains("fracture.model"),
+        "{stone}"
+    );
     let mut none = Recipe::preset("windshield-star").unwrap();
     none.set("fracture.model=none").unwrap();
     let tables = none.to_json();

@@ -244,6 +244,13 @@ impl Recipe {
                 impact.insert((*key).to_owned(), value);
             }
             ["impact", key] => {
+                if self.impacts().is_empty() {
+                    // Where nothing breaks; what checks the recipe says so.
+                    let impact = Table::from_iter([((*key).to_owned(), value)]);
+                    let impacts = Value::Array(vec![impact.into()]);
+                    self.table.insert("impact".to_owned(), impacts);
+                    return Ok(());
+                }
                 for impact in self.impacts() {
                     if let Value::Table(impact) = impact {
                         impact.insert((*key).to_owned(), value.clone());
