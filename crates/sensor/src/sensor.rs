@@ -94,7 +94,9 @@ impl Sensor {
     #[must_use]
     pub fn reach(&self, (width, height): (usize, usize)) -> Vec<bool> {
         let is_everywhere = self.exposure.is_some_and(|exposure| exposure.ev != 0.0)
-            || self.lamps.is_some_and(|lamps| lamps.depth > 0.0)
+            || self
+                .lamps
+                .is_some_and(|lamps| lamps.band_depth().abs() > 1e-9)
             || self.noise.is_some_and(|noise| noise.white_e.is_finite());
         let mut reached = vec![is_everywhere; width * height];
         if is_everywhere {
@@ -138,11 +140,22 @@ impl Sensor {
         }
         let gain = self.exposure.map_or(1.0, |exposure| exposure.gain());
         let phase = uniform(&mut at.clip.stream(Stream::Lamps, 0));
+        let n_colors = light.n_colors();
         for (y, row) in light.rows_mut() {
             #[expect(clippy::cast_precision_loss, reason = "rows of a frame")]
             let lamps = (self.lamps).map_or(1.0, |lamps| lamps.gain(y as f64, at.time_s, phase));
             let gain = single(gain * lamps);
-            row.iter_mut().for_each(|color| *color *= gain);
+            for pixel in row.chunks_exact_mut(n_colors) {
+                // No more than the full well holds, after the white balance.
+                let full = if n_colors == 1 {
+                    [1.0; 3]
+                } else {
+                    WHITE_BALANCE
+                };
+                for (color, full) in pixel.iter_mut().zip(full) {
+                    *color = (*color * gain).min(full);
+                }
+            }
         }
     }
 
@@ -192,7 +205,11 @@ impl Sensor {
 /// Adds the colors that are made of a change of the mosaic, where there is one within reach.
 fn add_colors(light: &mut Light, change: &[f32]) {
     let (width, height) = light.size();
-    let padded = Padded::of(change, width, height);
+    // The white balance comes before the colors are interpolated.
+    let balanced: Vec<f32> = (change.iter().enumerate())
+        .map(|(at, change)| change * WHITE_BALANCE[color_at(at % width, at / width)])
+        .collect();
+    let padded = Padded::of(&balanced, width, height);
     let has_change = |part: &[f32]| part.iter().any(|change| *change != 0.0);
     let rows_with: Vec<bool> = change.chunks_exact(width).map(has_change).collect();
     for y in 0..height {
@@ -212,8 +229,8 @@ fn add_colors(light: &mut Light, change: &[f32]) {
             }
             let more = padded.colors(x, y);
             let colors = light.pixel_mut(y * width + x).iter_mut();
-            for ((color, more), balance) in colors.zip(more).zip(WHITE_BALANCE) {
-                *color += more * balance;
+            for (color, more) in colors.zip(more) {
+                *color += more;
             }
         }
     }

@@ -479,3 +479,53 @@ const REFERENCE: [[f64; 3]; 12] = [
     [0.9843750, 0.7343750, 0.8593750],
     [0.5625000, 0.5625000, 0.5625000],
 ];
+
+#[test]
+fn noise_in_color_is_that_of_the_filters() {
+    let noise = Noise {
+        read_e: 4.0,
+        ..SILENT
+    };
+    let (width, height) = (400, 300);
+    let mut light = flat((width, height), 3, 0.3);
+    of_noise(noise).over(&mut light, Seed(3).into());
+    // At the pixels of a color nothing is interpolated: light u/g there, and its number times g.
+    for (color, g, [x0, y0]) in [(0, 2.0, [0, 0]), (1, 1.0, [1, 0]), (2, 1.7, [1, 1])] {
+        let places = (y0..height)
+            .step_by(2)
+            .flat_map(|y| (x0..width).step_by(2).map(move |x| (x, y)));
+        let values: Vec<f64> = places
+            .map(|(x, y)| f64::from(light.values()[(y * width + x) * 3 + color]))
+            .collect();
+        let expected = g * g * (0.3 / g * 1000.0 + 16.0) / 1e6;
+        let found = variance(&values);
+        assert!(
+            (found / expected - 1.0).abs() < 0.03,
+            "{color}: {found}, not {expected}"
+        );
+    }
+}
+
+#[test]
+fn defects_show_where_a_frame_is_overexposed() {
+    let sensor = Sensor {
+        exposure: Some(Exposure {
+            ev: 3.0,
+            white_e: 1e6,
+            read_e: 0.0,
+        }),
+        pixels: Some(Pixels {
+            dead_per_mpx: 1e6,
+            hot_per_mpx: 0.0,
+            stuck_per_mpx: 0.0,
+            hot_level: 0.0,
+        }),
+        ..Sensor::default()
+    };
+    for n_colors in [1, 3] {
+        let mut light = flat((20, 20), n_colors, 0.7);
+        sensor.over(&mut light, Seed(1).into());
+        let most = light.values().iter().copied().fold(f32::MIN, f32::max);
+        assert!(most < 1e-5, "all are dead, and one shows {most}");
+    }
+}

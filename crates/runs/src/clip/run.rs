@@ -259,7 +259,7 @@ impl<'a> Show<'a> {
     fn one(&self, kept: &Kept<'a>, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {
         let at = Moment {
             frame: self.seed.of_item(self.name, frame.idx),
-            clip: self.seed,
+            clip: self.seed.of_item(self.name, 0),
             time_s: frame.time_s,
         };
         let mut is_untouched = false;

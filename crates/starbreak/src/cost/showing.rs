@@ -18,7 +18,7 @@ const WHOLE_BYTES: f64 = 30.0;
 const MAP_BYTES: f64 = 80.0;
 
 /// Bytes of a pixel before a sensor: its light before and after, what its mosaic adds, and the image as it was.
-const SENSOR_BYTES: f64 = 52.0;
+const SENSOR_BYTES: f64 = 64.0;
 
 /// Bytes of a piece of crack: its facets and what they are made from.
 const PIECE_BYTES: f64 = 1500.0;
