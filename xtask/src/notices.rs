@@ -61,11 +61,15 @@ pub(crate) fn notices(root: &Path, ours: &[&str]) -> Result<String, Failure> {
     }
     let head =
         "starbreak contains these packages. The text of each licence follows its packages.\n";
-    let parts = packages_of.iter().map(|(licence, packages)| {
-        let line = "=".repeat(80);
-        format!("\n{line}\n\n{}\n\n{licence}\n", packages.join("\n"))
-    });
+    let parts = packages_of
+        .iter()
+        .map(|(licence, packages)| notice(&packages.join("\n"), licence));
     Ok(head.to_owned() + &parts.collect::<String>())
+}
+
+/// A licence after what it is of.
+pub(crate) fn notice(packages: &str, licence: &str) -> String {
+    format!("\n{}\n\n{packages}\n\n{licence}\n", "=".repeat(80))
 }
 
 /// The packages within some of ours on any system, as `name vVERSION`.

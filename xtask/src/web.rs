@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::Failure;
 use crate::command::{cargo, run as run_command};
 use crate::metadata::Metadata;
-use crate::notices::notices;
+use crate::notices::{notice, notices};
 use crate::test::standard_library;
 
 /// What browsers run.
@@ -69,7 +69,7 @@ pub(crate) fn build(root: &Path) -> Result<PathBuf, Failure> {
     // Whoever gets the site gets what it is made of.
     let preact = page.join("node_modules/preact/LICENSE");
     let licence = fs::read_to_string(&preact).map_err(|cause| Failure::of_file(&preact, &cause))?;
-    let text = notices(root, &MODULES)? + "\n" + &"=".repeat(80) + "\n\npreact\n\n" + &licence;
+    let text = notices(root, &MODULES)? + &notice("preact", licence.trim_end());
     let file = site.join("LICENSE-THIRD-PARTY.txt");
     fs::write(&file, text).map_err(|cause| Failure::of_file(&file, &cause))?;
     Ok(site)

@@ -106,9 +106,8 @@ impl Scene {
     /// # Errors
     /// [`Trouble::Recipe`].
     pub fn assignments(&self) -> Result<Vec<String>, Trouble> {
-        let base = self.base()?;
         Ok(match self.hits.as_slice() {
-            [hit] if breaks(&base) => hit.assignments(&base),
+            [hit] => hit.assignments(&self.base()?),
             _ => Vec::new(),
         })
     }
@@ -121,8 +120,6 @@ impl Scene {
         let mut recipe = self.base()?;
         match self.hits.as_slice() {
             [] => {}
-            // A stone before no glass breaks nothing.
-            _ if !breaks(&recipe) => {}
             [hit] => {
                 for text in hit.assignments(&recipe) {
                     recipe.set(&text)?;
@@ -142,19 +139,18 @@ impl Scene {
     }
 }
 
-/// Whether a recipe has glass that a stone can hit.
-fn breaks(recipe: &Recipe) -> bool {
-    recipe.to_json().get("impact").is_some()
-}
-
 impl Hit {
-    /// As `--set` has it: every stone of the recipe hits here, each of them once.
+    /// As `--set` has it: every stone of the recipe hits here, each of them once. Nothing where none breaks anything.
     fn assignments(&self, recipe: &Recipe) -> Vec<String> {
         let tables = recipe.to_json();
-        let has = |key: &str| tables["impact"][0].get(key).is_some();
+        let stone = &tables["impact"][0];
+        if stone.is_null() {
+            return Vec::new();
+        }
+        let has = |key: &str| stone.get(key).is_some();
         let [x, y] = self.position;
         let mut all = vec![format!("impact.position=[{x:?}, {y:?}]")];
-        if has("count") && tables["impact"][0]["count"] != 1 {
+        if has("count") && stone["count"] != 1 {
             all.push("impact.count=1".to_owned());
         }
         for (key, value) in self.values() {
@@ -178,13 +174,16 @@ impl Hit {
 }
 
 /// The first stone of a recipe, once for each hit. Later ones come when the cracks of the first have ended: a
-/// severity would stop everything before they do.
+/// severity would stop everything before they do. A recipe without stones stays as it is.
 fn with_hits(recipe: &Recipe, hits: &[Hit], run_to_end: bool) -> Result<Recipe, Trouble> {
     let mut tables = recipe.to_json();
     if run_to_end && let Some(reach) = tables["fracture"].get_mut("until_reach_mm") {
         *reach = "end".into();
     }
     let stone = tables["impact"][0].clone();
+    if stone.is_null() {
+        return Ok(recipe.clone());
+    }
     let impacts = hits.iter().map(|hit| {
         let mut stone = stone.clone();
         stone["position"] = hit.position.as_slice().into();

@@ -87,13 +87,7 @@ pub fn encode_png(
     pixels: &DynamicImage,
     icc_profile: Option<&[u8]>,
 ) -> Result<Vec<u8>, DatasetError> {
-    let size_px = (pixels.width(), pixels.height());
-    check_size(Encoding::Png.format(), size_px, MAX_PNG_SIDE_PX)?;
-    png_of(
-        pixels,
-        icc_profile.filter(|profile| !profile.is_empty()),
-        None,
-    )
+    png_of(pixels, icc_profile, None)
 }
 
 /// As [`encode_image`], with an orientation in the EXIF data unless it is the plain one.
@@ -105,16 +99,14 @@ fn encode_oriented(
 ) -> Result<Vec<u8>, DatasetError> {
     let exif = (orientation != Orientation::NoTransforms).then(|| exif_of(orientation));
     let exif = exif.as_ref().map(<[u8; 26]>::as_slice);
-    let icc_profile = icc_profile.filter(|profile| !profile.is_empty());
-    let max_side_px = match encoding {
-        Encoding::Png => MAX_PNG_SIDE_PX,
-        Encoding::Jpeg { .. } => MAX_JPEG_SIDE_PX,
-    };
-    let size_px = (pixels.width(), pixels.height());
-    check_size(encoding.format(), size_px, max_side_px)?;
     match encoding {
         Encoding::Png => png_of(pixels, icc_profile, exif),
-        Encoding::Jpeg { quality } => encode_jpeg(pixels, *quality, icc_profile, exif),
+        Encoding::Jpeg { quality } => {
+            let size_px = (pixels.width(), pixels.height());
+            check_size(encoding.format(), size_px, MAX_JPEG_SIDE_PX)?;
+            let icc_profile = icc_profile.filter(|profile| !profile.is_empty());
+            encode_jpeg(pixels, *quality, icc_profile, exif)
+        }
     }
 }
 
@@ -204,6 +196,9 @@ fn png_of(
 ) -> Result<Vec<u8>, DatasetError> {
     use BitDepth::{Eight, Sixteen};
     use ColorType::{Grayscale, GrayscaleAlpha, Rgb, Rgba};
+    let size_px = (pixels.width(), pixels.height());
+    check_size(ImageFormat::Png, size_px, MAX_PNG_SIDE_PX)?;
+    let icc_profile = icc_profile.filter(|profile| !profile.is_empty());
     let (mode, samples) = match pixels {
         DynamicImage::ImageLuma8(i) => ((Grayscale, Eight), Cow::Borrowed(samples_of(i))),
         DynamicImage::ImageLumaA8(i) => ((GrayscaleAlpha, Eight), Cow::Borrowed(samples_of(i))),
@@ -226,13 +221,8 @@ fn png_of(
             });
         }
     };
-    write_png(
-        (pixels.width(), pixels.height()),
-        mode,
-        &samples,
-        PICTURE_FILTER,
-        (icc_profile, exif),
-    )
+    let chunks = (icc_profile, exif);
+    write_png(size_px, mode, &samples, PICTURE_FILTER, chunks)
 }
 
 fn write_png(

@@ -48,6 +48,12 @@ impl Defect {
 }
 
 impl Pixels {
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        self.dead_per_mpx + self.hot_per_mpx + self.stuck_per_mpx <= 0.0
+    }
+
     /// The defective pixels of a sensor, with their places in rows from the top; of a pixel with two defects the last
     /// counts.
     #[must_use]
@@ -96,6 +102,12 @@ impl Pixels {
 }
 
 impl Lines {
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        self.rows == 0 && self.columns == 0
+    }
+
     /// The defective rows and columns of a sensor, each once.
     #[must_use]
     pub fn of_sensor(&self, (width, height): (usize, usize), sensor: Seed) -> [Vec<usize>; 2] {

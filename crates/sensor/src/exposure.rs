@@ -22,12 +22,20 @@ impl Exposure {
         libm::exp2(self.ev)
     }
 
-    /// Standard deviation of the noise that is missing where light u was, in units of white.
+    /// Whether it changes nothing.
     #[must_use]
-    pub fn missing(&self, light: f64) -> f64 {
-        let gain = self.gain();
-        let shot = light.max(0.0) * self.white_e * (gain - gain * gain);
+    pub fn is_nothing(&self) -> bool {
+        self.ev == 0.0
+    }
+
+    /// From the light that was there to the standard deviation of the noise that is missing, in units of white.
+    pub(crate) fn missing(&self) -> impl Fn(f64) -> f64 + use<> {
+        let (gain, white_e) = (self.gain(), self.white_e);
+        let of_shot = gain - gain * gain;
         let read = self.read_e * self.read_e * (1.0 - gain * gain);
-        (shot + read).max(0.0).sqrt() / self.white_e
+        move |light| {
+            let shot = light.max(0.0) * white_e * of_shot;
+            (shot + read).max(0.0).sqrt() / white_e
+        }
     }
 }

@@ -29,6 +29,12 @@ impl Lamps {
         self.depth * sinc
     }
 
+    /// Whether nothing is seen of the pulses: there are none, or rows are exposed for whole ones.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        self.band_depth().abs() < 1e-9
+    }
+
     /// Light of a row over that without pulses, in a frame that begins at a time; `phase` in turns.
     #[must_use]
     pub fn gain(&self, row: f64, time_s: f64, phase: f64) -> f64 {

@@ -18,6 +18,6 @@ pub use error::SensorError;
 pub use exposure::Exposure;
 pub use lamps::Lamps;
 pub use light::Light;
-pub use mosaic::{color_at, demosaic};
+pub use mosaic::demosaic;
 pub use noise::Noise;
-pub use sensor::{Moment, Sensor, WHITE_BALANCE};
+pub use sensor::{Moment, Sensor};

@@ -6,8 +6,7 @@
 
 /// Red, green or blue.
 #[inline]
-#[must_use]
-pub fn color_at(x: usize, y: usize) -> usize {
+pub(crate) fn color_at(x: usize, y: usize) -> usize {
     (x & 1) + (y & 1)
 }
 

@@ -52,11 +52,17 @@ impl Noise {
     pub fn deviation(&self, light: f64) -> f64 {
         let shot_e = light.max(0.0) * self.white_e + self.dark_e();
         let square = shot_e + self.read_e * self.read_e + self.row_e * self.row_e;
-        if self.white_e.is_finite() {
-            square.sqrt() / self.white_e
-        } else {
+        if self.is_nothing() {
             0.0
+        } else {
+            square.sqrt() / self.white_e
         }
+    }
+
+    /// Whether there is none: endless electrons.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        !self.white_e.is_finite()
     }
 
     /// Signal over its noise at 18 % of white, by which ISO 12232 judges pictures: 10 is acceptable, 40 excellent.
@@ -102,9 +108,6 @@ impl Row {
             ),
             None => (0.0, 0.0),
         };
-        if !noise.white_e.is_finite() {
-            return 0.0;
-        }
         let signal_e = f64::from(light.max(0.0)) * noise.white_e;
         let mean_e = (signal_e * (1.0 + gain)).max(0.0) + self.dark_e;
         let counted_e = if mean_e < MAX_COUNTED {

@@ -9,7 +9,7 @@ use rand_chacha::rand_core::Rng as _;
 
 /// What white balance multiplies red, green and blue by, in daylight: the filters let through less red and blue
 /// \[Brooks2019\].
-pub const WHITE_BALANCE: [f32; 3] = [2.0, 1.0, 1.7];
+const WHITE_BALANCE: [f32; 3] = [2.0, 1.0, 1.7];
 
 /// A frame among others.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,29 +55,29 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// Whether it has no fault at all.
+    /// Without the faults that are nothing; none where no other is left.
     #[must_use]
-    pub fn is_sound(&self) -> bool {
-        let Self {
-            exposure,
-            lamps,
-            noise,
-            pixels,
-            lines,
-            number: _,
-        } = self;
-        exposure.is_none()
-            && lamps.is_none()
-            && noise.is_none()
-            && pixels.is_none()
-            && lines.is_none()
+    pub fn faulty(self) -> Option<Self> {
+        let kept = Self {
+            exposure: self.exposure.filter(|it| !it.is_nothing()),
+            lamps: self.lamps.filter(|it| !it.is_nothing()),
+            noise: self.noise.filter(|it| !it.is_nothing()),
+            pixels: self.pixels.filter(|it| !it.is_nothing()),
+            lines: self.lines.filter(|it| !it.is_nothing()),
+            number: self.number,
+        };
+        let sound = Self {
+            number: self.number,
+            ..Self::default()
+        };
+        (kept != sound).then_some(kept)
     }
 
     /// What the faults make of a frame, in place.
     pub fn over(&self, light: &mut Light, at: Moment) {
         // Only a darker frame lacks noise.
         let is_darker = self.exposure.is_some_and(|exposure| exposure.ev < 0.0);
-        let before = (is_darker && self.noise.is_none()).then(|| light.clone());
+        let before = (is_darker && self.noise().is_none()).then(|| light.clone());
         self.expose(light, at);
         let change = self.mosaic_change(light, before.as_ref(), at);
         if light.n_colors() == 1 {
@@ -85,7 +85,7 @@ impl Sensor {
                 light.pixel_mut(idx)[0] += change;
             }
         } else {
-            add_colors(light, &change);
+            add_colors(light, change);
         }
     }
 
@@ -93,11 +93,9 @@ impl Sensor {
     /// of this size, and none where all faults are nothing.
     #[must_use]
     pub fn reach(&self, (width, height): (usize, usize)) -> Vec<bool> {
-        let is_everywhere = self.exposure.is_some_and(|exposure| exposure.ev != 0.0)
-            || self
-                .lamps
-                .is_some_and(|lamps| lamps.band_depth().abs() > 1e-9)
-            || self.noise.is_some_and(|noise| noise.white_e.is_finite());
+        let is_everywhere = self.exposure.is_some_and(|it| !it.is_nothing())
+            || self.lamps.is_some_and(|it| !it.is_nothing())
+            || self.noise().is_some();
         let mut reached = vec![is_everywhere; width * height];
         if is_everywhere {
             return reached;
@@ -111,6 +109,11 @@ impl Sensor {
             }
         }
         reached
+    }
+
+    /// The noise, where it is any.
+    fn noise(&self) -> Option<&Noise> {
+        self.noise.as_ref().filter(|noise| !noise.is_nothing())
     }
 
     /// The defects with their places, in rows from the top.
@@ -174,7 +177,7 @@ impl Sensor {
         // It cannot hold more than 1.
         let raw = |x: usize, y: usize| raw_of(light.values(), x, y).min(1.0);
         let mut change = vec![0.0_f32; width * height];
-        if let Some(noise) = &self.noise {
+        if let Some(noise) = self.noise() {
             for y in 0..height {
                 let mut row = noise.row(y, at.frame, Seed(self.number));
                 for x in 0..width {
@@ -183,11 +186,11 @@ impl Sensor {
                 }
             }
         } else if let (Some(exposure), Some(before)) = (&self.exposure, before) {
-            let normal = Normal::new();
+            let (normal, missing) = (Normal::new(), exposure.missing());
             for y in 0..height {
                 let mut words = at.frame.stream(Stream::SensorElectrons, y as u64);
                 for x in 0..width {
-                    let deviation = exposure.missing(f64::from(raw_of(before.values(), x, y)));
+                    let deviation = missing(f64::from(raw_of(before.values(), x, y)));
                     let here = raw(x, y);
                     let more = single(deviation) * normal.of(words.next_u32());
                     change[y * width + x] = (here + more).min(1.0) - here;
@@ -203,13 +206,13 @@ impl Sensor {
 }
 
 /// Adds the colors that are made of a change of the mosaic, where there is one within reach.
-fn add_colors(light: &mut Light, change: &[f32]) {
+fn add_colors(light: &mut Light, mut change: Vec<f32>) {
     let (width, height) = light.size();
     // The white balance comes before the colors are interpolated.
-    let balanced: Vec<f32> = (change.iter().enumerate())
-        .map(|(at, change)| change * WHITE_BALANCE[color_at(at % width, at / width)])
-        .collect();
-    let padded = Padded::of(&balanced, width, height);
+    for (at, change) in change.iter_mut().enumerate() {
+        *change *= WHITE_BALANCE[color_at(at % width, at / width)];
+    }
+    let padded = Padded::of(&change, width, height);
     let has_change = |part: &[f32]| part.iter().any(|change| *change != 0.0);
     let rows_with: Vec<bool> = change.chunks_exact(width).map(has_change).collect();
     for y in 0..height {

@@ -82,14 +82,8 @@ impl<'a> Scene<'a> {
     /// The pane as the physical optics see it: every camera looks through glass, also where the
     /// cracks are those of the paper, which lie over the frame.
     pub(crate) fn sheet(&self) -> Result<View, Error> {
-        /// Where nothing breaks no pane is seen, but the camera is there.
-        const NOWHERE: Mount = Mount {
-            distance_m: 1.0,
-            rake_rad: 0.0,
-            axis_at: [0.5; 2],
-        };
         match (&self.settings.fracture, self.settings.fracture.mount()) {
-            (FractureSettings::None, _) => self.mounted(&NOWHERE, [0.0; 2]),
+            (FractureSettings::None, _) => self.mounted(&Mount::NOWHERE, [0.0; 2]),
             (FractureSettings::Paper(_), Some(mount)) => {
                 // The sheet goes on beyond the frame, so that any of its points will do.
                 self.mounted(&mount, [0.0; 2])

@@ -17,16 +17,16 @@ pub(crate) fn run(
         screen.data(&format!("{:#}", json_schema()))?;
     } else if list {
         let cameras = cameras()?;
-        let presets = presets().map(|(name, purpose)| json!({ "name": name, "purpose": purpose }));
         if global.json {
-            let cameras: Vec<_> = cameras
-                .iter()
-                .map(|(name, purpose)| json!({ "name": name, "purpose": purpose }))
+            let listed =
+                |(name, purpose): (&str, &str)| json!({ "name": name, "purpose": purpose });
+            let presets: Vec<_> = presets().map(listed).collect();
+            let cameras: Vec<_> = (cameras.iter())
+                .map(|(name, purpose)| listed((name, purpose)))
                 .collect();
-            screen
-                .result(|| json!({ "presets": presets.collect::<Vec<_>>(), "cameras": cameras }))?;
+            screen.result(|| json!({ "presets": presets, "cameras": cameras }))?;
         } else {
-            for (name, purpose) in starbreak::presets() {
+            for (name, purpose) in presets() {
                 screen.data(&format!("{name:24} {purpose}"))?;
             }
             screen.data("\ncameras (--camera NAME):")?;

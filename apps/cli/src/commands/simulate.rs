@@ -20,12 +20,12 @@ use crate::screen::{Screen, path_text};
 
 /// What to tell of a chain that shows no crack; nothing where there is one, or a photograph.
 pub(super) fn why_no_damage(chain: &Chain) -> Option<&'static str> {
-    if chain.settings().sensor.is_some() {
+    if !chain.is_intact() || chain.photo().is_some() {
         return None;
     }
     match chain.network().zip(chain.details()) {
         Some((network, details)) => why_intact(network, details),
-        None => (chain.is_intact() && chain.photo().is_none()).then_some("nothing is broken"),
+        None => Some("nothing is broken"),
     }
 }
 

@@ -41,8 +41,9 @@ export class Desk {
     const stop = (why: string) => {
       if (worker === this.worker) this.close(new Stopped(why));
     };
+    const lacks = (what: string) => stop(`a part of the page could not be loaded (${what}); reload the page when there is a network`);
     worker.onmessage = ({ data }: MessageEvent<Said>) => {
-      if (data.missing !== undefined) return stop(`a part of the page could not be loaded (${data.missing}); reload it where there is a network`);
+      if (data.missing !== undefined) return lacks(data.missing);
       if (data.stopped !== undefined) {
         const wayOut = this.of === "glass" ? "try something smaller" : "run this model by the command, or export it smaller";
         return stop(`the module stopped (${data.stopped}); ${wayOut}`);
@@ -50,7 +51,7 @@ export class Desk {
       this.waiting.get(data.id)?.done(data);
       this.waiting.delete(data.id);
     };
-    worker.onerror = (event) => stop(`a part of the page could not be loaded (${event.message || "its script"}); reload it where there is a network`);
+    worker.onerror = (event) => lacks(event.message || "its script");
     this.kept.forEach((asked) => worker.postMessage({ id: 0, ...asked }));
     return worker;
   }

@@ -4,6 +4,7 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Box, Found, Model } from "./answers";
 import { Desk, Stopped } from "./desk";
+import { FileButton } from "./file_button";
 import type { Pixels } from "./stage";
 
 /** What was found in the clean picture and in the damaged one; null while it is not known. */
@@ -127,19 +128,7 @@ export function Detector({ file, clean, damaged, isLive, onBoxes, onDone, onFail
     <>
       <h2>What a detector sees</h2>
       <div class="buttons">
-        <label class="button">
-          Open a model
-          <input
-            type="file"
-            class="hidden"
-            accept=".onnx"
-            onChange={(event) => {
-              const file = event.currentTarget.files?.[0];
-              if (file) void load(file);
-              event.currentTarget.value = "";
-            }}
-          />
-        </label>
+        <FileButton words="Open a model" accept=".onnx" onFile={(file) => void load(file)} />
         {(model ?? loading) && (
           <button
             type="button"

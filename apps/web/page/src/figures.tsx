@@ -11,7 +11,7 @@ const FACTS: Record<string, [string, (fact: unknown) => string]> = {
   "exposure.ev": ["exposure", (fact) => `${number(Number(fact), 1)} EV`],
   "banding.depth": ["bands", (fact) => `${number(100 * Number(fact), 1)} % of the light`],
   "banding.rows_per_band": ["a band", (fact) => `${number(Number(fact), 0)} rows`],
-  "noise.snr_18": ["signal over noise, 18 % gray", (fact) => (fact === null ? "no noise" : number(Number(fact), 1))],
+  "noise.snr_18": ["signal over noise, green at 18 %", (fact) => (fact === null ? "no noise" : number(Number(fact), 1))],
   "noise.dark_e": ["dark current", (fact) => `${number(Number(fact), 1)} electrons`],
   "pixels.n_defects": ["defective pixels", (fact) => number(Number(fact), 0)],
   "lines.rows": ["defective rows", list],

@@ -5,6 +5,7 @@ import type { Broken, Catalog, Grown, Picture } from "./answers";
 import { Away } from "./away";
 import { Desk, Trouble } from "./desk";
 import { Detector, type Boxes } from "./detector";
+import { FileButton } from "./file_button";
 import { Figures, timeWords } from "./figures";
 import { Panel } from "./panel";
 import { Presets } from "./presets";
@@ -170,6 +171,7 @@ export function Playground() {
     if (pending) void shatter({ ...state, hits: [...state.hits, pending] }, true);
   }, [pending]);
 
+  const canBreak = !broken || broken.recipe.impact !== undefined;
   const hasCracks = broken?.damage != null;
   // What lies over the picture is asked for when it is looked at.
   useEffect(() => {
@@ -256,10 +258,10 @@ export function Playground() {
             cracks={cracks}
             look={look}
             boxes={boxes && { ...boxes, damaged: damaged === whole ? boxes.damaged : null }}
-            hits={broken && !broken.recipe.impact ? [] : state.hits}
+            hits={canBreak ? state.hits : []}
             label={`${name} behind broken glass. Arrow keys move the aim, Enter throws a stone.`}
             onHit={(hit, isDraft) => {
-              if (broken && !broken.recipe.impact) {
+              if (!canBreak) {
                 return setTrouble("here nothing breaks: choose a preset of glass, and add the fault to it");
               }
               if (look !== "damaged") setLook("damaged");
@@ -279,8 +281,8 @@ export function Playground() {
                 value={look}
                 onChange={(event) => {
                   const next = event.currentTarget.value as Look;
-                  // Masks are those of the whole.
                   setTrouble(null);
+                  // Masks are those of the whole.
                   const isMask = next === "region" || next === "crack";
                   if (isMask && broken?.last_arrival != null) growTo(1).catch(fails);
                   setLook(next);
@@ -390,20 +392,14 @@ export function Playground() {
         <section class="away" aria-label="Pictures and files">
           <h2>Your picture</h2>
           <div class="buttons">
-            <label class="button">
-              Open a photo
-              <input
-                type="file"
-                class="hidden"
-                accept="image/png,image/jpeg,image/webp,image/bmp"
-                onChange={(event) => {
-                  const file = event.currentTarget.files?.[0];
-                  if (file) void loadFile(file);
-                  event.currentTarget.value = "";
-                }}
-              />
-            </label>
-            <button type="button" onClick={() => {
+            <FileButton
+              words="Open a photo"
+              accept="image/png,image/jpeg,image/webp,image/bmp"
+              onFile={(file) => void loadFile(file)}
+            />
+            <button
+              type="button"
+              onClick={() => {
                 setIsCamera(false);
                 load(null).catch(fails);
               }}

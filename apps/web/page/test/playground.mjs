@@ -232,7 +232,7 @@ const tests = {
     const page = await open({}, "#preset=noise&severity=4");
     const figures = () => page.locator(".figures").textContent();
     const trouble = () => page.locator(".trouble").textContent();
-    must((await figures()).includes("18 % gray5"), await figures());
+    must((await figures()).includes("green at 18 %5"), await figures());
     must(!(await figures()).includes("a point of the glass"), "there is no glass");
     must(await page.getByLabel("white, electrons").first().isVisible(), "its parameters");
     await clickAt(page, 0.5, 0.5);
@@ -245,7 +245,7 @@ const tests = {
     await after(page, () => page.locator("input[name=preset][value=windshield-spiderweb]").dispatchEvent("click"));
     const clean = await figures();
     await after(page, () => page.locator("fieldset", { hasText: "Add" }).getByRole("button", { name: "Noise" }).click());
-    must((await figures()).includes("18 % gray10") && !clean.includes("18 % gray"), await figures());
+    must((await figures()).includes("green at 18 %10") && !clean.includes("green at 18 %"), await figures());
     must(page.url().includes("noise.white_e"), page.url());
   },
 

@@ -97,12 +97,8 @@ pub(super) fn faults_to_json(sensor: &Sensor, (width, height): (u32, u32)) -> Va
         say("banding", bands);
     }
     if let Some(noise) = &sensor.noise {
-        // JSON has no infinity: without noise there is no ratio.
-        let snr_18 = Some(noise.snr_18()).filter(|snr| snr.is_finite());
-        say(
-            "noise",
-            json!({ "snr_18": snr_18, "dark_e": noise.dark_e() }),
-        );
+        let noise = json!({ "snr_18": noise.snr_18(), "dark_e": noise.dark_e() });
+        say("noise", noise);
     }
     let n_pixels = width as usize * height as usize;
     if let Some(pixels) = &sensor.pixels {

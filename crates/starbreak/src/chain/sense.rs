@@ -69,16 +69,16 @@ where
     let codes: &mut [P::Subpixel] = image;
     let pixels = codes.chunks_exact(n_channels);
     let values = pixels.flat_map(|pixel| &pixel[..n_colors]);
-    let before: Vec<f32> = values.map(|code| code.light()).collect();
-    let Ok(mut light) = Light::new(size, n_colors, before.clone()) else {
+    let values = values.map(|code| code.light()).collect();
+    let Ok(mut light) = Light::new(size, n_colors, values) else {
         // An image without pixels.
         return Ok(());
     };
     sensor.over(&mut light, at);
     let pixels = codes.chunks_exact_mut(n_channels);
     let values = pixels.flat_map(|pixel| &mut pixel[..n_colors]);
-    for ((code, before), after) in values.zip(&before).zip(light.values()) {
-        if before.to_bits() != after.to_bits() {
+    for (code, after) in values.zip(light.values()) {
+        if code.light().to_bits() != after.to_bits() {
             *code = P::Subpixel::of_light(*after);
         }
     }

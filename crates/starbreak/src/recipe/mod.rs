@@ -293,9 +293,9 @@ impl Recipe {
             let kind: KindWord = word(place, "glass.kind", kind)?;
             complete.insert("glass".to_owned(), presets::glass_of(kind)?.into());
         }
-        for (name, table) in presets::optional() {
-            if self.table.contains_key(name) {
-                complete.insert(name.to_owned(), table?.into());
+        for name in self.table.keys() {
+            if let Some(table) = presets::optional(name)? {
+                complete.insert(name.clone(), table.into());
             }
         }
         merge(&mut complete, std::mem::take(&mut self.table));

@@ -175,15 +175,16 @@ pub(super) fn glass_of(kind: KindWord) -> Result<Table, RecipeError> {
     Ok(glass)
 }
 
-/// The tables that a recipe may leave out as a whole, each with what fills it in where it is there.
-pub(super) fn optional() -> impl Iterator<Item = (&'static str, Result<Table, RecipeError>)> {
-    let sensor = Table::from_iter([("number".to_owned(), 0.into())]);
-    let faults = FAULTS.iter().filter_map(|fault| {
-        let (preset, _) = fault.presets.first()?;
-        Some((fault.table, table_of(preset, fault.table)))
-    });
-    let long_crack = table_of("windshield-long-crack", "long_crack");
-    faults.chain([("long_crack", long_crack), ("sensor", Ok(sensor))])
+/// What fills in a table that a recipe may leave out as a whole; none for other tables.
+pub(super) fn optional(name: &str) -> Result<Option<Table>, RecipeError> {
+    let fault = FAULTS.iter().find(|fault| fault.table == name);
+    let preset = match (name, fault.and_then(|fault| fault.presets.first())) {
+        ("long_crack", _) => "windshield-long-crack",
+        ("sensor", _) => return Ok(Some(Table::from_iter([("number".to_owned(), 0.into())]))),
+        (_, Some((preset, _))) => preset,
+        (_, None) => return Ok(None),
+    };
+    table_of(preset, name).map(Some)
 }
 
 fn table_of(preset: &str, name: &str) -> Result<Table, RecipeError> {

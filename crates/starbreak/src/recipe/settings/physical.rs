@@ -35,11 +35,7 @@ pub(super) struct Sheet {
 impl Sheet {
     /// No glass at all; what the optics ask of it does not matter.
     pub(super) const NONE: Self = Self {
-        mount: Mount {
-            distance_m: 1.0,
-            rake_rad: 0.0,
-            axis_at: [0.5; 2],
-        },
+        mount: Mount::NOWHERE,
         thickness_mm: 1.0,
         interlayer_mm: 0.0,
         inner_ply_mm: 0.0,

@@ -55,6 +55,15 @@ pub struct Mount {
     pub axis_at: [f64; 2],
 }
 
+impl Mount {
+    /// Where nothing breaks there is no pane, but the camera looks somewhere.
+    pub(crate) const NOWHERE: Self = Self {
+        distance_m: 1.0,
+        rake_rad: 0.0,
+        axis_at: [0.5; 2],
+    };
+}
+
 /// A hit by a stone, of which place and direction may still be open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StoneSettings {
