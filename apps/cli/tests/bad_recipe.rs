@@ -12,7 +12,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 100] = [
+const NUMERIC: [(&str, &str, &[&str]); 133] = [
     (
         "paper",
         "camera.f_px",
@@ -342,6 +342,67 @@ const NUMERIC: [(&str, &str, &[&str]); 100] = [
     ("lines", "lines.columns", &["-1", "1001"]),
     ("lines", "lines.level", &["-0.1", "nan", "1.1"]),
     ("lines", "sensor.number", &["-1", "1000001"]),
+    (
+        "led-banding",
+        "banding.led_duty",
+        &["-0.1", "nan", "1.1", "1e-9"],
+    ),
+    ("led-banding", "banding.led_hz", &["0", "nan", "inf", "1e6"]),
+    ("spots", "spots.count", &["-1", "1001"]),
+    ("spots", "spots.size_um", &["0", "nan", "inf", "1001"]),
+    ("spots", "spots.height_mm", &["0", "nan", "inf", "11"]),
+    ("spots", "spots.f_number", &["0", "nan", "inf", "33"]),
+    ("spots", "spots.pitch_um", &["0", "nan", "inf", "51"]),
+    ("no-filters", "cfa.loss", &["-0.1", "nan", "1.1"]),
+    ("no-demosaicing", "mosaic.share", &["-0.1", "nan", "1.1"]),
+    (
+        "no-sharpening",
+        "isp.black_level_percent",
+        &["-1", "nan", "26"],
+    ),
+    (
+        "no-sharpening",
+        "isp.white_balance",
+        &["-0.1", "nan", "1.1"],
+    ),
+    ("no-sharpening", "isp.color_matrix", &["-0.1", "nan", "1.1"]),
+    ("no-sharpening", "isp.tone", &["-0.1", "nan", "1.1"]),
+    ("no-sharpening", "isp.unsharp", &["-1", "nan", "5.1"]),
+    ("bit-errors", "link.bit_error_rate", &["-1", "nan", "0.011"]),
+    ("bit-errors", "link.jpeg_quality", &["-1", "101"]),
+    ("bit-errors", "link.row_bits", &["0", "17"]),
+    ("blank-frames", "frames.black", &["-0.1", "nan", "1.1"]),
+    ("blank-frames", "frames.white", &["-0.1", "nan", "1.1"]),
+    ("blank-frames", "frames.frozen", &["-0.1", "nan", "1.1"]),
+    ("blank-frames", "frames.dropped", &["-0.1", "nan", "1.1"]),
+    (
+        "blank-frames",
+        "frames.burst_frames",
+        &["0", "nan", "inf", "1e6"],
+    ),
+    (
+        "overexposed",
+        "exposure.onset_s",
+        &["-1", "nan", "inf", "1e7"],
+    ),
+    ("banding", "banding.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("spots", "spots.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("no-filters", "cfa.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("noise", "noise.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("pixels", "pixels.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("lines", "lines.onset_s", &["-1", "nan", "inf", "1e7"]),
+    (
+        "no-demosaicing",
+        "mosaic.onset_s",
+        &["-1", "nan", "inf", "1e7"],
+    ),
+    ("no-sharpening", "isp.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("bit-errors", "link.onset_s", &["-1", "nan", "inf", "1e7"]),
+    (
+        "blank-frames",
+        "frames.onset_s",
+        &["-1", "nan", "inf", "1e7"],
+    ),
 ];
 
 const STAR: &str = "windshield-star";
@@ -423,7 +484,19 @@ fn every_numeric_key_was_tried() {
     let schema: Value =
         serde_json::from_str(&succeed(dir.path(), &["recipe", "--schema"]).stdout).unwrap();
     let presets = [STAR, LONG, "tempered-cover", "paper"];
-    let faults = ["overexposed", "banding", "noise", "pixels", "lines"];
+    let faults = [
+        "overexposed",
+        "banding",
+        "spots",
+        "no-filters",
+        "noise",
+        "pixels",
+        "lines",
+        "no-demosaicing",
+        "no-sharpening",
+        "bit-errors",
+        "blank-frames",
+    ];
     let printed: Vec<String> = (presets.iter().chain(&faults))
         .map(|preset| succeed(dir.path(), &["recipe", "--preset", preset]).stdout)
         .collect();

@@ -17,6 +17,59 @@ const FILES: [&str; 4] = [
     "statistics.svg",
 ];
 
+#[test]
+fn faults_behind_the_lens_come_on_top_of_a_bank() {
+    let dir = folder();
+    fs::create_dir(dir.path().join("in")).unwrap();
+    common::write_photo(&dir.path().join("in/a.png"));
+    let bank = ["patterns", "-n", "2", "--size", "320x200", "-o", "bank"];
+    succeed_small(dir.path(), &bank);
+    let generate = |out: &str, set: &[&str]| {
+        let args = ["generate", "folder:in", "--bank", "bank", "-o", out];
+        succeed(dir.path(), &[&args[..], set].concat());
+        fs::read(dir.path().join(out).join("a.png")).unwrap()
+    };
+    let cracked = generate("cracked", &[]);
+    let noisy = generate("noisy", &["--set", "noise.white_e=100"]);
+    assert!(cracked != noisy, "noise comes on top");
+    succeed(
+        dir.path(),
+        &[
+            "verify",
+            "noisy",
+            "--regenerate",
+            "all",
+            "--source",
+            "folder:in",
+            "--bank",
+            "bank",
+        ],
+    );
+    let refused = [
+        (
+            vec![
+                "generate",
+                "folder:in",
+                "--bank",
+                "bank",
+                "-o",
+                "x",
+                "--set",
+                "camera.f_px=900",
+            ],
+            "exposure, banding",
+        ),
+        (
+            vec![
+                "patterns", "-n", "1", "--size", "32x32", "-o", "x", "--preset", "noise",
+            ],
+            "nothing to keep in a bank",
+        ),
+    ];
+    all_refused(dir.path(), &refused);
+    assert!(!dir.path().join("x").exists(), "nothing more");
+}
+
 /// The paper's gray lines; of the physical model crack masks.
 #[test]
 fn a_bank_is_written_out_as_images_of_its_patterns() {

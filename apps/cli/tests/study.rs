@@ -477,3 +477,85 @@ fn an_image_whose_pixels_have_changed_is_refused_until_it_is_put_back() {
     }
     assert!(!dir.path().join("new").exists(), "nothing written");
 }
+
+#[test]
+fn a_study_that_keeps_no_images_comes_to_the_same_numbers() {
+    let Some(data) = data() else { return };
+    let dir = folder();
+    let run = |out: &str, more: &[&str]| {
+        let mut args = arguments(&data, out);
+        args.extend(more.iter().map(|it| (*it).to_owned()));
+        let outcome = starbreak(dir.path(), &args);
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        outcome.stderr
+    };
+    run("stored", &["--divergence", "off"]);
+    run("removed", &["--no-store"]);
+    let numbers = |out: &str| fs::read_to_string(dir.path().join(out).join("numbers.csv")).unwrap();
+    assert_eq!(numbers("removed"), numbers("stored"), "the same numbers");
+    let images = |out: &str| {
+        let files = snapshot(&dir.path().join(out).join("sets"));
+        let is_image = |path: &&PathBuf| path.extension().is_some_and(|end| end == "jpg");
+        files.keys().filter(is_image).cloned().collect::<Vec<_>>()
+    };
+    assert_eq!(images("stored").len(), 16, "two conditions of eight");
+    assert!(images("removed").is_empty(), "none");
+    // What was looked at is not made again: a set that is gone but for its records stays so.
+    let regions = dir
+        .path()
+        .join("removed/sets/paper-severity-1-seed-0/starbreak/regions");
+    let away = dir.path().join("regions");
+    fs::rename(&regions, &away).unwrap();
+    let mut args = arguments(&data, "removed");
+    args.extend(["--no-store".to_owned(), "--replace".to_owned()]);
+    starbreak(dir.path(), &args);
+    assert!(!regions.exists(), "no set is made again");
+    fs::rename(&away, &regions).unwrap();
+    run("removed", &["--no-store", "--replace"]);
+    assert_eq!(numbers("removed"), numbers("stored"), "the same again");
+    // Neither loses its images nor gets them by the way.
+    for (out, more) in [("stored", "--no-store"), ("removed", "--replace")] {
+        let mut args = arguments(&data, out);
+        args.extend([more.to_owned(), "--replace".to_owned()]);
+        args.dedup();
+        let outcome = starbreak(dir.path(), &args);
+        assert_eq!(outcome.code, Some(2), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains("--no-store"), "{}", outcome.stderr);
+    }
+    assert_eq!(images("stored").len(), 16, "all are there");
+    let mut args = arguments(&data, "x");
+    args.extend(["--no-store", "--divergence", "on"].map(str::to_owned));
+    let outcome = starbreak(dir.path(), &args);
+    assert_eq!(outcome.code, Some(2), "without images nothing is compared");
+}
+
+#[test]
+fn a_suite_is_all_of_its_presets() {
+    let Some(data) = data() else { return };
+    let dir = folder();
+    let source = format!("coco:{}", data.join("coco96").display());
+    let model = data.join("onnx/FastestDet.onnx").display().to_string();
+    let args = [
+        "study",
+        &source,
+        "--model",
+        &model,
+        "--suite",
+        "camera",
+        "--limit",
+        "1",
+        "--replicates",
+        "20",
+        "--no-store",
+        "-o",
+        "out",
+    ];
+    let outcome = starbreak(dir.path(), &args);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    let n_sets = fs::read_dir(dir.path().join("out/sets")).unwrap().count();
+    let expected: usize = starbreak::FAULTS
+        .iter()
+        .map(|fault| fault.presets.len())
+        .sum();
+    assert_eq!(n_sets, expected, "a condition for each");
+}

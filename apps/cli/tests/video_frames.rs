@@ -9,7 +9,10 @@ use std::fs;
 use std::path::Path;
 
 use clip::{Studio, states};
-use common::{folder, jpeg_bytes, json, names, photo, png_bytes, starbreak_small, succeed_small};
+use common::{
+    folder, jpeg_bytes, json, names, photo, png_bytes, starbreak, starbreak_small, succeed,
+    succeed_small,
+};
 
 /// Eight frames whose names sort by number: f1.png, f2.jpg, …, and a file that is none.
 fn write_frames(folder: &Path) {
@@ -292,7 +295,7 @@ fn a_network_without_times_is_full_grown() {
             "video in -o {output} --fps 10 --impact-at 0.5 --network n.json --preset {preset}"
         );
         let args: Vec<&str> = args.split(' ').collect();
-        common::succeed(dir.path(), &args);
+        succeed(dir.path(), &args);
         let track = json(&dir.path().join(format!("{output}.track.json")));
         for (k, frame) in track["frames"].as_array().unwrap().iter().enumerate() {
             let (growth, length_px) = if k < 5 { (0.0, 0.0) } else { (1.0, 120.0) };
@@ -385,4 +388,189 @@ fn hidden_files_are_no_frames_and_remains_of_a_killed_run_are_no_hindrance() {
         Some(2),
         "a folder with other files: {outcome:?}"
     );
+}
+
+/// Twenty-four frames, no two alike.
+fn write_distinct(folder: &Path) {
+    fs::create_dir(folder).unwrap();
+    for k in 0..24_u8 {
+        let code = |at: u32| 100 + u8::try_from(at).unwrap();
+        let pixels =
+            image::RgbImage::from_fn(48, 32, |x, y| image::Rgb([10 * k, code(x), code(y)]));
+        fs::write(
+            folder.join(format!("f{k:02}.png")),
+            png_bytes(&pixels.into()),
+        )
+        .unwrap();
+    }
+}
+
+#[test]
+fn frames_that_do_not_arrive_are_told_of_and_repeat_the_last_that_did() {
+    let dir = folder();
+    write_distinct(&dir.path().join("in"));
+    let settings = [
+        "frames.black=0.15",
+        "frames.white=0.1",
+        "frames.frozen=0.25",
+        "frames.dropped=0.1",
+        "frames.burst_frames=2",
+        "noise.white_e=200",
+    ];
+    let recipe: Vec<&str> = settings.iter().flat_map(|it| ["--set", it]).collect();
+    let run = |out: &str, threads: &str| {
+        let args = [
+            "video", "in", "-o", out, "--fps", "10", "--seed", "4", "--masks",
+        ];
+        let masks = format!("{out}-masks");
+        let more = [
+            masks.as_str(),
+            "--preset",
+            "no-filters",
+            "--threads",
+            threads,
+        ];
+        succeed(dir.path(), &[&args[..], &more, &recipe].concat());
+        json(&dir.path().join(format!("{out}.track.json")))
+    };
+    let track = run("out", "1");
+    let read = |folder: &str, idx: usize| {
+        let path = dir.path().join(folder).join(format!("f{idx:02}.png"));
+        image::open(path).unwrap().to_rgb8()
+    };
+    let mut n_of = std::collections::BTreeMap::new();
+    let mut last_good = None;
+    let frames = track["frames"].as_array().unwrap();
+    for (idx, frame) in frames.iter().enumerate() {
+        let state = frame["arrival"]["state"].as_str().unwrap();
+        *n_of.entry(state).or_insert(0) += 1;
+        let pixels = read("out", idx);
+        let shows = frame["arrival"]["shows_frame_idx"].as_u64();
+        match state {
+            "good" => {
+                assert_eq!(shows, Some(idx as u64), "itself");
+                last_good = Some(idx);
+            }
+            "black" | "white" => {
+                let code = if state == "black" { 0 } else { 255 };
+                assert!(pixels.iter().all(|it| *it == code), "{idx} is {state}");
+                assert_eq!(shows, None, "none");
+            }
+            _ => {
+                // Before any good one the first.
+                let shown = last_good.unwrap_or(0);
+                assert!(
+                    pixels == read("out", shown),
+                    "{idx}, {state}: also its noise"
+                );
+                let is_blank = frames[shown]["arrival"]["shows_frame_idx"].is_null();
+                assert_eq!(shows, (!is_blank).then_some(shown as u64), "{state}");
+                let share = frame["region_fraction"].as_f64().unwrap();
+                assert!(shown == idx || share > 0.99, "another frame: {share}");
+            }
+        }
+    }
+    assert_eq!(n_of.len(), 5, "all states: {n_of:?}");
+    assert_eq!(
+        run("again", "3")["frames"],
+        track["frames"],
+        "for any number of threads"
+    );
+    for idx in 0..24 {
+        assert!(read("out", idx) == read("again", idx), "frame {idx}");
+    }
+}
+
+#[test]
+fn a_fault_begins_at_its_onset() {
+    let dir = folder();
+    write_distinct(&dir.path().join("in"));
+    let args = [
+        "video",
+        "in",
+        "-o",
+        "out",
+        "--fps",
+        "10",
+        "--preset",
+        "no-demosaicing",
+    ];
+    let onset = ["--set", "mosaic.onset_s=1.0"];
+    succeed(dir.path(), &[&args[..], &onset].concat());
+    let track = json(&dir.path().join("out.track.json"));
+    for (idx, frame) in track["frames"].as_array().unwrap().iter().enumerate() {
+        let read = |folder: &str| {
+            let name = frame["file"].as_str().unwrap();
+            fs::read(dir.path().join(folder).join(name)).unwrap()
+        };
+        assert_eq!(read("in") == read("out"), idx < 10, "frame {idx}");
+        let share = frame["region_fraction"].as_f64().unwrap();
+        let expected = if idx < 10 { 0.0 } else { 0.5 };
+        assert!((share - expected).abs() < 1e-9, "frame {idx}: {share}");
+    }
+    assert_eq!(track["first_visible"]["frame_idx"], 10, "then it is seen");
+    assert_eq!(track["faults"]["mosaic"]["onset_s"], 1.0, "and told of");
+}
+
+#[test]
+fn a_clip_that_is_frozen_from_the_beginning_shows_its_first_frame() {
+    let dir = folder();
+    write_distinct(&dir.path().join("in"));
+    let args = [
+        "video",
+        "in",
+        "-o",
+        "out",
+        "--fps",
+        "10",
+        "--preset",
+        "blank-frames",
+    ];
+    let frozen = ["--set", "frames.black=0", "--set", "frames.frozen=1"];
+    succeed(dir.path(), &[&args[..], &frozen].concat());
+    let read = |folder: &str, name: &str| {
+        let path = dir.path().join(folder).join(name);
+        image::open(path).unwrap().to_rgb8()
+    };
+    for name in names(&dir.path().join("in")) {
+        assert!(read("out", &name) == read("in", "f00.png"), "{name}");
+    }
+    // Where no glass breaks, nothing is hit.
+    for more in [&["--impact-at", "1"][..], &["--grow", "--growth-time", "1"]] {
+        let args = ["video", "in", "-o", "x", "--fps", "10", "--preset", "noise"];
+        let outcome = starbreak(dir.path(), &[&args[..], more].concat());
+        assert_eq!(outcome.code, Some(2), "{more:?}");
+        assert!(outcome.stderr.contains("onset_s"), "{}", outcome.stderr);
+    }
+}
+
+#[test]
+fn frozen_frames_do_not_move_the_impact() {
+    let dir = folder();
+    write_distinct(&dir.path().join("in"));
+    let args = [
+        "video",
+        "in",
+        "-o",
+        "out",
+        "--fps",
+        "10",
+        "--impact-at",
+        "0.5",
+    ];
+    let frozen = [
+        "--set",
+        "frames.black=0",
+        "--set",
+        "frames.frozen=0.6",
+        "--set",
+        "frames.burst_frames=6",
+    ];
+    for seed in ["4", "5", "6"] {
+        let args = [&args[..], &frozen, &["--seed", seed, "--replace"]].concat();
+        succeed_small(dir.path(), &args);
+        let track = json(&dir.path().join("out.track.json"));
+        assert_eq!(track["damage_onset"]["frame_idx"], 5, "seed {seed}");
+        fs::remove_dir_all(dir.path().join("out")).unwrap();
+    }
 }

@@ -262,7 +262,8 @@ impl ReadyCrack {
             let chain = &self.chain;
             let mut watch = Stopwatch::start();
             let shown = chain.over_and_report(&mut pixels, seed, &boxes, &mut watch)?;
-            Ok((pixels, shown, chain.crack_mask()?))
+            let crack = chain.crack_mask_of(&shown)?;
+            Ok((pixels, shown, crack))
         });
         let (pixels, shown, crack_mask) = made.map_err(|error: Error| raised_in_memory(&error))?;
         let mut facts = self.chain.facts().clone();

@@ -8,13 +8,22 @@ import starbreak
 FRAME = np.full((120, 200, 3), 128, np.uint8)
 
 
-@pytest.mark.parametrize("preset", ["overexposed", "underexposed", "banding", "noise", "lines"])
+@pytest.mark.parametrize(
+    "preset",
+    ["overexposed", "underexposed", "banding", "noise", "lines", "spots", "no-white-balance", "compression", "bit-errors"],
+)
 def test_a_fault_is_a_preset_like_any_other(preset):
     assert preset in starbreak.presets()
     frame = starbreak.corrupt(FRAME, preset, severity=5, seed=7)
     assert frame.shape == FRAME.shape and frame.dtype == np.uint8
     assert (frame != FRAME).any()
     assert (frame == starbreak.crack(FRAME, preset, severity=5, seed=7)).all()
+
+
+def test_a_transform_has_the_name_of_what_it_does():
+    transform = starbreak.transforms.CameraFault("noise", severity=3, seed=7)
+    again = starbreak.transforms.CrackedGlass("noise", severity=3, seed=7)
+    assert (transform(FRAME) == again(FRAME)).all()
 
 
 def test_the_noise_has_the_ratio_that_is_said():

@@ -59,6 +59,24 @@ impl LineLog {
         })
     }
 
+    /// Whether there is a log of what `identity` names.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`], [`DatasetError::NotAFile`].
+    pub fn is_of(path: &Path, identity: &str) -> Result<bool, DatasetError> {
+        let file = match open_file(path) {
+            Err(DatasetError::Read { source, .. }) if source.kind() == io::ErrorKind::NotFound => {
+                return Ok(false);
+            }
+            file => file?,
+        };
+        let n_good = n_good_bytes(&file, Some(identity), &mut |_| false);
+        n_good.map(|n| n > 0).map_err(|source| DatasetError::Read {
+            path: path.to_owned(),
+            source,
+        })
+    }
+
     /// Hands over the lines of a log, whatever they are made from, and leaves it as it is. A log that is
     /// not there has none.
     ///

@@ -31,11 +31,11 @@ pub struct Damage {
 
 /// How the scene itself was blurred.
 #[derive(Debug, Clone, Copy)]
-enum SceneBlur {
+enum SceneBlur<'a> {
     /// All of it, to discs of this radius, px.
     Everywhere(f64),
-    /// Where the region is.
-    InRegion(f64),
+    /// Where a region is.
+    Where(f64, &'a GrayImage),
 }
 
 /// An image before and after, from which [`Damage`] is read box by box.
@@ -45,7 +45,7 @@ pub struct DamageReader<'a> {
     after: &'a DynamicImage,
     region: &'a GrayImage,
     overlay: Option<&'a Overlay>,
-    blur: SceneBlur,
+    blur: SceneBlur<'a>,
 }
 
 impl<'a> DamageReader<'a> {
@@ -66,18 +66,18 @@ impl<'a> DamageReader<'a> {
         }
     }
 
-    /// For an image that the paper's optics changed.
+    /// For an image that the paper's optics changed: where anything did, and where the glass.
     #[must_use]
     pub fn of_paper(
         (before, after): (&'a Before, &'a DynamicImage),
-        region: &'a GrayImage,
+        [region, glass]: [&'a GrayImage; 2],
         optics: &PaperOptics,
     ) -> Self {
         let radius_px = 2.0 * optics.blur_sigma_px;
-        let is_broken = region.as_raw().iter().any(|code| *code > 0);
+        let is_broken = glass.as_raw().iter().any(|code| *code > 0);
         let blur = match (optics.focus, optics.far_focus_blur) {
             (Focus::Short, _) if is_broken => SceneBlur::Everywhere(radius_px),
-            (Focus::Far, FarFocusBlur::CrackAndScene) => SceneBlur::InRegion(radius_px),
+            (Focus::Far, FarFocusBlur::CrackAndScene) => SceneBlur::Where(radius_px, glass),
             (Focus::Short, _) | (Focus::Far, FarFocusBlur::Crack) => SceneBlur::Everywhere(0.0),
         };
         Self {
@@ -95,9 +95,10 @@ impl<'a> DamageReader<'a> {
         let [xs, ys] = self.pixels_in(box_px)?;
         let n = f64::from(xs[1] - xs[0]) * f64::from(ys[1] - ys[0]);
         let n_in_row = |row: &[u8]| row.iter().map(|code| u32::from(*code > 0)).sum::<u32>();
-        let n_region: f64 = rows_of(self.region, xs, ys)
-            .map(|row| f64::from(n_in_row(row)))
-            .sum();
+        let share_of = |region: &GrayImage| {
+            let rows = rows_of(region, xs, ys).map(|row| f64::from(n_in_row(row)));
+            rows.sum::<f64>() / n
+        };
         let Moments {
             sum_before,
             sum_after,
@@ -106,15 +107,14 @@ impl<'a> DamageReader<'a> {
         } = moments(self.before, self.after, xs, ys);
         let variance = squares / n - (sum_before / n) * (sum_before / n);
         let covariance = products / n - (sum_before / n) * (sum_after / n);
-        let region_share = n_region / n;
         Some(Damage {
-            region_share,
+            region_share: share_of(self.region),
             displacement_px: self
                 .overlay
                 .map_or(0.0, |overlay| overlay.mean_displacement_px(xs, ys)),
             blur_radius_px: match self.blur {
                 SceneBlur::Everywhere(radius_px) => radius_px,
-                SceneBlur::InRegion(radius_px) => radius_px * region_share,
+                SceneBlur::Where(radius_px, region) => radius_px * share_of(region),
             },
             contrast_lost: (variance >= LEAST_VARIANCE).then(|| 1.0 - covariance / variance),
         })
@@ -321,7 +321,7 @@ mod tests {
         let region = GrayImage::from_fn(20, 10, |x, _| Luma([if x < 10 { 255 } else { 0 }]));
         let optics = PaperOptics::default();
         let before = Before::whole(before);
-        let reader = DamageReader::of_paper((&before, &after), &region, &optics);
+        let reader = DamageReader::of_paper((&before, &after), [&region; 2], &optics);
         let damage = reader
             .in_box([5.0, 0.0, 15.0, 10.0])
             .expect("a box in the frame");
@@ -349,7 +349,7 @@ mod tests {
         let optics = PaperOptics::default();
         let of = |before: &DynamicImage, after: &DynamicImage| {
             let before = Before::whole(before.clone());
-            let reader = DamageReader::of_paper((&before, after), &region, &optics);
+            let reader = DamageReader::of_paper((&before, after), [&region; 2], &optics);
             reader.in_box([2.0, 1.0, 17.0, 9.0]).expect("in the frame")
         };
         let expected = of(&before, &after).contrast_lost.expect("a picture");
@@ -399,7 +399,7 @@ mod tests {
         let before = Before::whole(before);
         let region = GrayImage::new(200, 3);
         let optics = PaperOptics::default();
-        let reader = DamageReader::of_paper((&before, &after), &region, &optics);
+        let reader = DamageReader::of_paper((&before, &after), [&region; 2], &optics);
         let damage = reader.in_box([3.0, 0.0, 197.0, 3.0]).expect("in the frame");
         let lost = damage.contrast_lost.expect("a picture");
         assert!((lost - expected).abs() < 1e-12, "{lost}, not {expected}");
@@ -420,7 +420,7 @@ mod tests {
         let region = GrayImage::new(20, 10);
         let optics = PaperOptics::default();
         let before = Before::whole(image.clone());
-        let reader = DamageReader::of_paper((&before, &image), &region, &optics);
+        let reader = DamageReader::of_paper((&before, &image), [&region; 2], &optics);
         for box_px in [
             [30.0, 0.0, 40.0, 5.0],
             [5.0, 5.0, 5.0, 9.0],
@@ -430,7 +430,7 @@ mod tests {
         }
         let flat = DynamicImage::new_rgb8(20, 10);
         let before = Before::whole(flat.clone());
-        let reader = DamageReader::of_paper((&before, &flat), &region, &optics);
+        let reader = DamageReader::of_paper((&before, &flat), [&region; 2], &optics);
         let damage = reader.in_box([0.0, 0.0, 20.0, 10.0]).expect("the frame");
         assert_eq!(damage.contrast_lost, None, "nothing to lose");
     }
@@ -444,7 +444,7 @@ mod tests {
         };
         let blur = |region: &GrayImage| {
             let before = Before::whole(image.clone());
-            let reader = DamageReader::of_paper((&before, &image), region, &optics);
+            let reader = DamageReader::of_paper((&before, &image), [region; 2], &optics);
             reader
                 .in_box([12.0, 2.0, 18.0, 8.0])
                 .map(|damage| damage.blur_radius_px)

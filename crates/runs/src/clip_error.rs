@@ -51,6 +51,12 @@ pub enum ClipError {
         "these cracks grow in steps, not in time; say with --growth-time S how many seconds they are to take"
     )]
     NoSpeed,
+    /// An impact where nothing breaks.
+    #[error(
+        "no glass breaks, so nothing is hit and nothing grows; leave --impact-at and --grow out, and give the faults an \
+         onset_s (--set noise.onset_s=2)"
+    )]
+    NothingBreaks,
     /// Growth of a photograph.
     #[error("a photograph of broken glass does not grow; leave --grow out")]
     NoNetwork,

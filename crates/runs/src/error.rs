@@ -13,6 +13,20 @@ use crate::clip_error::ClipError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// A bank of cracks by a recipe that breaks nothing.
+    #[error(
+        "fracture.model = \"none\": no glass breaks, so there is nothing to keep in a bank; the faults behind the lens \
+         are made anew for each image anyway, and generate --bank takes them with --set"
+    )]
+    NothingBreaks,
+    /// An image that is not to be kept cannot be removed.
+    #[error("cannot remove {path:?}: {reason}")]
+    Remove {
+        /// Its file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
     /// Glass could not be broken or shown.
     #[error(transparent)]
     Chain(#[from] starbreak::Error),

@@ -273,7 +273,7 @@ pub fn stage_shown(
     let shown = chain
         .over_and_report(&mut file.pixels, seed, &[], &mut watch)
         .map_err(|error| of_image(error.into()))?;
-    let crack = chain.crack_mask()?;
+    let crack = chain.crack_mask_of(&shown)?;
     watch.lap("masks");
 
     let bytes = encode_image(&file.pixels, &encoding, file.icc_profile.as_deref())

@@ -16,13 +16,13 @@ pub enum Patterns {
     /// Broken anew for each sample of each image.
     Fresh,
     /// One network for all images.
-    Network(ImportedNetwork),
+    Network(Box<ImportedNetwork>),
     /// Out of a bank of photographs of broken glass, a part drawn for each sample by its seed.
-    OverlayBank(OverlayBank),
+    OverlayBank(Box<OverlayBank>),
     /// Photographs of broken glass: for each sample a random one, and a random part of it.
     Overlays(OverlaySet),
     /// Out of a bank, a pattern drawn for each sample of each image by its seed.
-    Bank(PatternBank),
+    Bank(Box<PatternBank>),
 }
 
 /// The damage of one frame.
@@ -37,13 +37,13 @@ impl Damaged {
     /// The pattern of a bank that the item with this seed gets.
     pub(crate) fn of_bank(
         bank: &PatternBank,
-        size: (u32, u32),
-        seed: Seed,
+        settings: &Settings,
+        (size, seed): ((u32, u32), Seed),
         watch: &mut Stopwatch,
     ) -> Result<Self, Error> {
         let pattern = bank.pattern(bank.idx_for(seed), size, watch)?;
         Ok(Self {
-            chain: pattern.chain,
+            chain: pattern.chain.followed_by(settings),
             crack_mask_png: Some(pattern.crack_mask_png),
         })
     }
@@ -92,7 +92,7 @@ impl Patterns {
                 Chain::of_simulated(settings, simulated, size, seed, watch)?
             }
             Self::Network(imported) => {
-                Chain::of_simulated(settings, Simulated::from(imported), size, seed, watch)?
+                Chain::of_simulated(settings, Simulated::from(&**imported), size, seed, watch)?
             }
             Self::Overlays(set) => Chain::of_photo(settings, set.draw(size, seed)?, size, watch)?,
             Self::OverlayBank(bank) => {
@@ -103,7 +103,7 @@ impl Patterns {
                 chain.add_fact("pattern", pattern);
                 chain
             }
-            Self::Bank(bank) => return Damaged::of_bank(bank, size, seed, watch),
+            Self::Bank(bank) => return Damaged::of_bank(bank, settings, (size, seed), watch),
         };
         Ok(Damaged {
             chain,

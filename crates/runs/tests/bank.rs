@@ -287,23 +287,6 @@ fn damaged_packed_forms_are_refused_or_read_but_never_more() {
 }
 
 #[test]
-fn recipes_that_make_other_patterns_are_told_apart() {
-    let own = recipe("windshield-star");
-    let mut other = own.clone();
-    other.set("output.quality=71").unwrap();
-    assert_eq!(own.first_difference(&other), None, "how images are stored");
-    other.set("impact.0.speed_m_s=31.5").unwrap();
-    let difference = own.first_difference(&other).unwrap();
-    assert!(
-        difference.starts_with("impact.0.speed_m_s = "),
-        "{difference}"
-    );
-    assert!(difference.ends_with("not 31.5"), "{difference}");
-    let paper = recipe("paper");
-    assert!(own.first_difference(&paper).is_some(), "another model");
-}
-
-#[test]
 fn records_that_are_whole_but_mean_nothing_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("patterns.bank");

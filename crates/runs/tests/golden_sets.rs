@@ -63,7 +63,7 @@ fn sets_are_what_they_were() {
         (
             "from-bank",
             "windshield-star",
-            Patterns::Bank(PatternBank::open(&bank).unwrap()),
+            Patterns::Bank(Box::new(PatternBank::open(&bank).unwrap())),
         ),
     ] {
         let out = folder.path().join(name);

@@ -62,6 +62,14 @@ pub enum Stream {
     SensorDefects,
     /// Phase of lamps.
     Lamps,
+    /// Places of dust on a sensor's cover.
+    SensorSpots,
+    /// Rows of a frame whose colors are not interpolated.
+    SensorRawRows,
+    /// Bits that arrive wrong.
+    LinkBits,
+    /// Frames that do not arrive.
+    Frames,
 }
 
 impl Stream {
@@ -85,6 +93,10 @@ impl Stream {
             Self::SensorPattern => b"sensor-pattern",
             Self::SensorDefects => b"sensor-defects",
             Self::Lamps => b"lamps",
+            Self::SensorSpots => b"sensor-spots",
+            Self::SensorRawRows => b"sensor-raw-rows",
+            Self::LinkBits => b"link-bits",
+            Self::Frames => b"frames",
         }
     }
 }
@@ -159,6 +171,10 @@ mod tests {
             Stream::SensorPattern,
             Stream::SensorDefects,
             Stream::Lamps,
+            Stream::SensorSpots,
+            Stream::SensorRawRows,
+            Stream::LinkBits,
+            Stream::Frames,
         ]
         .map(Stream::name);
         for (i, name) in names.iter().enumerate() {

@@ -32,10 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("raw_frames LEVEL SEED N".into());
     };
     let (level, seed, n): (f32, u64, u64) = (level.parse()?, seed.parse()?, n.parse()?);
-    let sensor = Sensor {
-        noise: Some(NOISE),
-        ..Sensor::default()
-    };
+    let sensor = Sensor::of(NOISE);
     let mut out = std::io::stdout().lock();
     for k in 0..n {
         let mut light = Light::new(SIZE, 1, vec![level; SIZE.0 * SIZE.1])?;

@@ -17,4 +17,16 @@ pub enum SensorError {
         /// Colors of a pixel.
         n_colors: usize,
     },
+    /// A frame that no JPEG holds.
+    #[error(
+        "a frame of {width} x {height} px does not pass as JPEG: {reason}; set link.jpeg_quality to 0"
+    )]
+    Jpeg {
+        /// Its width, px.
+        width: usize,
+        /// Its height, px.
+        height: usize,
+        /// Why.
+        reason: String,
+    },
 }

@@ -1,5 +1,7 @@
 //! Too much light, or too little.
 
+use crate::draw::single;
+
 /// A wrong exposure: the light of a frame is 2^EV times what it should be.
 ///
 /// A photograph brings the noise of its own exposure along. Of light k times as strong, k < 1, a sensor counts k times
@@ -28,14 +30,12 @@ impl Exposure {
         self.ev == 0.0
     }
 
-    /// From the light that was there to the standard deviation of the noise that is missing, in units of white.
-    pub(crate) fn missing(&self) -> impl Fn(f64) -> f64 + use<> {
+    /// From the light of the darker frame to the standard deviation of the noise that it lacks, in units of white.
+    pub(crate) fn missing(&self) -> impl Fn(f32) -> f32 + use<> {
         let (gain, white_e) = (self.gain(), self.white_e);
-        let of_shot = gain - gain * gain;
-        let read = self.read_e * self.read_e * (1.0 - gain * gain);
-        move |light| {
-            let shot = light.max(0.0) * white_e * of_shot;
-            (shot + read).max(0.0).sqrt() / white_e
-        }
+        // Of light u there were u/k.
+        let of_shot = single((1.0 - gain) / white_e);
+        let read = single(self.read_e * self.read_e * (1.0 - gain * gain) / (white_e * white_e));
+        move |light| (light.max(0.0) * of_shot + read).max(0.0).sqrt()
     }
 }

@@ -58,6 +58,11 @@ impl Light {
         &self.values
     }
 
+    /// The values, to be changed.
+    pub(crate) fn values_mut(&mut self) -> &mut [f32] {
+        &mut self.values
+    }
+
     /// Each row with its number.
     pub(crate) fn rows_mut(&mut self) -> impl Iterator<Item = (usize, &mut [f32])> {
         let length = self.width * self.n_colors;

@@ -35,40 +35,60 @@ impl Padded {
         Self { stride, values }
     }
 
-    /// Red, green and blue of a pixel.
-    #[inline(always)]
-    pub(crate) fn colors(&self, x: usize, y: usize) -> [f32; 3] {
-        let row = |dy: usize| {
-            let at = (y + dy) * self.stride + x;
-            &self.values[at..at + 5]
-        };
-        let [up2, up, here, down, down2] = [row(0), row(1), row(2), row(3), row(4)];
-        let center = here[2];
-        let near_h = here[1] + here[3];
-        let near_v = up[2] + down[2];
-        let far_h = here[0] + here[4];
-        let far_v = up2[2] + down2[2];
-        let diagonal = up[1] + up[3] + down[1] + down[3];
-        let along = |near: f32, far_along: f32, far_across: f32| {
-            (5.0 * center + 4.0 * near - diagonal - far_along + 0.5 * far_across) / 8.0
-        };
-        match color_at(x, y) {
-            1 => {
-                let in_row = along(near_h, far_h, far_v);
-                let in_column = along(near_v, far_v, far_h);
-                match y & 1 {
-                    0 => [in_row, center, in_column],
-                    _ => [in_column, center, in_row],
-                }
+    /// Red, green and blue of each pixel of a row.
+    pub(crate) fn colors_of_row(&self, y: usize, mut put: impl FnMut(usize, [f32; 3])) {
+        let rows: [&[f32]; 5] = std::array::from_fn(|dy| {
+            let at = (y + dy) * self.stride;
+            &self.values[at..at + self.stride]
+        });
+        let windows = rows.map(|row| row.windows(2 * REACH + 1));
+        let [up2, up, here, down, down2] = windows;
+        let columns = up2.zip(up).zip(here).zip(down).zip(down2);
+        for (x, ((((up2, up), here), down), down2)) in columns.enumerate() {
+            put(x, interpolated(x, y, [up2, up, here, down, down2]));
+        }
+    }
+}
+
+/// Red, green and blue of a pixel of a mosaic that is zero nearly everywhere.
+pub(crate) fn colors_at(mosaic: &[f32], size: (usize, usize), at: usize) -> [f32; 3] {
+    let (width, height) = size;
+    let (x, y) = (at % width, at / width);
+    let near: [[f32; 5]; 5] = std::array::from_fn(|dy| {
+        let row = mirrored(y + dy, height) * width;
+        std::array::from_fn(|dx| mosaic[row + mirrored(x + dx, width)])
+    });
+    interpolated(x, y, near.each_ref().map(|row| row.as_slice()))
+}
+
+/// The colors of a pixel out of 5 x 5 around it.
+#[inline(always)]
+fn interpolated(x: usize, y: usize, [up2, up, here, down, down2]: [&[f32]; 5]) -> [f32; 3] {
+    let center = here[2];
+    let near_h = here[1] + here[3];
+    let near_v = up[2] + down[2];
+    let far_h = here[0] + here[4];
+    let far_v = up2[2] + down2[2];
+    let diagonal = up[1] + up[3] + down[1] + down[3];
+    let along = |near: f32, far_along: f32, far_across: f32| {
+        (5.0 * center + 4.0 * near - diagonal - far_along + 0.5 * far_across) / 8.0
+    };
+    match color_at(x, y) {
+        1 => {
+            let in_row = along(near_h, far_h, far_v);
+            let in_column = along(near_v, far_v, far_h);
+            match y & 1 {
+                0 => [in_row, center, in_column],
+                _ => [in_column, center, in_row],
             }
-            own => {
-                let far = far_h + far_v;
-                let green = (4.0 * center + 2.0 * (near_h + near_v) - far) / 8.0;
-                let other = (6.0 * center + 2.0 * diagonal - 1.5 * far) / 8.0;
-                match own {
-                    0 => [center, green, other],
-                    _ => [other, green, center],
-                }
+        }
+        own => {
+            let far = far_h + far_v;
+            let green = (4.0 * center + 2.0 * (near_h + near_v) - far) / 8.0;
+            let other = (6.0 * center + 2.0 * diagonal - 1.5 * far) / 8.0;
+            match own {
+                0 => [center, green, other],
+                _ => [other, green, center],
             }
         }
     }
@@ -90,8 +110,11 @@ fn mirrored(at: usize, n: usize) -> usize {
 pub fn demosaic(mosaic: &[f32], (width, height): (usize, usize)) -> Vec<[f32; 3]> {
     assert_eq!(mosaic.len(), width * height, "a value for each pixel");
     let padded = Padded::of(mosaic, width, height);
-    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    places.map(|(x, y)| padded.colors(x, y)).collect()
+    let mut colors = Vec::with_capacity(mosaic.len());
+    for y in 0..height {
+        padded.colors_of_row(y, |_, rgb| colors.push(rgb));
+    }
+    colors
 }
 
 #[cfg(test)]

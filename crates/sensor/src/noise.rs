@@ -6,14 +6,13 @@
 //! e = P(μ(1 + p) + d) − d + N(read_e) + N_row(row_e) + D
 //!
 //! with P Poisson, N normal, p = N(prnu) and D = N(dsnu_e) of the sensor, not of the frame, and d = dark_e_s·τ·2^((T −
-//! 25 °C)/doubling_k) electrons of dark current, whose mean the black level takes away again \[Theuwissen2009\]. From
+//! 25 °C)/doubling_k) electrons of dark current, whose mean the black level takes away again \[Theuwissen2009\]: of the
+//! well, which holds white_e, so much is lost. From
 //! [`MAX_COUNTED`](crate::draw::MAX_COUNTED) electrons on the Poisson number is drawn as a normal one.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::Rng as _;
 use starbreak_seed::{Seed, Stream};
 
-use crate::draw::{MAX_COUNTED, Normal, poisson, single};
+use crate::draw::{MAX_COUNTED, Normal, Poisson, single, words_of};
 
 /// What makes a sensor noisy. All zeros, and an infinite `white_e`, are no noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,53 +70,46 @@ impl Noise {
         0.18 / self.deviation(0.18)
     }
 
-    /// The noise of a row of pixels: how much to add to the light of each.
-    pub(crate) fn row(&self, y: usize, seed: Seed, sensor: Seed) -> Row {
-        let row = y as u64;
+    /// Adds the noise of row y to the light of each of its pixels.
+    pub(crate) fn add_to_row(&self, y: usize, row: &[f32], change: &mut [f32], seeds: [Seed; 2]) {
+        let [frame, sensor] = seeds;
+        let words = words_of(frame, Stream::SensorElectrons, y, 1 + 2 * row.len());
         let has_pattern = self.prnu > 0.0 || self.dsnu_e > 0.0;
-        let mut electrons = seed.stream(Stream::SensorElectrons, row);
-        let normal = Normal::new();
-        Row {
-            row_e: self.row_e * f64::from(normal.of(electrons.next_u32())),
-            dark_e: self.dark_e(),
-            electrons,
-            pattern: has_pattern.then(|| sensor.stream(Stream::SensorPattern, row)),
-            normal,
+        let pattern = match has_pattern {
+            true => words_of(sensor, Stream::SensorPattern, y, 2 * row.len()),
+            false => Vec::new(),
+        };
+        let (normal, poisson) = (Normal::new(), Poisson::new());
+        let [white_e, read_e, prnu, dsnu_e] =
+            [self.white_e, self.read_e, self.prnu, self.dsnu_e].map(single);
+        let dark_e = single(self.dark_e().min(MOST_DARK_E));
+        let row_e = single(self.row_e) * normal.of(words[0]);
+        // What dark current takes of the well is no longer there for light.
+        let room = (1.0 - dark_e / white_e).max(0.0);
+        let mut patterns = pattern.chunks_exact(2);
+        let pixels = row.iter().zip(change).zip(words[1..].chunks_exact(2));
+        for ((light, change), words) in pixels {
+            let signal_e = light.max(0.0) * white_e;
+            let (unlike_e, offset_e) = match patterns.next() {
+                Some(pattern) => (
+                    signal_e * (prnu * normal.of(pattern[0])).max(-1.0),
+                    dsnu_e * normal.of(pattern[1]),
+                ),
+                None => (0.0, 0.0),
+            };
+            let mean_e = signal_e + unlike_e + dark_e;
+            let root = mean_e.sqrt();
+            let by_chance = normal.of(words[0]);
+            let shot_e = if mean_e < MAX_COUNTED {
+                poisson.of(mean_e, root, words[0], by_chance) - mean_e
+            } else {
+                root * by_chance
+            };
+            let noise_e = unlike_e + shot_e + read_e * normal.of(words[1]) + row_e + offset_e;
+            *change = (light + noise_e / white_e).min(room) - light;
         }
     }
 }
 
-/// The noise of one row, pixel after pixel.
-pub(crate) struct Row {
-    row_e: f64,
-    dark_e: f64,
-    electrons: ChaCha8Rng,
-    pattern: Option<ChaCha8Rng>,
-    normal: Normal,
-}
-
-impl Row {
-    /// What the noise adds to the light of the next pixel.
-    #[inline]
-    pub(crate) fn next(&mut self, noise: &Noise, light: f32) -> f32 {
-        let [shot, read] = [self.electrons.next_u32(), self.electrons.next_u32()];
-        let (gain, offset_e) = match &mut self.pattern {
-            Some(pattern) => (
-                noise.prnu * f64::from(self.normal.of(pattern.next_u32())),
-                noise.dsnu_e * f64::from(self.normal.of(pattern.next_u32())),
-            ),
-            None => (0.0, 0.0),
-        };
-        let signal_e = f64::from(light.max(0.0)) * noise.white_e;
-        let mean_e = (signal_e * (1.0 + gain)).max(0.0) + self.dark_e;
-        let counted_e = if mean_e < MAX_COUNTED {
-            poisson(mean_e, shot)
-        } else {
-            mean_e + mean_e.sqrt() * f64::from(self.normal.of(shot))
-        };
-        let read_e = noise.read_e * f64::from(self.normal.of(read));
-        single(
-            (counted_e - self.dark_e - signal_e + read_e + self.row_e + offset_e) / noise.white_e,
-        )
-    }
-}
+/// More dark current than any well holds, electrons.
+const MOST_DARK_E: f64 = 1e12;

@@ -2,7 +2,9 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use starbreak_seed::Seed;
-use starbreak_sensor::{Exposure, Lamps, Light, Lines, Moment, Noise, Pixels, Sensor, demosaic};
+use starbreak_sensor::{
+    Exposure, Lamps, Light, Lines, Moment, Noise, Pixels, Pulse, Sensor, demosaic,
+};
 
 const SILENT: Noise = Noise {
     white_e: 1000.0,
@@ -42,10 +44,7 @@ fn variance(values: &[f64]) -> f64 {
 }
 
 fn of_noise(noise: Noise) -> Sensor {
-    Sensor {
-        noise: Some(noise),
-        ..Sensor::default()
-    }
+    Sensor::of(noise)
 }
 
 #[test]
@@ -148,10 +147,7 @@ fn what_is_fixed_stays_and_what_is_not_does_not() {
             "{found}, not {expected}"
         );
     }
-    let other = Sensor {
-        number: 1,
-        ..of_noise(noise)
-    };
+    let other = Sensor::new(1, vec![(0.0, noise.into())]);
     assert_ne!(
         seen(&other, &flat((300, 200), 1, 0.5), 1),
         bright,
@@ -183,10 +179,7 @@ fn exposure_is_a_factor_and_the_noise_of_fewer_photons_comes_with_it() {
         white_e: 2000.0,
         read_e: 3.0,
     };
-    let sensor = Sensor {
-        exposure: Some(exposure),
-        ..Sensor::default()
-    };
+    let sensor = Sensor::of(exposure);
     // The photograph with its own noise, as the sensor would have taken it.
     let own = of_noise(Noise {
         white_e: 2000.0,
@@ -209,13 +202,10 @@ fn exposure_is_a_factor_and_the_noise_of_fewer_photons_comes_with_it() {
     let found = variance(&darker).sqrt();
     assert!((found / noise - 1.0).abs() < 0.01, "{found}, not {noise}");
 
-    let brighter = Sensor {
-        exposure: Some(Exposure {
-            ev: 1.5,
-            ..exposure
-        }),
-        ..Sensor::default()
-    };
+    let brighter = Sensor::of(Exposure {
+        ev: 1.5,
+        ..exposure
+    });
     let values = seen(&brighter, &flat((10, 10), 1, 0.2), 1);
     let expected = 0.2 * 2.0_f64.powf(1.5);
     assert!(
@@ -242,7 +232,7 @@ fn power(rows: &[f64], frequency: f64) -> f64 {
 #[test]
 fn bands_have_the_frequency_and_depth_of_the_lamps() {
     let lamps = Lamps {
-        mains_hz: 50.0,
+        pulse: Pulse::Mains { mains_hz: 50.0 },
         depth: 0.4,
         row_s: 29.6e-6,
         exposure_s: 4e-3,
@@ -254,10 +244,7 @@ fn bands_have_the_frequency_and_depth_of_the_lamps() {
         "{}",
         lamps.band_depth()
     );
-    let sensor = Sensor {
-        lamps: Some(lamps),
-        ..Sensor::default()
-    };
+    let sensor = Sensor::of(lamps);
     // Ten periods of 1/(2 · 50 Hz · 29.6 µs) = 337.8 rows.
     let n_rows = 3378;
     let values = seen(&sensor, &flat((4, n_rows), 1, 0.5), 2);
@@ -283,15 +270,12 @@ fn bands_have_the_frequency_and_depth_of_the_lamps() {
 #[test]
 fn bands_wander_from_frame_to_frame_as_the_mains_do() {
     let lamps = Lamps {
-        mains_hz: 60.0,
+        pulse: Pulse::Mains { mains_hz: 60.0 },
         depth: 0.3,
         row_s: 20e-6,
         exposure_s: 1e-3,
     };
-    let sensor = Sensor {
-        lamps: Some(lamps),
-        ..Sensor::default()
-    };
+    let sensor = Sensor::of(lamps);
     let rows = |time_s: f64| {
         let mut light = flat((1, 900), 1, 0.5);
         let at = Moment {
@@ -343,28 +327,25 @@ fn defects_are_as_many_as_asked_and_keep_their_places() {
 
 #[test]
 fn a_defect_reaches_five_by_five_pixels_and_not_one_more() {
-    // A gray wall on which one pixel in 400 is dead.
-    let sensor = Sensor {
-        pixels: Some(Pixels {
-            dead_per_mpx: 0.0,
-            hot_per_mpx: 0.0,
-            stuck_per_mpx: 2500.0,
-            hot_level: 0.0,
-        }),
-        ..Sensor::default()
-    };
+    // A gray wall on which one pixel in 400 is stuck. Of 5 x 5 px 13 are made of the middle one.
+    let sensor = Sensor::of(Pixels {
+        dead_per_mpx: 0.0,
+        hot_per_mpx: 0.0,
+        stuck_per_mpx: 2500.0,
+        hot_level: 0.0,
+    });
     let size = (120, 100);
     let mut light = flat(size, 3, 0.4);
     sensor.over(&mut light, Seed(1).into());
-    let reached = sensor.reach(size);
-    let places = sensor.pixels.unwrap().of_sensor(size.0 * size.1, Seed(0));
+    let reached = sensor.reach(size, (3, 8), Seed(1).into());
+    let places = sensor.defects(size);
     assert!(places.len() > 10, "{} defects", places.len());
     let mut n_changed = 0;
     for (at, pixel) in light.values().chunks_exact(3).enumerate() {
         let (x, y) = (at % size.0, at / size.0);
-        let is_near = places.iter().any(|(place, _)| {
-            (place % size.0).abs_diff(x) <= 2 && (place / size.0).abs_diff(y) <= 2
-        });
+        let is_near = places
+            .iter()
+            .any(|(place, _)| (place % size.0).abs_diff(x) + (place / size.0).abs_diff(y) <= 2);
         let is_changed = pixel.iter().any(|value| (value - 0.4).abs() > 0.0);
         assert!(is_near || !is_changed, "({x}, {y}) is changed");
         assert_eq!(is_near, reached[at], "({x}, {y}) is reached");
@@ -383,11 +364,7 @@ fn lines_are_where_the_sensor_has_them() {
         columns: 2,
         level: 1.0,
     };
-    let sensor = Sensor {
-        lines: Some(lines),
-        number: 6,
-        ..Sensor::default()
-    };
+    let sensor = Sensor::new(6, vec![(0.0, lines.into())]);
     let (width, height) = (64, 48);
     let values = seen(&sensor, &flat((width, height), 1, 0.2), 1);
     let n_bright = values.iter().filter(|value| **value > 0.9).count();
@@ -406,31 +383,28 @@ fn faults_of_magnitude_nothing_change_no_bit() {
             read_e: 3.0,
             ..SILENT
         }),
-        Sensor {
-            exposure: Some(Exposure {
-                ev: 0.0,
-                white_e: 5000.0,
-                read_e: 3.0,
-            }),
-            lamps: Some(Lamps {
-                mains_hz: 50.0,
-                depth: 0.0,
-                row_s: 1e-5,
-                exposure_s: 1e-3,
-            }),
-            pixels: Some(Pixels {
-                dead_per_mpx: 0.0,
-                hot_per_mpx: 0.0,
-                stuck_per_mpx: 0.0,
-                hot_level: 1.0,
-            }),
-            lines: Some(Lines {
-                rows: 0,
-                columns: 0,
-                level: 1.0,
-            }),
-            ..Sensor::default()
-        },
+        Sensor::of(Exposure {
+            ev: 0.0,
+            white_e: 5000.0,
+            read_e: 3.0,
+        })
+        .and(Lamps {
+            pulse: Pulse::Mains { mains_hz: 50.0 },
+            depth: 0.0,
+            row_s: 1e-5,
+            exposure_s: 1e-3,
+        })
+        .and(Pixels {
+            dead_per_mpx: 0.0,
+            hot_per_mpx: 0.0,
+            stuck_per_mpx: 0.0,
+            hot_level: 1.0,
+        })
+        .and(Lines {
+            rows: 0,
+            columns: 0,
+            level: 1.0,
+        }),
     ];
     for n_colors in [1, 3] {
         let values = (0..64 * 48 * n_colors).map(|k| (k % 997) as f32 / 996.0);
@@ -439,7 +413,7 @@ fn faults_of_magnitude_nothing_change_no_bit() {
             let mut after = light.clone();
             sensor.over(&mut after, Seed(1).into());
             assert_eq!(after, light, "{n_colors} colors");
-            let reached = sensor.reach((64, 48));
+            let reached = sensor.reach((64, 48), (n_colors, 8), Seed(1).into());
             assert!(!reached.contains(&true), "none is reached");
         }
     }
@@ -508,20 +482,17 @@ fn noise_in_color_is_that_of_the_filters() {
 
 #[test]
 fn defects_show_where_a_frame_is_overexposed() {
-    let sensor = Sensor {
-        exposure: Some(Exposure {
-            ev: 3.0,
-            white_e: 1e6,
-            read_e: 0.0,
-        }),
-        pixels: Some(Pixels {
-            dead_per_mpx: 1e6,
-            hot_per_mpx: 0.0,
-            stuck_per_mpx: 0.0,
-            hot_level: 0.0,
-        }),
-        ..Sensor::default()
-    };
+    let sensor = Sensor::of(Exposure {
+        ev: 3.0,
+        white_e: 1e6,
+        read_e: 0.0,
+    })
+    .and(Pixels {
+        dead_per_mpx: 1e6,
+        hot_per_mpx: 0.0,
+        stuck_per_mpx: 0.0,
+        hot_level: 0.0,
+    });
     for n_colors in [1, 3] {
         let mut light = flat((20, 20), n_colors, 0.7);
         sensor.over(&mut light, Seed(1).into());

@@ -1,5 +1,6 @@
 use starbreak_fracture::FractureError;
 use starbreak_optics::OpticsError;
+use starbreak_sensor::SensorError;
 
 use crate::RecipeError;
 
@@ -16,6 +17,9 @@ pub enum Error {
     /// The optics refused.
     #[error(transparent)]
     Optics(#[from] OpticsError),
+    /// A fault behind the lens cannot be had of an image.
+    #[error(transparent)]
+    Sensor(#[from] SensorError),
     /// A stone that would fly past the pane.
     #[error(
         "impact {impact}: {}; move the impact or the pane (glass.distance_m, glass.axis_at, glass.width_mm)",

@@ -31,8 +31,15 @@ fn scene() -> RgbImage {
 
 fn picture(preset: &str, focus: &str) -> RgbImage {
     if !PRESETS.iter().any(|(glass, _)| *glass == preset) {
-        // Of few pixels some have to be defective.
-        return through(&Recipe::preset_at(preset, 4).unwrap());
+        // Of few pixels some have to be defective, and of few rows some missing.
+        let mut recipe =
+            Recipe::preset_at(preset, if preset == "bit-errors" { 5 } else { 4 }).unwrap();
+        if preset == "blank-frames" {
+            for setting in ["frames.frozen=0", "frames.black=0", "frames.white=1"] {
+                recipe.set(setting).unwrap();
+            }
+        }
+        return through(&recipe);
     }
     let mut recipe = Recipe::preset(preset).unwrap();
     // A small frame behind glass at hand sees the hit and what runs from it.

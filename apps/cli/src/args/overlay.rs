@@ -124,7 +124,8 @@ impl OverlayArgs {
                 "{flag} was settled when the bank {folder:?} was made; leave it out, or make another bank with it"
             )));
         }
-        Ok(Some(Patterns::OverlayBank(OverlayBank::open(folder)?)))
+        let bank = OverlayBank::open(folder)?;
+        Ok(Some(Patterns::OverlayBank(Box::new(bank))))
     }
 
     /// The first flag that is given.

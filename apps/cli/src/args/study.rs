@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use starbreak::{FAULTS, PRESETS};
 
 use super::evaluate::ProtocolWord;
 use super::generate::OnError;
@@ -29,6 +30,9 @@ pub(crate) struct StudyArgs {
     /// Presets to damage the images with
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with_all = ["preset", "recipe"])]
     pub(crate) presets: Vec<String>,
+    /// All presets of a suite: `camera` are the faults behind the lens, `glass` is broken glass
+    #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["preset", "recipe", "presets"])]
+    pub(crate) suite: Option<SuiteWord>,
     /// Recipes to damage the images with; severities do not scale them
     #[arg(long, value_name = "FILE,…", value_delimiter = ',', conflicts_with_all = ["preset", "recipe"])]
     pub(crate) recipes: Vec<PathBuf>,
@@ -74,13 +78,43 @@ pub(crate) struct StudyArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100))]
     pub(crate) worst: Option<u32>,
     /// Whether to compare the sets of images, too: KL, JS and W1 of five features of their
-    /// pixels
-    #[arg(long, value_enum, default_value_t = DivergenceWord::On)]
-    pub(crate) divergence: DivergenceWord,
+    /// pixels [default: on; off with --no-store]
+    #[arg(long, value_enum)]
+    pub(crate) divergence: Option<DivergenceWord>,
+    /// Remove the damaged images of each condition once all detectors have looked at them: the
+    /// disk holds one condition at a time. Masks, records with hashes, and detections stay; the
+    /// report shows no pictures
+    #[arg(long)]
+    pub(crate) no_store: bool,
     /// What to do with records that break the format of the dataset: stop before anything is
     /// written, or leave these images out; labels must be good either way
     #[arg(long, value_enum, default_value_t = OnError::Stop)]
     pub(crate) on_error: OnError,
+}
+
+/// Presets that belong together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SuiteWord {
+    /// The faults behind the lens
+    Camera,
+    /// Broken glass
+    Glass,
+}
+
+impl SuiteWord {
+    /// Its presets.
+    pub(crate) fn presets(self) -> Vec<String> {
+        let names = |named: &[(&str, &str)]| -> Vec<String> {
+            named.iter().map(|(name, _)| (*name).to_owned()).collect()
+        };
+        match self {
+            Self::Camera => FAULTS
+                .iter()
+                .flat_map(|fault| names(fault.presets))
+                .collect(),
+            Self::Glass => names(&PRESETS),
+        }
+    }
 }
 
 /// Whether sets of images are compared.

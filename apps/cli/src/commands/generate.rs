@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::Recipe;
+use starbreak::{FAULTS, Recipe};
 use starbreak_dataset::{
     BadRecord, Carry, DatasetError, Encoding, Source, encode_image, file_in, is_inside, same_file,
 };
@@ -136,7 +136,7 @@ pub(super) fn patterns(
     }
     let Some(bank) = bank else {
         let imported = network_file::read(network, outputs)?;
-        return Ok(imported.map_or(Patterns::Fresh, Patterns::Network));
+        return Ok(imported.map_or(Patterns::Fresh, |it| Patterns::Network(Box::new(it))));
     };
     let file = file_in(bank, BANK_FILE);
     if let Some(output) = outputs.iter().find(|output| same_file(&file, output)) {
@@ -151,18 +151,27 @@ pub(super) fn patterns(
     }
     let mut bank = PatternBank::open(bank)?;
     bank.set_max_memory(max_memory);
-    Ok(Patterns::Bank(bank))
+    Ok(Patterns::Bank(Box::new(bank)))
 }
 
-/// The recipe that the patterns were made with, with what is said of the output.
+/// The recipe that the patterns were made with, with what is said of the output and of what lies behind the lens.
 pub(super) fn recipe_of_bank(bank: &PatternBank, global: &Global) -> Result<Recipe, Failure> {
     let mut recipe = bank.header().parse_recipe()?;
     recipe.set_max_memory(global.max_memory);
+    let later: Vec<&str> = (FAULTS.iter().map(|fault| fault.table))
+        .chain(["sensor", "output"])
+        .collect();
     for assignment in &global.set {
-        if !assignment.trim_start().starts_with("output.") {
+        let table = assignment
+            .trim_start()
+            .split('.')
+            .next()
+            .unwrap_or_default();
+        if !later.contains(&table) {
             return Err(Failure::wrong_input(format!(
-                "--set {assignment} would change the recipe of the bank's patterns; only output.… can be set with \
-                 --bank, or make another bank with it"
+                "--set {assignment} would change the recipe of the bank's patterns; with --bank only these tables can \
+                 be set: {}; or make another bank with it",
+                later.join(", ")
             )));
         }
         recipe.set(assignment)?;

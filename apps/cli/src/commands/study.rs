@@ -17,7 +17,7 @@ use starbreak_runs::{Patterns, with_threads};
 use super::detect::{contract_of, say_contract, say_unmapped};
 use super::generate::{mind_bad_records, refuse_output_in};
 use super::study_report::StudyReport;
-use crate::args::study::{DivergenceWord, StudyArgs};
+use crate::args::study::{DivergenceWord, StudyArgs, SuiteWord};
 use crate::args::{Global, read_recipe};
 use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
@@ -27,6 +27,11 @@ use crate::screen::{Progress, Screen};
 const PHOTOS: &str = "photos";
 
 pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<u8, Failure> {
+    if args.no_store && args.divergence == Some(DivergenceWord::On) {
+        return Err(Failure::wrong_input(
+            "--divergence on compares images, which --no-store does not keep; leave one of them out",
+        ));
+    }
     let photos = photos_of(args)?;
     let conditions = conditions_of(global, args)?;
     let spec = global.spec(&args.source)?;
@@ -45,6 +50,7 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
     let detectors = detectors_of(args, &source, &truth, screen)?;
 
     let interrupt = Interrupt::listen(screen);
+    let compares = !args.no_store && args.divergence != Some(DivergenceWord::Off);
     let plan = StudyPlan {
         source: &source,
         survey: &survey,
@@ -55,12 +61,11 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
         photos: photos.as_ref(),
         out: &args.output,
         n_threads: n_threads(global),
+        keeps_images: !args.no_store,
     };
     let steps = Steps {
         screen,
-        n_steps: conditions.len() * (1 + detectors.len())
-            + detectors.len()
-            + usize::from(args.divergence == DivergenceWord::On),
+        n_steps: conditions.len() * (1 + detectors.len()) + detectors.len() + usize::from(compares),
         now: Mutex::new((0, None)),
     };
     let runs = with_threads(usize::from(global.threads), || {
@@ -68,9 +73,9 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
     })??;
     let interrupted = || Failure::interrupted("interrupted; the same command goes on where it was");
     let runs = runs.ok_or_else(interrupted)?;
-    let divergence = match args.divergence {
-        DivergenceWord::Off => None,
-        DivergenceWord::On => {
+    let divergence = match compares {
+        false => None,
+        true => {
             let found = with_threads(usize::from(global.threads), || {
                 plan.divergence(&runs, global.seed, interrupt.flag(), &|event| {
                     steps.tell(event);
@@ -121,7 +126,8 @@ fn photos_of(args: &StudyArgs) -> Result<Option<Patterns>, Failure> {
 /// Families times severities times seeds.
 fn conditions_of(global: &Global, args: &StudyArgs) -> Result<Vec<Condition>, Failure> {
     let mut families = Vec::new();
-    for name in &args.presets {
+    let suite = args.suite.map(SuiteWord::presets).unwrap_or_default();
+    for name in suite.iter().chain(&args.presets) {
         families.push(Family::Preset(name.clone()));
     }
     for path in &args.recipes {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
+use starbreak::FractureSettings;
 use starbreak_dataset::{FileSet, OutputBatch, SourceSpec};
 use starbreak_eval::GroundTruth;
 use starbreak_eval::evaluation::{
@@ -11,7 +12,7 @@ use starbreak_eval::evaluation::{
 };
 use starbreak_eval::report::report_files;
 use starbreak_runs::evaluation::{files_of, label_files, short_name};
-use starbreak_runs::study::{StudyPlan, StudyRuns};
+use starbreak_runs::study::{Condition, StudyPlan, StudyRuns};
 
 use crate::args::Global;
 use crate::args::study::StudyArgs;
@@ -79,7 +80,15 @@ impl StudyReport<'_> {
             .iter()
             .map(|detector| detector.name.as_str())
             .collect();
-        let title = format!("{} behind broken glass", names.join(", "));
+        let breaks = |condition: &Condition| {
+            let settings = condition.recipe.settings();
+            settings.is_ok_and(|it| !matches!(it.fracture, FractureSettings::None))
+        };
+        let what = match self.plan.conditions.iter().any(breaks) {
+            true => "behind broken glass",
+            false => "in a camera with faults",
+        };
+        let title = format!("{} {what}", names.join(", "));
         let provenance = Provenance {
             inputs: self.inputs()?,
             versions: vec![Versions {

@@ -34,7 +34,7 @@ if _IS_X:
 from . import Recipe
 from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region, whole
 
-__all__ = ["CrackedGlass"]
+__all__ = ["CameraFault", "CrackedGlass"]
 
 _TARGETS = ("image", "images", "mask", "masks", "bboxes", "keypoints")
 
@@ -188,3 +188,7 @@ def _first_image(data: dict[str, Any]) -> Image | None:
             first: Image = frames[0][0] if name == "volumes" else frames[0]
             return first
     return None
+
+
+#: The same under the name of what it does with presets such as ``noise``.
+CameraFault = CrackedGlass

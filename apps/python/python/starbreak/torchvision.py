@@ -27,7 +27,7 @@ except ImportError as error:
 
 from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region, whole
 
-__all__ = ["CrackedGlass"]
+__all__ = ["CameraFault", "CrackedGlass"]
 
 
 def _is_plain_tensor(value: Any) -> bool:
@@ -117,3 +117,7 @@ def _frames(image: Any) -> Sequence[Image]:
     if image.ndim < 3:
         raise ValueError(f"tensor of shape {tuple(image.shape)}: expected (…, 1 or 3, H, W)")
     return list(image.reshape(-1, *image.shape[-3:]).permute(0, 2, 3, 1).numpy())
+
+
+#: The same under the name of what it does with presets such as ``noise``.
+CameraFault = CrackedGlass

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected_region
 
-__all__ = ["CrackedGlass"]
+__all__ = ["CameraFault", "CrackedGlass"]
 
 
 class CrackedGlass:
@@ -68,3 +68,7 @@ class CrackedGlass:
         with collected_region(self._region) as regions:
             cracked = self._drawing.crack_or_spare([image], seed)[0]
         return (cracked, regions[0]) if self._region else cracked
+
+
+#: The same under the name of what it does with presets such as ``noise``.
+CameraFault = CrackedGlass

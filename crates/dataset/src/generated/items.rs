@@ -112,7 +112,29 @@ impl SetLayout {
     /// [`DatasetError::Read`] where the disk cannot be asked.
     pub fn done(&self, name: &str, sample_idx: u32) -> Result<Option<ItemRecord>, DatasetError> {
         let files = self.files_of(name, sample_idx);
-        let path = self.path(&files.provenance);
+        let record = self.recorded(name, sample_idx)?;
+        Ok(record.filter(|record| {
+            let wanted = [
+                Some(&files.image),
+                record.region_blake3.as_ref().map(|_| &files.region),
+                record.crack_blake3.as_ref().map(|_| &files.crack),
+            ];
+            let is_there =
+                |name: &String| fs::metadata(self.path(name)).is_ok_and(|it| it.is_file());
+            wanted.into_iter().flatten().all(is_there)
+        }))
+    }
+
+    /// What the record of a sample says, whether its image and its masks are there or not.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`] where the disk cannot be asked.
+    pub fn recorded(
+        &self,
+        name: &str,
+        sample_idx: u32,
+    ) -> Result<Option<ItemRecord>, DatasetError> {
+        let path = self.path(&self.files_of(name, sample_idx).provenance);
         let file = match read_text(&path, MAX_ITEM_BYTES) {
             Ok(file) => file,
             Err(DatasetError::Read { source, .. }) if source.kind() == ErrorKind::NotFound => {
@@ -128,16 +150,7 @@ impl SetLayout {
         let (input_blake3, image_blake3) = (record.input.blake3, record.output.blake3);
         let of = |file: Option<NamedFile>| file.map(|file| file.blake3);
         let (region_blake3, crack_blake3) = (of(record.region), of(record.crack));
-        let wanted = [
-            Some(&files.image),
-            region_blake3.as_ref().map(|_| &files.region),
-            crack_blake3.as_ref().map(|_| &files.crack),
-        ];
-        let are_there = wanted
-            .into_iter()
-            .flatten()
-            .all(|name| fs::metadata(self.path(name)).is_ok_and(|file| file.is_file()));
-        Ok((is_this && are_there).then(|| ItemRecord {
+        Ok(is_this.then(|| ItemRecord {
             name: name.to_owned(),
             sample: sample_idx,
             input_blake3,

@@ -1,6 +1,8 @@
 //! Many tests at once: Holm's correction over all conditions of a study.
 
-use super::{Evaluation, FailureResults, FailureRow, GroupKind, OverSeeds, PairedRow, Study};
+use super::{
+    Evaluation, FailureResults, FailureRow, GroupKind, OverSeeds, PairedRow, Study, Warning,
+};
 use crate::statistic::holm;
 
 /// A p with what it is of, and where its corrected one goes.
@@ -40,6 +42,31 @@ impl Study {
             of_rates(&about, condition, rates, &mut tests);
         }
         correct(tests);
+    }
+
+    /// Warns where the smallest p that so many replicates can give is no longer significant once it is corrected, at
+    /// 5 %, in the question that a study asks: all classes together.
+    pub fn warn_of_few_replicates(&mut self, n_replicates: u32) {
+        let least = 1.0 / (f64::from(n_replicates) + 1.0);
+        let rows = self.evaluations.iter().flat_map(|one| &one.paired);
+        let of_all = rows.filter(|row| row.group.kind == GroupKind::All);
+        let factors = of_all.filter_map(|row| {
+            let (p, p_holm) = (row.p?, row.p_holm?);
+            (p < 1.001 * least && p_holm > 0.05).then_some(p_holm / p)
+        });
+        let factor = factors.fold(0.0, f64::max);
+        if factor > 0.0 {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "twenty times a number of tests, held by the largest"
+            )]
+            let needed = (factor * 20.0 / 1000.0).ceil() as u32 * 1000;
+            self.warnings.push(Warning::FewReplicates {
+                n_replicates,
+                needed,
+            });
+        }
     }
 }
 

@@ -51,6 +51,11 @@ pub enum Warning {
     /// What to do about the classes, in words of the audit.
     #[error("{0}")]
     Classes(String),
+    #[error(
+        "with {n_replicates} replicates no p is below 1/{n_replicates}, which after the correction for so many tests \
+         decides nothing; use --replicates {needed} or more"
+    )]
+    FewReplicates { n_replicates: u32, needed: u32 },
     #[error("intervals are over {n} {units}; over fewer than {few} they are too narrow")]
     FewUnits { n: Span, units: String, few: u32 },
     #[error(
@@ -218,6 +223,7 @@ impl Warning {
         match self {
             Self::UnknownCategories { .. } | Self::Classes(_) => WarningKind::LabelMap,
             Self::FewUnits { .. }
+            | Self::FewReplicates { .. }
             | Self::SmallDamage { .. }
             | Self::FewObjectsInRegion { .. }
             | Self::FewAtRisk { .. }
@@ -303,6 +309,7 @@ impl Warning {
                 vec![n_clips]
             }
             Self::Classes(_)
+            | Self::FewReplicates { .. }
             | Self::NumberedFrames { .. }
             | Self::NoLabels { .. }
             | Self::NoDamage { .. }

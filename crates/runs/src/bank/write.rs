@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use starbreak::{Settings, simulate};
+use starbreak::{FractureSettings, Settings, simulate};
 use starbreak_dataset::{BankRecord, BankWriter, OutputBatch, WrittenBank, refuse_inside_set};
 use starbreak_glass::Generator;
 
@@ -59,7 +59,7 @@ impl BankDraft {
 /// memory there are at most 256 patterns and a row for each.
 ///
 /// # Errors
-/// [`Error::Interrupted`] once `stop` is set: there is no half a bank. [`Error::OfPattern`] for a
+/// [`Error::NothingBreaks`] for a recipe without broken glass. [`Error::Interrupted`] once `stop` is set: there is no half a bank. [`Error::OfPattern`] for a
 /// pattern that cannot be made, [`Error::Dataset`] for a path in a generated set, and where the file
 /// system refuses.
 pub fn write_bank(
@@ -71,6 +71,9 @@ pub fn write_bank(
     progress: impl Fn(usize) + Sync,
 ) -> Result<BankDraft, Error> {
     refuse_inside_set(to)?;
+    if matches!(context.settings.fracture, FractureSettings::None) {
+        return Err(Error::NothingBreaks);
+    }
     let mut distinct: Vec<(u32, u32)> = Vec::new();
     for size in sizes {
         if !distinct.contains(size) {

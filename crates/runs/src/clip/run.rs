@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 
+use image::{ColorType, DynamicImage};
 use rayon::prelude::*;
-use starbreak::sensor::Moment;
+use starbreak::sensor::{FrameState, Frames, Moment};
 use starbreak::{Chain, Lit, PaneLayer, Settings};
 use starbreak_optics::environment::Environment;
 use starbreak_seed::Seed;
@@ -16,7 +17,7 @@ use super::sink::{Ready, Sink, Target};
 use super::source::{Frame, Source};
 use super::stage::StageFacts;
 use super::timeline::{GlassState, Timeline};
-use super::track::TrackFrame;
+use super::track::{Arrival, TrackFrame};
 use crate::Error;
 
 /// How often a run that waits for a frame looks whether it is to stop.
@@ -48,10 +49,18 @@ struct Kept<'a> {
     /// The full cracks under the last light.
     lit: Option<(Option<Environment>, Arc<Lit<'a>>)>,
     intact: Arc<StageFacts>,
+    /// The last frame that arrived, where others may repeat it.
+    last_good: Option<(DynamicImage, Plan<'a>)>,
 }
 
-/// One frame's glass.
+/// One frame's glass, and what becomes of the frame.
+#[derive(Clone)]
 struct Plan<'a> {
+    /// When the frame that is shown was taken.
+    at: Moment,
+    arrives: FrameState,
+    /// Whether what is shown is black or white.
+    is_blank: bool,
     state: GlassState,
     grown: f64,
     light: Option<Environment>,
@@ -91,7 +100,8 @@ pub(super) fn run<'a>(
         onset_light: None,
         still: None,
         lit: None,
-        intact: StageFacts::intact(show.bare, show.chain.size(), show.with_masks)?,
+        intact: StageFacts::intact(show.chain.size(), show.wanted())?,
+        last_good: None,
     };
     let frames = source.frames()?;
     std::thread::scope(|scope| {
@@ -192,7 +202,7 @@ fn next_batch(
 
 impl<'a> Show<'a> {
     /// Shows the cracks in some frames, in parallel; the result does not depend on how many.
-    fn batch(&'a self, kept: &mut Kept<'a>, batch: Vec<Frame>) -> Result<Vec<Shown>, Error> {
+    fn batch(&'a self, kept: &mut Kept<'a>, mut batch: Vec<Frame>) -> Result<Vec<Shown>, Error> {
         let own_light: Vec<Option<Environment>> = batch
             .par_iter()
             .map(|frame| match kept.light.wants(frame.idx) {
@@ -201,21 +211,8 @@ impl<'a> Show<'a> {
             })
             .collect();
         let mut plans = Vec::with_capacity(batch.len());
-        for (frame, own) in batch.iter().zip(own_light) {
-            let (state, grown) = self.timeline.at(frame.time_s);
-            let light = kept.light.next(own);
-            if state != GlassState::Intact && kept.onset_light.is_none() {
-                kept.onset_light = light;
-            }
-            let is_still = state == GlassState::Still;
-            let lit = is_still.then(|| self.still_under(kept, light));
-            let lit = lit.transpose()?;
-            plans.push(Plan {
-                state,
-                grown,
-                light,
-                lit,
-            });
+        for (frame, own) in batch.iter_mut().zip(own_light) {
+            plans.push(self.plan(kept, frame, own)?);
         }
         if kept.still.is_none() && plans.iter().any(|plan| plan.state == GlassState::Still) {
             let lit = self.still_under(kept, kept.onset_light)?;
@@ -228,6 +225,70 @@ impl<'a> Show<'a> {
             .with_max_len(1)
             .map(|(frame, plan)| self.one(kept, frame, &plan))
             .collect()
+    }
+
+    /// What is to be done with a frame, one after the other. One that does not arrive gets the pixels and the glass of
+    /// the last that did.
+    fn plan(
+        &'a self,
+        kept: &mut Kept<'a>,
+        frame: &mut Frame,
+        own_light: Option<Environment>,
+    ) -> Result<Plan<'a>, Error> {
+        let at = Moment {
+            frame: self.seed.of_item(self.name, frame.idx),
+            clip: self.seed.of_item(self.name, 0),
+            frame_idx: frame.idx,
+            time_s: frame.time_s,
+        };
+        // The light goes on, whatever arrives.
+        let light = kept.light.next(own_light);
+        let sensor = self.chain.settings().sensor.as_ref();
+        let arrives = sensor.map_or(FrameState::Good, |sensor| {
+            sensor.at(at.time_s).frame_state(at)
+        });
+        if arrives.repeats()
+            && let Some((pixels, plan)) = &kept.last_good
+        {
+            frame.pixels = as_color(pixels, frame.pixels.color());
+            return Ok(Plan {
+                arrives,
+                ..plan.clone()
+            });
+        }
+        let is_first = kept.last_good.is_none();
+        let (state, grown) = self.timeline.at(frame.time_s);
+        if state != GlassState::Intact && kept.onset_light.is_none() {
+            kept.onset_light = light;
+        }
+        let is_still = state == GlassState::Still;
+        let lit = is_still.then(|| self.still_under(kept, light));
+        let plan = Plan {
+            at,
+            arrives,
+            is_blank: arrives.is_blank(),
+            state,
+            grown,
+            light,
+            lit: lit.transpose()?,
+        };
+        // Before any good one the first frame is repeated, whatever it is.
+        if (arrives == FrameState::Good || is_first) && self.may_repeat() {
+            kept.last_good = Some((frame.pixels.clone(), plan.clone()));
+        }
+        Ok(plan)
+    }
+
+    /// Whether a frame may repeat one before.
+    fn may_repeat(&self) -> bool {
+        let sensor = self.chain.settings().sensor.as_ref();
+        let frames = sensor.and_then(|sensor| sensor.get::<Frames>());
+        frames.is_some_and(|frames| frames.frozen + frames.dropped > 0.0)
+    }
+
+    /// Whether masks are wanted, and whether a sensor's faults come on top of the glass.
+    fn wanted(&self) -> (bool, bool) {
+        (self.with_masks, self.chain.settings().sensor.is_some())
     }
 
     /// The full cracks under a light.
@@ -253,15 +314,11 @@ impl<'a> Show<'a> {
         grown: f64,
     ) -> Result<Arc<StageFacts>, Error> {
         let length_px = self.chain.crack_length_px(grown)?;
-        StageFacts::of(layer, lit, length_px, self.with_masks)
+        StageFacts::of(layer, lit, length_px, self.wanted())
     }
 
     fn one(&self, kept: &Kept<'a>, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {
-        let at = Moment {
-            frame: self.seed.of_item(self.name, frame.idx),
-            clip: self.seed.of_item(self.name, 0),
-            time_s: frame.time_s,
-        };
+        let at = plan.at;
         let mut is_untouched = false;
         let facts = match (plan.state, &plan.lit, &kept.still) {
             (GlassState::Still, Some(lit), Some(facts)) => {
@@ -280,13 +337,18 @@ impl<'a> Show<'a> {
                 }
             }
             _ => {
-                is_untouched = self.bare.changes_nothing();
+                is_untouched = self.bare.changes_nothing(at.time_s) && at.frame_idx == frame.idx;
                 if !is_untouched {
                     self.bare.over(&mut frame.pixels, at)?;
                 }
                 Arc::clone(&kept.intact)
             }
         };
+        // Of another frame, which may differ anywhere.
+        let is_other = at.frame_idx != frame.idx;
+        let seen = (frame.pixels.color(), at);
+        let behind = facts.behind(self.bare, seen, (plan.is_blank, is_other))?;
+        let facts = behind.unwrap_or(facts);
         let (frame_idx, time_s) = (frame.idx, frame.time_s);
         let own_masks = match &frame.file {
             Some(file) => facts.masks_as(&file.image)?,
@@ -294,15 +356,37 @@ impl<'a> Show<'a> {
         };
         let mut ready = self.target.prepare(frame, is_untouched, self.settings)?;
         ready.own_masks = own_masks;
+        let sensor = self.chain.settings().sensor.as_ref();
+        let arrival = sensor.and_then(|sensor| sensor.get::<Frames>());
         let line = TrackFrame {
             frame_idx,
             time_s,
             state: plan.state,
+            is_hit: self.timeline.at(time_s).0 != GlassState::Intact,
             growth: self.timeline.reached(plan.grown),
             crack_length_px: facts.crack_length_px,
             region_fraction: facts.region_fraction,
+            arrival: arrival.map(|_| Arrival {
+                state: plan.arrives.name(),
+                shows_frame_idx: (!plan.is_blank).then_some(at.frame_idx),
+            }),
             file: ready.file_name().map(str::to_owned),
         };
         Ok(Shown { ready, facts, line })
+    }
+}
+
+/// The same picture in the colors of a file.
+fn as_color(pixels: &DynamicImage, color: ColorType) -> DynamicImage {
+    match color {
+        ColorType::L8 => pixels.to_luma8().into(),
+        ColorType::La8 => pixels.to_luma_alpha8().into(),
+        ColorType::Rgb8 => pixels.to_rgb8().into(),
+        ColorType::Rgba8 => pixels.to_rgba8().into(),
+        ColorType::L16 => pixels.to_luma16().into(),
+        ColorType::La16 => pixels.to_luma_alpha16().into(),
+        ColorType::Rgb16 => pixels.to_rgb16().into(),
+        ColorType::Rgba16 => pixels.to_rgba16().into(),
+        _ => pixels.clone(),
     }
 }

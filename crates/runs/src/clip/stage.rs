@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use image::GrayImage;
 use image::metadata::Orientation;
+use image::{ColorType, GrayImage};
+use starbreak::sensor::Moment;
 use starbreak::{Lit, PaneLayer, region_fraction};
 use starbreak_dataset::{ImageFile, encode_mask, encode_mask_as};
 
@@ -17,7 +18,9 @@ pub(super) struct StageFacts {
     /// Length of the cracks inside the frame, px; none where a photograph is shown.
     pub(super) crack_length_px: Option<f64>,
     /// Region and crack mask, if asked for.
-    pub(super) masks: Option<[StageMask; 2]>,
+    pub(super) masks: Option<[Arc<StageMask>; 2]>,
+    /// Where the glass affects the frame, if a sensor's faults come on top.
+    glass_region: Option<GrayImage>,
 }
 
 /// A mask of a stage.
@@ -29,9 +32,9 @@ pub(super) struct StageMask {
 }
 
 impl StageMask {
-    fn of(upright: GrayImage) -> Result<Self, Error> {
+    fn of(upright: GrayImage) -> Result<Arc<Self>, Error> {
         let png = encode_mask(&upright)?;
-        Ok(Self { upright, png })
+        Ok(Arc::new(Self { upright, png }))
     }
 
     pub(super) fn png(&self) -> &[u8] {
@@ -51,48 +54,81 @@ impl StageFacts {
         }
     }
 
+    /// Under the glass alone. Of a chain with a faulty sensor, [`StageFacts::behind`] says the rest.
     pub(super) fn of(
         layer: &PaneLayer,
         lit: &Lit<'_>,
         crack_length_px: Option<f64>,
-        with_masks: bool,
+        (with_masks, with_sensor): (bool, bool),
     ) -> Result<Arc<Self>, Error> {
-        let region = lit.region(layer.size())?;
-        let masks = if with_masks {
-            Some([
-                StageMask::of(region.clone())?,
-                StageMask::of(layer.crack_mask()?)?,
-            ])
-        } else {
-            None
+        let region = lit.glass_region(layer.size())?;
+        let crack = || Ok(layer.crack_mask()?);
+        Self::new(
+            region,
+            crack_length_px,
+            with_masks.then_some(&crack),
+            with_sensor,
+        )
+    }
+
+    /// Before the glass breaks.
+    pub(super) fn intact(
+        (width, height): (u32, u32),
+        (with_masks, with_sensor): (bool, bool),
+    ) -> Result<Arc<Self>, Error> {
+        let region = GrayImage::new(width, height);
+        let crack = || Ok(GrayImage::new(width, height));
+        Self::new(region, Some(0.0), with_masks.then_some(&crack), with_sensor)
+    }
+
+    fn new(
+        region: GrayImage,
+        crack_length_px: Option<f64>,
+        crack: Option<&dyn Fn() -> Result<GrayImage, Error>>,
+        with_sensor: bool,
+    ) -> Result<Arc<Self>, Error> {
+        let masks = match crack {
+            Some(crack) => Some([StageMask::of(region.clone())?, StageMask::of(crack()?)?]),
+            None => None,
         };
         Ok(Arc::new(Self {
             region_fraction: region_fraction(&region),
             crack_length_px,
             masks,
+            glass_region: with_sensor.then_some(region),
         }))
     }
 
-    /// Before the glass breaks: what the sensor does is there already.
-    pub(super) fn intact(
-        bare: &Lit<'_>,
-        (width, height): (u32, u32),
-        with_masks: bool,
-    ) -> Result<Arc<Self>, Error> {
-        let region = bare.sensor_region((width, height));
-        let region_fraction = region_fraction(&region);
-        let masks = if with_masks {
-            Some([
-                StageMask::of(region)?,
-                StageMask::of(GrayImage::new(width, height))?,
-            ])
-        } else {
-            None
+    /// The same behind a sensor with faults, in a frame that `lit` was put over; of a frame that is blank no crack is
+    /// left, and where another frame is shown all of it is affected.
+    pub(super) fn behind(
+        &self,
+        lit: &Lit<'_>,
+        (color, at): (ColorType, Moment),
+        (is_blank, is_other): (bool, bool),
+    ) -> Result<Option<Arc<Self>>, Error> {
+        let Some(mut region) = self.glass_region.clone() else {
+            return Ok(None);
         };
-        Ok(Arc::new(Self {
-            region_fraction,
-            crack_length_px: Some(0.0),
+        match is_other {
+            true => region.as_flat_samples_mut().as_mut_slice().fill(255),
+            false => lit.add_sensor(&mut region, color, at),
+        }
+        let masks = match &self.masks {
+            Some([_, crack]) => {
+                let crack = match is_blank {
+                    true => StageMask::of(GrayImage::new(region.width(), region.height()))?,
+                    false => Arc::clone(crack),
+                };
+                Some([StageMask::of(region.clone())?, crack])
+            }
+            None => None,
+        };
+        Ok(Some(Arc::new(Self {
+            region_fraction: region_fraction(&region),
+            crack_length_px: self.crack_length_px,
             masks,
-        }))
+            glass_region: None,
+        })))
     }
 }

@@ -1,6 +1,6 @@
 //! When the glass is hit, and how far the cracks are in each frame.
 
-use starbreak::{Arrivals, Chain};
+use starbreak::{Arrivals, Chain, FractureSettings};
 
 use super::{ClipError, Growth};
 
@@ -54,6 +54,12 @@ impl Timeline {
         growth: Growth,
         frame_s: f64,
     ) -> Result<Self, ClipError> {
+        let is_whole = matches!(chain.settings().fracture, FractureSettings::None)
+            && chain.network().is_none()
+            && chain.photo().is_none();
+        if is_whole && (impact_at_s > 0.0 || growth != Growth::Whole) {
+            return Err(ClipError::NothingBreaks);
+        }
         if !chain.can_grow() && growth != Growth::Whole {
             return Err(ClipError::NoNetwork);
         }

@@ -26,15 +26,30 @@ pub(super) struct TrackFrame {
     pub(super) time_s: f64,
     #[serde(serialize_with = "state_name")]
     pub(super) state: GlassState,
+    /// Whether the glass is hit by then, whatever the frame shows.
+    #[serde(skip)]
+    pub(super) is_hit: bool,
     /// In the unit of the header's `growth.unit`; where that is null, because the network keeps no
     /// times, 1 for cracks that are there and 0 for none.
     pub(super) growth: f64,
     /// Null where a photograph is shown, which says nothing of its cracks.
     pub(super) crack_length_px: Option<f64>,
     pub(super) region_fraction: f64,
+    /// What became of the frame, where the recipe has `[frames]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) arrival: Option<Arrival>,
     /// File of the frame, in a folder.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) file: Option<String>,
+}
+
+/// What became of a frame. What the line says of the glass is that of the frame that is shown.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Arrival {
+    /// `good`, `black`, `white`, `frozen` or `dropped`.
+    pub(super) state: &'static str,
+    /// The frame that is shown; none where it is blank.
+    pub(super) shows_frame_idx: Option<u64>,
 }
 
 #[expect(
@@ -67,7 +82,7 @@ pub(super) struct TrackHeader<'a> {
 pub(super) fn onset(frames: &[TrackFrame]) -> Option<(u64, f64)> {
     frames
         .iter()
-        .find(|frame| frame.state != GlassState::Intact)
+        .find(|frame| frame.is_hit)
         .map(|frame| (frame.frame_idx, frame.time_s))
 }
 

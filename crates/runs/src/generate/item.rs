@@ -99,8 +99,8 @@ impl Item<'_> {
         let masks = if settings.output.masks {
             let is_upright = file.orientation == Orientation::NoTransforms;
             let crack = match crack_mask_png {
-                Some(png) if is_upright => png,
-                _ => encode_mask_as(&chain.crack_mask()?, &file)?,
+                Some(png) if is_upright && shown.arrival.is_none() => png,
+                _ => encode_mask_as(&chain.crack_mask_of(&shown)?, &file)?,
             };
             Some((encode_mask_as(&shown.region, &file)?, crack))
         } else {

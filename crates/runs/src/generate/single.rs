@@ -54,7 +54,7 @@ pub fn crack_file(
     };
     let none: &[LabeledObject] = &[];
     let damage_for = |size, seed, watch: &mut Stopwatch| match bank {
-        Some(bank) => Damaged::of_bank(bank, size, seed, watch),
+        Some(bank) => Damaged::of_bank(bank, &context.settings, (size, seed), watch),
         None => Patterns::Fresh.for_frame(&context.settings, (size, Some(none)), seed, watch),
     };
     let made = decode_image(name, bytes, &ImageLimits::default())

@@ -33,6 +33,21 @@ pub(super) struct Identity {
     detectors: BTreeMap<String, DetectorIdentity>,
     /// By name.
     conditions: BTreeMap<String, ConditionIdentity>,
+    /// Whether its sets have their images.
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    keeps_images: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a reference"
+)]
+fn is_yes(keeps_images: &bool) -> bool {
+    *keeps_images
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,6 +106,7 @@ impl Identity {
             protocol: truth.protocol.name().to_owned(),
             detectors: detectors.collect(),
             conditions,
+            keeps_images: plan.keeps_images,
         })
     }
 
@@ -147,6 +163,14 @@ impl Identity {
                 "its protocol is {}, not {}",
                 earlier.protocol, self.protocol
             ));
+        }
+        if self.keeps_images != earlier.keeps_images {
+            let is_with = if earlier.keeps_images {
+                "without"
+            } else {
+                "with"
+            };
+            return Some(format!("it was made {is_with} --no-store"));
         }
         for (name, theirs) in &earlier.detectors {
             let Some(own) = self.detectors.get(name) else {

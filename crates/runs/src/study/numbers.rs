@@ -62,6 +62,7 @@ impl StudyPlan<'_> {
             divergence: None,
         };
         study.correct_for_many_tests();
+        study.warn_of_few_replicates(settings.n_replicates);
         Ok(study)
     }
 
@@ -110,10 +111,12 @@ impl StudyPlan<'_> {
                         root,
                     }),
                     facts: Some(&facts),
-                    images: root.map(|clean| ImageFolders {
-                        clean,
-                        cracked: layout.root(),
-                    }),
+                    images: root
+                        .filter(|_| self.keeps_images)
+                        .map(|clean| ImageFolders {
+                            clean,
+                            cracked: layout.root(),
+                        }),
                     settings,
                 })?)
             })

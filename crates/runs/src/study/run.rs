@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use serde_json::json;
+use serde_json::{Value, json};
 use starbreak::{DEFAULT_PRESET, Recipe};
 use starbreak_dataset::{
-    Encoding, ImageFormat, ImageLimits, JpegQuality, SetLayout, Source, blake3_file, decode_image,
-    encode_image_as, read_image, refuse_inside_set,
+    Encoding, ImageFormat, ImageLimits, JpegQuality, LineLog, SetLayout, Source, blake3_file,
+    decode_image, encode_image_as, read_image, refuse_inside_set,
 };
 use starbreak_detect::{Detector, ImageToSee, LabelMap};
 use starbreak_eval::{BoxPx, Detection, Detections, GroundTruth};
 
 use super::Condition;
-use super::arm::{Arm, ArmRun, UnseenImage};
+use super::arm::{Arm, ArmRun, UnseenImage, seen_files};
 use super::identity::{DetectorIdentity, Identity};
 use super::set::make_set;
 use crate::generate::{Event, GenerateReport, Selection, Survey};
@@ -53,6 +53,9 @@ pub struct StudyPlan<'a> {
     pub out: &'a Path,
     /// Threads to use, 1 or more.
     pub n_threads: usize,
+    /// Whether damaged images stay on the disk. Otherwise those of a condition are removed once all detectors have looked
+    /// at them; masks, records with the hashes of the images, and what was found stay.
+    pub keeps_images: bool,
 }
 
 /// What a study does at a time.
@@ -100,6 +103,9 @@ pub struct StudyRuns {
 /// Where the file of an image is.
 type PathOf<'a> = dyn Fn(&ImageToSee) -> PathBuf + Sync + 'a;
 
+/// BLAKE3 of the file of an image.
+type Hash<'a> = dyn Fn(&ImageToSee) -> Result<String, Error> + Sync + 'a;
+
 /// The pixels in a file.
 type Read<'a> = dyn Fn(&Path) -> Result<image::RgbImage, Error> + Sync + 'a;
 
@@ -134,51 +140,31 @@ impl StudyPlan<'_> {
         self.try_detectors(quality)?;
         identity.write(self.out)?;
         let mut unseen: Vec<UnseenImage> = Vec::new();
-        let mut sets = Vec::new();
-        for condition in self.conditions {
-            tell(StudyEvent::Begun(
-                Step::Breaking(condition),
-                self.survey.n_selected,
-            ));
-            let folder = self.set_folder(condition);
-            let report = self.break_all(condition, &folder, stop, tell)?;
-            if report.manifest.is_none() {
-                return Ok(None);
-            }
-            unseen.extend(report.failures.iter().map(|failure| UnseenImage {
-                name: failure.name.clone(),
-                reason: format!("{}: {}", condition.name, failure.error),
-            }));
-            sets.push(SetLayout::new(&folder, 1));
-        }
         let mut detectors = Vec::new();
         for detector in self.detectors {
             let of_source = |image: &ImageToSee| image.path.clone();
             let clean = |path: &Path| clean_image(path, quality);
-            let Some(arm) = self.look(detector, None, (&of_source, &clean), stop, tell)? else {
+            let hash = |image: &ImageToSee| Ok(blake3_file(&image.path)?);
+            let images = (&of_source as &PathOf<'_>, &clean as &Read<'_>);
+            let Some(arm) = self.look(detector, None, (images, &hash), stop, tell)? else {
                 return Ok(None);
             };
             unseen.extend(arm.unseen);
-            let mut runs = DetectorRuns {
+            detectors.push(DetectorRuns {
                 clean: arm.detections,
                 cracked: Vec::new(),
+            });
+        }
+        let mut sets = Vec::new();
+        for condition in self.conditions {
+            let Some((layout, arms)) = self.under(condition, &mut unseen, stop, tell)? else {
+                return Ok(None);
             };
-            for (condition, layout) in self.conditions.iter().zip(&sets) {
-                let of_set = |image: &ImageToSee| layout.path(&image.name);
-                let arm = self.look(
-                    detector,
-                    Some(condition),
-                    (&of_set, &cracked_image),
-                    stop,
-                    tell,
-                )?;
-                let Some(arm) = arm else {
-                    return Ok(None);
-                };
+            sets.push(layout);
+            for (runs, arm) in detectors.iter_mut().zip(arms) {
                 unseen.extend(arm.unseen);
                 runs.cracked.push(arm.detections);
             }
-            detectors.push(runs);
         }
         unseen.sort_by(|a, b| a.name.cmp(&b.name));
         unseen.dedup_by(|a, b| a.name == b.name);
@@ -187,6 +173,73 @@ impl StudyPlan<'_> {
             sets,
             unseen,
         }))
+    }
+
+    /// Breaks all images under a condition, and lets each detector look at them. Of a study that keeps no images, those of
+    /// this condition are removed at the end; where all have been looked at before, none is made.
+    fn under(
+        &self,
+        condition: &Condition,
+        unseen: &mut Vec<UnseenImage>,
+        stop: &AtomicBool,
+        tell: &(dyn Fn(StudyEvent<'_>) + Sync),
+    ) -> Result<Option<(SetLayout, Vec<Arm>)>, Error> {
+        let folder = self.set_folder(condition);
+        let layout = SetLayout::new(&folder, 1);
+        tell(StudyEvent::Begun(
+            Step::Breaking(condition),
+            self.survey.n_selected,
+        ));
+        let is_seen = !self.keeps_images && self.is_seen(condition, &layout)?;
+        if !is_seen {
+            let report = self.break_all(condition, &folder, stop, tell)?;
+            if report.manifest.is_none() {
+                return Ok(None);
+            }
+            unseen.extend(report.failures.iter().map(|failure| UnseenImage {
+                name: failure.name.clone(),
+                reason: format!("{}: {}", condition.name, failure.error),
+            }));
+        }
+        let of_set = |image: &ImageToSee| layout.path(&image.name);
+        let hash = |image: &ImageToSee| match is_seen {
+            true => made_blake3(&layout, image)?.ok_or(Error::NoSize),
+            false => Ok(blake3_file(&of_set(image))?),
+        };
+        let mut arms = Vec::new();
+        for detector in self.detectors {
+            let images = (&of_set as &PathOf<'_>, &cracked_image as &Read<'_>);
+            let arm = self.look(detector, Some(condition), (images, &hash), stop, tell)?;
+            let Some(arm) = arm else {
+                return Ok(None);
+            };
+            arms.push(arm);
+        }
+        if !self.keeps_images {
+            for image in self.images {
+                remove_image(&of_set(image))?;
+            }
+        }
+        Ok(Some((layout, arms)))
+    }
+
+    /// Whether each detector has looked at each image of a condition as its set's records say it was.
+    fn is_seen(&self, condition: &Condition, layout: &SetLayout) -> Result<bool, Error> {
+        for detector in self.detectors {
+            let log = self.log(detector, Some(condition));
+            let identity = self.log_identity(detector, Some(condition))?;
+            if !LineLog::is_of(&log, &identity.to_string())? {
+                return Ok(false);
+            }
+            let seen = seen_files(&log)?;
+            for image in self.images {
+                let made = made_blake3(layout, image)?;
+                if made.is_none() || made.as_ref() != seen.get(&image.name) {
+                    return Ok(false);
+                }
+            }
+        }
+        Ok(true)
     }
 
     /// Lets each detector look at one image, before anything is broken: a model or a contract that
@@ -252,30 +305,18 @@ impl StudyPlan<'_> {
         &self,
         detector: &StudyDetector,
         condition: Option<&Condition>,
-        (path_of, read): (&PathOf<'_>, &Read<'_>),
+        ((path_of, read), blake3): ((&PathOf<'_>, &Read<'_>), &Hash<'_>),
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
     ) -> Result<Option<Arm>, Error> {
         let step = Step::Detecting(&detector.name, condition);
         tell(StudyEvent::Begun(step, self.images.len() as u64));
         let log = self.log(detector, condition);
-        let mut identity = json!({
-            "schema": "starbreak.detections/2",
-            "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
-            "detector": DetectorIdentity::of(detector),
-            "images": self.survey.names_sha256,
-            "recipe": condition.map(|condition| condition.recipe.to_toml()),
-            "seed": condition.map(|condition| condition.seed.0),
-            "jpeg_quality": self.quality()?.get(),
-        });
-        if let Some(condition) = condition.filter(|condition| condition.is_photographed) {
-            identity["photos"] = self.patterns(condition)?.identity();
-        }
         ArmRun {
             log: &log,
-            identity,
+            identity: self.log_identity(detector, condition)?,
             images: self.images,
-            blake3: &|image| Ok(blake3_file(&path_of(image))?),
+            blake3,
             find: &|place, image| {
                 let found = detector
                     .detector
@@ -297,6 +338,27 @@ impl StudyPlan<'_> {
         .run()
     }
 
+    /// What the lines of a log are made from.
+    fn log_identity(
+        &self,
+        detector: &StudyDetector,
+        condition: Option<&Condition>,
+    ) -> Result<Value, Error> {
+        let mut identity = json!({
+            "schema": "starbreak.detections/2",
+            "generator": { "name": "starbreak", "version": env!("CARGO_PKG_VERSION") },
+            "detector": DetectorIdentity::of(detector),
+            "images": self.survey.names_sha256,
+            "recipe": condition.map(|condition| condition.recipe.to_toml()),
+            "seed": condition.map(|condition| condition.seed.0),
+            "jpeg_quality": self.quality()?.get(),
+        });
+        if let Some(condition) = condition.filter(|condition| condition.is_photographed) {
+            identity["photos"] = self.patterns(condition)?.identity();
+        }
+        Ok(identity)
+    }
+
     /// The quality of JPEG that all conditions share.
     pub(super) fn quality(&self) -> Result<JpegQuality, Error> {
         let mut qualities = Vec::new();
@@ -314,6 +376,24 @@ impl StudyPlan<'_> {
                 qualities: [quality, *other_quality],
             }),
         }
+    }
+}
+
+/// BLAKE3 of an image of a set, by its record.
+fn made_blake3(layout: &SetLayout, image: &ImageToSee) -> Result<Option<String>, Error> {
+    Ok(layout
+        .recorded(&image.name, 0)?
+        .map(|made| made.image_blake3))
+}
+
+/// Removes an image that may be gone already.
+fn remove_image(path: &Path) -> Result<(), Error> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::Remove {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        }),
+        _ => Ok(()),
     }
 }
 

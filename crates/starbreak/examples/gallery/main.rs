@@ -14,7 +14,7 @@ use image::{DynamicImage, GrayImage, Rgb, RgbImage};
 use starbreak::glass::{GlassKind, Pane};
 use starbreak::optics::{Camera, Coverage, Line, View};
 use starbreak::{
-    Chain, Details, FractureSettings, PRESETS, Recipe, Seed, growth_drawing, simulate,
+    Chain, Details, FAULTS, FractureSettings, PRESETS, Recipe, Seed, growth_drawing, simulate,
 };
 use starbreak_dataset::{
     Encoding, JpegQuality, OutputBatch, encode_image, encode_mask, street_scene,
@@ -37,6 +37,9 @@ const SEEDS: [(u64, &str); 3] = [(1, "far"), (2, "far"), (3, "short")];
 
 /// Sheets of all presets over the severities, and what the camera is focused on.
 const SHEETS: [(&str, &str); 2] = [("sheet.jpg", "far"), ("sheet-on-glass.jpg", "short")];
+
+/// The sheet of the faults behind the lens.
+const FAULT_SHEET: &str = "faults.jpg";
 
 /// Width of a picture on a sheet, px, and the seed of all of them.
 const SHEET_WIDTH: u32 = 320;
@@ -156,6 +159,10 @@ fn main() -> Result<()> {
             stage(&mut batch, &out, name, &jpeg(sheet(&street, focus)?)?)?;
         }
     }
+    if is_wanted(FAULT_SHEET) {
+        let sheet = fault_sheet(&street)?;
+        stage(&mut batch, &out, FAULT_SHEET, &jpeg(sheet)?)?;
+    }
     for series in &SERIES {
         let name = format!("{}.jpg", series.name);
         if is_wanted(&name) {
@@ -228,6 +235,37 @@ fn sheet(scene: &RgbImage, focus: &str) -> Result<RgbImage> {
             let tile = resize(&picture, SHEET_WIDTH, height, FilterType::Triangle);
             let x = i64::from(severity - 1) * i64::from(SHEET_WIDTH + GAP);
             replace(&mut sheet, &tile, x, row * i64::from(height + GAP));
+        }
+    }
+    Ok(sheet)
+}
+
+/// All presets of faults behind the lens, one row each: severity 1, 3 and 5 of the frame, then the middle of 3 and 5 at
+/// full size.
+fn fault_sheet(scene: &RgbImage) -> Result<RgbImage> {
+    let height = SHEET_WIDTH * FRAME.1 / FRAME.0;
+    let presets = FAULTS.iter().flat_map(|fault| fault.presets);
+    // A blank frame is no picture.
+    let presets = presets.filter(|(preset, _)| *preset != "blank-frames");
+    let n_rows = u32::try_from(presets.clone().count())?;
+    let size = (5 * (SHEET_WIDTH + GAP) - GAP, n_rows * (height + GAP) - GAP);
+    let mut sheet = RgbImage::from_pixel(size.0, size.1, Rgb([255; 3]));
+    for (row, (preset, _)) in (0..).zip(presets) {
+        for (severity, column) in [(1, None), (3, Some(3)), (5, Some(4))] {
+            let picture = shown(&Recipe::preset_at(preset, severity)?, scene, SHEET_SEED)?;
+            let mut put = |tile: &RgbImage, column: i64| {
+                let x = column * i64::from(SHEET_WIDTH + GAP);
+                replace(&mut sheet, tile, x, row * i64::from(height + GAP));
+            };
+            let whole = resize(&picture, SHEET_WIDTH, height, FilterType::Triangle);
+            put(&whole, i64::from(severity / 2));
+            if let Some(column) = column {
+                let (x, y) = ((FRAME.0 - SHEET_WIDTH) / 2, (FRAME.1 - height) / 2);
+                put(
+                    &crop_imm(&picture, x, y, SHEET_WIDTH, height).to_image(),
+                    column,
+                );
+            }
         }
     }
     Ok(sheet)

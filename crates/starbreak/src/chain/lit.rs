@@ -1,6 +1,6 @@
 //! Broken glass under one light, and the sensor behind it, over frame after frame.
 
-use image::{DynamicImage, GrayImage};
+use image::{ColorType, DynamicImage, GrayImage};
 use starbreak_optics::paper::{Focus, PaperOptics, composite};
 use starbreak_optics::physical::{OpticalMaps, Overlay};
 use starbreak_optics::{Before, Coverage, DamageReader};
@@ -26,6 +26,26 @@ pub(super) enum Glass<'a> {
     Physical(Box<Overlay>),
 }
 
+/// Where a frame is affected: 255, else 0.
+pub(super) struct Regions {
+    /// By the glass.
+    glass: GrayImage,
+    /// By glass and sensor, where that has a fault.
+    all: Option<GrayImage>,
+}
+
+impl Regions {
+    /// By anything.
+    pub(super) fn all(&self) -> &GrayImage {
+        self.all.as_ref().unwrap_or(&self.glass)
+    }
+
+    /// By anything.
+    pub(super) fn into_all(self) -> GrayImage {
+        self.all.unwrap_or(self.glass)
+    }
+}
+
 impl Lit<'_> {
     /// What the chain makes of a frame, in place: first the glass, then the sensor. A [`Seed`](crate::Seed) alone is a
     /// picture by itself; it is that of the noise.
@@ -46,14 +66,14 @@ impl Lit<'_> {
         }
     }
 
-    /// As [`Lit::over`]; returns 255 where the chain affects the frame, else 0.
+    /// As [`Lit::over`]; returns where the frame is affected.
     pub(super) fn over_region(
         &self,
         frame: &mut DynamicImage,
         at: Moment,
         watch: &mut Stopwatch,
-    ) -> Result<GrayImage, Error> {
-        let mut region = match &self.glass {
+    ) -> Result<Regions, Error> {
+        let glass = match &self.glass {
             Glass::Paper(coverage, optics) => {
                 let masks = composite(frame, coverage, optics)?;
                 watch.lap("render");
@@ -67,52 +87,48 @@ impl Lit<'_> {
                 region
             }
         };
-        if let Some(sensor) = self.sensor {
-            sense(sensor, frame, at)?;
-            add_region(sensor, &mut region);
-            watch.lap("sensor");
-        }
-        Ok(region)
+        let all = match self.sensor {
+            Some(sensor) => {
+                sense(sensor, frame, at)?;
+                let mut all = glass.clone();
+                add_region(sensor, &mut all, frame.color(), at);
+                watch.lap("sensor");
+                Some(all)
+            }
+            None => None,
+        };
+        Ok(Regions { glass, all })
     }
 
-    /// True if [`Lit::over`] would leave every frame as it is.
+    /// True if [`Lit::over`] would leave every frame as it is at a time of a clip, s.
     #[must_use]
-    pub fn changes_nothing(&self) -> bool {
-        self.sensor.is_none()
+    pub fn changes_nothing(&self, time_s: f64) -> bool {
+        (self.sensor).is_none_or(|sensor| sensor.at(time_s).faults().is_empty())
             && match &self.glass {
                 Glass::Paper(coverage, optics) => coverage.is_empty() && optics.focus == Focus::Far,
                 Glass::Physical(overlay) => overlay.changes_nothing(),
             }
     }
 
-    /// 255 where the chain affects frames of its width and height, px, else 0.
+    /// 255 where the glass affects frames of its width and height, px, else 0.
     ///
     /// # Errors
     /// [`Error::Optics`] where the paper's optics get another size.
-    pub fn region(&self, (width, height): (u32, u32)) -> Result<GrayImage, Error> {
-        let mut region = match &self.glass {
+    pub fn glass_region(&self, (width, height): (u32, u32)) -> Result<GrayImage, Error> {
+        Ok(match &self.glass {
             Glass::Paper(coverage, optics) => {
                 // What it may change does not depend on the image.
                 let mut gray = DynamicImage::ImageLuma8(GrayImage::new(width, height));
                 composite(&mut gray, coverage, optics)?.region
             }
             Glass::Physical(overlay) => overlay.region(),
-        };
-        self.add_sensor(&mut region);
-        Ok(region)
+        })
     }
 
-    /// The same of the sensor alone: what is affected before the glass breaks.
-    #[must_use]
-    pub fn sensor_region(&self, (width, height): (u32, u32)) -> GrayImage {
-        let mut region = GrayImage::new(width, height);
-        self.add_sensor(&mut region);
-        region
-    }
-
-    fn add_sensor(&self, region: &mut GrayImage) {
+    /// Adds 255 where the sensor affects a frame of these colors.
+    pub fn add_sensor(&self, region: &mut GrayImage, color: ColorType, at: Moment) {
         if let Some(sensor) = self.sensor {
-            add_region(sensor, region);
+            add_region(sensor, region, color, at);
         }
     }
 
@@ -128,11 +144,13 @@ impl Lit<'_> {
     pub(super) fn damage_reader<'b>(
         &'b self,
         images: (&'b Before, &'b DynamicImage),
-        region: &'b GrayImage,
+        regions: &'b Regions,
     ) -> DamageReader<'b> {
         match &self.glass {
-            Glass::Paper(_, optics) => DamageReader::of_paper(images, region, optics),
-            Glass::Physical(overlay) => DamageReader::of_overlay(images, region, overlay),
+            Glass::Paper(_, optics) => {
+                DamageReader::of_paper(images, [regions.all(), &regions.glass], optics)
+            }
+            Glass::Physical(overlay) => DamageReader::of_overlay(images, regions.all(), overlay),
         }
     }
 

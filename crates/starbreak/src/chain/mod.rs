@@ -16,7 +16,7 @@ use starbreak_optics::environment::Environment;
 use starbreak_optics::paper::draw;
 use starbreak_optics::physical::bake;
 use starbreak_seed::Seed;
-use starbreak_sensor::Moment;
+use starbreak_sensor::{Frames, Moment};
 
 use crate::photo::PlacedPhoto;
 use crate::{
@@ -173,6 +173,15 @@ impl Chain {
         chain.with_faults()
     }
 
+    /// The same glass with the sensor and the output of other settings, as for a bank that was made without.
+    #[must_use]
+    pub fn followed_by(mut self, settings: &Settings) -> Self {
+        self.settings.sensor.clone_from(&settings.sensor);
+        self.settings.output = settings.output;
+        self.facts.remove("faults");
+        self.with_faults()
+    }
+
     /// With what a record says of the sensor's faults.
     fn with_faults(mut self) -> Self {
         if let Some(sensor) = &self.settings.sensor {
@@ -326,6 +335,20 @@ impl Chain {
         &self.layer
     }
 
+    /// The crack mask of a picture that this chain was put over: none of a frame that is blank.
+    ///
+    /// # Errors
+    /// As for [`Chain::crack_mask`].
+    pub fn crack_mask_of(&self, shown: &Shown) -> Result<GrayImage, Error> {
+        match shown.arrival {
+            Some(state) if state.is_blank() => {
+                let (width, height) = self.size();
+                Ok(GrayImage::new(width, height))
+            }
+            _ => self.crack_mask(),
+        }
+    }
+
     /// Coverage of the frame by cracks as they would be in focus, 255 = in full.
     ///
     /// # Errors
@@ -418,16 +441,20 @@ impl Chain {
         }
         let before = lit.before(image);
         watch.lap("copy");
-        let region = lit.over_region(image, seed.into(), watch)?;
-        let contrast = before.contrast(image, &region)?;
+        let regions = lit.over_region(image, seed.into(), watch)?;
+        let contrast = before.contrast(image, regions.all())?;
         watch.lap("contrast");
-        let reader = lit.damage_reader((&before, image), &region);
+        let reader = lit.damage_reader((&before, image), &regions);
         let damage = boxes_px.iter().map(|at| reader.in_box(*at)).collect();
         if !boxes_px.is_empty() {
             watch.lap("damage");
         }
         let maps = (self.settings.output.maps).then(|| lit.maps()).flatten();
+        let region = regions.into_all();
+        let sensor = self.settings.sensor.as_ref();
+        let frames = sensor.and_then(|sensor| sensor.get::<Frames>());
         Ok(Shown {
+            arrival: frames.map(|frames| frames.of(seed, 0)),
             region_fraction: region_fraction(&region),
             optics: OpticsReport {
                 contrast,

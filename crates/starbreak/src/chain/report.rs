@@ -6,7 +6,7 @@ use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::physical::OpticalMaps;
 use starbreak_optics::{Contrast, Damage};
 use starbreak_seed::Seed;
-use starbreak_sensor::Sensor;
+use starbreak_sensor::{Fault, FrameState, Pulse, Sensor};
 
 /// What the glass did to an image.
 #[derive(Debug, Clone)]
@@ -19,6 +19,8 @@ pub struct Shown {
     pub optics: OpticsReport,
     /// The damage in each box that was asked for; none in one without a pixel of the frame.
     pub damage: Vec<Option<Damage>>,
+    /// What became of the frame, where frames may not arrive; a picture by itself is good or blank.
+    pub arrival: Option<FrameState>,
     /// What the physical optics did to the light of each pixel, if the settings want maps.
     pub maps: Option<OpticalMaps>,
 }
@@ -85,32 +87,81 @@ fn rgb(rgb: Rgb) -> [f64; 3] {
 }
 
 /// What a record says of a sensor's faults, each in the unit of its law; `size` is the frame's, px.
-pub(super) fn faults_to_json(sensor: &Sensor, (width, height): (u32, u32)) -> Value {
+pub(super) fn faults_to_json(sensor: &Sensor, size: (u32, u32)) -> Value {
     let mut facts = Map::new();
-    let mut say = |name: &str, fact: Value| facts.insert(name.to_owned(), fact);
-    if let Some(exposure) = &sensor.exposure {
-        say("exposure", json!({ "ev": exposure.ev }));
-    }
-    if let Some(lamps) = &sensor.lamps {
-        let rows = 1.0 / (2.0 * lamps.mains_hz * lamps.row_s);
-        let bands = json!({ "depth": lamps.band_depth(), "rows_per_band": rows });
-        say("banding", bands);
-    }
-    if let Some(noise) = &sensor.noise {
-        let noise = json!({ "snr_18": noise.snr_18(), "dark_e": noise.dark_e() });
-        say("noise", noise);
-    }
-    let n_pixels = width as usize * height as usize;
-    if let Some(pixels) = &sensor.pixels {
-        let defects = pixels.of_sensor(n_pixels, Seed(sensor.number));
-        say("pixels", json!({ "n_defects": defects.len() }));
-    }
-    if let Some(lines) = &sensor.lines {
-        let size = (width as usize, height as usize);
-        let [rows, columns] = lines.of_sensor(size, Seed(sensor.number));
-        say("lines", json!({ "rows": rows, "columns": columns }));
+    for (onset_s, fault) in sensor.faults() {
+        let (table, mut fact) = fact_of(fault, sensor, (size.0 as usize, size.1 as usize));
+        if *onset_s > 0.0 {
+            fact["onset_s"] = json!(onset_s);
+        }
+        facts.insert(table.to_owned(), fact);
     }
     Value::Object(facts)
+}
+
+/// The table of a fault, and how large it is.
+fn fact_of(fault: &Fault, sensor: &Sensor, size: (usize, usize)) -> (&'static str, Value) {
+    match fault {
+        Fault::Exposure(it) => ("exposure", json!({ "ev": it.ev })),
+        Fault::Lamps(it) => {
+            let rows = 1.0 / (it.pulses_hz() * it.row_s);
+            let mut fact = json!({ "depth": it.band_depth(), "rows_per_band": rows });
+            if let Pulse::Led { .. } = it.pulse {
+                fact["seen"] = json!(it.seen());
+            }
+            ("banding", fact)
+        }
+        Fault::Spots(it) => {
+            let fact = json!({
+                "count": it.count,
+                "diameter_px": 2.0 * it.reach_px(),
+                "depth": it.depth(),
+            });
+            ("spots", fact)
+        }
+        Fault::Filters(it) => ("cfa", json!({ "loss": it.loss })),
+        Fault::Noise(it) => {
+            let fact = json!({ "snr_18": it.snr_18(), "dark_e": it.dark_e() });
+            ("noise", fact)
+        }
+        Fault::Pixels(_) => {
+            let alone = Sensor::new(sensor.number, vec![(0.0, *fault)]);
+            ("pixels", json!({ "n_defects": alone.defects(size).len() }))
+        }
+        Fault::Lines(it) => {
+            let [rows, columns] = it.of_sensor(size, Seed(sensor.number));
+            ("lines", json!({ "rows": rows, "columns": columns }))
+        }
+        Fault::RawRows(it) => ("mosaic", json!({ "share": it.share })),
+        Fault::Isp(it) => {
+            let fact = json!({
+                "black_level_percent": (it.black_level * 1e6).round() / 1e4,
+                "white_balance": it.white_balance,
+                "color_matrix": it.color_matrix,
+                "unsharp": it.unsharp,
+                "tone": it.tone,
+            });
+            ("isp", fact)
+        }
+        Fault::Link(it) => {
+            let fact = json!({
+                "bit_error_rate": it.bit_error_rate,
+                "jpeg_quality": it.jpeg_quality,
+                "row_bits": it.row_bits,
+            });
+            ("link", fact)
+        }
+        Fault::Frames(it) => {
+            let fact = json!({
+                "black": it.black,
+                "white": it.white,
+                "frozen": it.frozen,
+                "dropped": it.dropped,
+                "burst_frames": it.burst_frames,
+            });
+            ("frames", fact)
+        }
+    }
 }
 
 /// Share of a mask that is not black.

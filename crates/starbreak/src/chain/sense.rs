@@ -1,19 +1,19 @@
 //! What a sensor with a fault makes of an image.
 
-use image::{DynamicImage, GrayImage, ImageBuffer, Pixel};
+use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
-use starbreak_sensor::{Light, Moment, Sensor};
+use starbreak_sensor::{Code, Codes, Light, Moment, Sensor};
 
 use crate::Error;
 
-/// A sample of an image.
-trait Code: Copy + PartialEq {
+/// A sample of an image, with its light.
+trait Sample: Code {
     fn light(self) -> f32;
     fn of_light(light: f32) -> Self;
 }
 
-impl Code for u8 {
+impl Sample for u8 {
     fn light(self) -> f32 {
         decode8(self)
     }
@@ -23,7 +23,7 @@ impl Code for u8 {
     }
 }
 
-impl Code for u16 {
+impl Sample for u16 {
     fn light(self) -> f32 {
         decode16(self)
     }
@@ -36,7 +36,7 @@ impl Code for u16 {
 /// Puts an image before a sensor, in place. Samples whose light does not change keep their codes; alpha stays.
 ///
 /// # Errors
-/// [`Error::Optics`] for an image of 32-bit samples.
+/// [`Error::Optics`] for an image of 32-bit samples, [`Error::Sensor`] for one that no codec takes.
 pub(super) fn sense(sensor: &Sensor, image: &mut DynamicImage, at: Moment) -> Result<(), Error> {
     match image {
         DynamicImage::ImageLuma8(image) => samples(sensor, image, at),
@@ -61,34 +61,69 @@ fn samples<P>(
 ) -> Result<(), Error>
 where
     P: Pixel,
-    P::Subpixel: Code,
+    P::Subpixel: Sample,
 {
     let n_channels = usize::from(P::CHANNEL_COUNT);
-    let n_colors = if n_channels < 3 { 1 } else { 3 };
     let size = (image.width() as usize, image.height() as usize);
-    let codes: &mut [P::Subpixel] = image;
-    let pixels = codes.chunks_exact(n_channels);
-    let values = pixels.flat_map(|pixel| &pixel[..n_colors]);
-    let values = values.map(|code| code.light()).collect();
-    let Ok(mut light) = Light::new(size, n_colors, values) else {
-        // An image without pixels.
-        return Ok(());
-    };
-    sensor.over(&mut light, at);
-    let pixels = codes.chunks_exact_mut(n_channels);
-    let values = pixels.flat_map(|pixel| &mut pixel[..n_colors]);
-    for (code, after) in values.zip(light.values()) {
-        if code.light().to_bits() != after.to_bits() {
-            *code = P::Subpixel::of_light(*after);
-        }
+    let samples: &mut [P::Subpixel] = image;
+    let sensor = sensor.at(at.time_s);
+    // A frame that does not arrive is not looked at.
+    if !sensor.frame_state(at).is_blank() && sensor.changes_light() {
+        change_light(&sensor, samples, (size, n_channels), at);
     }
-    Ok(())
+    match Codes::new(samples, size, n_channels) {
+        Some(mut codes) => Ok(sensor.over_codes(&mut codes, Sample::light, at)?),
+        // An image without pixels.
+        None => Ok(()),
+    }
 }
 
-/// 255 where a sensor reaches a frame, added to a region.
-pub(super) fn add_region(sensor: &Sensor, region: &mut GrayImage) {
+/// What the faults make of the light of a frame; samples whose light stays keep their codes.
+fn change_light<S: Sample>(
+    sensor: &Sensor,
+    samples: &mut [S],
+    (size, n_channels): ((usize, usize), usize),
+    at: Moment,
+) {
+    let n_colors = if n_channels < 3 { 1 } else { 3 };
+    let light_of = |at: usize, color: usize| samples[at * n_channels + color].light();
+    if let Some(changes) = sensor.changes_of_defects(size, n_colors, light_of) {
+        for (at, more) in changes {
+            let pixel = &mut samples[at * n_channels..][..n_colors];
+            for (code, more) in pixel.iter_mut().zip(more).filter(|(_, more)| *more != 0.0) {
+                *code = S::of_light(code.light() + more);
+            }
+        }
+        return;
+    }
+    let mut values = Vec::with_capacity(size.0 * size.1 * n_colors);
+    for pixel in samples.chunks_exact(n_channels) {
+        values.extend(pixel[..n_colors].iter().map(|code| code.light()));
+    }
+    let Ok(mut light) = Light::new(size, n_colors, values) else {
+        return;
+    };
+    sensor.over(&mut light, at);
+    let pixels = samples.chunks_exact_mut(n_channels);
+    for (pixel, after) in pixels.zip(light.values().chunks_exact(n_colors)) {
+        for (code, after) in pixel.iter_mut().zip(after) {
+            if code.light().to_bits() != after.to_bits() {
+                *code = S::of_light(*after);
+            }
+        }
+    }
+}
+
+/// 255 where a sensor reaches a frame of these colors, added to a region.
+pub(super) fn add_region(sensor: &Sensor, region: &mut GrayImage, color: ColorType, at: Moment) {
     let size = (region.width() as usize, region.height() as usize);
-    for (code, is_reached) in region.iter_mut().zip(sensor.reach(size)) {
+    let n_channels = u32::from(color.channel_count());
+    let n_colors = if color.has_color() { 3 } else { 1 };
+    let n_bits = u32::from(color.bits_per_pixel()) / n_channels;
+    for (code, is_reached) in region
+        .iter_mut()
+        .zip(sensor.reach(size, (n_colors, n_bits), at))
+    {
         if is_reached {
             *code = 255;
         }

@@ -5,12 +5,13 @@
 pub struct FaultKind {
     /// The table of a recipe that turns it on.
     pub table: &'static str,
-    /// Its presets with what each is; the first says what a table leaves out.
+    /// Its presets with what each is; the first says what a table leaves out. In `isp`, `link` and `frames`, which hold
+    /// several faults, what is left out works.
     pub presets: &'static [(&'static str, &'static str)],
 }
 
 /// All of them, in the order in which light meets them.
-pub const FAULTS: [FaultKind; 5] = [
+pub const FAULTS: [FaultKind; 11] = [
     FaultKind {
         table: "exposure",
         presets: &[
@@ -26,9 +27,26 @@ pub const FAULTS: [FaultKind; 5] = [
     },
     FaultKind {
         table: "banding",
+        presets: &[
+            (
+                "banding",
+                "lamps on the mains under a rolling shutter: bands across the picture",
+            ),
+            (
+                "led-banding",
+                "dimmed LEDs under a rolling shutter: dark bands between their pulses",
+            ),
+        ],
+    },
+    FaultKind {
+        table: "spots",
+        presets: &[("spots", "dust on the cover of the sensor: soft, dark discs")],
+    },
+    FaultKind {
+        table: "cfa",
         presets: &[(
-            "banding",
-            "lamps on the mains under a rolling shutter: bands across the picture",
+            "no-filters",
+            "color filters that are lost: colors fade to gray",
         )],
     },
     FaultKind {
@@ -48,6 +66,56 @@ pub const FAULTS: [FaultKind; 5] = [
     FaultKind {
         table: "lines",
         presets: &[("lines", "rows and columns that are always bright")],
+    },
+    FaultKind {
+        table: "mosaic",
+        presets: &[(
+            "no-demosaicing",
+            "rows whose colors are not interpolated: the sensor's mosaic shows",
+        )],
+    },
+    FaultKind {
+        table: "isp",
+        presets: &[
+            ("no-sharpening", "an image processor that does not sharpen"),
+            (
+                "no-white-balance",
+                "an image processor without white balance: a green cast",
+            ),
+            (
+                "no-color-matrix",
+                "an image processor without its color matrix: pale colors",
+            ),
+            (
+                "no-black-level",
+                "an image processor that leaves the black level in: a magenta veil",
+            ),
+            (
+                "no-tone-curve",
+                "an image processor without its tone curve: dark, hard pictures",
+            ),
+        ],
+    },
+    FaultKind {
+        table: "link",
+        presets: &[
+            (
+                "bit-errors",
+                "bits that arrive wrong, one of ten million to one of a thousand",
+            ),
+            (
+                "compression",
+                "pictures that pass JPEG of low quality on their way",
+            ),
+            (
+                "row-alias",
+                "row addresses that lack bits: the same rows again and again",
+            ),
+        ],
+    },
+    FaultKind {
+        table: "frames",
+        presets: &[("blank-frames", "frames that are black, and in clips frozen")],
     },
 ];
 

@@ -15,8 +15,6 @@ mod schema;
 mod settings;
 mod tables;
 
-use std::collections::BTreeMap;
-
 use toml::{Table, Value};
 
 pub use assignment::Assignment;
@@ -358,28 +356,6 @@ impl Recipe {
         tables
     }
 
-    /// The first key in which another recipe makes other patterns, with both values; its
-    /// `[output]`, which says how images are stored, does not count.
-    #[must_use]
-    pub fn first_difference(&self, other: &Self) -> Option<String> {
-        let [own, others] = [self, other].map(|recipe| {
-            let mut leaves = BTreeMap::new();
-            for (table, value) in recipe.table.iter().filter(|(table, _)| *table != "output") {
-                list_leaves(table, value, &mut leaves);
-            }
-            leaves
-        });
-        let key = own
-            .keys()
-            .chain(others.keys())
-            .filter(|key| own.get(*key) != others.get(*key))
-            .min()?;
-        let value = |leaves: &BTreeMap<String, String>| {
-            leaves.get(key).map_or("nothing", String::as_str).to_owned()
-        };
-        Some(format!("{key} = {}, not {}", value(&own), value(&others)))
-    }
-
     fn settings_of(&self, place: &Place) -> Result<Settings, RecipeError> {
         let settings = settings::of(place, &self.table, self.choice(place)?)?;
         Ok(Settings {
@@ -392,25 +368,6 @@ impl Recipe {
         match self.table.get_mut("impact") {
             Some(Value::Array(impacts)) => impacts,
             _ => &mut [],
-        }
-    }
-}
-
-/// The values of a table by their whole keys.
-fn list_leaves(key: &str, value: &Value, leaves: &mut BTreeMap<String, String>) {
-    match value {
-        Value::Table(table) => {
-            for (name, value) in table {
-                list_leaves(&format!("{key}.{name}"), value, leaves);
-            }
-        }
-        Value::Array(list) if list.iter().any(Value::is_table) => {
-            for (k, value) in list.iter().enumerate() {
-                list_leaves(&format!("{key}.{k}"), value, leaves);
-            }
-        }
-        value => {
-            leaves.insert(key.to_owned(), value.to_string());
         }
     }
 }

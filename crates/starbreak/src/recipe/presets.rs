@@ -131,6 +131,19 @@ impl Preset {
             "noise" => include_str!("../../presets/noise.toml"),
             "pixels" => include_str!("../../presets/pixels.toml"),
             "lines" => include_str!("../../presets/lines.toml"),
+            "led-banding" => include_str!("../../presets/led-banding.toml"),
+            "spots" => include_str!("../../presets/spots.toml"),
+            "no-filters" => include_str!("../../presets/no-filters.toml"),
+            "no-demosaicing" => include_str!("../../presets/no-demosaicing.toml"),
+            "no-sharpening" => include_str!("../../presets/no-sharpening.toml"),
+            "no-white-balance" => include_str!("../../presets/no-white-balance.toml"),
+            "no-color-matrix" => include_str!("../../presets/no-color-matrix.toml"),
+            "no-black-level" => include_str!("../../presets/no-black-level.toml"),
+            "no-tone-curve" => include_str!("../../presets/no-tone-curve.toml"),
+            "bit-errors" => include_str!("../../presets/bit-errors.toml"),
+            "compression" => include_str!("../../presets/compression.toml"),
+            "row-alias" => include_str!("../../presets/row-alias.toml"),
+            "blank-frames" => include_str!("../../presets/blank-frames.toml"),
             _ => return Err(RecipeError::unknown_preset(name)),
         };
         let mut table = parse_table(&Place::preset(name), text)?;
@@ -181,6 +194,14 @@ pub(super) fn optional(name: &str) -> Result<Option<Table>, RecipeError> {
     let preset = match (name, fault.and_then(|fault| fault.presets.first())) {
         ("long_crack", _) => "windshield-long-crack",
         ("sensor", _) => return Ok(Some(Table::from_iter([("number".to_owned(), 0.into())]))),
+        // Of several faults in a table those are on that it names.
+        ("isp" | "link" | "frames", _) => {
+            let works = parse_table(
+                &Place::preset("working"),
+                include_str!("../../presets/working.toml"),
+            )?;
+            return Ok(works.get(name).and_then(Value::as_table).cloned());
+        }
         (_, Some((preset, _))) => preset,
         (_, None) => return Ok(None),
     };

@@ -9,7 +9,7 @@ use super::schema::{keys, of_choice};
 use super::tables::Choice;
 
 /// Tables in the order in which a reader thinks of them.
-const ORDER: [&str; 13] = [
+const ORDER: [&str; 19] = [
     "camera",
     "glass",
     "impact",
@@ -18,9 +18,15 @@ const ORDER: [&str; 13] = [
     "optics",
     "exposure",
     "banding",
+    "spots",
+    "cfa",
     "noise",
     "pixels",
     "lines",
+    "mosaic",
+    "isp",
+    "link",
+    "frames",
     "sensor",
     "output",
 ];

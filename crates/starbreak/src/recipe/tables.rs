@@ -7,7 +7,10 @@ use serde::{Deserialize, Serialize};
 use toml::Table;
 
 use super::error::{Place, RecipeError, printable};
-pub(super) use super::fault_tables::FaultTables;
+pub(super) use super::fault_tables::{
+    BandingTable, CfaTable, ExposureTable, FaultTables, FramesTable, IspTable, LinesTable,
+    LinkTable, MosaicTable, NoiseTable, PixelsTable, RawWord, SpotsTable,
+};
 pub(super) use super::paper_tables::{
     FarFocusBlurWord, FocusEntry, FocusWord, LightEntry, NeighborhoodWord, NormalizationWord,
     PaperFractureTables, PaperImpactTable, PaperOpticsTables, RuleWord,

@@ -199,7 +199,7 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
         fracture,
         camera,
         optics,
-        sensor: faults::settings(&from_table(place, recipe)?),
+        sensor: faults::settings(place, &from_table(place, recipe)?)?,
         max_memory_bytes: DEFAULT_MAX_MEMORY_BYTES,
     })
 }
