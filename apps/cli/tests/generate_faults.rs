@@ -62,12 +62,15 @@ fn a_run_that_is_killed_at_twenty_moments_ends_as_an_undisturbed_one() {
         fs::write(source.join(format!("label_2/{k:06}.txt")), "").unwrap();
     }
     let started = std::time::Instant::now();
-    let undisturbed = [&["generate", "kitti:in", "-o", "undisturbed"], &SMALL[..]].concat();
+    // With a fault behind the lens, too.
+    let noise = ["--set", "noise.white_e=300"];
+    let undisturbed = ["generate", "kitti:in", "-o", "undisturbed"];
+    let undisturbed = [&undisturbed[..], &noise, &SMALL].concat();
     succeed(dir.path(), &undisturbed);
     let whole_run = started.elapsed();
     let (mut n_killed, mut n_killed_at_work) = (0, 0);
     for fraction in fractions().take(200) {
-        let mut child = common::command(dir.path(), &args("kitti:in", &[]))
+        let mut child = common::command(dir.path(), &args("kitti:in", &noise))
             .stdout(Stdio::null())
             .stderr(Stdio::null())
             .spawn()
@@ -98,7 +101,7 @@ fn a_run_that_is_killed_at_twenty_moments_ends_as_an_undisturbed_one() {
         n_killed >= 20 && n_killed_at_work >= 20,
         "{n_killed} kills, {n_killed_at_work} at work"
     );
-    let outcome = generate(dir.path(), "kitti:in", &["--json"]);
+    let outcome = generate(dir.path(), "kitti:in", &[&["--json"][..], &noise].concat());
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     let result: Value = serde_json::from_str(&outcome.stdout).unwrap();
     assert!(

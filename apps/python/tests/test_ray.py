@@ -16,7 +16,8 @@ from fsspec.implementations.local import LocalFileSystem
 from PIL import Image
 from pyarrow import fs
 
-RECIPE = starbreak.Recipe("paper", set=SMALL)
+# With faults behind the lens, too.
+RECIPE = starbreak.Recipe("paper", set={**SMALL, "noise.white_e": 300, "pixels.hot_per_mpx": 2000})
 N_IMAGES = 12
 
 
