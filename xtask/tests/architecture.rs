@@ -115,7 +115,11 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     ),
     ("anyhow", SHELL, "libraries name their errors"),
     ("png", CODECS, "files are read and written in one place"),
-    ("jpeg-encoder", CODECS, "files are written in one place"),
+    (
+        "jpeg-encoder",
+        &["starbreak-dataset", "starbreak-sensor"],
+        "files are written in one place, and the link of a camera is the other codec",
+    ),
     (
         "ffmpeg-sidecar",
         CODECS,

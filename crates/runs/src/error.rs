@@ -19,14 +19,6 @@ pub enum Error {
          are made anew for each image anyway, and generate --bank takes them with --set"
     )]
     NothingBreaks,
-    /// An image that is not to be kept cannot be removed.
-    #[error("cannot remove {path:?}: {reason}")]
-    Remove {
-        /// Its file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
     /// Glass could not be broken or shown.
     #[error(transparent)]
     Chain(#[from] starbreak::Error),

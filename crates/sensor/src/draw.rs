@@ -146,7 +146,12 @@ impl Poisson {
 /// The first words of a stream.
 pub(crate) fn words_of(seed: Seed, stream: Stream, index: usize, n: usize) -> Vec<u32> {
     let mut rng = seed.stream(stream, index as u64);
-    (0..n).map(|_| rng.next_u32()).collect()
+    let mut bytes = vec![0_u8; 4 * n];
+    rng.fill_bytes(&mut bytes);
+    let words = bytes.chunks_exact(4);
+    words
+        .map(|word| u32::from_le_bytes([word[0], word[1], word[2], word[3]]))
+        .collect()
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "noise is single precision")]

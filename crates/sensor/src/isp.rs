@@ -5,8 +5,7 @@ use starbreak_seed::{Seed, Stream};
 
 use crate::Light;
 use crate::draw::single;
-use crate::mosaic::color_at;
-use crate::sensor::WHITE_BALANCE;
+use crate::mosaic::{WHITE_BALANCE, color_at};
 
 /// From the camera's colors to those of sRGB: what a processor multiplies by. FIT, such as of common cameras; rows sum
 /// to 1, so that gray stays gray.

@@ -4,6 +4,10 @@
 //! ones. The missing two are interpolated linearly from 5 x 5 px \[Malvar2004\]. Beyond the border the mosaic is
 //! mirrored, so that the pattern goes on.
 
+/// What white balance multiplies red, green and blue by, in daylight: the filters let through less red and blue
+/// \[Brooks2019\].
+pub(crate) const WHITE_BALANCE: [f32; 3] = [2.0, 1.0, 1.7];
+
 /// Red, green or blue.
 #[inline]
 pub(crate) fn color_at(x: usize, y: usize) -> usize {

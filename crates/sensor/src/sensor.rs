@@ -5,15 +5,11 @@ use std::borrow::Cow;
 use starbreak_seed::{Seed, Stream, uniform};
 
 use crate::draw::{Normal, single, words_of};
-use crate::mosaic::{Padded, REACH, color_at, colors_at};
+use crate::mosaic::{Padded, REACH, WHITE_BALANCE, color_at, colors_at};
 use crate::{
     Code, Codes, Defect, Exposure, Fault, Filters, FrameState, Frames, Isp, Lamps, Light, Lines,
     Link, Noise, Pixels, RawRows, SensorError, Spots,
 };
-
-/// What white balance multiplies red, green and blue by, in daylight: the filters let through less red and blue
-/// \[Brooks2019\].
-pub(crate) const WHITE_BALANCE: [f32; 3] = [2.0, 1.0, 1.7];
 
 /// A frame among others.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -358,8 +354,10 @@ impl Sensor {
         if n_colors == 3 {
             for (y, row) in change.chunks_exact_mut(width).enumerate() {
                 let gains = [0, 1].map(|x| WHITE_BALANCE[color_at(x, y)]);
-                for (change, gain) in row.iter_mut().zip(gains.iter().cycle()) {
-                    *change *= gain;
+                for two in row.chunks_mut(2) {
+                    for (change, gain) in two.iter_mut().zip(gains) {
+                        *change *= gain;
+                    }
                 }
             }
         }
@@ -408,9 +406,10 @@ fn raw_row(light: &Light, y: usize, row: &mut [f32]) {
         return;
     }
     let filters = [0, 1].map(|x| (color_at(x, y), 1.0 / WHITE_BALANCE[color_at(x, y)]));
-    let pixels = row.iter_mut().zip(values.chunks_exact(3));
-    for ((raw, pixel), (color, share)) in pixels.zip(filters.iter().cycle()) {
-        *raw = (pixel[*color] * share).min(1.0);
+    for (two, pixels) in row.chunks_mut(2).zip(values.chunks(6)) {
+        for ((raw, pixel), (color, share)) in two.iter_mut().zip(pixels.chunks(3)).zip(filters) {
+            *raw = (pixel[color] * share).min(1.0);
+        }
     }
 }
 

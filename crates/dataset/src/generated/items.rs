@@ -161,6 +161,20 @@ impl SetLayout {
         }))
     }
 
+    /// Removes an image of a set of one sample each; it may be gone already. Its record stays.
+    ///
+    /// # Errors
+    /// [`DatasetError::Write`].
+    pub fn remove_image(&self, name: &str) -> Result<(), DatasetError> {
+        let path = self.path(name);
+        match fs::remove_file(&path) {
+            Err(source) if source.kind() != ErrorKind::NotFound => {
+                Err(DatasetError::Write { path, source })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Whether the record of a sample is about these objects, in their order.
     #[must_use]
     pub fn has_labels(&self, name: &str, sample_idx: u32, objects: &[LabeledObject]) -> bool {

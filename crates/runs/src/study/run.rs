@@ -217,7 +217,7 @@ impl StudyPlan<'_> {
         }
         if !self.keeps_images {
             for image in self.images {
-                remove_image(&of_set(image))?;
+                layout.remove_image(&image.name)?;
             }
         }
         Ok(Some((layout, arms)))
@@ -384,17 +384,6 @@ fn made_blake3(layout: &SetLayout, image: &ImageToSee) -> Result<Option<String>,
     Ok(layout
         .recorded(&image.name, 0)?
         .map(|made| made.image_blake3))
-}
-
-/// Removes an image that may be gone already.
-fn remove_image(path: &Path) -> Result<(), Error> {
-    match std::fs::remove_file(path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::Remove {
-            path: path.to_owned(),
-            reason: error.to_string(),
-        }),
-        _ => Ok(()),
-    }
 }
 
 /// The pixels of a source's image after the codec that its cracked twins pass.
