@@ -105,7 +105,8 @@ def main():
         row, condition, detector = of_all(one), one["condition"], one["detector"]
         clean[detector] = row["clean"]["value"]
         change = row["delta"]
-        point = (condition["severity"], change["value"], change.get("low") or change["value"], change.get("high") or change["value"])
+        low, high = (change["value"] if change.get(end) is None else change[end] for end in ("low", "high"))
+        point = (condition["severity"], change["value"], low, high)
         curves.setdefault(detector, {}).setdefault(condition["family"], []).append(point)
         by_name[detector, condition["family"], condition["severity"]] = condition
     tests = []

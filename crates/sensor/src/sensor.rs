@@ -125,6 +125,37 @@ impl Sensor {
         self.faults.iter().all(|(_, fault)| is_one(fault))
     }
 
+    /// What the light of each row is multiplied by, where that is all that changes it.
+    #[must_use]
+    pub fn gains_of_rows(&self, height: usize, at: Moment) -> Option<Vec<f32>> {
+        let is_gain = |fault: &Fault| match fault {
+            Fault::Exposure(exposure) => exposure.ev >= 0.0,
+            Fault::Lamps(_) | Fault::Link(_) | Fault::Frames(_) => true,
+            Fault::Isp(isp) => isp.acts_on_no_light(),
+            _ => fault.is_nothing(),
+        };
+        let all = self.faults.iter().all(|(_, fault)| is_gain(fault));
+        all.then(|| self.row_gains(height, at))
+    }
+
+    /// Exposure and lamps, row by row.
+    fn row_gains(&self, height: usize, at: Moment) -> Vec<f32> {
+        let (exposure, lamps) = (self.get::<Exposure>(), self.get::<Lamps>());
+        let gain = exposure.map_or(1.0, Exposure::gain);
+        let phase = uniform(&mut at.clip.stream(Stream::Lamps, 0));
+        let time_s = if at.time_s.is_finite() {
+            at.time_s
+        } else {
+            0.0
+        };
+        let of_row = |y: usize| {
+            #[expect(clippy::cast_precision_loss, reason = "rows of a frame")]
+            let lamps = lamps.map_or(1.0, |lamps| lamps.gain(y as f64, time_s, phase));
+            single(gain * lamps)
+        };
+        (0..height).map(of_row).collect()
+    }
+
     /// What becomes of a frame of a clip.
     #[must_use]
     pub fn frame_state(&self, at: Moment) -> FrameState {
@@ -289,22 +320,12 @@ impl Sensor {
 
     /// Exposure and lamps.
     fn expose(&self, light: &mut Light, at: Moment) {
-        let (exposure, lamps) = (self.get::<Exposure>(), self.get::<Lamps>());
-        if exposure.is_none() && lamps.is_none() {
+        if self.get::<Exposure>().is_none() && self.get::<Lamps>().is_none() {
             return;
         }
-        let gain = exposure.map_or(1.0, Exposure::gain);
-        let phase = uniform(&mut at.clip.stream(Stream::Lamps, 0));
-        let time_s = if at.time_s.is_finite() {
-            at.time_s
-        } else {
-            0.0
-        };
         let n_colors = light.n_colors();
-        for (y, row) in light.rows_mut() {
-            #[expect(clippy::cast_precision_loss, reason = "rows of a frame")]
-            let lamps = lamps.map_or(1.0, |lamps| Lamps::gain(lamps, y as f64, time_s, phase));
-            let gain = single(gain * lamps);
+        let gains = self.row_gains(light.size().1, at);
+        for ((_, row), gain) in light.rows_mut().zip(gains) {
             // No more than the full well holds, after the white balance.
             if n_colors == 1 {
                 row.iter_mut().for_each(|it| *it = (*it * gain).min(1.0));

@@ -182,6 +182,10 @@ fn say_numbers(study: &Study, screen: &Screen) {
         Some(value) => format!("{:.1} %", value * 100.0),
         None => "not given".to_owned(),
     };
+    let of_all = study.warnings.iter();
+    for warning in of_all.filter(|it| it.kind() == WarningKind::SmallSample) {
+        screen.note(&format!("warning: {warning}"));
+    }
     for one in &study.evaluations {
         for warning in &one.warnings {
             if warning.kind() == WarningKind::SmallSample {

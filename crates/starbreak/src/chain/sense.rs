@@ -11,9 +11,46 @@ use crate::Error;
 trait Sample: Code {
     fn light(self) -> f32;
     fn of_light(light: f32) -> Self;
+
+    /// The code of so many times its light; its own where that is the same.
+    fn times(self, gain: f32) -> Self {
+        let (before, after) = (self.light(), self.light() * gain);
+        if before.to_bits() == after.to_bits() {
+            self
+        } else {
+            Self::of_light(after)
+        }
+    }
+
+    /// The same of the colors of pixels.
+    fn multiply(samples: &mut [Self], (n_channels, n_colors): (usize, usize), gain: f32) {
+        for pixel in samples.chunks_exact_mut(n_channels) {
+            for code in &mut pixel[..n_colors] {
+                *code = code.times(gain);
+            }
+        }
+    }
 }
 
 impl Sample for u8 {
+    /// By a table, for a row has more samples than there are codes.
+    fn multiply(samples: &mut [Self], (n_channels, n_colors): (usize, usize), gain: f32) {
+        let mut table = [0_u8; 256];
+        for (code, after) in (0..=u8::MAX).zip(&mut table) {
+            *after = code.times(gain);
+        }
+        if n_channels == n_colors {
+            let after = |code: &mut u8| *code = table[usize::from(*code)];
+            samples.iter_mut().for_each(after);
+            return;
+        }
+        for pixel in samples.chunks_exact_mut(n_channels) {
+            for code in &mut pixel[..n_colors] {
+                *code = table[usize::from(*code)];
+            }
+        }
+    }
+
     fn light(self) -> f32 {
         decode8(self)
     }
@@ -86,6 +123,16 @@ fn change_light<S: Sample>(
     at: Moment,
 ) {
     let n_colors = if n_channels < 3 { 1 } else { 3 };
+    if let Some(gains) = sensor.gains_of_rows(size.1, at) {
+        // Rows of one gain go together.
+        let mut rest = samples;
+        for same in gains.chunk_by(|a, b| a.to_bits() == b.to_bits()) {
+            let (rows, later) = rest.split_at_mut(same.len() * size.0 * n_channels);
+            S::multiply(rows, (n_channels, n_colors), same[0]);
+            rest = later;
+        }
+        return;
+    }
     let light_of = |at: usize, color: usize| samples[at * n_channels + color].light();
     if let Some(changes) = sensor.changes_of_defects(size, n_colors, light_of) {
         for (at, more) in changes {
