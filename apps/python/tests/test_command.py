@@ -94,6 +94,8 @@ def test_what_is_wrong_is_said_as_by_the_command(images, tmp_path):
 def test_an_interrupt_ends_the_work_and_is_raised(images, tmp_path):
     text = (
         "import signal, sys, threading, os, starbreak\n"
+        # In the background of a shell it would be ignored.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
         "try:\n"
         f"    starbreak.generate({'folder:' + str(images)!r}, {str(tmp_path / 'long')!r},\n"

@@ -164,6 +164,18 @@ fn what_is_fixed_stays_and_what_is_not_does_not() {
 }
 
 #[test]
+fn dark_current_takes_room_in_the_full_well() {
+    let sensor = of_noise(Noise {
+        dark_e_s: 10_000.0,
+        ..SILENT
+    });
+    // A tenth of the well is full of it, and the black level takes it away.
+    let values = seen(&sensor, &flat((60, 40), 1, 1.0), 1);
+    let most = values.iter().copied().fold(f64::MIN, f64::max);
+    assert!((most - 0.9).abs() < 1e-6, "{most} is left");
+}
+
+#[test]
 fn a_full_well_holds_no_more() {
     let values = seen(&of_noise(SILENT), &flat((100, 100), 1, 1.0), 4);
     assert!(
@@ -372,6 +384,13 @@ fn lines_are_where_the_sensor_has_them() {
         n_bright,
         3 * width + 2 * height - 6,
         "three rows, two columns"
+    );
+    // Gray has no colors that are made of others.
+    let reached = sensor.reach((width, height), (1, 8), Seed(1).into());
+    assert_eq!(
+        reached.iter().filter(|it| **it).count(),
+        n_bright,
+        "no more"
     );
 }
 
