@@ -508,6 +508,7 @@ fn a_fault_begins_at_its_onset() {
         let expected = if idx < 10 { 0.0 } else { 0.5 };
         assert!((share - expected).abs() < 1e-9, "frame {idx}: {share}");
     }
+    assert_eq!(track["damage_onset"]["frame_idx"], 10, "it begins");
     assert_eq!(track["first_visible"]["frame_idx"], 10, "then it is seen");
     assert_eq!(track["faults"]["mosaic"]["onset_s"], 1.0, "and told of");
 }

@@ -286,6 +286,15 @@ impl<'a> Show<'a> {
         frames.is_some_and(|frames| frames.frozen + frames.dropped > 0.0)
     }
 
+    /// Whether the glass is hit by a time; where none breaks, whether a fault has begun.
+    fn has_begun(&self, time_s: f64) -> bool {
+        let sensor = self.chain.settings().sensor.as_ref();
+        match self.chain.is_glass_intact() {
+            true => sensor.is_some_and(|sensor| !sensor.at(time_s).faults().is_empty()),
+            false => self.timeline.at(time_s).0 != GlassState::Intact,
+        }
+    }
+
     /// Whether masks are wanted, and whether a sensor's faults come on top of the glass.
     fn wanted(&self) -> (bool, bool) {
         (self.with_masks, self.chain.settings().sensor.is_some())
@@ -362,7 +371,7 @@ impl<'a> Show<'a> {
             frame_idx,
             time_s,
             state: plan.state,
-            is_hit: self.timeline.at(time_s).0 != GlassState::Intact,
+            has_begun: self.has_begun(time_s),
             growth: self.timeline.reached(plan.grown),
             crack_length_px: facts.crack_length_px,
             region_fraction: facts.region_fraction,

@@ -1,8 +1,9 @@
 //! The track of a clip: what the glass is like in each frame.
 //!
-//! `damage_onset` is the impact: the first frame that begins at it or later. `first_visible` is the
-//! first frame whose region is not empty, `null` where none is: a crack that grows out of sight or
-//! is still too short comes later than its impact. Each is `{"frame_idx", "time_s"}`.
+//! `damage_onset` is the impact: the first frame that begins at it or later; where no glass breaks,
+//! the first frame with a fault. `first_visible` is the first frame whose region is not empty, `null`
+//! where none is: a crack that grows out of sight or is still too short comes later than its impact.
+//! Each is `{"frame_idx", "time_s"}`.
 
 use std::fmt::Write as _;
 
@@ -26,9 +27,9 @@ pub(super) struct TrackFrame {
     pub(super) time_s: f64,
     #[serde(serialize_with = "state_name")]
     pub(super) state: GlassState,
-    /// Whether the glass is hit by then, whatever the frame shows.
+    /// Whether the damage has begun by then, whatever the frame shows.
     #[serde(skip)]
-    pub(super) is_hit: bool,
+    pub(super) has_begun: bool,
     /// In the unit of the header's `growth.unit`; where that is null, because the network keeps no
     /// times, 1 for cracks that are there and 0 for none.
     pub(super) growth: f64,
@@ -78,11 +79,11 @@ pub(super) struct TrackHeader<'a> {
     pub(super) n_lights: u64,
 }
 
-/// The first frame at the impact or after it, if the glass breaks.
+/// The first frame at the impact or after it; where no glass breaks, the first with a fault.
 pub(super) fn onset(frames: &[TrackFrame]) -> Option<(u64, f64)> {
     frames
         .iter()
-        .find(|frame| frame.is_hit)
+        .find(|frame| frame.has_begun)
         .map(|frame| (frame.frame_idx, frame.time_s))
 }
 
