@@ -390,6 +390,9 @@ fn hidden_files_are_no_frames_and_remains_of_a_killed_run_are_no_hindrance() {
     );
 }
 
+/// The folder `in` to the folder `out`.
+const TO_OUT: [&str; 6] = ["video", "in", "-o", "out", "--fps", "10"];
+
 /// Twenty-four frames, no two alike.
 fn write_distinct(folder: &Path) {
     fs::create_dir(folder).unwrap();
@@ -485,18 +488,8 @@ fn frames_that_do_not_arrive_are_told_of_and_repeat_the_last_that_did() {
 fn a_fault_begins_at_its_onset() {
     let dir = folder();
     write_distinct(&dir.path().join("in"));
-    let args = [
-        "video",
-        "in",
-        "-o",
-        "out",
-        "--fps",
-        "10",
-        "--preset",
-        "no-demosaicing",
-    ];
-    let onset = ["--set", "mosaic.onset_s=1.0"];
-    succeed(dir.path(), &[&args[..], &onset].concat());
+    let onset = ["--preset", "no-demosaicing", "--set", "mosaic.onset_s=1.0"];
+    succeed(dir.path(), &[&TO_OUT[..], &onset].concat());
     let track = json(&dir.path().join("out.track.json"));
     for (idx, frame) in track["frames"].as_array().unwrap().iter().enumerate() {
         let read = |folder: &str| {
@@ -517,18 +510,9 @@ fn a_fault_begins_at_its_onset() {
 fn a_clip_that_is_frozen_from_the_beginning_shows_its_first_frame() {
     let dir = folder();
     write_distinct(&dir.path().join("in"));
-    let args = [
-        "video",
-        "in",
-        "-o",
-        "out",
-        "--fps",
-        "10",
-        "--preset",
-        "blank-frames",
-    ];
-    let frozen = ["--set", "frames.black=0", "--set", "frames.frozen=1"];
-    succeed(dir.path(), &[&args[..], &frozen].concat());
+    let frozen = ["frames.black=0", "--set", "frames.frozen=1"];
+    let frozen = [&["--preset", "blank-frames", "--set"], &frozen[..]].concat();
+    succeed(dir.path(), &[&TO_OUT[..], &frozen].concat());
     let read = |folder: &str, name: &str| {
         let path = dir.path().join(folder).join(name);
         image::open(path).unwrap().to_rgb8()
@@ -549,16 +533,7 @@ fn a_clip_that_is_frozen_from_the_beginning_shows_its_first_frame() {
 fn frozen_frames_do_not_move_the_impact() {
     let dir = folder();
     write_distinct(&dir.path().join("in"));
-    let args = [
-        "video",
-        "in",
-        "-o",
-        "out",
-        "--fps",
-        "10",
-        "--impact-at",
-        "0.5",
-    ];
+    let impact = ["--impact-at", "0.5"];
     let frozen = [
         "--set",
         "frames.black=0",
@@ -568,7 +543,13 @@ fn frozen_frames_do_not_move_the_impact() {
         "frames.burst_frames=6",
     ];
     for seed in ["4", "5", "6"] {
-        let args = [&args[..], &frozen, &["--seed", seed, "--replace"]].concat();
+        let args = [
+            &TO_OUT[..],
+            &impact,
+            &frozen,
+            &["--seed", seed, "--replace"],
+        ]
+        .concat();
         succeed_small(dir.path(), &args);
         let track = json(&dir.path().join("out.track.json"));
         assert_eq!(track["damage_onset"]["frame_idx"], 5, "seed {seed}");

@@ -122,12 +122,7 @@ impl RunContext {
         add("optics", optics.to_json());
         add("region_fraction", json!(of.shown.region_fraction));
         if let Some(state) = of.shown.arrival {
-            let state = if state.is_blank() {
-                state.name()
-            } else {
-                "good"
-            };
-            add("arrival", json!({ "state": state }));
+            add("arrival", json!({ "state": state.name() }));
         }
         record
     }

@@ -38,9 +38,7 @@ impl Normal {
         let (low, high) = (self.0[k], self.0[k + 1]);
         low + (high - low) * within
     }
-}
 
-impl Normal {
     /// Normal numbers out of a stream, one after the other.
     pub(crate) fn numbers(self, seed: Seed, stream: Stream, index: u64) -> impl FnMut() -> f64 {
         let mut rng = seed.stream(stream, index);

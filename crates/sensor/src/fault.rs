@@ -29,6 +29,35 @@ pub enum Fault {
     Frames(Frames),
 }
 
+/// What a fault changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Acts {
+    /// Codes alone, or nothing.
+    OnCodes,
+    /// Light by a factor for each row.
+    ByRows,
+    /// Light of a few pixels.
+    OnPixels,
+    /// Light in any other way.
+    OnLight,
+}
+
+impl Fault {
+    /// What it changes of a frame.
+    pub(crate) fn acts(&self) -> Acts {
+        match self {
+            _ if self.is_nothing() => Acts::OnCodes,
+            Self::Link(_) | Self::Frames(_) => Acts::OnCodes,
+            Self::Isp(isp) if isp.acts_on_no_light() => Acts::OnCodes,
+            // A darker frame lacks noise, too.
+            Self::Exposure(exposure) if exposure.ev > 0.0 => Acts::ByRows,
+            Self::Lamps(_) => Acts::ByRows,
+            Self::Pixels(_) | Self::Lines(_) => Acts::OnPixels,
+            _ => Acts::OnLight,
+        }
+    }
+}
+
 macro_rules! each {
     ($($kind:ident),*) => {
         impl Fault {

@@ -90,6 +90,15 @@ impl Frames {
         }
     }
 
+    /// What becomes of a picture by itself: it is good or blank, for there is none before it.
+    #[must_use]
+    pub fn of_picture(&self, seed: Seed) -> FrameState {
+        match self.of(seed, 0) {
+            state if state.repeats() => FrameState::Good,
+            state => state,
+        }
+    }
+
     fn drawn(&self, chance: f64) -> FrameState {
         let mut below = 0.0;
         for (share, state) in [

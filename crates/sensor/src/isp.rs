@@ -63,6 +63,15 @@ pub struct Isp {
 }
 
 impl Isp {
+    /// A processor that works.
+    pub(crate) const WORKS: Self = Self {
+        black_level: 0.0,
+        white_balance: 0.0,
+        color_matrix: 0.0,
+        unsharp: 0.0,
+        tone: 0.0,
+    };
+
     /// Whether no stage is left out.
     #[must_use]
     pub fn is_nothing(&self) -> bool {
@@ -78,15 +87,6 @@ impl Isp {
     fn keeps_colors(&self) -> bool {
         self.black_level == 0.0 && self.white_balance == 0.0 && self.color_matrix == 0.0
     }
-
-    /// A stage with nothing left out.
-    pub(crate) const WORKS: Self = Self {
-        black_level: 0.0,
-        white_balance: 0.0,
-        color_matrix: 0.0,
-        unsharp: 0.0,
-        tone: 0.0,
-    };
 
     /// Of a frame of light, without the tone curve; some rows may be raw.
     ///

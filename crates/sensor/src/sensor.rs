@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use starbreak_seed::{Seed, Stream, uniform};
 
 use crate::draw::{Normal, single, words_of};
+use crate::fault::Acts;
 use crate::mosaic::{Padded, REACH, WHITE_BALANCE, color_at, colors_at};
 use crate::{
     Code, Codes, Defect, Exposure, Fault, Filters, FrameState, Frames, Isp, Lamps, Light, Lines,
@@ -107,35 +108,19 @@ impl Sensor {
     /// Whether light of a frame changes; of some faults codes do alone.
     #[must_use]
     pub fn changes_light(&self) -> bool {
-        let on_codes = |fault: &Fault| match fault {
-            Fault::Isp(isp) => isp.acts_on_no_light(),
-            Fault::Link(_) | Fault::Frames(_) => true,
-            _ => fault.is_nothing(),
-        };
-        !self.faults.iter().all(|(_, fault)| on_codes(fault))
+        !self.acts_only(Acts::OnCodes)
     }
 
-    /// Whether only defects change light: a few pixels.
-    fn has_defects_alone(&self) -> bool {
-        let is_one = |fault: &Fault| match fault {
-            Fault::Isp(isp) => isp.acts_on_no_light(),
-            Fault::Pixels(_) | Fault::Lines(_) | Fault::Link(_) | Fault::Frames(_) => true,
-            _ => fault.is_nothing(),
-        };
-        self.faults.iter().all(|(_, fault)| is_one(fault))
+    /// Whether the faults change nothing but this, and codes.
+    fn acts_only(&self, what: Acts) -> bool {
+        let mut acts = self.faults.iter().map(|(_, fault)| fault.acts());
+        acts.all(|it| it == what || it == Acts::OnCodes)
     }
 
     /// What the light of each row is multiplied by, where that is all that changes it.
     #[must_use]
     pub fn gains_of_rows(&self, height: usize, at: Moment) -> Option<Vec<f32>> {
-        let is_gain = |fault: &Fault| match fault {
-            Fault::Exposure(exposure) => exposure.ev >= 0.0,
-            Fault::Lamps(_) | Fault::Link(_) | Fault::Frames(_) => true,
-            Fault::Isp(isp) => isp.acts_on_no_light(),
-            _ => fault.is_nothing(),
-        };
-        let all = self.faults.iter().all(|(_, fault)| is_gain(fault));
-        all.then(|| self.row_gains(height, at))
+        (self.acts_only(Acts::ByRows)).then(|| self.row_gains(height, at))
     }
 
     /// Exposure and lamps, row by row.
@@ -163,7 +148,8 @@ impl Sensor {
         frames.map_or(FrameState::Good, |frames| frames.of(at.clip, at.frame_idx))
     }
 
-    /// What the faults make of a frame of light, in place.
+    /// What the faults make of a frame of light, in place. Spots, filters, lamps and exposure multiply and mix it, in any
+    /// order, before the full well cuts it.
     pub fn over(&self, light: &mut Light, at: Moment) {
         self.shade(light);
         if let (Some(filters), 3) = (self.get::<Filters>(), light.n_colors()) {
@@ -189,7 +175,7 @@ impl Sensor {
         n_colors: usize,
         light_of: impl Fn(usize, usize) -> f32,
     ) -> Option<Vec<(usize, [f32; 3])>> {
-        if !self.has_defects_alone() {
+        if !self.acts_only(Acts::OnPixels) {
             return None;
         }
         let defects = self.defects((width, height));

@@ -34,6 +34,10 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
         // Of few pixels some have to be defective, and of few rows some missing.
         let mut recipe =
             Recipe::preset_at(preset, if preset == "bit-errors" { 5 } else { 4 }).unwrap();
+        if preset == "spots" {
+            // As wide in this frame as in one of a camera.
+            recipe.set("spots.pitch_um=25").unwrap();
+        }
         if preset == "blank-frames" {
             for setting in ["frames.frozen=0", "frames.black=0", "frames.white=1"] {
                 recipe.set(setting).unwrap();

@@ -6,6 +6,10 @@ const number = (value: unknown, digits: number) =>
   typeof value === "number" && Number.isFinite(value) ? value.toLocaleString("en", { maximumFractionDigits: digits }) : "–";
 
 const list = (fact: unknown) => (Array.isArray(fact) && fact.length > 0 ? fact.join(", ") : "none");
+const percent = (fact: unknown) => `${number(100 * Number(fact), 1)} %`;
+/** What says that a fault of its table is not there. */
+const works = (table: string, key: string, fact: unknown) =>
+  ["isp", "link", "frames"].includes(table) && (fact === 0 || key === "burst_frames" || (key === "row_bits" && fact === 16));
 /** The size of each fault, as one reads it. */
 const FACTS: Record<string, [string, (fact: unknown) => string]> = {
   "exposure.ev": ["exposure", (fact) => `${number(Number(fact), 1)} EV`],
@@ -16,6 +20,24 @@ const FACTS: Record<string, [string, (fact: unknown) => string]> = {
   "pixels.n_defects": ["defective pixels", (fact) => number(Number(fact), 0)],
   "lines.rows": ["defective rows", list],
   "lines.columns": ["defective columns", list],
+  "banding.seen": ["rows that see the LEDs", percent],
+  "spots.count": ["grains of dust", (fact) => number(Number(fact), 0)],
+  "spots.diameter_px": ["a usual shadow", (fact) => `${number(Number(fact), 0)} px wide`],
+  "spots.depth": ["takes away", (fact) => `${percent(fact)} of the light`],
+  "cfa.loss": ["color filters lost", percent],
+  "mosaic.share": ["rows without colors", percent],
+  "isp.black_level_percent": ["black level left in", (fact) => `${number(Number(fact), 2)} % of white`],
+  "isp.white_balance": ["white balance left out", percent],
+  "isp.color_matrix": ["color matrix left out", percent],
+  "isp.unsharp": ["sharpening taken back", (fact) => number(Number(fact), 2)],
+  "isp.tone": ["tone curve left out", percent],
+  "link.bit_error_rate": ["wrong bits", (fact) => `one of ${number(1 / Number(fact), 0)}`],
+  "link.jpeg_quality": ["quality of JPEG", (fact) => number(Number(fact), 0)],
+  "link.row_bits": ["rows that are told apart", (fact) => number(2 ** Number(fact), 0)],
+  "frames.black": ["black frames", percent],
+  "frames.white": ["white frames", percent],
+  "frames.frozen": ["frozen frames", percent],
+  "frames.dropped": ["dropped frames", percent],
 };
 
 export function Figures({ broken, took, isOld }: { broken: Broken; took: number; isOld: boolean }) {
@@ -27,7 +49,7 @@ export function Figures({ broken, took, isOld }: { broken: Broken; took: number;
   }
   rows.push(["change in the region", `${number(broken.optics.contrast.rms_code, 1)} codes (RMS)`]);
   for (const [table, facts] of Object.entries(broken.faults ?? {})) {
-    for (const [key, fact] of Object.entries(facts)) {
+    for (const [key, fact] of Object.entries(facts).filter(([key, fact]) => !works(table, key, fact))) {
       const [words, of] = FACTS[`${table}.${key}`] ?? [`${table}: ${key}`, (fact: unknown) => JSON.stringify(fact)];
       rows.push([words, of(fact)]);
     }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use image::{ColorType, DynamicImage};
 use rayon::prelude::*;
-use starbreak::sensor::{FrameState, Frames, Moment};
+use starbreak::sensor::{FrameState, Frames, Moment, Sensor};
 use starbreak::{Chain, Lit, PaneLayer, Settings};
 use starbreak_optics::environment::Environment;
 use starbreak_seed::Seed;
@@ -243,8 +243,7 @@ impl<'a> Show<'a> {
         };
         // The light goes on, whatever arrives.
         let light = kept.light.next(own_light);
-        let sensor = self.chain.settings().sensor.as_ref();
-        let arrives = sensor.map_or(FrameState::Good, |sensor| {
+        let arrives = self.sensor().map_or(FrameState::Good, |sensor| {
             sensor.at(at.time_s).frame_state(at)
         });
         if arrives.repeats()
@@ -279,25 +278,28 @@ impl<'a> Show<'a> {
         Ok(plan)
     }
 
+    /// The sensor, where it has a fault.
+    fn sensor(&self) -> Option<&Sensor> {
+        self.chain.settings().sensor.as_ref()
+    }
+
     /// Whether a frame may repeat one before.
     fn may_repeat(&self) -> bool {
-        let sensor = self.chain.settings().sensor.as_ref();
-        let frames = sensor.and_then(|sensor| sensor.get::<Frames>());
+        let frames = self.sensor().and_then(|sensor| sensor.get::<Frames>());
         frames.is_some_and(|frames| frames.frozen + frames.dropped > 0.0)
     }
 
     /// Whether the glass is hit by a time; where none breaks, whether a fault has begun.
     fn has_begun(&self, time_s: f64) -> bool {
-        let sensor = self.chain.settings().sensor.as_ref();
         match self.chain.is_glass_intact() {
-            true => sensor.is_some_and(|sensor| !sensor.at(time_s).faults().is_empty()),
+            true => (self.sensor()).is_some_and(|sensor| !sensor.at(time_s).faults().is_empty()),
             false => self.timeline.at(time_s).0 != GlassState::Intact,
         }
     }
 
     /// Whether masks are wanted, and whether a sensor's faults come on top of the glass.
     fn wanted(&self) -> (bool, bool) {
-        (self.with_masks, self.chain.settings().sensor.is_some())
+        (self.with_masks, self.sensor().is_some())
     }
 
     /// The full cracks under a light.
@@ -365,8 +367,7 @@ impl<'a> Show<'a> {
         };
         let mut ready = self.target.prepare(frame, is_untouched, self.settings)?;
         ready.own_masks = own_masks;
-        let sensor = self.chain.settings().sensor.as_ref();
-        let arrival = sensor.and_then(|sensor| sensor.get::<Frames>());
+        let arrival = self.sensor().and_then(|sensor| sensor.get::<Frames>());
         let line = TrackFrame {
             frame_idx,
             time_s,

@@ -62,13 +62,8 @@ impl StageFacts {
         (with_masks, with_sensor): (bool, bool),
     ) -> Result<Arc<Self>, Error> {
         let region = lit.glass_region(layer.size())?;
-        let crack = || Ok(layer.crack_mask()?);
-        Self::new(
-            region,
-            crack_length_px,
-            with_masks.then_some(&crack),
-            with_sensor,
-        )
+        let crack = with_masks.then(|| layer.crack_mask()).transpose()?;
+        Self::new(region, crack_length_px, crack, with_sensor)
     }
 
     /// Before the glass breaks.
@@ -77,18 +72,19 @@ impl StageFacts {
         (with_masks, with_sensor): (bool, bool),
     ) -> Result<Arc<Self>, Error> {
         let region = GrayImage::new(width, height);
-        let crack = || Ok(GrayImage::new(width, height));
-        Self::new(region, Some(0.0), with_masks.then_some(&crack), with_sensor)
+        let crack = with_masks.then(|| region.clone());
+        Self::new(region, Some(0.0), crack, with_sensor)
     }
 
+    /// With masks where there is that of the cracks.
     fn new(
         region: GrayImage,
         crack_length_px: Option<f64>,
-        crack: Option<&dyn Fn() -> Result<GrayImage, Error>>,
+        crack: Option<GrayImage>,
         with_sensor: bool,
     ) -> Result<Arc<Self>, Error> {
         let masks = match crack {
-            Some(crack) => Some([StageMask::of(region.clone())?, StageMask::of(crack()?)?]),
+            Some(crack) => Some([StageMask::of(region.clone())?, StageMask::of(crack)?]),
             None => None,
         };
         Ok(Arc::new(Self {

@@ -33,21 +33,9 @@ pub(super) struct Identity {
     detectors: BTreeMap<String, DetectorIdentity>,
     /// By name.
     conditions: BTreeMap<String, ConditionIdentity>,
-    /// Whether its sets have their images.
-    #[serde(default = "yes", skip_serializing_if = "is_yes")]
-    keeps_images: bool,
-}
-
-fn yes() -> bool {
-    true
-}
-
-#[expect(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "serde asks for a reference"
-)]
-fn is_yes(keeps_images: &bool) -> bool {
-    *keeps_images
+    /// Whether the images of its sets are removed.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    removes_images: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -106,7 +94,7 @@ impl Identity {
             protocol: truth.protocol.name().to_owned(),
             detectors: detectors.collect(),
             conditions,
-            keeps_images: plan.keeps_images,
+            removes_images: !plan.keeps_images,
         })
     }
 
@@ -164,11 +152,11 @@ impl Identity {
                 earlier.protocol, self.protocol
             ));
         }
-        if self.keeps_images != earlier.keeps_images {
-            let is_with = if earlier.keeps_images {
-                "without"
-            } else {
+        if self.removes_images != earlier.removes_images {
+            let is_with = if earlier.removes_images {
                 "with"
+            } else {
+                "without"
             };
             return Some(format!("it was made {is_with} --no-store"));
         }

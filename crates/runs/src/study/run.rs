@@ -1,5 +1,6 @@
 //! All arms of a study: each detector over the clean images and over each condition's.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -190,8 +191,11 @@ impl StudyPlan<'_> {
             Step::Breaking(condition),
             self.survey.n_selected,
         ));
-        let is_seen = !self.keeps_images && self.is_seen(condition, &layout)?;
-        if !is_seen {
+        let seen = match self.keeps_images {
+            true => None,
+            false => self.seen_by_all(condition, &layout)?,
+        };
+        if seen.is_none() {
             let report = self.break_all(condition, &folder, stop, tell)?;
             if report.manifest.is_none() {
                 return Ok(None);
@@ -202,9 +206,9 @@ impl StudyPlan<'_> {
             }));
         }
         let of_set = |image: &ImageToSee| layout.path(&image.name);
-        let hash = |image: &ImageToSee| match is_seen {
-            true => made_blake3(&layout, image)?.ok_or(Error::NoSize),
-            false => Ok(blake3_file(&of_set(image))?),
+        let hash = |image: &ImageToSee| match seen.as_ref().and_then(|it| it.get(&image.name)) {
+            Some(blake3) => Ok(blake3.clone()),
+            None => Ok(blake3_file(&of_set(image))?),
         };
         let mut arms = Vec::new();
         for detector in self.detectors {
@@ -223,23 +227,27 @@ impl StudyPlan<'_> {
         Ok(Some((layout, arms)))
     }
 
-    /// Whether each detector has looked at each image of a condition as its set's records say it was.
-    fn is_seen(&self, condition: &Condition, layout: &SetLayout) -> Result<bool, Error> {
+    /// BLAKE3 of each image of a condition by its set's records, where each detector has looked at all of them.
+    fn seen_by_all(
+        &self,
+        condition: &Condition,
+        layout: &SetLayout,
+    ) -> Result<Option<BTreeMap<String, String>>, Error> {
+        let mut made = BTreeMap::new();
+        for image in self.images {
+            let Some(record) = layout.recorded(&image.name, 0)? else {
+                return Ok(None);
+            };
+            made.insert(image.name.clone(), record.image_blake3);
+        }
         for detector in self.detectors {
             let log = self.log(detector, Some(condition));
             let identity = self.log_identity(detector, Some(condition))?;
-            if !LineLog::is_of(&log, &identity.to_string())? {
-                return Ok(false);
-            }
-            let seen = seen_files(&log)?;
-            for image in self.images {
-                let made = made_blake3(layout, image)?;
-                if made.is_none() || made.as_ref() != seen.get(&image.name) {
-                    return Ok(false);
-                }
+            if !LineLog::is_of(&log, &identity.to_string())? || seen_files(&log)? != made {
+                return Ok(None);
             }
         }
-        Ok(true)
+        Ok(Some(made))
     }
 
     /// Lets each detector look at one image, before anything is broken: a model or a contract that
@@ -377,13 +385,6 @@ impl StudyPlan<'_> {
             }),
         }
     }
-}
-
-/// BLAKE3 of an image of a set, by its record.
-fn made_blake3(layout: &SetLayout, image: &ImageToSee) -> Result<Option<String>, Error> {
-    Ok(layout
-        .recorded(&image.name, 0)?
-        .map(|made| made.image_blake3))
 }
 
 /// The pixels of a source's image after the codec that its cracked twins pass.

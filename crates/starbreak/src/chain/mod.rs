@@ -454,7 +454,7 @@ impl Chain {
         let sensor = self.settings.sensor.as_ref();
         let frames = sensor.and_then(|sensor| sensor.get::<Frames>());
         Ok(Shown {
-            arrival: frames.map(|frames| frames.of(seed, 0)),
+            arrival: frames.map(|frames| frames.of_picture(seed)),
             region_fraction: region_fraction(&region),
             optics: OpticsReport {
                 contrast,

@@ -12,51 +12,37 @@ trait Sample: Code {
     fn light(self) -> f32;
     fn of_light(light: f32) -> Self;
 
-    /// The code of so many times its light; its own where that is the same.
-    fn times(self, gain: f32) -> Self {
-        let (before, after) = (self.light(), self.light() * gain);
-        if before.to_bits() == after.to_bits() {
+    /// The code of a light; its own where that is the same.
+    fn with_light(self, after: f32) -> Self {
+        if self.light().to_bits() == after.to_bits() {
             self
         } else {
             Self::of_light(after)
         }
     }
 
-    /// The same of the colors of pixels.
-    fn multiply(samples: &mut [Self], (n_channels, n_colors): (usize, usize), gain: f32) {
-        for pixel in samples.chunks_exact_mut(n_channels) {
-            for code in &mut pixel[..n_colors] {
-                *code = code.times(gain);
-            }
-        }
+    /// From a code to that of so many times its light.
+    fn times(gain: f32) -> impl Fn(Self) -> Self {
+        move |code| code.with_light(code.light() * gain)
     }
 }
 
 impl Sample for u8 {
-    /// By a table, for a row has more samples than there are codes.
-    fn multiply(samples: &mut [Self], (n_channels, n_colors): (usize, usize), gain: f32) {
-        let mut table = [0_u8; 256];
-        for (code, after) in (0..=u8::MAX).zip(&mut table) {
-            *after = code.times(gain);
-        }
-        if n_channels == n_colors {
-            let after = |code: &mut u8| *code = table[usize::from(*code)];
-            samples.iter_mut().for_each(after);
-            return;
-        }
-        for pixel in samples.chunks_exact_mut(n_channels) {
-            for code in &mut pixel[..n_colors] {
-                *code = table[usize::from(*code)];
-            }
-        }
-    }
-
     fn light(self) -> f32 {
         decode8(self)
     }
 
     fn of_light(light: f32) -> Self {
         encode8(light)
+    }
+
+    /// By a table: a row has more samples than there are codes.
+    fn times(gain: f32) -> impl Fn(Self) -> Self {
+        let table: [Self; 256] = std::array::from_fn(|k| {
+            let code = Self::try_from(k).unwrap_or(Self::MAX);
+            code.with_light(code.light() * gain)
+        });
+        move |code| table[usize::from(code)]
     }
 }
 
@@ -128,7 +114,12 @@ fn change_light<S: Sample>(
         let mut rest = samples;
         for same in gains.chunk_by(|a, b| a.to_bits() == b.to_bits()) {
             let (rows, later) = rest.split_at_mut(same.len() * size.0 * n_channels);
-            S::multiply(rows, (n_channels, n_colors), same[0]);
+            let times = S::times(same[0]);
+            for pixel in rows.chunks_exact_mut(n_channels) {
+                for code in &mut pixel[..n_colors] {
+                    *code = times(*code);
+                }
+            }
             rest = later;
         }
         return;
@@ -154,9 +145,7 @@ fn change_light<S: Sample>(
     let pixels = samples.chunks_exact_mut(n_channels);
     for (pixel, after) in pixels.zip(light.values().chunks_exact(n_colors)) {
         for (code, after) in pixel.iter_mut().zip(after) {
-            if code.light().to_bits() != after.to_bits() {
-                *code = S::of_light(*after);
-            }
+            *code = code.with_light(*after);
         }
     }
 }
