@@ -555,7 +555,35 @@ fn a_suite_is_all_of_its_presets() {
     let n_sets = fs::read_dir(dir.path().join("out/sets")).unwrap().count();
     let expected: usize = starbreak::FAULTS
         .iter()
+        .filter(|fault| fault.table != "distortion")
         .map(|fault| fault.presets.len())
         .sum();
     assert_eq!(n_sets, expected, "a condition for each");
+    // What a lens moves, labels would miss.
+    let alone = [
+        "study",
+        &source,
+        "--model",
+        &model,
+        "--presets",
+        "distortion",
+        "-o",
+        "a",
+    ];
+    let set = [
+        "generate",
+        &source,
+        "--preset",
+        "distortion",
+        "--limit",
+        "1",
+        "-o",
+        "b",
+    ];
+    for args in [&alone[..], &set] {
+        let refused = starbreak(dir.path(), args);
+        assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+        assert!(refused.stderr.contains("folder:DIR"), "{}", refused.stderr);
+    }
+    assert!(!dir.path().join("b").exists(), "nothing is written");
 }

@@ -335,7 +335,7 @@ fn breaking_of(recipe: &Recipe, seed: Seed) -> Value {
         tables.remove("optics");
         tables.remove("output");
         let faults = FAULTS.iter().map(|fault| fault.table);
-        faults.chain(["sensor"]).for_each(|table| {
+        faults.chain(["lens", "sensor"]).for_each(|table| {
             tables.remove(table);
         });
     }

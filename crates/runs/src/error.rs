@@ -15,7 +15,7 @@ use crate::clip_error::ClipError;
 pub enum Error {
     /// A bank of cracks by a recipe that breaks nothing.
     #[error(
-        "fracture.model = \"none\": no glass breaks, so there is nothing to keep in a bank; the faults behind the lens \
+        "fracture.model = \"none\": no glass breaks, so there is nothing to keep in a bank; the faults of the camera \
          are made anew for each image anyway, and generate --bank takes them with --set"
     )]
     NothingBreaks,

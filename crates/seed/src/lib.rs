@@ -70,6 +70,8 @@ pub enum Stream {
     LinkBits,
     /// Frames that do not arrive.
     Frames,
+    /// Phase in which a camera trembles.
+    Shake,
 }
 
 impl Stream {
@@ -97,6 +99,7 @@ impl Stream {
             Self::SensorRawRows => b"sensor-raw-rows",
             Self::LinkBits => b"link-bits",
             Self::Frames => b"frames",
+            Self::Shake => b"shake",
         }
     }
 }
@@ -175,6 +178,7 @@ mod tests {
             Stream::SensorRawRows,
             Stream::LinkBits,
             Stream::Frames,
+            Stream::Shake,
         ]
         .map(Stream::name);
         for (i, name) in names.iter().enumerate() {

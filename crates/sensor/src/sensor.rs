@@ -76,11 +76,11 @@ impl Sensor {
         &self.faults
     }
 
-    /// Without the faults that are nothing; none where no other is left.
+    /// Without the faults that are nothing.
     #[must_use]
-    pub fn faulty(mut self) -> Option<Self> {
+    pub fn faulty(mut self) -> Self {
         self.faults.retain(|(_, fault)| !fault.is_nothing());
-        (!self.faults.is_empty()).then_some(self)
+        self
     }
 
     /// With the faults alone that have begun at a time.

@@ -22,6 +22,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod broken;
+mod camera_faults;
 mod chain;
 mod cost;
 mod error;
@@ -34,6 +35,7 @@ mod scene;
 mod timings;
 
 pub use broken::{Details, ImportedDetails, PaperDetails, PhysicsDetails, Simulated, simulate};
+pub use camera_faults::CameraFaults;
 pub use chain::{
     Chain, Lit, OpticsReport, PaneLayer, SceneReport, Shown, damage_to_json, region_fraction,
 };

@@ -1,6 +1,7 @@
 //! What a frame sees of a pane: every question about the view.
 
 use starbreak_glass::{CrackNetwork, LengthUnit, Pane};
+use starbreak_optics::lens_faults::Optic;
 use starbreak_optics::{Camera, View};
 
 use crate::{Error, FractureSettings, Mount, OpticsSettings, Settings};
@@ -19,6 +20,20 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub fn of(settings: &'a Settings, size_px: (u32, u32)) -> Self {
         Self { settings, size_px }
+    }
+
+    /// The lens and the frame behind it; none by the paper's optics, which know no lens.
+    #[must_use]
+    pub fn optic(&self) -> Option<Optic> {
+        let OpticsSettings::Physical(optics) = &self.settings.optics else {
+            return None;
+        };
+        let (width, height) = self.size_px;
+        Some(Optic {
+            f_px: self.settings.camera.f_px.of_frame(width),
+            lens: optics.lens,
+            size: (width as usize, height as usize),
+        })
     }
 
     /// How the frame shows the pane that the settings break: the paper's is the frame itself, that

@@ -88,6 +88,19 @@ fn no_fault_and_faults_of_nothing_leave_every_code_of_every_mode() {
         ("[cfa]\nloss = 0.0\n", "all filters"),
         ("[mosaic]\nshare = 0.0\n", "no raw rows"),
         ("[isp]\nunsharp = 0.0\n", "a processor that works"),
+        ("[distortion]\ncorner_percent = 0.0\n", "no distortion"),
+        ("[fringes]\nlateral_px = 0.0\n", "no fringes"),
+        ("[defocus]\nsensor_shift_um = 0.0\n", "a sensor in focus"),
+        ("[shake]\nrate_deg_s = 0.0\n", "a camera that is still"),
+        (
+            "[glare]\nveil_percent = 0.0\n",
+            "a lens that scatters nothing",
+        ),
+        (
+            "[shading]\ncorner_loss_percent = 0.0\n",
+            "corners without loss",
+        ),
+        ("[lens]\nheadroom = 100.0\n", "lamps brighter than white"),
         ("[link]\nbit_error_rate = 0.0\n", "a link that works"),
         (
             "[frames]\nblack = 0.0\nwhite = 0.0\nfrozen = 0.0\ndropped = 0.0\n",
@@ -106,10 +119,10 @@ fn no_fault_and_faults_of_nothing_leave_every_code_of_every_mode() {
     }
 }
 
-/// A scene of colors that change from row to row, with fine detail, neither black nor white anywhere.
+/// A scene of colors that change from row to row, with fine detail of no one period, neither black nor white anywhere.
 fn colors() -> DynamicImage {
     RgbImage::from_fn(1600, 1200, |x, y| {
-        let fine = (x * 7 + y * 13) % 40;
+        let fine = (x * x * 7 + y * y * 13 + x * y * 3) % 40;
         let code = |part: u32| u8::try_from(60 + part + fine).unwrap();
         Rgb([code(y / 12), code(x / 40), code((x / 9 + y / 5) % 50)])
     })
@@ -127,7 +140,8 @@ fn region_of(recipe: &Recipe, image: &DynamicImage) -> f64 {
 }
 
 /// Presets of what gray images do not have: colors and their filters.
-const OF_COLORS: [&str; 4] = [
+const OF_COLORS: [&str; 5] = [
+    "fringes",
     "no-filters",
     "no-demosaicing",
     "no-white-balance",

@@ -154,12 +154,12 @@ pub(super) fn patterns(
     Ok(Patterns::Bank(Box::new(bank)))
 }
 
-/// The recipe that the patterns were made with, with what is said of the output and of what lies behind the lens.
+/// The recipe that the patterns were made with, with what is said of the output and of the faults of the camera.
 pub(super) fn recipe_of_bank(bank: &PatternBank, global: &Global) -> Result<Recipe, Failure> {
     let mut recipe = bank.header().parse_recipe()?;
     recipe.set_max_memory(global.max_memory);
     let later: Vec<&str> = (FAULTS.iter().map(|fault| fault.table))
-        .chain(["sensor", "output"])
+        .chain(["lens", "sensor", "output"])
         .collect();
     for assignment in &global.set {
         let table = assignment

@@ -3,6 +3,7 @@
 use super::elsewhere::{between, side_by_side};
 use crate::lit_runs::lit_runs;
 use crate::maps::{Kernel, Pupil};
+use crate::pyramid::mirrored;
 
 /// Most cells per radius: larger discs are spread over a smaller frame.
 const MOST_CELLS: f64 = 12.0;
@@ -26,6 +27,20 @@ pub(super) fn defocus<const COLORS: usize>(
 ) -> Vec<f32> {
     let radii_px = vec![radius_px; size.1];
     defocus_rows::<COLORS>(light, size, pupil, &radii_px, Beyond::Mirrored)
+}
+
+/// The same for so many values per pixel, 1 or 3.
+pub(crate) fn spread_evenly(
+    light: &[f32],
+    n_colors: usize,
+    size: (usize, usize),
+    pupil: Pupil,
+    radius_px: f64,
+) -> Vec<f32> {
+    match n_colors {
+        1 => defocus::<1>(light, size, pupil, radius_px),
+        _ => defocus::<3>(light, size, pupil, radius_px),
+    }
 }
 
 /// As [`defocus`], for `LANES` values per pixel and with a radius, px, for the light of each row.
@@ -216,13 +231,6 @@ fn spread<const LANES: usize>(
         }
     }
     out
-}
-
-/// Index of a sample beyond the border, mirrored at the border's own edge.
-fn mirrored(index: isize, n: usize) -> usize {
-    let period = 2 * n.cast_signed();
-    let folded = index.rem_euclid(period);
-    folded.min(period - 1 - folded).cast_unsigned()
 }
 
 #[cfg(test)]

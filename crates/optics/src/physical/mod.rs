@@ -18,7 +18,7 @@ mod render;
 mod samples;
 
 pub use crate::surface::{Glass, SurfaceParams};
-pub(crate) use defocus::{Beyond, defocus_rows};
+pub(crate) use defocus::{Beyond, defocus_rows, spread_evenly};
 pub(crate) use elsewhere::FINE_WIDTHS;
 pub(crate) use layer::PatternLayer;
 pub(crate) use light::{Colors, Lighting};

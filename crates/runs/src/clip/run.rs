@@ -8,7 +8,7 @@ use std::time::Duration;
 use image::{ColorType, DynamicImage};
 use rayon::prelude::*;
 use starbreak::sensor::{FrameState, Frames, Moment, Sensor};
-use starbreak::{Chain, Lit, PaneLayer, Settings};
+use starbreak::{CameraFaults, Chain, Lit, PaneLayer, Settings};
 use starbreak_optics::environment::Environment;
 use starbreak_seed::Seed;
 
@@ -278,9 +278,13 @@ impl<'a> Show<'a> {
         Ok(plan)
     }
 
-    /// The sensor, where it has a fault.
+    /// What is wrong with the camera itself, where anything is.
+    fn faults(&self) -> Option<&CameraFaults> {
+        self.chain.settings().faults.as_ref()
+    }
+
     fn sensor(&self) -> Option<&Sensor> {
-        self.chain.settings().sensor.as_ref()
+        self.faults().map(|faults| &faults.sensor)
     }
 
     /// Whether a frame may repeat one before.
@@ -292,14 +296,14 @@ impl<'a> Show<'a> {
     /// Whether the glass is hit by a time; where none breaks, whether a fault has begun.
     fn has_begun(&self, time_s: f64) -> bool {
         match self.chain.is_glass_intact() {
-            true => (self.sensor()).is_some_and(|sensor| !sensor.at(time_s).faults().is_empty()),
+            true => (self.faults()).is_some_and(|faults| !faults.at(time_s).is_empty()),
             false => self.timeline.at(time_s).0 != GlassState::Intact,
         }
     }
 
-    /// Whether masks are wanted, and whether a sensor's faults come on top of the glass.
+    /// Whether masks are wanted, and whether a camera's faults come on top of the glass.
     fn wanted(&self) -> (bool, bool) {
-        (self.with_masks, self.sensor().is_some())
+        (self.with_masks, self.faults().is_some())
     }
 
     /// The full cracks under a light.

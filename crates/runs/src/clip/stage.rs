@@ -19,7 +19,7 @@ pub(super) struct StageFacts {
     pub(super) crack_length_px: Option<f64>,
     /// Region and crack mask, if asked for.
     pub(super) masks: Option<[Arc<StageMask>; 2]>,
-    /// Where the glass affects the frame, if a sensor's faults come on top.
+    /// Where the glass affects the frame, if a camera's faults come on top.
     glass_region: Option<GrayImage>,
 }
 
@@ -59,21 +59,21 @@ impl StageFacts {
         layer: &PaneLayer,
         lit: &Lit<'_>,
         crack_length_px: Option<f64>,
-        (with_masks, with_sensor): (bool, bool),
+        (with_masks, with_faults): (bool, bool),
     ) -> Result<Arc<Self>, Error> {
         let region = lit.glass_region(layer.size())?;
         let crack = with_masks.then(|| layer.crack_mask()).transpose()?;
-        Self::new(region, crack_length_px, crack, with_sensor)
+        Self::new(region, crack_length_px, crack, with_faults)
     }
 
     /// Before the glass breaks.
     pub(super) fn intact(
         (width, height): (u32, u32),
-        (with_masks, with_sensor): (bool, bool),
+        (with_masks, with_faults): (bool, bool),
     ) -> Result<Arc<Self>, Error> {
         let region = GrayImage::new(width, height);
         let crack = with_masks.then(|| region.clone());
-        Self::new(region, Some(0.0), crack, with_sensor)
+        Self::new(region, Some(0.0), crack, with_faults)
     }
 
     /// With masks where there is that of the cracks.
@@ -81,7 +81,7 @@ impl StageFacts {
         region: GrayImage,
         crack_length_px: Option<f64>,
         crack: Option<GrayImage>,
-        with_sensor: bool,
+        with_faults: bool,
     ) -> Result<Arc<Self>, Error> {
         let masks = match crack {
             Some(crack) => Some([StageMask::of(region.clone())?, StageMask::of(crack)?]),
@@ -91,7 +91,7 @@ impl StageFacts {
             region_fraction: region_fraction(&region),
             crack_length_px,
             masks,
-            glass_region: with_sensor.then_some(region),
+            glass_region: with_faults.then_some(region),
         }))
     }
 
@@ -108,7 +108,7 @@ impl StageFacts {
         };
         match is_other {
             true => region.as_flat_samples_mut().as_mut_slice().fill(255),
-            false => lit.add_sensor(&mut region, color, at),
+            false => lit.add_faults(&mut region, color, at),
         }
         let masks = match &self.masks {
             Some([_, crack]) => {

@@ -8,7 +8,7 @@ use serde_json::json;
 use starbreak::Timings;
 use starbreak_dataset::{BadRecord, CarriedFile, GeneratedSet, Manifest, SourceImage, blake3_file};
 
-use super::Plan;
+use super::{Plan, refuse_moved_labels};
 use crate::Error;
 
 /// Something that a run tells as it happens.
@@ -84,6 +84,7 @@ pub fn generate(
 ) -> Result<GenerateReport, Error> {
     let out = &plan.context.out;
     plan.source.refuse_output_at(out)?;
+    refuse_moved_labels(&plan.context.settings, plan.survey.n_objects)?;
     let n_samples = plan.options.n_samples;
     let set = GeneratedSet::begin(out, n_samples, &plan.identity())?;
     set.put_state("recipe.toml", Some(&plan.context.recipe))?;

@@ -38,7 +38,7 @@ const SEEDS: [(u64, &str); 3] = [(1, "far"), (2, "far"), (3, "short")];
 /// Sheets of all presets over the severities, and what the camera is focused on.
 const SHEETS: [(&str, &str); 2] = [("sheet.jpg", "far"), ("sheet-on-glass.jpg", "short")];
 
-/// The sheet of the faults behind the lens.
+/// The sheet of the faults of the camera.
 const FAULT_SHEET: &str = "faults.jpg";
 
 /// Width of a picture on a sheet, px, and the seed of all of them.
@@ -240,7 +240,7 @@ fn sheet(scene: &RgbImage, focus: &str) -> Result<RgbImage> {
     Ok(sheet)
 }
 
-/// All presets of faults behind the lens, one row each: severity 1, 3 and 5 of the frame, then the middle of 3 and 5 at
+/// All presets of faults of the camera, one row each: severity 1, 3 and 5 of the frame, then the middle of 3 and 5 at
 /// full size.
 fn fault_sheet(scene: &RgbImage) -> Result<RgbImage> {
     let height = SHEET_WIDTH * FRAME.1 / FRAME.0;

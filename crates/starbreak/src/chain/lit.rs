@@ -1,20 +1,23 @@
-//! Broken glass under one light, and the sensor behind it, over frame after frame.
+//! Broken glass under one light, and the camera behind it, over frame after frame.
 
 use image::{ColorType, DynamicImage, GrayImage};
+use starbreak_optics::lens_faults::Optic;
 use starbreak_optics::paper::{Focus, PaperOptics, composite};
 use starbreak_optics::physical::{OpticalMaps, Overlay};
 use starbreak_optics::{Before, Coverage, DamageReader};
-use starbreak_sensor::{Moment, Sensor};
+use starbreak_sensor::Moment;
 
 use super::sense::{add_region, sense};
-use crate::{Error, Stopwatch};
+use crate::{CameraFaults, Error, Stopwatch};
 
 /// A chain under one light: what it does to any frame of its size.
 #[derive(Debug, Clone)]
 pub struct Lit<'a> {
     pub(super) glass: Glass<'a>,
-    /// The sensor, where it has a fault.
-    pub(super) sensor: Option<&'a Sensor>,
+    /// What is wrong with the camera itself, where anything is.
+    pub(super) faults: Option<&'a CameraFaults>,
+    /// Its lens, which some optics know.
+    pub(super) optic: Option<Optic>,
 }
 
 /// The glass under a light.
@@ -30,7 +33,7 @@ pub(super) enum Glass<'a> {
 pub(super) struct Regions {
     /// By the glass.
     glass: GrayImage,
-    /// By glass and sensor, where that has a fault.
+    /// By glass and camera, where that has a fault.
     all: Option<GrayImage>,
 }
 
@@ -47,7 +50,7 @@ impl Regions {
 }
 
 impl Lit<'_> {
-    /// What the chain makes of a frame, in place: first the glass, then the sensor. A [`Seed`](crate::Seed) alone is a
+    /// What the chain makes of a frame, in place: first the glass, then the camera. A [`Seed`](crate::Seed) alone is a
     /// picture by itself; it is that of the noise.
     ///
     /// # Errors
@@ -60,8 +63,8 @@ impl Lit<'_> {
             }
             Glass::Physical(overlay) => overlay.apply(frame, at.frame)?,
         }
-        match self.sensor {
-            Some(sensor) => sense(sensor, frame, at),
+        match self.faults {
+            Some(faults) => sense(faults, self.optic.as_ref(), frame, at),
             None => Ok(()),
         }
     }
@@ -87,12 +90,12 @@ impl Lit<'_> {
                 region
             }
         };
-        let all = match self.sensor {
-            Some(sensor) => {
-                sense(sensor, frame, at)?;
+        let all = match self.faults {
+            Some(faults) => {
+                sense(faults, self.optic.as_ref(), frame, at)?;
                 let mut all = glass.clone();
-                add_region(sensor, &mut all, frame.color(), at);
-                watch.lap("sensor");
+                add_region(faults, &mut all, frame.color(), at);
+                watch.lap("camera");
                 Some(all)
             }
             None => None,
@@ -103,7 +106,7 @@ impl Lit<'_> {
     /// True if [`Lit::over`] would leave every frame as it is at a time of a clip, s.
     #[must_use]
     pub fn changes_nothing(&self, time_s: f64) -> bool {
-        (self.sensor).is_none_or(|sensor| sensor.at(time_s).faults().is_empty())
+        (self.faults).is_none_or(|faults| faults.at(time_s).is_empty())
             && match &self.glass {
                 Glass::Paper(coverage, optics) => coverage.is_empty() && optics.focus == Focus::Far,
                 Glass::Physical(overlay) => overlay.changes_nothing(),
@@ -125,17 +128,17 @@ impl Lit<'_> {
         })
     }
 
-    /// Adds 255 where the sensor affects a frame of these colors.
-    pub fn add_sensor(&self, region: &mut GrayImage, color: ColorType, at: Moment) {
-        if let Some(sensor) = self.sensor {
-            add_region(sensor, region, color, at);
+    /// Adds 255 where the camera's faults affect a frame of these colors.
+    pub fn add_faults(&self, region: &mut GrayImage, color: ColorType, at: Moment) {
+        if let Some(faults) = self.faults {
+            add_region(faults, region, color, at);
         }
     }
 
     /// What an image shows before the glass is put over it.
     pub(super) fn before(&self, image: &DynamicImage) -> Before {
         match &self.glass {
-            Glass::Physical(overlay) if self.sensor.is_none() => overlay.before(image),
+            Glass::Physical(overlay) if self.faults.is_none() => overlay.before(image),
             _ => Before::whole(image.clone()),
         }
     }

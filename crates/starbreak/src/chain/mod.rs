@@ -173,20 +173,21 @@ impl Chain {
         chain.with_faults()
     }
 
-    /// The same glass with the sensor and the output of other settings, as for a bank that was made without.
+    /// The same glass with the camera's faults and the output of other settings, as for a bank that was made without.
     #[must_use]
     pub fn followed_by(mut self, settings: &Settings) -> Self {
-        self.settings.sensor.clone_from(&settings.sensor);
+        self.settings.faults.clone_from(&settings.faults);
         self.settings.output = settings.output;
         self.facts.remove("faults");
         self.with_faults()
     }
 
-    /// With what a record says of the sensor's faults.
+    /// With what a record says of the camera's faults.
     fn with_faults(mut self) -> Self {
-        if let Some(sensor) = &self.settings.sensor {
-            let faults = report::faults_to_json(sensor, self.layer.size());
-            self.facts.insert("faults".to_owned(), faults);
+        if let Some(faults) = &self.settings.faults {
+            let optic = Scene::of(&self.settings, self.size()).optic();
+            let facts = report::faults_to_json(faults, optic.as_ref(), self.size());
+            self.facts.insert("faults".to_owned(), facts);
         }
         self
     }
@@ -279,10 +280,10 @@ impl Chain {
         self.layer.size()
     }
 
-    /// Whether nothing is damaged: the glass is whole, and the sensor has no fault.
+    /// Whether nothing is damaged: the glass is whole, and the camera has no fault.
     #[must_use]
     pub fn is_intact(&self) -> bool {
-        self.is_glass_intact && self.settings.sensor.is_none()
+        self.is_glass_intact && self.settings.faults.is_none()
     }
 
     /// Whether the glass is whole: no crack in the network, or nothing of a photograph in the frame.
@@ -389,7 +390,7 @@ impl Chain {
         let light = light.unwrap_or(&DARK);
         let overlay = match (layer, &self.settings.optics) {
             (PaneLayer::Paper(drawn), OpticsSettings::Paper(optics)) => {
-                return Ok(self.with_sensor(Glass::Paper(drawn, optics)));
+                return Ok(self.with_camera(Glass::Paper(drawn, optics)));
             }
             (PaneLayer::Baked(pattern), OpticsSettings::Physical(optics)) => {
                 pattern.light(light, optics)
@@ -402,15 +403,20 @@ impl Chain {
             }
             _ => return Err(Error::OtherOptics),
         };
-        Ok(self.with_sensor(Glass::Physical(Box::new(overlay))))
+        Ok(self.with_camera(Glass::Physical(Box::new(overlay))))
     }
 
-    fn with_sensor<'a>(&'a self, glass: Glass<'a>) -> Lit<'a> {
-        let sensor = self.settings.sensor.as_ref();
-        Lit { glass, sensor }
+    fn with_camera<'a>(&'a self, glass: Glass<'a>) -> Lit<'a> {
+        let optic = Scene::of(&self.settings, self.size()).optic();
+        let faults = self.settings.faults.as_ref();
+        Lit {
+            glass,
+            faults,
+            optic,
+        }
     }
 
-    /// Puts the glass over an image, in place, under the light of the image, then the image before the sensor, and says
+    /// Puts the glass over an image, in place, under the light of the image, then the faults of the camera, and says
     /// nothing of it: the fastest way. A seed alone is a picture by itself; it is that of the sensor's noise.
     ///
     /// The pixels are a function of image, settings and seeds alone.
@@ -451,8 +457,8 @@ impl Chain {
         }
         let maps = (self.settings.output.maps).then(|| lit.maps()).flatten();
         let region = regions.into_all();
-        let sensor = self.settings.sensor.as_ref();
-        let frames = sensor.and_then(|sensor| sensor.get::<Frames>());
+        let faults = self.settings.faults.as_ref();
+        let frames = faults.and_then(|faults| faults.sensor.get::<Frames>());
         Ok(Shown {
             arrival: frames.map(|frames| frames.of_picture(seed)),
             region_fraction: region_fraction(&region),

@@ -3,10 +3,13 @@
 use image::GrayImage;
 use serde_json::{Map, Value, json};
 use starbreak_optics::environment::{Environment, Rgb};
+use starbreak_optics::lens_faults::{LensFault, Optic};
 use starbreak_optics::physical::OpticalMaps;
 use starbreak_optics::{Contrast, Damage};
 use starbreak_seed::Seed;
 use starbreak_sensor::{Fault, FrameState, Pulse, Sensor};
+
+use crate::CameraFaults;
 
 /// What the glass did to an image.
 #[derive(Debug, Clone)]
@@ -86,17 +89,62 @@ fn rgb(rgb: Rgb) -> [f64; 3] {
     })
 }
 
-/// What a record says of a sensor's faults, each in the unit of its law; `size` is the frame's, px.
-pub(super) fn faults_to_json(sensor: &Sensor, size: (u32, u32)) -> Value {
+/// What a record says of a camera's faults, each in the unit of its law; `size` is the frame's, px.
+pub(super) fn faults_to_json(
+    faults: &CameraFaults,
+    optic: Option<&Optic>,
+    size: (u32, u32),
+) -> Value {
     let mut facts = Map::new();
-    for (onset_s, fault) in sensor.faults() {
-        let (table, mut fact) = fact_of(fault, sensor, (size.0 as usize, size.1 as usize));
-        if *onset_s > 0.0 {
+    let mut add = |onset_s: f64, (table, mut fact): (&str, Value)| {
+        if onset_s > 0.0 {
             fact["onset_s"] = json!(onset_s);
         }
         facts.insert(table.to_owned(), fact);
+    };
+    for (onset_s, fault) in faults.lens.faults() {
+        if let Some(optic) = optic {
+            add(*onset_s, fact_of_lens(fault, optic));
+        }
+    }
+    let sensor = &faults.sensor;
+    for (onset_s, fault) in sensor.faults() {
+        let size = (size.0 as usize, size.1 as usize);
+        add(*onset_s, fact_of(fault, sensor, size));
     }
     Value::Object(facts)
+}
+
+/// The table of a fault of the lens, and how large it is.
+fn fact_of_lens(fault: &LensFault, optic: &Optic) -> (&'static str, Value) {
+    let rounded = |value: f64| (value * 1e6).round() / 1e6;
+    match fault {
+        LensFault::Distortion(it) => {
+            let [width, height] = [optic.size.0, optic.size.1].map(to_px);
+            let [x, y] = it.moved([width, height], optic);
+            let corner = [x - width, y - height].map(rounded);
+            ("distortion", json!({ "corner_moves_px": corner }))
+        }
+        LensFault::Fringes(it) => ("fringes", json!({ "lateral_px": it.lateral_px })),
+        LensFault::Defocus(it) => {
+            let disc_px = rounded(it.disc_px(optic).abs());
+            ("defocus", json!({ "disc_px": disc_px }))
+        }
+        LensFault::Shake(it) => {
+            let path_px = rounded(it.longest_px(optic));
+            ("shake", json!({ "longest_path_px": path_px }))
+        }
+        LensFault::Glare(it) => {
+            let scattered = rounded(it.scattered(optic));
+            ("glare", json!({ "veil": it.veil, "scattered": scattered }))
+        }
+        LensFault::Shading(it) => ("shading", json!({ "corner_loss": it.corner_loss })),
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+fn to_px(n: usize) -> f64 {
+    n as f64
 }
 
 /// The table of a fault, and how large it is.

@@ -1,11 +1,12 @@
-//! What a sensor with a fault makes of an image.
+//! What a camera with a fault makes of an image.
 
 use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
+use starbreak_optics::lens_faults::Optic;
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
 use starbreak_sensor::{Code, Codes, Light, Moment, Sensor};
 
-use crate::Error;
+use crate::{CameraFaults, Error};
 
 /// A sample of an image, with its light.
 trait Sample: Code {
@@ -56,20 +57,27 @@ impl Sample for u16 {
     }
 }
 
-/// Puts an image before a sensor, in place. Samples whose light does not change keep their codes; alpha stays.
+/// Puts an image through the lens and before the sensor, in place. Samples whose light does not change keep their codes; alpha stays.
 ///
 /// # Errors
 /// [`Error::Optics`] for an image of 32-bit samples, [`Error::Sensor`] for one that no codec takes.
-pub(super) fn sense(sensor: &Sensor, image: &mut DynamicImage, at: Moment) -> Result<(), Error> {
+pub(super) fn sense(
+    faults: &CameraFaults,
+    optic: Option<&Optic>,
+    image: &mut DynamicImage,
+    at: Moment,
+) -> Result<(), Error> {
+    let now = faults.at(at.time_s);
+    let now = (&*now, optic);
     match image {
-        DynamicImage::ImageLuma8(image) => samples(sensor, image, at),
-        DynamicImage::ImageLumaA8(image) => samples(sensor, image, at),
-        DynamicImage::ImageRgb8(image) => samples(sensor, image, at),
-        DynamicImage::ImageRgba8(image) => samples(sensor, image, at),
-        DynamicImage::ImageLuma16(image) => samples(sensor, image, at),
-        DynamicImage::ImageLumaA16(image) => samples(sensor, image, at),
-        DynamicImage::ImageRgb16(image) => samples(sensor, image, at),
-        DynamicImage::ImageRgba16(image) => samples(sensor, image, at),
+        DynamicImage::ImageLuma8(image) => samples(now, image, at),
+        DynamicImage::ImageLumaA8(image) => samples(now, image, at),
+        DynamicImage::ImageRgb8(image) => samples(now, image, at),
+        DynamicImage::ImageRgba8(image) => samples(now, image, at),
+        DynamicImage::ImageLuma16(image) => samples(now, image, at),
+        DynamicImage::ImageLumaA16(image) => samples(now, image, at),
+        DynamicImage::ImageRgb16(image) => samples(now, image, at),
+        DynamicImage::ImageRgba16(image) => samples(now, image, at),
         other => Err(OpticsError::ImageMode {
             mode: format!("{:?}", other.color()),
         }
@@ -78,7 +86,7 @@ pub(super) fn sense(sensor: &Sensor, image: &mut DynamicImage, at: Moment) -> Re
 }
 
 fn samples<P>(
-    sensor: &Sensor,
+    (faults, optic): (&CameraFaults, Option<&Optic>),
     image: &mut ImageBuffer<P, Vec<P::Subpixel>>,
     at: Moment,
 ) -> Result<(), Error>
@@ -89,10 +97,21 @@ where
     let n_channels = usize::from(P::CHANNEL_COUNT);
     let size = (image.width() as usize, image.height() as usize);
     let samples: &mut [P::Subpixel] = image;
-    let sensor = sensor.at(at.time_s);
+    let sensor = &faults.sensor;
     // A frame that does not arrive is not looked at.
-    if !sensor.frame_state(at).is_blank() && sensor.changes_light() {
-        change_light(&sensor, samples, (size, n_channels), at);
+    if !sensor.frame_state(at).is_blank() {
+        match optic.filter(|_| !faults.lens.faults().is_empty()) {
+            Some(optic) => {
+                let lens = |light: &mut Vec<f32>, n_colors| {
+                    faults.lens.over(light, n_colors, optic, at.frame);
+                };
+                change_all(sensor, samples, (size, n_channels), at, lens);
+            }
+            None if sensor.changes_light() => {
+                change_light(sensor, samples, (size, n_channels), at);
+            }
+            None => {}
+        }
     }
     match Codes::new(samples, size, n_channels) {
         Some(mut codes) => Ok(sensor.over_codes(&mut codes, Sample::light, at)?),
@@ -134,10 +153,23 @@ fn change_light<S: Sample>(
         }
         return;
     }
+    change_all(sensor, samples, (size, n_channels), at, |_, _| {});
+}
+
+/// What lens and sensor make of the light of a whole frame; samples whose light stays keep their codes.
+fn change_all<S: Sample>(
+    sensor: &Sensor,
+    samples: &mut [S],
+    (size, n_channels): ((usize, usize), usize),
+    at: Moment,
+    lens: impl Fn(&mut Vec<f32>, usize),
+) {
+    let n_colors = if n_channels < 3 { 1 } else { 3 };
     let mut values = Vec::with_capacity(size.0 * size.1 * n_colors);
     for pixel in samples.chunks_exact(n_channels) {
         values.extend(pixel[..n_colors].iter().map(|code| code.light()));
     }
+    lens(&mut values, n_colors);
     let Ok(mut light) = Light::new(size, n_colors, values) else {
         return;
     };
@@ -150,15 +182,25 @@ fn change_light<S: Sample>(
     }
 }
 
-/// 255 where a sensor reaches a frame of these colors, added to a region.
-pub(super) fn add_region(sensor: &Sensor, region: &mut GrayImage, color: ColorType, at: Moment) {
+/// 255 where a camera's faults reach a frame of these colors, added to a region.
+pub(super) fn add_region(
+    faults: &CameraFaults,
+    region: &mut GrayImage,
+    color: ColorType,
+    at: Moment,
+) {
     let size = (region.width() as usize, region.height() as usize);
     let n_channels = u32::from(color.channel_count());
     let n_colors = if color.has_color() { 3 } else { 1 };
     let n_bits = u32::from(color.bits_per_pixel()) / n_channels;
-    for (code, is_reached) in region
-        .iter_mut()
-        .zip(sensor.reach(size, (n_colors, n_bits), at))
+    if faults.lens.at(at.time_s).changes(n_colors) {
+        region.fill(255);
+        return;
+    }
+    for (code, is_reached) in
+        region
+            .iter_mut()
+            .zip(faults.sensor.reach(size, (n_colors, n_bits), at))
     {
         if is_reached {
             *code = 255;

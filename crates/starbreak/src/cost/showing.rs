@@ -17,8 +17,8 @@ const DRAWN_BYTES: f64 = 40.0;
 const WHOLE_BYTES: f64 = 30.0;
 const MAP_BYTES: f64 = 80.0;
 
-/// Bytes of a pixel before a sensor: its light before and after, what its mosaic adds, and the image as it was.
-const SENSOR_BYTES: f64 = 64.0;
+/// Bytes of a pixel in a camera with faults: its light before and after, what the mosaic adds, and the image as it was.
+const FAULT_BYTES: f64 = 64.0;
 
 /// Bytes of a piece of crack: its facets and what they are made from.
 const PIECE_BYTES: f64 = 1500.0;
@@ -50,7 +50,7 @@ impl Settings {
     pub fn cost_of_showing(&self, network: &CrackNetwork, view: &View) -> Cost {
         let area_px = area_px(view.size());
         let mut parts: Vec<Part> = vec![(FRAME_BYTES * area_px, SMALLER_IMAGE)];
-        parts.extend(self.of_sensor(area_px));
+        parts.extend(self.of_faults(area_px));
         match &self.optics {
             OpticsSettings::Paper(optics) => {
                 let touched = touched_by_lines(network, view, optics);
@@ -77,7 +77,7 @@ impl Settings {
         let frame = (FRAME_BYTES * area_px, SMALLER_IMAGE);
         let OpticsSettings::Physical(optics) = &self.optics else {
             let mut parts = vec![frame, (DRAWN_BYTES * area_px, SMALLER_IMAGE)];
-            parts.extend(self.of_sensor(area_px));
+            parts.extend(self.of_faults(area_px));
             return Cost::of("showing the photograph of glass", &parts);
         };
         let distance_m = self.fracture.mount().map_or(1.0, |mount| mount.distance_m);
@@ -92,14 +92,14 @@ impl Settings {
         let spread_px = (width + 2.0 * margin) * (height + 2.0 * margin);
         let mut parts = vec![frame, (PHOTO_BYTES * spread_px, SMALLER_DISC)];
         parts.extend(self.of_whole(optics, area_px, f_px));
-        parts.extend(self.of_sensor(area_px));
+        parts.extend(self.of_faults(area_px));
         Cost::of("showing the photograph of glass", &parts)
     }
 
-    /// What a sensor with a fault takes.
-    fn of_sensor(&self, area_px: f64) -> Option<Part> {
-        let part = (SENSOR_BYTES * area_px, SMALLER_IMAGE);
-        self.sensor.is_some().then_some(part)
+    /// What a camera with a fault takes.
+    fn of_faults(&self, area_px: f64) -> Option<Part> {
+        let part = (FAULT_BYTES * area_px, SMALLER_IMAGE);
+        self.faults.is_some().then_some(part)
     }
 
     /// What changes every pixel, and the maps.

@@ -10,8 +10,52 @@ pub struct FaultKind {
     pub presets: &'static [(&'static str, &'static str)],
 }
 
+impl FaultKind {
+    /// Whether it moves what an image shows, so that labels no longer fit.
+    #[must_use]
+    pub fn moves_labels(&self) -> bool {
+        self.table == "distortion"
+    }
+}
+
 /// All of them, in the order in which light meets them.
-pub const FAULTS: [FaultKind; 11] = [
+pub const FAULTS: [FaultKind; 17] = [
+    FaultKind {
+        table: "distortion",
+        presets: &[(
+            "distortion",
+            "a lens whose distortion nothing corrects: straight lines bend",
+        )],
+    },
+    FaultKind {
+        table: "fringes",
+        presets: &[(
+            "fringes",
+            "a lens whose color error nothing corrects: red and blue edges",
+        )],
+    },
+    FaultKind {
+        table: "defocus",
+        presets: &[(
+            "defocus",
+            "a sensor out of the focal plane, as by heat or a knock",
+        )],
+    },
+    FaultKind {
+        table: "shake",
+        presets: &[("shake", "a camera that turns while it exposes")],
+    },
+    FaultKind {
+        table: "glare",
+        presets: &[(
+            "glare",
+            "light that a dirty or scratched lens scatters: a veil around what is bright",
+        )],
+    },
+    FaultKind {
+        table: "shading",
+        presets: &[("shading", "corners that get less light than the middle")],
+    },
     FaultKind {
         table: "exposure",
         presets: &[

@@ -6,6 +6,7 @@ mod error;
 mod fault_tables;
 mod faults;
 mod known_keys;
+mod lens_tables;
 mod paper_tables;
 mod physical_tables;
 mod physics_tables;

@@ -125,6 +125,12 @@ impl Preset {
                 include_str!("../../presets/lens-cover-shattered.toml")
             }
             "paper" => include_str!("../../presets/paper.toml"),
+            "distortion" => include_str!("../../presets/distortion.toml"),
+            "fringes" => include_str!("../../presets/fringes.toml"),
+            "defocus" => include_str!("../../presets/defocus.toml"),
+            "shake" => include_str!("../../presets/shake.toml"),
+            "glare" => include_str!("../../presets/glare.toml"),
+            "shading" => include_str!("../../presets/shading.toml"),
             "overexposed" => include_str!("../../presets/overexposed.toml"),
             "underexposed" => include_str!("../../presets/underexposed.toml"),
             "banding" => include_str!("../../presets/banding.toml"),
@@ -193,6 +199,12 @@ pub(super) fn optional(name: &str) -> Result<Option<Table>, RecipeError> {
     let fault = FAULTS.iter().find(|fault| fault.table == name);
     let preset = match (name, fault.and_then(|fault| fault.presets.first())) {
         ("long_crack", _) => "windshield-long-crack",
+        ("lens", _) => {
+            return Ok(Some(Table::from_iter([(
+                "headroom".to_owned(),
+                1.0.into(),
+            )])));
+        }
         ("sensor", _) => return Ok(Some(Table::from_iter([("number".to_owned(), 0.into())]))),
         // Of several faults in a table those are on that it names.
         ("isp" | "link" | "frames", _) => {

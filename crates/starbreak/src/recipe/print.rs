@@ -9,13 +9,20 @@ use super::schema::{keys, of_choice};
 use super::tables::Choice;
 
 /// Tables in the order in which a reader thinks of them.
-const ORDER: [&str; 19] = [
+const ORDER: [&str; 26] = [
     "camera",
     "glass",
     "impact",
     "fracture",
     "long_crack",
     "optics",
+    "distortion",
+    "fringes",
+    "defocus",
+    "shake",
+    "glare",
+    "shading",
+    "lens",
     "exposure",
     "banding",
     "spots",

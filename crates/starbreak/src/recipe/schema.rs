@@ -8,7 +8,7 @@ use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value as Json, json};
 
 use super::tables::{
-    Choice, CommonTables, FaultTables, GlassMountTables, ModelWord, OpticsWord,
+    Choice, CommonTables, FaultTables, GlassMountTables, LensTables, ModelWord, OpticsWord,
     PaperFractureTables, PaperOpticsTables, PhysicalOpticsTables, PhysicsFractureTables,
     WholeTables,
 };
@@ -99,6 +99,7 @@ fn tables_of(choice: Choice) -> Map<String, Json> {
     if choice == Choice::new(ModelWord::Paper, OpticsWord::Physical) {
         tables.extend(properties::<GlassMountTables>());
     }
+    tables.extend(properties::<LensTables>());
     tables.extend(properties::<FaultTables>());
     tables
 }

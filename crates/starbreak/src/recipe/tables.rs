@@ -11,6 +11,10 @@ pub(super) use super::fault_tables::{
     BandingTable, CfaTable, ExposureTable, FaultTables, FramesTable, IspTable, LinesTable,
     LinkTable, MosaicTable, NoiseTable, PixelsTable, RawWord, SpotsTable,
 };
+pub(super) use super::lens_tables::{
+    DefocusTable, DistortionTable, FringesTable, GlareTable, LensTables, ProjectionWord,
+    ShadingTable, ShakeTable,
+};
 pub(super) use super::paper_tables::{
     FarFocusBlurWord, FocusEntry, FocusWord, LightEntry, NeighborhoodWord, NormalizationWord,
     PaperFractureTables, PaperImpactTable, PaperOpticsTables, RuleWord,

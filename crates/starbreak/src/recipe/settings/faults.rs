@@ -15,8 +15,8 @@ use super::out_of_range;
 /// Wider shadows are no spots, but a loss of light everywhere.
 const MAX_SHADOW_PX: f64 = 500.0;
 
-/// The sensor with its faults; none where there are none, or all of them are nothing.
-pub(super) fn settings(place: &Place, given: &FaultTables) -> Result<Option<Sensor>, RecipeError> {
+/// The sensor with its faults, without those that are nothing.
+pub(super) fn settings(place: &Place, given: &FaultTables) -> Result<Sensor, RecipeError> {
     if let Some(it) = &given.banding
         && it.led_duty > 0.0
         && it.led_duty < 0.001

@@ -1,6 +1,7 @@
 //! The recipe as it is used: SI units, every value in range.
 
 mod faults;
+mod lens_faults;
 mod paper;
 mod paper_optics;
 mod physical;
@@ -13,7 +14,6 @@ use starbreak_glass::MAX_IMPACTS;
 use starbreak_optics::paper::PaperOptics;
 use starbreak_optics::physical::PhysicalOptics;
 use starbreak_seed::{Seed, Stream};
-use starbreak_sensor::Sensor;
 use toml::Table;
 
 pub use paper::PaperSettings;
@@ -24,6 +24,7 @@ use super::tables::{
     Choice, CommonTables, DirectionEntry, FocalEntry, FormatWord, ModelWord, OpticsWord,
     OutputTable, PositionEntry, PositionWord, from_table,
 };
+use crate::CameraFaults;
 
 /// Most memory of one picture, bytes, unless a recipe is given another limit: 4 GiB.
 pub const DEFAULT_MAX_MEMORY_BYTES: u64 = 4 << 30;
@@ -40,8 +41,8 @@ pub struct Settings {
     pub camera: CameraSettings,
     /// How the crack looks, by which model.
     pub optics: OpticsSettings,
-    /// The sensor, where it has a fault.
-    pub sensor: Option<Sensor>,
+    /// What is wrong with the camera itself, where anything is.
+    pub faults: Option<CameraFaults>,
     /// What is written.
     pub output: OutputSettings,
     /// Most memory of one picture, bytes; no part of the recipe's text.
@@ -194,12 +195,16 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
         }
         _ => paper_optics::settings(place, &from_table(place, recipe)?)?,
     };
+    let faults = CameraFaults {
+        lens: lens_faults::settings(place, &from_table(place, recipe)?, &optics)?,
+        sensor: faults::settings(place, &from_table(place, recipe)?)?,
+    };
     Ok(Settings {
         output: output(place, &common.output, &optics)?,
         fracture,
         camera,
         optics,
-        sensor: faults::settings(place, &from_table(place, recipe)?)?,
+        faults: (!faults.is_empty()).then_some(faults),
         max_memory_bytes: DEFAULT_MAX_MEMORY_BYTES,
     })
 }

@@ -1,0 +1,185 @@
+//! Lines that bend, and a picture that is moved.
+
+use super::Optic;
+use super::resample::{Channel, resample};
+
+/// How a lens projects what a pinhole would.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projection {
+    /// Brown and Conrady's \[Brown1966\]: x′ = x (1 + k₁r² + k₂r⁴ + k₃r⁶) + tangential terms.
+    Brown,
+    /// Kannala and Brandt's, of fisheyes \[KannalaBrandt2006\]: r′ = θ (1 + k₁θ² + k₂θ⁴ + k₃θ⁶ + k₄θ⁸), tan θ = r.
+    Fisheye,
+}
+
+/// Distortion that nothing corrects: what a pinhole shows at r is seen elsewhere. Its coefficients are those of OpenCV.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Distortion {
+    /// By which law.
+    pub projection: Projection,
+    /// Radial coefficients; the fourth is of fisheyes alone.
+    pub k: [f64; 4],
+    /// Tangential coefficients p₁ and p₂; not of fisheyes.
+    pub p: [f64; 2],
+    /// How much farther out a corner is moved, a share of half the diagonal; added to k₁ of Brown's law.
+    pub corner: f64,
+    /// How far everything is moved to the right and down, px.
+    pub shift_px: [f64; 2],
+}
+
+impl Distortion {
+    /// None, by Brown's law.
+    pub const NONE: Self = Self {
+        projection: Projection::Brown,
+        k: [0.0; 4],
+        p: [0.0; 2],
+        corner: 0.0,
+        shift_px: [0.0; 2],
+    };
+
+    /// Whether it changes nothing.
+    pub(super) fn is_nothing(&self) -> bool {
+        let coefficients = self.k.iter().chain(&self.p).chain(&self.shift_px);
+        self.projection == Projection::Brown
+            && coefficients.chain([&self.corner]).all(|it| it.abs() <= 0.0)
+    }
+
+    /// With what the corner adds to k₁.
+    fn radial(&self, optic: &Optic) -> [f64; 4] {
+        let corner = optic.half_diagonal_px() / optic.f_px;
+        let [k1, k2, k3, k4] = self.k;
+        [k1 + self.corner / (corner * corner), k2, k3, k4]
+    }
+
+    /// Where the camera shows what a pinhole would show at a place of the frame, px.
+    #[must_use]
+    pub fn moved(&self, at: [f64; 2], optic: &Optic) -> [f64; 2] {
+        let middle = optic.middle();
+        let [x, y] = [0, 1].map(|k| (at[k] - middle[k]) / optic.f_px);
+        let moved = self.of_plane([x, y], self.radial(optic));
+        std::array::from_fn(|k| middle[k] + optic.f_px * moved[k] + self.shift_px[k])
+    }
+
+    /// The law, at a distance of 1 behind the pinhole.
+    fn of_plane(&self, [x, y]: [f64; 2], k: [f64; 4]) -> [f64; 2] {
+        let square = x * x + y * y;
+        if self.projection == Projection::Fisheye {
+            let gain = fisheye(square.sqrt(), k);
+            return [gain * x, gain * y];
+        }
+        let gain = 1.0 + square * (k[0] + square * (k[1] + square * k[2]));
+        let [p1, p2] = self.p;
+        [
+            gain * x + 2.0 * p1 * x * y + p2 * (square + 2.0 * x * x),
+            gain * y + p1 * (square + 2.0 * y * y) + 2.0 * p2 * x * y,
+        ]
+    }
+
+    /// What a place of the picture shows of the plane; none where no place is seen there.
+    fn of_picture(&self, [x, y]: [f64; 2], k: [f64; 4], most: f64) -> Option<[f64; 2]> {
+        // Newton in two directions, with differences for slopes.
+        const STEP: f64 = 1e-6;
+        let mut at = [x, y];
+        for _ in 0..30 {
+            let here = self.of_plane(at, k);
+            let miss = [here[0] - x, here[1] - y];
+            if miss[0].abs() + miss[1].abs() < 1e-9 {
+                let r2 = at[0] * at[0] + at[1] * at[1];
+                return (r2 <= most * most).then_some(at);
+            }
+            let right = self.of_plane([at[0] + STEP, at[1]], k);
+            let down = self.of_plane([at[0], at[1] + STEP], k);
+            let [a, c] = [0, 1].map(|k| (right[k] - here[k]) / STEP);
+            let [b, d] = [0, 1].map(|k| (down[k] - here[k]) / STEP);
+            let determinant = a * d - b * c;
+            if determinant <= 1e-6 {
+                return None;
+            }
+            at[0] -= (d * miss[0] - b * miss[1]) / determinant;
+            at[1] -= (a * miss[1] - c * miss[0]) / determinant;
+        }
+        None
+    }
+
+    /// Distance from the axis up to which the law grows, beyond which it would show things twice.
+    fn grows_up_to(&self, k: [f64; 4]) -> f64 {
+        let radius = |r: f64| {
+            let [x, _] = self.of_plane([r, 0.0], k);
+            x
+        };
+        let mut r = 0.0;
+        // No frame shows more than that.
+        while r < 20.0 {
+            let next = r + 0.01;
+            if radius(next) <= radius(r) {
+                return r;
+            }
+            r = next;
+        }
+        f64::INFINITY
+    }
+
+    pub(super) fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic) {
+        let middle = optic.middle();
+        let k = self.radial(optic);
+        let without_p = Self {
+            p: [0.0; 2],
+            ..*self
+        };
+        let most = without_p.grows_up_to(k);
+        let [right, bottom] = middle.map(|half| 2.0 * half);
+        let from = |u: f64, v: f64| {
+            let at = [u - self.shift_px[0], v - self.shift_px[1]];
+            let at = std::array::from_fn(|k| (at[k] - middle[k]) / optic.f_px);
+            let [x, y] = self.of_picture(at, k, most)?;
+            let at = [middle[0] + optic.f_px * x, middle[1] + optic.f_px * y];
+            let is_inside = (0.0..=right).contains(&at[0]) && (0.0..=bottom).contains(&at[1]);
+            is_inside.then_some(at)
+        };
+        *light = resample(
+            light,
+            Channel {
+                n: n_colors,
+                size: optic.size,
+            },
+            from,
+        );
+    }
+
+    /// What holds the outline of a box afterwards, within the frame.
+    pub(super) fn moved_box(&self, [x0, y0, x1, y1]: [f64; 4], optic: &Optic) -> Option<[f64; 4]> {
+        const PER_SIDE: u32 = 16;
+        let mut around = [
+            f64::INFINITY,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::NEG_INFINITY,
+        ];
+        for step in 0..=PER_SIDE {
+            let t = f64::from(step) / f64::from(PER_SIDE);
+            let [x, y] = [x0 + t * (x1 - x0), y0 + t * (y1 - y0)];
+            for corner in [[x, y0], [x, y1], [x0, y], [x1, y]] {
+                let [u, v] = self.moved(corner, optic);
+                around[0] = around[0].min(u);
+                around[1] = around[1].min(v);
+                around[2] = around[2].max(u);
+                around[3] = around[3].max(v);
+            }
+        }
+        let [right, bottom] = optic.middle().map(|half| 2.0 * half);
+        let [left, top] = [around[0].max(0.0), around[1].max(0.0)];
+        let [right, bottom] = [around[2].min(right), around[3].min(bottom)];
+        (left < right && top < bottom).then_some([left, top, right, bottom])
+    }
+}
+
+/// θ (1 + k₁θ² + …)/r.
+fn fisheye(r: f64, k: [f64; 4]) -> f64 {
+    if r < 1e-9 {
+        return 1.0;
+    }
+    let angle = libm::atan(r);
+    let square = angle * angle;
+    let of_angle = 1.0 + square * (k[0] + square * (k[1] + square * (k[2] + square * k[3])));
+    angle * of_angle / r
+}

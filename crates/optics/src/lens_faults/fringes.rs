@@ -1,0 +1,70 @@
+//! Colors whose pictures are not of one size, or not sharp at one place.
+
+use super::resample::{Channel, resample};
+use super::{Defocus, Optic};
+
+/// Colored fringes: red and blue are larger or smaller than green, and sharp elsewhere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fringes {
+    /// How much farther from the middle red is than blue in a corner, px.
+    pub lateral_px: f64,
+    /// How far behind the sensor red is sharp, and blue before it, m.
+    pub axial_m: f64,
+}
+
+impl Fringes {
+    /// Whether it changes nothing.
+    pub(super) fn is_nothing(&self) -> bool {
+        self.lateral_px.abs() <= 0.0 && self.axial_m.abs() <= 0.0
+    }
+
+    /// Red and blue of a color image; gray has no fringes.
+    pub(super) fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic) {
+        if n_colors != 3 {
+            return;
+        }
+        for (color, sign) in [(0, 1.0), (2, -1.0)] {
+            let mut plane: Vec<f32> = light.iter().skip(color).step_by(3).copied().collect();
+            if self.lateral_px.abs() > 0.0 {
+                // r_c = r (1 + k (r/r₀)²), and half of the corner's fringe for each of the two.
+                let corner_px = optic.half_diagonal_px();
+                let k = 0.5 * sign * self.lateral_px / corner_px;
+                let [middle_x, middle_y] = optic.middle();
+                let per_px2 = 1.0 / (corner_px * corner_px);
+                let from = |u: f64, v: f64| {
+                    let [x, y] = [u - middle_x, v - middle_y];
+                    let shrunk = shrunk(per_px2 * (x * x + y * y), k);
+                    Some([middle_x + shrunk * x, middle_y + shrunk * y])
+                };
+                plane = resample(
+                    &plane,
+                    Channel {
+                        n: 1,
+                        size: optic.size,
+                    },
+                    from,
+                );
+            }
+            if self.axial_m.abs() > 0.0 {
+                let shift = Defocus {
+                    sensor_shift_m: -sign * self.axial_m,
+                };
+                shift.over(&mut plane, 1, optic);
+            }
+            for (to, value) in light.iter_mut().skip(color).step_by(3).zip(plane) {
+                *to = value;
+            }
+        }
+    }
+}
+
+/// r over r_c = r (1 + k r²), of the square of r_c.
+fn shrunk(square: f64, k: f64) -> f64 {
+    // Newton for s in s (1 + k q s²) = 1; k is a hundredth or so.
+    let kq = k * square;
+    let mut s = 1.0 - kq;
+    for _ in 0..3 {
+        s -= (s * (1.0 + kq * s * s) - 1.0) / (1.0 + 3.0 * kq * s * s);
+    }
+    s
+}

@@ -1,0 +1,93 @@
+//! Light that the lens scatters over the frame.
+
+use super::Optic;
+use crate::pyramid::Cells;
+
+/// Veiling glare: a share of all light is spread over the frame, around what is bright and far from it.
+///
+/// (1 − s) I + s Σ w G_σ ∗ I. The shape is that of a scatter that falls with the square of the angle, which has as much
+/// light in each of four rings whose radii grow by a factor of three: w = ¼ of Gaussians of 0.011, 0.033, 0.1 and 0.3
+/// rad. s is such that a small black patch reads what [`Glare::veil`] says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Glare {
+    /// Veiling glare index as of ISO 9358, 0 to 0.5: the light in the middle of a black patch before a white scene,
+    /// over white. The patch is a tenth as wide as the frame is high.
+    pub veil: f64,
+}
+
+/// Standard deviations of the Gaussians, rad. Each is of a quarter of the light.
+const SIGMAS_RAD: [f64; 4] = [0.3, 0.1, 0.033_333, 0.011_111];
+
+/// Cells of a level per standard deviation of its Gaussian, at least.
+const CELLS_PER_SIGMA: f64 = 2.0;
+
+impl Glare {
+    /// Whether it changes nothing.
+    pub(super) fn is_nothing(&self) -> bool {
+        self.veil <= 0.0
+    }
+
+    /// Share of all light that is scattered: more than a patch shows, since some stays within a patch's radius of where
+    /// it would be.
+    #[must_use]
+    pub fn scattered(&self, optic: &Optic) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+        let patch_px = 0.05 * optic.size.1 as f64;
+        let far: f64 = SIGMAS_RAD
+            .iter()
+            .map(|sigma| {
+                let ratio = patch_px / (sigma * optic.f_px);
+                0.25 * libm::exp(-0.5 * ratio * ratio)
+            })
+            .sum();
+        (self.veil / far).min(1.0)
+    }
+
+    pub(super) fn over(&self, light: &mut [f32], n_colors: usize, optic: &Optic) {
+        match n_colors {
+            1 => self.colors_over::<1>(light, optic),
+            _ => self.colors_over::<3>(light, optic),
+        }
+    }
+
+    fn colors_over<const COLORS: usize>(&self, light: &mut [f32], optic: &Optic) {
+        // From the widest to the narrowest, each on cells as large as it allows; the sum goes from cells to finer ones.
+        let mut sum: Option<Cells<COLORS>> = None;
+        let finest = Cells::<COLORS>::of(light, optic.size);
+        let mut levels = vec![finest];
+        for sigma in SIGMAS_RAD.iter().rev() {
+            let wanted = sigma * optic.f_px / CELLS_PER_SIGMA;
+            while let Some(last) = levels.last()
+                && f64::from(last.per_cell) * 2.0 <= wanted
+                && last.size.0.max(last.size.1) > 2
+            {
+                let next = last.halved();
+                levels.push(next);
+            }
+        }
+        for sigma in SIGMAS_RAD {
+            let wanted = sigma * optic.f_px / CELLS_PER_SIGMA;
+            let fits = |level: &&Cells<COLORS>| f64::from(level.per_cell) <= wanted.max(1.0);
+            let Some(level) = levels.iter().rev().find(fits) else {
+                continue;
+            };
+            let mut blurred = level.blurred(sigma * optic.f_px);
+            if let Some(wider) = sum {
+                blurred.add(&wider);
+            }
+            sum = Some(blurred);
+        }
+        let Some(sum) = sum else { return };
+        #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
+        let scattered = self.scattered(optic) as f32;
+        let (kept, each) = (1.0 - scattered, 0.25 * scattered);
+        let (width, _) = optic.size;
+        for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
+            sum.each_between(y, width, |x, veil| {
+                for (value, veil) in row[x * COLORS..][..COLORS].iter_mut().zip(veil) {
+                    *value = kept * *value + each * veil;
+                }
+            });
+        }
+    }
+}

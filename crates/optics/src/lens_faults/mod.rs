@@ -1,0 +1,212 @@
+//! What the lens does wrong: a frame of linear light before the faults, and after them.
+//!
+//! A photograph has been through a lens that works; each fault is what is added to that. Light meets
+//! them in this order: geometry ([`Distortion`], [`Fringes`]), blur ([`Defocus`], [`Shake`]), stray light
+//! ([`Glare`]), and [`Shading`].
+
+mod defocus;
+mod distortion;
+mod fringes;
+mod glare;
+mod resample;
+mod shading;
+mod shake;
+
+use std::borrow::Cow;
+
+use starbreak_seed::Seed;
+
+use crate::lens::Lens;
+
+pub use defocus::Defocus;
+pub use distortion::{Distortion, Projection};
+pub use fringes::Fringes;
+pub use glare::Glare;
+pub use shading::Shading;
+pub use shake::Shake;
+
+/// The camera whose lens it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Optic {
+    /// Focal length, px.
+    pub f_px: f64,
+    /// The lens that works.
+    pub lens: Lens,
+    /// Width and height of the frames, px. The optical axis meets their middle.
+    pub size: (usize, usize),
+}
+
+impl Optic {
+    /// Where the optical axis meets the frame, px.
+    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+    fn middle(&self) -> [f64; 2] {
+        [0.5 * self.size.0 as f64, 0.5 * self.size.1 as f64]
+    }
+
+    /// From there to a corner of the frame, px.
+    fn half_diagonal_px(&self) -> f64 {
+        let [x, y] = self.middle();
+        libm::hypot(x, y)
+    }
+}
+
+/// A fault of the lens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LensFault {
+    /// Lines that bend.
+    Distortion(Distortion),
+    /// Colors that are not of one size.
+    Fringes(Fringes),
+    /// A sensor out of the focal plane.
+    Defocus(Defocus),
+    /// A camera that turns while it exposes.
+    Shake(Shake),
+    /// Light that the lens scatters.
+    Glare(Glare),
+    /// Corners that get less light.
+    Shading(Shading),
+}
+
+macro_rules! each {
+    ($($kind:ident),*) => {
+        impl LensFault {
+            /// Whether it changes nothing, whatever the image.
+            #[must_use]
+            pub fn is_nothing(&self) -> bool {
+                match self {
+                    $(Self::$kind(fault) => fault.is_nothing(),)*
+                }
+            }
+        }
+        $(
+            impl From<$kind> for LensFault {
+                fn from(fault: $kind) -> Self {
+                    Self::$kind(fault)
+                }
+            }
+        )*
+    };
+}
+
+each!(Distortion, Fringes, Defocus, Shake, Glare, Shading);
+
+/// A lens with its faults. Without any, or with all of them at nothing, a frame stays as it is, to the last bit.
+///
+/// # Example
+/// ```
+/// use starbreak_optics::lens::Lens;
+/// use starbreak_optics::lens_faults::{LensFaults, Optic, Shading};
+/// use starbreak_seed::Seed;
+///
+/// let mut lens = LensFaults::default();
+/// lens.push(0.0, Shading { corner_loss: 0.5 });
+/// let optic = Optic { f_px: 50.0, lens: Lens::default(), size: (40, 30) };
+/// let mut light = vec![1.0; 40 * 30];
+/// lens.over(&mut light, 1, &optic, Seed(1));
+/// assert!(light[0] < 0.52, "half of the light is lost in a corner");
+/// assert!(light[15 * 40 + 20] > 0.99, "and none in the middle");
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct LensFaults {
+    headroom: f64,
+    faults: Vec<(f64, LensFault)>,
+}
+
+impl Default for LensFaults {
+    /// None, and nothing brighter than white.
+    fn default() -> Self {
+        Self {
+            headroom: 1.0,
+            faults: Vec::new(),
+        }
+    }
+}
+
+impl LensFaults {
+    /// None, with how many times as bright as white what is clipped in an image may have been, 1 or more.
+    #[must_use]
+    pub fn with_headroom(headroom: f64) -> Self {
+        Self {
+            headroom,
+            ..Self::default()
+        }
+    }
+
+    /// Adds a fault, with the time of a clip at which it begins, s; it comes after those that are there.
+    pub fn push(&mut self, onset_s: f64, fault: impl Into<LensFault>) {
+        let fault = fault.into();
+        if !fault.is_nothing() {
+            self.faults.push((onset_s, fault));
+        }
+    }
+
+    /// The faults, each with the time of a clip at which it begins, s.
+    #[must_use]
+    pub fn faults(&self) -> &[(f64, LensFault)] {
+        &self.faults
+    }
+
+    /// With the faults alone that have begun at a time, s.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> Cow<'_, Self> {
+        if self.faults.iter().all(|(onset_s, _)| *onset_s <= time_s) {
+            return Cow::Borrowed(self);
+        }
+        let mut now = self.clone();
+        now.faults.retain(|(onset_s, _)| *onset_s <= time_s);
+        Cow::Owned(now)
+    }
+
+    /// Whether anything of a frame of so many colors changes, 1 or 3.
+    #[must_use]
+    pub fn changes(&self, n_colors: usize) -> bool {
+        let mut faults = self.faults.iter();
+        faults.any(|(_, fault)| n_colors == 3 || !matches!(fault, LensFault::Fringes(_)))
+    }
+
+    /// Whether what an image shows is moved so that labels no longer fit.
+    #[must_use]
+    pub fn moves_labels(&self) -> bool {
+        let mut faults = self.faults.iter();
+        faults.any(|(_, fault)| matches!(fault, LensFault::Distortion(_)))
+    }
+
+    /// What the faults make of a frame of linear light, in rows from the top with one value per pixel or three side by
+    /// side, in place. What differs from frame to frame is drawn from the seed.
+    pub fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic, frame: Seed) {
+        if self.faults.is_empty() || light.is_empty() {
+            return;
+        }
+        if self.headroom > 1.0 {
+            #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
+            let headroom = self.headroom as f32;
+            // A code below the last one is no clipped light.
+            for value in light.iter_mut().filter(|value| **value >= 0.995) {
+                *value *= headroom;
+            }
+        }
+        for (_, fault) in &self.faults {
+            match fault {
+                LensFault::Distortion(it) => it.over(light, n_colors, optic),
+                LensFault::Fringes(it) => it.over(light, n_colors, optic),
+                LensFault::Defocus(it) => it.over(light, n_colors, optic),
+                LensFault::Shake(it) => it.over(light, n_colors, optic, frame),
+                LensFault::Glare(it) => it.over(light, n_colors, optic),
+                LensFault::Shading(it) => it.over(light, n_colors, optic),
+            }
+        }
+    }
+
+    /// Where a box `[x₀, y₀, x₁, y₁]`, px, is after the faults: what holds its outline, within the frame; none where it
+    /// has left that.
+    #[must_use]
+    pub fn moved_box(&self, at: [f64; 4], optic: &Optic) -> Option<[f64; 4]> {
+        let mut moved = Some(at);
+        for (_, fault) in &self.faults {
+            if let (LensFault::Distortion(it), Some(now)) = (fault, moved) {
+                moved = it.moved_box(now, optic);
+            }
+        }
+        moved
+    }
+}
