@@ -19,7 +19,11 @@ const OURS: &[(&str, &[&str])] = &[
     ("starbreak-seed", &[]),
     ("starbreak-glass", &["starbreak-seed"]),
     ("starbreak-fracture", &["starbreak-seed", "starbreak-glass"]),
-    ("starbreak-optics", &["starbreak-seed", "starbreak-glass"]),
+    ("starbreak-deposit", &["starbreak-seed"]),
+    (
+        "starbreak-optics",
+        &["starbreak-seed", "starbreak-glass", "starbreak-deposit"],
+    ),
     ("starbreak-sensor", &["starbreak-seed"]),
     ("starbreak-dataset", &[]),
     ("starbreak-detect", &["starbreak-dataset"]),
@@ -27,6 +31,7 @@ const OURS: &[(&str, &[&str])] = &[
     (
         "starbreak",
         &[
+            "starbreak-deposit",
             "starbreak-sensor",
             "starbreak-seed",
             "starbreak-glass",

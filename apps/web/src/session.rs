@@ -334,7 +334,8 @@ fn breaking_of(recipe: &Recipe, seed: Seed) -> Value {
     if let Some(tables) = tables.as_object_mut() {
         tables.remove("optics");
         tables.remove("output");
-        let faults = FAULTS.iter().map(|fault| fault.table);
+        let faults = FAULTS.iter().filter(|fault| !fault.is_on_pane());
+        let faults = faults.map(|fault| fault.table);
         faults.chain(["lens", "sensor"]).for_each(|table| {
             tables.remove(table);
         });

@@ -72,6 +72,8 @@ pub enum Stream {
     Frames,
     /// Phase in which a camera trembles.
     Shake,
+    /// Drops of rain, and what each leaves behind where it runs.
+    Rain,
 }
 
 impl Stream {
@@ -100,6 +102,7 @@ impl Stream {
             Self::LinkBits => b"link-bits",
             Self::Frames => b"frames",
             Self::Shake => b"shake",
+            Self::Rain => b"rain",
         }
     }
 }
@@ -179,6 +182,7 @@ mod tests {
             Stream::LinkBits,
             Stream::Frames,
             Stream::Shake,
+            Stream::Rain,
         ]
         .map(Stream::name);
         for (i, name) in names.iter().enumerate() {

@@ -17,7 +17,7 @@ pub enum Error {
     /// The optics refused.
     #[error(transparent)]
     Optics(#[from] OpticsError),
-    /// A fault behind the lens cannot be had of an image.
+    /// A fault of the camera cannot be had of an image.
     #[error(transparent)]
     Sensor(#[from] SensorError),
     /// A stone that would fly past the pane.
@@ -58,6 +58,11 @@ pub enum Error {
          physics, such as windshield-star"
     )]
     NoMount,
+    /// Drops on a photograph of broken glass.
+    #[error(
+        "[drops] cannot lie on photographs of broken glass; leave that table out, or break the glass instead"
+    )]
+    DropsOnPhoto,
     /// A baked crack under the optics of another model.
     #[error(
         "the pattern was baked for another optics.model than the recipe's; use the recipe that it was made with"

@@ -1,5 +1,6 @@
 //! What a frame sees of a pane: every question about the view.
 
+use starbreak_deposit::Area;
 use starbreak_glass::{CrackNetwork, LengthUnit, Pane};
 use starbreak_optics::lens_faults::Optic;
 use starbreak_optics::{Camera, View};
@@ -7,6 +8,15 @@ use starbreak_optics::{Camera, View};
 use crate::{Error, FractureSettings, Mount, OpticsSettings, Settings};
 
 const MM_PER_M: f64 = 1e3;
+
+/// Beyond the frame, mm of the pane.
+const WET_MARGIN_MM: f64 = 10.0;
+
+/// A windscreen about the optical axis.
+const WINDSCREEN: Area = Area {
+    from_mm: [-700.0, -400.0],
+    to_mm: [700.0, 400.0],
+};
 
 /// Camera, lens and mount of some settings, with frames of one size.
 #[derive(Debug, Clone, Copy)]
@@ -44,7 +54,7 @@ impl<'a> Scene<'a> {
     pub fn pane(&self) -> Result<View, Error> {
         let (width_px, height_px) = self.size_px;
         match &self.settings.fracture {
-            FractureSettings::Paper(_) | FractureSettings::None => Ok(View::stretched(
+            FractureSettings::Paper(_) | FractureSettings::None(_) => Ok(View::stretched(
                 &Pane::from_frame_px(width_px, height_px),
                 self.size_px,
             )),
@@ -75,6 +85,45 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// The part of the pane that frames show, with what may reach into them, and from where drops may run into it; a pane
+    /// without a size is as large as a windscreen.
+    pub(crate) fn wet_area(&self, view: &View) -> Area {
+        let (width, height) = (f64::from(self.size_px.0), f64::from(self.size_px.1));
+        let pane = match &self.settings.fracture {
+            FractureSettings::Physics(physics) => Area {
+                from_mm: [0.0; 2],
+                to_mm: physics.pane.outline.size_m().map(|side| side * MM_PER_M),
+            },
+            FractureSettings::Paper(_) | FractureSettings::None(_) => WINDSCREEN,
+        };
+        let mut seen = Area {
+            from_mm: [f64::INFINITY; 2],
+            to_mm: [f64::NEG_INFINITY; 2],
+        };
+        const STEPS: u32 = 8;
+        for step in 0..=STEPS {
+            let part = f64::from(step) / f64::from(STEPS);
+            for x in [0.0, width] {
+                // Some rows may look past a pane that leans: it goes on to its end there.
+                let at = view.unproject([x, part * height]).unwrap_or(pane.to_mm);
+                for k in 0..2 {
+                    seen.from_mm[k] = seen.from_mm[k].min(at[k]);
+                    seen.to_mm[k] = seen.to_mm[k].max(at[k]);
+                }
+            }
+        }
+        let [wide, high] = seen.sides_mm();
+        // Discs out of focus reach into the frame, and drops run down from above.
+        let beyond_mm = [0.1 * wide, 0.1 * high].map(|part| part + WET_MARGIN_MM);
+        let above_mm = 0.4 * high + WET_MARGIN_MM;
+        let [x, y] = seen.from_mm;
+        let from_mm = [x - beyond_mm[0], y - above_mm];
+        Area {
+            from_mm: [0, 1].map(|k| from_mm[k].max(pane.from_mm[k])),
+            to_mm: [0, 1].map(|k| (seen.to_mm[k] + beyond_mm[k]).min(pane.to_mm[k])),
+        }
+    }
+
     /// Length of what the frame shows of a network at a time, in the unit of its arrivals, px.
     ///
     /// # Errors
@@ -98,8 +147,8 @@ impl<'a> Scene<'a> {
     /// cracks are those of the paper, which lie over the frame.
     pub(crate) fn sheet(&self) -> Result<View, Error> {
         match (&self.settings.fracture, self.settings.fracture.mount()) {
-            (FractureSettings::None, _) => self.mounted(&Mount::NOWHERE, [0.0; 2]),
-            (FractureSettings::Paper(_), Some(mount)) => {
+            (FractureSettings::None(None), _) => self.mounted(&Mount::NOWHERE, [0.0; 2]),
+            (FractureSettings::Paper(_) | FractureSettings::None(_), Some(mount)) => {
                 // The sheet goes on beyond the frame, so that any of its points will do.
                 self.mounted(&mount, [0.0; 2])
             }

@@ -180,7 +180,7 @@ fn measure(
             particles: *particles,
             radius_px: match &settings.fracture {
                 FractureSettings::Paper(paper) => paper.params.neighbor_radius,
-                FractureSettings::Physics(_) | FractureSettings::None => f64::NAN,
+                FractureSettings::Physics(_) | FractureSettings::None(_) => f64::NAN,
             },
             runs: Vec::new(),
             peak_rss_mib: None,

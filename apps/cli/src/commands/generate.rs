@@ -158,7 +158,8 @@ pub(super) fn patterns(
 pub(super) fn recipe_of_bank(bank: &PatternBank, global: &Global) -> Result<Recipe, Failure> {
     let mut recipe = bank.header().parse_recipe()?;
     recipe.set_max_memory(global.max_memory);
-    let later: Vec<&str> = (FAULTS.iter().map(|fault| fault.table))
+    let later: Vec<&str> = (FAULTS.iter().filter(|fault| !fault.is_on_pane()))
+        .map(|fault| fault.table)
         .chain(["lens", "sensor", "output"])
         .collect();
     for assignment in &global.set {

@@ -82,7 +82,7 @@ impl StudyReport<'_> {
             .collect();
         let breaks = |condition: &Condition| {
             let settings = condition.recipe.settings();
-            settings.is_ok_and(|it| !matches!(it.fracture, FractureSettings::None))
+            settings.is_ok_and(|it| !matches!(it.fracture, FractureSettings::None(_)))
         };
         let what = match self.plan.conditions.iter().any(breaks) {
             true => "behind broken glass",

@@ -9,6 +9,10 @@ pub(super) struct Channel {
     pub(super) size: (usize, usize),
 }
 
+/// The map is asked at the corners of squares of this side, px, and is straight between: of the strongest distortion
+/// that recipes have, and in its corner, it is wrong by a hundredth of a px.
+const SQUARE: usize = 8;
+
 /// The light of each pixel as it was at another place, px, which is said of its middle; black where there is none.
 /// Beyond the frame its border goes on.
 ///
@@ -16,35 +20,97 @@ pub(super) struct Channel {
 /// moved by half a pixel is not blurred as by a mean of neighbors. It gives no light below 0.
 pub(super) fn resample(
     light: &[f32],
-    Channel {
-        n,
-        size: (width, height),
-    }: Channel,
+    Channel { n, size }: Channel,
     from: impl Fn(f64, f64) -> Option<[f64; 2]>,
 ) -> Vec<f32> {
-    let mut out = vec![0.0; light.len()];
-    for (y, row) in out.chunks_exact_mut(width * n).enumerate() {
-        for (x, pixel) in row.chunks_exact_mut(n).enumerate() {
-            #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-            let Some([u, v]) = from(x as f64 + 0.5, y as f64 + 0.5) else {
-                continue;
-            };
-            let (left, across) = taps(u);
-            let (top, down) = taps(v);
-            for (k, down) in (top..).zip(down) {
-                let row = clamped(k, height) * width;
-                for (k, across) in (left..).zip(across) {
-                    let at = (row + clamped(k, width)) * n;
-                    let share = down * across;
-                    for (to, from) in pixel.iter_mut().zip(&light[at..at + n]) {
-                        *to += share * from;
+    match n {
+        1 => resample_of::<1>(light, size, from),
+        _ => resample_of::<3>(light, size, from),
+    }
+}
+
+fn resample_of<const COLORS: usize>(
+    light: &[f32],
+    (width, height): (usize, usize),
+    from: impl Fn(f64, f64) -> Option<[f64; 2]>,
+) -> Vec<f32> {
+    let light = light.as_chunks::<COLORS>().0;
+    let mut out = vec![0.0; light.len() * COLORS];
+    let rows = out.as_chunks_mut::<COLORS>().0;
+    let corners_of = |y: usize| -> Vec<Option<[f64; 2]>> {
+        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+        let at = |x: usize| from(x as f64, y as f64);
+        (0..=width.div_ceil(SQUARE))
+            .map(|k| at(k * SQUARE))
+            .collect()
+    };
+    let mut above = corners_of(0);
+    for top in (0..height).step_by(SQUARE) {
+        let below = corners_of(top + SQUARE);
+        for left in (0..width).step_by(SQUARE) {
+            let k = left / SQUARE;
+            let square = [above[k], above[k + 1], below[k], below[k + 1]];
+            for y in top..(top + SQUARE).min(height) {
+                for x in left..(left + SQUARE).min(width) {
+                    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                    let place = match square {
+                        [Some(a), Some(b), Some(c), Some(d)] => {
+                            let per = 1.0 / SQUARE as f64;
+                            let s = ((x - left) as f64 + 0.5) * per;
+                            let t = ((y - top) as f64 + 0.5) * per;
+                            Some([0, 1].map(|k| {
+                                let high = a[k] + s * (b[k] - a[k]);
+                                let low = c[k] + s * (d[k] - c[k]);
+                                high + t * (low - high)
+                            }))
+                        }
+                        [None, None, None, None] => None,
+                        _ => from(x as f64 + 0.5, y as f64 + 0.5),
+                    };
+                    if let Some(place) = place {
+                        rows[y * width + x] = sample(light, (width, height), place);
                     }
                 }
             }
-            pixel.iter_mut().for_each(|value| *value = value.max(0.0));
         }
+        above = below;
     }
     out
+}
+
+/// The light at a place.
+#[inline]
+fn sample<const COLORS: usize>(
+    light: &[[f32; COLORS]],
+    (width, height): (usize, usize),
+    [u, v]: [f64; 2],
+) -> [f32; COLORS] {
+    let (left, across) = taps(u);
+    let (top, down) = taps(v);
+    let mut sum = [0.0; COLORS];
+    let is_inside =
+        left >= 0 && top >= 0 && left + 4 <= width.cast_signed() && top + 4 <= height.cast_signed();
+    if is_inside {
+        let first = top.cast_unsigned() * width + left.cast_unsigned();
+        for (row, down) in down.into_iter().enumerate() {
+            let four = &light[first + row * width..][..4];
+            for (pixel, across) in four.iter().zip(across) {
+                for (to, from) in sum.iter_mut().zip(pixel) {
+                    *to += down * across * from;
+                }
+            }
+        }
+    } else {
+        for (k, down) in (top..).zip(down) {
+            let row = clamped(k, height) * width;
+            for (k, across) in (left..).zip(across) {
+                for (to, from) in sum.iter_mut().zip(light[row + clamped(k, width)]) {
+                    *to += down * across * from;
+                }
+            }
+        }
+    }
+    sum.map(|value| value.max(0.0))
 }
 
 /// The first of four pixels around a place, px, and their shares.

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use image::GrayImage;
+use starbreak_deposit::Deposit;
 use starbreak_glass::CrackNetwork;
 use starbreak_seed::Seed;
 
@@ -12,7 +13,8 @@ use crate::environment::{Environment, HemisphereWeights, Horizon};
 use crate::interface::gap::GapTable;
 use crate::maps::{CHUNK, Facet, LaneRuns, Pupil, cover, spread};
 use crate::surface::{
-    Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, fragment_facets, hit_facets,
+    Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, drop_facets, fragment_facets,
+    hit_facets,
 };
 use crate::{OpticsError, View};
 
@@ -55,33 +57,18 @@ pub fn bake(
     seed: Seed,
 ) -> Result<Pattern, OpticsError> {
     optics.check()?;
-    let (width, height) = view.size();
     let sheet = SheetView::new(view, &optics.lens, &optics.glass)?;
-    let environment = &optics.environment;
-    let horizon = Horizon::at_row(environment.horizon_row, height, sheet.f_px());
-    let sun = horizon.sun(environment.sun_azimuth_rad, environment.sun_elevation_rad);
-    let gaps = gap_table(optics.glass.refractive_index);
-    let outward = sheet.camera_from_sheet([0.0, 0.0, 1.0]);
-    let from = LightFrom {
-        sheet: &sheet,
-        horizon,
-        sun: sheet.sheet_from_camera(sun),
-        gaps: &gaps,
-        outside: HemisphereWeights::facing(horizon.sin_elevation(outward)),
-        // The mean of a light that runs with the sine, over the half space that a face sees, is
-        // that of 2/3 of the sine of its normal.
-        inside_high: 0.5 - horizon.sin_elevation(outward) / 3.0,
-    };
     let mut pattern = Pattern {
-        size: (width, height),
+        size: view.size(),
         f_px: sheet.f_px(),
         layers: Vec::new(),
         outline: Outline::Corners(Vec::new()),
     };
-    if network.n_segments() == 0 || width == 0 || height == 0 {
+    if network.n_segments() == 0 || pattern.is_without_pixels() {
         return Ok(pattern);
     }
-    let pupil = Pupil::of(&optics.lens);
+    let gaps = gap_table(optics.glass.refractive_index);
+    let from = light_from(&sheet, optics, &gaps);
     let wedge_rad = optics.surface.fragment_wedge_deg.to_radians();
     let mut fragments = Facets::default();
     fragment_facets(&from, (network, time), wedge_rad, seed, &mut fragments);
@@ -90,18 +77,35 @@ pub fn bake(
     crack_facets(&from, network, time, &optics.surface, reach_px, &mut cracks);
     hit_facets(&from, network, time, &optics.surface, seed, &mut cracks);
     pattern.outline = Outline::Corners(std::mem::take(&mut cracks.outlines));
-    let size = (width as usize, height as usize);
     for facets in [fragments, cracks] {
-        let light = spread(&facets.light, N_SHARES, pupil, size);
-        if !light.is_empty() {
-            let tint = spread(&facets.tint, 1, pupil, size);
-            let blur_px = mean_blur_px(&facets.light);
-            pattern
-                .layers
-                .push(PatternLayer::of_sums(light, &tint, blur_px));
-        }
+        let blur_px = mean_blur_px(&facets.light);
+        let layer = pattern.layer_of(&facets, Pupil::of(&optics.lens), blur_px);
+        pattern.layers.extend(layer);
     }
     Ok(pattern)
+}
+
+/// What is the same for all facets before one camera.
+fn light_from<'a>(
+    sheet: &'a SheetView,
+    optics: &PhysicalOptics,
+    gaps: &'a GapTable,
+) -> LightFrom<'a> {
+    let (_, height) = sheet.view().size();
+    let environment = &optics.environment;
+    let horizon = Horizon::at_row(environment.horizon_row, height, sheet.f_px());
+    let sun = horizon.sun(environment.sun_azimuth_rad, environment.sun_elevation_rad);
+    let outward = sheet.camera_from_sheet([0.0, 0.0, 1.0]);
+    LightFrom {
+        sheet,
+        horizon,
+        sun: sheet.sheet_from_camera(sun),
+        gaps,
+        outside: HemisphereWeights::facing(horizon.sin_elevation(outward)),
+        // The mean of a light that runs with the sine, over the half space that a face sees, is
+        // that of 2/3 of the sine of its normal.
+        inside_high: 0.5 - horizon.sin_elevation(outward) / 3.0,
+    }
 }
 
 impl Pattern {
@@ -121,6 +125,47 @@ impl Pattern {
     #[must_use]
     pub fn is_intact(&self) -> bool {
         self.layers.is_empty()
+    }
+
+    /// With what lies on the outer face of the glass, which light meets first.
+    ///
+    /// # Errors
+    /// As for [`bake`].
+    pub fn behind(
+        mut self,
+        deposit: &Deposit,
+        view: &View,
+        optics: &PhysicalOptics,
+    ) -> Result<Self, OpticsError> {
+        optics.check()?;
+        let sheet = SheetView::new(view, &optics.lens, &optics.glass)?;
+        if deposit.is_empty() || self.is_without_pixels() {
+            return Ok(self);
+        }
+        let gaps = gap_table(optics.glass.refractive_index);
+        let from = light_from(&sheet, optics, &gaps);
+        let mut drops = Facets::default();
+        drop_facets(&from, &deposit.caps, reach_px(&sheet), &mut drops);
+        // A pixel shows more of the scene than its own width of a drop that is sharp.
+        let blur_px = mean_blur_px(&drops.light).max(1.0);
+        let layer = self.layer_of(&drops, Pupil::of(&optics.lens), blur_px);
+        self.layers.splice(0..0, layer);
+        Ok(self)
+    }
+
+    fn is_without_pixels(&self) -> bool {
+        self.size.0 == 0 || self.size.1 == 0
+    }
+
+    /// The layer of some facets; none where nothing of them is in the frame.
+    fn layer_of(&self, facets: &Facets, pupil: Pupil, blur_px: f32) -> Option<PatternLayer> {
+        let size = (self.size.0 as usize, self.size.1 as usize);
+        let light = spread(&facets.light, N_SHARES, pupil, size);
+        if light.is_empty() {
+            return None;
+        }
+        let tint = spread(&facets.tint, 1, pupil, size);
+        Some(PatternLayer::of_sums(light, &tint, blur_px))
     }
 
     /// A pattern from what it was taken apart to.

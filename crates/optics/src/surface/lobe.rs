@@ -234,7 +234,7 @@ impl LightFrom<'_> {
     }
 
     /// Adds the cabin's light from a direction, in the sheet's coordinates.
-    fn cabin(&self, sent: &mut Sent, direction: Vector, share: f64) {
+    pub(super) fn cabin(&self, sent: &mut Sent, direction: Vector, share: f64) {
         let sine = self
             .horizon
             .sin_elevation(self.sheet.camera_from_sheet(direction));

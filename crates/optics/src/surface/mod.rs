@@ -8,6 +8,7 @@
 mod chains;
 mod cracks;
 mod divided;
+mod drops;
 mod hit;
 mod lobe;
 mod params;
@@ -21,6 +22,7 @@ mod walls;
 mod wedge;
 
 pub(crate) use cracks::{Facets, crack_facets};
+pub(crate) use drops::drop_facets;
 pub(crate) use hit::hit_facets;
 pub(crate) use lobe::{
     CABIN_HIGH, CABIN_LOW, FRAME, FRAME_U, FRAME_V, GROUND, HELD, HORIZON, LANES, LightFrom,

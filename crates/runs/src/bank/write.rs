@@ -71,7 +71,7 @@ pub fn write_bank(
     progress: impl Fn(usize) + Sync,
 ) -> Result<BankDraft, Error> {
     refuse_inside_set(to)?;
-    if matches!(context.settings.fracture, FractureSettings::None) {
+    if matches!(context.settings.fracture, FractureSettings::None(_)) {
         return Err(Error::NothingBreaks);
     }
     let mut distinct: Vec<(u32, u32)> = Vec::new();

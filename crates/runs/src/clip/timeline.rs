@@ -54,7 +54,7 @@ impl Timeline {
         growth: Growth,
         frame_s: f64,
     ) -> Result<Self, ClipError> {
-        let is_whole = matches!(chain.settings().fracture, FractureSettings::None)
+        let is_whole = matches!(chain.settings().fracture, FractureSettings::None(_))
             && chain.network().is_none()
             && chain.photo().is_none();
         if is_whole && (impact_at_s > 0.0 || growth != Growth::Whole) {

@@ -198,7 +198,7 @@ fn cracked(recipe: &Recipe, scene: &RgbImage, seed: u64) -> Result<RgbImage> {
     let mut recipe = recipe.clone();
     let is_one = match &recipe.settings()?.fracture {
         FractureSettings::Physics(physics) => physics.stones[0].count == 1,
-        FractureSettings::Paper(_) | FractureSettings::None => true,
+        FractureSettings::Paper(_) | FractureSettings::None(_) => true,
     };
     if is_one {
         recipe.set("impact.position=[0.5,0.5]")?;

@@ -55,7 +55,7 @@ pub fn simulate(settings: &Settings, size_px: (u32, u32), seed: Seed) -> Result<
         FractureSettings::Physics(physics) => {
             physics::network(physics, &Scene::of(settings, size_px).pane()?, seed)
         }
-        FractureSettings::None => Ok(Simulated {
+        FractureSettings::None(_) => Ok(Simulated {
             network: CrackNetwork::without_cracks(size_px.0, size_px.1),
             details: Details::None,
             timings: Timings::default(),

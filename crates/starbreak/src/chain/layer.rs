@@ -1,11 +1,12 @@
 //! What the optics made of the glass, before any light.
 
 use image::GrayImage;
+use starbreak_deposit::{Area, Deposit};
 use starbreak_glass::CrackNetwork;
-use starbreak_optics::Coverage;
 use starbreak_optics::paper::draw;
 use starbreak_optics::photo::{PhotoPattern, bake as bake_photo, draw as draw_photo};
 use starbreak_optics::physical::{PackedPattern, Pattern, bake};
+use starbreak_optics::{Coverage, View};
 use starbreak_seed::Seed;
 
 use crate::photo::PlacedPhoto;
@@ -29,6 +30,24 @@ pub enum PaneLayer {
     },
 }
 
+/// What lies on the pane of some settings, on which area, and how frames show that; the seed places it.
+///
+/// # Errors
+/// [`Error::Optics`] for a camera that sees nothing.
+pub(super) fn deposit_of(
+    settings: &Settings,
+    size_px: (u32, u32),
+    seed: Seed,
+) -> Result<Option<(Deposit, Area, View)>, Error> {
+    let Some(rain) = &settings.drops else {
+        return Ok(None);
+    };
+    let scene = Scene::of(settings, size_px);
+    let view = scene.sheet()?;
+    let area = scene.wet_area(&view);
+    Ok(Some((rain.on_pane(&area, seed), area, view)))
+}
+
 impl PaneLayer {
     /// Bakes a network as it is at a time, in the unit of its arrivals, for frames of a size, px. The
     /// seed places what it leaves open: grains of crushed glass.
@@ -46,7 +65,11 @@ impl PaneLayer {
         Ok(match &settings.optics {
             OpticsSettings::Paper(optics) => Self::Paper(draw(network, &view, time, optics)),
             OpticsSettings::Physical(optics) => {
-                Self::Baked(bake(network, time, &view, optics, seed)?)
+                let pattern = bake(network, time, &view, optics, seed)?;
+                Self::Baked(match deposit_of(settings, size_px, seed)? {
+                    Some((deposit, _, view)) => pattern.behind(&deposit, &view, optics)?,
+                    None => pattern,
+                })
             }
         })
     }
@@ -54,12 +77,15 @@ impl PaneLayer {
     /// Bakes a part of a photograph of broken glass for frames of a size, px.
     ///
     /// # Errors
-    /// [`Error::Optics`], [`Error::TooCostly`].
+    /// [`Error::Optics`], [`Error::TooCostly`], [`Error::DropsOnPhoto`].
     pub(super) fn of_photo(
         settings: &Settings,
         placed: &PlacedPhoto,
         size_px: (u32, u32),
     ) -> Result<Self, Error> {
+        if settings.drops.is_some() {
+            return Err(Error::DropsOnPhoto);
+        }
         settings.may_show_photo(size_px)?;
         let photo = &placed.glass.photo;
         Ok(match &settings.optics {

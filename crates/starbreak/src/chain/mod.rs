@@ -24,6 +24,7 @@ use crate::{
 };
 
 pub use layer::PaneLayer;
+use layer::deposit_of;
 use lit::Glass;
 pub use lit::Lit;
 pub use report::{OpticsReport, SceneReport, Shown, damage_to_json, region_fraction};
@@ -112,14 +113,23 @@ impl Chain {
         watch.append(timings);
         let layer = PaneLayer::of_network(settings, (&network, f64::INFINITY), size_px, seed)?;
         watch.lap(layer.stage());
+        let mut facts = match details {
+            Details::None => Map::new(),
+            _ => Map::from_iter([("network".to_owned(), details.facts_of(&network))]),
+        };
+        if let (Some(rain), Some((deposit, area, _))) =
+            (&settings.drops, deposit_of(settings, size_px, seed)?)
+        {
+            facts.insert(
+                "drops".to_owned(),
+                report::drops_to_json(rain, &deposit, &area),
+            );
+        }
         let chain = Self {
             settings: settings.clone(),
+            is_glass_intact: network.n_segments() == 0 && layer.is_intact(),
             layer,
-            is_glass_intact: network.n_segments() == 0,
-            facts: match details {
-                Details::None => Map::new(),
-                _ => Map::from_iter([("network".to_owned(), details.facts_of(&network))]),
-            },
+            facts,
             origin: match details {
                 Details::None => Origin::Stored,
                 details => Origin::Network(Box::new(Cracks {
@@ -263,7 +273,15 @@ impl Chain {
             }
             OpticsSettings::Physical(optics) => {
                 let view = scene.sheet()?;
-                PaneLayer::Baked(bake(&none, f64::INFINITY, &view, optics, Seed(0))?)
+                let pattern = bake(&none, f64::INFINITY, &view, optics, Seed(0))?;
+                let seed = match &self.origin {
+                    Origin::Network(cracks) => cracks.seed,
+                    Origin::Photo(_) | Origin::Stored => Seed(0),
+                };
+                PaneLayer::Baked(match deposit_of(&self.settings, self.size(), seed)? {
+                    Some((deposit, _, view)) => pattern.behind(&deposit, &view, optics)?,
+                    None => pattern,
+                })
             }
         })
     }
@@ -286,7 +304,7 @@ impl Chain {
         self.is_glass_intact && self.settings.faults.is_none()
     }
 
-    /// Whether the glass is whole: no crack in the network, or nothing of a photograph in the frame.
+    /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.
     #[must_use]
     pub fn is_glass_intact(&self) -> bool {
         self.is_glass_intact

@@ -2,6 +2,7 @@
 
 use image::GrayImage;
 use serde_json::{Map, Value, json};
+use starbreak_deposit::{Area, Deposit, Rain};
 use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::lens_faults::{LensFault, Optic};
 use starbreak_optics::physical::OpticalMaps;
@@ -113,6 +114,16 @@ pub(super) fn faults_to_json(
         add(*onset_s, fact_of(fault, sensor, size));
     }
     Value::Object(facts)
+}
+
+/// What a record says of drops on a pane.
+pub(super) fn drops_to_json(rain: &Rain, deposit: &Deposit, area: &Area) -> Value {
+    let rounded = |value: f64| (value * 1e6).round() / 1e6;
+    json!({
+        "n_drops": deposit.caps.len(),
+        "coverage": rounded(deposit.coverage(area)),
+        "runs_from_mm": Some(rain.runs_from_mm()).filter(|mm| mm.is_finite()).map(rounded),
+    })
 }
 
 /// The table of a fault of the lens, and how large it is.

@@ -69,7 +69,7 @@ impl Settings {
                 Cost::of(what, &[of_particles(paper, area_px)])
             }
             FractureSettings::Physics(physics) => Cost::of(what, &of_pane(physics)),
-            FractureSettings::None => Cost::of(what, &[]),
+            FractureSettings::None(_) => Cost::of(what, &[]),
         }
     }
 

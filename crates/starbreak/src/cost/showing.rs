@@ -20,6 +20,9 @@ const MAP_BYTES: f64 = 80.0;
 /// Bytes of a pixel in a camera with faults: its light before and after, what the mosaic adds, and the image as it was.
 const FAULT_BYTES: f64 = 64.0;
 
+/// Bytes of the most facets that drops have.
+const DROPS_BYTES: f64 = 2e8;
+
 /// Bytes of a piece of crack: its facets and what they are made from.
 const PIECE_BYTES: f64 = 1500.0;
 
@@ -51,6 +54,7 @@ impl Settings {
         let area_px = area_px(view.size());
         let mut parts: Vec<Part> = vec![(FRAME_BYTES * area_px, SMALLER_IMAGE)];
         parts.extend(self.of_faults(area_px));
+        parts.extend(self.of_drops(area_px));
         match &self.optics {
             OpticsSettings::Paper(optics) => {
                 let touched = touched_by_lines(network, view, optics);
@@ -100,6 +104,15 @@ impl Settings {
     fn of_faults(&self, area_px: f64) -> Option<Part> {
         let part = (FAULT_BYTES * area_px, SMALLER_IMAGE);
         self.faults.is_some().then_some(part)
+    }
+
+    /// What drops on the pane take.
+    fn of_drops(&self, area_px: f64) -> Option<Part> {
+        let part = (
+            DROPS_BYTES + TOUCHED_BYTES * area_px,
+            "set drops.rain_mm_h = 0",
+        );
+        self.drops.is_some().then_some(part)
     }
 
     /// What changes every pixel, and the maps.

@@ -11,6 +11,12 @@ pub struct FaultKind {
 }
 
 impl FaultKind {
+    /// Whether it lies on the pane, and so is baked with broken glass.
+    #[must_use]
+    pub fn is_on_pane(&self) -> bool {
+        self.table == "drops"
+    }
+
     /// Whether it moves what an image shows, so that labels no longer fit.
     #[must_use]
     pub fn moves_labels(&self) -> bool {
@@ -19,7 +25,14 @@ impl FaultKind {
 }
 
 /// All of them, in the order in which light meets them.
-pub const FAULTS: [FaultKind; 17] = [
+pub const FAULTS: [FaultKind; 18] = [
+    FaultKind {
+        table: "drops",
+        presets: &[(
+            "rain",
+            "rain on the pane since the wiper passed: drops that show the scene upside down",
+        )],
+    },
     FaultKind {
         table: "distortion",
         presets: &[(

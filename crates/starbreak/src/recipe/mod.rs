@@ -2,6 +2,7 @@
 
 mod assignment;
 mod cameras;
+mod deposit_tables;
 mod error;
 mod fault_tables;
 mod faults;
@@ -188,8 +189,10 @@ impl Recipe {
         let place = Place::camera(name);
         let choice = self.choice(&place)?;
         let mut changed = self.clone();
+        // Where nothing lies on a pane there is none.
+        let has_pane = choice.fracture != ModelWord::None || self.table.contains_key("glass");
         for (table, key, value) in overlay {
-            if schema::has(choice, &table, &key) {
+            if schema::has(choice, &table, &key) && (has_pane || table != "glass") {
                 changed.edit(&place, &format!("{table}.{key}"), value)?;
             }
         }
@@ -291,6 +294,12 @@ impl Recipe {
         if let Some(kind) = self.table.get("glass").and_then(|glass| glass.get("kind")) {
             let kind: KindWord = word(place, "glass.kind", kind)?;
             complete.insert("glass".to_owned(), presets::glass_of(kind)?.into());
+        }
+        let has_pane = ["glass", "drops"]
+            .iter()
+            .any(|name| self.table.contains_key(*name));
+        if choice.fracture == ModelWord::None && has_pane {
+            complete.insert("glass".to_owned(), presets::whole_pane()?.into());
         }
         for name in self.table.keys() {
             if let Some(table) = presets::optional(name)? {

@@ -97,6 +97,7 @@ pub(super) fn base(choice: Choice) -> Result<Table, RecipeError> {
     }
     known_keys::retain(&mut table, choice);
     if choice.fracture == ModelWord::None {
+        table.remove("glass");
         let whole = Table::from_iter([("model".to_owned(), choice.fracture.name().into())]);
         table.insert("fracture".to_owned(), whole.into());
     }
@@ -125,6 +126,7 @@ impl Preset {
                 include_str!("../../presets/lens-cover-shattered.toml")
             }
             "paper" => include_str!("../../presets/paper.toml"),
+            "rain" => include_str!("../../presets/rain.toml"),
             "distortion" => include_str!("../../presets/distortion.toml"),
             "fringes" => include_str!("../../presets/fringes.toml"),
             "defocus" => include_str!("../../presets/defocus.toml"),
@@ -191,6 +193,13 @@ pub(super) fn glass_of(kind: KindWord) -> Result<Table, RecipeError> {
             glass.remove(key);
         }
     }
+    Ok(glass)
+}
+
+/// The pane of a recipe under which nothing breaks, where something lies on it.
+pub(super) fn whole_pane() -> Result<Table, RecipeError> {
+    let mut glass = table_of(BASE_PRESET, "glass")?;
+    glass.retain(|key, _| ["thickness_mm", "distance_m", "rake_deg"].contains(&key));
     Ok(glass)
 }
 

@@ -9,13 +9,14 @@ use super::schema::{keys, of_choice};
 use super::tables::Choice;
 
 /// Tables in the order in which a reader thinks of them.
-const ORDER: [&str; 26] = [
+const ORDER: [&str; 27] = [
     "camera",
     "glass",
     "impact",
     "fracture",
     "long_crack",
     "optics",
+    "drops",
     "distortion",
     "fringes",
     "defocus",

@@ -8,9 +8,9 @@ use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value as Json, json};
 
 use super::tables::{
-    Choice, CommonTables, FaultTables, GlassMountTables, LensTables, ModelWord, OpticsWord,
-    PaperFractureTables, PaperOpticsTables, PhysicalOpticsTables, PhysicsFractureTables,
-    WholeTables,
+    Choice, CommonTables, DepositTables, FaultTables, GlassMountTables, LensTables, ModelWord,
+    OpticsWord, PaperFractureTables, PaperOpticsTables, PhysicalOpticsTables,
+    PhysicsFractureTables, WholeTables,
 };
 
 /// The JSON Schema of a recipe, for editors: the keys of all models; those that only some have say
@@ -99,6 +99,7 @@ fn tables_of(choice: Choice) -> Map<String, Json> {
     if choice == Choice::new(ModelWord::Paper, OpticsWord::Physical) {
         tables.extend(properties::<GlassMountTables>());
     }
+    tables.extend(properties::<DepositTables>());
     tables.extend(properties::<LensTables>());
     tables.extend(properties::<FaultTables>());
     tables

@@ -6,6 +6,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
+pub(super) use super::deposit_tables::DepositTables;
 use super::error::{Place, RecipeError, printable};
 pub(super) use super::fault_tables::{
     BandingTable, CfaTable, ExposureTable, FaultTables, FramesTable, IspTable, LinesTable,
@@ -20,8 +21,8 @@ pub(super) use super::paper_tables::{
     PaperFractureTables, PaperImpactTable, PaperOpticsTables, RuleWord,
 };
 pub(super) use super::physical_tables::{
-    AutoRgb, CabinEntry, DistanceEntry, DistanceWord, GlassMountTables, PhysicalCameraTable,
-    PhysicalOpticsTable, PhysicalOpticsTables, SceneEntry,
+    AutoRgb, CabinEntry, DistanceEntry, DistanceWord, GlassMountTables, MountTable,
+    PhysicalCameraTable, PhysicalOpticsTable, PhysicalOpticsTables, SceneEntry,
 };
 pub(super) use super::physics_tables::{
     DicingWord, GlassTable, GrowthWord, KindWord, LongCrackTable, MeshWord, OriginWord,
@@ -91,6 +92,9 @@ impl ModelWord {
 pub(super) struct WholeTables {
     /// How the glass breaks.
     pub(super) fracture: WholeTable,
+    /// The pane, and how it stands before the camera. Without this table there is none.
+    #[schemars(with = "MountTable")]
+    pub(super) glass: Option<MountTable>,
 }
 
 /// How the glass breaks: not at all.

@@ -1,5 +1,6 @@
 //! The recipe as it is used: SI units, every value in range.
 
+mod deposits;
 mod faults;
 mod lens_faults;
 mod paper;
@@ -9,6 +10,7 @@ mod physics;
 mod ranges;
 
 use rand_chacha::rand_core::Rng;
+use starbreak_deposit::Rain;
 use starbreak_fracture::paper::{Direction, Position};
 use starbreak_glass::MAX_IMPACTS;
 use starbreak_optics::paper::PaperOptics;
@@ -22,7 +24,7 @@ pub use physics::{Mount, PhysicsSettings, StoneSettings};
 use super::error::{Place, RecipeError, short_number};
 use super::tables::{
     Choice, CommonTables, DirectionEntry, FocalEntry, FormatWord, ModelWord, OpticsWord,
-    OutputTable, PositionEntry, PositionWord, from_table,
+    OutputTable, PositionEntry, PositionWord, WholeTables, from_table,
 };
 use crate::CameraFaults;
 
@@ -41,6 +43,8 @@ pub struct Settings {
     pub camera: CameraSettings,
     /// How the crack looks, by which model.
     pub optics: OpticsSettings,
+    /// Rain on the pane, where it is any.
+    pub drops: Option<Rain>,
     /// What is wrong with the camera itself, where anything is.
     pub faults: Option<CameraFaults>,
     /// What is written.
@@ -56,8 +60,8 @@ pub enum FractureSettings {
     Paper(PaperSettings),
     /// By the physics, on a pane of its own before the camera.
     Physics(Box<PhysicsSettings>),
-    /// Not at all: there is no pane.
-    None,
+    /// Not at all. Where nothing lies on it there is no pane either.
+    None(Option<Mount>),
 }
 
 impl FractureSettings {
@@ -68,7 +72,7 @@ impl FractureSettings {
         match self {
             Self::Paper(paper) => paper.mount,
             Self::Physics(physics) => Some(physics.mount),
-            Self::None => None,
+            Self::None(mount) => *mount,
         }
     }
 
@@ -78,7 +82,7 @@ impl FractureSettings {
         match self {
             Self::Paper(paper) => paper.aimed.iter().any(|is_aimed| *is_aimed),
             Self::Physics(physics) => physics.stones.iter().any(|stone| stone.is_aimed),
-            Self::None => false,
+            Self::None(_) => false,
         }
     }
 
@@ -97,7 +101,7 @@ impl FractureSettings {
         match &mut aimed {
             Self::Paper(paper) => paper.aim(drawn),
             Self::Physics(physics) => physics.aim(drawn),
-            Self::None => {}
+            Self::None(_) => {}
         }
         aimed
     }
@@ -187,7 +191,13 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
             let sheet = physical::Sheet::of(&physics);
             (FractureSettings::Physics(Box::new(physics)), Some(sheet))
         }
-        ModelWord::None => (FractureSettings::None, Some(physical::Sheet::NONE)),
+        ModelWord::None => {
+            let whole: WholeTables = from_table(place, recipe)?;
+            let sheet = whole.glass.map(|glass| physical::Sheet::mounted(&glass));
+            let mount = sheet.map(|sheet| sheet.mount);
+            let sheet = sheet.unwrap_or(physical::Sheet::NONE);
+            (FractureSettings::None(mount), Some(sheet))
+        }
     };
     let (camera, optics) = match sheet {
         Some(sheet) if choice.optics == OpticsWord::Physical => {
@@ -200,6 +210,7 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
         sensor: faults::settings(place, &from_table(place, recipe)?)?,
     };
     Ok(Settings {
+        drops: deposits::drops(place, &from_table(place, recipe)?, &fracture, &optics)?,
         output: output(place, &common.output, &optics)?,
         fracture,
         camera,

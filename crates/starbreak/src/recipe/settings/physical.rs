@@ -8,8 +8,8 @@ use toml::Table;
 
 use super::super::error::{Place, RecipeError};
 use super::super::tables::{
-    AutoRgb, CabinEntry, DistanceEntry, DistanceWord, GlassMountTables, PhysicalCameraTable,
-    PhysicalOpticsTable, PhysicalOpticsTables, SceneEntry, from_table,
+    AutoRgb, CabinEntry, DistanceEntry, DistanceWord, GlassMountTables, MountTable,
+    PhysicalCameraTable, PhysicalOpticsTable, PhysicalOpticsTables, SceneEntry, from_table,
 };
 use super::{
     CameraSettings, FocalLength, Mount, OpticsSettings, PhysicsSettings, focal_length,
@@ -42,6 +42,17 @@ impl Sheet {
         rim_way_mm: RIM_WAY_MM,
     };
 
+    /// A pane without a size. The optical axis meets it in the middle of the frame.
+    pub(super) fn mounted(glass: &MountTable) -> Self {
+        Self {
+            mount: physics::mount(glass.distance_m, glass.rake_deg, [0.5; 2]),
+            thickness_mm: glass.thickness_mm,
+            interlayer_mm: 0.0,
+            inner_ply_mm: 0.0,
+            rim_way_mm: RIM_WAY_MM,
+        }
+    }
+
     /// The pane of the physics.
     pub(super) fn of(physics: &PhysicsSettings) -> Self {
         let [width_m, height_m] = physics.pane.outline.size_m();
@@ -63,16 +74,10 @@ impl Sheet {
     }
 }
 
-/// The pane that the paper's cracks lie in. The optical axis meets it in the middle of the frame.
+/// The pane that the paper's cracks lie in.
 pub(super) fn mount(place: &Place, recipe: &Table) -> Result<Sheet, RecipeError> {
     let GlassMountTables { glass } = from_table(place, recipe)?;
-    Ok(Sheet {
-        mount: physics::mount(glass.distance_m, glass.rake_deg, [0.5; 2]),
-        thickness_mm: glass.thickness_mm,
-        interlayer_mm: 0.0,
-        inner_ply_mm: 0.0,
-        rim_way_mm: RIM_WAY_MM,
-    })
+    Ok(Sheet::mounted(&glass))
 }
 
 /// Camera and optics before a sheet of glass.

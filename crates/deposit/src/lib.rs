@@ -1,0 +1,81 @@
+//! What lies on the glass before a camera.
+//!
+//! [`Rain`] makes drops on the outer face of a pane: as many and as large as rain of its rate brings to a pane that
+//! stands and moves as this one does, merged where they touch, run down where they are too heavy to stay.
+//!
+//! What it is not: it knows no camera, light or pixel. Lengths on the pane are mm, +y downhill.
+//!
+//! # Example
+//! ```
+//! use starbreak_deposit::{Area, Rain};
+//! use starbreak_seed::Seed;
+//!
+//! let rain = Rain { rate_m_s: 7.6e-3 / 3600.0, ..Rain::default() };
+//! let area = Area { from_mm: [0.0, 0.0], to_mm: [300.0, 200.0] };
+//! let deposit = rain.on_pane(&area, Seed(7));
+//! assert!(deposit.caps.len() > 100);
+//! # Ok::<(), std::convert::Infallible>(())
+//! ```
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod cap;
+mod grid;
+mod rain;
+
+pub use cap::Cap;
+pub use rain::Rain;
+
+/// A rectangle of a pane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Area {
+    /// Its upper left corner, mm.
+    pub from_mm: [f64; 2],
+    /// Its lower right corner, mm.
+    pub to_mm: [f64; 2],
+}
+
+impl Area {
+    /// Its sides, mm.
+    #[must_use]
+    pub fn sides_mm(&self) -> [f64; 2] {
+        [0, 1].map(|k| (self.to_mm[k] - self.from_mm[k]).max(0.0))
+    }
+
+    /// Its area, m².
+    #[must_use]
+    pub fn area_m2(&self) -> f64 {
+        let [width, height] = self.sides_mm();
+        width * height * 1e-6
+    }
+}
+
+/// What lies on the outer face of a pane.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Deposit {
+    /// Drops of water.
+    pub caps: Vec<Cap>,
+}
+
+impl Deposit {
+    /// Whether there is nothing.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.caps.is_empty()
+    }
+
+    /// Share of an area that it covers, where nothing overlaps.
+    #[must_use]
+    pub fn coverage(&self, area: &Area) -> f64 {
+        let is_inside =
+            |cap: &&Cap| (0..2).all(|k| (area.from_mm[k]..area.to_mm[k]).contains(&cap.at_mm[k]));
+        let covered = self.caps.iter().filter(is_inside).map(Cap::footprint_mm2);
+        covered.sum::<f64>() * 1e-6 / area.area_m2().max(f64::MIN_POSITIVE)
+    }
+
+    /// Volume of its water over an area, m³/m²: the depth of the film that it would be.
+    #[must_use]
+    pub fn water_m(&self, area: &Area) -> f64 {
+        let volume: f64 = self.caps.iter().map(Cap::volume_mm3).sum();
+        volume * 1e-9 / area.area_m2().max(f64::MIN_POSITIVE)
+    }
+}

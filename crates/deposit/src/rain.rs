@@ -1,0 +1,376 @@
+//! Rain on a pane: from its rate to the drops that lie there.
+
+use std::f64::consts::PI;
+
+use rand_chacha::ChaCha8Rng;
+use starbreak_seed::{Seed, Stream, uniform};
+
+use crate::cap::volume_per_cubed_radius;
+use crate::grid::Grid;
+use crate::{Area, Cap, Deposit};
+
+/// Surface tension of water at 20 °C, N/m.
+const TENSION_N_M: f64 = 0.0728;
+/// Density of water, kg/m³.
+const WATER_KG_M3: f64 = 998.0;
+/// Density of air, kg/m³.
+const AIR_KG_M3: f64 = 1.2;
+/// Acceleration of gravity, m/s².
+const GRAVITY_M_S2: f64 = 9.81;
+
+/// Drops of Marshall and Palmer's law, m⁻³ mm⁻¹.
+const N0: f64 = 8000.0;
+
+/// The largest drops that fall, mm: others break.
+const LARGEST_MM: f64 = 6.0;
+
+/// ρ U² h/γ from which air drives a drop along \[White2020\].
+const SHEAR_LIMIT: f64 = 7.9;
+
+/// How fast a drop runs, m/s: no law; films of drops that run down glass show some 0.02 to 0.3.
+const RUN_M_S: f64 = 0.1;
+
+/// A drop that runs leaves another each time it has gone so many of its radii, of such radii at most.
+const TRAIL_STEP: f64 = 2.2;
+const TRAIL_RADIUS: f64 = 0.28;
+
+/// A drop that runs stops when it is smaller than this part of what makes it run: it moves with the angles of its
+/// front and its back, and holds by them again.
+const STOPS_AT: f64 = 0.85;
+
+/// Rain that falls on a pane, which is wiped dry at first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rain {
+    /// Rate of the rain on level ground, m/s: 1 mm/h is 2.8·10⁻⁷.
+    pub rate_m_s: f64,
+    /// Speed of the camera, m/s.
+    pub speed_m_s: f64,
+    /// How long it has rained since the pane was wiped, s.
+    pub age_s: f64,
+    /// Contact angle of water on the glass, rad.
+    pub contact_rad: f64,
+    /// Angle at the front of a drop that is about to move less that at its back, rad.
+    pub hysteresis_rad: f64,
+    /// Angle of the pane to the ground, rad: a quarter of a turn where it stands upright, less where its upper edge
+    /// leans towards the camera.
+    pub slope_rad: f64,
+}
+
+impl Default for Rain {
+    /// Moderate rain, 4 s after the wiper, on a windscreen of 30° to the ground at 50 km/h.
+    fn default() -> Self {
+        Self {
+            rate_m_s: 7.6e-3 / 3600.0,
+            speed_m_s: 14.0,
+            age_s: 4.0,
+            contact_rad: 50.0_f64.to_radians(),
+            hysteresis_rad: 30.0_f64.to_radians(),
+            slope_rad: 30.0_f64.to_radians(),
+        }
+    }
+}
+
+/// Drops of rain by their diameter: how many hit a pane, and how large they are.
+#[derive(Debug)]
+struct Impacts {
+    /// m⁻² s⁻¹.
+    all: f64,
+    /// Share of impacts of drops smaller than each diameter of [`diameter_mm`].
+    up_to: Vec<f64>,
+}
+
+/// Steps of the diameters.
+const N_DIAMETERS: u32 = 600;
+
+fn diameter_mm(step: f64) -> f64 {
+    LARGEST_MM * step / f64::from(N_DIAMETERS)
+}
+
+/// Speed at which a drop falls, m/s: 9.65 − 10.3 e^(−0.6 D) \[Atlas1973\], and not upwards.
+fn fall_m_s(diameter_mm: f64) -> f64 {
+    (9.65 - 10.3 * libm::exp(-0.6 * diameter_mm)).max(0.0)
+}
+
+impl Rain {
+    /// N(D) = 8000 e^(−ΛD), m⁻³ mm⁻¹, with Λ = 4.1 R^(−0.21) mm⁻¹ of R in mm/h \[MarshallPalmer1948\].
+    fn density(&self, diameter_mm: f64) -> f64 {
+        let rate_mm_h = self.rate_m_s * 3.6e6;
+        let slope = 4.1 * libm::pow(rate_mm_h, -0.21);
+        N0 * libm::exp(-slope * diameter_mm)
+    }
+
+    /// Speed of a falling drop towards the pane, m/s: v cos α + V sin α.
+    fn towards_pane_m_s(&self, diameter_mm: f64) -> f64 {
+        let (sin, cos) = libm::sincos(self.slope_rad);
+        (fall_m_s(diameter_mm) * cos + self.speed_m_s * sin).max(0.0)
+    }
+
+    fn impacts(&self) -> Impacts {
+        let mut up_to = vec![0.0];
+        let mut all = 0.0;
+        for step in 0..N_DIAMETERS {
+            let middle = diameter_mm(f64::from(step) + 0.5);
+            all += self.density(middle) * self.towards_pane_m_s(middle) * diameter_mm(1.0);
+            up_to.push(all);
+        }
+        if all > 0.0 {
+            up_to.iter_mut().for_each(|part| *part /= all);
+        }
+        Impacts { all, up_to }
+    }
+
+    /// Drops that hit a square meter of the pane in a second.
+    #[must_use]
+    pub fn impacts_per_m2_s(&self) -> f64 {
+        if self.rate_m_s > 0.0 {
+            self.impacts().all
+        } else {
+            0.0
+        }
+    }
+
+    /// Water that hits the pane, m³/(m² s): on level glass at rest the rate of the rain, as well as the law of its drops
+    /// holds that.
+    #[must_use]
+    pub fn water_m_s(&self) -> f64 {
+        let of_step = |step: u32| {
+            let middle = diameter_mm(f64::from(step) + 0.5);
+            let volume_m3 = PI / 6.0 * (middle * 1e-3).powi(3);
+            volume_m3 * self.density(middle) * self.towards_pane_m_s(middle) * diameter_mm(1.0)
+        };
+        if self.rate_m_s <= 0.0 {
+            return 0.0;
+        }
+        (0..N_DIAMETERS).map(of_step).sum()
+    }
+
+    /// Radius of the least drop that runs down the pane, mm: m g sin α = 2 r γ (cos θ_r − cos θ_a) \[Furmidge1962\], with
+    /// half of the hysteresis to either side of the contact angle. Infinity on level glass.
+    #[must_use]
+    pub fn runs_from_mm(&self) -> f64 {
+        let [receding, advancing] =
+            [-0.5, 0.5].map(|side| (self.contact_rad + side * self.hysteresis_rad).clamp(0.0, PI));
+        let holds = 2.0 * TENSION_N_M * (libm::cos(receding) - libm::cos(advancing));
+        let pulls = WATER_KG_M3
+            * GRAVITY_M_S2
+            * volume_per_cubed_radius(self.contact_rad)
+            * libm::sin(self.slope_rad);
+        if pulls > 0.0 {
+            (holds / pulls).sqrt() * 1e3
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// Radius of the least drop that the wind drives up the pane, mm: ρ U² h/γ = 7.9 of its height h \[White2020\], which
+    /// was measured on aluminum. Infinity at rest.
+    #[must_use]
+    pub fn driven_from_mm(&self) -> f64 {
+        let pressure = AIR_KG_M3 * self.speed_m_s * self.speed_m_s;
+        let height_m = SHEAR_LIMIT * TENSION_N_M / pressure;
+        height_m / libm::tan(0.5 * self.contact_rad) * 1e3
+    }
+
+    /// The drops on an area of the pane. The same seed gives the same drops at the same places at any age, so that a
+    /// later age only adds to what was there.
+    #[must_use]
+    pub fn on_pane(&self, area: &Area, seed: Seed) -> Deposit {
+        let mut pane = Pane {
+            rain: *self,
+            area: *area,
+            runs_from_mm: self.runs_from_mm(),
+            driven_from_mm: self.driven_from_mm(),
+            grid: Grid::over(area),
+            drops: Vec::new(),
+            largest_mm: 0.0,
+        };
+        let impacts = self.impacts();
+        let per_s = impacts.all * area.area_m2();
+        if self.rate_m_s <= 0.0 || per_s <= 0.0 {
+            return Deposit::default();
+        }
+        let mut rng = seed.stream(Stream::Rain, 0);
+        let [width, height] = area.sides_mm();
+        let mut time_s = 0.0;
+        for k in 0_u64.. {
+            time_s -= libm::log(1.0 - uniform(&mut rng)) / per_s;
+            let at_mm = [
+                area.from_mm[0] + width * uniform(&mut rng),
+                area.from_mm[1] + height * uniform(&mut rng),
+            ];
+            let diameter_mm = impacts.diameter_mm(uniform(&mut rng));
+            if time_s > self.age_s {
+                break;
+            }
+            let volume_mm3 = PI / 6.0 * diameter_mm.powi(3);
+            let trail = seed.stream(Stream::Rain, k + 1);
+            pane.lands(at_mm, volume_mm3, (time_s, trail));
+        }
+        Deposit {
+            caps: pane.drops.into_iter().flatten().collect(),
+        }
+    }
+}
+
+impl Impacts {
+    /// The diameter up to which a share of the impacts are, mm.
+    fn diameter_mm(&self, share: f64) -> f64 {
+        let next = self.up_to.partition_point(|part| *part <= share);
+        let last = next.clamp(1, self.up_to.len() - 1);
+        let [low, high] = [self.up_to[last - 1], self.up_to[last]];
+        let part = if high > low {
+            (share - low) / (high - low)
+        } else {
+            0.0
+        };
+        #[expect(clippy::cast_precision_loss, reason = "some hundred steps")]
+        let step = (last - 1) as f64;
+        diameter_mm(step + part.clamp(0.0, 1.0))
+    }
+}
+
+/// A pane while it rains.
+struct Pane {
+    rain: Rain,
+    area: Area,
+    runs_from_mm: f64,
+    driven_from_mm: f64,
+    grid: Grid,
+    /// Those that went into others, or away, are none.
+    drops: Vec<Option<Cap>>,
+    largest_mm: f64,
+}
+
+impl Pane {
+    /// A drop lands, takes up what it touches, and runs if it is too heavy then.
+    fn lands(&mut self, at_mm: [f64; 2], volume_mm3: f64, (time_s, mut trail): (f64, ChaCha8Rng)) {
+        let mut cap = Cap::of_volume(at_mm, volume_mm3, self.rain.contact_rad);
+        self.take_up(&mut cap);
+        let mut left_mm = RUN_M_S * (self.rain.age_s - time_s) * 1e3;
+        while left_mm > 0.0
+            && let Some(goes) = self.runs(&cap)
+        {
+            match self.run(&mut cap, (goes, left_mm), &mut trail) {
+                Some(left) => left_mm = left,
+                None => return,
+            }
+        }
+        self.put(cap);
+    }
+
+    /// Whether a drop moves: 1 downhill, −1 uphill.
+    fn runs(&self, cap: &Cap) -> Option<f64> {
+        if cap.radius_mm >= self.driven_from_mm {
+            Some(-1.0)
+        } else if cap.radius_mm >= self.runs_from_mm {
+            Some(1.0)
+        } else {
+            None
+        }
+    }
+
+    fn put(&mut self, cap: Cap) {
+        let number = u32::try_from(self.drops.len()).unwrap_or(u32::MAX);
+        self.grid.add(cap.at_mm, number);
+        self.drops.push(Some(cap));
+        self.largest_mm = self.largest_mm.max(cap.radius_mm);
+    }
+
+    /// Takes up all drops that a drop touches, until it touches none: one of all their water, at their center of mass.
+    fn take_up(&mut self, cap: &mut Cap) {
+        loop {
+            let reach = cap.radius_mm + self.largest_mm;
+            let from = cap.at_mm.map(|place| place - reach);
+            let to = cap.at_mm.map(|place| place + reach);
+            let touched = self.within(from, to, |other| {
+                let [dx, dy] = [0, 1].map(|k| other.at_mm[k] - cap.at_mm[k]);
+                let sum = cap.radius_mm + other.radius_mm;
+                dx * dx + dy * dy < sum * sum
+            });
+            if touched.is_empty() {
+                return;
+            }
+            for other in self.take(&touched) {
+                let [own, more] = [cap.volume_mm3(), other.volume_mm3()];
+                let at =
+                    [0, 1].map(|k| (own * cap.at_mm[k] + more * other.at_mm[k]) / (own + more));
+                *cap = Cap::of_volume(at, own + more, cap.contact_rad);
+            }
+        }
+    }
+
+    /// A drop runs downhill (1) or uphill (−1) by so many mm at most. It takes up what is in its way and leaves small
+    /// drops behind, until it is small enough to hold. How far it could still go; none where it has left the area.
+    fn run(
+        &mut self,
+        cap: &mut Cap,
+        (goes, mut left_mm): (f64, f64),
+        trail: &mut ChaCha8Rng,
+    ) -> Option<f64> {
+        let stops_mm = STOPS_AT * self.runs_from_mm.min(self.driven_from_mm);
+        while left_mm > 0.0 && cap.radius_mm > stops_mm {
+            let full_mm = TRAIL_STEP * cap.radius_mm;
+            let step_mm = full_mm.min(left_mm);
+            left_mm -= step_mm;
+            let from = cap.at_mm;
+            cap.at_mm[1] += goes * step_mm;
+            if !(self.area.from_mm[1]..self.area.to_mm[1]).contains(&cap.at_mm[1]) {
+                return None;
+            }
+            // What is in its way.
+            let reach = cap.radius_mm + self.largest_mm;
+            let [low, high] = [from[1].min(cap.at_mm[1]), from[1].max(cap.at_mm[1])];
+            let corner = [cap.at_mm[0] + reach, high + reach];
+            let in_way = self.within([cap.at_mm[0] - reach, low - reach], corner, |other| {
+                let dx = other.at_mm[0] - cap.at_mm[0];
+                let dy = other.at_mm[1] - other.at_mm[1].clamp(low, high);
+                let sum = cap.radius_mm + 0.5 * other.radius_mm;
+                dx * dx + dy * dy < sum * sum
+            });
+            let mut volume = cap.volume_mm3();
+            volume += self.take(&in_way).iter().map(Cap::volume_mm3).sum::<f64>();
+            // What stays behind.
+            let [u, v, w] = [uniform(trail), uniform(trail), uniform(trail)];
+            let small_mm = TRAIL_RADIUS * cap.radius_mm * (0.35 + 0.65 * u);
+            let small = Cap {
+                at_mm: [
+                    from[0] + 0.3 * cap.radius_mm * (2.0 * v - 1.0),
+                    from[1] - goes * 0.3 * cap.radius_mm * w,
+                ],
+                radius_mm: small_mm,
+                contact_rad: cap.contact_rad,
+            };
+            if step_mm >= full_mm {
+                volume -= small.volume_mm3();
+                self.put(small);
+            }
+            *cap = Cap::of_volume(cap.at_mm, volume, cap.contact_rad);
+        }
+        // Where it stops it may touch others.
+        self.take_up(cap);
+        Some(left_mm)
+    }
+
+    /// The drops about a rectangle that are as asked.
+    fn within(&self, from: [f64; 2], to: [f64; 2], is: impl Fn(&Cap) -> bool) -> Vec<u32> {
+        let mut found = Vec::new();
+        self.grid.each_in(from, to, |number| {
+            if self.drops[number as usize].as_ref().is_some_and(&is) {
+                found.push(number);
+            }
+        });
+        found
+    }
+
+    /// Takes drops off the pane.
+    fn take(&mut self, numbers: &[u32]) -> Vec<Cap> {
+        let mut taken = Vec::with_capacity(numbers.len());
+        for number in numbers {
+            if let Some(cap) = self.drops[*number as usize].take() {
+                self.grid.remove(cap.at_mm, *number);
+                taken.push(cap);
+            }
+        }
+        taken
+    }
+}

@@ -1,0 +1,219 @@
+//! Drops on the outer face: what they show against angles by hand, and that they neither make nor lose light.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use image::{DynamicImage, ImageBuffer, Rgb};
+use starbreak_deposit::{Cap, Deposit};
+use starbreak_glass::CrackNetwork;
+use starbreak_optics::environment::Environment;
+use starbreak_optics::lens::Lens;
+use starbreak_optics::physical::{Glass, PhysicalOptics, bake};
+use starbreak_optics::srgb::{decode16, encode16};
+use starbreak_optics::{Camera, View};
+use starbreak_seed::Seed;
+
+const WATER: f64 = 1.333;
+
+fn light(scene: f32, cabin: f32) -> Environment {
+    Environment {
+        horizon_rgb: [scene; 3],
+        zenith_rgb: [scene; 3],
+        ground_rgb: [scene; 3],
+        cabin_low_rgb: [cabin; 3],
+        cabin_high_rgb: [cabin; 3],
+        sun_rgb: [0.0; 3],
+    }
+}
+
+/// A camera before a thin pane, focused on it.
+struct Close {
+    size: (u32, u32),
+    f_px: f64,
+    distance_m: f64,
+    rake_deg: f64,
+    rim_reflectance: f64,
+}
+
+impl Close {
+    /// An image, as the light of each pixel, behind drops.
+    fn behind(
+        &self,
+        caps: Vec<Cap>,
+        environment: &Environment,
+        scene: impl Fn(f64, f64) -> [f64; 3],
+    ) -> Vec<[f64; 3]> {
+        let (width, height) = self.size;
+        let camera = Camera {
+            f_px: self.f_px,
+            distance_m: self.distance_m,
+            rake_rad: self.rake_deg.to_radians(),
+            axis_at_mm: [0.0; 2],
+        };
+        let optics = PhysicalOptics {
+            lens: Lens {
+                focal_length_m: 1e-3,
+                f_number: 100.0,
+                focus_m: self.distance_m,
+                scene_m: self.distance_m,
+                ..Lens::default()
+            },
+            glass: Glass {
+                thickness_mm: 0.1,
+                interlayer_mm: 0.0,
+                inner_ply_mm: 0.0,
+                rim_reflectance: self.rim_reflectance,
+                rim_way_mm: 0.0,
+                ..Glass::default()
+            },
+            ..PhysicalOptics::default()
+        };
+        let view = View::through(&camera, self.size).unwrap();
+        let none = CrackNetwork::without_cracks(width, height);
+        let pattern = bake(&none, f64::INFINITY, &view, &optics, Seed(1)).unwrap();
+        let pattern = pattern.behind(&Deposit { caps }, &view, &optics).unwrap();
+        assert!(!pattern.is_intact());
+        let mut image = DynamicImage::ImageRgb16(ImageBuffer::from_fn(width, height, |x, y| {
+            let light = scene(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            Rgb(light.map(|value| encode16(value as f32)))
+        }));
+        pattern
+            .light(environment, &optics)
+            .apply(&mut image, Seed(1))
+            .unwrap();
+        let codes = image.into_rgb16();
+        codes
+            .pixels()
+            .map(|pixel| pixel.0.map(|code| f64::from(decode16(code))))
+            .collect()
+    }
+}
+
+fn cap(radius_mm: f64, degrees: f64) -> Cap {
+    Cap {
+        at_mm: [0.0; 2],
+        radius_mm,
+        contact_rad: degrees.to_radians(),
+    }
+}
+
+/// The tangent of the angle to the axis at which a drop on the axis shows the world, at a distance from its middle, mm, by
+/// angles in the plane; none near where it reflects totally.
+fn seen_tan(cap: &Cap, distance_mm: f64, at_mm: f64) -> Option<f64> {
+    let contact = cap.contact_rad;
+    let sphere = cap.radius_mm / contact.sin();
+    let in_air = (at_mm / distance_mm).atan();
+    let in_water = (in_air.sin() / WATER).asin();
+    // The law of sines in the triangle of the ray's beginning, the center of the sphere and where the ray meets it.
+    let depth = sphere * contact.cos();
+    let from_center = at_mm.hypot(depth);
+    let polar = at_mm.atan2(depth);
+    let incident = (from_center / sphere * (polar - in_water).sin()).asin();
+    let normal = in_water + incident;
+    let sine = WATER * incident.sin();
+    // Where it is nearly reflected totally, a pixel shows much.
+    (sine < 0.95).then(|| (normal - sine.asin()).tan())
+}
+
+#[test]
+fn a_drop_shows_the_scene_where_angles_say() {
+    let camera = Close {
+        size: (800, 600),
+        f_px: 240.0,
+        distance_m: 0.02,
+        rake_deg: 0.0,
+        rim_reflectance: 0.0,
+    };
+    // Light that says where it is from.
+    let scene = |x: f64, y: f64| [0.1 + 0.8 * x / 800.0, 0.1 + 0.8 * y / 600.0, 0.5];
+    let mut n = 0;
+    for degrees in [30.0, 45.0, 60.0, 75.0, 90.0] {
+        let cap = cap(2.0, degrees);
+        let shown = camera.behind(vec![cap], &light(0.0, 0.0), scene);
+        for to in [-0.75_f64, -0.5, -0.3, 0.3, 0.5, 0.75] {
+            let x = (400.0 + 240.0 * to * 2.0 / 20.0).floor();
+            let at_mm = (x + 0.5 - 400.0).abs() * 20.0 / 240.0;
+            let Some(tan) = seen_tan(&cap, 20.0, at_mm) else {
+                continue;
+            };
+            let expected = 400.0 + 240.0 * tan * to.signum();
+            // Towards the axis and beyond it.
+            if !(60.0..740.0).contains(&expected) {
+                continue;
+            }
+            let [red, _, blue] = shown[300 * 800 + x as usize];
+            // What is mirrored inside is lost; the colors keep their ratio.
+            let found = (red / blue * 0.5 - 0.1) / 0.8 * 800.0;
+            // A pixel is a twentieth of the drop wide.
+            assert!(
+                (found - expected).abs() < 4.0,
+                "{degrees} degrees at {to}: {found}, not {expected}"
+            );
+            n += 1;
+        }
+    }
+    assert!(n > 20, "{n} places of 30 are asked");
+}
+
+#[test]
+fn the_rim_is_dark_from_where_it_reflects_totally() {
+    // So far that rays are along the axis.
+    let camera = Close {
+        size: (900, 60),
+        f_px: 200_000.0,
+        distance_m: 1.0,
+        rake_deg: 0.0,
+        rim_reflectance: 0.0,
+    };
+    for degrees in [55.0_f64, 60.0, 75.0, 89.0] {
+        let shown = camera.behind(vec![cap(2.0, degrees)], &light(1.0, 0.0), |_, _| [1.0; 3]);
+        let row: Vec<f64> = shown[30 * 900 + 450..31 * 900]
+            .iter()
+            .map(|pixel| pixel[0])
+            .collect();
+        let expected = 400.0 / (WATER * degrees.to_radians().sin());
+        let dark = row.iter().position(|light| *light < 0.35).unwrap() as f64 + 0.5;
+        assert!(
+            (dark / expected - 1.0).abs() < 0.01,
+            "{degrees}: {dark}, not {expected}"
+        );
+        assert!(
+            row[..300 * 9 / 10].iter().all(|light| *light > 0.8),
+            "{degrees}: bright within"
+        );
+        assert!(
+            row[410..].iter().all(|light| *light > 0.99),
+            "{degrees}: bright beside it"
+        );
+    }
+    let shown = camera.behind(vec![cap(2.0, 40.0)], &light(1.0, 0.0), |_, _| [1.0; 3]);
+    let row = &shown[30 * 900 + 450..31 * 900];
+    let darkest = row.iter().map(|pixel| pixel[0]).fold(1.0, f64::min);
+    assert!(darkest > 0.7, "a flat drop has no rim: {darkest}");
+}
+
+#[test]
+fn drops_neither_make_nor_lose_light() {
+    for (rake_deg, degrees) in [(0.0, 50.0), (60.0, 50.0), (-40.0, 100.0), (60.0, 20.0)] {
+        let camera = Close {
+            size: (300, 200),
+            f_px: 200.0,
+            distance_m: 0.02,
+            rake_deg,
+            rim_reflectance: 1.0,
+        };
+        let caps = (0..40).map(|k| {
+            let [x, y] = [f64::from(k % 8), f64::from(k / 8)].map(|place| 3.1 * (place - 3.0));
+            Cap {
+                at_mm: [x, y],
+                radius_mm: 0.3 + 0.03 * f64::from(k),
+                contact_rad: f64::to_radians(degrees),
+            }
+        });
+        let shown = camera.behind(caps.collect(), &light(0.5, 0.5), |_, _| [0.5; 3]);
+        let worst = shown
+            .iter()
+            .flatten()
+            .map(|light| (light - 0.5).abs())
+            .fold(0.0, f64::max);
+        assert!(worst < 2e-3, "rake {rake_deg}, contact {degrees}: {worst}");
+    }
+}
