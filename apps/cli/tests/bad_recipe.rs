@@ -12,7 +12,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 133] = [
+const NUMERIC: [(&str, &str, &[&str]); 163] = [
     (
         "paper",
         "camera.f_px",
@@ -348,6 +348,68 @@ const NUMERIC: [(&str, &str, &[&str]); 133] = [
         &["-0.1", "nan", "1.1", "1e-9"],
     ),
     ("led-banding", "banding.led_hz", &["0", "nan", "inf", "1e6"]),
+    ("distortion", "distortion.k1", &["-11", "nan", "inf", "11"]),
+    ("distortion", "distortion.k2", &["-11", "nan", "inf", "11"]),
+    ("distortion", "distortion.k3", &["-11", "nan", "inf", "11"]),
+    ("distortion", "distortion.k4", &["-11", "nan", "inf", "11"]),
+    ("distortion", "distortion.p1", &["-1.1", "nan", "1.1"]),
+    ("distortion", "distortion.p2", &["-1.1", "nan", "1.1"]),
+    (
+        "distortion",
+        "distortion.corner_percent",
+        &["-51", "nan", "inf", "51"],
+    ),
+    (
+        "fringes",
+        "fringes.lateral_px",
+        &["-51", "nan", "inf", "51"],
+    ),
+    (
+        "fringes",
+        "fringes.axial_um",
+        &["-201", "nan", "inf", "201"],
+    ),
+    (
+        "defocus",
+        "defocus.sensor_shift_um",
+        &["-501", "nan", "inf", "501"],
+    ),
+    (
+        "defocus",
+        "defocus.warmer_k",
+        &["-151", "nan", "inf", "151"],
+    ),
+    ("defocus", "defocus.um_per_k", &["-11", "nan", "inf", "11"]),
+    ("shake", "shake.rate_deg_s", &["-1", "nan", "inf", "501"]),
+    (
+        "shake",
+        "shake.direction_deg",
+        &["-181", "nan", "inf", "181"],
+    ),
+    ("shake", "shake.frequency_hz", &["-1", "nan", "inf", "2001"]),
+    ("shake", "shake.exposure_ms", &["0", "nan", "inf", "1001"]),
+    ("glare", "glare.veil_percent", &["-1", "nan", "inf", "51"]),
+    (
+        "shading",
+        "shading.corner_loss_percent",
+        &["-1", "nan", "inf", "96"],
+    ),
+    ("glare", "lens.headroom", &["0.9", "nan", "inf", "1001"]),
+    (
+        "distortion",
+        "distortion.onset_s",
+        &["-1", "nan", "inf", "1e7"],
+    ),
+    ("fringes", "fringes.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("defocus", "defocus.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("shake", "shake.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("glare", "glare.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("shading", "shading.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("rain", "drops.rain_mm_h", &["-1", "nan", "inf", "151"]),
+    ("rain", "drops.speed_m_s", &["-1", "nan", "inf", "61"]),
+    ("rain", "drops.age_s", &["-1", "nan", "inf", "601"]),
+    ("rain", "drops.contact_deg", &["9", "nan", "inf", "111"]),
+    ("rain", "drops.hysteresis_deg", &["0.9", "nan", "inf", "61"]),
     ("spots", "spots.count", &["-1", "1001"]),
     ("spots", "spots.size_um", &["0", "nan", "inf", "1001"]),
     ("spots", "spots.height_mm", &["0", "nan", "inf", "11"]),

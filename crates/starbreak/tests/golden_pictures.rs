@@ -38,6 +38,12 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
             // As wide in this frame as in one of a camera.
             recipe.set("spots.pitch_um=25").unwrap();
         }
+        if preset == "rain" {
+            // Glass at hand, in focus.
+            for setting in ["camera.f_px=300", "camera.focus_distance_m=0.15"] {
+                recipe.set(setting).unwrap();
+            }
+        }
         if preset == "blank-frames" {
             for setting in ["frames.frozen=0", "frames.black=0", "frames.white=1"] {
                 recipe.set(setting).unwrap();

@@ -277,6 +277,9 @@ impl Recipe {
                 if ["fracture", "optics"].contains(name) && *key == "model" {
                     let choice = self.choice(&place)?;
                     known_keys::retain(&mut self.table, choice);
+                    if choice.fracture == ModelWord::None && !self.table.contains_key("drops") {
+                        self.table.remove("glass");
+                    }
                 }
             }
             _ => return Err(RecipeError::NotAnAssignment { place }),
