@@ -30,7 +30,8 @@ impl Cap {
     /// Its volume, mm³: π r³ (2 − 3 cos θ + cos³ θ)/(3 sin³ θ).
     #[must_use]
     pub fn volume_mm3(&self) -> f64 {
-        volume_per_cubed_radius(self.contact_rad) * self.radius_mm.powi(3)
+        volume_per_cubed_radius(self.contact_rad)
+            * (self.radius_mm * self.radius_mm * self.radius_mm)
     }
 
     /// Area of the glass under it, mm².

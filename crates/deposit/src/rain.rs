@@ -86,6 +86,10 @@ fn diameter_mm(step: f64) -> f64 {
     LARGEST_MM * step / f64::from(N_DIAMETERS)
 }
 
+fn cubed(x: f64) -> f64 {
+    x * x * x
+}
+
 /// Speed at which a drop falls, m/s: 9.65 − 10.3 e^(−0.6 D) \[Atlas1973\], and not upwards.
 fn fall_m_s(diameter_mm: f64) -> f64 {
     (9.65 - 10.3 * libm::exp(-0.6 * diameter_mm)).max(0.0)
@@ -135,7 +139,7 @@ impl Rain {
     pub fn water_m_s(&self) -> f64 {
         let of_step = |step: u32| {
             let middle = diameter_mm(f64::from(step) + 0.5);
-            let volume_m3 = PI / 6.0 * (middle * 1e-3).powi(3);
+            let volume_m3 = PI / 6.0 * cubed(middle * 1e-3);
             volume_m3 * self.density(middle) * self.towards_pane_m_s(middle) * diameter_mm(1.0)
         };
         if self.rate_m_s <= 0.0 {
@@ -171,6 +175,13 @@ impl Rain {
         height_m / libm::tan(0.5 * self.contact_rad) * 1e3
     }
 
+    /// How many drops land on an area of the pane in the mean. What becomes of each takes time, a second for some
+    /// hundred thousand.
+    #[must_use]
+    pub fn n_landing(&self, area: &Area) -> f64 {
+        self.impacts_per_m2_s() * area.area_m2() * self.age_s
+    }
+
     /// The drops on an area of the pane. The same seed gives the same drops at the same places at any age, so that a
     /// later age only adds to what was there.
     #[must_use]
@@ -182,6 +193,7 @@ impl Rain {
             driven_from_mm: self.driven_from_mm(),
             grid: Grid::over(area),
             drops: Vec::new(),
+            free: Vec::new(),
             largest_mm: 0.0,
         };
         let impacts = self.impacts();
@@ -202,7 +214,7 @@ impl Rain {
             if time_s > self.age_s {
                 break;
             }
-            let volume_mm3 = PI / 6.0 * diameter_mm.powi(3);
+            let volume_mm3 = PI / 6.0 * cubed(diameter_mm);
             let trail = seed.stream(Stream::Rain, k + 1);
             pane.lands(at_mm, volume_mm3, (time_s, trail));
         }
@@ -236,8 +248,9 @@ struct Pane {
     runs_from_mm: f64,
     driven_from_mm: f64,
     grid: Grid,
-    /// Those that went into others, or away, are none.
+    /// Those that went into others, or away, are none, and their places free.
     drops: Vec<Option<Cap>>,
+    free: Vec<u32>,
     largest_mm: f64,
 }
 
@@ -270,9 +283,12 @@ impl Pane {
     }
 
     fn put(&mut self, cap: Cap) {
-        let number = u32::try_from(self.drops.len()).unwrap_or(u32::MAX);
+        let number = self.free.pop().unwrap_or_else(|| {
+            self.drops.push(None);
+            u32::try_from(self.drops.len() - 1).unwrap_or(u32::MAX)
+        });
         self.grid.add(cap.at_mm, number);
-        self.drops.push(Some(cap));
+        self.drops[number as usize] = Some(cap);
         self.largest_mm = self.largest_mm.max(cap.radius_mm);
     }
 
@@ -307,7 +323,12 @@ impl Pane {
         (goes, mut left_mm): (f64, f64),
         trail: &mut ChaCha8Rng,
     ) -> Option<f64> {
-        let stops_mm = STOPS_AT * self.runs_from_mm.min(self.driven_from_mm);
+        let moves_from_mm = if goes < 0.0 {
+            self.driven_from_mm
+        } else {
+            self.runs_from_mm
+        };
+        let stops_mm = STOPS_AT * moves_from_mm;
         while left_mm > 0.0 && cap.radius_mm > stops_mm {
             let full_mm = TRAIL_STEP * cap.radius_mm;
             let step_mm = full_mm.min(left_mm);
@@ -368,6 +389,7 @@ impl Pane {
         for number in numbers {
             if let Some(cap) = self.drops[*number as usize].take() {
                 self.grid.remove(cap.at_mm, *number);
+                self.free.push(*number);
                 taken.push(cap);
             }
         }

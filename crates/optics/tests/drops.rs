@@ -191,6 +191,23 @@ fn the_rim_is_dark_from_where_it_reflects_totally() {
 }
 
 #[test]
+fn a_drop_loses_what_its_faces_reflect_and_not_what_bare_glass_has_lost() {
+    // Sight along the normal: water to air 2.0 %, where glass to air has taken 4.3 %.
+    let camera = Close {
+        size: (900, 60),
+        f_px: 200_000.0,
+        distance_m: 1.0,
+        rake_deg: 0.0,
+        rim_reflectance: 0.0,
+    };
+    let shown = camera.behind(vec![cap(2.0, 40.0)], &light(0.5, 0.0), |_, _| [0.5; 3]);
+    let of_face = |n: f64| ((n - 1.0) / (n + 1.0)).powi(2);
+    let expected = 0.5 * (1.0 - of_face(WATER)) / (1.0 - of_face(1.52));
+    let found = shown[30 * 900 + 450][0];
+    assert!((found - expected).abs() < 0.003, "{found}, not {expected}");
+}
+
+#[test]
 fn drops_neither_make_nor_lose_light() {
     for (rake_deg, degrees) in [(0.0, 50.0), (60.0, 50.0), (-40.0, 100.0), (60.0, 20.0)] {
         let camera = Close {

@@ -58,6 +58,17 @@ pub enum Error {
          physics, such as windshield-star"
     )]
     NoMount,
+    /// More rain than can be followed drop by drop.
+    #[error(
+        "[drops]: some {n_drops:.1e} drops would land on the pane that the frame shows, more than the {most:.0e} that are \
+         followed; lower drops.age_s, drops.rain_mm_h or glass.distance_m"
+    )]
+    TooManyDrops {
+        /// How many.
+        n_drops: f64,
+        /// The most.
+        most: f64,
+    },
     /// Drops on a photograph of broken glass.
     #[error(
         "[drops] cannot lie on photographs of broken glass; leave that table out, or break the glass instead"

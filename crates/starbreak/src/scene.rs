@@ -103,9 +103,15 @@ impl<'a> Scene<'a> {
         const STEPS: u32 = 8;
         for step in 0..=STEPS {
             let part = f64::from(step) / f64::from(STEPS);
-            for x in [0.0, width] {
+            for (x, edge_mm) in [(0.0, pane.from_mm[0]), (width, pane.to_mm[0])] {
                 // Some rows may look past a pane that leans: it goes on to its end there.
-                let at = view.unproject([x, part * height]).unwrap_or(pane.to_mm);
+                let end_mm = if part > 0.5 {
+                    pane.to_mm[1]
+                } else {
+                    pane.from_mm[1]
+                };
+                let at = view.unproject([x, part * height]);
+                let at = at.unwrap_or([edge_mm, end_mm]);
                 for k in 0..2 {
                     seen.from_mm[k] = seen.from_mm[k].min(at[k]);
                     seen.to_mm[k] = seen.to_mm[k].max(at[k]);

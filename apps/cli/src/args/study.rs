@@ -30,7 +30,7 @@ pub(crate) struct StudyArgs {
     /// Presets to damage the images with
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with_all = ["preset", "recipe"])]
     pub(crate) presets: Vec<String>,
-    /// All presets of a suite: `camera` are the faults of lens, sensor and link, `glass` is broken glass
+    /// All presets of a suite: `camera` are rain and the faults of lens, sensor and link, `glass` is broken glass
     #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["preset", "recipe", "presets"])]
     pub(crate) suite: Option<SuiteWord>,
     /// Recipes to damage the images with; severities do not scale them
@@ -95,7 +95,7 @@ pub(crate) struct StudyArgs {
 /// Presets that belong together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SuiteWord {
-    /// The faults of lens, sensor and link; without distortion, which moves what labels name
+    /// Rain, and the faults of lens, sensor and link; without distortion, which moves what labels name
     Camera,
     /// Broken glass
     Glass,

@@ -79,7 +79,10 @@ impl Distortion {
     fn of_picture(&self, [x, y]: [f64; 2], k: [f64; 4], most: f64) -> Option<[f64; 2]> {
         // Newton in two directions, with differences for slopes.
         const STEP: f64 = 1e-6;
-        let mut at = [x, y];
+        // Where the law grows, or it would be caught beyond its turn.
+        let radius = libm::hypot(x, y);
+        let inward = (0.99 * most / radius.max(1e-12)).min(1.0);
+        let mut at = [inward * x, inward * y];
         for _ in 0..30 {
             let here = self.of_plane(at, k);
             let miss = [here[0] - x, here[1] - y];
@@ -144,32 +147,6 @@ impl Distortion {
             },
             from,
         );
-    }
-
-    /// What holds the outline of a box afterwards, within the frame.
-    pub(super) fn moved_box(&self, [x0, y0, x1, y1]: [f64; 4], optic: &Optic) -> Option<[f64; 4]> {
-        const PER_SIDE: u32 = 16;
-        let mut around = [
-            f64::INFINITY,
-            f64::INFINITY,
-            f64::NEG_INFINITY,
-            f64::NEG_INFINITY,
-        ];
-        for step in 0..=PER_SIDE {
-            let t = f64::from(step) / f64::from(PER_SIDE);
-            let [x, y] = [x0 + t * (x1 - x0), y0 + t * (y1 - y0)];
-            for corner in [[x, y0], [x, y1], [x0, y], [x1, y]] {
-                let [u, v] = self.moved(corner, optic);
-                around[0] = around[0].min(u);
-                around[1] = around[1].min(v);
-                around[2] = around[2].max(u);
-                around[3] = around[3].max(v);
-            }
-        }
-        let [right, bottom] = optic.middle().map(|half| 2.0 * half);
-        let [left, top] = [around[0].max(0.0), around[1].max(0.0)];
-        let [right, bottom] = [around[2].min(right), around[3].min(bottom)];
-        (left < right && top < bottom).then_some([left, top, right, bottom])
     }
 }
 

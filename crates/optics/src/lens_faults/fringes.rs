@@ -18,6 +18,13 @@ impl Fringes {
         self.lateral_px.abs() <= 0.0 && self.axial_m.abs() <= 0.0
     }
 
+    /// How much farther from the middle red is than blue in a corner, px: at most a quarter of the way to the corner.
+    #[must_use]
+    pub fn corner_px(&self, optic: &Optic) -> f64 {
+        let most = 0.25 * optic.half_diagonal_px();
+        self.lateral_px.clamp(-most, most)
+    }
+
     /// Red and blue of a color image; gray has no fringes.
     pub(super) fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic) {
         if n_colors != 3 {
@@ -28,7 +35,7 @@ impl Fringes {
             if self.lateral_px.abs() > 0.0 {
                 // r_c = r (1 + k (r/r₀)²), and half of the corner's fringe for each of the two.
                 let corner_px = optic.half_diagonal_px();
-                let k = 0.5 * sign * self.lateral_px / corner_px;
+                let k = 0.5 * sign * self.corner_px(optic) / corner_px;
                 let [middle_x, middle_y] = optic.middle();
                 let per_px2 = 1.0 / (corner_px * corner_px);
                 let from = |u: f64, v: f64| {

@@ -28,19 +28,30 @@ impl Glare {
     }
 
     /// Share of all light that is scattered: more than a patch shows, since some stays within a patch's radius of where
-    /// it would be.
+    /// it would be. No more than all.
     #[must_use]
     pub fn scattered(&self, optic: &Optic) -> f64 {
+        (self.veil / Self::far(optic)).min(1.0)
+    }
+
+    /// What a patch shows: less than the veil asked for where all light is scattered and that is not enough, in frames
+    /// whose height is a small part of their field of view.
+    #[must_use]
+    pub fn shown(&self, optic: &Optic) -> f64 {
+        self.scattered(optic) * Self::far(optic)
+    }
+
+    /// Share of scattered light that comes from beyond the radius of a patch.
+    fn far(optic: &Optic) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
         let patch_px = 0.05 * optic.size.1 as f64;
-        let far: f64 = SIGMAS_RAD
+        SIGMAS_RAD
             .iter()
             .map(|sigma| {
                 let ratio = patch_px / (sigma * optic.f_px);
                 0.25 * libm::exp(-0.5 * ratio * ratio)
             })
-            .sum();
-        (self.veil / far).min(1.0)
+            .sum()
     }
 
     pub(super) fn over(&self, light: &mut [f32], n_colors: usize, optic: &Optic) {

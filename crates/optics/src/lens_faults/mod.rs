@@ -14,6 +14,7 @@ mod shake;
 
 use std::borrow::Cow;
 
+use image::GrayImage;
 use starbreak_seed::Seed;
 
 use crate::lens::Lens;
@@ -132,6 +133,12 @@ impl LensFaults {
         }
     }
 
+    /// How many times as bright as white what is clipped in an image may have been.
+    #[must_use]
+    pub fn headroom(&self) -> f64 {
+        self.headroom
+    }
+
     /// Adds a fault, with the time of a clip at which it begins, s; it comes after those that are there.
     pub fn push(&mut self, onset_s: f64, fault: impl Into<LensFault>) {
         let fault = fault.into();
@@ -180,7 +187,7 @@ impl LensFaults {
         if self.headroom > 1.0 {
             #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
             let headroom = self.headroom as f32;
-            // A code below the last one is no clipped light.
+            // Of 8 bits the last code alone is clipped light.
             for value in light.iter_mut().filter(|value| **value >= 0.995) {
                 *value *= headroom;
             }
@@ -197,16 +204,23 @@ impl LensFaults {
         }
     }
 
-    /// Where a box `[x₀, y₀, x₁, y₁]`, px, is after the faults: what holds its outline, within the frame; none where it
-    /// has left that.
+    /// A mask of the frame, moved as what an image shows is.
     #[must_use]
-    pub fn moved_box(&self, at: [f64; 4], optic: &Optic) -> Option<[f64; 4]> {
-        let mut moved = Some(at);
+    pub fn moved_mask(&self, mut mask: GrayImage, optic: &Optic) -> GrayImage {
         for (_, fault) in &self.faults {
-            if let (LensFault::Distortion(it), Some(now)) = (fault, moved) {
-                moved = it.moved_box(now, optic);
+            if let LensFault::Distortion(it) = fault {
+                let mut light: Vec<f32> = mask.iter().map(|code| f32::from(*code)).collect();
+                it.over(&mut light, 1, optic);
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a code"
+                )]
+                for (code, value) in mask.iter_mut().zip(light) {
+                    *code = (value + 0.5).min(255.0) as u8;
+                }
             }
         }
-        moved
+        mask
     }
 }

@@ -64,7 +64,6 @@ fn resample_of<const COLORS: usize>(
                                 high + t * (low - high)
                             }))
                         }
-                        [None, None, None, None] => None,
                         _ => from(x as f64 + 0.5, y as f64 + 0.5),
                     };
                     if let Some(place) = place {

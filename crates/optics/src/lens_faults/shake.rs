@@ -23,6 +23,9 @@ pub struct Shake {
 /// Places of a path per px of its length.
 const PER_PX: f64 = 4.0;
 
+/// Most places: of a path longer than any frame some are left out.
+const MOST_PLACES: usize = 1 << 20;
+
 impl Shake {
     /// Whether it changes nothing.
     pub(super) fn is_nothing(&self) -> bool {
@@ -51,9 +54,9 @@ impl Shake {
             clippy::cast_sign_loss,
             reason = "a path of some thousand px"
         )]
-        let n = ((PER_PX * even_px).ceil() as usize).clamp(16, 4096);
+        let n = ((PER_PX * even_px).ceil() as usize).clamp(16, MOST_PLACES);
         let phase = TAU * uniform(&mut frame.stream(Stream::Shake, 0));
-        #[expect(clippy::cast_precision_loss, reason = "4096 at most")]
+        #[expect(clippy::cast_precision_loss, reason = "a million at most")]
         let moments = (0..n).map(|k| (k as f64 + 0.5) / n as f64 - 0.5);
         let mut path: Vec<f64> = moments
             .map(|moment| {
@@ -66,7 +69,7 @@ impl Shake {
                 }
             })
             .collect();
-        #[expect(clippy::cast_precision_loss, reason = "4096 at most")]
+        #[expect(clippy::cast_precision_loss, reason = "a million at most")]
         let mean = path.iter().sum::<f64>() / n as f64;
         path.iter_mut().for_each(|place| *place -= mean);
         path
@@ -77,7 +80,7 @@ impl Shake {
     fn kernel(&self, optic: &Optic, frame: Seed) -> Vec<((isize, isize), f32)> {
         let (sin, cos) = libm::sincos(self.direction_rad);
         let mut path = self.path(optic, frame);
-        #[expect(clippy::cast_precision_loss, reason = "4096 at most")]
+        #[expect(clippy::cast_precision_loss, reason = "a million at most")]
         let dwell = 1.0 / path.len() as f64;
         let wanted = dwell * path.iter().map(|place| place * place).sum::<f64>();
         // A place between pixels is spread to them: that variance, 1/6 in the mean, is taken off the path's.
@@ -96,7 +99,10 @@ impl Shake {
             ] {
                 #[expect(clippy::cast_possible_truncation, reason = "some px")]
                 let at = ((top + dy) as isize, (left + dx) as isize);
-                *shares.entry(at).or_insert(0.0) += dwell * share;
+                // Beyond the frame it goes on mirrored, and so comes again after two frames.
+                let at = [(at.0, optic.size.1), (at.1, optic.size.0)]
+                    .map(|(k, n)| folded(k, n.cast_signed()));
+                *shares.entry((at[0], at[1])).or_insert(0.0) += dwell * share;
             }
         }
         // Of a path shorter than pixels can show as much as has its variance.
@@ -105,8 +111,9 @@ impl Shake {
             let along = *x as f64 * cos + *y as f64 * sin;
             along * along
         };
+        let is_folded = self.longest_px(optic) > optic.half_diagonal_px();
         let found: f64 = shares.iter().map(|(at, share)| square(at) * share).sum();
-        if found > wanted {
+        if found > wanted && !is_folded {
             let part = wanted / found;
             shares.values_mut().for_each(|share| *share *= part);
             *shares.entry((0, 0)).or_insert(0.0) += 1.0 - part;
@@ -147,4 +154,9 @@ impl Shake {
             }
         }
     }
+}
+
+/// A way of so many px in a frame of n px that goes on mirrored: the same, within n px to either side.
+fn folded(way: isize, n: isize) -> isize {
+    (way + n).rem_euclid(2 * n) - n
 }

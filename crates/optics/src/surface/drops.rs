@@ -17,7 +17,7 @@ const MOST_BOUNCES: u32 = 5;
 
 /// Rings of facets per px of a drop's radius, and how many there are.
 const RINGS_PER_PX: f64 = 0.7;
-const RINGS: [f64; 2] = [2.0, 32.0];
+const RINGS: [f64; 2] = [1.0, 32.0];
 
 /// Least radius of a drop, px, whose facets show the scene as it moves across them, not one place each.
 const SHOWN_PX: f64 = 2.5;
@@ -58,7 +58,7 @@ pub(crate) fn drop_facets(from: &LightFrom<'_>, caps: &[Cap], reach_px: f64, fac
             clippy::cast_sign_loss,
             reason = "some rings"
         )]
-        let n_rings = (fewer * rings(radius_px)).ceil().max(2.0) as u32;
+        let n_rings = (fewer * rings(radius_px)).ceil().max(1.0) as u32;
         let drop = Drop { cap, from };
         let is_shown = radius_px >= SHOWN_PX;
         drop.add((middle, blur_px), (n_rings, is_shown), facets);
@@ -79,7 +79,7 @@ impl Drop<'_> {
         (n_rings, is_shown): (u32, bool),
         facets: &mut Facets,
     ) {
-        let n_sectors = (4 * n_rings).max(8);
+        let n_sectors = (4 * n_rings).max(6);
         let around: Vec<[f64; 2]> = (0..n_sectors)
             .map(|k| {
                 let (sin, cos) = libm::sincos(TAU * f64::from(k) / f64::from(n_sectors));
@@ -210,7 +210,7 @@ impl Drop<'_> {
                 let cos_out = (1.0 - WATER * WATER * (1.0 - cos * cos)).max(0.0).sqrt();
                 let leaves =
                     std::array::from_fn(|k| WATER * ray[k] + (cos_out - WATER * cos) * normal[k]);
-                self.leaves(&mut sent, leaves, share * (1.0 - mirrored));
+                self.leaves(&mut sent, sight, leaves, share * (1.0 - mirrored));
             }
             share *= mirrored;
             if share < 1e-3 {
@@ -222,14 +222,17 @@ impl Drop<'_> {
         Some(sent)
     }
 
-    /// Light from outside, seen along a direction in the air.
-    fn leaves(&self, sent: &mut Sent, direction: Vector, share: f64) {
+    /// Light from outside, seen along a direction in the air. Bare glass has taken its outer face's share of what an image
+    /// shows, and given the cabin's light for it.
+    fn leaves(&self, sent: &mut Sent, sight: Vector, direction: Vector, share: f64) {
         if direction[2] <= 0.0 {
             // Through the glass beside the drop.
             self.from.cabin(sent, direction, share);
         } else {
+            let seen = share / (1.0 - reflectance(sight[2], self.from.sheet.index));
             let direction = self.from.sheet.camera_from_sheet(direction);
-            self.from.seen(sent, direction, share);
+            self.from.seen(sent, direction, seen);
+            self.from.mirrored_cabin(sent, sight, share - seen);
         }
     }
 

@@ -177,7 +177,7 @@ impl PatternBank {
                 }),
             ),
         ]);
-        let is_intact = facts.summary.n_segments == 0;
+        let is_intact = facts.summary.n_segments == 0 && layer.is_intact();
         Ok(BankPattern {
             idx,
             chain: Chain::of_layer(&self.settings, layer, said, is_intact),

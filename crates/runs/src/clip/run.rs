@@ -100,7 +100,7 @@ pub(super) fn run<'a>(
         onset_light: None,
         still: None,
         lit: None,
-        intact: StageFacts::intact(show.chain.size(), show.wanted())?,
+        intact: StageFacts::intact(show.bare, show.chain.size(), show.wanted())?,
         last_good: None,
     };
     let frames = source.frames()?;

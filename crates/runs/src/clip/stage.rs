@@ -66,13 +66,14 @@ impl StageFacts {
         Self::new(region, crack_length_px, crack, with_faults)
     }
 
-    /// Before the glass breaks.
+    /// Before the glass breaks, where something may lie on it.
     pub(super) fn intact(
+        lit: &Lit<'_>,
         (width, height): (u32, u32),
         (with_masks, with_faults): (bool, bool),
     ) -> Result<Arc<Self>, Error> {
-        let region = GrayImage::new(width, height);
-        let crack = with_masks.then(|| region.clone());
+        let region = lit.glass_region((width, height))?;
+        let crack = with_masks.then(|| GrayImage::new(width, height));
         Self::new(region, Some(0.0), crack, with_faults)
     }
 

@@ -121,7 +121,7 @@ pub fn refuse_moved_labels(settings: &Settings, n_objects: u64) -> Result<(), Er
     if n_objects > 0 && faults.is_some_and(|faults| faults.lens.moves_labels()) {
         return Err(Error::SetOutput {
             why: "[distortion] moves what images show, and labels are carried as they are; take the images alone \
-                  (folder:DIR), or leave [distortion] out",
+                  (folder:DIR with --other-files skip), or leave [distortion] out",
         });
     }
     Ok(())

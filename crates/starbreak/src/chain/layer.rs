@@ -30,10 +30,13 @@ pub enum PaneLayer {
     },
 }
 
+/// Most drops that land on a pane: some ten seconds of work.
+const MOST_DROPS: f64 = 3e6;
+
 /// What lies on the pane of some settings, on which area, and how frames show that; the seed places it.
 ///
 /// # Errors
-/// [`Error::Optics`] for a camera that sees nothing.
+/// [`Error::Optics`] for a camera that sees nothing, [`Error::TooManyDrops`].
 pub(super) fn deposit_of(
     settings: &Settings,
     size_px: (u32, u32),
@@ -45,6 +48,11 @@ pub(super) fn deposit_of(
     let scene = Scene::of(settings, size_px);
     let view = scene.sheet()?;
     let area = scene.wet_area(&view);
+    let n_drops = rain.n_landing(&area);
+    if n_drops > MOST_DROPS {
+        let most = MOST_DROPS;
+        return Err(Error::TooManyDrops { n_drops, most });
+    }
     Ok(Some((rain.on_pane(&area, seed), area, view)))
 }
 
@@ -62,16 +70,44 @@ impl PaneLayer {
     ) -> Result<Self, Error> {
         let view = Scene::of(settings, size_px).of_network(network)?;
         settings.may_show(network, &view)?;
-        Ok(match &settings.optics {
-            OpticsSettings::Paper(optics) => Self::Paper(draw(network, &view, time, optics)),
-            OpticsSettings::Physical(optics) => {
-                let pattern = bake(network, time, &view, optics, seed)?;
-                Self::Baked(match deposit_of(settings, size_px, seed)? {
-                    Some((deposit, _, view)) => pattern.behind(&deposit, &view, optics)?,
-                    None => pattern,
-                })
+        Self::baked(settings, (network, time), (&view, size_px), seed)
+    }
+
+    /// Glass that is not broken; the seed places what lies on it.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for a camera that sees nothing.
+    pub(super) fn whole(
+        settings: &Settings,
+        size_px: (u32, u32),
+        seed: Seed,
+    ) -> Result<Self, Error> {
+        let none = CrackNetwork::without_cracks(size_px.0, size_px.1);
+        let scene = Scene::of(settings, size_px);
+        let view = match &settings.optics {
+            OpticsSettings::Paper(_) => scene.of_network(&none)?,
+            OpticsSettings::Physical(_) => scene.sheet()?,
+        };
+        Self::baked(settings, (&none, f64::INFINITY), (&view, size_px), seed)
+    }
+
+    fn baked(
+        settings: &Settings,
+        (network, time): (&CrackNetwork, f64),
+        (view, size_px): (&View, (u32, u32)),
+        seed: Seed,
+    ) -> Result<Self, Error> {
+        let optics = match &settings.optics {
+            OpticsSettings::Paper(optics) => {
+                return Ok(Self::Paper(draw(network, view, time, optics)));
             }
-        })
+            OpticsSettings::Physical(optics) => optics,
+        };
+        let pattern = bake(network, time, view, optics, seed)?;
+        Ok(Self::Baked(match deposit_of(settings, size_px, seed)? {
+            Some((deposit, _, view)) => pattern.behind(&deposit, &view, optics)?,
+            None => pattern,
+        }))
     }
 
     /// Bakes a part of a photograph of broken glass for frames of a size, px.
@@ -109,7 +145,8 @@ impl PaneLayer {
     }
 
     /// Whether nothing of the damage is in the frame.
-    pub(super) fn is_intact(&self) -> bool {
+    #[must_use]
+    pub fn is_intact(&self) -> bool {
         match self {
             Self::Paper(drawn) => drawn.is_empty(),
             Self::Baked(pattern) => pattern.is_intact(),

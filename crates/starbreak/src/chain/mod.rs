@@ -13,8 +13,6 @@ use image::{DynamicImage, GrayImage};
 use serde_json::{Map, Value};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::Environment;
-use starbreak_optics::paper::draw;
-use starbreak_optics::physical::bake;
 use starbreak_seed::Seed;
 use starbreak_sensor::{Frames, Moment};
 
@@ -263,27 +261,11 @@ impl Chain {
     /// # Errors
     /// [`Error::Optics`] for a camera that sees nothing.
     pub fn before_impact(&self) -> Result<PaneLayer, Error> {
-        let (width, height) = self.size();
-        let none = CrackNetwork::without_cracks(width, height);
-        let scene = Scene::of(&self.settings, self.size());
-        Ok(match &self.settings.optics {
-            OpticsSettings::Paper(optics) => {
-                let view = scene.of_network(&none)?;
-                PaneLayer::Paper(draw(&none, &view, f64::INFINITY, optics))
-            }
-            OpticsSettings::Physical(optics) => {
-                let view = scene.sheet()?;
-                let pattern = bake(&none, f64::INFINITY, &view, optics, Seed(0))?;
-                let seed = match &self.origin {
-                    Origin::Network(cracks) => cracks.seed,
-                    Origin::Photo(_) | Origin::Stored => Seed(0),
-                };
-                PaneLayer::Baked(match deposit_of(&self.settings, self.size(), seed)? {
-                    Some((deposit, _, view)) => pattern.behind(&deposit, &view, optics)?,
-                    None => pattern,
-                })
-            }
-        })
+        let seed = match &self.origin {
+            Origin::Network(cracks) => cracks.seed,
+            Origin::Photo(_) | Origin::Stored => Seed(0),
+        };
+        PaneLayer::whole(&self.settings, self.size(), seed)
     }
 
     /// Camera, optics and output.
@@ -368,12 +350,17 @@ impl Chain {
         }
     }
 
-    /// Coverage of the frame by cracks as they would be in focus, 255 = in full.
+    /// Coverage of the frame by cracks as they would be in focus, 255 = in full; where the lens moves them.
     ///
     /// # Errors
     /// [`Error::Optics`] for a packed pattern whose bytes are wrong.
     pub fn crack_mask(&self) -> Result<GrayImage, Error> {
-        self.layer.crack_mask()
+        let mask = self.layer.crack_mask()?;
+        let optic = Scene::of(&self.settings, self.size()).optic();
+        Ok(match (&self.settings.faults, optic) {
+            (Some(faults), Some(optic)) => faults.lens.moved_mask(mask, &optic),
+            _ => mask,
+        })
     }
 
     /// The light around the camera that an image tells of; the paper's optics do not ask.

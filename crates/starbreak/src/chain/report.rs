@@ -108,6 +108,9 @@ pub(super) fn faults_to_json(
             add(*onset_s, fact_of_lens(fault, optic));
         }
     }
+    if faults.lens.headroom() > 1.0 {
+        add(0.0, ("lens", json!({ "headroom": faults.lens.headroom() })));
+    }
     let sensor = &faults.sensor;
     for (onset_s, fault) in sensor.faults() {
         let size = (size.0 as usize, size.1 as usize);
@@ -136,7 +139,11 @@ fn fact_of_lens(fault: &LensFault, optic: &Optic) -> (&'static str, Value) {
             let corner = [x - width, y - height].map(rounded);
             ("distortion", json!({ "corner_moves_px": corner }))
         }
-        LensFault::Fringes(it) => ("fringes", json!({ "lateral_px": it.lateral_px })),
+        LensFault::Fringes(it) => {
+            let fact =
+                json!({ "lateral_px": it.corner_px(optic), "axial_um": rounded(it.axial_m * 1e6) });
+            ("fringes", fact)
+        }
         LensFault::Defocus(it) => {
             let disc_px = rounded(it.disc_px(optic).abs());
             ("defocus", json!({ "disc_px": disc_px }))
@@ -147,7 +154,10 @@ fn fact_of_lens(fault: &LensFault, optic: &Optic) -> (&'static str, Value) {
         }
         LensFault::Glare(it) => {
             let scattered = rounded(it.scattered(optic));
-            ("glare", json!({ "veil": it.veil, "scattered": scattered }))
+            (
+                "glare",
+                json!({ "veil": rounded(it.shown(optic)), "scattered": scattered }),
+            )
         }
         LensFault::Shading(it) => ("shading", json!({ "corner_loss": it.corner_loss })),
     }

@@ -5,7 +5,7 @@
 pub struct FaultKind {
     /// The table of a recipe that turns it on.
     pub table: &'static str,
-    /// Its presets with what each is; the first says what a table leaves out. In `isp`, `link` and `frames`, which hold
+    /// Its presets with what each is; the first says what a table leaves out. In `distortion`, `fringes`, `defocus`, `isp`, `link` and `frames`, which hold
     /// several faults, what is left out works.
     pub presets: &'static [(&'static str, &'static str)],
 }

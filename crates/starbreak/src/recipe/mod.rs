@@ -301,7 +301,10 @@ impl Recipe {
         let has_pane = ["glass", "drops"]
             .iter()
             .any(|name| self.table.contains_key(*name));
-        if choice.fracture == ModelWord::None && has_pane {
+        if has_pane
+            && choice.fracture == ModelWord::None
+            && schema::has(choice, "glass", "rake_deg")
+        {
             complete.insert("glass".to_owned(), presets::whole_pane()?.into());
         }
         for name in self.table.keys() {

@@ -216,7 +216,7 @@ pub(super) fn optional(name: &str) -> Result<Option<Table>, RecipeError> {
         }
         ("sensor", _) => return Ok(Some(Table::from_iter([("number".to_owned(), 0.into())]))),
         // Of several faults in a table those are on that it names.
-        ("isp" | "link" | "frames", _) => {
+        ("distortion" | "fringes" | "defocus" | "isp" | "link" | "frames", _) => {
             let works = parse_table(
                 &Place::preset("working"),
                 include_str!("../../presets/working.toml"),

@@ -10,7 +10,7 @@ use serde_json::{Map, Value as Json, json};
 use super::tables::{
     Choice, CommonTables, DepositTables, FaultTables, GlassMountTables, LensTables, ModelWord,
     OpticsWord, PaperFractureTables, PaperOpticsTables, PhysicalOpticsTables,
-    PhysicsFractureTables, WholeTables,
+    PhysicsFractureTables, WholePaneTables, WholeTables,
 };
 
 /// The JSON Schema of a recipe, for editors: the keys of all models; those that only some have say
@@ -98,6 +98,9 @@ fn tables_of(choice: Choice) -> Map<String, Json> {
     });
     if choice == Choice::new(ModelWord::Paper, OpticsWord::Physical) {
         tables.extend(properties::<GlassMountTables>());
+    }
+    if choice == Choice::new(ModelWord::None, OpticsWord::Physical) {
+        tables.extend(properties::<WholePaneTables>());
     }
     tables.extend(properties::<DepositTables>());
     tables.extend(properties::<LensTables>());

@@ -92,6 +92,11 @@ impl ModelWord {
 pub(super) struct WholeTables {
     /// How the glass breaks.
     pub(super) fracture: WholeTable,
+}
+
+/// The pane of such a recipe, which the physical optics see.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct WholePaneTables {
     /// The pane, and how it stands before the camera. Without this table there is none.
     #[schemars(with = "MountTable")]
     pub(super) glass: Option<MountTable>,

@@ -31,6 +31,13 @@ pub(super) fn settings(
             }
         }
     }
+    if let Some(it) = &given.distortion
+        && it.projection == ProjectionWord::Brown
+        && it.k4 != 0.0
+    {
+        let expected = "0 with distortion.projection = \"brown\"";
+        return Err(out_of_range(place, "distortion.k4", it.k4, expected));
+    }
     // A table and the fault that it is.
     macro_rules! faults {
         ($($table:ident: $of:ident),*) => {

@@ -24,7 +24,7 @@ pub use physics::{Mount, PhysicsSettings, StoneSettings};
 use super::error::{Place, RecipeError, short_number};
 use super::tables::{
     Choice, CommonTables, DirectionEntry, FocalEntry, FormatWord, ModelWord, OpticsWord,
-    OutputTable, PositionEntry, PositionWord, WholeTables, from_table,
+    OutputTable, PositionEntry, PositionWord, WholePaneTables, from_table,
 };
 use crate::CameraFaults;
 
@@ -192,7 +192,7 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
             (FractureSettings::Physics(Box::new(physics)), Some(sheet))
         }
         ModelWord::None => {
-            let whole: WholeTables = from_table(place, recipe)?;
+            let whole: WholePaneTables = from_table(place, recipe)?;
             let sheet = whole.glass.map(|glass| physical::Sheet::mounted(&glass));
             let mount = sheet.map(|sheet| sheet.mount);
             let sheet = sheet.unwrap_or(physical::Sheet::NONE);
