@@ -12,7 +12,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 163] = [
+const NUMERIC: [(&str, &str, &[&str]); 169] = [
     (
         "paper",
         "camera.f_px",
@@ -405,6 +405,28 @@ const NUMERIC: [(&str, &str, &[&str]); 163] = [
     ("shake", "shake.onset_s", &["-1", "nan", "inf", "1e7"]),
     ("glare", "glare.onset_s", &["-1", "nan", "inf", "1e7"]),
     ("shading", "shading.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("fogged", "condensation.age_s", &["-1", "nan", "inf", "1e6"]),
+    (
+        "fogged",
+        "condensation.growth_um_s",
+        &["-1", "nan", "inf", "11"],
+    ),
+    (
+        "fogged",
+        "condensation.nuclei_per_mm2",
+        &["9", "nan", "inf", "1e5"],
+    ),
+    (
+        "fogged",
+        "condensation.contact_deg",
+        &["19", "nan", "inf", "91"],
+    ),
+    ("fogged", "condensation.unevenness", &["-0.1", "nan", "1.1"]),
+    (
+        "fogged",
+        "condensation.scale_mm",
+        &["4", "nan", "inf", "1001"],
+    ),
     ("rain", "drops.rain_mm_h", &["-1", "nan", "inf", "151"]),
     ("rain", "drops.speed_m_s", &["-1", "nan", "inf", "61"]),
     ("rain", "drops.age_s", &["-1", "nan", "inf", "601"]),

@@ -53,6 +53,7 @@ pub mod paper;
 pub mod photo;
 pub mod physical;
 mod pyramid;
+pub mod screens;
 pub mod srgb;
 mod surface;
 mod vector;

@@ -1,5 +1,8 @@
 //! Light of a frame in square cells, for blurs so wide that single pixels do not matter.
 
+/// Cells per standard deviation of a Gaussian, at least.
+pub(crate) const CELLS_PER_SIGMA: f64 = 2.0;
+
 /// Means of a frame's light over square cells, in rows from the top.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells<const COLORS: usize> {
@@ -18,6 +21,25 @@ impl<const COLORS: usize> Cells<COLORS> {
             per_cell: 1,
             light: light.as_chunks::<COLORS>().0.to_vec(),
         }
+    }
+
+    /// Cells of a width, px, in rows of so many columns.
+    pub(crate) fn of_cells(values: &[f32], size: (usize, usize), per_cell: u32) -> Self {
+        Self {
+            per_cell,
+            ..Self::of(values, size)
+        }
+    }
+
+    /// Spread by a Gaussian of a standard deviation, px, on cells as large as that allows.
+    pub(crate) fn spread(&self, sigma_px: f64) -> Self {
+        let mut cells = self.clone();
+        while f64::from(cells.per_cell) * 2.0 <= sigma_px / CELLS_PER_SIGMA
+            && cells.size.0.max(cells.size.1) > 2
+        {
+            cells = cells.halved();
+        }
+        cells.blurred(sigma_px)
     }
 
     /// Cells twice as wide; those at the end of the frame are cut off by it.

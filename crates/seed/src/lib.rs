@@ -74,6 +74,8 @@ pub enum Stream {
     Shake,
     /// Drops of rain, and what each leaves behind where it runs.
     Rain,
+    /// Where more water condenses, and where less.
+    Condensation,
 }
 
 impl Stream {
@@ -103,6 +105,7 @@ impl Stream {
             Self::Frames => b"frames",
             Self::Shake => b"shake",
             Self::Rain => b"rain",
+            Self::Condensation => b"condensation",
         }
     }
 }
@@ -183,6 +186,7 @@ mod tests {
             Stream::Frames,
             Stream::Shake,
             Stream::Rain,
+            Stream::Condensation,
         ]
         .map(Stream::name);
         for (i, name) in names.iter().enumerate() {

@@ -15,7 +15,7 @@ const WET_MARGIN_MM: f64 = 10.0;
 /// A windscreen about the optical axis.
 const WINDSCREEN: Area = Area {
     from_mm: [-700.0, -400.0],
-    to_mm: [700.0, 400.0],
+    to_mm: [700.0, 700.0],
 };
 
 /// Camera, lens and mount of some settings, with frames of one size.

@@ -1,7 +1,7 @@
 //! Light that the lens scatters over the frame.
 
 use super::Optic;
-use crate::pyramid::Cells;
+use crate::pyramid::{CELLS_PER_SIGMA, Cells};
 
 /// Veiling glare: a share of all light is spread over the frame, around what is bright and far from it.
 ///
@@ -11,15 +11,12 @@ use crate::pyramid::Cells;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Glare {
     /// Veiling glare index as of ISO 9358, 0 to 0.5: the light in the middle of a black patch before a white scene,
-    /// over white. The patch is a tenth as wide as the frame is high.
+    /// over white. The patch is a tenth as wide as the shorter side of the frame.
     pub veil: f64,
 }
 
 /// Standard deviations of the Gaussians, rad. Each is of a quarter of the light.
 const SIGMAS_RAD: [f64; 4] = [0.3, 0.1, 0.033_333, 0.011_111];
-
-/// Cells of a level per standard deviation of its Gaussian, at least.
-const CELLS_PER_SIGMA: f64 = 2.0;
 
 impl Glare {
     /// Whether it changes nothing.
@@ -35,7 +32,7 @@ impl Glare {
     }
 
     /// What a patch shows: less than the veil asked for where all light is scattered and that is not enough, in frames
-    /// whose height is a small part of their field of view.
+    /// whose shorter side is many degrees wide.
     #[must_use]
     pub fn shown(&self, optic: &Optic) -> f64 {
         self.scattered(optic) * Self::far(optic)
@@ -44,7 +41,7 @@ impl Glare {
     /// Share of scattered light that comes from beyond the radius of a patch.
     fn far(optic: &Optic) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-        let patch_px = 0.05 * optic.size.1 as f64;
+        let patch_px = 0.05 * optic.size.0.min(optic.size.1) as f64;
         SIGMAS_RAD
             .iter()
             .map(|sigma| {

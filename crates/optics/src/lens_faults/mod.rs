@@ -178,12 +178,8 @@ impl LensFaults {
         faults.any(|(_, fault)| matches!(fault, LensFault::Distortion(_)))
     }
 
-    /// What the faults make of a frame of linear light, in rows from the top with one value per pixel or three side by
-    /// side, in place. What differs from frame to frame is drawn from the seed.
-    pub fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic, frame: Seed) {
-        if self.faults.is_empty() || light.is_empty() {
-            return;
-        }
+    /// Makes what is clipped in a frame of linear light as bright as it may have been, before anything spreads it.
+    pub fn unclip(&self, light: &mut [f32]) {
         if self.headroom > 1.0 {
             #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
             let headroom = self.headroom as f32;
@@ -191,6 +187,14 @@ impl LensFaults {
             for value in light.iter_mut().filter(|value| **value >= 0.995) {
                 *value *= headroom;
             }
+        }
+    }
+
+    /// What the faults make of a frame of linear light, in rows from the top with one value per pixel or three side by
+    /// side, in place. What differs from frame to frame is drawn from the seed.
+    pub fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic, frame: Seed) {
+        if light.is_empty() {
+            return;
         }
         for (_, fault) in &self.faults {
             match fault {

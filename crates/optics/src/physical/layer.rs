@@ -19,12 +19,16 @@ pub(crate) struct PatternLayer {
 
 impl PatternLayer {
     /// Of sums over facets, of which the places are weighted by their share and the tints by the
-    /// light that is tinted; the blur is the mean radius of the discs, px.
-    pub(super) fn of_sums(mut light: LaneRuns<LANES>, tint: &LaneRuns<4>, blur_px: f32) -> Self {
+    /// light that is tinted; the blur is the mean radius of the discs in a row, px.
+    pub(super) fn of_sums(
+        mut light: LaneRuns<LANES>,
+        tint: &LaneRuns<4>,
+        blur_px: impl Fn(usize) -> f32,
+    ) -> Self {
         let (width, height) = light.size();
         let mut tints = LaneRuns::with_room(width, height, tint.n_runs());
         for k in 0..light.n_runs() {
-            find_places(&mut light, k, blur_px);
+            find_places(&mut light, k, &blur_px);
             let ((x, y), run) = light.nth_mut(k);
             let shares = shares_of(run);
             let over = shares.map(|share| if share > 1.0 { share } else { 1.0 });
@@ -43,7 +47,7 @@ impl PatternLayer {
 }
 
 /// Places and widths of the k-th run, whose neighbors to the right and below are sums as yet.
-fn find_places(light: &mut LaneRuns<LANES>, k: usize, blur_px: f32) {
+fn find_places(light: &mut LaneRuns<LANES>, k: usize, blur_px: &impl Fn(usize) -> f32) {
     let (width, _) = light.size();
     let ((x, y), run) = light.nth_mut(k);
     if !run[FRAME].iter().any(|share| *share > LEAST_ELSEWHERE) {
@@ -57,7 +61,7 @@ fn find_places(light: &mut LaneRuns<LANES>, k: usize, blur_px: f32) {
     let below = light.run_at(x, y + 1).map_or(Places::NONE, Places::of);
     let (_, run) = light.nth_mut(k);
     for beside in [right, below] {
-        own.widen(&beside, blur_px, &mut run[WIDTH]);
+        own.widen(&beside, blur_px(y), &mut run[WIDTH]);
     }
     [run[FRAME_U], run[FRAME_V]] = own.or_zero();
 }
@@ -191,7 +195,7 @@ mod tests {
         lanes[FRAME] = frame;
         lanes[FRAME_U] = 40.0 * frame;
         lanes[FRAME_V] = 8.0 * frame;
-        PatternLayer::of_sums(run_of(lanes), &run_of(tint), 3.0)
+        PatternLayer::of_sums(run_of(lanes), &run_of(tint), |_| 3.0)
     }
 
     fn first<const L: usize>(runs: &LaneRuns<L>) -> Option<[f32; L]> {
@@ -236,7 +240,7 @@ mod tests {
         let (_, run) = sums.nth_mut(0);
         run[FRAME] = [0.5; CHUNK];
         run[FRAME_U] = std::array::from_fn(|k| if k > 3 { 0.5 * 30.0 } else { 0.5 * 20.0 });
-        let layer = PatternLayer::of_sums(sums, &LaneRuns::with_room(CHUNK, 1, 0), 4.0);
+        let layer = PatternLayer::of_sums(sums, &LaneRuns::with_room(CHUNK, 1, 0), |_| 4.0);
         let width = layer.light.run_at(0, 0).map(|run| run[WIDTH]);
         let expected: [f32; CHUNK] = std::array::from_fn(|k| {
             if k == 3 {

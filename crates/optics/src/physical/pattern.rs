@@ -79,7 +79,7 @@ pub fn bake(
     pattern.outline = Outline::Corners(std::mem::take(&mut cracks.outlines));
     for facets in [fragments, cracks] {
         let blur_px = mean_blur_px(&facets.light);
-        let layer = pattern.layer_of(&facets, Pupil::of(&optics.lens), blur_px);
+        let layer = pattern.layer_of(&facets, Pupil::of(&optics.lens), |_| blur_px);
         pattern.layers.extend(layer);
     }
     Ok(pattern)
@@ -146,9 +146,18 @@ impl Pattern {
         let from = light_from(&sheet, optics, &gaps);
         let mut drops = Facets::default();
         drop_facets(&from, &deposit.caps, reach_px(&sheet), &mut drops);
-        // A pixel shows more of the scene than its own width of a drop that is sharp.
-        let blur_px = mean_blur_px(&drops.light).max(1.0);
-        let layer = self.layer_of(&drops, Pupil::of(&optics.lens), blur_px);
+        // A drop shows much of the scene in few pixels, so that its blur, which a pane that leans has more of in some
+        // rows, spreads it far; and a pixel of one that is sharp is as wide as that.
+        let (width, height) = view.size();
+        let of_row = |y: u32| {
+            let at = view.unproject([0.5 * f64::from(width), f64::from(y) + 0.5]);
+            let radius = at.and_then(|at| sheet.blur_radius_px(at, sheet.outer_mm()));
+            #[expect(clippy::cast_possible_truncation, reason = "px of a disc")]
+            let radius = radius.unwrap_or(0.0).abs() as f32;
+            radius.max(1.0)
+        };
+        let blur_px: Vec<f32> = (0..height).map(of_row).collect();
+        let layer = self.layer_of(&drops, Pupil::of(&optics.lens), |y| blur_px[y]);
         self.layers.splice(0..0, layer);
         Ok(self)
     }
@@ -158,7 +167,12 @@ impl Pattern {
     }
 
     /// The layer of some facets; none where nothing of them is in the frame.
-    fn layer_of(&self, facets: &Facets, pupil: Pupil, blur_px: f32) -> Option<PatternLayer> {
+    fn layer_of(
+        &self,
+        facets: &Facets,
+        pupil: Pupil,
+        blur_px: impl Fn(usize) -> f32,
+    ) -> Option<PatternLayer> {
         let size = (self.size.0 as usize, self.size.1 as usize);
         let light = spread(&facets.light, N_SHARES, pupil, size);
         if light.is_empty() {

@@ -22,6 +22,9 @@ const RINGS: [f64; 2] = [1.0, 32.0];
 /// Least radius of a drop, px, whose facets show the scene as it moves across them, not one place each.
 const SHOWN_PX: f64 = 2.5;
 
+/// Least radius of a drop, px.
+const LEAST_PX: f64 = 0.12;
+
 /// Most facets of all drops together: of more drops each has fewer.
 const MOST_FACETS: f64 = 1e6;
 
@@ -39,6 +42,10 @@ pub(crate) fn drop_facets(from: &LightFrom<'_>, caps: &[Cap], reach_px: f64, fac
             let rim = from.sheet.project(rim, from.sheet.outer_mm(), [0.0; 2])?;
             let radius_px = libm::hypot(rim[0] - middle[0], rim[1] - middle[1]);
             let beyond = reach_px + radius_px;
+            // Of a smaller one nothing is seen.
+            if radius_px < LEAST_PX {
+                return None;
+            }
             let is_near = (0..2).all(|k| (-beyond..frame[k] + beyond).contains(&middle[k]));
             is_near.then_some((*cap, middle, radius_px))
         })

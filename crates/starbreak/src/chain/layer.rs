@@ -1,11 +1,12 @@
 //! What the optics made of the glass, before any light.
 
 use image::GrayImage;
-use starbreak_deposit::{Area, Deposit};
+use starbreak_deposit::{Area, Deposit, Field};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::paper::draw;
 use starbreak_optics::photo::{PhotoPattern, bake as bake_photo, draw as draw_photo};
 use starbreak_optics::physical::{PackedPattern, Pattern, bake};
+use starbreak_optics::screens::Screen;
 use starbreak_optics::{Coverage, View};
 use starbreak_seed::Seed;
 
@@ -31,7 +32,7 @@ pub enum PaneLayer {
 }
 
 /// Most drops that land on a pane: some ten seconds of work.
-const MOST_DROPS: f64 = 3e6;
+const MOST_DROPS: f64 = 1e6;
 
 /// What lies on the pane of some settings, on which area, and how frames show that; the seed places it.
 ///
@@ -54,6 +55,25 @@ pub(super) fn deposit_of(
         return Err(Error::TooManyDrops { n_drops, most });
     }
     Ok(Some((rain.on_pane(&area, seed), area, view)))
+}
+
+/// The dew of some settings before frames of a size; the seed says where more of it is.
+///
+/// # Errors
+/// [`Error::Optics`] for a camera that sees nothing.
+pub(super) fn dew_of(
+    settings: &Settings,
+    size_px: (u32, u32),
+    seed: Seed,
+) -> Result<Option<Screen>, Error> {
+    let Some(dew) = &settings.dew else {
+        return Ok(None);
+    };
+    let scene = Scene::of(settings, size_px);
+    let view = scene.sheet()?;
+    let field = Field::over(&scene.wet_area(&view), dew.scale_mm, dew.unevenness, seed);
+    let f_px = settings.camera.f_px.of_frame(size_px.0);
+    Ok(Some(Screen::of(&dew.mean, &field, &view, f_px)))
 }
 
 impl PaneLayer {

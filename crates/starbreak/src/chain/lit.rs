@@ -1,23 +1,20 @@
 //! Broken glass under one light, and the camera behind it, over frame after frame.
 
 use image::{ColorType, DynamicImage, GrayImage};
-use starbreak_optics::lens_faults::Optic;
 use starbreak_optics::paper::{Focus, PaperOptics, composite};
 use starbreak_optics::physical::{OpticalMaps, Overlay};
 use starbreak_optics::{Before, Coverage, DamageReader};
 use starbreak_sensor::Moment;
 
-use super::sense::{add_region, sense};
-use crate::{CameraFaults, Error, Stopwatch};
+use super::sense::Behind;
+use crate::{Error, Stopwatch};
 
 /// A chain under one light: what it does to any frame of its size.
 #[derive(Debug, Clone)]
 pub struct Lit<'a> {
     pub(super) glass: Glass<'a>,
-    /// What is wrong with the camera itself, where anything is.
-    pub(super) faults: Option<&'a CameraFaults>,
-    /// Its lens, which some optics know.
-    pub(super) optic: Option<Optic>,
+    /// What light meets behind it.
+    pub(super) behind: Behind<'a>,
 }
 
 /// The glass under a light.
@@ -63,10 +60,7 @@ impl Lit<'_> {
             }
             Glass::Physical(overlay) => overlay.apply(frame, at.frame)?,
         }
-        match self.faults {
-            Some(faults) => sense(faults, self.optic.as_ref(), frame, at),
-            None => Ok(()),
-        }
+        self.behind.over(frame, at)
     }
 
     /// As [`Lit::over`]; returns where the frame is affected.
@@ -90,23 +84,21 @@ impl Lit<'_> {
                 region
             }
         };
-        let all = match self.faults {
-            Some(faults) => {
-                sense(faults, self.optic.as_ref(), frame, at)?;
-                let mut all = glass.clone();
-                add_region(faults, &mut all, frame.color(), at);
-                watch.lap("camera");
-                Some(all)
-            }
-            None => None,
-        };
+        let mut all = None;
+        if !self.behind.is_nothing() {
+            self.behind.over(frame, at)?;
+            let mut behind = glass.clone();
+            self.behind.add_region(&mut behind, frame.color(), at);
+            watch.lap("camera");
+            all = Some(behind);
+        }
         Ok(Regions { glass, all })
     }
 
     /// True if [`Lit::over`] would leave every frame as it is at a time of a clip, s.
     #[must_use]
     pub fn changes_nothing(&self, time_s: f64) -> bool {
-        (self.faults).is_none_or(|faults| faults.at(time_s).is_empty())
+        self.behind.is_nothing_at(time_s)
             && match &self.glass {
                 Glass::Paper(coverage, optics) => coverage.is_empty() && optics.focus == Focus::Far,
                 Glass::Physical(overlay) => overlay.changes_nothing(),
@@ -128,17 +120,15 @@ impl Lit<'_> {
         })
     }
 
-    /// Adds 255 where the camera's faults affect a frame of these colors.
+    /// Adds 255 where dew and the camera's faults affect a frame of these colors.
     pub fn add_faults(&self, region: &mut GrayImage, color: ColorType, at: Moment) {
-        if let Some(faults) = self.faults {
-            add_region(faults, region, color, at);
-        }
+        self.behind.add_region(region, color, at);
     }
 
     /// What an image shows before the glass is put over it.
     pub(super) fn before(&self, image: &DynamicImage) -> Before {
         match &self.glass {
-            Glass::Physical(overlay) if self.faults.is_none() => overlay.before(image),
+            Glass::Physical(overlay) if self.behind.is_nothing() => overlay.before(image),
             _ => Before::whole(image.clone()),
         }
     }

@@ -13,6 +13,7 @@ use image::{DynamicImage, GrayImage};
 use serde_json::{Map, Value};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::Environment;
+use starbreak_optics::screens::Screen;
 use starbreak_seed::Seed;
 use starbreak_sensor::{Frames, Moment};
 
@@ -22,10 +23,11 @@ use crate::{
 };
 
 pub use layer::PaneLayer;
-use layer::deposit_of;
+use layer::{deposit_of, dew_of};
 use lit::Glass;
 pub use lit::Lit;
 pub use report::{OpticsReport, SceneReport, Shown, damage_to_json, region_fraction};
+use sense::Behind;
 
 /// Broken glass before one camera, ready to be put over any image of its size.
 ///
@@ -47,6 +49,8 @@ pub use report::{OpticsReport, SceneReport, Shown, damage_to_json, region_fracti
 pub struct Chain {
     settings: Settings,
     layer: PaneLayer,
+    /// Dew on the inner face, where there is any.
+    dew: Option<Screen>,
     origin: Origin,
     facts: Map<String, Value>,
     is_glass_intact: bool,
@@ -127,6 +131,7 @@ impl Chain {
             settings: settings.clone(),
             is_glass_intact: network.n_segments() == 0 && layer.is_intact(),
             layer,
+            dew: None,
             facts,
             origin: match details {
                 Details::None => Origin::Stored,
@@ -137,7 +142,7 @@ impl Chain {
                 })),
             },
         };
-        Ok(chain.with_faults())
+        chain.with_faults().fogged(seed)
     }
 
     /// Bakes a part of a photograph of broken glass for frames of this size.
@@ -156,6 +161,7 @@ impl Chain {
             settings: settings.clone(),
             is_glass_intact: layer.is_intact(),
             layer,
+            dew: None,
             facts: Map::from_iter([("overlay".to_owned(), placed.facts())]),
             origin: Origin::Photo(Box::new(placed)),
         };
@@ -174,6 +180,7 @@ impl Chain {
         let chain = Self {
             settings: settings.clone(),
             layer,
+            dew: None,
             origin: Origin::Stored,
             facts,
             is_glass_intact,
@@ -181,9 +188,24 @@ impl Chain {
         chain.with_faults()
     }
 
-    /// The same glass with the camera's faults and the output of other settings, as for a bank that was made without.
+    /// With the dew of its settings; the seed says where more of it is.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for a camera that sees nothing.
+    pub fn fogged(mut self, seed: Seed) -> Result<Self, Error> {
+        self.dew = dew_of(&self.settings, self.size(), seed)?;
+        if let Some(dew) = &self.dew {
+            let facts = report::dew_to_json(dew);
+            self.facts.insert("condensation".to_owned(), facts);
+        }
+        Ok(self)
+    }
+
+    /// The same glass with the dew, the camera's faults and the output of other settings, as for a bank that was made
+    /// without; [`Chain::fogged`] makes the dew.
     #[must_use]
     pub fn followed_by(mut self, settings: &Settings) -> Self {
+        self.settings.dew = settings.dew;
         self.settings.faults.clone_from(&settings.faults);
         self.settings.output = settings.output;
         self.facts.remove("faults");
@@ -283,7 +305,7 @@ impl Chain {
     /// Whether nothing is damaged: the glass is whole, and the camera has no fault.
     #[must_use]
     pub fn is_intact(&self) -> bool {
-        self.is_glass_intact && self.settings.faults.is_none()
+        self.is_glass_intact && self.dew.is_none() && self.settings.faults.is_none()
     }
 
     /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.
@@ -413,11 +435,14 @@ impl Chain {
 
     fn with_camera<'a>(&'a self, glass: Glass<'a>) -> Lit<'a> {
         let optic = Scene::of(&self.settings, self.size()).optic();
-        let faults = self.settings.faults.as_ref();
         Lit {
             glass,
-            faults,
-            optic,
+            behind: Behind {
+                dew: self.dew.as_ref(),
+                faults: self.settings.faults.as_ref(),
+                optic,
+                least: self.region_threshold(),
+            },
         }
     }
 
@@ -475,6 +500,14 @@ impl Chain {
             damage,
             maps,
         })
+    }
+
+    /// Less of an influence is none.
+    fn region_threshold(&self) -> f64 {
+        match &self.settings.optics {
+            OpticsSettings::Physical(optics) => optics.region_threshold,
+            OpticsSettings::Paper(_) => 0.0,
+        }
     }
 
     /// Lens and light of a picture, by the physical optics.

@@ -6,6 +6,7 @@ use starbreak_deposit::{Area, Deposit, Rain};
 use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::lens_faults::{LensFault, Optic};
 use starbreak_optics::physical::OpticalMaps;
+use starbreak_optics::screens::Screen;
 use starbreak_optics::{Contrast, Damage};
 use starbreak_seed::Seed;
 use starbreak_sensor::{Fault, FrameState, Pulse, Sensor};
@@ -126,6 +127,17 @@ pub(super) fn drops_to_json(rain: &Rain, deposit: &Deposit, area: &Area) -> Valu
         "n_drops": deposit.caps.len(),
         "coverage": rounded(deposit.coverage(area)),
         "runs_from_mm": Some(rain.runs_from_mm()).filter(|mm| mm.is_finite()).map(rounded),
+    })
+}
+
+/// What a record says of dew.
+pub(super) fn dew_to_json(dew: &Screen) -> Value {
+    let rounded = |value: f64| (value * 1e6).round() / 1e6;
+    let [refracted, diffracted] = dew.halos_px().map(rounded);
+    json!({
+        "coverage": rounded(dew.mean_covered()),
+        "refracted_px": refracted,
+        "diffracted_px": diffracted,
     })
 }
 

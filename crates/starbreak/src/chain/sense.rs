@@ -3,6 +3,7 @@
 use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
 use starbreak_optics::lens_faults::Optic;
+use starbreak_optics::screens::Screen;
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
 use starbreak_sensor::{Code, Codes, Light, Moment, Sensor};
 
@@ -57,36 +58,79 @@ impl Sample for u16 {
     }
 }
 
-/// Puts an image through the lens and before the sensor, in place. Samples whose light does not change keep their codes; alpha stays.
-///
-/// # Errors
-/// [`Error::Optics`] for an image of 32-bit samples, [`Error::Sensor`] for one that no codec takes.
-pub(super) fn sense(
-    faults: &CameraFaults,
-    optic: Option<&Optic>,
-    image: &mut DynamicImage,
-    at: Moment,
-) -> Result<(), Error> {
-    let now = faults.at(at.time_s);
-    let now = (&*now, optic);
-    match image {
-        DynamicImage::ImageLuma8(image) => samples(now, image, at),
-        DynamicImage::ImageLumaA8(image) => samples(now, image, at),
-        DynamicImage::ImageRgb8(image) => samples(now, image, at),
-        DynamicImage::ImageRgba8(image) => samples(now, image, at),
-        DynamicImage::ImageLuma16(image) => samples(now, image, at),
-        DynamicImage::ImageLumaA16(image) => samples(now, image, at),
-        DynamicImage::ImageRgb16(image) => samples(now, image, at),
-        DynamicImage::ImageRgba16(image) => samples(now, image, at),
-        other => Err(OpticsError::ImageMode {
-            mode: format!("{:?}", other.color()),
+/// What light meets behind the glass: dew on its inner face, then the camera's faults.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Behind<'a> {
+    pub(super) dew: Option<&'a Screen>,
+    pub(super) faults: Option<&'a CameraFaults>,
+    /// The lens, which some optics know.
+    pub(super) optic: Option<Optic>,
+    /// Where less of the light than this share is changed by dew, it does not count as affected.
+    pub(super) least: f64,
+}
+
+impl Behind<'_> {
+    /// Whether there is nothing.
+    pub(super) fn is_nothing(&self) -> bool {
+        self.dew.is_none() && self.faults.is_none()
+    }
+
+    /// Whether there is nothing at a time of a clip, s.
+    pub(super) fn is_nothing_at(&self, time_s: f64) -> bool {
+        let faults = self.faults;
+        self.dew.is_none() && faults.is_none_or(|faults| faults.at(time_s).is_empty())
+    }
+
+    /// Puts an image there, in place. Samples whose light does not change keep their codes; alpha stays.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for an image of 32-bit samples, [`Error::Sensor`] for one that no codec takes.
+    pub(super) fn over(&self, image: &mut DynamicImage, at: Moment) -> Result<(), Error> {
+        if self.is_nothing() {
+            return Ok(());
         }
-        .into()),
+        let none = CameraFaults::default();
+        let faults = self.faults.unwrap_or(&none).at(at.time_s);
+        let now = (&*faults, self);
+        match image {
+            DynamicImage::ImageLuma8(image) => samples(now, image, at),
+            DynamicImage::ImageLumaA8(image) => samples(now, image, at),
+            DynamicImage::ImageRgb8(image) => samples(now, image, at),
+            DynamicImage::ImageRgba8(image) => samples(now, image, at),
+            DynamicImage::ImageLuma16(image) => samples(now, image, at),
+            DynamicImage::ImageLumaA16(image) => samples(now, image, at),
+            DynamicImage::ImageRgb16(image) => samples(now, image, at),
+            DynamicImage::ImageRgba16(image) => samples(now, image, at),
+            other => Err(OpticsError::ImageMode {
+                mode: format!("{:?}", other.color()),
+            }
+            .into()),
+        }
+    }
+
+    /// Adds 255 where it reaches a frame of these colors to a region.
+    pub(super) fn add_region(&self, region: &mut GrayImage, color: ColorType, at: Moment) {
+        if let Some(dew) = self.dew {
+            let reached = dew.reaches(self.least);
+            add(region, reached);
+        }
+        if let Some(faults) = self.faults {
+            add_faults(faults, region, color, at);
+        }
+    }
+}
+
+/// Adds 255 where something reaches.
+fn add(region: &mut GrayImage, reached: Vec<bool>) {
+    for (code, is_reached) in region.iter_mut().zip(reached) {
+        if is_reached {
+            *code = 255;
+        }
     }
 }
 
 fn samples<P>(
-    (faults, optic): (&CameraFaults, Option<&Optic>),
+    (faults, behind): (&CameraFaults, &Behind<'_>),
     image: &mut ImageBuffer<P, Vec<P::Subpixel>>,
     at: Moment,
 ) -> Result<(), Error>
@@ -100,17 +144,19 @@ where
     let sensor = &faults.sensor;
     // A frame that does not arrive is not looked at.
     if !sensor.frame_state(at).is_blank() {
-        match optic.filter(|_| !faults.lens.faults().is_empty()) {
-            Some(optic) => {
-                let lens = |light: &mut Vec<f32>, n_colors| {
+        if behind.dew.is_some() || !faults.lens.faults().is_empty() {
+            let before = |light: &mut Vec<f32>, n_colors| {
+                faults.lens.unclip(light);
+                if let Some(dew) = behind.dew {
+                    dew.over(light, n_colors);
+                }
+                if let Some(optic) = &behind.optic {
                     faults.lens.over(light, n_colors, optic, at.frame);
-                };
-                change_all(sensor, samples, (size, n_channels), at, lens);
-            }
-            None if sensor.changes_light() => {
-                change_light(sensor, samples, (size, n_channels), at);
-            }
-            None => {}
+                }
+            };
+            change_all(sensor, samples, (size, n_channels), at, before);
+        } else if sensor.changes_light() {
+            change_light(sensor, samples, (size, n_channels), at);
         }
     }
     match Codes::new(samples, size, n_channels) {
@@ -156,20 +202,20 @@ fn change_light<S: Sample>(
     change_all(sensor, samples, (size, n_channels), at, |_, _| {});
 }
 
-/// What lens and sensor make of the light of a whole frame; samples whose light stays keep their codes.
+/// What comes before the sensor, and the sensor, make of the light of a whole frame; samples whose light stays keep their codes.
 fn change_all<S: Sample>(
     sensor: &Sensor,
     samples: &mut [S],
     (size, n_channels): ((usize, usize), usize),
     at: Moment,
-    lens: impl Fn(&mut Vec<f32>, usize),
+    before: impl Fn(&mut Vec<f32>, usize),
 ) {
     let n_colors = if n_channels < 3 { 1 } else { 3 };
     let mut values = Vec::with_capacity(size.0 * size.1 * n_colors);
     for pixel in samples.chunks_exact(n_channels) {
         values.extend(pixel[..n_colors].iter().map(|code| code.light()));
     }
-    lens(&mut values, n_colors);
+    before(&mut values, n_colors);
     let Ok(mut light) = Light::new(size, n_colors, values) else {
         return;
     };
@@ -183,12 +229,7 @@ fn change_all<S: Sample>(
 }
 
 /// 255 where a camera's faults reach a frame of these colors, added to a region.
-pub(super) fn add_region(
-    faults: &CameraFaults,
-    region: &mut GrayImage,
-    color: ColorType,
-    at: Moment,
-) {
+fn add_faults(faults: &CameraFaults, region: &mut GrayImage, color: ColorType, at: Moment) {
     let size = (region.width() as usize, region.height() as usize);
     let n_channels = u32::from(color.channel_count());
     let n_colors = if color.has_color() { 3 } else { 1 };
@@ -197,13 +238,5 @@ pub(super) fn add_region(
         region.fill(255);
         return;
     }
-    for (code, is_reached) in
-        region
-            .iter_mut()
-            .zip(faults.sensor.reach(size, (n_colors, n_bits), at))
-    {
-        if is_reached {
-            *code = 255;
-        }
-    }
+    add(region, faults.sensor.reach(size, (n_colors, n_bits), at));
 }

@@ -9,6 +9,9 @@ pub(super) struct DepositTables {
     /// Drops of rain on the outer face. Without this table there are none.
     #[schemars(with = "DropsTable")]
     pub(super) drops: Option<DropsTable>,
+    /// Dew on the inner face. Without this table there is none.
+    #[schemars(with = "CondensationTable")]
+    pub(super) condensation: Option<CondensationTable>,
 }
 
 /// Drops of rain.
@@ -32,4 +35,28 @@ pub(super) struct DropsTable {
     /// larger the drops that stay.
     #[schemars(range(min = 1.0, max = 60.0))]
     pub(super) hysteresis_deg: f64,
+}
+
+/// Dew, as where breath and wet clothes meet a cold windscreen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CondensationTable {
+    /// How long water has condensed, s, 0 (none) to 100000.
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub(super) age_s: f64,
+    /// How fast, as the film that it would be, um/s, 0 to 10.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub(super) growth_um_s: f64,
+    /// Places per mm2 at which drops begin, 10 to 10000: the more, the finer the dew.
+    #[schemars(range(min = 10.0, max = 1e4))]
+    pub(super) nuclei_per_mm2: f64,
+    /// Contact angle of water on the glass, degrees, 20 to 90.
+    #[schemars(range(min = 20.0, max = 90.0))]
+    pub(super) contact_deg: f64,
+    /// How much more water condenses in some places than in the mean, and less in others, a share of it, 0 to 1.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub(super) unevenness: f64,
+    /// How large such places are, mm, 5 to 1000.
+    #[schemars(range(min = 5.0, max = 1000.0))]
+    pub(super) scale_mm: f64,
 }

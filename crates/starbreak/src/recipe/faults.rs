@@ -25,12 +25,19 @@ impl FaultKind {
 }
 
 /// All of them, in the order in which light meets them.
-pub const FAULTS: [FaultKind; 18] = [
+pub const FAULTS: [FaultKind; 19] = [
     FaultKind {
         table: "drops",
         presets: &[(
             "rain",
             "rain on the pane since the wiper passed: drops that show the scene upside down",
+        )],
+    },
+    FaultKind {
+        table: "condensation",
+        presets: &[(
+            "fogged",
+            "dew on the inner face: a veil of drops too small to be seen",
         )],
     },
     FaultKind {

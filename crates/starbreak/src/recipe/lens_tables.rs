@@ -48,7 +48,7 @@ pub(super) struct DistortionTable {
     /// Third radial coefficient, -10 to 10.
     #[schemars(range(min = -10.0, max = 10.0))]
     pub(super) k3: f64,
-    /// Fourth radial coefficient, -10 to 10; of "fisheye" alone.
+    /// Fourth radial coefficient, -10 to 10; "brown" has none and does not read it.
     #[schemars(range(min = -10.0, max = 10.0))]
     pub(super) k4: f64,
     /// First tangential coefficient, -1 to 1; of "brown" alone.
@@ -133,7 +133,8 @@ pub(super) struct ShakeTable {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct GlareTable {
-    /// Veiling glare, percent of white in a small black patch before a white scene (ISO 9358), 0 (none) to 50.
+    /// Veiling glare, percent of white in a black patch before a white scene (ISO 9358), 0 (none) to 50. The
+    /// patch is a tenth as wide as the shorter side of the frame.
     #[schemars(range(min = 0.0, max = 50.0))]
     pub(super) veil_percent: f64,
     /// Time of a clip at which it begins, s, 0 to 1000000; pictures by themselves have it.

@@ -26,7 +26,7 @@ pub use faults::{FAULTS, FaultKind, presets};
 pub use presets::{DEFAULT_PRESET, PRESETS};
 pub use schema::json_schema;
 pub use settings::{
-    CameraSettings, DEFAULT_MAX_MEMORY_BYTES, FocalLength, FractureSettings,
+    CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DewSettings, FocalLength, FractureSettings,
     LEAST_MAX_MEMORY_BYTES, Mount, OpticsSettings, OutputFormat, OutputSettings, PaperSettings,
     PhysicsSettings, Settings, StoneSettings,
 };
@@ -277,7 +277,10 @@ impl Recipe {
                 if ["fracture", "optics"].contains(name) && *key == "model" {
                     let choice = self.choice(&place)?;
                     known_keys::retain(&mut self.table, choice);
-                    if choice.fracture == ModelWord::None && !self.table.contains_key("drops") {
+                    let has_deposit = ["drops", "condensation"]
+                        .iter()
+                        .any(|name| self.table.contains_key(*name));
+                    if choice.fracture == ModelWord::None && !has_deposit {
                         self.table.remove("glass");
                     }
                 }
@@ -298,7 +301,7 @@ impl Recipe {
             let kind: KindWord = word(place, "glass.kind", kind)?;
             complete.insert("glass".to_owned(), presets::glass_of(kind)?.into());
         }
-        let has_pane = ["glass", "drops"]
+        let has_pane = ["glass", "drops", "condensation"]
             .iter()
             .any(|name| self.table.contains_key(*name));
         if has_pane

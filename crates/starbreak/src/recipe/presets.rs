@@ -127,6 +127,7 @@ impl Preset {
             }
             "paper" => include_str!("../../presets/paper.toml"),
             "rain" => include_str!("../../presets/rain.toml"),
+            "fogged" => include_str!("../../presets/fogged.toml"),
             "distortion" => include_str!("../../presets/distortion.toml"),
             "fringes" => include_str!("../../presets/fringes.toml"),
             "defocus" => include_str!("../../presets/defocus.toml"),

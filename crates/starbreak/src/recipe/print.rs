@@ -9,7 +9,7 @@ use super::schema::{keys, of_choice};
 use super::tables::Choice;
 
 /// Tables in the order in which a reader thinks of them.
-const ORDER: [&str; 27] = [
+const ORDER: [&str; 28] = [
     "camera",
     "glass",
     "impact",
@@ -17,6 +17,7 @@ const ORDER: [&str; 27] = [
     "long_crack",
     "optics",
     "drops",
+    "condensation",
     "distortion",
     "fringes",
     "defocus",

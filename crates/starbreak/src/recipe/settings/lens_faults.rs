@@ -31,13 +31,6 @@ pub(super) fn settings(
             }
         }
     }
-    if let Some(it) = &given.distortion
-        && it.projection == ProjectionWord::Brown
-        && it.k4 != 0.0
-    {
-        let expected = "0 with distortion.projection = \"brown\"";
-        return Err(out_of_range(place, "distortion.k4", it.k4, expected));
-    }
     // A table and the fault that it is.
     macro_rules! faults {
         ($($table:ident: $of:ident),*) => {
@@ -67,12 +60,13 @@ pub(super) fn settings(
 }
 
 fn distortion(it: DistortionTable) -> Distortion {
+    let (projection, k4) = match it.projection {
+        ProjectionWord::Brown => (Projection::Brown, 0.0),
+        ProjectionWord::Fisheye => (Projection::Fisheye, it.k4),
+    };
     Distortion {
-        projection: match it.projection {
-            ProjectionWord::Brown => Projection::Brown,
-            ProjectionWord::Fisheye => Projection::Fisheye,
-        },
-        k: [it.k1, it.k2, it.k3, it.k4],
+        projection,
+        k: [it.k1, it.k2, it.k3, k4],
         p: [it.p1, it.p2],
         corner: it.corner_percent / 100.0,
         shift_px: it.shift_px,

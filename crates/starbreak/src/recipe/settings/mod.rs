@@ -18,6 +18,7 @@ use starbreak_optics::physical::PhysicalOptics;
 use starbreak_seed::{Seed, Stream};
 use toml::Table;
 
+pub use deposits::DewSettings;
 pub use paper::PaperSettings;
 pub use physics::{Mount, PhysicsSettings, StoneSettings};
 
@@ -45,6 +46,8 @@ pub struct Settings {
     pub optics: OpticsSettings,
     /// Rain on the pane, where it is any.
     pub drops: Option<Rain>,
+    /// Dew on the pane, where there is any.
+    pub dew: Option<DewSettings>,
     /// What is wrong with the camera itself, where anything is.
     pub faults: Option<CameraFaults>,
     /// What is written.
@@ -210,6 +213,7 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
         sensor: faults::settings(place, &from_table(place, recipe)?)?,
     };
     Ok(Settings {
+        dew: deposits::dew(place, &from_table(place, recipe)?, &fracture, &optics)?,
         drops: deposits::drops(place, &from_table(place, recipe)?, &fracture, &optics)?,
         output: output(place, &common.output, &optics)?,
         fracture,

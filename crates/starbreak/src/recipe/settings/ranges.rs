@@ -9,7 +9,10 @@ use super::super::tables::Choice;
 use super::out_of_range;
 
 /// How keys end, with the unit in words; of two that fit the first.
-const UNITS: [(&str, &str); 10] = [
+const UNITS: [(&str, &str); 13] = [
+    ("_deg_s", " degrees/s"),
+    ("_mm_h", " mm/h"),
+    ("_um_s", " um/s"),
     ("_m_s", " m/s"),
     ("_kg_m3", " kg/m3"),
     ("_mpa", " MPa"),

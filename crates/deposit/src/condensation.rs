@@ -1,0 +1,62 @@
+//! Dew: drops of water vapor, too small to be seen one by one.
+
+use std::f64::consts::PI;
+
+use crate::cap::volume_per_cubed_radius;
+
+/// Share of the glass that drops cover once they merge: then they grow with what they cover unchanged \[Fritter1991\].
+const MOST_COVERED: f64 = 0.55;
+
+/// Water vapor that has condensed on a face of the glass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Condensation {
+    /// How fast water arrives, m/s: the film that it would be.
+    pub growth_m_s: f64,
+    /// How long it has, s.
+    pub age_s: f64,
+    /// Places at which drops begin, m⁻².
+    pub nuclei_per_m2: f64,
+    /// Contact angle of water on the glass, rad.
+    pub contact_rad: f64,
+}
+
+/// Drops of dew at one place of the glass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dew {
+    /// Share of the glass that they cover.
+    pub covered: f64,
+    /// Their radius, m.
+    pub radius_m: f64,
+}
+
+impl Condensation {
+    /// The drops where so many times the mean water has arrived.
+    ///
+    /// Each nucleus takes the same share, so that r ∝ t^⅓ and c = nπr². When c comes to 0.55 drops merge as fast as they
+    /// grow: c stays, and r = hπ/(c k) ∝ t, with h the film and k r³ the volume of a drop.
+    #[must_use]
+    pub fn drops(&self, times: f64) -> Dew {
+        let film_m = (self.growth_m_s * self.age_s * times).max(0.0);
+        let volume = volume_per_cubed_radius(self.contact_rad);
+        let alone_m = libm::cbrt(film_m / (self.nuclei_per_m2 * volume));
+        let covered = self.nuclei_per_m2 * PI * alone_m * alone_m;
+        if covered <= MOST_COVERED {
+            Dew {
+                covered,
+                radius_m: alone_m,
+            }
+        } else {
+            Dew {
+                covered: MOST_COVERED,
+                radius_m: film_m * PI / (MOST_COVERED * volume),
+            }
+        }
+    }
+
+    /// Standard deviation of the angle by which drops turn light, per axis, rad: (n − 1) α on a sphere's slope α, with
+    /// sin²α of ½ sin²θ in the mean over the footprint.
+    #[must_use]
+    pub fn refracts_by_rad(&self, refractive_index: f64) -> f64 {
+        0.5 * (refractive_index - 1.0) * libm::sin(self.contact_rad)
+    }
+}
