@@ -12,7 +12,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 169] = [
+const NUMERIC: [(&str, &str, &[&str]); 170] = [
     (
         "paper",
         "camera.f_px",
@@ -356,6 +356,11 @@ const NUMERIC: [(&str, &str, &[&str]); 169] = [
     ("distortion", "distortion.p2", &["-1.1", "nan", "1.1"]),
     (
         "distortion",
+        "distortion.shift_px",
+        &["[1001, 0]", "[0, -1001]", "[0, nan]", "[inf, 0]"],
+    ),
+    (
+        "distortion",
         "distortion.corner_percent",
         &["-51", "nan", "inf", "51"],
     ),
@@ -569,6 +574,14 @@ fn every_numeric_key_was_tried() {
         serde_json::from_str(&succeed(dir.path(), &["recipe", "--schema"]).stdout).unwrap();
     let presets = [STAR, LONG, "tempered-cover", "paper"];
     let faults = [
+        "rain",
+        "fogged",
+        "distortion",
+        "fringes",
+        "defocus",
+        "shake",
+        "glare",
+        "shading",
         "overexposed",
         "banding",
         "spots",
@@ -584,7 +597,13 @@ fn every_numeric_key_was_tried() {
     let printed: Vec<String> = (presets.iter().chain(&faults))
         .map(|preset| succeed(dir.path(), &["recipe", "--preset", preset]).stdout)
         .collect();
-    let sensor = ["recipe", "--set", "sensor.number=1"];
+    let sensor = [
+        "recipe",
+        "--set",
+        "sensor.number=1",
+        "--set",
+        "lens.headroom=2",
+    ];
     let printed = printed.concat() + &succeed(dir.path(), &sensor).stdout;
     let mut numeric = BTreeSet::new();
     for (table, property) in schema["properties"].as_object().unwrap() {

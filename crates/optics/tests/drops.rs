@@ -1,5 +1,9 @@
 //! Drops on the outer face: what they show against angles by hand, and that they neither make nor lose light.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    reason = "a test may panic"
+)]
 
 use image::{DynamicImage, ImageBuffer, Rgb};
 use starbreak_deposit::{Cap, Deposit};
@@ -70,7 +74,7 @@ impl Close {
         let none = CrackNetwork::without_cracks(width, height);
         let pattern = bake(&none, f64::INFINITY, &view, &optics, Seed(1)).unwrap();
         let pattern = pattern.behind(&Deposit { caps }, &view, &optics).unwrap();
-        assert!(!pattern.is_intact());
+        assert!(!pattern.is_intact(), "drops are in the frame");
         let mut image = DynamicImage::ImageRgb16(ImageBuffer::from_fn(width, height, |x, y| {
             let light = scene(f64::from(x) + 0.5, f64::from(y) + 0.5);
             Rgb(light.map(|value| encode16(value as f32)))

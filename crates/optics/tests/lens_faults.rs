@@ -1,5 +1,10 @@
 //! Faults of the lens against closed forms, and against OpenCV's projection.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::float_cmp,
+    reason = "a test may panic, and compares whole numbers"
+)]
 
 use std::f64::consts::{PI, TAU};
 

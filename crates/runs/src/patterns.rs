@@ -129,7 +129,7 @@ impl Patterns {
             return Ok(chain);
         };
         let idx = bank.idx_for(seed);
-        Ok(chain.with_network(bank.network(idx)?, bank.header().seed_of(idx)))
+        Ok(chain.with_network(bank.network(idx)?, bank.header().seed_of(idx))?)
     }
 }
 

@@ -112,9 +112,9 @@ impl<'a> Scene<'a> {
                 };
                 let at = view.unproject([x, part * height]);
                 let at = at.unwrap_or([edge_mm, end_mm]);
-                for k in 0..2 {
-                    seen.from_mm[k] = seen.from_mm[k].min(at[k]);
-                    seen.to_mm[k] = seen.to_mm[k].max(at[k]);
+                for (k, mm) in at.into_iter().enumerate() {
+                    seen.from_mm[k] = seen.from_mm[k].min(mm);
+                    seen.to_mm[k] = seen.to_mm[k].max(mm);
                 }
             }
         }

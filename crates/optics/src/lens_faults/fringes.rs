@@ -26,7 +26,7 @@ impl Fringes {
     }
 
     /// Red and blue of a color image; gray has no fringes.
-    pub(super) fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic) {
+    pub(super) fn over(&self, light: &mut [f32], n_colors: usize, optic: &Optic) {
         if n_colors != 3 {
             return;
         }

@@ -124,7 +124,7 @@ impl Shake {
         all.map(|((y, x), share)| ((x, y), single(share))).collect()
     }
 
-    pub(super) fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic, frame: Seed) {
+    pub(super) fn over(&self, light: &mut [f32], n_colors: usize, optic: &Optic, frame: Seed) {
         let kernel = self.kernel(optic, frame);
         let (width, height) = optic.size;
         let reach = kernel

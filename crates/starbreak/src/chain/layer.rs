@@ -34,7 +34,15 @@ pub enum PaneLayer {
 /// Most drops that land on a pane: some ten seconds of work.
 const MOST_DROPS: f64 = 1e6;
 
-/// What lies on the pane of some settings, on which area, and how frames show that; the seed places it.
+/// What lies on a pane, on which part of it, and how frames show that.
+#[derive(Debug, Clone)]
+pub(super) struct OnPane {
+    pub(super) deposit: Deposit,
+    pub(super) area: Area,
+    view: View,
+}
+
+/// What lies on the pane of some settings; the seed places it.
 ///
 /// # Errors
 /// [`Error::Optics`] for a camera that sees nothing, [`Error::TooManyDrops`].
@@ -42,7 +50,7 @@ pub(super) fn deposit_of(
     settings: &Settings,
     size_px: (u32, u32),
     seed: Seed,
-) -> Result<Option<(Deposit, Area, View)>, Error> {
+) -> Result<Option<OnPane>, Error> {
     let Some(rain) = &settings.drops else {
         return Ok(None);
     };
@@ -54,7 +62,11 @@ pub(super) fn deposit_of(
         let most = MOST_DROPS;
         return Err(Error::TooManyDrops { n_drops, most });
     }
-    Ok(Some((rain.on_pane(&area, seed), area, view)))
+    Ok(Some(OnPane {
+        deposit: rain.on_pane(&area, seed),
+        area,
+        view,
+    }))
 }
 
 /// The dew of some settings before frames of a size; the seed says where more of it is.
@@ -88,19 +100,32 @@ impl PaneLayer {
         size_px: (u32, u32),
         seed: Seed,
     ) -> Result<Self, Error> {
-        let view = Scene::of(settings, size_px).of_network(network)?;
-        settings.may_show(network, &view)?;
-        Self::baked(settings, (network, time), (&view, size_px), seed)
+        let on_pane = deposit_of(settings, size_px, seed)?;
+        let network = (network, time);
+        Self::of_network_under(settings, network, size_px, on_pane.as_ref(), seed)
     }
 
-    /// Glass that is not broken; the seed places what lies on it.
+    /// The same with what lies on the pane.
+    pub(super) fn of_network_under(
+        settings: &Settings,
+        (network, time): (&CrackNetwork, f64),
+        size_px: (u32, u32),
+        on_pane: Option<&OnPane>,
+        seed: Seed,
+    ) -> Result<Self, Error> {
+        let view = Scene::of(settings, size_px).of_network(network)?;
+        settings.may_show(network, &view)?;
+        Self::baked(settings, (network, time), &view, on_pane, seed)
+    }
+
+    /// Glass that is not broken, with what lies on it.
     ///
     /// # Errors
     /// [`Error::Optics`] for a camera that sees nothing.
     pub(super) fn whole(
         settings: &Settings,
         size_px: (u32, u32),
-        seed: Seed,
+        on_pane: Option<&OnPane>,
     ) -> Result<Self, Error> {
         let none = CrackNetwork::without_cracks(size_px.0, size_px.1);
         let scene = Scene::of(settings, size_px);
@@ -108,13 +133,14 @@ impl PaneLayer {
             OpticsSettings::Paper(_) => scene.of_network(&none)?,
             OpticsSettings::Physical(_) => scene.sheet()?,
         };
-        Self::baked(settings, (&none, f64::INFINITY), (&view, size_px), seed)
+        Self::baked(settings, (&none, f64::INFINITY), &view, on_pane, Seed(0))
     }
 
     fn baked(
         settings: &Settings,
         (network, time): (&CrackNetwork, f64),
-        (view, size_px): (&View, (u32, u32)),
+        view: &View,
+        on_pane: Option<&OnPane>,
         seed: Seed,
     ) -> Result<Self, Error> {
         let optics = match &settings.optics {
@@ -124,8 +150,8 @@ impl PaneLayer {
             OpticsSettings::Physical(optics) => optics,
         };
         let pattern = bake(network, time, view, optics, seed)?;
-        Ok(Self::Baked(match deposit_of(settings, size_px, seed)? {
-            Some((deposit, _, view)) => pattern.behind(&deposit, &view, optics)?,
+        Ok(Self::Baked(match on_pane {
+            Some(on) => pattern.behind(&on.deposit, &on.view, optics)?,
             None => pattern,
         }))
     }

@@ -6,8 +6,11 @@
 
 mod layer;
 mod lit;
+mod origin;
 mod report;
 mod sense;
+
+use std::sync::Arc;
 
 use image::{DynamicImage, GrayImage};
 use serde_json::{Map, Value};
@@ -23,9 +26,10 @@ use crate::{
 };
 
 pub use layer::PaneLayer;
-use layer::{deposit_of, dew_of};
+use layer::{OnPane, deposit_of, dew_of};
 use lit::Glass;
 pub use lit::Lit;
+use origin::{Cracks, Origin};
 pub use report::{OpticsReport, SceneReport, Shown, damage_to_json, region_fraction};
 use sense::Behind;
 
@@ -49,29 +53,13 @@ use sense::Behind;
 pub struct Chain {
     settings: Settings,
     layer: PaneLayer,
+    /// What lies on the pane, where that is known.
+    on_pane: Option<Arc<OnPane>>,
     /// Dew on the inner face, where there is any.
     dew: Option<Screen>,
     origin: Origin,
     facts: Map<String, Value>,
     is_glass_intact: bool,
-}
-
-/// What a layer was made from.
-#[derive(Debug, Clone)]
-enum Origin {
-    Network(Box<Cracks>),
-    Photo(Box<PlacedPhoto>),
-    /// A bank, which keeps the network, or no glass at all.
-    Stored,
-}
-
-#[derive(Debug, Clone)]
-struct Cracks {
-    network: CrackNetwork,
-    /// None where the network was kept without them.
-    details: Option<Details>,
-    /// It places what the network leaves open.
-    seed: Seed,
 }
 
 /// No light at all.
@@ -113,26 +101,21 @@ impl Chain {
             timings,
         } = simulated;
         watch.append(timings);
-        let layer = PaneLayer::of_network(settings, (&network, f64::INFINITY), size_px, seed)?;
+        let on_pane = deposit_of(settings, size_px, seed)?;
+        let whole = (&network, f64::INFINITY);
+        let layer = PaneLayer::of_network_under(settings, whole, size_px, on_pane.as_ref(), seed)?;
         watch.lap(layer.stage());
         let mut facts = match details {
             Details::None => Map::new(),
             _ => Map::from_iter([("network".to_owned(), details.facts_of(&network))]),
         };
-        if let (Some(rain), Some((deposit, area, _))) =
-            (&settings.drops, deposit_of(settings, size_px, seed)?)
-        {
-            facts.insert(
-                "drops".to_owned(),
-                report::drops_to_json(rain, &deposit, &area),
-            );
+        if let (Some(rain), Some(on)) = (&settings.drops, &on_pane) {
+            let drops = report::drops_to_json(rain, &on.deposit, &on.area);
+            facts.insert("drops".to_owned(), drops);
         }
+        let is_glass_intact = network.n_segments() == 0 && layer.is_intact();
         let chain = Self {
-            settings: settings.clone(),
-            is_glass_intact: network.n_segments() == 0 && layer.is_intact(),
-            layer,
-            dew: None,
-            facts,
+            on_pane: on_pane.map(Arc::new),
             origin: match details {
                 Details::None => Origin::Stored,
                 details => Origin::Network(Box::new(Cracks {
@@ -141,8 +124,9 @@ impl Chain {
                     seed,
                 })),
             },
+            ..Self::of_layer(settings, layer, facts, is_glass_intact)
         };
-        chain.with_faults().fogged(seed)
+        chain.fogged(seed)
     }
 
     /// Bakes a part of a photograph of broken glass for frames of this size.
@@ -157,15 +141,13 @@ impl Chain {
     ) -> Result<Self, Error> {
         let layer = PaneLayer::of_photo(settings, &placed, size_px)?;
         watch.lap(layer.stage());
-        let chain = Self {
-            settings: settings.clone(),
-            is_glass_intact: layer.is_intact(),
-            layer,
-            dew: None,
-            facts: Map::from_iter([("overlay".to_owned(), placed.facts())]),
+        let facts = Map::from_iter([("overlay".to_owned(), placed.facts())]);
+        let is_glass_intact = layer.is_intact();
+        let chain = Self::of_layer(settings, layer, facts, is_glass_intact);
+        Ok(Self {
             origin: Origin::Photo(Box::new(placed)),
-        };
-        Ok(chain.with_faults())
+            ..chain
+        })
     }
 
     /// What was baked before and kept elsewhere, as in a bank: with what a record says of it, by key,
@@ -180,6 +162,7 @@ impl Chain {
         let chain = Self {
             settings: settings.clone(),
             layer,
+            on_pane: None,
             dew: None,
             origin: Origin::Stored,
             facts,
@@ -223,18 +206,22 @@ impl Chain {
     }
 
     /// Gives a stored layer its network, so that it can grow, and the seed that placed what the network
-    /// leaves open.
-    #[must_use]
-    pub fn with_network(self, network: CrackNetwork, seed: Seed) -> Self {
+    /// leaves open, and what lies on the pane.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] for a camera that sees nothing, [`Error::TooManyDrops`].
+    pub fn with_network(self, network: CrackNetwork, seed: Seed) -> Result<Self, Error> {
+        let on_pane = deposit_of(&self.settings, self.size(), seed)?;
         let cracks = Cracks {
             network,
             details: None,
             seed,
         };
-        Self {
+        Ok(Self {
             origin: Origin::Network(Box::new(cracks)),
+            on_pane: on_pane.map(Arc::new),
             ..self
-        }
+        })
     }
 
     /// The same network as it is at a time, in the unit of its arrivals. A photograph, and a stored layer
@@ -246,7 +233,14 @@ impl Chain {
         match &self.origin {
             Origin::Network(cracks) => {
                 let network = (&cracks.network, time);
-                PaneLayer::of_network(&self.settings, network, self.size(), cracks.seed)
+                let on_pane = self.on_pane.as_deref();
+                PaneLayer::of_network_under(
+                    &self.settings,
+                    network,
+                    self.size(),
+                    on_pane,
+                    cracks.seed,
+                )
             }
             Origin::Photo(_) | Origin::Stored => Ok(self.layer.clone()),
         }
@@ -283,11 +277,7 @@ impl Chain {
     /// # Errors
     /// [`Error::Optics`] for a camera that sees nothing.
     pub fn before_impact(&self) -> Result<PaneLayer, Error> {
-        let seed = match &self.origin {
-            Origin::Network(cracks) => cracks.seed,
-            Origin::Photo(_) | Origin::Stored => Seed(0),
-        };
-        PaneLayer::whole(&self.settings, self.size(), seed)
+        PaneLayer::whole(&self.settings, self.size(), self.on_pane.as_deref())
     }
 
     /// Camera, optics and output.
@@ -328,28 +318,19 @@ impl Chain {
     /// The cracks; a photograph has none, and those of a bank stay there.
     #[must_use]
     pub fn network(&self) -> Option<&CrackNetwork> {
-        match &self.origin {
-            Origin::Network(cracks) => Some(&cracks.network),
-            Origin::Photo(_) | Origin::Stored => None,
-        }
+        self.origin.network()
     }
 
     /// What the model of fracture says of the cracks, where there is a network.
     #[must_use]
     pub fn details(&self) -> Option<&Details> {
-        match &self.origin {
-            Origin::Network(cracks) => cracks.details.as_ref(),
-            Origin::Photo(_) | Origin::Stored => None,
-        }
+        self.origin.details()
     }
 
     /// The photograph, if it is one.
     #[must_use]
     pub fn photo(&self) -> Option<&PlacedPhoto> {
-        match &self.origin {
-            Origin::Photo(placed) => Some(placed),
-            Origin::Network(_) | Origin::Stored => None,
-        }
+        self.origin.photo()
     }
 
     /// What the optics baked.
@@ -434,15 +415,9 @@ impl Chain {
     }
 
     fn with_camera<'a>(&'a self, glass: Glass<'a>) -> Lit<'a> {
-        let optic = Scene::of(&self.settings, self.size()).optic();
         Lit {
             glass,
-            behind: Behind {
-                dew: self.dew.as_ref(),
-                faults: self.settings.faults.as_ref(),
-                optic,
-                least: self.region_threshold(),
-            },
+            behind: Behind::of(&self.settings, self.dew.as_ref(), self.size()),
         }
     }
 
@@ -500,14 +475,6 @@ impl Chain {
             damage,
             maps,
         })
-    }
-
-    /// Less of an influence is none.
-    fn region_threshold(&self) -> f64 {
-        match &self.settings.optics {
-            OpticsSettings::Physical(optics) => optics.region_threshold,
-            OpticsSettings::Paper(_) => 0.0,
-        }
     }
 
     /// Lens and light of a picture, by the physical optics.

@@ -7,7 +7,7 @@ use starbreak_optics::screens::Screen;
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
 use starbreak_sensor::{Code, Codes, Light, Moment, Sensor};
 
-use crate::{CameraFaults, Error};
+use crate::{CameraFaults, Error, OpticsSettings, Scene, Settings};
 
 /// A sample of an image, with its light.
 trait Sample: Code {
@@ -69,7 +69,20 @@ pub(super) struct Behind<'a> {
     pub(super) least: f64,
 }
 
-impl Behind<'_> {
+impl<'a> Behind<'a> {
+    /// Of some settings and their dew, for frames of a size, px.
+    pub(super) fn of(settings: &'a Settings, dew: Option<&'a Screen>, size: (u32, u32)) -> Self {
+        Self {
+            dew,
+            faults: settings.faults.as_ref(),
+            optic: Scene::of(settings, size).optic(),
+            least: match &settings.optics {
+                OpticsSettings::Physical(optics) => optics.region_threshold,
+                OpticsSettings::Paper(_) => 0.0,
+            },
+        }
+    }
+
     /// Whether there is nothing.
     pub(super) fn is_nothing(&self) -> bool {
         self.dew.is_none() && self.faults.is_none()
