@@ -58,7 +58,7 @@ pub(super) struct DistortionTable {
     #[schemars(range(min = -1.0, max = 1.0))]
     pub(super) p2: f64,
     /// How far the picture is moved to the right and down, px, each -1000 to 1000, as by a knock on the camera.
-    #[schemars(inner(range(min = -1000.0, max = 1000.0)))]
+    #[schemars(extend("minimum" = -1000.0, "maximum" = 1000.0))]
     pub(super) shift_px: [f64; 2],
     /// Time of a clip at which it begins, s, 0 to 1000000; pictures by themselves have it.
     #[schemars(range(min = 0.0, max = 1e6))]
