@@ -442,9 +442,25 @@ fn clipped_lamps_are_as_bright_as_the_headroom_says() {
         let mut light: Vec<f32> = (0..40_000)
             .map(|k| lamp(f64::from(k % 200), f64::from(k / 200)) as f32)
             .collect();
-        lens.unclip(&mut light);
+        lens.unclip(&mut light, 1);
         lens.over(&mut light, 1, &optic, Seed(1));
         f64::from(light[100 * 200 + 120])
     };
     assert!((of(50.0) / of(1.0) - 50.0).abs() < 0.01, "its glow, too");
+}
+
+#[test]
+fn a_lamp_keeps_its_color() {
+    let lens = LensFaults::with_headroom(40.0);
+    let mut light = vec![1.0, 0.05, 0.03, 1.0, 0.97, 0.93, 0.9, 0.9, 0.9];
+    lens.unclip(&mut light, 3);
+    assert!(
+        light[0] > 39.0 && light[1] < 0.06 && light[2] < 0.04,
+        "a red one: {light:?}"
+    );
+    assert!(
+        light[5] > 0.7 * light[3],
+        "one that is nearly white: {light:?}"
+    );
+    assert_eq!(light[6..], [0.9; 3], "what is not clipped stays");
 }

@@ -159,7 +159,7 @@ where
     if !sensor.frame_state(at).is_blank() {
         if behind.dew.is_some() || !faults.lens.faults().is_empty() {
             let before = |light: &mut Vec<f32>, n_colors| {
-                faults.lens.unclip(light);
+                faults.lens.unclip(light, n_colors);
                 if let Some(dew) = behind.dew {
                     dew.over(light, n_colors);
                 }
