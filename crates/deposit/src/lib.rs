@@ -1,8 +1,8 @@
 //! What lies on the glass before a camera.
 //!
 //! [`Rain`] makes drops on the outer face of a pane: as many and as large as rain of its rate brings to a pane that
-//! stands and moves as this one does, merged where they touch, run down where they are too heavy to stay. [`Condensation`] says how much of the glass dew covers, with drops too small
-//! to be seen one by one.
+//! stands and moves as this one does, merged where they touch, run down where they are too heavy to stay.
+//! [`Condensation`] says how much of the glass dew covers, with drops too small to be seen one by one.
 //!
 //! What it is not: it knows no camera, light or pixel. Lengths on the pane are mm, +y downhill.
 //!

@@ -283,6 +283,11 @@ impl<'a> Show<'a> {
         self.chain.settings().faults.as_ref()
     }
 
+    /// Whether dew lies on the glass, which it does from the beginning.
+    fn has_dew(&self) -> bool {
+        self.chain.settings().dew.is_some()
+    }
+
     fn sensor(&self) -> Option<&Sensor> {
         self.faults().map(|faults| &faults.sensor)
     }
@@ -296,14 +301,17 @@ impl<'a> Show<'a> {
     /// Whether the glass is hit by a time; where none breaks, whether a fault has begun.
     fn has_begun(&self, time_s: f64) -> bool {
         match self.chain.is_glass_intact() {
-            true => (self.faults()).is_some_and(|faults| !faults.at(time_s).is_empty()),
+            true => {
+                self.has_dew()
+                    || (self.faults()).is_some_and(|faults| !faults.at(time_s).is_empty())
+            }
             false => self.timeline.at(time_s).0 != GlassState::Intact,
         }
     }
 
-    /// Whether masks are wanted, and whether a camera's faults come on top of the glass.
+    /// Whether masks are wanted, and whether dew or a camera's faults come on top of the glass.
     fn wanted(&self) -> (bool, bool) {
-        (self.with_masks, self.faults().is_some())
+        (self.with_masks, self.has_dew() || self.faults().is_some())
     }
 
     /// The full cracks under a light.
