@@ -485,6 +485,24 @@ fn frames_that_do_not_arrive_are_told_of_and_repeat_the_last_that_did() {
 }
 
 #[test]
+fn what_lies_on_the_pane_is_there_from_the_first_frame() {
+    for preset in ["rain", "fogged"] {
+        let dir = folder();
+        write_distinct(&dir.path().join("in"));
+        succeed(
+            dir.path(),
+            &[&TO_OUT[..], &["--preset", preset, "--severity", "5"]].concat(),
+        );
+        let track = json(&dir.path().join("out.track.json"));
+        assert_eq!(track["damage_onset"]["frame_idx"], 0, "{preset}");
+        for frame in track["frames"].as_array().unwrap() {
+            let share = frame["region_fraction"].as_f64().unwrap();
+            assert!(share > 0.02, "{preset}: {share}");
+        }
+    }
+}
+
+#[test]
 fn a_fault_begins_at_its_onset() {
     let dir = folder();
     write_distinct(&dir.path().join("in"));
