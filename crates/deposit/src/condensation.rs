@@ -2,7 +2,16 @@
 
 use std::f64::consts::PI;
 
+use starbreak_seed::{Seed, Stream};
+
 use crate::cap::volume_per_cubed_radius;
+use crate::{Area, Coating, Field, Passage};
+
+/// Refractive index of water in visible light.
+const WATER: f64 = 1.333;
+
+/// Wavelength of green light, m.
+const WAVELENGTH_M: f64 = 0.55e-6;
 
 /// Share of the glass that drops cover once they merge: then they grow with what they cover unchanged \[Fritter1991\].
 const MOST_COVERED: f64 = 0.55;
@@ -58,5 +67,59 @@ impl Condensation {
     #[must_use]
     pub fn refracts_by_rad(&self, refractive_index: f64) -> f64 {
         0.5 * (refractive_index - 1.0) * libm::sin(self.contact_rad)
+    }
+}
+
+/// Dew on a pane: more in some places than in others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fog {
+    /// In the mean over the pane.
+    pub mean: Condensation,
+    /// How much more or less there is in places, a share of the mean.
+    pub unevenness: f64,
+    /// How large such places are, mm.
+    pub scale_mm: f64,
+}
+
+impl Fog {
+    pub(crate) fn on_pane(&self, area: &Area, seed: Seed) -> FoggedPane {
+        FoggedPane {
+            mean: self.mean,
+            times: Field::over(
+                area,
+                (self.scale_mm, self.unevenness),
+                (Stream::Condensation, seed),
+            ),
+        }
+    }
+}
+
+/// Dew on one pane.
+pub(crate) struct FoggedPane {
+    mean: Condensation,
+    times: Field,
+}
+
+impl Coating for FoggedPane {
+    /// Of light that a share c of drops meets, drops without order leave (1 − c)² as it is; c(1 − c) is diffracted by the
+    /// gaps between them, and c refracted, which come from about the place that is seen (Babinet). The sum is 1.
+    fn passage(&self, at_mm: [f64; 2]) -> Passage {
+        let c = self.mean.drops(self.times.at(at_mm)).covered;
+        Passage {
+            covered: c,
+            direct: [(1.0 - c) * (1.0 - c); 3],
+            narrow: c * (1.0 - c),
+            wide: c,
+            ..Passage::CLEAN
+        }
+    }
+
+    fn turns_by_rad(&self) -> [f64; 2] {
+        // The core of a disc's diffraction as a Gaussian.
+        let across_m = 2.0 * self.mean.drops(1.0).radius_m;
+        [
+            0.42 * WAVELENGTH_M / across_m.max(WAVELENGTH_M),
+            self.mean.refracts_by_rad(WATER),
+        ]
     }
 }

@@ -24,7 +24,11 @@ struct Octave {
 impl Field {
     /// Of a scale, mm, over an area; it differs from 1 by the contrast, 0 to 1, at most.
     #[must_use]
-    pub fn over(area: &Area, scale_mm: f64, contrast: f64, seed: Seed) -> Self {
+    pub fn over(
+        area: &Area,
+        (scale_mm, contrast): (f64, f64),
+        (stream, seed): (Stream, Seed),
+    ) -> Self {
         let octave = |k: u32, weight: f64| {
             let cell_mm = scale_mm / f64::from(1_u32 << k);
             #[expect(
@@ -35,7 +39,7 @@ impl Field {
             let size = area
                 .sides_mm()
                 .map(|side| ((side / cell_mm).ceil() as usize).min(MOST_CELLS) + 2);
-            let mut rng = seed.stream(Stream::Condensation, k.into());
+            let mut rng = seed.stream(stream, k.into());
             let values = (0..size[0] * size[1])
                 .map(|_| 2.0 * uniform(&mut rng) - 1.0)
                 .collect();

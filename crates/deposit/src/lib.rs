@@ -2,7 +2,8 @@
 //!
 //! [`Rain`] makes drops on the outer face of a pane: as many and as large as rain of its rate brings to a pane that
 //! stands and moves as this one does, merged where they touch, run down where they are too heavy to stay.
-//! [`Condensation`] says how much of the glass dew covers, with drops too small to be seen one by one.
+//! What is not seen piece by piece is a [`Coat`]: [`Mud`], [`Dust`], a [`Film`], [`Frost`], [`Scratches`] and the [`Fog`] of
+//! [`Condensation`]. A [`Coating`] says what becomes of light at each place of the pane, its [`Passage`].
 //!
 //! What it is not: it knows no camera, light or pixel. Lengths on the pane are mm, +y downhill.
 //!
@@ -20,15 +21,28 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod cap;
+mod coating;
 mod condensation;
+mod dust;
 mod field;
+mod film;
+mod frost;
 mod grid;
+mod mud;
 mod rain;
+mod raster;
+mod scratches;
 
 pub use cap::Cap;
-pub use condensation::{Condensation, Dew};
+pub use coating::{Coat, Coating, Passage};
+pub use condensation::{Condensation, Dew, Fog};
+pub use dust::Dust;
 pub use field::Field;
+pub use film::Film;
+pub use frost::Frost;
+pub use mud::Mud;
 pub use rain::Rain;
+pub use scratches::Scratches;
 
 /// A rectangle of a pane.
 #[derive(Debug, Clone, Copy, PartialEq)]

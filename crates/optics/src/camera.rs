@@ -257,6 +257,24 @@ impl View {
         }
     }
 
+    /// Depth along the optical axis, mm, at which a row of the frame shows the pane; none where it does not, and of a
+    /// stretched pane.
+    pub(crate) fn depth_mm(&self, row_px: f64) -> Option<f64> {
+        let Mapping::Pinhole { .. } = self.mapping else {
+            return None;
+        };
+        let at = self.unproject([self.center()[0], row_px])?;
+        Some(self.homogeneous(at)[2])
+    }
+
+    /// The pane's normal on the side of the scene, in camera coordinates.
+    pub(crate) fn outer_normal(&self) -> [f64; 3] {
+        match self.mapping {
+            Mapping::Stretch { .. } => [0.0, 0.0, 1.0],
+            Mapping::Pinhole { sin, cos, .. } => [0.0, -sin, cos],
+        }
+    }
+
     fn center(&self) -> [f64; 2] {
         [f64::from(self.width) * 0.5, f64::from(self.height) * 0.5]
     }

@@ -4,7 +4,7 @@
 pub(crate) const CELLS_PER_SIGMA: f64 = 2.0;
 
 /// Means of a frame's light over square cells, in rows from the top.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Cells<const COLORS: usize> {
     /// Columns and rows of cells.
     pub(crate) size: (usize, usize),
@@ -29,6 +29,36 @@ impl<const COLORS: usize> Cells<COLORS> {
             per_cell,
             ..Self::of(values, size)
         }
+    }
+
+    /// The light of each cell, in rows.
+    pub(crate) fn values(&self) -> std::slice::Iter<'_, [f32; COLORS]> {
+        self.light.iter()
+    }
+
+    /// The light at a place, px, on straight lines between the middles of cells; beyond the frame that of its border.
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "px of a frame"
+    )]
+    pub(crate) fn at(&self, [u, v]: [f32; 2]) -> [f32; COLORS] {
+        let (columns, rows) = self.size;
+        let along = |px: f32, n: usize| {
+            let place = (px / self.per_cell as f32 - 0.5).clamp(0.0, (n - 1) as f32);
+            let whole = place as usize;
+            (whole, (whole + 1).min(n - 1), place - whole as f32)
+        };
+        let (left, right, s) = along(u, columns);
+        let (top, bottom, t) = along(v, rows);
+        let of = |x: usize, y: usize| &self.light[y * columns + x];
+        let corners = [of(left, top), of(right, top), of(left, bottom), of(right, bottom)];
+        std::array::from_fn(|c| {
+            let [a, b, low_a, low_b] = corners.map(|it| it[c]);
+            let (high, low) = (a + s * (b - a), low_a + s * (low_b - low_a));
+            high + t * (low - high)
+        })
     }
 
     /// Spread by a Gaussian of a standard deviation, px, on cells as large as that allows.

@@ -43,7 +43,7 @@ impl Damaged {
     ) -> Result<Self, Error> {
         let pattern = bank.pattern(bank.idx_for(seed), size, watch)?;
         Ok(Self {
-            chain: pattern.chain.followed_by(settings).fogged(seed)?,
+            chain: pattern.chain.followed_by(settings).coated(seed)?,
             crack_mask_png: Some(pattern.crack_mask_png),
         })
     }
@@ -95,12 +95,12 @@ impl Patterns {
                 Chain::of_simulated(settings, Simulated::from(&**imported), size, seed, watch)?
             }
             Self::Overlays(set) => {
-                Chain::of_photo(settings, set.draw(size, seed)?, size, watch)?.fogged(seed)?
+                Chain::of_photo(settings, set.draw(size, seed)?, size, watch)?.coated(seed)?
             }
             Self::OverlayBank(bank) => {
                 let idx = bank.idx_for(seed);
                 let placed = bank.pattern(idx, size)?;
-                let mut chain = Chain::of_photo(settings, placed, size, watch)?.fogged(seed)?;
+                let mut chain = Chain::of_photo(settings, placed, size, watch)?.coated(seed)?;
                 let pattern = json!({ "bank_sha256": bank.sha256(), "idx": idx });
                 chain.add_fact("pattern", pattern);
                 chain

@@ -76,6 +76,14 @@ pub enum Stream {
     Rain,
     /// Where more water condenses, and where less.
     Condensation,
+    /// Grains of dust, and where there are more.
+    Dust,
+    /// Splats of mud.
+    Mud,
+    /// Waves of a film.
+    Film,
+    /// Nuclei and branches of ice.
+    Frost,
 }
 
 impl Stream {
@@ -106,6 +114,10 @@ impl Stream {
             Self::Shake => b"shake",
             Self::Rain => b"rain",
             Self::Condensation => b"condensation",
+            Self::Dust => b"dust",
+            Self::Mud => b"mud",
+            Self::Film => b"film",
+            Self::Frost => b"frost",
         }
     }
 }
@@ -187,6 +199,10 @@ mod tests {
             Stream::Shake,
             Stream::Rain,
             Stream::Condensation,
+            Stream::Dust,
+            Stream::Mud,
+            Stream::Film,
+            Stream::Frost,
         ]
         .map(Stream::name);
         for (i, name) in names.iter().enumerate() {

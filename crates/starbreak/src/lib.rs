@@ -44,10 +44,10 @@ pub use error::Error;
 pub use growth::{Arrivals, growth_drawing, growth_times};
 pub use import::ImportError;
 pub use recipe::{
-    Assignment, CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DEFAULT_PRESET, DewSettings, FAULTS,
+    Assignment, CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DEFAULT_PRESET, FAULTS,
     FaultKind, FocalLength, FractureSettings, LEAST_MAX_MEMORY_BYTES, MAX_RECIPE_BYTES, Mount,
     OpticsSettings, OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe,
-    RecipeError, SCHEMA_VERSION, Settings, StoneSettings, cameras, json_schema, presets,
+    RecipeError, SCENARIOS, SCHEMA_VERSION, Scenario, Settings, StoneSettings, cameras, json_schema, presets,
 };
 pub use scene::Scene;
 pub use starbreak_fracture as fracture;

@@ -130,6 +130,21 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// What a pixel shows of the pane, or a sixth of what the pupil sees of it at once, mm: nothing finer is seen.
+    pub(crate) fn finest_mm(&self, view: &View) -> f64 {
+        let (width, height) = self.size_px;
+        let middle = [0.5 * f64::from(width), 0.5 * f64::from(height)];
+        let at = view.unproject(middle);
+        let pixel_mm = at
+            .and_then(|at| view.px_per_unit(at))
+            .map_or(1.0, |px| 1.0 / px);
+        let pupil_mm = match &self.settings.optics {
+            OpticsSettings::Physical(optics) => optics.lens.aperture_m() * MM_PER_M,
+            OpticsSettings::Paper(_) => 0.0,
+        };
+        pixel_mm.max(pupil_mm / 6.0)
+    }
+
     /// Length of what the frame shows of a network at a time, in the unit of its arrivals, px.
     ///
     /// # Errors

@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use starbreak::{FAULTS, PRESETS};
+use starbreak::{FAULTS, PRESETS, SCENARIOS};
 
 use super::evaluate::ProtocolWord;
 use super::generate::OnError;
@@ -30,7 +30,8 @@ pub(crate) struct StudyArgs {
     /// Presets to damage the images with
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with_all = ["preset", "recipe"])]
     pub(crate) presets: Vec<String>,
-    /// All presets of a suite: `camera` are rain and the faults of lens, sensor and link, `glass` is broken glass
+    /// All presets of a suite: `camera` is what lies on the glass and the faults of lens, sensor and link, `glass`
+    /// broken glass; the others are a scenario with several faults at once and each of these alone
     #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["preset", "recipe", "presets"])]
     pub(crate) suite: Option<SuiteWord>,
     /// Recipes to damage the images with; severities do not scale them
@@ -95,10 +96,20 @@ pub(crate) struct StudyArgs {
 /// Presets that belong together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SuiteWord {
-    /// Rain, and the faults of lens, sensor and link; without distortion, which moves what labels name
+    /// What lies on the glass, and the faults of lens, sensor and link; without distortion, which moves what labels name
     Camera,
     /// Broken glass
     Glass,
+    /// Rain, a fogged pane, a wet film and glare
+    Rain,
+    /// Frost, a fogged pane and road salt
+    Winter,
+    /// Few photons, a long exposure, glare, and a worn, greasy pane
+    Night,
+    /// Running water, drops and foam
+    CarWash,
+    /// Dust, scratches, shake and too much light
+    Desert,
 }
 
 impl SuiteWord {
@@ -114,8 +125,23 @@ impl SuiteWord {
                 .flat_map(|fault| names(fault.presets))
                 .collect(),
             Self::Glass => names(&PRESETS),
+            Self::Rain => of_scenario("rain"),
+            Self::Winter => of_scenario("winter"),
+            Self::Night => of_scenario("night"),
+            Self::CarWash => of_scenario("car-wash"),
+            Self::Desert => of_scenario("desert"),
         }
     }
+}
+
+/// Presets of a suite's scenario: its faults alone, then all of them together.
+fn of_scenario(suite: &str) -> Vec<String> {
+    SCENARIOS
+        .iter()
+        .filter(|scenario| scenario.suite == suite)
+        .flat_map(|scenario| scenario.alone.iter().copied().chain([scenario.preset.0]))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// Whether sets of images are compared.

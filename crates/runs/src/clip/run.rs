@@ -283,9 +283,9 @@ impl<'a> Show<'a> {
         self.chain.settings().faults.as_ref()
     }
 
-    /// Whether dew lies on the glass, which it does from the beginning.
-    fn has_dew(&self) -> bool {
-        self.chain.settings().dew.is_some()
+    /// Whether a coat lies on the glass, which it does from the beginning.
+    fn has_coat(&self) -> bool {
+        !self.chain.settings().coats.is_empty()
     }
 
     fn sensor(&self) -> Option<&Sensor> {
@@ -302,7 +302,7 @@ impl<'a> Show<'a> {
     fn has_begun(&self, time_s: f64) -> bool {
         match self.chain.is_glass_intact() {
             true => {
-                self.has_dew()
+                self.has_coat()
                     || (self.faults()).is_some_and(|faults| !faults.at(time_s).is_empty())
             }
             false => self.timeline.at(time_s).0 != GlassState::Intact,
@@ -311,7 +311,7 @@ impl<'a> Show<'a> {
 
     /// Whether masks are wanted, and whether dew or a camera's faults come on top of the glass.
     fn wanted(&self) -> (bool, bool) {
-        (self.with_masks, self.has_dew() || self.faults().is_some())
+        (self.with_masks, self.has_coat() || self.faults().is_some())
     }
 
     /// The full cracks under a light.

@@ -1,7 +1,7 @@
 //! What the optics made of the glass, before any light.
 
 use image::GrayImage;
-use starbreak_deposit::{Area, Deposit, Field};
+use starbreak_deposit::{Area, Deposit};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::paper::draw;
 use starbreak_optics::photo::{PhotoPattern, bake as bake_photo, draw as draw_photo};
@@ -69,23 +69,33 @@ pub(super) fn deposit_of(
     }))
 }
 
-/// The dew of some settings before frames of a size; the seed says where more of it is.
+/// Coats on the pane of some settings before frames of a size, so many seconds after the beginning; the seed places
+/// them.
 ///
 /// # Errors
 /// [`Error::Optics`] for a camera that sees nothing.
-pub(super) fn dew_of(
+pub(super) fn screens_of(
     settings: &Settings,
     size_px: (u32, u32),
     seed: Seed,
-) -> Result<Option<Screen>, Error> {
-    let Some(dew) = &settings.dew else {
-        return Ok(None);
-    };
+    after_s: f64,
+) -> Result<Vec<Screen>, Error> {
+    if settings.coats.is_empty() {
+        return Ok(Vec::new());
+    }
     let scene = Scene::of(settings, size_px);
     let view = scene.sheet()?;
-    let field = Field::over(&scene.wet_area(&view), dew.scale_mm, dew.unevenness, seed);
-    let f_px = settings.camera.f_px.of_frame(size_px.0);
-    Ok(Some(Screen::of(&dew.mean, &field, &view, f_px)))
+    let Some(optic) = scene.optic() else {
+        return Ok(Vec::new());
+    };
+    let area = scene.wet_area(&view);
+    let finest_mm = scene.finest_mm(&view);
+    Ok((settings.coats.iter())
+        .map(|coat| {
+            let coating = coat.later(after_s).on_pane(&area, finest_mm, seed);
+            Screen::of(&*coating, &view, &optic)
+        })
+        .collect())
 }
 
 impl PaneLayer {

@@ -26,7 +26,7 @@ use crate::{
 };
 
 pub use layer::PaneLayer;
-use layer::{OnPane, deposit_of, dew_of};
+use layer::{OnPane, deposit_of, screens_of};
 use lit::Glass;
 pub use lit::Lit;
 use origin::{Cracks, Origin};
@@ -55,8 +55,8 @@ pub struct Chain {
     layer: PaneLayer,
     /// What lies on the pane, where that is known.
     on_pane: Option<Arc<OnPane>>,
-    /// Dew on the inner face, where there is any.
-    dew: Option<Screen>,
+    /// Coats on the glass, in the order of the settings.
+    screens: Vec<Screen>,
     origin: Origin,
     facts: Map<String, Value>,
     is_glass_intact: bool,
@@ -126,7 +126,7 @@ impl Chain {
             },
             ..Self::of_layer(settings, layer, facts, is_glass_intact)
         };
-        chain.fogged(seed)
+        chain.coated(seed)
     }
 
     /// Bakes a part of a photograph of broken glass for frames of this size.
@@ -163,7 +163,7 @@ impl Chain {
             settings: settings.clone(),
             layer,
             on_pane: None,
-            dew: None,
+            screens: Vec::new(),
             origin: Origin::Stored,
             facts,
             is_glass_intact,
@@ -171,24 +171,24 @@ impl Chain {
         chain.with_faults()
     }
 
-    /// With the dew of its settings; the seed says where more of it is.
+    /// With the coats of its settings; the seed places them.
     ///
     /// # Errors
     /// [`Error::Optics`] for a camera that sees nothing.
-    pub fn fogged(mut self, seed: Seed) -> Result<Self, Error> {
-        self.dew = dew_of(&self.settings, self.size(), seed)?;
-        if let Some(dew) = &self.dew {
-            let facts = report::dew_to_json(dew);
-            self.facts.insert("condensation".to_owned(), facts);
+    pub fn coated(mut self, seed: Seed) -> Result<Self, Error> {
+        self.screens = screens_of(&self.settings, self.size(), seed, 0.0)?;
+        for (coat, screen) in self.settings.coats.iter().zip(&self.screens) {
+            let (table, fact) = report::coat_to_json(coat, screen);
+            self.facts.insert(table.to_owned(), fact);
         }
         Ok(self)
     }
 
-    /// The same glass with the dew, the camera's faults and the output of other settings, as for a bank that was made
-    /// without; [`Chain::fogged`] makes the dew.
+    /// The same glass with the coats, the camera's faults and the output of other settings, as for a bank that was made
+    /// without; [`Chain::coated`] makes the coats.
     #[must_use]
     pub fn followed_by(mut self, settings: &Settings) -> Self {
-        self.settings.dew = settings.dew;
+        self.settings.coats.clone_from(&settings.coats);
         self.settings.faults.clone_from(&settings.faults);
         self.settings.output = settings.output;
         self.facts.remove("faults");
@@ -295,7 +295,7 @@ impl Chain {
     /// Whether nothing is damaged: the glass is whole, and the camera has no fault.
     #[must_use]
     pub fn is_intact(&self) -> bool {
-        self.is_glass_intact && self.dew.is_none() && self.settings.faults.is_none()
+        self.is_glass_intact && self.screens.is_empty() && self.settings.faults.is_none()
     }
 
     /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.
@@ -398,7 +398,7 @@ impl Chain {
         let light = light.unwrap_or(&DARK);
         let overlay = match (layer, &self.settings.optics) {
             (PaneLayer::Paper(drawn), OpticsSettings::Paper(optics)) => {
-                return Ok(self.with_camera(Glass::Paper(drawn, optics)));
+                return Ok(self.with_camera(Glass::Paper(drawn, optics), *light));
             }
             (PaneLayer::Baked(pattern), OpticsSettings::Physical(optics)) => {
                 pattern.light(light, optics)
@@ -411,13 +411,13 @@ impl Chain {
             }
             _ => return Err(Error::OtherOptics),
         };
-        Ok(self.with_camera(Glass::Physical(Box::new(overlay))))
+        Ok(self.with_camera(Glass::Physical(Box::new(overlay)), *light))
     }
 
-    fn with_camera<'a>(&'a self, glass: Glass<'a>) -> Lit<'a> {
+    fn with_camera<'a>(&'a self, glass: Glass<'a>, light: Environment) -> Lit<'a> {
         Lit {
             glass,
-            behind: Behind::of(&self.settings, self.dew.as_ref(), self.size()),
+            behind: Behind::of(&self.settings, &self.screens, light, self.size()),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use image::GrayImage;
 use serde_json::{Map, Value, json};
-use starbreak_deposit::{Area, Deposit, Rain};
+use starbreak_deposit::{Area, Coat, Deposit, Rain};
 use starbreak_optics::environment::{Environment, Rgb};
 use starbreak_optics::lens_faults::{LensFault, Optic};
 use starbreak_optics::physical::OpticalMaps;
@@ -130,15 +130,37 @@ pub(super) fn drops_to_json(rain: &Rain, deposit: &Deposit, area: &Area) -> Valu
     })
 }
 
-/// What a record says of dew.
-pub(super) fn dew_to_json(dew: &Screen) -> Value {
+/// The table of a coat on the glass, and what a record says of it.
+pub(super) fn coat_to_json(coat: &Coat, screen: &Screen) -> (&'static str, Value) {
     let rounded = |value: f64| (value * 1e6).round() / 1e6;
-    let [refracted, diffracted] = dew.halos_px().map(rounded);
-    json!({
-        "coverage": rounded(dew.mean_covered()),
-        "refracted_px": refracted,
-        "diffracted_px": diffracted,
-    })
+    let mut fact = json!({
+        "coverage": rounded(screen.mean_covered()),
+        "direct": rounded(screen.mean_direct()),
+    });
+    let [narrow_px, wide_px] = screen.halos_px().map(rounded);
+    match coat {
+        Coat::Scratches(it) => fact["haze"] = json!(it.haze),
+        Coat::Dust(it) => fact["cleanliness_level"] = json!(it.level_um().round()),
+        Coat::Film(it) => fact["turns_by_rms_rad"] = json!(rounded(it.turns_by_rms_rad())),
+        Coat::Fog(_) => {
+            fact["refracted_px"] = json!(wide_px);
+            fact["diffracted_px"] = json!(narrow_px);
+        }
+        Coat::Mud(_) | Coat::Frost(_) => {}
+    }
+    (coat_table(coat), fact)
+}
+
+/// The table of a recipe that puts a coat on the glass.
+fn coat_table(coat: &Coat) -> &'static str {
+    match coat {
+        Coat::Scratches(_) => "scratches",
+        Coat::Mud(_) => "mud",
+        Coat::Dust(_) => "dust",
+        Coat::Film(_) => "film",
+        Coat::Frost(_) => "frost",
+        Coat::Fog(_) => "condensation",
+    }
 }
 
 /// The table of a fault of the lens, and how large it is.

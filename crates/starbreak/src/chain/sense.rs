@@ -2,6 +2,7 @@
 
 use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
+use starbreak_optics::environment::{Environment, EnvironmentParams};
 use starbreak_optics::lens_faults::Optic;
 use starbreak_optics::screens::Screen;
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
@@ -58,22 +59,34 @@ impl Sample for u16 {
     }
 }
 
-/// What light meets behind the glass: dew on its inner face, then the camera's faults.
+/// What light meets beside broken glass and drops: coats on the glass, then the camera's faults.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Behind<'a> {
-    pub(super) dew: Option<&'a Screen>,
+    pub(super) screens: &'a [Screen],
+    /// The light around the camera, in which coats shine.
+    pub(super) around: (Environment, EnvironmentParams),
     pub(super) faults: Option<&'a CameraFaults>,
     /// The lens, which some optics know.
     pub(super) optic: Option<Optic>,
-    /// Where less of the light than this share is changed by dew, it does not count as affected.
+    /// Where less of the light than this share is changed by a coat, it does not count as affected.
     pub(super) least: f64,
 }
 
 impl<'a> Behind<'a> {
-    /// Of some settings and their dew, for frames of a size, px.
-    pub(super) fn of(settings: &'a Settings, dew: Option<&'a Screen>, size: (u32, u32)) -> Self {
+    /// Of some settings and their coats under a light, for frames of a size, px.
+    pub(super) fn of(
+        settings: &'a Settings,
+        screens: &'a [Screen],
+        light: Environment,
+        size: (u32, u32),
+    ) -> Self {
+        let params = match &settings.optics {
+            OpticsSettings::Physical(optics) => optics.environment,
+            OpticsSettings::Paper(_) => EnvironmentParams::default(),
+        };
         Self {
-            dew,
+            screens,
+            around: (light, params),
             faults: settings.faults.as_ref(),
             optic: Scene::of(settings, size).optic(),
             least: match &settings.optics {
@@ -85,13 +98,13 @@ impl<'a> Behind<'a> {
 
     /// Whether there is nothing.
     pub(super) fn is_nothing(&self) -> bool {
-        self.dew.is_none() && self.faults.is_none()
+        self.screens.is_empty() && self.faults.is_none()
     }
 
     /// Whether there is nothing at a time of a clip, s.
     pub(super) fn is_nothing_at(&self, time_s: f64) -> bool {
         let faults = self.faults;
-        self.dew.is_none() && faults.is_none_or(|faults| faults.at(time_s).is_empty())
+        self.screens.is_empty() && faults.is_none_or(|faults| faults.at(time_s).is_empty())
     }
 
     /// Puts an image there, in place. Samples whose light does not change keep their codes; alpha stays.
@@ -123,9 +136,8 @@ impl<'a> Behind<'a> {
 
     /// Adds 255 where it reaches a frame of these colors to a region.
     pub(super) fn add_region(&self, region: &mut GrayImage, color: ColorType, at: Moment) {
-        if let Some(dew) = self.dew {
-            let reached = dew.reaches(self.least);
-            add(region, reached);
+        for screen in self.screens {
+            add(region, screen.reaches(self.least));
         }
         if let Some(faults) = self.faults {
             add_faults(faults, region, color, at);
@@ -157,11 +169,12 @@ where
     let sensor = &faults.sensor;
     // A frame that does not arrive is not looked at.
     if !sensor.frame_state(at).is_blank() {
-        if behind.dew.is_some() || !faults.lens.faults().is_empty() {
+        if !behind.screens.is_empty() || !faults.lens.faults().is_empty() {
             let before = |light: &mut Vec<f32>, n_colors| {
                 faults.lens.unclip(light, n_colors);
-                if let Some(dew) = behind.dew {
-                    dew.over(light, n_colors);
+                let (light_around, params) = &behind.around;
+                for screen in behind.screens {
+                    screen.over(light, n_colors, (light_around, params));
                 }
                 if let Some(optic) = &behind.optic {
                     faults.lens.over(light, n_colors, optic, at.frame);

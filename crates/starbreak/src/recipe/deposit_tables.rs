@@ -6,12 +6,111 @@ use serde::{Deserialize, Serialize};
 /// What lies on the pane.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct DepositTables {
+    /// Grooves in the outer face. Without this table there are none.
+    #[schemars(with = "ScratchesTable")]
+    pub(super) scratches: Option<ScratchesTable>,
+    /// Mud on the outer face. Without this table there is none.
+    #[schemars(with = "MudTable")]
+    pub(super) mud: Option<MudTable>,
+    /// Dust on the glass. Without this table there is none.
+    #[schemars(with = "DustTable")]
+    pub(super) dust: Option<DustTable>,
+    /// A film of grease. Without this table there is none.
+    #[schemars(with = "FilmTable")]
+    pub(super) film: Option<FilmTable>,
+    /// Frost. Without this table there is none.
+    #[schemars(with = "FrostTable")]
+    pub(super) frost: Option<FrostTable>,
     /// Drops of rain on the outer face. Without this table there are none.
     #[schemars(with = "DropsTable")]
     pub(super) drops: Option<DropsTable>,
     /// Dew on the inner face. Without this table there is none.
     #[schemars(with = "CondensationTable")]
     pub(super) condensation: Option<CondensationTable>,
+}
+
+/// Scratches of sand and wipers, too fine to be seen one by one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ScratchesTable {
+    /// Haze: the share of a beam that they turn by more than 2.5 degrees, percent, 0 (none) to 20.
+    #[schemars(range(min = 0.0, max = 20.0))]
+    pub(super) haze_percent: f64,
+    /// How much of it is of scratches along the wiper's way, percent, 0 (sand alone) to 100: they draw streaks through lamps.
+    #[schemars(range(min = 0.0, max = 100.0))]
+    pub(super) wiper_percent: f64,
+    /// Where the wiper turns, mm on the glass right and down of where the optical axis meets it.
+    #[schemars(extend("minimum" = -2000.0, "maximum" = 2000.0))]
+    pub(super) pivot_mm: [f64; 2],
+}
+
+/// Splats of mud that have dried.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MudTable {
+    /// How much of the glass it covers, percent, 0 (none) to 80.
+    #[schemars(range(min = 0.0, max = 80.0))]
+    pub(super) coverage_percent: f64,
+    /// Median diameter of a splat, mm, 2 to 40.
+    #[schemars(range(min = 2.0, max = 40.0))]
+    pub(super) splat_mm: f64,
+    /// How thick it is, um, 10 to 2000: a thin film is brown glass, a thick one lets nothing through.
+    #[schemars(range(min = 10.0, max = 2000.0))]
+    pub(super) thickness_um: f64,
+    /// What it absorbs of red, green and blue per mm, 0 to 200.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 200.0))]
+    pub(super) absorption_per_mm: [f64; 3],
+    /// What it scatters per mm, 0.1 to 200.
+    #[schemars(range(min = 0.1, max = 200.0))]
+    pub(super) scattering_per_mm: f64,
+}
+
+/// Grains of dust of all sizes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DustTable {
+    /// How much of the glass it covers, percent, 0 (none) to 30.
+    #[schemars(range(min = 0.0, max = 30.0))]
+    pub(super) coverage_percent: f64,
+    /// How much of the light that meets a grain is not absorbed, 0 (soot) to 1.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub(super) albedo: f64,
+    /// How much more dust lies in some places than in the mean, and less in others, a share of it, 0 to 1.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub(super) unevenness: f64,
+    /// How large such places are, mm, 5 to 1000.
+    #[schemars(range(min = 5.0, max = 1000.0))]
+    pub(super) scale_mm: f64,
+}
+
+/// A film of grease or water whose thickness varies: it bends what is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FilmTable {
+    /// Standard deviation of its thickness, um, 0 to 200.
+    #[schemars(range(min = 0.0, max = 200.0))]
+    pub(super) ripple_um: f64,
+    /// From one thick place to the next, mm, 1 to 50.
+    #[schemars(range(min = 1.0, max = 50.0))]
+    pub(super) scale_mm: f64,
+    /// How much of the light it scatters, percent, 0 to 50.
+    #[schemars(range(min = 0.0, max = 50.0))]
+    pub(super) haze_percent: f64,
+}
+
+/// Crystals of ice that grow from nuclei.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FrostTable {
+    /// How long it has grown, s, 0 (none) to 100000.
+    #[schemars(range(min = 0.0, max = 1e5))]
+    pub(super) age_s: f64,
+    /// Speed of the tips of crystals, um/s, 0 to 1000: the colder and moister, the faster.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub(super) front_um_s: f64,
+    /// Nuclei per cm2, 0.001 to 20: few on clean glass, many on dusty.
+    #[schemars(range(min = 0.001, max = 20.0))]
+    pub(super) seeds_per_cm2: f64,
 }
 
 /// Drops of rain.

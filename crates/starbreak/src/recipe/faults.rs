@@ -11,10 +11,16 @@ pub struct FaultKind {
 }
 
 impl FaultKind {
-    /// Whether it lies on the pane, and so is baked with broken glass.
+    /// Whether it is drops on the pane, and so is baked with broken glass.
     #[must_use]
     pub fn is_on_pane(&self) -> bool {
         self.table == "drops"
+    }
+
+    /// Whether it needs a pane to lie on.
+    #[must_use]
+    pub fn needs_pane(&self) -> bool {
+        self.is_on_pane() || COATS.contains(&self.table)
     }
 
     /// Whether it moves what an image shows, so that labels no longer fit.
@@ -24,8 +30,43 @@ impl FaultKind {
     }
 }
 
+/// The tables of coats on the pane.
+const COATS: [&str; 6] = ["mud", "dust", "film", "frost", "scratches", "condensation"];
+
 /// All of them, in the order in which light meets them.
-pub const FAULTS: [FaultKind; 19] = [
+pub const FAULTS: [FaultKind; 24] = [
+    FaultKind {
+        table: "mud",
+        presets: &[("muddy", "splats of mud that have dried on the glass")],
+    },
+    FaultKind {
+        table: "dust",
+        presets: &[(
+            "dusty",
+            "dust of all sizes on the glass: less light, and a veil around what is bright",
+        )],
+    },
+    FaultKind {
+        table: "film",
+        presets: &[(
+            "greasy",
+            "a film of grease: what is seen bends, and some light is scattered",
+        )],
+    },
+    FaultKind {
+        table: "frost",
+        presets: &[(
+            "frosted",
+            "ice on the glass: crystals that grow in branches and let white light through",
+        )],
+    },
+    FaultKind {
+        table: "scratches",
+        presets: &[(
+            "scratched",
+            "worn glass: haze, and streaks through lamps across the wiper's way",
+        )],
+    },
     FaultKind {
         table: "drops",
         presets: &[(
@@ -183,10 +224,66 @@ pub const FAULTS: [FaultKind; 19] = [
     },
 ];
 
-/// All presets with what each is for: first those that break glass, then those of other faults.
+/// Several faults at once, as they come together on the road.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Scenario {
+    /// The suite of a study that looks at it.
+    pub suite: &'static str,
+    /// Its preset, and what it is.
+    pub preset: (&'static str, &'static str),
+    /// Presets of its faults alone, for comparison.
+    pub alone: &'static [&'static str],
+}
+
+/// All of them.
+pub const SCENARIOS: [Scenario; 5] = [
+    Scenario {
+        suite: "rain",
+        preset: (
+            "rainy-drive",
+            "driving in rain: drops, a fogged pane, a wet film, and lights that glare",
+        ),
+        alone: &["rain", "fogged", "greasy", "glare"],
+    },
+    Scenario {
+        suite: "winter",
+        preset: (
+            "winter-morning",
+            "a winter morning: ice that was not scraped off, breath on the pane, and road salt",
+        ),
+        alone: &["frosted", "fogged", "dusty"],
+    },
+    Scenario {
+        suite: "night",
+        preset: (
+            "night-drive",
+            "driving at night: few photons, a long exposure, bright lamps, and a worn, greasy pane",
+        ),
+        alone: &["underexposed", "noise", "shake", "glare", "scratched", "greasy"],
+    },
+    Scenario {
+        suite: "car-wash",
+        preset: (
+            "car-wash",
+            "in a car wash: water that runs down, drops, and foam",
+        ),
+        alone: &["greasy", "rain"],
+    },
+    Scenario {
+        suite: "desert",
+        preset: (
+            "desert-track",
+            "a track in the desert: dust, scratches of sand, a camera that shakes, and too much light",
+        ),
+        alone: &["dusty", "scratched", "shake", "overexposed"],
+    },
+];
+
+/// All presets with what each is for: first those that break glass, then those of other faults, then scenarios.
 pub fn presets() -> impl Iterator<Item = (&'static str, &'static str)> + Clone {
     let faults = FAULTS
         .iter()
         .flat_map(|fault| fault.presets.iter().copied());
-    super::PRESETS.into_iter().chain(faults)
+    let scenarios = SCENARIOS.iter().map(|scenario| scenario.preset);
+    super::PRESETS.into_iter().chain(faults).chain(scenarios)
 }

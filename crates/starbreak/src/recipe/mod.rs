@@ -22,11 +22,11 @@ use toml::{Table, Value};
 pub use assignment::Assignment;
 pub use cameras::cameras;
 pub use error::RecipeError;
-pub use faults::{FAULTS, FaultKind, presets};
+pub use faults::{FAULTS, FaultKind, SCENARIOS, Scenario, presets};
 pub use presets::{DEFAULT_PRESET, PRESETS};
 pub use schema::json_schema;
 pub use settings::{
-    CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DewSettings, FocalLength, FractureSettings,
+    CameraSettings, DEFAULT_MAX_MEMORY_BYTES, FocalLength, FractureSettings,
     LEAST_MAX_MEMORY_BYTES, Mount, OpticsSettings, OutputFormat, OutputSettings, PaperSettings,
     PhysicsSettings, Settings, StoneSettings,
 };
@@ -277,9 +277,7 @@ impl Recipe {
                 if ["fracture", "optics"].contains(name) && *key == "model" {
                     let choice = self.choice(&place)?;
                     known_keys::retain(&mut self.table, choice);
-                    let has_deposit = ["drops", "condensation"]
-                        .iter()
-                        .any(|name| self.table.contains_key(*name));
+                    let has_deposit = self.has_deposit();
                     if choice.fracture == ModelWord::None && !has_deposit {
                         self.table.remove("glass");
                     }
@@ -288,6 +286,12 @@ impl Recipe {
             _ => return Err(RecipeError::NotAnAssignment { place }),
         }
         Ok(())
+    }
+
+    /// Whether anything lies on the pane.
+    fn has_deposit(&self) -> bool {
+        let mut faults = FAULTS.iter();
+        faults.any(|fault| fault.needs_pane() && self.table.contains_key(fault.table))
     }
 
     /// Every key exists, and what was left out comes from presets; then all values are in range.
@@ -301,9 +305,7 @@ impl Recipe {
             let kind: KindWord = word(place, "glass.kind", kind)?;
             complete.insert("glass".to_owned(), presets::glass_of(kind)?.into());
         }
-        let has_pane = ["glass", "drops", "condensation"]
-            .iter()
-            .any(|name| self.table.contains_key(*name));
+        let has_pane = self.table.contains_key("glass") || self.has_deposit();
         if has_pane
             && choice.fracture == ModelWord::None
             && schema::has(choice, "glass", "rake_deg")

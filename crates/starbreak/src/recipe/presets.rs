@@ -126,6 +126,11 @@ impl Preset {
                 include_str!("../../presets/lens-cover-shattered.toml")
             }
             "paper" => include_str!("../../presets/paper.toml"),
+            "muddy" => include_str!("../../presets/muddy.toml"),
+            "dusty" => include_str!("../../presets/dusty.toml"),
+            "greasy" => include_str!("../../presets/greasy.toml"),
+            "frosted" => include_str!("../../presets/frosted.toml"),
+            "scratched" => include_str!("../../presets/scratched.toml"),
             "rain" => include_str!("../../presets/rain.toml"),
             "fogged" => include_str!("../../presets/fogged.toml"),
             "distortion" => include_str!("../../presets/distortion.toml"),
@@ -153,6 +158,11 @@ impl Preset {
             "compression" => include_str!("../../presets/compression.toml"),
             "row-alias" => include_str!("../../presets/row-alias.toml"),
             "blank-frames" => include_str!("../../presets/blank-frames.toml"),
+            "rainy-drive" => include_str!("../../presets/rainy-drive.toml"),
+            "winter-morning" => include_str!("../../presets/winter-morning.toml"),
+            "night-drive" => include_str!("../../presets/night-drive.toml"),
+            "car-wash" => include_str!("../../presets/car-wash.toml"),
+            "desert-track" => include_str!("../../presets/desert-track.toml"),
             _ => return Err(RecipeError::unknown_preset(name)),
         };
         let mut table = parse_table(&Place::preset(name), text)?;

@@ -9,13 +9,18 @@ use super::schema::{keys, of_choice};
 use super::tables::Choice;
 
 /// Tables in the order in which a reader thinks of them.
-const ORDER: [&str; 28] = [
+const ORDER: [&str; 33] = [
     "camera",
     "glass",
     "impact",
     "fracture",
     "long_crack",
     "optics",
+    "mud",
+    "dust",
+    "film",
+    "frost",
+    "scratches",
     "drops",
     "condensation",
     "distortion",

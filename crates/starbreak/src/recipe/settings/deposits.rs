@@ -2,9 +2,12 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use starbreak_deposit::{Condensation, Rain};
+use starbreak_deposit::{Coat, Condensation, Dust, Film, Fog, Frost, Mud, Rain, Scratches};
 
 use super::super::error::{Place, RecipeError};
+use super::super::deposit_tables::{
+    CondensationTable, DustTable, FilmTable, FrostTable, MudTable, ScratchesTable,
+};
 use super::super::tables::DepositTables;
 use super::{FractureSettings, OpticsSettings};
 
@@ -32,41 +35,98 @@ pub(super) fn drops(
     }))
 }
 
-/// Dew on a pane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DewSettings {
-    /// In the mean over the pane.
-    pub mean: Condensation,
-    /// How much more or less there is in places, a share of the mean.
-    pub unevenness: f64,
-    /// How large such places are, mm.
-    pub scale_mm: f64,
-}
-
-/// Dew on the pane; none where nothing condenses.
-pub(super) fn dew(
+/// The coats on the pane, outer ones first.
+pub(super) fn coats(
     place: &Place,
     given: &DepositTables,
     fracture: &FractureSettings,
     optics: &OpticsSettings,
-) -> Result<Option<DewSettings>, RecipeError> {
-    let Some(it) = &given.condensation else {
-        return Ok(None);
-    };
-    let (OpticsSettings::Physical(_), Some(_)) = (optics, fracture.mount()) else {
-        return Err(without_pane(place, "condensation"));
-    };
-    let is_wet = it.age_s > 0.0 && it.growth_um_s > 0.0;
-    Ok(is_wet.then(|| DewSettings {
-        mean: Condensation {
-            growth_m_s: it.growth_um_s * 1e-6,
+) -> Result<Vec<Coat>, RecipeError> {
+    let coats = [
+        ("mud", given.mud.map(mud)),
+        ("dust", given.dust.map(dust)),
+        ("film", given.film.map(film)),
+        ("frost", given.frost.map(frost)),
+        ("scratches", given.scratches.map(scratches)),
+        ("condensation", given.condensation.map(fog)),
+    ];
+    let mut on_pane = Vec::new();
+    for (table, coat) in coats {
+        let Some(coat) = coat else { continue };
+        let (OpticsSettings::Physical(_), Some(_)) = (optics, fracture.mount()) else {
+            return Err(without_pane(place, table));
+        };
+        on_pane.extend(coat);
+    }
+    Ok(on_pane)
+}
+
+fn mud(it: MudTable) -> Option<Coat> {
+    (it.coverage_percent > 0.0).then(|| {
+        Coat::Mud(Mud {
+            coverage: 0.01 * it.coverage_percent,
+            splat_mm: it.splat_mm,
+            thickness_mm: 1e-3 * it.thickness_um,
+            absorbs_per_mm: it.absorption_per_mm,
+            scatters_per_mm: it.scattering_per_mm,
+        })
+    })
+}
+
+fn dust(it: DustTable) -> Option<Coat> {
+    (it.coverage_percent > 0.0).then(|| {
+        Coat::Dust(Dust {
+            coverage: 0.01 * it.coverage_percent,
+            albedo: it.albedo,
+            unevenness: it.unevenness,
+            scale_mm: it.scale_mm,
+        })
+    })
+}
+
+fn film(it: FilmTable) -> Option<Coat> {
+    (it.ripple_um > 0.0 || it.haze_percent > 0.0).then(|| {
+        Coat::Film(Film {
+            ripple_m: 1e-6 * it.ripple_um,
+            scale_mm: it.scale_mm,
+            haze: 0.01 * it.haze_percent,
+        })
+    })
+}
+
+fn frost(it: FrostTable) -> Option<Coat> {
+    (it.age_s > 0.0 && it.front_um_s > 0.0).then(|| {
+        Coat::Frost(Frost {
             age_s: it.age_s,
-            nuclei_per_m2: it.nuclei_per_mm2 * 1e6,
-            contact_rad: it.contact_deg.to_radians(),
-        },
-        unevenness: it.unevenness,
-        scale_mm: it.scale_mm,
-    }))
+            front_mm_s: 1e-3 * it.front_um_s,
+            nuclei_per_mm2: 0.01 * it.seeds_per_cm2,
+        })
+    })
+}
+
+fn scratches(it: ScratchesTable) -> Option<Coat> {
+    (it.haze_percent > 0.0).then(|| {
+        Coat::Scratches(Scratches {
+            haze: 0.01 * it.haze_percent,
+            wiped: 0.01 * it.wiper_percent,
+            pivot_mm: it.pivot_mm,
+        })
+    })
+}
+
+fn fog(it: CondensationTable) -> Option<Coat> {
+    (it.age_s > 0.0 && it.growth_um_s > 0.0).then(|| {
+        Coat::Fog(Fog {
+            mean: Condensation {
+                growth_m_s: it.growth_um_s * 1e-6,
+                age_s: it.age_s,
+                nuclei_per_m2: it.nuclei_per_mm2 * 1e6,
+                contact_rad: it.contact_deg.to_radians(),
+            },
+            unevenness: it.unevenness,
+            scale_mm: it.scale_mm,
+        })
+    })
 }
 
 fn without_pane(place: &Place, table: &str) -> RecipeError {

@@ -10,7 +10,7 @@ mod physics;
 mod ranges;
 
 use rand_chacha::rand_core::Rng;
-use starbreak_deposit::Rain;
+use starbreak_deposit::{Coat, Rain};
 use starbreak_fracture::paper::{Direction, Position};
 use starbreak_glass::MAX_IMPACTS;
 use starbreak_optics::paper::PaperOptics;
@@ -18,7 +18,6 @@ use starbreak_optics::physical::PhysicalOptics;
 use starbreak_seed::{Seed, Stream};
 use toml::Table;
 
-pub use deposits::DewSettings;
 pub use paper::PaperSettings;
 pub use physics::{Mount, PhysicsSettings, StoneSettings};
 
@@ -46,8 +45,8 @@ pub struct Settings {
     pub optics: OpticsSettings,
     /// Rain on the pane, where it is any.
     pub drops: Option<Rain>,
-    /// Dew on the pane, where there is any.
-    pub dew: Option<DewSettings>,
+    /// Coats on the pane, outer ones first.
+    pub coats: Vec<Coat>,
     /// What is wrong with the camera itself, where anything is.
     pub faults: Option<CameraFaults>,
     /// What is written.
@@ -213,7 +212,7 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
         sensor: faults::settings(place, &from_table(place, recipe)?)?,
     };
     Ok(Settings {
-        dew: deposits::dew(place, &from_table(place, recipe)?, &fracture, &optics)?,
+        coats: deposits::coats(place, &from_table(place, recipe)?, &fracture, &optics)?,
         drops: deposits::drops(place, &from_table(place, recipe)?, &fracture, &optics)?,
         output: output(place, &common.output, &optics)?,
         fracture,

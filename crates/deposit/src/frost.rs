@@ -1,0 +1,326 @@
+//! Frost: crystals of ice that grow from nuclei in branches of sixty degrees.
+
+use std::f64::consts::{FRAC_PI_3, TAU};
+
+use starbreak_seed::{Seed, Stream, normal, uniform};
+
+use crate::raster::Raster;
+use crate::{Area, Coating, Passage};
+
+/// Ice on a pane.
+///
+/// From each nucleus stems grow at the speed of the front, in directions 60° apart; they branch on both sides, at 60°
+/// again, and branches branch, each kind slower than the one before. A tip that meets ice stops. Between branches ice
+/// closes in slowly. It thickens with the root of the time since it came \[as heat that is led away through it\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frost {
+    /// How long it has grown, s.
+    pub age_s: f64,
+    /// Speed of the tips of stems, mm/s.
+    pub front_mm_s: f64,
+    /// Nuclei per mm².
+    pub nuclei_per_mm2: f64,
+}
+
+/// Refractive index of ice.
+const ICE: f64 = 1.31;
+
+/// Slope of its faces, the standard deviation per axis. FIT.
+const SLOPE: f64 = 0.3;
+
+/// Thickness of ice when the front has gone a millimeter further, mm. FIT.
+const THICKNESS_MM: f64 = 0.06;
+
+/// Thickness up to which most of its face is even, mm. FIT.
+const EVEN_MM: f64 = 0.15;
+
+/// What it scatters, by bubbles and cracks, mm⁻¹. FIT.
+const SCATTERS_PER_MM: f64 = 2.0;
+
+/// How much thicker it is on stems, branches and branches of these, and between them. FIT.
+const RIDGES: [f32; 3] = [2.2, 1.6, 1.2];
+const BETWEEN: f32 = 0.6;
+
+/// Speed of stems, branches, and branches of these, over that of the front. FIT.
+const SPEEDS: [f64; 3] = [1.0, 0.6, 0.4];
+
+/// Half the width of each when its tip passes, mm. FIT.
+const HALF_WIDTHS_MM: [f64; 3] = [0.3, 0.16, 0.1];
+
+/// From one branch to the next, mm. FIT.
+const BRANCHES_EACH_MM: [f64; 2] = [2.2, 1.4];
+
+/// Speed at which ice closes in between branches, over that of the front. FIT.
+const SIDEWAYS: f64 = 0.02;
+
+/// Standard deviation of the curvature of stems, mm⁻¹. FIT.
+const CURVES_PER_MM: f64 = 0.02;
+
+/// Most nuclei.
+const MOST_NUCLEI: f64 = 2e4;
+
+/// A cell that no ice has come to.
+const NEVER: f32 = f32::INFINITY;
+
+impl Frost {
+    pub(crate) fn on_pane(&self, area: &Area, finest_mm: f64, seed: Seed) -> FrostedPane {
+        // A nucleus may lie beyond the area.
+        let cell_mm = finest_mm.clamp(0.12, 0.5);
+        let mut ice = Ice {
+            arrives_mm: Raster::over(area, cell_mm, NEVER),
+            ridge: Raster::over(area, cell_mm, BETWEEN),
+        };
+        let most_mm = self.front_mm_s * self.age_s;
+        if most_mm > 0.0 {
+            Growing::over(self, area, seed).run(&mut ice, most_mm);
+            close_in(&mut ice.arrives_mm);
+        }
+        FrostedPane {
+            ice,
+            front_mm: most_mm,
+        }
+    }
+}
+
+/// Ice in the cells of a pane.
+struct Ice {
+    /// Way of the front when it comes, mm.
+    arrives_mm: Raster,
+    /// How much thicker it is than in the mean.
+    ridge: Raster,
+}
+
+/// Tips of ice on their way.
+struct Growing {
+    tips: Vec<Tip>,
+    rng: rand_chacha::ChaCha8Rng,
+}
+
+/// The tip of a stem or a branch.
+#[derive(Debug, Clone, Copy)]
+struct Tip {
+    at_mm: [f64; 2],
+    /// Direction, rad, and how it turns, rad/mm.
+    angle: f64,
+    curve: f64,
+    kind: usize,
+    /// Its speed over that of the front.
+    speed: f64,
+    /// Way of the front when it began, mm.
+    from_mm: f64,
+    /// Way to its next branch, mm.
+    next_mm: f64,
+    /// Way that it has not gone yet: tips go by half cells, mm.
+    owed_mm: f64,
+    is_stopped: bool,
+}
+
+impl Growing {
+    fn over(frost: &Frost, area: &Area, seed: Seed) -> Self {
+        let mut rng = seed.stream(Stream::Frost, 0);
+        let sides = area.sides_mm();
+        let n = (frost.nuclei_per_mm2 * sides[0] * sides[1]).min(MOST_NUCLEI);
+        let mut tips = Vec::new();
+        let mut place = 0.0;
+        while {
+            place -= libm::log(1.0 - uniform(&mut rng));
+            place < n
+        } {
+            let at_mm = [0, 1].map(|k| area.from_mm[k] + sides[k] * uniform(&mut rng));
+            let turn = TAU * uniform(&mut rng);
+            // Nuclei take hold one after another.
+            let from_mm = 6.0 * uniform(&mut rng);
+            for k in 0..6 {
+                // Not every direction finds water.
+                if uniform(&mut rng) < 0.6 {
+                    tips.push(Tip {
+                        at_mm,
+                        angle: turn + FRAC_PI_3 * f64::from(k),
+                        curve: CURVES_PER_MM * normal(&mut rng),
+                        kind: 0,
+                        speed: SPEEDS[0] * (0.6 + 0.4 * uniform(&mut rng)),
+                        from_mm,
+                        next_mm: BRANCHES_EACH_MM[0],
+                        owed_mm: 0.0,
+                        is_stopped: false,
+                    });
+                }
+            }
+        }
+        Self { tips, rng }
+    }
+
+    /// Lets all tips grow side by side until the front has gone a way.
+    fn run(&mut self, ice: &mut Ice, most_mm: f64) {
+        let step_mm = 0.7 * ice.arrives_mm.cell_mm;
+        let mut way_mm = 0.0;
+        while way_mm < most_mm {
+            way_mm += step_mm;
+            let n_before = self.tips.len();
+            for k in 0..n_before {
+                if way_mm >= self.tips[k].from_mm {
+                    self.grow(k, ice, (way_mm, step_mm));
+                }
+            }
+            self.tips.retain(|tip| !tip.is_stopped);
+        }
+    }
+
+    fn grow(&mut self, k: usize, ice: &mut Ice, (way_mm, step_mm): (f64, f64)) {
+        let tip = &mut self.tips[k];
+        tip.owed_mm += step_mm * tip.speed;
+        if tip.owed_mm < 0.5 * ice.arrives_mm.cell_mm {
+            return;
+        }
+        let step_mm = std::mem::take(&mut tip.owed_mm);
+        let (sin, cos) = libm::sincos(tip.angle);
+        let is_clear = |ahead_mm: f64| {
+            let ahead = [
+                tip.at_mm[0] + ahead_mm * cos,
+                tip.at_mm[1] + ahead_mm * sin,
+            ];
+            let arrives = &ice.arrives_mm;
+            let there = arrives.cell(ahead).map(|cell| arrives.values[cell]);
+            there.is_some_and(|arrived| arrived >= NEVER)
+        };
+        let ahead_mm = HALF_WIDTHS_MM[tip.kind] + 1.5 * ice.arrives_mm.cell_mm;
+        let is_young = way_mm - tip.from_mm < 2.0 * ahead_mm / tip.speed;
+        if !is_young && !is_clear(ahead_mm) {
+            tip.is_stopped = true;
+            return;
+        }
+        tip.at_mm = [tip.at_mm[0] + step_mm * cos, tip.at_mm[1] + step_mm * sin];
+        tip.angle += tip.curve * step_mm;
+        tip.next_mm -= step_mm;
+        ice.mark(tip.at_mm, tip.kind, way_mm);
+        if tip.next_mm <= 0.0
+            && let Some(each_mm) = BRANCHES_EACH_MM.get(tip.kind)
+        {
+            tip.next_mm += each_mm * libm::exp(0.4 * normal(&mut self.rng));
+            let parent = *tip;
+            for side in [-FRAC_PI_3, FRAC_PI_3] {
+                if uniform(&mut self.rng) < 0.2 {
+                    continue;
+                }
+                let kind = parent.kind + 1;
+                let each_mm = BRANCHES_EACH_MM.get(kind).copied();
+                self.tips.push(Tip {
+                    angle: parent.angle + side + 0.06 * normal(&mut self.rng),
+                    kind,
+                    speed: parent.speed * SPEEDS[kind] * (0.5 + uniform(&mut self.rng)),
+                    from_mm: way_mm,
+                    next_mm: each_mm.unwrap_or(f64::INFINITY) * uniform(&mut self.rng),
+                    ..parent
+                });
+            }
+        }
+    }
+}
+
+impl Ice {
+    /// Ice comes to the cells of a disc, where none is.
+    fn mark(&mut self, at_mm: [f64; 2], kind: usize, way_mm: f64) {
+        let radius_mm = HALF_WIDTHS_MM[kind].max(0.5 * self.arrives_mm.cell_mm);
+        let [columns, rows] = self.arrives_mm.around(at_mm, radius_mm);
+        let width = self.arrives_mm.size[0];
+        #[expect(clippy::cast_possible_truncation, reason = "a length")]
+        let way = way_mm as f32;
+        for y in rows {
+            for x in columns.clone() {
+                let [mx, my] = self.arrives_mm.middle_mm(x, y);
+                if libm::hypot(mx - at_mm[0], my - at_mm[1]) <= radius_mm {
+                    let cell = y * width + x;
+                    let arrives = &mut self.arrives_mm.values[cell];
+                    *arrives = arrives.min(way);
+                    let ridge = &mut self.ridge.values[cell];
+                    *ridge = ridge.max(RIDGES[kind]);
+                }
+            }
+        }
+    }
+}
+
+/// Lets ice close in from all cells that have some: each next cell is reached later by its distance over the speed, found
+/// in two sweeps over the cells.
+fn close_in(arrives_mm: &mut Raster) {
+    let [width, height] = arrives_mm.size;
+    #[expect(clippy::cast_possible_truncation, reason = "a length")]
+    let straight = (arrives_mm.cell_mm / SIDEWAYS) as f32;
+    let across = straight * std::f32::consts::SQRT_2;
+    let values = &mut arrives_mm.values;
+    for y in 0..height {
+        for x in 0..width {
+            let at = y * width + x;
+            let mut first = values[at];
+            if x > 0 {
+                first = first.min(values[at - 1] + straight);
+            }
+            if y > 0 {
+                first = first.min(values[at - width] + straight);
+                if x > 0 {
+                    first = first.min(values[at - width - 1] + across);
+                }
+                if x + 1 < width {
+                    first = first.min(values[at - width + 1] + across);
+                }
+            }
+            values[at] = first;
+        }
+    }
+    for y in (0..height).rev() {
+        for x in (0..width).rev() {
+            let at = y * width + x;
+            let mut first = values[at];
+            if x + 1 < width {
+                first = first.min(values[at + 1] + straight);
+            }
+            if y + 1 < height {
+                first = first.min(values[at + width] + straight);
+                if x > 0 {
+                    first = first.min(values[at + width - 1] + across);
+                }
+                if x + 1 < width {
+                    first = first.min(values[at + width + 1] + across);
+                }
+            }
+            values[at] = first;
+        }
+    }
+}
+
+/// Ice on one pane.
+pub(crate) struct FrostedPane {
+    ice: Ice,
+    /// Way of the front now, mm.
+    front_mm: f64,
+}
+
+impl Coating for FrostedPane {
+    fn passage(&self, at_mm: [f64; 2]) -> Passage {
+        let Ice { arrives_mm, ridge } = &self.ice;
+        let since_mm = arrives_mm.cell(at_mm).map_or(-1.0, |cell| {
+            self.front_mm - f64::from(arrives_mm.values[cell])
+        });
+        if since_mm < 0.0 {
+            return Passage::CLEAN;
+        }
+        let thickness_mm = THICKNESS_MM * ridge.at(at_mm) * since_mm.sqrt();
+        let depth = SCATTERS_PER_MM * thickness_mm;
+        let through = 1.0 / (1.0 + depth);
+        // Of what is not scattered some meets an even face, as of a thin film; the rest is turned.
+        let unscattered = libm::exp(-depth);
+        let even = libm::exp(-thickness_mm / EVEN_MM);
+        Passage {
+            covered: 1.0,
+            direct: [unscattered * even; 3],
+            wide: unscattered * (1.0 - even),
+            diffuse: [through - unscattered; 3],
+            back: [1.0 - through; 3],
+            ..Passage::CLEAN
+        }
+    }
+
+    fn turns_by_rad(&self) -> [f64; 2] {
+        [0.0, (ICE - 1.0) * SLOPE]
+    }
+}

@@ -1,0 +1,224 @@
+//! Mud: splats of wet earth that have dried.
+
+use std::f64::consts::TAU;
+
+use rand_chacha::ChaCha8Rng;
+use starbreak_seed::{Seed, Stream, normal, uniform};
+
+use crate::raster::Raster;
+use crate::{Area, Coating, Field, Passage};
+
+/// Mud on a pane.
+///
+/// A layer of thickness t leaves e^(−(K + S) t) of each color as it is. What becomes of the rest follows from Kubelka and
+/// Munk \[KubelkaMunk1931\]: with a = 1 + K/S and b = √(a² − 1), b/(a sinh bSt + b cosh bSt) goes through and
+/// sinh bSt/(a sinh bSt + b cosh bSt) comes back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mud {
+    /// Share of the glass that it covers, 0 to 0.8.
+    pub coverage: f64,
+    /// Median diameter of a splat, mm.
+    pub splat_mm: f64,
+    /// How thick it is in the middle of a splat, mm.
+    pub thickness_mm: f64,
+    /// What it absorbs of red, green and blue, K, mm⁻¹.
+    pub absorbs_per_mm: [f64; 3],
+    /// What it scatters, S, mm⁻¹.
+    pub scatters_per_mm: f64,
+}
+
+/// Standard deviation of the logarithm of the size of splats. FIT.
+const SIZES: f64 = 0.9;
+
+/// Farthest that a splat's outline is from its middle, in radii.
+const MOST_OUTLINE: f64 = 2.0;
+
+/// How much thicker and thinner it is in places, and how large those are, mm. FIT.
+const GRAIN: (f64, f64) = (1.6, 0.5);
+
+/// Most splats.
+const MOST_SPLATS: u32 = 200_000;
+
+impl Mud {
+    /// What a layer lets through as it is, in any direction, and sends back, of each color.
+    #[must_use]
+    pub fn layer(&self, thickness_mm: f64) -> [[f64; 3]; 3] {
+        let s = self.scatters_per_mm.max(1e-6);
+        let mut shares = [[0.0; 3]; 3];
+        for (k, absorbs) in self.absorbs_per_mm.iter().enumerate() {
+            let direct = libm::exp(-(absorbs + s) * thickness_mm);
+            let a = 1.0 + absorbs / s;
+            let b = (a * a - 1.0).max(0.0).sqrt();
+            let depth = s * thickness_mm;
+            let (through, back) = if b * depth < 1e-4 {
+                (1.0 / (1.0 + a * depth), depth / (1.0 + a * depth))
+            } else {
+                // Over cosh bSt, which may be beyond all numbers.
+                let tanh = libm::tanh(b * depth);
+                let per = a * tanh + b;
+                (
+                    b / per / libm::cosh((b * depth).min(700.0)),
+                    tanh / per,
+                )
+            };
+            shares[0][k] = direct;
+            shares[1][k] = (through - direct).max(0.0);
+            shares[2][k] = back.min(1.0 - direct);
+        }
+        shares
+    }
+
+    pub(crate) fn on_pane(&self, area: &Area, finest_mm: f64, seed: Seed) -> MuddyPane {
+        let mut thickness = Raster::over(area, finest_mm, 0.0);
+        #[expect(
+            clippy::cast_precision_loss,
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "cells of a pane"
+        )]
+        let wanted = (self.coverage.clamp(0.0, 0.95) * thickness.values.len() as f64) as usize;
+        let mut covered = 0;
+        let sides = area.sides_mm();
+        for k in 0..MOST_SPLATS {
+            if covered >= wanted {
+                break;
+            }
+            let mut rng = seed.stream(Stream::Mud, 16 + u64::from(k));
+            let radius_mm = 0.5 * self.splat_mm * libm::exp(SIZES * normal(&mut rng));
+            // A larger one would be all there is.
+            let radius_mm = radius_mm.min(0.25 * sides[0].max(sides[1]));
+            let middle_mm = [0, 1].map(|k| {
+                area.from_mm[k] + (sides[k] + 2.0 * radius_mm) * uniform(&mut rng) - radius_mm
+            });
+            let splat = Splat::new(middle_mm, radius_mm, &mut rng);
+            covered += splat.add(&mut thickness, self.thickness_mm);
+            // Spray around it.
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "some drops"
+            )]
+            let n_spray = (12.0 * uniform(&mut rng)) as u32;
+            for _ in 0..n_spray {
+                let (sin, cos) = libm::sincos(TAU * uniform(&mut rng));
+                let away = radius_mm * (1.1 - 1.2 * libm::log(1.0 - 0.95 * uniform(&mut rng)));
+                let at = [middle_mm[0] + away * cos, middle_mm[1] + away * sin];
+                let radius = radius_mm * 0.04 * (1.0 + 3.0 * uniform(&mut rng));
+                let drop = Splat::new(at, radius, &mut rng);
+                covered += drop.add(&mut thickness, 0.5 * self.thickness_mm);
+            }
+        }
+        MuddyPane {
+            mud: *self,
+            thickness,
+            grain: Field::over(area, GRAIN, (Stream::Mud, seed)),
+        }
+    }
+}
+
+/// Waves around the outline of a splat.
+const N_LOBES: usize = 14;
+
+/// Directions in which splats are longer: upwards, as wheels throw them, with a standard deviation, rad. FIT.
+const LEANS_RAD: f64 = 0.5;
+
+/// One splat: a disc with a ragged outline, longer than wide.
+struct Splat {
+    middle_mm: [f64; 2],
+    radius_mm: f64,
+    /// Direction in which it is longer, and by how much.
+    along: [f64; 2],
+    longer: f64,
+    lobes: [(f64, f64); N_LOBES],
+}
+
+impl Splat {
+    fn new(middle_mm: [f64; 2], radius_mm: f64, rng: &mut ChaCha8Rng) -> Self {
+        let (sin, cos) = libm::sincos(0.25 * TAU + LEANS_RAD * normal(rng));
+        let longer = 1.0 + 0.7 * uniform(rng) * uniform(rng);
+        let mut lobes = [(0.0, 0.0); N_LOBES];
+        for (order, lobe) in (2_u32..).zip(&mut lobes) {
+            let size = 0.22 * normal(rng) / libm::pow(f64::from(order), 0.9);
+            *lobe = (size, TAU * uniform(rng));
+        }
+        Self {
+            middle_mm,
+            radius_mm,
+            along: [cos, sin],
+            longer,
+            lobes,
+        }
+    }
+
+    /// Distance from the middle over that of the outline in this direction.
+    fn part(&self, [x, y]: [f64; 2]) -> f64 {
+        let [cos, sin] = self.along;
+        let (x, y) = (
+            (x * cos + y * sin) / self.longer,
+            (y * cos - x * sin) * self.longer,
+        );
+        let away = libm::hypot(x, y) / self.radius_mm;
+        if away >= MOST_OUTLINE {
+            return away;
+        }
+        let angle = libm::atan2(y, x);
+        let mut outline = 0.0;
+        for (order, (size, phase)) in (2_u32..).zip(&self.lobes) {
+            outline += size * libm::cos(f64::from(order) * angle + phase);
+        }
+        away / libm::exp(outline).clamp(0.4, MOST_OUTLINE)
+    }
+
+    /// Adds its thickness; returns how many cells it covers that were clean.
+    fn add(&self, thickness: &mut Raster, most_mm: f64) -> usize {
+        let [columns, rows] = thickness.around(self.middle_mm, MOST_OUTLINE * self.longer * self.radius_mm);
+        let mut n_new = 0;
+        for y in rows {
+            for x in columns.clone() {
+                let [mx, my] = thickness.middle_mm(x, y);
+                let part = self.part([mx - self.middle_mm[0], my - self.middle_mm[1]]);
+                if part >= 1.0 {
+                    continue;
+                }
+                // Flat, with an edge to which the grains were carried as it dried.
+                let edge = (1.0 - part * part).sqrt().min(0.45) / 0.45;
+                let ring = 1.0 + 0.5 * libm::exp(-0.5 * (part - 0.86) * (part - 0.86) / 0.0064);
+                let cell = &mut thickness.values[y * thickness.size[0] + x];
+                n_new += usize::from(*cell <= 0.0);
+                #[expect(clippy::cast_possible_truncation, reason = "a length")]
+                let more = (most_mm * 0.75 * edge * ring) as f32;
+                *cell = cell.max(more) + 0.3 * cell.min(more);
+            }
+        }
+        n_new
+    }
+}
+
+/// Mud on one pane.
+pub(crate) struct MuddyPane {
+    mud: Mud,
+    thickness: Raster,
+    grain: Field,
+}
+
+impl Coating for MuddyPane {
+    fn passage(&self, at_mm: [f64; 2]) -> Passage {
+        let thickness_mm = self.thickness.at(at_mm);
+        if thickness_mm <= 0.0 {
+            return Passage::CLEAN;
+        }
+        let is_covered = |cell: usize| self.thickness.values[cell] > 0.0;
+        let [direct, diffuse, back] = self.mud.layer(thickness_mm * self.grain.at(at_mm));
+        Passage {
+            covered: f64::from(u8::from(self.thickness.cell(at_mm).is_some_and(is_covered))),
+            direct,
+            diffuse,
+            back,
+            ..Passage::CLEAN
+        }
+    }
+
+    fn turns_by_rad(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+}

@@ -1,0 +1,104 @@
+//! Numbers in square cells of an area.
+
+use crate::Area;
+
+/// Most cells of an area: larger ones are taken where there would be more.
+const MOST_CELLS: f64 = 4e6;
+
+/// Numbers in square cells of an area, in rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Raster {
+    from_mm: [f64; 2],
+    pub(crate) cell_mm: f64,
+    pub(crate) size: [usize; 2],
+    pub(crate) values: Vec<f32>,
+}
+
+impl Raster {
+    /// Of one value in cells of a width, mm, or wider ones where those would be too many.
+    pub(crate) fn over(area: &Area, cell_mm: f64, value: f32) -> Self {
+        let least_mm = (area.area_m2() * 1e6 / MOST_CELLS).sqrt();
+        let cell_mm = cell_mm.max(least_mm).max(1e-3);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "cells of a pane"
+        )]
+        let size = area
+            .sides_mm()
+            .map(|side| ((side / cell_mm).ceil() as usize).max(1));
+        Self {
+            from_mm: area.from_mm,
+            cell_mm,
+            size,
+            values: vec![value; size[0] * size[1]],
+        }
+    }
+
+    /// A place in cells, the middle of the first at 0.5.
+    pub(crate) fn in_cells(&self, at_mm: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| (at_mm[k] - self.from_mm[k]) / self.cell_mm)
+    }
+
+    /// The middle of a cell, mm.
+    #[expect(clippy::cast_precision_loss, reason = "cells of a pane")]
+    pub(crate) fn middle_mm(&self, x: usize, y: usize) -> [f64; 2] {
+        [
+            self.from_mm[0] + (x as f64 + 0.5) * self.cell_mm,
+            self.from_mm[1] + (y as f64 + 0.5) * self.cell_mm,
+        ]
+    }
+
+    /// The cell of a place, where there is one.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "cells of a pane"
+    )]
+    pub(crate) fn cell(&self, at_mm: [f64; 2]) -> Option<usize> {
+        let [x, y] = self.in_cells(at_mm);
+        let is_inside = x >= 0.0 && y >= 0.0 && x < self.size[0] as f64 && y < self.size[1] as f64;
+        is_inside.then(|| y as usize * self.size[0] + x as usize)
+    }
+
+    /// Columns and rows of cells that a disc may reach.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "cells of a pane; below 0 is 0"
+    )]
+    pub(crate) fn around(&self, at_mm: [f64; 2], radius_mm: f64) -> [std::ops::Range<usize>; 2] {
+        let at = self.in_cells(at_mm);
+        let radius = radius_mm / self.cell_mm;
+        [0, 1].map(|k| {
+            let from = (at[k] - radius).floor().max(0.0) as usize;
+            let to = (at[k] + radius).ceil().max(0.0) as usize;
+            from.min(self.size[k])..to.min(self.size[k])
+        })
+    }
+
+    /// The value at a place, on straight lines between the middles of cells; beyond the area that of its border.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "cells of a pane"
+    )]
+    pub(crate) fn at(&self, at_mm: [f64; 2]) -> f64 {
+        let at = self.in_cells(at_mm);
+        let [(left, right, s), (top, bottom, t)] = [0, 1].map(|k| {
+            let place = (at[k] - 0.5).clamp(0.0, (self.size[k] - 1) as f64);
+            let whole = place as usize;
+            (
+                whole,
+                (whole + 1).min(self.size[k] - 1),
+                place - whole as f64,
+            )
+        });
+        let value = |x: usize, y: usize| f64::from(self.values[y * self.size[0] + x]);
+        let high = value(left, top) + s * (value(right, top) - value(left, top));
+        let low = value(left, bottom) + s * (value(right, bottom) - value(left, bottom));
+        high + t * (low - high)
+    }
+}

@@ -1,0 +1,308 @@
+//! Coats on a pane: as much of them as is said, and what they do to light.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use starbreak_deposit::{
+    Area, Coat, Coating, Condensation, Dust, Film, Fog, Frost, Mud, Passage, Scratches,
+};
+use starbreak_seed::Seed;
+
+const AREA: Area = Area {
+    from_mm: [-100.0, -50.0],
+    to_mm: [200.0, 150.0],
+};
+
+const MUD: Mud = Mud {
+    coverage: 0.2,
+    splat_mm: 3.0,
+    thickness_mm: 0.2,
+    absorbs_per_mm: [11.0, 15.0, 21.0],
+    scatters_per_mm: 12.0,
+};
+
+const DUST: Dust = Dust {
+    coverage: 0.06,
+    albedo: 0.9,
+    unevenness: 0.5,
+    scale_mm: 30.0,
+};
+
+const FROST: Frost = Frost {
+    age_s: 1500.0,
+    front_mm_s: 0.03,
+    nuclei_per_mm2: 3e-4,
+};
+
+const FILM: Film = Film {
+    ripple_m: 6e-6,
+    scale_mm: 8.0,
+    haze: 0.04,
+};
+
+const SCRATCHES: Scratches = Scratches {
+    haze: 0.04,
+    wiped: 0.5,
+    pivot_mm: [-250.0, 450.0],
+};
+
+fn fog() -> Fog {
+    Fog {
+        mean: Condensation {
+            growth_m_s: 2e-8,
+            age_s: 85.0,
+            nuclei_per_m2: 3e8,
+            contact_rad: 1.0,
+        },
+        unevenness: 0.6,
+        scale_mm: 60.0,
+    }
+}
+
+/// Places of a pane, mm, a prime number of steps apart from its cells.
+fn places() -> impl Iterator<Item = [f64; 2]> {
+    let [width, height] = AREA.sides_mm();
+    (0..331).flat_map(move |x| {
+        (0..223).map(move |y| {
+            let [s, t] = [(f64::from(x) + 0.5) / 331.0, (f64::from(y) + 0.5) / 223.0];
+            [AREA.from_mm[0] + s * width, AREA.from_mm[1] + t * height]
+        })
+    })
+}
+
+fn mean(coating: &dyn Coating, of: impl Fn(&Passage) -> f64) -> f64 {
+    let all: Vec<f64> = places().map(|at| of(&coating.passage(at))).collect();
+    all.iter().sum::<f64>() / f64::from(u32::try_from(all.len()).unwrap())
+}
+
+fn of_seeds(coat: Coat, of: impl Fn(&Passage) -> f64) -> f64 {
+    const SEEDS: u32 = 8;
+    let sum: f64 = (0..SEEDS)
+        .map(|seed| mean(&*coat.on_pane(&AREA, 0.4, Seed(seed.into())), &of))
+        .sum();
+    sum / f64::from(SEEDS)
+}
+
+#[test]
+fn no_coat_makes_or_loses_light() {
+    let white = Dust { albedo: 1.0, ..DUST };
+    let clear = Mud {
+        absorbs_per_mm: [0.0; 3],
+        ..MUD
+    };
+    for coat in [
+        Coat::Mud(clear),
+        Coat::Dust(white),
+        Coat::Film(FILM),
+        Coat::Frost(FROST),
+        Coat::Scratches(SCRATCHES),
+        Coat::Fog(fog()),
+    ] {
+        let coating = coat.on_pane(&AREA, 0.4, Seed(1));
+        for at in places() {
+            let it = coating.passage(at);
+            for k in 0..3 {
+                let sum = it.direct[k] + it.narrow + it.wide + it.streak + it.diffuse[k] + it.back[k];
+                assert!((sum - 1.0).abs() < 1e-9, "{coat:?}: {sum} at {at:?}, {it:?}");
+                let shares = [it.direct[k], it.narrow, it.wide, it.streak, it.diffuse[k], it.back[k]];
+                assert!(shares.iter().all(|share| *share >= 0.0), "{it:?}");
+            }
+        }
+    }
+    // And what is dark takes light.
+    for coat in [Coat::Mud(MUD), Coat::Dust(Dust { albedo: 0.0, ..DUST })] {
+        let all = of_seeds(coat, |it| it.direct[0] + it.narrow + it.wide + it.diffuse[0] + it.back[0]);
+        assert!(all < 0.98, "{coat:?}: {all}");
+    }
+}
+
+/// By the program of the standard's own table: grains of more than 1 to 1000 µm of a level, whose areas are summed in steps
+/// of their sizes.
+#[test]
+fn dust_covers_what_its_level_says() {
+    for (level, covers) in [(500.0, 0.0029), (750.0, 0.024), (1000.0, 0.11)] {
+        let n = |um: f64| 10.0 * 10_f64.powf(0.926 * (f64::log10(level).powi(2) - um.log10().powi(2)));
+        let (mut sum, mut um) = (0.0, 1.0);
+        while um < 5000.0 {
+            let next = um * 1.001;
+            let middle_m = 0.5 * (um + next) * 1e-6;
+            sum += (n(um) - n(next)) * 0.25 * std::f64::consts::PI * middle_m * middle_m;
+            um = next;
+        }
+        let found = Dust::coverage_of_level(level);
+        assert!((found / sum - 1.0).abs() < 0.01, "{level}: {found}, not {sum}");
+        assert!((found / covers - 1.0).abs() < 0.05, "{level}: {found}, not {covers}");
+    }
+    for coverage in [0.003, 0.01, 0.03, 0.06, 0.12] {
+        let dust = Dust { coverage, ..DUST };
+        let level = dust.level_um();
+        assert!((Dust::coverage_of_level(level) / coverage - 1.0).abs() < 1e-3, "{level}");
+        let found = of_seeds(Coat::Dust(dust), |it| it.covered);
+        assert!((found / coverage - 1.0).abs() < 0.05, "{found}, not {coverage}");
+    }
+}
+
+#[test]
+fn mud_covers_what_is_said_and_lets_colors_through_by_its_thickness() {
+    for coverage in [0.02, 0.05, 0.1, 0.2, 0.4, 0.8] {
+        let found = of_seeds(Coat::Mud(Mud { coverage, ..MUD }), |it| it.covered);
+        assert!((found - coverage).abs() < 0.012, "{found}, not {coverage}");
+    }
+    for thickness_mm in [0.001, 0.01, 0.1, 0.5] {
+        let [direct, diffuse, back] = MUD.layer(thickness_mm);
+        for k in 0..3 {
+            let passes = (-(MUD.absorbs_per_mm[k] + 12.0) * thickness_mm).exp();
+            assert!((direct[k] - passes).abs() < 1e-12, "{} at {thickness_mm}", direct[k]);
+            assert!(direct[k] + diffuse[k] + back[k] <= 1.0, "no light is made");
+        }
+        assert!(diffuse[0] >= diffuse[2], "what comes through is brown");
+    }
+    // A layer without end sends back 1 + K/S − √((K/S)² + 2 K/S).
+    let [_, _, back] = MUD.layer(50.0);
+    for (k, back) in back.into_iter().enumerate() {
+        let ratio = MUD.absorbs_per_mm[k] / 12.0;
+        let expected = 1.0 + ratio - (ratio * ratio + 2.0 * ratio).sqrt();
+        assert!((back - expected).abs() < 1e-9, "{back}, not {expected}");
+    }
+}
+
+/// The slope by differences of the light's turn, which is the gradient of one surface: it has no curl.
+#[test]
+fn a_film_turns_light_as_much_as_its_ripple_says() {
+    let film = Film { haze: 0.0, ..FILM };
+    let square = of_seeds(Coat::Film(film), |it| {
+        it.turned_rad[0] * it.turned_rad[0] + it.turned_rad[1] * it.turned_rad[1]
+    });
+    let expected = film.turns_by_rms_rad();
+    assert!((square.sqrt() / expected - 1.0).abs() < 0.05, "{}, not {expected}", square.sqrt());
+    let coating = Coat::Film(film).on_pane(&AREA, 0.4, Seed(1));
+    const STEP_MM: f64 = 1e-4;
+    for at in places().step_by(997) {
+        let turned = |dx: f64, dy: f64| coating.passage([at[0] + dx, at[1] + dy]).turned_rad;
+        let along = turned(0.0, STEP_MM)[0] - turned(0.0, -STEP_MM)[0];
+        let across = turned(STEP_MM, 0.0)[1] - turned(-STEP_MM, 0.0)[1];
+        assert!((along - across).abs() < 1e-9, "{along} and {across}");
+    }
+    let haze = of_seeds(Coat::Film(FILM), |it| it.wide);
+    assert!((haze - 0.04).abs() < 0.003, "{haze}");
+}
+
+#[test]
+fn scratches_turn_as_much_as_their_haze_says_and_across_the_wipers_way() {
+    for wiped in [0.0, 0.5, 1.0] {
+        let [sand, wiper] = Scratches { wiped, ..SCRATCHES }.turned();
+        // Rays by their angles: in two directions of a Gaussian, or along one line.
+        let (mut beyond, mut all) = (0.0, 0.0);
+        let limit = 2.5_f64.to_radians();
+        for k in 0..400_000 {
+            let rad = (f64::from(k) + 0.5) * 30_f64.to_radians() / 400_000.0;
+            let density = 1.0 / (1_f64.to_radians().powi(2) + rad * rad);
+            all += density;
+            beyond += if rad > limit { density } else { 0.0 };
+        }
+        let of_sand = (-0.5 * (limit / 0.1).powi(2)).exp();
+        let haze = sand * of_sand + wiper * beyond / all;
+        assert!((haze / 0.04 - 1.0).abs() < 0.01, "{haze} at {wiped}");
+    }
+    let it = SCRATCHES.passage([-250.0, 50.0]);
+    assert!(it.across[1] < -0.999, "above the pivot light is turned up and down: {it:?}");
+}
+
+/// Cells of a side of boxes, and how many of these have ice.
+fn boxes(coating: &dyn Coating, side_mm: f64) -> f64 {
+    const N: u32 = 1024;
+    let step = 100.0 / f64::from(N);
+    let per = (side_mm / step).round() as usize;
+    let n = (N as usize).div_ceil(per);
+    let mut has = vec![false; n * n];
+    for y in 0..N {
+        for x in 0..N {
+            let at = [f64::from(x) * step, f64::from(y) * step];
+            if coating.passage(at).covered > 0.5 {
+                has[y as usize / per * n + x as usize / per] = true;
+            }
+        }
+    }
+    f64::from(u32::try_from(has.iter().filter(|it| **it).count()).unwrap())
+}
+
+#[test]
+fn frost_grows_at_its_fronts_speed_in_branches_that_do_not_fill_the_pane() {
+    let of = |age_s: f64, seed: u64| {
+        let frost = Frost {
+            age_s,
+            nuclei_per_mm2: 1e-3,
+            ..FROST
+        };
+        Coat::Frost(frost).on_pane(&AREA, 0.12, Seed(seed))
+    };
+    let mut dimensions = Vec::new();
+    for seed in 0..6 {
+        let frost = of(600.0, seed);
+        let [coarse, fine] = [3.125, 0.390_625].map(|side| boxes(&*frost, side));
+        dimensions.push((fine / coarse).ln() / 8_f64.ln());
+        let covers = |age_s: f64| mean(&*of(age_s, seed), |it| it.covered);
+        let ages = [300.0, 600.0, 900.0].map(covers);
+        assert!(ages[0] < ages[1] && ages[1] < ages[2], "{ages:?}");
+    }
+    let mean = dimensions.iter().sum::<f64>() / 6.0;
+    assert!((1.2..1.95).contains(&mean), "{dimensions:?}");
+}
+
+/// How far the rightmost ice gets, which a stem brings: no faster than the front, and some nearly as fast.
+#[test]
+fn the_fastest_stems_grow_at_the_speed_of_the_front() {
+    let wide = Area {
+        from_mm: [-150.0; 2],
+        to_mm: [150.0; 2],
+    };
+    let mut fastest = 0.0_f64;
+    for seed in 0..40 {
+        let right = |age_s: f64| {
+            let frost = Frost {
+                age_s,
+                nuclei_per_mm2: 2e-5,
+                ..FROST
+            };
+            let ice = Coat::Frost(frost).on_pane(&wide, 0.3, Seed(seed));
+            (0..600 * 600)
+                .map(|k| [k % 600, k / 600].map(|k| 0.5 * f64::from(k) - 149.75))
+                .filter(|at| ice.passage(*at).covered > 0.5)
+                .map(|at| at[0])
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        let (young, old) = (right(700.0), right(1100.0));
+        if old < 149.0 && young.is_finite() {
+            assert!(old - young <= 12.0 + 1.0, "{} mm in 400 s at 0.03 mm/s", old - young);
+            fastest = fastest.max(old - young);
+        }
+    }
+    assert!(fastest > 0.9 * 12.0, "{fastest}");
+}
+
+#[test]
+fn later_dew_and_frost_have_grown_and_the_rest_has_not() {
+    for (coat, grows) in [
+        (Coat::Mud(MUD), false),
+        (Coat::Dust(DUST), false),
+        (Coat::Film(FILM), false),
+        (Coat::Scratches(SCRATCHES), false),
+        (Coat::Frost(FROST), true),
+        (Coat::Fog(fog()), true),
+    ] {
+        let covered = |coat: Coat| mean(&*coat.on_pane(&AREA, 0.4, Seed(3)), |it| it.covered);
+        let [now, later] = [coat, coat.later(300.0)].map(covered);
+        assert_eq!(later > now * 1.02, grows, "{coat:?}: {now}, then {later}");
+        assert_eq!(coat.grows(), grows, "{coat:?}");
+    }
+}
+
+#[test]
+fn a_seed_places_what_lies_there() {
+    for coat in [Coat::Mud(MUD), Coat::Dust(DUST), Coat::Film(FILM), Coat::Frost(FROST), Coat::Fog(fog())] {
+        let of = |seed: u64| -> Vec<Passage> {
+            let coating = coat.on_pane(&AREA, 0.4, Seed(seed));
+            places().step_by(101).map(|at| coating.passage(at)).collect()
+        };
+        assert_eq!(of(1), of(1), "{coat:?}");
+        assert_ne!(of(1), of(2), "{coat:?}");
+    }
+}

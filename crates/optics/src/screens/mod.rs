@@ -1,0 +1,351 @@
+//! Coats on the glass: screens that take light away, spread it, turn it, and shine themselves.
+//!
+//! What a coat does to light at each place of the pane ([`Coating`]) becomes maps of a frame, each spread by the pupil as the
+//! pane is out of focus. Then, for any image of that size,
+//!
+//! I(x) ← D I(x + d) + N G_n∗I + W G_w∗I + S L∗I + A
+//!
+//! with shares D of what goes straight on, N and W of what is turned a little, S of what grooves turn across them, and A the
+//! light of all that is around, of which the coat sends some on and some back.
+
+mod streak;
+mod turned;
+
+use starbreak_deposit::{Coating, Passage};
+
+use crate::View;
+use crate::environment::{
+    Environment, EnvironmentParams, HemisphereWeights, Horizon, Rgb, luminance,
+};
+use crate::lens_faults::Optic;
+use crate::maps::Pupil;
+use crate::physical::{Beyond, defocus_rows};
+use crate::pyramid::Cells;
+use crate::vector::dot;
+
+use streak::Streaks;
+use turned::Turned;
+
+/// Cells of a map per radius of the disc that a point of the pane becomes.
+const CELLS_PER_RADIUS: f64 = 2.5;
+
+/// Widest cell of a map, px.
+const WIDEST_PX: f64 = 4.0;
+
+/// What is turned by more than this, px, is no longer where it was.
+const MOVED_PX: f32 = 0.5;
+
+/// A coat before one camera, ready for any image of its size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Screen {
+    size: (usize, usize),
+    direct: Map,
+    /// Turned by the smaller and by the larger angle, and by grooves.
+    turned: Map,
+    diffuse: Map,
+    back: Map,
+    moved: Option<Turned>,
+    streaks: Option<Streaks>,
+    spreads_px: [f64; 2],
+    wide_rad: f64,
+    covered: f64,
+    /// Directions, of length 1, of the middle of each cell, of the pane's outer normal, and up.
+    sights: Sights,
+}
+
+/// Three numbers in each cell of a frame.
+type Map = Cells<3>;
+
+/// Where cells and pane look.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sights {
+    f_px: f64,
+    normal: [f64; 3],
+}
+
+/// How a coat changes where light goes, beside a map of its shares.
+struct Samples {
+    size: (usize, usize),
+    per_cell: u32,
+    passages: Vec<Passage>,
+}
+
+impl Samples {
+    /// What a coat does in each cell of a frame.
+    fn of(coating: &dyn Coating, view: &View, per_cell: u32) -> Self {
+        let (width, height) = view.size();
+        let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
+        let middle = |k: u32| (f64::from(k) + 0.5) * f64::from(per_cell);
+        let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| [middle(x), middle(y)]));
+        let passages = places
+            .map(|place| match view.unproject(place) {
+                Some(at_mm) => coating.passage(at_mm),
+                None => Passage::CLEAN,
+            })
+            .collect();
+        Self {
+            size: (size.0 as usize, size.1 as usize),
+            per_cell,
+            passages,
+        }
+    }
+
+    /// Three numbers of each, spread by the pupil with a radius for each row of cells.
+    fn map(
+        &self,
+        (pupil, radii): (Pupil, &[f64]),
+        of: impl Fn(&Passage) -> [f64; 3],
+    ) -> Map {
+        #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
+        let values: Vec<f32> = self
+            .passages
+            .iter()
+            .flat_map(|passage| of(passage).map(|value| value as f32))
+            .collect();
+        let first = &values[..3.min(values.len())];
+        let is_even = values.chunks_exact(3).all(|three| three == first);
+        let spread = if is_even {
+            values
+        } else {
+            defocus_rows::<3>(&values, self.size, pupil, radii, Beyond::Mirrored)
+        };
+        Cells::of_cells(&spread, self.size, self.per_cell)
+    }
+}
+
+impl Screen {
+    /// Of a coat on the pane that a view sees through a lens.
+    #[must_use]
+    pub fn of(coating: &dyn Coating, view: &View, optic: &Optic) -> Self {
+        let radius = |row_px: f64| {
+            let depth_m = view.depth_mm(row_px).map_or(f64::INFINITY, |mm| mm * 1e-3);
+            0.5 * optic.lens.circle_of_confusion_px(optic.f_px, depth_m)
+        };
+        let height = view.size().1;
+        let least_px = [0.0, 0.5, 1.0]
+            .map(|part| radius(part * f64::from(height)).abs())
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some px"
+        )]
+        let per_cell = (least_px / CELLS_PER_RADIUS).clamp(1.0, WIDEST_PX) as u32;
+        let samples = Samples::of(coating, view, per_cell);
+        let radii: Vec<f64> = (0_u32..)
+            .take(samples.size.1)
+            .map(|y| radius((f64::from(y) + 0.5) * f64::from(per_cell)) / f64::from(per_cell))
+            .collect();
+        let pupil = (Pupil::of(&optic.lens), radii.as_slice());
+        #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
+        let n = samples.passages.len().max(1) as f64;
+        let covered = samples.passages.iter().map(|it| it.covered).sum::<f64>() / n;
+        let [narrow_rad, wide_rad] = coating.turns_by_rad();
+        let (width, height) = view.size();
+        Self {
+            size: (width as usize, height as usize),
+            direct: samples.map(pupil, |it| it.direct),
+            turned: samples.map(pupil, |it| [it.narrow, it.wide, it.streak]),
+            diffuse: samples.map(pupil, |it| it.diffuse),
+            back: samples.map(pupil, |it| it.back),
+            moved: Turned::of(&samples, pupil, optic.f_px),
+            streaks: Streaks::of(&samples, optic.f_px),
+            spreads_px: [narrow_rad, wide_rad].map(|rad| rad * optic.f_px),
+            wide_rad,
+            covered,
+            sights: Sights {
+                f_px: optic.f_px,
+                normal: view.outer_normal(),
+            },
+        }
+    }
+
+    /// Mean share of the frame that is covered.
+    #[must_use]
+    pub fn mean_covered(&self) -> f64 {
+        self.covered
+    }
+
+    /// Mean share of light that goes straight on, of all colors.
+    #[must_use]
+    pub fn mean_direct(&self) -> f64 {
+        let sum: f64 = self.direct.values().map(|it| f64::from(luminance(*it))).sum();
+        #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
+        let n = (self.direct.size.0 * self.direct.size.1).max(1) as f64;
+        sum / n
+    }
+
+    /// Standard deviations of the light about a lamp, px: of what is turned by the smaller and by the larger angle.
+    #[must_use]
+    pub fn halos_px(&self) -> [f64; 2] {
+        self.spreads_px
+    }
+
+    /// Where more than a share of the light is not as it was, in rows of pixels.
+    #[must_use]
+    pub fn reaches(&self, least: f64) -> Vec<bool> {
+        #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
+        let most = 1.0 - (least as f32).max(1e-6);
+        let changed = self.direct.values().enumerate().map(|(cell, direct)| {
+            let is_moved = (self.moved.as_ref()).is_some_and(|it| it.moves_by(cell) >= MOVED_PX);
+            is_moved || direct.iter().any(|share| *share <= most)
+        });
+        let changed: Vec<bool> = changed.collect();
+        self.of_cells(|cell| changed[cell])
+    }
+
+    /// Share of the light of an image that passes at all, in rows of pixels.
+    #[must_use]
+    pub fn passing(&self) -> Vec<f32> {
+        let passing: Vec<f32> = self
+            .direct
+            .values()
+            .zip(self.turned.values())
+            .map(|(direct, turned)| luminance(*direct) + turned.iter().sum::<f32>())
+            .collect();
+        self.of_cells(|cell| passing[cell])
+    }
+
+    /// What each pixel has of its cell.
+    fn of_cells<T>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
+        let per_cell = self.direct.per_cell as usize;
+        let columns = self.direct.size.0;
+        (0..self.size.1)
+            .flat_map(|y| (0..self.size.0).map(move |x| (x, y)))
+            .map(|(x, y)| of(y / per_cell * columns + x / per_cell))
+            .collect()
+    }
+
+    /// The light that the coat itself sends to the camera, under the light around it.
+    fn shines(&self, light: &Environment, params: &EnvironmentParams) -> Option<Map> {
+        let has = |map: &Map| map.values().any(|it| it.iter().any(|share| *share > 0.0));
+        let has_lobe = light.sun_rgb.iter().any(|it| *it > 0.0)
+            && self.turned.values().any(|it| it[1] > 0.0);
+        if !has(&self.diffuse) && !has(&self.back) && !has_lobe {
+            return None;
+        }
+        let Sights { f_px, normal } = self.sights;
+        let height = u32::try_from(self.size.1).unwrap_or(u32::MAX);
+        let horizon = Horizon::at_row(params.horizon_row, height, f_px);
+        let sun = horizon.sun(params.sun_azimuth_rad, params.sun_elevation_rad);
+        let cos_to_up = dot(normal, horizon.up);
+        let sky = HemisphereWeights::facing(cos_to_up).mean_radiance(light);
+        #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
+        let on_pane = (dot(normal, sun).max(0.0) / std::f64::consts::PI) as f32;
+        let outside: Rgb = std::array::from_fn(|k| sky[k] + on_pane * light.sun_rgb[k]);
+        let cabin: Rgb =
+            std::array::from_fn(|k| 0.5 * (light.cabin_low_rgb[k] + light.cabin_high_rgb[k]));
+        let (columns, _) = self.direct.size;
+        let per_cell = f64::from(self.direct.per_cell);
+        let is_outside = dot(normal, sun) > 0.0;
+        let shares = (self.turned.values()).zip(self.diffuse.values().zip(self.back.values()));
+        let values: Vec<f32> = shares
+            .enumerate()
+            .flat_map(|(cell, (turned, (diffuse, back)))| {
+                #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
+                let at = [cell % columns, cell / columns].map(|k| (k as f64 + 0.5) * per_cell);
+                let lobe = if has_lobe && is_outside {
+                    turned[1] * self.lobe(at, sun)
+                } else {
+                    0.0
+                };
+                let shine: Rgb = std::array::from_fn(|k| {
+                    diffuse[k] * outside[k] + back[k] * cabin[k] + lobe * light.sun_rgb[k]
+                });
+                shine
+            })
+            .collect();
+        Some(Cells::of_cells(&values, self.direct.size, self.direct.per_cell))
+    }
+
+    /// Light of a distant lamp that is turned by the larger angle towards the camera, per irradiance: the phase function of
+    /// Henyey and Greenstein \[HenyeyGreenstein1941\] with the mean cosine of that angle.
+    fn lobe(&self, at_px: [f64; 2], lamp: [f64; 3]) -> f32 {
+        let [x, y] = [
+            at_px[0] - 0.5 * to_f64(self.size.0),
+            at_px[1] - 0.5 * to_f64(self.size.1),
+        ];
+        let f = self.sights.f_px;
+        let cos = dot([x, y, f], lamp) / (x * x + y * y + f * f).sqrt();
+        let g = libm::exp(-self.wide_rad * self.wide_rad);
+        let square = 1.0 + g * g - 2.0 * g * cos;
+        #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
+        let density = ((1.0 - g * g) / (4.0 * std::f64::consts::PI * square * square.sqrt())) as f32;
+        density
+    }
+
+    /// What the coat makes of the light of a frame under what is around, with 1 or 3 values per pixel, in place.
+    pub fn over(
+        &self,
+        light: &mut [f32],
+        n_colors: usize,
+        around: (&Environment, &EnvironmentParams),
+    ) {
+        match n_colors {
+            1 => self.colors_over::<1>(light, around),
+            _ => self.colors_over::<3>(light, around),
+        }
+    }
+
+    fn colors_over<const COLORS: usize>(
+        &self,
+        light: &mut [f32],
+        around: (&Environment, &EnvironmentParams),
+    ) {
+        let (width, height) = self.size;
+        let pixels = Cells::<COLORS>::of(light, self.size);
+        let has = |k: usize| self.turned.values().any(|it| it[k] > 0.0);
+        let halos = [0, 1].map(|k| has(k).then(|| pixels.spread(self.spreads_px[k])));
+        let streaks = self.streaks.as_ref().map(|it| it.over(&pixels));
+        let shine = self.shines(around.0, around.1);
+        if let Some(moved) = &self.moved {
+            moved.over::<COLORS>(light, self.size);
+        }
+        let mut turned = vec![[0.0_f32; 3]; width];
+        for (y, row) in light.chunks_exact_mut(width * COLORS).take(height).enumerate() {
+            let row = row.as_chunks_mut::<COLORS>().0;
+            self.direct.each_between(y, width, |x, share| {
+                let share = of_colors::<COLORS>(share);
+                for (value, share) in row[x].iter_mut().zip(share) {
+                    *value *= share;
+                }
+            });
+            if halos.iter().any(Option::is_some) || streaks.is_some() {
+                self.turned.each_between(y, width, |x, shares| turned[x] = shares);
+            }
+            let spread = halos.iter().chain([&streaks]).enumerate();
+            for (k, spread) in spread {
+                let Some(spread) = spread else { continue };
+                spread.each_between(y, width, |x, halo| {
+                    let share = turned[x][k];
+                    for (value, halo) in row[x].iter_mut().zip(halo) {
+                        *value += share * halo;
+                    }
+                });
+            }
+            if let Some(shine) = &shine {
+                shine.each_between(y, width, |x, more| {
+                    let more = of_colors::<COLORS>(more);
+                    for (value, more) in row[x].iter_mut().zip(more) {
+                        *value += more;
+                    }
+                });
+            }
+        }
+    }
+}
+
+/// Red, green and blue as the colors of an image: gray is its luminance.
+fn of_colors<const COLORS: usize>(rgb: Rgb) -> [f32; COLORS] {
+    if COLORS == 1 {
+        [luminance(rgb); COLORS]
+    } else {
+        std::array::from_fn(|k| rgb[k])
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+fn to_f64(n: usize) -> f64 {
+    n as f64
+}

@@ -1,0 +1,116 @@
+//! Light that grooves turn: a streak across them through each lamp.
+
+use starbreak_deposit::Scratches;
+
+use super::Samples;
+use crate::pyramid::Cells;
+
+/// Width of the cells in which streaks are, px: grooves of a pupil have more than one direction.
+const CELL_PX: u32 = 4;
+
+/// Where grooves lie before a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Streaks {
+    /// Direction across them, in cells of the map.
+    across: Vec<[f32; 2]>,
+    columns: usize,
+    per_cell: u32,
+    /// Shares of light at each cell of a streak, from its middle on to one side; with the other side they sum to 1.
+    shares: Vec<f32>,
+}
+
+impl Streaks {
+    /// Of what a coat does; none where it has no grooves.
+    pub(super) fn of(samples: &Samples, f_px: f64) -> Option<Self> {
+        if samples.passages.iter().all(|it| it.streak <= 0.0) {
+            return None;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "a direction")]
+        let across = (samples.passages.iter())
+            .map(|it| it.across.map(|along| along as f32))
+            .collect();
+        // The share within an angle, of k ∝ 1/(θ₀² + θ²).
+        let most = libm::atan(Scratches::MOST_ACROSS_RAD / Scratches::ACROSS_RAD);
+        let within = |cells: f64| {
+            let rad = libm::atan(cells * f64::from(CELL_PX) / f_px);
+            (libm::atan(rad / Scratches::ACROSS_RAD) / most).min(1.0)
+        };
+        let reach = libm::tan(Scratches::MOST_ACROSS_RAD) * f_px / f64::from(CELL_PX);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "cells of a frame"
+        )]
+        let n = reach.ceil().max(1.0) as u32;
+        let mut shares = Vec::new();
+        let mut last = 0.0;
+        for k in 0..=n {
+            let next = within(f64::from(k) + 0.5);
+            let sides = if k == 0 { 1.0 } else { 0.5 };
+            #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
+            shares.push((sides * (next - last)) as f32);
+            last = next;
+        }
+        Some(Self {
+            across,
+            columns: samples.size.0,
+            per_cell: samples.per_cell,
+            shares,
+        })
+    }
+
+    /// The light of a frame turned by grooves.
+    pub(super) fn over<const COLORS: usize>(&self, pixels: &Cells<COLORS>) -> Cells<COLORS> {
+        let mut small = pixels.clone();
+        while small.per_cell < CELL_PX && small.size.0.max(small.size.1) > 1 {
+            small = small.halved();
+        }
+        let (columns, rows) = small.size;
+        let light: Vec<[f32; COLORS]> = small.values().copied().collect();
+        let mut out = Vec::with_capacity(light.len() * COLORS);
+        for y in 0..rows {
+            for x in 0..columns {
+                let [dx, dy] = self.direction([x, y], small.per_cell);
+                let mut sum = [0.0_f32; COLORS];
+                let mut add = |k: f32, share: f32| {
+                    let at = [
+                        mirrored(to_f32(x) + k * dx, columns),
+                        mirrored(to_f32(y) + k * dy, rows),
+                    ];
+                    for (sum, value) in sum.iter_mut().zip(light[at[1] * columns + at[0]]) {
+                        *sum += share * value;
+                    }
+                };
+                for (k, share) in self.shares.iter().enumerate() {
+                    let k = to_f32(k);
+                    add(k, *share);
+                    if k > 0.0 {
+                        add(-k, *share);
+                    }
+                }
+                out.extend(sum);
+            }
+        }
+        Cells::of_cells(&out, small.size, small.per_cell)
+    }
+
+    /// Direction across grooves at a cell of a frame.
+    fn direction(&self, [x, y]: [usize; 2], per_cell: u32) -> [f32; 2] {
+        let middle = |k: usize| (2 * k + 1) * per_cell as usize / 2 / self.per_cell as usize;
+        let last = self.across.len() / self.columns - 1;
+        let at = middle(y).min(last) * self.columns + middle(x).min(self.columns - 1);
+        self.across[at]
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
+fn to_f32(k: usize) -> f32 {
+    k as f32
+}
+
+/// The cell of a place; beyond the frame it goes on mirrored.
+fn mirrored(place: f32, n: usize) -> usize {
+    #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
+    let whole = (place + 0.5).floor() as isize;
+    crate::pyramid::mirrored(whole, n)
+}

@@ -1,0 +1,96 @@
+//! Glass that is not even: what is seen through it is moved, and blurred where the pupil sees several slopes.
+
+use super::Samples;
+use crate::maps::Pupil;
+use crate::pyramid::Cells;
+
+/// Less than this moves nothing, px.
+const LEAST_PX: f32 = 0.02;
+
+/// From a pixel to the place that is seen there, and how much that is blurred.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Turned {
+    /// Right, down, and the standard deviation per axis, px.
+    moved: Cells<3>,
+}
+
+impl Turned {
+    /// Of what a coat does; none where nothing is turned.
+    pub(super) fn of(samples: &Samples, pupil: (Pupil, &[f64]), f_px: f64) -> Option<Self> {
+        if samples.passages.iter().all(|it| it.turned_rad == [0.0; 2]) {
+            return None;
+        }
+        let mean = samples.map(pupil, |it| {
+            let [x, y] = it.turned_rad.map(|rad| rad * f_px);
+            [x, y, x * x + y * y]
+        });
+        // Of what the pupil sees the mean is moved, and the rest of the squares is blur.
+        let values: Vec<f32> = mean
+            .values()
+            .flat_map(|[x, y, square]| {
+                let rest = (square - x * x - y * y).max(0.0);
+                [*x, *y, (0.5 * rest).sqrt()]
+            })
+            .collect();
+        Some(Self {
+            moved: Cells::of_cells(&values, mean.size, mean.per_cell),
+        })
+    }
+
+    /// How far a cell is moved, px.
+    pub(super) fn moves_by(&self, cell: usize) -> f32 {
+        self.moved.values().nth(cell).map_or(0.0, |[x, y, _]| (x * x + y * y).sqrt())
+    }
+
+    /// Moves and blurs the light of a frame, in place.
+    pub(super) fn over<const COLORS: usize>(&self, light: &mut [f32], size: (usize, usize)) {
+        let (width, height) = size;
+        // Ever more blurred copies: of standard deviations 0, 1, 2, 4, … px.
+        let sharp = Cells::<COLORS>::of(light, size);
+        let most = self.moved.values().map(|it| it[2]).fold(0.0_f32, f32::max);
+        let mut blurred = vec![sharp.clone()];
+        let mut sigma_px = 1.0_f32;
+        while sigma_px < 2.0 * most && sigma_px < 256.0 {
+            blurred.push(sharp.spread(f64::from(sigma_px)));
+            sigma_px *= 2.0;
+        }
+        let out = light.as_chunks_mut::<COLORS>().0;
+        for y in 0..height {
+            let row = &mut out[y * width..][..width];
+            self.moved.each_between(y, width, |x, [right, down, sigma]| {
+                if right.abs().max(down.abs()).max(sigma) < LEAST_PX {
+                    return;
+                }
+                // Between two copies by the variance.
+                #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                let at = [x as f32 + 0.5 + right, y as f32 + 0.5 + down];
+                let level = blurred_level(sigma).min(blurred.len() - 1);
+                let low = blurred[level].at(at);
+                row[x] = match blurred.get(level + 1) {
+                    Some(next) => {
+                        let variance = |level: usize| match level {
+                            0 => 0.0,
+                            _ => f32::from(1_u16 << (2 * (level - 1)).min(15)),
+                        };
+                        let (from, to) = (variance(level), variance(level + 1));
+                        let part = ((sigma * sigma - from) / (to - from)).clamp(0.0, 1.0);
+                        let high = next.at(at);
+                        std::array::from_fn(|c| low[c] + part * (high[c] - low[c]))
+                    }
+                    None => low,
+                };
+            });
+        }
+    }
+}
+
+/// The last copy that is no more blurred than a standard deviation, px.
+fn blurred_level(sigma_px: f32) -> usize {
+    let mut level = 0;
+    let mut next = 1.0;
+    while sigma_px >= next && level < 8 {
+        level += 1;
+        next *= 2.0;
+    }
+    level
+}
