@@ -95,11 +95,7 @@ impl Dust {
         while n_of(from_um) < MOST_PLACED && from_um > 5.0 {
             from_um *= 0.98;
         }
-        let field = Field::over(
-            area,
-            (self.scale_mm, self.unevenness),
-            (Stream::Dust, seed),
-        );
+        let field = Field::over(area, (self.scale_mm, self.unevenness), (Stream::Dust, seed));
         let mut rng = seed.stream(Stream::Dust, 9);
         let level = libm::log10(level_um);
         let n = n_of(from_um);

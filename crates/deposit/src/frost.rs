@@ -175,10 +175,7 @@ impl Growing {
         let step_mm = std::mem::take(&mut tip.owed_mm);
         let (sin, cos) = libm::sincos(tip.angle);
         let is_clear = |ahead_mm: f64| {
-            let ahead = [
-                tip.at_mm[0] + ahead_mm * cos,
-                tip.at_mm[1] + ahead_mm * sin,
-            ];
+            let ahead = [tip.at_mm[0] + ahead_mm * cos, tip.at_mm[1] + ahead_mm * sin];
             let arrives = &ice.arrives_mm;
             let there = arrives.cell(ahead).map(|cell| arrives.values[cell]);
             there.is_some_and(|arrived| arrived >= NEVER)

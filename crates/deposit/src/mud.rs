@@ -56,10 +56,7 @@ impl Mud {
                 // Over cosh bSt, which may be beyond all numbers.
                 let tanh = libm::tanh(b * depth);
                 let per = a * tanh + b;
-                (
-                    b / per / libm::cosh((b * depth).min(700.0)),
-                    tanh / per,
-                )
+                (b / per / libm::cosh((b * depth).min(700.0)), tanh / per)
             };
             shares[0][k] = direct;
             shares[1][k] = (through - direct).max(0.0);
@@ -171,7 +168,8 @@ impl Splat {
 
     /// Adds its thickness; returns how many cells it covers that were clean.
     fn add(&self, thickness: &mut Raster, most_mm: f64) -> usize {
-        let [columns, rows] = thickness.around(self.middle_mm, MOST_OUTLINE * self.longer * self.radius_mm);
+        let [columns, rows] =
+            thickness.around(self.middle_mm, MOST_OUTLINE * self.longer * self.radius_mm);
         let mut n_new = 0;
         for y in rows {
             for x in columns.clone() {

@@ -47,6 +47,8 @@ pub struct Rain {
     pub speed_m_s: f64,
     /// How long it has rained since the pane was wiped, s.
     pub age_s: f64,
+    /// From one wipe to the next, s; 0 where nothing wipes.
+    pub wiper_period_s: f64,
     /// Contact angle of water on the glass, rad.
     pub contact_rad: f64,
     /// Angle at the front of a drop that is about to move less that at its back, rad.
@@ -63,6 +65,7 @@ impl Default for Rain {
             rate_m_s: 7.6e-3 / 3600.0,
             speed_m_s: 14.0,
             age_s: 4.0,
+            wiper_period_s: 0.0,
             contact_rad: 50.0_f64.to_radians(),
             hysteresis_rad: 30.0_f64.to_radians(),
             slope_rad: 30.0_f64.to_radians(),
@@ -173,6 +176,33 @@ impl Rain {
         let pressure = AIR_KG_M3 * self.speed_m_s * self.speed_m_s;
         let height_m = SHEAR_LIMIT * TENSION_N_M / pressure;
         height_m / libm::tan(0.5 * self.contact_rad) * 1e3
+    }
+
+    /// The rain so many seconds later, and how often the pane was wiped until then. Each wipe leaves it dry, all at once;
+    /// the first comes when it has rained for a period, or for a whole number of them.
+    #[must_use]
+    pub fn later(&self, by_s: f64) -> (Self, u64) {
+        let age_s = self.age_s + by_s;
+        let wipes = |age_s: f64| match self.wiper_period_s {
+            period_s if period_s > 0.0 => (age_s / period_s).floor(),
+            _ => 0.0,
+        };
+        let n = wipes(age_s) - wipes(self.age_s);
+        let since_s = match n > 0.0 {
+            true => age_s - wipes(age_s) * self.wiper_period_s,
+            false => age_s,
+        };
+        let later = Self {
+            age_s: since_s,
+            ..*self
+        };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some wipes"
+        )]
+        let n = n.max(0.0) as u64;
+        (later, n)
     }
 
     /// How many drops land on an area of the pane in the mean. What becomes of each takes time, a second for some

@@ -83,7 +83,10 @@ fn of_seeds(coat: Coat, of: impl Fn(&Passage) -> f64) -> f64 {
 
 #[test]
 fn no_coat_makes_or_loses_light() {
-    let white = Dust { albedo: 1.0, ..DUST };
+    let white = Dust {
+        albedo: 1.0,
+        ..DUST
+    };
     let clear = Mud {
         absorbs_per_mm: [0.0; 3],
         ..MUD
@@ -100,16 +103,35 @@ fn no_coat_makes_or_loses_light() {
         for at in places() {
             let it = coating.passage(at);
             for k in 0..3 {
-                let sum = it.direct[k] + it.narrow + it.wide + it.streak + it.diffuse[k] + it.back[k];
-                assert!((sum - 1.0).abs() < 1e-9, "{coat:?}: {sum} at {at:?}, {it:?}");
-                let shares = [it.direct[k], it.narrow, it.wide, it.streak, it.diffuse[k], it.back[k]];
+                let sum =
+                    it.direct[k] + it.narrow + it.wide + it.streak + it.diffuse[k] + it.back[k];
+                assert!(
+                    (sum - 1.0).abs() < 1e-9,
+                    "{coat:?}: {sum} at {at:?}, {it:?}"
+                );
+                let shares = [
+                    it.direct[k],
+                    it.narrow,
+                    it.wide,
+                    it.streak,
+                    it.diffuse[k],
+                    it.back[k],
+                ];
                 assert!(shares.iter().all(|share| *share >= 0.0), "{it:?}");
             }
         }
     }
     // And what is dark takes light.
-    for coat in [Coat::Mud(MUD), Coat::Dust(Dust { albedo: 0.0, ..DUST })] {
-        let all = of_seeds(coat, |it| it.direct[0] + it.narrow + it.wide + it.diffuse[0] + it.back[0]);
+    for coat in [
+        Coat::Mud(MUD),
+        Coat::Dust(Dust {
+            albedo: 0.0,
+            ..DUST
+        }),
+    ] {
+        let all = of_seeds(coat, |it| {
+            it.direct[0] + it.narrow + it.wide + it.diffuse[0] + it.back[0]
+        });
         assert!(all < 0.98, "{coat:?}: {all}");
     }
 }
@@ -119,7 +141,8 @@ fn no_coat_makes_or_loses_light() {
 #[test]
 fn dust_covers_what_its_level_says() {
     for (level, covers) in [(500.0, 0.0029), (750.0, 0.024), (1000.0, 0.11)] {
-        let n = |um: f64| 10.0 * 10_f64.powf(0.926 * (f64::log10(level).powi(2) - um.log10().powi(2)));
+        let n =
+            |um: f64| 10.0 * 10_f64.powf(0.926 * (f64::log10(level).powi(2) - um.log10().powi(2)));
         let (mut sum, mut um) = (0.0, 1.0);
         while um < 5000.0 {
             let next = um * 1.001;
@@ -128,15 +151,27 @@ fn dust_covers_what_its_level_says() {
             um = next;
         }
         let found = Dust::coverage_of_level(level);
-        assert!((found / sum - 1.0).abs() < 0.01, "{level}: {found}, not {sum}");
-        assert!((found / covers - 1.0).abs() < 0.05, "{level}: {found}, not {covers}");
+        assert!(
+            (found / sum - 1.0).abs() < 0.01,
+            "{level}: {found}, not {sum}"
+        );
+        assert!(
+            (found / covers - 1.0).abs() < 0.05,
+            "{level}: {found}, not {covers}"
+        );
     }
     for coverage in [0.003, 0.01, 0.03, 0.06, 0.12] {
         let dust = Dust { coverage, ..DUST };
         let level = dust.level_um();
-        assert!((Dust::coverage_of_level(level) / coverage - 1.0).abs() < 1e-3, "{level}");
+        assert!(
+            (Dust::coverage_of_level(level) / coverage - 1.0).abs() < 1e-3,
+            "{level}"
+        );
         let found = of_seeds(Coat::Dust(dust), |it| it.covered);
-        assert!((found / coverage - 1.0).abs() < 0.05, "{found}, not {coverage}");
+        assert!(
+            (found / coverage - 1.0).abs() < 0.05,
+            "{found}, not {coverage}"
+        );
     }
 }
 
@@ -150,7 +185,11 @@ fn mud_covers_what_is_said_and_lets_colors_through_by_its_thickness() {
         let [direct, diffuse, back] = MUD.layer(thickness_mm);
         for k in 0..3 {
             let passes = (-(MUD.absorbs_per_mm[k] + 12.0) * thickness_mm).exp();
-            assert!((direct[k] - passes).abs() < 1e-12, "{} at {thickness_mm}", direct[k]);
+            assert!(
+                (direct[k] - passes).abs() < 1e-12,
+                "{} at {thickness_mm}",
+                direct[k]
+            );
             assert!(direct[k] + diffuse[k] + back[k] <= 1.0, "no light is made");
         }
         assert!(diffuse[0] >= diffuse[2], "what comes through is brown");
@@ -172,7 +211,11 @@ fn a_film_turns_light_as_much_as_its_ripple_says() {
         it.turned_rad[0] * it.turned_rad[0] + it.turned_rad[1] * it.turned_rad[1]
     });
     let expected = film.turns_by_rms_rad();
-    assert!((square.sqrt() / expected - 1.0).abs() < 0.05, "{}, not {expected}", square.sqrt());
+    assert!(
+        (square.sqrt() / expected - 1.0).abs() < 0.05,
+        "{}, not {expected}",
+        square.sqrt()
+    );
     let coating = Coat::Film(film).on_pane(&AREA, 0.4, Seed(1));
     const STEP_MM: f64 = 1e-4;
     for at in places().step_by(997) {
@@ -203,7 +246,10 @@ fn scratches_turn_as_much_as_their_haze_says_and_across_the_wipers_way() {
         assert!((haze / 0.04 - 1.0).abs() < 0.01, "{haze} at {wiped}");
     }
     let it = SCRATCHES.passage([-250.0, 50.0]);
-    assert!(it.across[1] < -0.999, "above the pivot light is turned up and down: {it:?}");
+    assert!(
+        it.across[1] < -0.999,
+        "above the pivot light is turned up and down: {it:?}"
+    );
 }
 
 /// Cells of a side of boxes, and how many of these have ice.
@@ -271,7 +317,11 @@ fn the_fastest_stems_grow_at_the_speed_of_the_front() {
         };
         let (young, old) = (right(700.0), right(1100.0));
         if old < 149.0 && young.is_finite() {
-            assert!(old - young <= 12.0 + 1.0, "{} mm in 400 s at 0.03 mm/s", old - young);
+            assert!(
+                old - young <= 12.0 + 1.0,
+                "{} mm in 400 s at 0.03 mm/s",
+                old - young
+            );
             fastest = fastest.max(old - young);
         }
     }
@@ -297,10 +347,19 @@ fn later_dew_and_frost_have_grown_and_the_rest_has_not() {
 
 #[test]
 fn a_seed_places_what_lies_there() {
-    for coat in [Coat::Mud(MUD), Coat::Dust(DUST), Coat::Film(FILM), Coat::Frost(FROST), Coat::Fog(fog())] {
+    for coat in [
+        Coat::Mud(MUD),
+        Coat::Dust(DUST),
+        Coat::Film(FILM),
+        Coat::Frost(FROST),
+        Coat::Fog(fog()),
+    ] {
         let of = |seed: u64| -> Vec<Passage> {
             let coating = coat.on_pane(&AREA, 0.4, Seed(seed));
-            places().step_by(101).map(|at| coating.passage(at)).collect()
+            places()
+                .step_by(101)
+                .map(|at| coating.passage(at))
+                .collect()
         };
         assert_eq!(of(1), of(1), "{coat:?}");
         assert_ne!(of(1), of(2), "{coat:?}");

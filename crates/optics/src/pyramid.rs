@@ -53,7 +53,12 @@ impl<const COLORS: usize> Cells<COLORS> {
         let (left, right, s) = along(u, columns);
         let (top, bottom, t) = along(v, rows);
         let of = |x: usize, y: usize| &self.light[y * columns + x];
-        let corners = [of(left, top), of(right, top), of(left, bottom), of(right, bottom)];
+        let corners = [
+            of(left, top),
+            of(right, top),
+            of(left, bottom),
+            of(right, bottom),
+        ];
         std::array::from_fn(|c| {
             let [a, b, low_a, low_b] = corners.map(|it| it[c]);
             let (high, low) = (a + s * (b - a), low_a + s * (low_b - low_a));

@@ -132,7 +132,10 @@ fn a_furnace_hides_every_coat() {
 fn beyond(light: &[f32], at: (usize, usize), px: f64) -> f64 {
     let mut sum = 0.0;
     for (k, value) in light.iter().enumerate() {
-        let (x, y) = ((k % 600) as f64 - at.0 as f64, (k / 600) as f64 - at.1 as f64);
+        let (x, y) = (
+            (k % 600) as f64 - at.0 as f64,
+            (k / 600) as f64 - at.1 as f64,
+        );
         if x.hypot(y) > px {
             sum += f64::from(*value);
         }
@@ -163,7 +166,10 @@ fn a_beam_is_turned_by_more_than_two_and_a_half_degrees_as_much_as_the_haze_says
         // What leaves the frame is mirrored into it, and is haze all the same.
         assert!((all - 1.0).abs() < 0.02, "{all}");
         let haze = beyond(&light, (300, 200), 900.0 * 2.5_f64.to_radians().tan()) / 1e4;
-        assert!((haze - 0.04).abs() < 0.0015, "{haze} of sand and wipers {wiped}");
+        assert!(
+            (haze - 0.04).abs() < 0.0015,
+            "{haze} of sand and wipers {wiped}"
+        );
     }
 }
 
@@ -190,7 +196,10 @@ fn a_lamp_behind_wiped_glass_has_a_streak_that_points_at_the_wipers_pivot() {
     }
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
     // The pivot in the frame: 3 px per mm from its middle.
-    let [x, y] = [300.0 + 3.0 * pivot_mm[0] - 350.0, 200.0 + 3.0 * pivot_mm[1] - 150.0];
+    let [x, y] = [
+        300.0 + 3.0 * pivot_mm[0] - 350.0,
+        200.0 + 3.0 * pivot_mm[1] - 150.0,
+    ];
     let off = (angle - y.atan2(x)).to_degrees().rem_euclid(180.0);
     assert!(off.min(180.0 - off) < 2.0, "{off} degrees");
     let long = 0.5 * (xx + yy) + (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
@@ -260,7 +269,8 @@ fn dust_in_the_sun_veils_the_picture_towards_it() {
         let at = [x as f64 + 0.5 - 300.0, y as f64 + 0.5 - 200.0, 300.0_f64];
         let length = at.iter().map(|it| it * it).sum::<f64>().sqrt();
         let cos = (0..3).map(|k| at[k] * towards[k]).sum::<f64>() / length;
-        let p = (1.0 - g * g) / (4.0 * std::f64::consts::PI * (1.0 + g * g - 2.0 * g * cos).powf(1.5));
+        let p =
+            (1.0 - g * g) / (4.0 * std::f64::consts::PI * (1.0 + g * g - 2.0 * g * cos).powf(1.5));
         expected += 0.1 * 0.9 * 0.8 * 10.0 * p;
         found += f64::from(light[y * 600 + x]);
     }

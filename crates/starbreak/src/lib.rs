@@ -37,17 +37,18 @@ mod timings;
 pub use broken::{Details, ImportedDetails, PaperDetails, PhysicsDetails, Simulated, simulate};
 pub use camera_faults::CameraFaults;
 pub use chain::{
-    Chain, Lit, OpticsReport, PaneLayer, SceneReport, Shown, damage_to_json, region_fraction,
+    CLASSES, Chain, Lit, OpticsReport, PaneLayer, SceneReport, Shown, damage_to_json,
+    region_fraction,
 };
 pub use cost::Cost;
 pub use error::Error;
 pub use growth::{Arrivals, growth_drawing, growth_times};
 pub use import::ImportError;
 pub use recipe::{
-    Assignment, CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DEFAULT_PRESET, FAULTS,
-    FaultKind, FocalLength, FractureSettings, LEAST_MAX_MEMORY_BYTES, MAX_RECIPE_BYTES, Mount,
-    OpticsSettings, OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe,
-    RecipeError, SCENARIOS, SCHEMA_VERSION, Scenario, Settings, StoneSettings, cameras, json_schema, presets,
+    Assignment, CameraSettings, DEFAULT_MAX_MEMORY_BYTES, DEFAULT_PRESET, FAULTS, FaultKind,
+    FocalLength, FractureSettings, LEAST_MAX_MEMORY_BYTES, MAX_RECIPE_BYTES, Mount, OpticsSettings,
+    OutputFormat, OutputSettings, PRESETS, PaperSettings, PhysicsSettings, Recipe, RecipeError,
+    SCENARIOS, SCHEMA_VERSION, Scenario, Settings, StoneSettings, cameras, json_schema, presets,
 };
 pub use scene::Scene;
 pub use starbreak_fracture as fracture;

@@ -91,6 +91,13 @@ fn no_fault_and_faults_of_nothing_leave_every_code_of_every_mode() {
         ("[drops]\nrain_mm_h = 0.0\n", "no rain"),
         ("[drops]\nage_s = 0.0\n", "a wiper that has just passed"),
         ("[condensation]\nage_s = 0.0\n", "no dew"),
+        ("[condensation]\ngrowth_um_s = 0.0\n", "dry air"),
+        ("[mud]\ncoverage_percent = 0.0\n", "no mud"),
+        ("[dust]\ncoverage_percent = 0.0\n", "no dust"),
+        ("[film]\nripple_um = 0.0\nhaze_percent = 0.0\n", "no film"),
+        ("[frost]\nage_s = 0.0\n", "frost that has not begun"),
+        ("[frost]\nfront_um_s = 0.0\n", "frost that does not grow"),
+        ("[scratches]\nhaze_percent = 0.0\n", "no scratches"),
         ("[distortion]\ncorner_percent = 0.0\n", "no distortion"),
         ("[fringes]\nlateral_px = 0.0\n", "no fringes"),
         ("[defocus]\nsensor_shift_um = 0.0\n", "a sensor in focus"),
@@ -440,39 +447,4 @@ fn a_table_of_several_faults_has_those_that_it_names() {
         axial["fringes"],
         serde_json::json!({ "lateral_px": 0.0, "axial_um": 20.0 })
     );
-}
-
-#[test]
-fn what_lies_on_the_pane_is_told_of_and_stays_with_the_seed() {
-    let image: DynamicImage = RgbImage::from_pixel(320, 200, Rgb([128; 3])).into();
-    for (preset, key) in [("rain", "drops"), ("fogged", "condensation")] {
-        let recipe = Recipe::preset(preset).unwrap();
-        let settings = recipe.settings().unwrap();
-        let chain = |seed: u64| Chain::of(&settings, (320, 200), Seed(seed)).unwrap();
-        let coverage = chain(1).facts()[key]["coverage"].as_f64().unwrap();
-        assert!((0.02..0.6).contains(&coverage), "{preset}: {coverage}");
-        assert!(!chain(1).is_intact(), "{preset} is damage");
-        assert!(
-            over(&recipe, &colors(), 1) != over(&recipe, &colors(), 2),
-            "{preset} by the seed"
-        );
-    }
-    // Cracks and rain go together, and with each alone there is less.
-    let mut both = Recipe::preset("windshield-spiderweb").unwrap();
-    both.set("drops.rain_mm_h=25").unwrap();
-    let cracks = region_of(&Recipe::preset("windshield-spiderweb").unwrap(), &image);
-    assert!(region_of(&both, &image) > cracks + 0.05);
-    let mut endless = Recipe::preset("rain").unwrap();
-    endless.set("drops.age_s=600").unwrap();
-    endless.set("drops.rain_mm_h=150").unwrap();
-    let refused = Chain::of(&endless.settings().unwrap(), (320, 200), Seed(1)).unwrap_err();
-    assert!(
-        refused.to_string().contains("lower drops.age_s"),
-        "{refused}"
-    );
-    let papers = Recipe::preset("paper")
-        .unwrap()
-        .set("drops.rain_mm_h=5")
-        .unwrap_err();
-    assert!(papers.to_string().contains("optics.model"), "{papers}");
 }

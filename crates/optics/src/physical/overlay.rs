@@ -243,6 +243,15 @@ impl Overlay {
         if moved > 0.0 { moved / light } else { 0.0 }
     }
 
+    /// Share of an image's light that comes through at each pixel, from there or from another place.
+    #[must_use]
+    pub fn passing(&self) -> Vec<f32> {
+        let maps = self.maps();
+        let of = maps.attenuation.iter().zip(&maps.elsewhere);
+        of.map(|(lost, elsewhere)| (1.0 - lost + elsewhere).min(1.0))
+            .collect()
+    }
+
     /// The maps, pixel by pixel.
     #[must_use]
     pub fn maps(&self) -> OpticalMaps {

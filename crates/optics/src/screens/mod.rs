@@ -91,11 +91,7 @@ impl Samples {
     }
 
     /// Three numbers of each, spread by the pupil with a radius for each row of cells.
-    fn map(
-        &self,
-        (pupil, radii): (Pupil, &[f64]),
-        of: impl Fn(&Passage) -> [f64; 3],
-    ) -> Map {
+    fn map(&self, (pupil, radii): (Pupil, &[f64]), of: impl Fn(&Passage) -> [f64; 3]) -> Map {
         #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
         let values: Vec<f32> = self
             .passages
@@ -161,6 +157,16 @@ impl Screen {
         }
     }
 
+    /// Whether no light changes.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        let is_whole = self
+            .direct
+            .values()
+            .all(|it| it.iter().all(|share| *share >= 1.0));
+        is_whole && self.moved.is_none()
+    }
+
     /// Mean share of the frame that is covered.
     #[must_use]
     pub fn mean_covered(&self) -> f64 {
@@ -170,7 +176,11 @@ impl Screen {
     /// Mean share of light that goes straight on, of all colors.
     #[must_use]
     pub fn mean_direct(&self) -> f64 {
-        let sum: f64 = self.direct.values().map(|it| f64::from(luminance(*it))).sum();
+        let sum: f64 = self
+            .direct
+            .values()
+            .map(|it| f64::from(luminance(*it)))
+            .sum();
         #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
         let n = (self.direct.size.0 * self.direct.size.1).max(1) as f64;
         sum / n
@@ -220,8 +230,8 @@ impl Screen {
     /// The light that the coat itself sends to the camera, under the light around it.
     fn shines(&self, light: &Environment, params: &EnvironmentParams) -> Option<Map> {
         let has = |map: &Map| map.values().any(|it| it.iter().any(|share| *share > 0.0));
-        let has_lobe = light.sun_rgb.iter().any(|it| *it > 0.0)
-            && self.turned.values().any(|it| it[1] > 0.0);
+        let has_lobe =
+            light.sun_rgb.iter().any(|it| *it > 0.0) && self.turned.values().any(|it| it[1] > 0.0);
         if !has(&self.diffuse) && !has(&self.back) && !has_lobe {
             return None;
         }
@@ -256,7 +266,11 @@ impl Screen {
                 shine
             })
             .collect();
-        Some(Cells::of_cells(&values, self.direct.size, self.direct.per_cell))
+        Some(Cells::of_cells(
+            &values,
+            self.direct.size,
+            self.direct.per_cell,
+        ))
     }
 
     /// Light of a distant lamp that is turned by the larger angle towards the camera, per irradiance: the phase function of
@@ -271,7 +285,8 @@ impl Screen {
         let g = libm::exp(-self.wide_rad * self.wide_rad);
         let square = 1.0 + g * g - 2.0 * g * cos;
         #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
-        let density = ((1.0 - g * g) / (4.0 * std::f64::consts::PI * square * square.sqrt())) as f32;
+        let density =
+            ((1.0 - g * g) / (4.0 * std::f64::consts::PI * square * square.sqrt())) as f32;
         density
     }
 
@@ -303,7 +318,11 @@ impl Screen {
             moved.over::<COLORS>(light, self.size);
         }
         let mut turned = vec![[0.0_f32; 3]; width];
-        for (y, row) in light.chunks_exact_mut(width * COLORS).take(height).enumerate() {
+        for (y, row) in light
+            .chunks_exact_mut(width * COLORS)
+            .take(height)
+            .enumerate()
+        {
             let row = row.as_chunks_mut::<COLORS>().0;
             self.direct.each_between(y, width, |x, share| {
                 let share = of_colors::<COLORS>(share);
@@ -312,7 +331,8 @@ impl Screen {
                 }
             });
             if halos.iter().any(Option::is_some) || streaks.is_some() {
-                self.turned.each_between(y, width, |x, shares| turned[x] = shares);
+                self.turned
+                    .each_between(y, width, |x, shares| turned[x] = shares);
             }
             let spread = halos.iter().chain([&streaks]).enumerate();
             for (k, spread) in spread {

@@ -39,7 +39,10 @@ impl Turned {
 
     /// How far a cell is moved, px.
     pub(super) fn moves_by(&self, cell: usize) -> f32 {
-        self.moved.values().nth(cell).map_or(0.0, |[x, y, _]| (x * x + y * y).sqrt())
+        self.moved
+            .values()
+            .nth(cell)
+            .map_or(0.0, |[x, y, _]| (x * x + y * y).sqrt())
     }
 
     /// Moves and blurs the light of a frame, in place.
@@ -57,29 +60,30 @@ impl Turned {
         let out = light.as_chunks_mut::<COLORS>().0;
         for y in 0..height {
             let row = &mut out[y * width..][..width];
-            self.moved.each_between(y, width, |x, [right, down, sigma]| {
-                if right.abs().max(down.abs()).max(sigma) < LEAST_PX {
-                    return;
-                }
-                // Between two copies by the variance.
-                #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-                let at = [x as f32 + 0.5 + right, y as f32 + 0.5 + down];
-                let level = blurred_level(sigma).min(blurred.len() - 1);
-                let low = blurred[level].at(at);
-                row[x] = match blurred.get(level + 1) {
-                    Some(next) => {
-                        let variance = |level: usize| match level {
-                            0 => 0.0,
-                            _ => f32::from(1_u16 << (2 * (level - 1)).min(15)),
-                        };
-                        let (from, to) = (variance(level), variance(level + 1));
-                        let part = ((sigma * sigma - from) / (to - from)).clamp(0.0, 1.0);
-                        let high = next.at(at);
-                        std::array::from_fn(|c| low[c] + part * (high[c] - low[c]))
+            self.moved
+                .each_between(y, width, |x, [right, down, sigma]| {
+                    if right.abs().max(down.abs()).max(sigma) < LEAST_PX {
+                        return;
                     }
-                    None => low,
-                };
-            });
+                    // Between two copies by the variance.
+                    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                    let at = [x as f32 + 0.5 + right, y as f32 + 0.5 + down];
+                    let level = blurred_level(sigma).min(blurred.len() - 1);
+                    let low = blurred[level].at(at);
+                    row[x] = match blurred.get(level + 1) {
+                        Some(next) => {
+                            let variance = |level: usize| match level {
+                                0 => 0.0,
+                                _ => f32::from(1_u16 << (2 * (level - 1)).min(15)),
+                            };
+                            let (from, to) = (variance(level), variance(level + 1));
+                            let part = ((sigma * sigma - from) / (to - from)).clamp(0.0, 1.0);
+                            let high = next.at(at);
+                            std::array::from_fn(|c| low[c] + part * (high[c] - low[c]))
+                        }
+                        None => low,
+                    };
+                });
         }
     }
 }

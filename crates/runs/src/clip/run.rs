@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use image::{ColorType, DynamicImage};
 use rayon::prelude::*;
+use serde_json::{Map, Value};
 use starbreak::sensor::{FrameState, Frames, Moment, Sensor};
 use starbreak::{CameraFaults, Chain, Lit, PaneLayer, Settings};
 use starbreak_optics::environment::Environment;
@@ -15,7 +16,7 @@ use starbreak_seed::Seed;
 use super::light::ClipLight;
 use super::sink::{Ready, Sink, Target};
 use super::source::{Frame, Source};
-use super::stage::StageFacts;
+use super::stage::{StageFacts, Wanted};
 use super::timeline::{GlassState, Timeline};
 use super::track::{Arrival, TrackFrame};
 use crate::Error;
@@ -283,9 +284,10 @@ impl<'a> Show<'a> {
         self.chain.settings().faults.as_ref()
     }
 
-    /// Whether a coat lies on the glass, which it does from the beginning.
-    fn has_coat(&self) -> bool {
-        !self.chain.settings().coats.is_empty()
+    /// Whether anything lies on the glass, which it does from the beginning.
+    fn has_deposit(&self) -> bool {
+        let settings = self.chain.settings();
+        !settings.coats.is_empty() || settings.drops.is_some()
     }
 
     fn sensor(&self) -> Option<&Sensor> {
@@ -302,16 +304,20 @@ impl<'a> Show<'a> {
     fn has_begun(&self, time_s: f64) -> bool {
         match self.chain.is_glass_intact() {
             true => {
-                self.has_coat()
+                self.has_deposit()
                     || (self.faults()).is_some_and(|faults| !faults.at(time_s).is_empty())
             }
             false => self.timeline.at(time_s).0 != GlassState::Intact,
         }
     }
 
-    /// Whether masks are wanted, and whether dew or a camera's faults come on top of the glass.
-    fn wanted(&self) -> (bool, bool) {
-        (self.with_masks, self.has_coat() || self.faults().is_some())
+    fn wanted(&self) -> Wanted {
+        let settings = self.chain.settings();
+        Wanted {
+            masks: self.with_masks,
+            faults: !settings.coats.is_empty() || settings.faults.is_some(),
+            classes: settings.output.classes,
+        }
     }
 
     /// The full cracks under a light.
@@ -343,6 +349,9 @@ impl<'a> Show<'a> {
     fn one(&self, kept: &Kept<'a>, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {
         let at = plan.at;
         let mut is_untouched = false;
+        if self.chain.ages() {
+            return self.one_of_its_age(kept, frame, plan);
+        }
         let facts = match (plan.state, &plan.lit, &kept.still) {
             (GlassState::Still, Some(lit), Some(facts)) => {
                 lit.over(&mut frame.pixels, at)?;
@@ -367,10 +376,57 @@ impl<'a> Show<'a> {
                 Arc::clone(&kept.intact)
             }
         };
+        self.shown(frame, plan, (facts, self.bare), (is_untouched, None))
+    }
+
+    /// The same where what lies on the glass changes from frame to frame.
+    fn one_of_its_age(
+        &self,
+        kept: &Kept<'a>,
+        mut frame: Frame,
+        plan: &Plan<'a>,
+    ) -> Result<Shown, Error> {
+        let growth = match plan.state {
+            GlassState::Intact => None,
+            GlassState::Growing => Some(plan.grown),
+            GlassState::Still => Some(f64::INFINITY),
+        };
+        let chain = self.chain.later(plan.at.time_s, growth)?;
+        let lit = chain.under(plan.light.as_ref())?;
+        let is_untouched = lit.changes_nothing(plan.at.time_s) && plan.at.frame_idx == frame.idx;
+        if !is_untouched {
+            lit.over(&mut frame.pixels, plan.at)?;
+        }
+        let length_px = self.chain.crack_length_px(growth.unwrap_or(0.0))?;
+        let length_px = if growth.is_none() {
+            Some(0.0)
+        } else {
+            length_px
+        };
+        let told = if plan.light == kept.onset_light {
+            lit
+        } else {
+            chain.under(kept.onset_light.as_ref())?
+        };
+        let facts = StageFacts::of(chain.layer(), &told, length_px, self.wanted())?;
+        let on_glass = chain.facts().clone();
+        self.shown(frame, plan, (facts, &told), (is_untouched, Some(on_glass)))
+    }
+
+    /// A frame that is done, with its line of the track; the facts are those of the glass, behind which a camera may have
+    /// faults.
+    fn shown(
+        &self,
+        frame: Frame,
+        plan: &Plan<'a>,
+        (facts, lit): (Arc<StageFacts>, &Lit<'_>),
+        (is_untouched, on_glass): (bool, Option<Map<String, Value>>),
+    ) -> Result<Shown, Error> {
+        let at = plan.at;
         // Of another frame, which may differ anywhere.
         let is_other = at.frame_idx != frame.idx;
         let seen = (frame.pixels.color(), at);
-        let behind = facts.behind(self.bare, seen, (plan.is_blank, is_other))?;
+        let behind = facts.behind(lit, seen, (plan.is_blank, is_other))?;
         let facts = behind.unwrap_or(facts);
         let (frame_idx, time_s) = (frame.idx, frame.time_s);
         let own_masks = match &frame.file {
@@ -388,6 +444,7 @@ impl<'a> Show<'a> {
             growth: self.timeline.reached(plan.grown),
             crack_length_px: facts.crack_length_px,
             region_fraction: facts.region_fraction,
+            on_glass,
             arrival: arrival.map(|_| Arrival {
                 state: plan.arrives.name(),
                 shows_frame_idx: (!plan.is_blank).then_some(at.frame_idx),

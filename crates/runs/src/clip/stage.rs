@@ -21,6 +21,18 @@ pub(super) struct StageFacts {
     pub(super) masks: Option<[Arc<StageMask>; 2]>,
     /// Where the glass affects the frame, if a camera's faults come on top.
     glass_region: Option<GrayImage>,
+    wanted: Wanted,
+}
+
+/// What is asked of a stage.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wanted {
+    /// Whether masks are.
+    pub(super) masks: bool,
+    /// Whether coats or a camera's faults come on top of the glass.
+    pub(super) faults: bool,
+    /// Whether regions tell how much light comes through.
+    pub(super) classes: bool,
 }
 
 /// A mask of a stage.
@@ -59,31 +71,34 @@ impl StageFacts {
         layer: &PaneLayer,
         lit: &Lit<'_>,
         crack_length_px: Option<f64>,
-        (with_masks, with_faults): (bool, bool),
+        wanted: Wanted,
     ) -> Result<Arc<Self>, Error> {
         let region = lit.glass_region(layer.size())?;
-        let crack = with_masks.then(|| layer.crack_mask()).transpose()?;
-        Self::new(region, crack_length_px, crack, with_faults)
+        let crack = wanted.masks.then(|| layer.crack_mask()).transpose()?;
+        Self::new((lit, region), crack_length_px, crack, wanted)
     }
 
     /// Before the glass breaks, where something may lie on it.
     pub(super) fn intact(
         lit: &Lit<'_>,
         (width, height): (u32, u32),
-        (with_masks, with_faults): (bool, bool),
+        wanted: Wanted,
     ) -> Result<Arc<Self>, Error> {
         let region = lit.glass_region((width, height))?;
-        let crack = with_masks.then(|| GrayImage::new(width, height));
-        Self::new(region, Some(0.0), crack, with_faults)
+        let crack = wanted.masks.then(|| GrayImage::new(width, height));
+        Self::new((lit, region), Some(0.0), crack, wanted)
     }
 
     /// With masks where there is that of the cracks.
     fn new(
-        region: GrayImage,
+        (lit, mut region): (&Lit<'_>, GrayImage),
         crack_length_px: Option<f64>,
         crack: Option<GrayImage>,
-        with_faults: bool,
+        wanted: Wanted,
     ) -> Result<Arc<Self>, Error> {
+        if wanted.classes && !wanted.faults {
+            lit.classify(&mut region);
+        }
         let masks = match crack {
             Some(crack) => Some([StageMask::of(region.clone())?, StageMask::of(crack)?]),
             None => None,
@@ -92,7 +107,8 @@ impl StageFacts {
             region_fraction: region_fraction(&region),
             crack_length_px,
             masks,
-            glass_region: with_faults.then_some(region),
+            glass_region: wanted.faults.then_some(region),
+            wanted,
         }))
     }
 
@@ -111,6 +127,9 @@ impl StageFacts {
             true => region.as_flat_samples_mut().as_mut_slice().fill(255),
             false => lit.add_faults(&mut region, color, at),
         }
+        if self.wanted.classes {
+            lit.classify(&mut region);
+        }
         let masks = match &self.masks {
             Some([_, crack]) => {
                 let crack = match is_blank {
@@ -126,6 +145,7 @@ impl StageFacts {
             crack_length_px: self.crack_length_px,
             masks,
             glass_region: None,
+            wanted: self.wanted,
         })))
     }
 }

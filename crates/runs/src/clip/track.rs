@@ -36,6 +36,9 @@ pub(super) struct TrackFrame {
     /// Null where a photograph is shown, which says nothing of its cracks.
     pub(super) crack_length_px: Option<f64>,
     pub(super) region_fraction: f64,
+    /// What lies on the glass, by table, where that changes as time goes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) on_glass: Option<Map<String, Value>>,
     /// What became of the frame, where the recipe has `[frames]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) arrival: Option<Arrival>,

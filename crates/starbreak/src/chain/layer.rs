@@ -42,7 +42,7 @@ pub(super) struct OnPane {
     view: View,
 }
 
-/// What lies on the pane of some settings; the seed places it.
+/// What lies on the pane of some settings, so many seconds after the beginning; the seed places it.
 ///
 /// # Errors
 /// [`Error::Optics`] for a camera that sees nothing, [`Error::TooManyDrops`].
@@ -50,9 +50,16 @@ pub(super) fn deposit_of(
     settings: &Settings,
     size_px: (u32, u32),
     seed: Seed,
+    after_s: f64,
 ) -> Result<Option<OnPane>, Error> {
     let Some(rain) = &settings.drops else {
         return Ok(None);
+    };
+    let (rain, n_wipes) = rain.later(after_s);
+    // Other drops come after each wipe.
+    let seed = match n_wipes {
+        0 => seed,
+        n => seed.of_item("wiper", n),
     };
     let scene = Scene::of(settings, size_px);
     let view = scene.sheet()?;
@@ -110,7 +117,7 @@ impl PaneLayer {
         size_px: (u32, u32),
         seed: Seed,
     ) -> Result<Self, Error> {
-        let on_pane = deposit_of(settings, size_px, seed)?;
+        let on_pane = deposit_of(settings, size_px, seed, 0.0)?;
         let network = (network, time);
         Self::of_network_under(settings, network, size_px, on_pane.as_ref(), seed)
     }

@@ -9,6 +9,10 @@ use starbreak_sensor::Moment;
 use super::sense::Behind;
 use crate::{Error, Stopwatch};
 
+/// Codes of a region that tells how much of an image's light comes through, with the share below which it is each:
+/// transparent, semi-transparent and opaque, the classes of \[Yogamani2019\].
+pub const CLASSES: [(u8, f32); 3] = [(85, f32::INFINITY), (170, 0.6), (255, 0.1)];
+
 /// A chain under one light: what it does to any frame of its size.
 #[derive(Debug, Clone)]
 pub struct Lit<'a> {
@@ -123,6 +127,21 @@ impl Lit<'_> {
     /// Adds 255 where dew and the camera's faults affect a frame of these colors.
     pub fn add_faults(&self, region: &mut GrayImage, color: ColorType, at: Moment) {
         self.behind.add_region(region, color, at);
+    }
+
+    /// Tells in a region how much of an image's light comes through: [`CLASSES`] where it is not 0.
+    pub fn classify(&self, region: &mut GrayImage) {
+        let mut passing = match &self.glass {
+            Glass::Physical(overlay) => overlay.passing(),
+            Glass::Paper(..) => vec![1.0; region.len()],
+        };
+        self.behind.let_through(&mut passing);
+        for (code, passes) in region.iter_mut().zip(passing) {
+            if *code > 0 {
+                let class = CLASSES.iter().rfind(|(_, below)| passes < *below);
+                *code = class.map_or(CLASSES[0].0, |(class, _)| *class);
+            }
+        }
     }
 
     /// What an image shows before the glass is put over it.

@@ -4,6 +4,7 @@
 //! [`Chain::over`] puts that over any image of its size. Networks from files, photographs of glass
 //! and patterns out of a bank become chains, too.
 
+mod deposits;
 mod layer;
 mod lit;
 mod origin;
@@ -25,10 +26,11 @@ use crate::{
     Arrivals, Details, Error, OpticsSettings, Scene, Settings, Simulated, Stopwatch, simulate,
 };
 
+use deposits::drops_fact;
 pub use layer::PaneLayer;
-use layer::{OnPane, deposit_of, screens_of};
+use layer::{OnPane, deposit_of};
 use lit::Glass;
-pub use lit::Lit;
+pub use lit::{CLASSES, Lit};
 use origin::{Cracks, Origin};
 pub use report::{OpticsReport, SceneReport, Shown, damage_to_json, region_fraction};
 use sense::Behind;
@@ -55,8 +57,9 @@ pub struct Chain {
     layer: PaneLayer,
     /// What lies on the pane, where that is known.
     on_pane: Option<Arc<OnPane>>,
-    /// Coats on the glass, in the order of the settings.
+    /// Coats on the glass, in the order of the settings, and what places them.
     screens: Vec<Screen>,
+    coat_seed: Option<Seed>,
     origin: Origin,
     facts: Map<String, Value>,
     is_glass_intact: bool,
@@ -101,7 +104,7 @@ impl Chain {
             timings,
         } = simulated;
         watch.append(timings);
-        let on_pane = deposit_of(settings, size_px, seed)?;
+        let on_pane = deposit_of(settings, size_px, seed, 0.0)?;
         let whole = (&network, f64::INFINITY);
         let layer = PaneLayer::of_network_under(settings, whole, size_px, on_pane.as_ref(), seed)?;
         watch.lap(layer.stage());
@@ -109,10 +112,7 @@ impl Chain {
             Details::None => Map::new(),
             _ => Map::from_iter([("network".to_owned(), details.facts_of(&network))]),
         };
-        if let (Some(rain), Some(on)) = (&settings.drops, &on_pane) {
-            let drops = report::drops_to_json(rain, &on.deposit, &on.area);
-            facts.insert("drops".to_owned(), drops);
-        }
+        facts.extend(drops_fact(settings, on_pane.as_ref()));
         let is_glass_intact = network.n_segments() == 0 && layer.is_intact();
         let chain = Self {
             on_pane: on_pane.map(Arc::new),
@@ -164,24 +164,12 @@ impl Chain {
             layer,
             on_pane: None,
             screens: Vec::new(),
+            coat_seed: None,
             origin: Origin::Stored,
             facts,
             is_glass_intact,
         };
         chain.with_faults()
-    }
-
-    /// With the coats of its settings; the seed places them.
-    ///
-    /// # Errors
-    /// [`Error::Optics`] for a camera that sees nothing.
-    pub fn coated(mut self, seed: Seed) -> Result<Self, Error> {
-        self.screens = screens_of(&self.settings, self.size(), seed, 0.0)?;
-        for (coat, screen) in self.settings.coats.iter().zip(&self.screens) {
-            let (table, fact) = report::coat_to_json(coat, screen);
-            self.facts.insert(table.to_owned(), fact);
-        }
-        Ok(self)
     }
 
     /// The same glass with the coats, the camera's faults and the output of other settings, as for a bank that was made
@@ -211,7 +199,7 @@ impl Chain {
     /// # Errors
     /// [`Error::Optics`] for a camera that sees nothing, [`Error::TooManyDrops`].
     pub fn with_network(self, network: CrackNetwork, seed: Seed) -> Result<Self, Error> {
-        let on_pane = deposit_of(&self.settings, self.size(), seed)?;
+        let on_pane = deposit_of(&self.settings, self.size(), seed, 0.0)?;
         let cracks = Cracks {
             network,
             details: None,
@@ -295,7 +283,8 @@ impl Chain {
     /// Whether nothing is damaged: the glass is whole, and the camera has no fault.
     #[must_use]
     pub fn is_intact(&self) -> bool {
-        self.is_glass_intact && self.screens.is_empty() && self.settings.faults.is_none()
+        let is_clean = self.screens.iter().all(Screen::is_nothing);
+        self.is_glass_intact && is_clean && self.settings.faults.is_none()
     }
 
     /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.
@@ -461,7 +450,10 @@ impl Chain {
             watch.lap("damage");
         }
         let maps = (self.settings.output.maps).then(|| lit.maps()).flatten();
-        let region = regions.into_all();
+        let mut region = regions.into_all();
+        if self.settings.output.classes {
+            lit.classify(&mut region);
+        }
         let faults = self.settings.faults.as_ref();
         let frames = faults.and_then(|faults| faults.sensor.get::<Frames>());
         Ok(Shown {

@@ -104,7 +104,8 @@ impl<'a> Behind<'a> {
     /// Whether there is nothing at a time of a clip, s.
     pub(super) fn is_nothing_at(&self, time_s: f64) -> bool {
         let faults = self.faults;
-        self.screens.is_empty() && faults.is_none_or(|faults| faults.at(time_s).is_empty())
+        self.screens.iter().all(Screen::is_nothing)
+            && faults.is_none_or(|faults| faults.at(time_s).is_empty())
     }
 
     /// Puts an image there, in place. Samples whose light does not change keep their codes; alpha stays.
@@ -131,6 +132,15 @@ impl<'a> Behind<'a> {
                 mode: format!("{:?}", other.color()),
             }
             .into()),
+        }
+    }
+
+    /// Takes from the share of an image's light that comes through at each pixel what coats do not let through.
+    pub(super) fn let_through(&self, passing: &mut [f32]) {
+        for screen in self.screens {
+            for (all, passes) in passing.iter_mut().zip(screen.passing()) {
+                *all *= passes;
+            }
         }
     }
 

@@ -102,7 +102,7 @@ pub(super) struct FilmTable {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FrostTable {
-    /// How long it has grown, s, 0 (none) to 100000.
+    /// How long it has grown, s, 0 (none) to 100000; in a clip at its first frame.
     #[schemars(range(min = 0.0, max = 1e5))]
     pub(super) age_s: f64,
     /// Speed of the tips of crystals, um/s, 0 to 1000: the colder and moister, the faster.
@@ -123,9 +123,12 @@ pub(super) struct DropsTable {
     /// Speed of the camera, m/s, 0 to 60: a fast one meets more rain, and wind drives large drops upwards.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub(super) speed_m_s: f64,
-    /// How long it has rained since the pane was wiped, s, 0 to 600.
+    /// How long it has rained since the pane was wiped, s, 0 to 600; in a clip at its first frame.
     #[schemars(range(min = 0.0, max = 600.0))]
     pub(super) age_s: f64,
+    /// From one wipe to the next in a clip, s, 0 (no wiper) to 600: each leaves the pane dry.
+    #[schemars(range(min = 0.0, max = 600.0))]
+    pub(super) wiper_period_s: f64,
     /// Contact angle of water on the glass, degrees, 10 to 110: clean glass some 10 to 30, a used windscreen 40 to 60, a
     /// repellent coating 100.
     #[schemars(range(min = 10.0, max = 110.0))]
@@ -140,7 +143,7 @@ pub(super) struct DropsTable {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CondensationTable {
-    /// How long water has condensed, s, 0 (none) to 100000.
+    /// How long water has condensed, s, 0 (none) to 100000; in a clip at its first frame.
     #[schemars(range(min = 0.0, max = 1e5))]
     pub(super) age_s: f64,
     /// How fast, as the film that it would be, um/s, 0 to 10.

@@ -259,7 +259,14 @@ pub const SCENARIOS: [Scenario; 5] = [
             "night-drive",
             "driving at night: few photons, a long exposure, bright lamps, and a worn, greasy pane",
         ),
-        alone: &["underexposed", "noise", "shake", "glare", "scratched", "greasy"],
+        alone: &[
+            "underexposed",
+            "noise",
+            "shake",
+            "glare",
+            "scratched",
+            "greasy",
+        ],
     },
     Scenario {
         suite: "car-wash",

@@ -214,6 +214,10 @@ pub(super) struct OutputTable {
     /// Whether the maps of what the glass does to the light are written as NumPy arrays:
     /// attenuation, added light, displacement, coverage. The physical optics only.
     pub(super) maps: bool,
+    /// Whether the region mask says how much of the scene's light comes through: 85 most of it
+    /// (transparent), 170 less than 60 percent (semi-transparent), 255 less than 10 (opaque). Otherwise
+    /// it is 255 wherever anything changes. The physical optics only.
+    pub(super) classes: bool,
 }
 
 /// Format of cracked images.

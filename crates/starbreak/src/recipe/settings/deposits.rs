@@ -4,10 +4,10 @@ use std::f64::consts::FRAC_PI_2;
 
 use starbreak_deposit::{Coat, Condensation, Dust, Film, Fog, Frost, Mud, Rain, Scratches};
 
-use super::super::error::{Place, RecipeError};
 use super::super::deposit_tables::{
     CondensationTable, DustTable, FilmTable, FrostTable, MudTable, ScratchesTable,
 };
+use super::super::error::{Place, RecipeError};
 use super::super::tables::DepositTables;
 use super::{FractureSettings, OpticsSettings};
 
@@ -24,11 +24,11 @@ pub(super) fn drops(
     let (OpticsSettings::Physical(_), Some(mount)) = (optics, fracture.mount()) else {
         return Err(without_pane(place, "drops"));
     };
-    let is_wet = it.rain_mm_h > 0.0 && it.age_s > 0.0;
-    Ok(is_wet.then(|| Rain {
+    Ok((it.rain_mm_h > 0.0).then(|| Rain {
         rate_m_s: it.rain_mm_h * 1e-3 / 3600.0,
         speed_m_s: it.speed_m_s,
         age_s: it.age_s,
+        wiper_period_s: it.wiper_period_s,
         contact_rad: it.contact_deg.to_radians(),
         hysteresis_rad: it.hysteresis_deg.to_radians(),
         slope_rad: FRAC_PI_2 - mount.rake_rad,
@@ -95,7 +95,7 @@ fn film(it: FilmTable) -> Option<Coat> {
 }
 
 fn frost(it: FrostTable) -> Option<Coat> {
-    (it.age_s > 0.0 && it.front_um_s > 0.0).then(|| {
+    (it.front_um_s > 0.0).then(|| {
         Coat::Frost(Frost {
             age_s: it.age_s,
             front_mm_s: 1e-3 * it.front_um_s,
@@ -115,7 +115,7 @@ fn scratches(it: ScratchesTable) -> Option<Coat> {
 }
 
 fn fog(it: CondensationTable) -> Option<Coat> {
-    (it.age_s > 0.0 && it.growth_um_s > 0.0).then(|| {
+    (it.growth_um_s > 0.0).then(|| {
         Coat::Fog(Fog {
             mean: Condensation {
                 growth_m_s: it.growth_um_s * 1e-6,

@@ -160,6 +160,8 @@ pub struct OutputSettings {
     pub masks: bool,
     /// Whether the maps of the physical optics are written.
     pub maps: bool,
+    /// Whether the region mask tells how much of the scene's light comes through.
+    pub classes: bool,
 }
 
 /// Format of cracked images.
@@ -291,14 +293,20 @@ fn output(
     given: &OutputTable,
     optics: &OpticsSettings,
 ) -> Result<OutputSettings, RecipeError> {
-    if given.maps && matches!(optics, OpticsSettings::Paper(_)) {
-        return Err(RecipeError::Type {
-            place: place.clone(),
-            key: "output.maps".to_owned(),
-            what:
-                "the paper's optics have no maps; leave it false or set optics.model = \"physical\""
-                    .to_owned(),
-        });
+    let of_physical = [
+        (given.maps, "output.maps", "maps"),
+        (given.classes, "output.classes", "classes of light"),
+    ];
+    for (is_asked, key, what) in of_physical {
+        if is_asked && matches!(optics, OpticsSettings::Paper(_)) {
+            return Err(RecipeError::Type {
+                place: place.clone(),
+                key: key.to_owned(),
+                what: format!(
+                    "the paper's optics have no {what}; leave it false or set optics.model = \"physical\""
+                ),
+            });
+        }
     }
     let format = match given.format {
         FormatWord::Same => OutputFormat::Same,
@@ -310,5 +318,6 @@ fn output(
         quality: given.quality,
         masks: given.masks,
         maps: given.maps,
+        classes: given.classes,
     })
 }

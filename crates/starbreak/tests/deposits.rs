@@ -1,0 +1,195 @@
+//! What lies on the glass through the chain: what it changes, what is told of it, and what becomes of it.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use image::{DynamicImage, Rgb, RgbImage};
+use starbreak::{Chain, Recipe, SCENARIOS, Seed, Stopwatch, presets};
+
+fn over(recipe: &Recipe, image: &DynamicImage, seed: u64) -> DynamicImage {
+    let mut image = image.clone();
+    let size = (image.width(), image.height());
+    let chain = Chain::of(&recipe.settings().unwrap(), size, Seed(seed)).unwrap();
+    chain.over(&mut image, Seed(seed)).unwrap();
+    image
+}
+
+/// Root of the mean square of a change, in codes.
+fn change(a: &DynamicImage, b: &DynamicImage) -> f64 {
+    let [a, b] = [a, b].map(|image| image.to_rgb8().into_raw());
+    let squares = a
+        .iter()
+        .zip(&b)
+        .map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2));
+    (squares.sum::<f64>() / a.len() as f64).sqrt()
+}
+
+/// A scene of colors that change from row to row, with fine detail of no one period, neither black nor white anywhere.
+fn colors() -> DynamicImage {
+    RgbImage::from_fn(1600, 1200, |x, y| {
+        let fine = (x * x * 7 + y * y * 13 + x * y * 3) % 40;
+        let code = |part: u32| u8::try_from(60 + part + fine).unwrap();
+        Rgb([code(y / 12), code(x / 40), code((x / 9 + y / 5) % 50)])
+    })
+    .into()
+}
+
+/// Share of an image that a record says is affected.
+fn region_of(recipe: &Recipe, image: &DynamicImage) -> f64 {
+    let size = (image.width(), image.height());
+    let chain = Chain::of(&recipe.settings().unwrap(), size, Seed(5)).unwrap();
+    let mut image = image.clone();
+    let mut watch = Stopwatch::start();
+    let shown = chain.over_and_report(&mut image, Seed(5), &[], &mut watch);
+    shown.unwrap().region_fraction
+}
+
+#[test]
+fn what_lies_on_the_pane_is_told_of_and_stays_with_the_seed() {
+    let image: DynamicImage = RgbImage::from_pixel(320, 200, Rgb([128; 3])).into();
+    for (preset, key) in [
+        ("rain", "drops"),
+        ("fogged", "condensation"),
+        ("muddy", "mud"),
+        ("dusty", "dust"),
+        ("greasy", "film"),
+        ("frosted", "frost"),
+    ] {
+        let recipe = Recipe::preset(preset).unwrap();
+        let settings = recipe.settings().unwrap();
+        let chain = |seed: u64| Chain::of(&settings, (320, 200), Seed(seed)).unwrap();
+        let coverage = chain(1).facts()[key]["coverage"].as_f64().unwrap();
+        assert!((0.02..0.6).contains(&coverage), "{preset}: {coverage}");
+        assert!(!chain(1).is_intact(), "{preset} is damage");
+        assert!(
+            over(&recipe, &colors(), 1) != over(&recipe, &colors(), 2),
+            "{preset} by the seed"
+        );
+    }
+    // Cracks and rain go together, and with each alone there is less.
+    let mut both = Recipe::preset("windshield-spiderweb").unwrap();
+    both.set("drops.rain_mm_h=25").unwrap();
+    let cracks = region_of(&Recipe::preset("windshield-spiderweb").unwrap(), &image);
+    assert!(region_of(&both, &image) > cracks + 0.05);
+    let mut endless = Recipe::preset("rain").unwrap();
+    endless.set("drops.age_s=600").unwrap();
+    endless.set("drops.rain_mm_h=150").unwrap();
+    let refused = Chain::of(&endless.settings().unwrap(), (320, 200), Seed(1)).unwrap_err();
+    assert!(
+        refused.to_string().contains("lower drops.age_s"),
+        "{refused}"
+    );
+    let papers = Recipe::preset("paper")
+        .unwrap()
+        .set("drops.rain_mm_h=5")
+        .unwrap_err();
+    assert!(papers.to_string().contains("optics.model"), "{papers}");
+}
+
+#[test]
+fn a_scenario_has_all_its_faults_and_each_severity_is_worse() {
+    for scenario in SCENARIOS {
+        let mut last = 0.0;
+        for severity in 1..=5 {
+            let recipe = Recipe::preset_at(scenario.preset.0, severity).unwrap();
+            let settings = recipe.settings().unwrap();
+            let mut image = colors().crop_imm(200, 100, 480, 320);
+            let before = image.clone();
+            let chain = Chain::of(&settings, (480, 320), Seed(4)).unwrap();
+            chain.over(&mut image, Seed(4)).unwrap();
+            let differs = change(&image, &before);
+            assert!(
+                differs > last,
+                "{}: {differs} after {last}",
+                scenario.preset.0
+            );
+            last = differs;
+            let n_coats = settings.coats.len() + usize::from(settings.drops.is_some());
+            let n_lens = settings
+                .faults
+                .as_ref()
+                .map_or(0, |it| it.lens.faults().len());
+            assert!(n_coats + n_lens >= 2, "{}", scenario.preset.0);
+        }
+        for alone in scenario.alone {
+            assert!(presets().any(|(name, _)| name == *alone), "{alone}");
+        }
+    }
+}
+
+#[test]
+fn classes_tell_how_much_light_comes_through() {
+    let image: DynamicImage = RgbImage::from_pixel(320, 200, Rgb([128; 3])).into();
+    let classes = |preset: &str, more: &[&str]| -> [usize; 4] {
+        let mut recipe = Recipe::preset(preset).unwrap();
+        recipe.set("output.classes=true").unwrap();
+        for set in more {
+            recipe.set(set).unwrap();
+        }
+        let chain = Chain::of(&recipe.settings().unwrap(), (320, 200), Seed(2)).unwrap();
+        let mut watch = Stopwatch::start();
+        let shown = chain
+            .over_and_report(&mut image.clone(), Seed(2), &[], &mut watch)
+            .unwrap();
+        [0, 85, 170, 255].map(|code| shown.region.iter().filter(|it| **it == code).count())
+    };
+    let [clean, transparent, semi, opaque] = classes("muddy", &[]);
+    assert_eq!(clean + transparent + semi + opaque, 320 * 200);
+    assert!(opaque > 1000, "thick mud is opaque: {opaque}");
+    assert!(clean > 40_000, "most of the glass is clean: {clean}");
+    let [_, _, semi_thin, opaque_thin] = classes("muddy", &["mud.thickness_um=50"]);
+    assert!(opaque_thin < opaque / 5, "{opaque_thin}");
+    assert!(
+        semi_thin > semi,
+        "a thin film of it is not: {semi_thin} and {semi}"
+    );
+    // Drops and dew pass nearly all light.
+    let [clean, transparent, _, opaque] = classes("rain", &[]);
+    assert!(
+        transparent > 20 * opaque.max(1) && clean > 0,
+        "{transparent}, {opaque}"
+    );
+    let [_, transparent, semi, opaque] = classes("fogged", &["condensation.age_s=300"]);
+    assert_eq!([transparent, semi, opaque], [320 * 200, 0, 0]);
+    // All of light is scattered by white ice, which is not seen through.
+    let [_, _, semi, opaque] = classes("frosted", &["frost.age_s=20000"]);
+    assert!(semi + opaque > 30_000, "{semi} {opaque}");
+}
+
+#[test]
+fn what_lies_on_the_glass_ages_and_a_wiper_wipes_it() {
+    let coverage = |chain: &Chain, key: &str| chain.facts()[key]["coverage"].as_f64().unwrap();
+    for (preset, key, by_s) in [
+        ("rain", "drops", 8.0),
+        ("fogged", "condensation", 60.0),
+        ("frosted", "frost", 600.0),
+    ] {
+        let settings = Recipe::preset(preset).unwrap().settings().unwrap();
+        let chain = Chain::of(&settings, (320, 200), Seed(1)).unwrap();
+        assert!(chain.ages(), "{preset}");
+        let [now, later] = [0.0, by_s].map(|by_s| chain.later(by_s, Some(f64::INFINITY)).unwrap());
+        let mut image = colors().crop_imm(0, 0, 320, 200);
+        let mut same = image.clone();
+        chain.over(&mut image, Seed(1)).unwrap();
+        now.over(&mut same, Seed(1)).unwrap();
+        assert!(image == same, "{preset} after no time");
+        assert!(
+            coverage(&later, key) > 1.2 * coverage(&now, key),
+            "{preset} grows"
+        );
+    }
+    for preset in ["muddy", "dusty", "greasy", "scratched", "windshield-star"] {
+        let settings = Recipe::preset(preset).unwrap().settings().unwrap();
+        let chain = Chain::of(&settings, (320, 200), Seed(1)).unwrap();
+        assert!(!chain.ages(), "{preset} stays as it is");
+    }
+    let mut wiped = Recipe::preset("rain").unwrap();
+    wiped.set("drops.wiper_period_s=5").unwrap();
+    let chain = Chain::of(&wiped.settings().unwrap(), (320, 200), Seed(1)).unwrap();
+    let at = |by_s: f64| coverage(&chain.later(by_s, Some(f64::INFINITY)).unwrap(), "drops");
+    // 4 s old at first: wiped after 1 s and after 6 s.
+    assert!(at(0.9) > at(0.0), "it rains on");
+    assert!(at(1.05) < 0.1 * at(0.9), "then it is wiped");
+    assert!(
+        at(5.9) > 0.5 * at(0.9) && at(6.05) < 0.1 * at(0.9),
+        "and again"
+    );
+}
