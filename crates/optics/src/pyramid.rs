@@ -36,6 +36,11 @@ impl<const COLORS: usize> Cells<COLORS> {
         self.light.iter()
     }
 
+    /// The same, to be changed.
+    pub(crate) fn values_mut(&mut self) -> std::slice::IterMut<'_, [f32; COLORS]> {
+        self.light.iter_mut()
+    }
+
     /// The light at a place, px, on straight lines between the middles of cells; beyond the frame that of its border.
     #[expect(
         clippy::cast_precision_loss,

@@ -50,7 +50,7 @@ fn colors<const N: usize>(
             values.extend(light(x as f64 + 0.5, y as f64 + 0.5).map(|value| value as f32));
         }
     }
-    lens.over(&mut values, N, optic, Seed(1));
+    lens.over(&mut values, N, (optic, None), Seed(1));
     values.into_iter().map(f64::from).collect()
 }
 
@@ -443,7 +443,7 @@ fn clipped_lamps_are_as_bright_as_the_headroom_says() {
             .map(|k| lamp(f64::from(k % 200), f64::from(k / 200)) as f32)
             .collect();
         lens.unclip(&mut light, 1);
-        lens.over(&mut light, 1, &optic, Seed(1));
+        lens.over(&mut light, 1, (&optic, None), Seed(1));
         f64::from(light[100 * 200 + 120])
     };
     assert!((of(50.0) / of(1.0) - 50.0).abs() < 0.01, "its glow, too");

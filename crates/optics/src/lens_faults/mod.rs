@@ -2,15 +2,18 @@
 //!
 //! A photograph has been through a lens that works; each fault is what is added to that. Light meets
 //! them in this order: geometry ([`Distortion`], [`Fringes`]), blur ([`Defocus`], [`Shake`]), stray light
-//! ([`Glare`]), and [`Shading`].
+//! ([`Ghosts`], [`Star`], [`Glare`]), and [`Shading`].
 
 mod defocus;
 mod distortion;
 mod fringes;
+mod ghosts;
 mod glare;
+mod lamps;
 mod resample;
 mod shading;
 mod shake;
+mod star;
 
 use std::borrow::Cow;
 
@@ -22,9 +25,12 @@ use crate::lens::Lens;
 pub use defocus::Defocus;
 pub use distortion::{Distortion, Projection};
 pub use fringes::Fringes;
+pub use ghosts::{Ghost, Ghosts, LensFace};
 pub use glare::Glare;
+pub use lamps::Lamp;
 pub use shading::Shading;
 pub use shake::Shake;
+pub use star::Star;
 
 /// The camera whose lens it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +58,7 @@ impl Optic {
 }
 
 /// A fault of the lens.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum LensFault {
     /// Lines that bend.
     Distortion(Distortion),
@@ -62,6 +68,10 @@ pub enum LensFault {
     Defocus(Defocus),
     /// A camera that turns while it exposes.
     Shake(Shake),
+    /// Light that two faces mirror.
+    Ghosts(Ghosts),
+    /// Light that the aperture diffracts.
+    Star(Star),
     /// Light that the lens scatters.
     Glare(Glare),
     /// Corners that get less light.
@@ -89,7 +99,9 @@ macro_rules! each {
     };
 }
 
-each!(Distortion, Fringes, Defocus, Shake, Glare, Shading);
+each!(
+    Distortion, Fringes, Defocus, Shake, Ghosts, Star, Glare, Shading
+);
 
 /// A lens with its faults. Without any, or with all of them at nothing, a frame stays as it is, to the last bit.
 ///
@@ -103,7 +115,7 @@ each!(Distortion, Fringes, Defocus, Shake, Glare, Shading);
 /// lens.push(0.0, Shading { corner_loss: 0.5 });
 /// let optic = Optic { f_px: 50.0, lens: Lens::default(), size: (40, 30) };
 /// let mut light = vec![1.0; 40 * 30];
-/// lens.over(&mut light, 1, &optic, Seed(1));
+/// lens.over(&mut light, 1, (&optic, None), Seed(1));
 /// assert!(light[0] < 0.52, "half of the light is lost in a corner");
 /// assert!(light[15 * 40 + 20] > 0.99, "and none in the middle");
 /// ```
@@ -200,7 +212,14 @@ impl LensFaults {
 
     /// What the faults make of a frame of linear light, in rows from the top with one value per pixel or three side by
     /// side, in place. What differs from frame to frame is drawn from the seed.
-    pub fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic, frame: Seed) {
+    /// The sun, which may stand beside the frame, is one more lamp.
+    pub fn over(
+        &self,
+        light: &mut Vec<f32>,
+        n_colors: usize,
+        (optic, sun): (&Optic, Option<Lamp>),
+        frame: Seed,
+    ) {
         if light.is_empty() {
             return;
         }
@@ -210,6 +229,12 @@ impl LensFaults {
                 LensFault::Fringes(it) => it.over(light, n_colors, optic),
                 LensFault::Defocus(it) => it.over(light, n_colors, optic),
                 LensFault::Shake(it) => it.over(light, n_colors, optic, frame),
+                LensFault::Ghosts(it) => {
+                    let mut lamps = lamps::lamps_of(light, n_colors, optic.size);
+                    lamps.extend(sun);
+                    it.over(light, n_colors, optic, &lamps);
+                }
+                LensFault::Star(it) => it.over(light, n_colors, optic),
                 LensFault::Glare(it) => it.over(light, n_colors, optic),
                 LensFault::Shading(it) => it.over(light, n_colors, optic),
             }

@@ -42,7 +42,7 @@ impl Pupil {
     }
 
     /// Corners of the polygon for a disc of radius 1.
-    fn corners(self) -> Vec<[f64; 2]> {
+    pub(crate) fn corners(self) -> Vec<[f64; 2]> {
         match self {
             Self::Round => Vec::new(),
             Self::Polygon { n, angle_rad } => {

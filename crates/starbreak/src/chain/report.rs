@@ -186,6 +186,21 @@ fn fact_of_lens(fault: &LensFault, optic: &Optic) -> (&'static str, Value) {
             let path_px = rounded(it.longest_px(optic));
             ("shake", json!({ "longest_path_px": path_px }))
         }
+        LensFault::Ghosts(it) => {
+            let n_ghosts = it.of_lens(optic.lens.f_number).len();
+            (
+                "ghosts",
+                json!({ "n_ghosts": n_ghosts, "reflectance": it.reflectance }),
+            )
+        }
+        LensFault::Star(it) => {
+            // Of green light, farther than 10 px.
+            let beyond = rounded(it.beyond(10.0, optic)[1]);
+            (
+                "star",
+                json!({ "blades": it.blades, "beyond_10_px": beyond }),
+            )
+        }
         LensFault::Glare(it) => {
             let scattered = rounded(it.scattered(optic));
             (

@@ -2,8 +2,8 @@
 
 use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
-use starbreak_optics::environment::{Environment, EnvironmentParams};
-use starbreak_optics::lens_faults::Optic;
+use starbreak_optics::environment::{Environment, EnvironmentParams, Horizon};
+use starbreak_optics::lens_faults::{Lamp, Optic};
 use starbreak_optics::screens::Screen;
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
 use starbreak_sensor::{Code, Codes, Light, Moment, Sensor};
@@ -94,6 +94,15 @@ impl<'a> Behind<'a> {
                 OpticsSettings::Paper(_) => 0.0,
             },
         }
+    }
+
+    /// The sun as the lens sees it, where it stands before the camera.
+    fn sun(&self, optic: &Optic) -> Option<Lamp> {
+        let (light, params) = &self.around;
+        let height = u32::try_from(optic.size.1).unwrap_or(u32::MAX);
+        let horizon = Horizon::at_row(params.horizon_row, height, optic.f_px);
+        let direction = horizon.sun(params.sun_azimuth_rad, params.sun_elevation_rad);
+        Lamp::of_sun(direction, light.sun_rgb, optic)
     }
 
     /// Whether there is nothing.
@@ -187,7 +196,8 @@ where
                     screen.over(light, n_colors, (light_around, params));
                 }
                 if let Some(optic) = &behind.optic {
-                    faults.lens.over(light, n_colors, optic, at.frame);
+                    let sun = behind.sun(optic);
+                    faults.lens.over(light, n_colors, (optic, sun), at.frame);
                 }
             };
             change_all(sensor, samples, (size, n_channels), at, before);

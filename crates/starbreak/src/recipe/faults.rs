@@ -34,7 +34,7 @@ impl FaultKind {
 const COATS: [&str; 6] = ["mud", "dust", "film", "frost", "scratches", "condensation"];
 
 /// All of them, in the order in which light meets them.
-pub const FAULTS: [FaultKind; 24] = [
+pub const FAULTS: [FaultKind; 26] = [
     FaultKind {
         table: "mud",
         presets: &[("muddy", "splats of mud that have dried on the glass")],
@@ -105,6 +105,20 @@ pub const FAULTS: [FaultKind; 24] = [
     FaultKind {
         table: "shake",
         presets: &[("shake", "a camera that turns while it exposes")],
+    },
+    FaultKind {
+        table: "ghosts",
+        presets: &[(
+            "ghosts",
+            "light that faces of the lens mirror: images of the aperture, thrown by lamps and the sun",
+        )],
+    },
+    FaultKind {
+        table: "star",
+        presets: &[(
+            "star-burst",
+            "light that the edges of the aperture diffract: a star through each lamp",
+        )],
     },
     FaultKind {
         table: "glare",

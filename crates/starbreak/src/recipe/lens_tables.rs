@@ -18,6 +18,12 @@ pub(super) struct LensTables {
     /// A camera that turns or trembles while it exposes. Without this table it is still.
     #[schemars(with = "ShakeTable")]
     pub(super) shake: Option<ShakeTable>,
+    /// Ghosts of lamps and of the sun. Without this table there are none.
+    #[schemars(with = "GhostsTable")]
+    pub(super) ghosts: Option<GhostsTable>,
+    /// Stars through lamps. Without this table there are none.
+    #[schemars(with = "StarTable")]
+    pub(super) star: Option<StarTable>,
     /// Light that the lens scatters. Without this table there is none.
     #[schemars(with = "GlareTable")]
     pub(super) glare: Option<GlareTable>,
@@ -124,6 +130,44 @@ pub(super) struct ShakeTable {
     /// How long a frame is exposed, ms, 0.01 to 1000.
     #[schemars(range(min = 0.01, max = 1000.0))]
     pub(super) exposure_ms: f64,
+    /// Time of a clip at which it begins, s, 0 to 1000000; pictures by themselves have it.
+    #[schemars(range(min = 0.0, max = 1e6))]
+    pub(super) onset_s: f64,
+}
+
+/// Light that two faces of the lens mirror, one after the other: images of the aperture thrown by lamps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GhostsTable {
+    /// Green light that each face mirrors, percent, 0 (none) to 8: coated glass 0.2 to 1, bare glass 4.
+    #[schemars(range(min = 0.0, max = 8.0))]
+    pub(super) reflectance_percent: f64,
+    /// Radii of the faces of the lens from the front on, in any unit; above 0 where the center is behind the face. 0 is the
+    /// stop. 2 to 40 numbers.
+    #[schemars(extend("minimum" = -1e6, "maximum" = 1e6))]
+    pub(super) radius: Vec<f64>,
+    /// Way from each face to the next, in the same unit; the last is not asked for.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1e6))]
+    pub(super) gap: Vec<f64>,
+    /// Refractive index of what is behind each face.
+    #[schemars(extend("minimum" = 1.0, "maximum" = 4.0))]
+    pub(super) index: Vec<f64>,
+    /// Time of a clip at which it begins, s, 0 to 1000000; pictures by themselves have it.
+    #[schemars(range(min = 0.0, max = 1e6))]
+    pub(super) onset_s: f64,
+}
+
+/// Light that the edges of the aperture diffract: a star through each lamp that is brighter than white, as bright as
+/// `lens.headroom` says.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StarTable {
+    /// Blades of the aperture: 0 (no star), or 3 to 24. An even number has as many spikes, an odd one twice as many.
+    #[schemars(range(min = 0, max = 24))]
+    pub(super) blades: u32,
+    /// Direction of its first corner, degrees from right towards down, -180 to 180.
+    #[schemars(range(min = -180.0, max = 180.0))]
+    pub(super) angle_deg: f64,
     /// Time of a clip at which it begins, s, 0 to 1000000; pictures by themselves have it.
     #[schemars(range(min = 0.0, max = 1e6))]
     pub(super) onset_s: f64,

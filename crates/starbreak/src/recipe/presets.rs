@@ -137,6 +137,8 @@ impl Preset {
             "fringes" => include_str!("../../presets/fringes.toml"),
             "defocus" => include_str!("../../presets/defocus.toml"),
             "shake" => include_str!("../../presets/shake.toml"),
+            "ghosts" => include_str!("../../presets/ghosts.toml"),
+            "star-burst" => include_str!("../../presets/star-burst.toml"),
             "glare" => include_str!("../../presets/glare.toml"),
             "shading" => include_str!("../../presets/shading.toml"),
             "overexposed" => include_str!("../../presets/overexposed.toml"),

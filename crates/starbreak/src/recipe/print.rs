@@ -9,7 +9,7 @@ use super::schema::{keys, of_choice};
 use super::tables::Choice;
 
 /// Tables in the order in which a reader thinks of them.
-const ORDER: [&str; 33] = [
+const ORDER: [&str; 35] = [
     "camera",
     "glass",
     "impact",
@@ -27,6 +27,8 @@ const ORDER: [&str; 33] = [
     "fringes",
     "defocus",
     "shake",
+    "ghosts",
+    "star",
     "glare",
     "shading",
     "lens",

@@ -13,8 +13,8 @@ pub(super) use super::fault_tables::{
     LinkTable, MosaicTable, NoiseTable, PixelsTable, RawWord, SpotsTable,
 };
 pub(super) use super::lens_tables::{
-    DefocusTable, DistortionTable, FringesTable, GlareTable, LensTables, ProjectionWord,
-    ShadingTable, ShakeTable,
+    DefocusTable, DistortionTable, FringesTable, GhostsTable, GlareTable, LensTables,
+    ProjectionWord, ShadingTable, ShakeTable, StarTable,
 };
 pub(super) use super::paper_tables::{
     FarFocusBlurWord, FocusEntry, FocusWord, LightEntry, NeighborhoodWord, NormalizationWord,

@@ -1,13 +1,14 @@
 //! Settings of the faults of the lens, in SI units.
 
 use starbreak_optics::lens_faults::{
-    Defocus, Distortion, Fringes, Glare, LensFault, LensFaults, Projection, Shading, Shake,
+    Defocus, Distortion, Fringes, Ghosts, Glare, LensFace, LensFault, LensFaults, Projection,
+    Shading, Shake, Star,
 };
 
 use super::super::error::{Place, RecipeError};
 use super::super::tables::{
-    DefocusTable, DistortionTable, FringesTable, GlareTable, LensTables, ProjectionWord,
-    ShadingTable, ShakeTable,
+    DefocusTable, DistortionTable, FringesTable, GhostsTable, GlareTable, LensTables,
+    ProjectionWord, ShadingTable, ShakeTable, StarTable,
 };
 use super::{OpticsSettings, out_of_range};
 
@@ -31,18 +32,42 @@ pub(super) fn settings(
             }
         }
     }
+    if let Some(it) = &given.ghosts {
+        let n = it.radius.len();
+        if !(2..=40).contains(&n) || it.gap.len() != n || it.index.len() != n {
+            let expected = "2 to 40 numbers, as many as in ghosts.gap and ghosts.index";
+            let found = format!("{n}, {} and {} numbers", it.gap.len(), it.index.len());
+            return Err(out_of_range(place, "ghosts.radius", found, expected));
+        }
+        if it.radius.iter().filter(|radius| **radius == 0.0).count() != 1 {
+            let expected = "one 0, which is the stop";
+            return Err(out_of_range(
+                place,
+                "ghosts.radius",
+                "another number of stops",
+                expected,
+            ));
+        }
+    }
+    if let Some(it) = &given.star
+        && (1..3).contains(&it.blades)
+    {
+        let expected = "0 (no star), or 3 to 24";
+        return Err(out_of_range(place, "star.blades", it.blades, expected));
+    }
     // A table and the fault that it is.
     macro_rules! faults {
         ($($table:ident: $of:ident),*) => {
             [$((
                 stringify!($table),
-                given.$table.map(|it| (it.onset_s, LensFault::from($of(it)))),
+                given.$table.clone().map(|it| (it.onset_s, LensFault::from($of(it)))),
             )),*]
         };
     }
     let mut lens = LensFaults::with_headroom(given.lens.map_or(1.0, |it| it.headroom));
     for (table, fault) in faults!(
-        distortion: distortion, fringes: fringes, defocus: defocus, shake: shake, glare: glare, shading: shading
+        distortion: distortion, fringes: fringes, defocus: defocus, shake: shake, ghosts: ghosts, star: star,
+        glare: glare, shading: shading
     ) {
         if let Some((onset_s, fault)) = fault {
             if let OpticsSettings::Paper(_) = optics {
@@ -92,6 +117,27 @@ fn shake(it: ShakeTable) -> Shake {
         direction_rad: it.direction_deg.to_radians(),
         frequency_hz: it.frequency_hz,
         exposure_s: it.exposure_ms * 1e-3,
+    }
+}
+
+fn ghosts(it: GhostsTable) -> Ghosts {
+    let faces = it.radius.iter().zip(&it.gap).zip(&it.index);
+    Ghosts {
+        reflectance: it.reflectance_percent / 100.0,
+        faces: faces
+            .map(|((radius, gap), index)| LensFace {
+                radius: *radius,
+                gap: *gap,
+                index: *index,
+            })
+            .collect(),
+    }
+}
+
+fn star(it: StarTable) -> Star {
+    Star {
+        blades: it.blades,
+        angle_rad: it.angle_deg.to_radians(),
     }
 }
 
