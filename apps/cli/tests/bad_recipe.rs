@@ -12,7 +12,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 170] = [
+const NUMERIC: [(&str, &str, &[&str]); 195] = [
     (
         "paper",
         "camera.f_px",
@@ -432,6 +432,64 @@ const NUMERIC: [(&str, &str, &[&str]); 170] = [
         "condensation.scale_mm",
         &["4", "nan", "inf", "1001"],
     ),
+    ("muddy", "mud.coverage_percent", &["-1", "nan", "inf", "81"]),
+    ("muddy", "mud.splat_mm", &["1.9", "nan", "inf", "41"]),
+    ("muddy", "mud.thickness_um", &["9", "nan", "inf", "2001"]),
+    (
+        "muddy",
+        "mud.absorption_per_mm",
+        &["[-1, 1, 1]", "[1, nan, 1]", "[1, 1, 201]"],
+    ),
+    (
+        "muddy",
+        "mud.scattering_per_mm",
+        &["0", "nan", "inf", "201"],
+    ),
+    (
+        "dusty",
+        "dust.coverage_percent",
+        &["-1", "nan", "inf", "31"],
+    ),
+    ("dusty", "dust.albedo", &["-0.1", "nan", "1.1"]),
+    ("dusty", "dust.unevenness", &["-0.1", "nan", "1.1"]),
+    ("dusty", "dust.scale_mm", &["4", "nan", "inf", "1001"]),
+    ("greasy", "film.ripple_um", &["-1", "nan", "inf", "201"]),
+    ("greasy", "film.scale_mm", &["0.9", "nan", "inf", "51"]),
+    ("greasy", "film.haze_percent", &["-1", "nan", "51"]),
+    ("frosted", "frost.age_s", &["-1", "nan", "inf", "1e6"]),
+    ("frosted", "frost.front_um_s", &["-1", "nan", "inf", "1001"]),
+    ("frosted", "frost.seeds_per_cm2", &["0", "nan", "inf", "21"]),
+    ("scratched", "scratches.haze_percent", &["-1", "nan", "21"]),
+    (
+        "scratched",
+        "scratches.wiper_percent",
+        &["-1", "nan", "101"],
+    ),
+    (
+        "scratched",
+        "scratches.pivot_mm",
+        &["[-2001, 0]", "[nan, 0]", "[0, 2001]"],
+    ),
+    ("rain", "drops.wiper_period_s", &["-1", "nan", "inf", "601"]),
+    (
+        "ghosts",
+        "ghosts.reflectance_percent",
+        &["-1", "nan", "8.1"],
+    ),
+    (
+        "ghosts",
+        "ghosts.faces",
+        &[
+            "[[nan, 1, 1]]",
+            "[[1, -1, 1.5], [0, 1, 1]]",
+            "[[1, 1, 0.9], [0, 1, 1]]",
+            "[[1, 1, 1.5], [2, 1, 1]]",
+        ],
+    ),
+    ("ghosts", "ghosts.onset_s", &["-1", "nan", "inf", "1e7"]),
+    ("star-burst", "star.blades", &["1", "2", "25", "-1"]),
+    ("star-burst", "star.angle_deg", &["-181", "nan", "181"]),
+    ("star-burst", "star.onset_s", &["-1", "nan", "inf", "1e7"]),
     ("rain", "drops.rain_mm_h", &["-1", "nan", "inf", "151"]),
     ("rain", "drops.speed_m_s", &["-1", "nan", "inf", "61"]),
     ("rain", "drops.age_s", &["-1", "nan", "inf", "601"]),
@@ -574,6 +632,13 @@ fn every_numeric_key_was_tried() {
         serde_json::from_str(&succeed(dir.path(), &["recipe", "--schema"]).stdout).unwrap();
     let presets = [STAR, LONG, "tempered-cover", "paper"];
     let faults = [
+        "muddy",
+        "dusty",
+        "greasy",
+        "frosted",
+        "scratched",
+        "ghosts",
+        "star-burst",
         "rain",
         "fogged",
         "distortion",

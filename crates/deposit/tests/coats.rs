@@ -1,5 +1,9 @@
 //! Coats on a pane: as much of them as is said, and what they do to light.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    reason = "a test may panic, and counts cells"
+)]
 
 use starbreak_deposit::{
     Area, Coat, Coating, Condensation, Dust, Film, Fog, Frost, Mud, Passage, Scratches,

@@ -1,4 +1,5 @@
 //! Ghosts against an exact trace of the same lens, and stars against what edges diffract.
+#![expect(clippy::cast_possible_truncation, reason = "px of a frame")]
 
 use std::f64::consts::TAU;
 

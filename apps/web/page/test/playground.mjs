@@ -163,7 +163,7 @@ const tests = {
   async each_preset_and_severity_shows_something() {
     const page = await open();
     const presets = await page.locator("input[name=preset]").evaluateAll((all) => all.map((one) => one.value));
-    must(presets.length === 38, `${presets.length} presets`);
+    must(presets.length === 50, `${presets.length} presets`);
     for (const preset of presets) {
       const isGlass = /cover|windshield|paper/.test(preset);
       for (const severity of isGlass ? [1, 2, 3, 4, 5] : [1, 5]) {

@@ -154,11 +154,11 @@ impl Ghosts {
     /// All ghosts of a lens of a focal ratio, in focal lengths, from those of the first face on.
     #[must_use]
     pub fn of_lens(&self, f_number: f64) -> Vec<Ghost> {
-        let along = |mirrors, mut at_stop: &mut dyn FnMut(Ray)| {
-            self.trace(Ray { y: 1.0, u: 0.0 }, mirrors, &mut at_stop)
+        let along = |mirrors, at_stop: &mut dyn FnMut(Ray)| {
+            self.trace(Ray { y: 1.0, u: 0.0 }, mirrors, at_stop)
         };
-        let across = |mirrors, mut at_stop: &mut dyn FnMut(Ray)| {
-            self.trace(Ray { y: 0.0, u: 1.0 }, mirrors, &mut at_stop)
+        let across = |mirrors, at_stop: &mut dyn FnMut(Ray)| {
+            self.trace(Ray { y: 0.0, u: 1.0 }, mirrors, at_stop)
         };
         // The lens as it works: y at the last face, from there to the focus, and the stop.
         let mut stop_height = 1.0;

@@ -1,5 +1,7 @@
 //! Glass that is not even: what is seen through it is moved, and blurred where the pupil sees several slopes.
 
+use starbreak_deposit::Passage;
+
 use super::Samples;
 use crate::maps::Pupil;
 use crate::pyramid::Cells;
@@ -17,7 +19,8 @@ pub(super) struct Turned {
 impl Turned {
     /// Of what a coat does; none where nothing is turned.
     pub(super) fn of(samples: &Samples, pupil: (Pupil, &[f64]), f_px: f64) -> Option<Self> {
-        if samples.passages.iter().all(|it| it.turned_rad == [0.0; 2]) {
+        let is_even = |it: &Passage| it.turned_rad.iter().all(|rad| rad.abs() <= 0.0);
+        if samples.passages.iter().all(is_even) {
             return None;
         }
         let mean = samples.map(pupil, |it| {

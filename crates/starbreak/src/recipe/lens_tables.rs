@@ -142,16 +142,9 @@ pub(super) struct GhostsTable {
     /// Green light that each face mirrors, percent, 0 (none) to 8: coated glass 0.2 to 1, bare glass 4.
     #[schemars(range(min = 0.0, max = 8.0))]
     pub(super) reflectance_percent: f64,
-    /// Radii of the faces of the lens from the front on, in any unit; above 0 where the center is behind the face. 0 is the
-    /// stop. 2 to 40 numbers.
-    #[schemars(extend("minimum" = -1e6, "maximum" = 1e6))]
-    pub(super) radius: Vec<f64>,
-    /// Way from each face to the next, in the same unit; the last is not asked for.
-    #[schemars(extend("minimum" = 0.0, "maximum" = 1e6))]
-    pub(super) gap: Vec<f64>,
-    /// Refractive index of what is behind each face.
-    #[schemars(extend("minimum" = 1.0, "maximum" = 4.0))]
-    pub(super) index: Vec<f64>,
+    /// The faces of the lens from the front on, 2 to 40: each [radius, way to the next face, refractive index behind it],
+    /// in any unit of length. A radius is above 0 where its center is behind the face; one is 0, which is the stop.
+    pub(super) faces: Vec<[f64; 3]>,
     /// Time of a clip at which it begins, s, 0 to 1000000; pictures by themselves have it.
     #[schemars(range(min = 0.0, max = 1e6))]
     pub(super) onset_s: f64,

@@ -62,60 +62,50 @@ pub(super) fn coats(
 }
 
 fn mud(it: MudTable) -> Option<Coat> {
-    (it.coverage_percent > 0.0).then(|| {
-        Coat::Mud(Mud {
-            coverage: 0.01 * it.coverage_percent,
-            splat_mm: it.splat_mm,
-            thickness_mm: 1e-3 * it.thickness_um,
-            absorbs_per_mm: it.absorption_per_mm,
-            scatters_per_mm: it.scattering_per_mm,
-        })
-    })
+    (it.coverage_percent > 0.0).then_some(Coat::Mud(Mud {
+        coverage: 0.01 * it.coverage_percent,
+        splat_mm: it.splat_mm,
+        thickness_mm: 1e-3 * it.thickness_um,
+        absorbs_per_mm: it.absorption_per_mm,
+        scatters_per_mm: it.scattering_per_mm,
+    }))
 }
 
 fn dust(it: DustTable) -> Option<Coat> {
-    (it.coverage_percent > 0.0).then(|| {
-        Coat::Dust(Dust {
-            coverage: 0.01 * it.coverage_percent,
-            albedo: it.albedo,
-            unevenness: it.unevenness,
-            scale_mm: it.scale_mm,
-        })
-    })
+    (it.coverage_percent > 0.0).then_some(Coat::Dust(Dust {
+        coverage: 0.01 * it.coverage_percent,
+        albedo: it.albedo,
+        unevenness: it.unevenness,
+        scale_mm: it.scale_mm,
+    }))
 }
 
 fn film(it: FilmTable) -> Option<Coat> {
-    (it.ripple_um > 0.0 || it.haze_percent > 0.0).then(|| {
-        Coat::Film(Film {
-            ripple_m: 1e-6 * it.ripple_um,
-            scale_mm: it.scale_mm,
-            haze: 0.01 * it.haze_percent,
-        })
-    })
+    (it.ripple_um > 0.0 || it.haze_percent > 0.0).then_some(Coat::Film(Film {
+        ripple_m: 1e-6 * it.ripple_um,
+        scale_mm: it.scale_mm,
+        haze: 0.01 * it.haze_percent,
+    }))
 }
 
 fn frost(it: FrostTable) -> Option<Coat> {
-    (it.front_um_s > 0.0).then(|| {
-        Coat::Frost(Frost {
-            age_s: it.age_s,
-            front_mm_s: 1e-3 * it.front_um_s,
-            nuclei_per_mm2: 0.01 * it.seeds_per_cm2,
-        })
-    })
+    (it.front_um_s > 0.0).then_some(Coat::Frost(Frost {
+        age_s: it.age_s,
+        front_mm_s: 1e-3 * it.front_um_s,
+        nuclei_per_mm2: 0.01 * it.seeds_per_cm2,
+    }))
 }
 
 fn scratches(it: ScratchesTable) -> Option<Coat> {
-    (it.haze_percent > 0.0).then(|| {
-        Coat::Scratches(Scratches {
-            haze: 0.01 * it.haze_percent,
-            wiped: 0.01 * it.wiper_percent,
-            pivot_mm: it.pivot_mm,
-        })
-    })
+    (it.haze_percent > 0.0).then_some(Coat::Scratches(Scratches {
+        haze: 0.01 * it.haze_percent,
+        wiped: 0.01 * it.wiper_percent,
+        pivot_mm: it.pivot_mm,
+    }))
 }
 
 fn fog(it: CondensationTable) -> Option<Coat> {
-    (it.growth_um_s > 0.0).then(|| {
+    (it.growth_um_s > 0.0).then_some({
         Coat::Fog(Fog {
             mean: Condensation {
                 growth_m_s: it.growth_um_s * 1e-6,

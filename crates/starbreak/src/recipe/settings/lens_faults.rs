@@ -33,21 +33,7 @@ pub(super) fn settings(
         }
     }
     if let Some(it) = &given.ghosts {
-        let n = it.radius.len();
-        if !(2..=40).contains(&n) || it.gap.len() != n || it.index.len() != n {
-            let expected = "2 to 40 numbers, as many as in ghosts.gap and ghosts.index";
-            let found = format!("{n}, {} and {} numbers", it.gap.len(), it.index.len());
-            return Err(out_of_range(place, "ghosts.radius", found, expected));
-        }
-        if it.radius.iter().filter(|radius| **radius == 0.0).count() != 1 {
-            let expected = "one 0, which is the stop";
-            return Err(out_of_range(
-                place,
-                "ghosts.radius",
-                "another number of stops",
-                expected,
-            ));
-        }
+        check_faces(place, &it.faces)?;
     }
     if let Some(it) = &given.star
         && (1..3).contains(&it.blades)
@@ -121,17 +107,42 @@ fn shake(it: ShakeTable) -> Shake {
 }
 
 fn ghosts(it: GhostsTable) -> Ghosts {
-    let faces = it.radius.iter().zip(&it.gap).zip(&it.index);
     Ghosts {
         reflectance: it.reflectance_percent / 100.0,
-        faces: faces
-            .map(|((radius, gap), index)| LensFace {
+        faces: (it.faces.iter())
+            .map(|[radius, gap, index]| LensFace {
                 radius: *radius,
                 gap: *gap,
                 index: *index,
             })
             .collect(),
     }
+}
+
+/// A lens that could be.
+fn check_faces(place: &Place, faces: &[[f64; 3]]) -> Result<(), RecipeError> {
+    let refused =
+        |found: String, expected: &str| Err(out_of_range(place, "ghosts.faces", found, expected));
+    if !(2..=40).contains(&faces.len()) {
+        return refused(format!("{} faces", faces.len()), "2 to 40");
+    }
+    for face in faces {
+        let [radius, gap, index] = *face;
+        let is_good =
+            radius.abs() <= 1e6 && (0.0..=1e6).contains(&gap) && (1.0..=4.0).contains(&index);
+        if !is_good {
+            let expected = "[radius up to 1000000, gap from 0 to 1000000, index from 1 to 4]";
+            return refused(format!("{face:?}"), expected);
+        }
+    }
+    let n_stops = faces.iter().filter(|face| face[0].abs() <= 0.0).count();
+    if n_stops != 1 {
+        return refused(
+            format!("{n_stops} faces of radius 0"),
+            "one, which is the stop",
+        );
+    }
+    Ok(())
 }
 
 fn star(it: StarTable) -> Star {
