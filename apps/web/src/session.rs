@@ -1,7 +1,7 @@
 //! One picture, the glass before it, and what a page may ask of them.
 
 use image::{DynamicImage, RgbaImage};
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use starbreak::optics::environment::Environment;
 use starbreak::{
     Chain, DEFAULT_PRESET, FAULTS, OpticsSettings, Recipe, Seed, Shown, Simulated, Stopwatch,
@@ -153,7 +153,7 @@ impl Session {
                 "glass_disc_px": shown.optics.scene.map(|scene| scene.glass_disc_px),
                 "scene_disc_px": shown.optics.scene.map(|scene| scene.scene_disc_px),
                 "damage": chain.facts().get("network"),
-                "faults": chain.facts().get("faults"),
+                "faults": faults_of(chain.facts()),
                 "last_arrival": chain.arrivals().map(|times| times.last),
                 "unit": chain.arrivals().map(|times| times.unit),
                 "recipe": recipe.to_json(),
@@ -326,6 +326,17 @@ fn catalog() -> Result<Answer, Trouble> {
         }),
         bytes: Vec::new(),
     })
+}
+
+/// What is told of each fault, and of what lies on the glass, by table.
+fn faults_of(facts: &Map<String, Value>) -> Map<String, Value> {
+    let on_glass = FAULTS.iter().filter(|fault| fault.needs_pane());
+    let on_glass = on_glass
+        .filter_map(|fault| Some((fault.table.to_owned(), facts.get(fault.table)?.clone())));
+    let faults = facts.get("faults").and_then(Value::as_object);
+    on_glass
+        .chain(faults.cloned().unwrap_or_default())
+        .collect()
 }
 
 /// All that breaking the glass depends on: the recipe without what is done with light, and the seed.

@@ -126,17 +126,19 @@ struct Splat {
     /// Direction in which it is longer, and by how much.
     along: [f64; 2],
     longer: f64,
-    lobes: [(f64, f64); N_LOBES],
+    /// Shares of the cosine and the sine of each wave, from that of twice around on.
+    lobes: [[f64; 2]; N_LOBES],
 }
 
 impl Splat {
     fn new(middle_mm: [f64; 2], radius_mm: f64, rng: &mut ChaCha8Rng) -> Self {
         let (sin, cos) = libm::sincos(0.25 * TAU + LEANS_RAD * normal(rng));
         let longer = 1.0 + 0.7 * uniform(rng) * uniform(rng);
-        let mut lobes = [(0.0, 0.0); N_LOBES];
+        let mut lobes = [[0.0; 2]; N_LOBES];
         for (order, lobe) in (2_u32..).zip(&mut lobes) {
             let size = 0.22 * normal(rng) / libm::pow(f64::from(order), 0.9);
-            *lobe = (size, TAU * uniform(rng));
+            let (sin, cos) = libm::sincos(TAU * uniform(rng));
+            *lobe = [size * cos, -size * sin];
         }
         Self {
             middle_mm,
@@ -158,10 +160,14 @@ impl Splat {
         if away >= MOST_OUTLINE {
             return away;
         }
-        let angle = libm::atan2(y, x);
+        // Cosines and sines of multiples of the angle, each from the one before.
+        let length = libm::hypot(x, y).max(1e-12);
+        let (cos, sin) = (x / length, y / length);
+        let (mut c, mut s) = (cos, sin);
         let mut outline = 0.0;
-        for (order, (size, phase)) in (2_u32..).zip(&self.lobes) {
-            outline += size * libm::cos(f64::from(order) * angle + phase);
+        for [of_cos, of_sin] in &self.lobes {
+            (c, s) = (c * cos - s * sin, s * cos + c * sin);
+            outline += of_cos * c + of_sin * s;
         }
         away / libm::exp(outline).clamp(0.4, MOST_OUTLINE)
     }

@@ -36,6 +36,11 @@ impl<const COLORS: usize> Cells<COLORS> {
         self.light.iter()
     }
 
+    /// The light of one.
+    pub(crate) fn cell(&self, cell: usize) -> [f32; COLORS] {
+        self.light[cell]
+    }
+
     /// The same, to be changed.
     pub(crate) fn values_mut(&mut self) -> std::slice::IterMut<'_, [f32; COLORS]> {
         self.light.iter_mut()

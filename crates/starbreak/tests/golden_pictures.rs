@@ -38,7 +38,7 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
             // As wide in this frame as in one of a camera.
             recipe.set("spots.pitch_um=25").unwrap();
         }
-        if preset == "rain" {
+        if ["rain", "muddy", "frosted"].contains(&preset) {
             // Glass at hand, in focus.
             for setting in ["camera.f_px=300", "camera.focus_distance_m=0.15"] {
                 recipe.set(setting).unwrap();
@@ -48,6 +48,14 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
             for setting in ["frames.frozen=0", "frames.black=0", "frames.white=1"] {
                 recipe.set(setting).unwrap();
             }
+        }
+        if ["ghosts", "star-burst"].contains(&preset) {
+            // A lamp.
+            let mut lit = scene();
+            for (x, y) in (40..43).flat_map(|x| (20..23).map(move |y| (x, y))) {
+                lit.put_pixel(x, y, Rgb([255, 255, 250]));
+            }
+            return behind(&recipe, lit);
         }
         return through(&recipe);
     }
@@ -65,8 +73,12 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
 }
 
 fn through(recipe: &Recipe) -> RgbImage {
+    behind(recipe, scene())
+}
+
+fn behind(recipe: &Recipe, scene: RgbImage) -> RgbImage {
     let settings = recipe.settings().unwrap();
-    let mut image = DynamicImage::ImageRgb8(scene());
+    let mut image = DynamicImage::ImageRgb8(scene);
     let chain = Chain::of(&settings, SIZE, Seed(11)).unwrap();
     chain.over(&mut image, Seed(11)).unwrap();
     image.to_rgb8()

@@ -26,8 +26,8 @@ use crate::vector::dot;
 use streak::Streaks;
 use turned::Turned;
 
-/// Cells of a map per radius of the disc that a point of the pane becomes.
-const CELLS_PER_RADIUS: f64 = 2.5;
+/// Cells of a map per radius of the disc that a point of the pane becomes in the middle row.
+const CELLS_PER_RADIUS: f64 = 2.0;
 
 /// Widest cell of a map, px.
 const WIDEST_PX: f64 = 4.0;
@@ -42,8 +42,9 @@ pub struct Screen {
     direct: Map,
     /// Turned by the smaller and by the larger angle, and by grooves.
     turned: Map,
-    diffuse: Map,
-    back: Map,
+    /// Sent on in any direction, and sent back, where there is any.
+    diffuse: Option<Map>,
+    back: Option<Map>,
     moved: Option<Turned>,
     streaks: Option<Streaks>,
     spreads_px: [f64; 2],
@@ -90,6 +91,13 @@ impl Samples {
         }
     }
 
+    /// The same where any is above 0.
+    fn map_of_any(&self, pupil: (Pupil, &[f64]), of: impl Fn(&Passage) -> [f64; 3]) -> Option<Map> {
+        let mut passages = self.passages.iter();
+        let has_any = passages.any(|it| of(it).iter().any(|share| *share > 0.0));
+        has_any.then(|| self.map(pupil, of))
+    }
+
     /// Three numbers of each, spread by the pupil with a radius for each row of cells.
     fn map(&self, (pupil, radii): (Pupil, &[f64]), of: impl Fn(&Passage) -> [f64; 3]) -> Map {
         #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
@@ -117,17 +125,13 @@ impl Screen {
             let depth_m = view.depth_mm(row_px).map_or(f64::INFINITY, |mm| mm * 1e-3);
             0.5 * optic.lens.circle_of_confusion_px(optic.f_px, depth_m)
         };
-        let height = view.size().1;
-        let least_px = [0.0, 0.5, 1.0]
-            .map(|part| radius(part * f64::from(height)).abs())
-            .into_iter()
-            .fold(f64::INFINITY, f64::min);
+        let middle_px = radius(0.5 * f64::from(view.size().1)).abs();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "some px"
         )]
-        let per_cell = (least_px / CELLS_PER_RADIUS).clamp(1.0, WIDEST_PX) as u32;
+        let per_cell = (middle_px / CELLS_PER_RADIUS).clamp(1.0, WIDEST_PX) as u32;
         let samples = Samples::of(coating, view, per_cell);
         let radii: Vec<f64> = (0_u32..)
             .take(samples.size.1)
@@ -143,8 +147,8 @@ impl Screen {
             size: (width as usize, height as usize),
             direct: samples.map(pupil, |it| it.direct),
             turned: samples.map(pupil, |it| [it.narrow, it.wide, it.streak]),
-            diffuse: samples.map(pupil, |it| it.diffuse),
-            back: samples.map(pupil, |it| it.back),
+            diffuse: samples.map_of_any(pupil, |it| it.diffuse),
+            back: samples.map_of_any(pupil, |it| it.back),
             moved: Turned::of(&samples, pupil, optic.f_px),
             streaks: Streaks::of(&samples, optic.f_px),
             spreads_px: [narrow_rad, wide_rad].map(|rad| rad * optic.f_px),
@@ -229,10 +233,9 @@ impl Screen {
 
     /// The light that the coat itself sends to the camera, under the light around it.
     fn shines(&self, light: &Environment, params: &EnvironmentParams) -> Option<Map> {
-        let has = |map: &Map| map.values().any(|it| it.iter().any(|share| *share > 0.0));
         let has_lobe =
             light.sun_rgb.iter().any(|it| *it > 0.0) && self.turned.values().any(|it| it[1] > 0.0);
-        if !has(&self.diffuse) && !has(&self.back) && !has_lobe {
+        if self.diffuse.is_none() && self.back.is_none() && !has_lobe {
             return None;
         }
         let Sights { f_px, normal } = self.sights;
@@ -249,10 +252,8 @@ impl Screen {
         let (columns, _) = self.direct.size;
         let per_cell = f64::from(self.direct.per_cell);
         let is_outside = dot(normal, sun) > 0.0;
-        let shares = (self.turned.values()).zip(self.diffuse.values().zip(self.back.values()));
-        let values: Vec<f32> = shares
-            .enumerate()
-            .flat_map(|(cell, (turned, (diffuse, back)))| {
+        let values: Vec<f32> = (self.turned.values().enumerate())
+            .flat_map(|(cell, turned)| {
                 #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
                 let at = [cell % columns, cell / columns].map(|k| (k as f64 + 0.5) * per_cell);
                 let lobe = if has_lobe && is_outside {
@@ -260,6 +261,8 @@ impl Screen {
                 } else {
                     0.0
                 };
+                let of = |map: &Option<Map>| map.as_ref().map_or([0.0; 3], |map| map.cell(cell));
+                let (diffuse, back) = (of(&self.diffuse), of(&self.back));
                 let shine: Rgb = std::array::from_fn(|k| {
                     diffuse[k] * outside[k] + back[k] * cabin[k] + lobe * light.sun_rgb[k]
                 });

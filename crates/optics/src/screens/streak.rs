@@ -15,8 +15,9 @@ pub(super) struct Streaks {
     across: Vec<[f32; 2]>,
     columns: usize,
     per_cell: u32,
-    /// Shares of light at each cell of a streak, from its middle on to one side; with the other side they sum to 1.
-    shares: Vec<f32>,
+    /// Places on a streak, in cells from its middle on to one side, each with its share of light; with the other side they
+    /// sum to 1.
+    shares: Vec<(f32, f32)>,
 }
 
 impl Streaks {
@@ -43,13 +44,23 @@ impl Streaks {
         )]
         let n = reach.ceil().max(1.0) as u32;
         let mut shares = Vec::new();
-        let mut last = 0.0;
-        for k in 0..=n {
-            let next = within(f64::from(k) + 0.5);
+        let (mut k, mut last) = (0, 0.0);
+        while k <= n {
+            // Far out light changes slowly: every second cell, then every fourth stands for its neighbors.
+            let wide = match k {
+                0..16 => 1,
+                16..64 => 2,
+                _ => 4,
+            };
+            let next = within(f64::from(k) + f64::from(wide) - 0.5);
             let sides = if k == 0 { 1.0 } else { 0.5 };
             #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
-            shares.push((sides * (next - last)) as f32);
+            let share = (sides * (next - last)) as f32;
+            #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
+            let middle = (f64::from(k) + 0.5 * f64::from(wide - 1)) as f32;
+            shares.push((middle, share));
             last = next;
+            k += wide;
         }
         Some(Self {
             across,
@@ -81,10 +92,9 @@ impl Streaks {
                         *sum += share * value;
                     }
                 };
-                for (k, share) in self.shares.iter().enumerate() {
-                    let k = to_f32(k);
-                    add(k, *share);
-                    if k > 0.0 {
+                for (k, share) in &self.shares {
+                    add(*k, *share);
+                    if *k > 0.0 {
                         add(-k, *share);
                     }
                 }

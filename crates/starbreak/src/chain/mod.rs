@@ -126,7 +126,11 @@ impl Chain {
             },
             ..Self::of_layer(settings, layer, facts, is_glass_intact)
         };
-        chain.coated(seed)
+        let chain = chain.coated(seed)?;
+        if !chain.screens.is_empty() {
+            watch.lap("coats");
+        }
+        Ok(chain)
     }
 
     /// Bakes a part of a photograph of broken glass for frames of this size.
