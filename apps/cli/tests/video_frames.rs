@@ -503,6 +503,57 @@ fn what_lies_on_the_pane_is_there_from_the_first_frame() {
 }
 
 #[test]
+fn what_lies_on_the_pane_changes_from_frame_to_frame_and_the_track_says_how() {
+    let dir = folder();
+    write_distinct(&dir.path().join("in"));
+    let coverages = |sets: &[&str], table: &str, threads: &str| -> Vec<f64> {
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let args: Vec<&str> = TO_OUT.into_iter().chain(sets).collect();
+        let _ = fs::remove_dir_all(dir.path().join("out"));
+        let _ = fs::remove_file(dir.path().join("out.track.json"));
+        succeed(dir.path(), &[&args[..], &["--threads", threads]].concat());
+        let track = json(&dir.path().join("out.track.json"));
+        let frames = track["frames"].as_array().unwrap().clone();
+        frames
+            .iter()
+            .map(|frame| frame["on_glass"][table]["coverage"].as_f64().unwrap())
+            .collect()
+    };
+    let rain = ["fracture.model=none", "drops.rain_mm_h=50", "drops.age_s=1"];
+    let falls = coverages(&rain, "drops", "2");
+    assert!(
+        falls.windows(2).all(|two| two[1] > 0.95 * two[0]),
+        "{falls:?}"
+    );
+    assert!(falls[23] > 1.5 * falls[0], "it rains on: {falls:?}");
+    let name = |folder: &str| dir.path().join(folder).join("f23.png");
+    let two = fs::read(name("out")).unwrap();
+    assert_eq!(
+        coverages(&rain, "drops", "1"),
+        falls,
+        "for any number of threads"
+    );
+    assert!(fs::read(name("out")).unwrap() == two, "to the byte");
+    let wiped = coverages(
+        &[&rain[..], &["drops.wiper_period_s=2"]].concat(),
+        "drops",
+        "2",
+    );
+    assert!(
+        wiped[9] > 5.0 * wiped[10],
+        "wiped after a second: {wiped:?}"
+    );
+    let frost = [
+        "fracture.model=none",
+        "frost.age_s=100",
+        "frost.front_um_s=1000",
+        "camera.f_px=40",
+    ];
+    let grows = coverages(&frost, "frost", "2");
+    assert!(grows[23] > grows[0], "{grows:?}");
+}
+
+#[test]
 fn a_fault_begins_at_its_onset() {
     let dir = folder();
     write_distinct(&dir.path().join("in"));

@@ -91,7 +91,10 @@ impl Coating for FilmedPane {
         let (mut turned, mut height) = ([0.0; 2], 0.0);
         for wave in &self.waves {
             let [kx, ky] = wave.number;
-            let (sin, cos) = libm::sincos(kx * at_mm[0] + ky * at_mm[1] + wave.phase);
+            #[expect(clippy::cast_possible_truncation, reason = "a phase of some turns")]
+            let phase = (kx * at_mm[0] + ky * at_mm[1] + wave.phase) as f32;
+            let (sin, cos) = libm::sincosf(phase);
+            let (sin, cos) = (f64::from(sin), f64::from(cos));
             height += cos;
             turned[0] += kx * sin;
             turned[1] += ky * sin;

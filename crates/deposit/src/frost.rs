@@ -59,20 +59,32 @@ const CURVES_PER_MM: f64 = 0.02;
 /// Most nuclei.
 const MOST_NUCLEI: f64 = 2e4;
 
+/// Largest side that grows, mm: a larger pane has it again and again, without a seam.
+const TILE_MM: f64 = 320.0;
+
 /// A cell that no ice has come to.
 const NEVER: f32 = f32::INFINITY;
 
 impl Frost {
     pub(crate) fn on_pane(&self, area: &Area, finest_mm: f64, seed: Seed) -> FrostedPane {
-        // A nucleus may lie beyond the area.
         let cell_mm = finest_mm.clamp(0.12, 0.5);
+        // A whole number of cells, so that what leaves on one side comes in on the other.
+        let sides_mm = area
+            .sides_mm()
+            .map(|side| ((side.min(TILE_MM) / cell_mm).round().max(4.0) - 1e-6) * cell_mm);
+        let tile = Area {
+            from_mm: area.from_mm,
+            to_mm: [0, 1].map(|k| area.from_mm[k] + sides_mm[k]),
+        };
         let mut ice = Ice {
-            arrives_mm: Raster::over(area, cell_mm, NEVER),
-            ridge: Raster::over(area, cell_mm, BETWEEN),
+            from_mm: area.from_mm,
+            sides_mm,
+            arrives_mm: Raster::over(&tile, cell_mm, NEVER),
+            ridge: Raster::over(&tile, cell_mm, BETWEEN),
         };
         let most_mm = self.front_mm_s * self.age_s;
         if most_mm > 0.0 {
-            Growing::over(self, area, seed).run(&mut ice, most_mm);
+            Growing::over(self, &tile, seed).run(&mut ice, most_mm);
             close_in(&mut ice.arrives_mm);
         }
         FrostedPane {
@@ -84,6 +96,8 @@ impl Frost {
 
 /// Ice in the cells of a pane.
 struct Ice {
+    from_mm: [f64; 2],
+    sides_mm: [f64; 2],
     /// Way of the front when it comes, mm.
     arrives_mm: Raster,
     /// How much thicker it is than in the mean.
@@ -177,7 +191,9 @@ impl Growing {
         let is_clear = |ahead_mm: f64| {
             let ahead = [tip.at_mm[0] + ahead_mm * cos, tip.at_mm[1] + ahead_mm * sin];
             let arrives = &ice.arrives_mm;
-            let there = arrives.cell(ahead).map(|cell| arrives.values[cell]);
+            let there = arrives
+                .cell(ice.inside(ahead))
+                .map(|cell| arrives.values[cell]);
             there.is_some_and(|arrived| arrived >= NEVER)
         };
         let ahead_mm = HALF_WIDTHS_MM[tip.kind] + 1.5 * ice.arrives_mm.cell_mm;
@@ -186,7 +202,7 @@ impl Growing {
             tip.is_stopped = true;
             return;
         }
-        tip.at_mm = [tip.at_mm[0] + step_mm * cos, tip.at_mm[1] + step_mm * sin];
+        tip.at_mm = ice.inside([tip.at_mm[0] + step_mm * cos, tip.at_mm[1] + step_mm * sin]);
         tip.angle += tip.curve * step_mm;
         tip.next_mm -= step_mm;
         ice.mark(tip.at_mm, tip.kind, way_mm);
@@ -215,9 +231,38 @@ impl Growing {
 }
 
 impl Ice {
-    /// Ice comes to the cells of a disc, where none is.
+    /// The same place of the tile.
+    fn inside(&self, at_mm: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| {
+            let side = self.sides_mm[k];
+            let within = at_mm[k] - self.from_mm[k];
+            self.from_mm[k] + (within - (within / side).floor() * side)
+        })
+    }
+
+    /// Ice comes to the cells of a disc, where none is, on both sides of an edge of the tile.
     fn mark(&mut self, at_mm: [f64; 2], kind: usize, way_mm: f64) {
         let radius_mm = HALF_WIDTHS_MM[kind].max(0.5 * self.arrives_mm.cell_mm);
+        let copies = [0, 1].map(|k| {
+            let within = at_mm[k] - self.from_mm[k];
+            let side = self.sides_mm[k];
+            let other = if within < radius_mm {
+                Some(at_mm[k] + side)
+            } else if within > side - radius_mm {
+                Some(at_mm[k] - side)
+            } else {
+                None
+            };
+            [Some(at_mm[k]), other]
+        });
+        for x in copies[0].into_iter().flatten() {
+            for y in copies[1].into_iter().flatten() {
+                self.mark_disc([x, y], (radius_mm, kind), way_mm);
+            }
+        }
+    }
+
+    fn mark_disc(&mut self, at_mm: [f64; 2], (radius_mm, kind): (f64, usize), way_mm: f64) {
         let [columns, rows] = self.arrives_mm.around(at_mm, radius_mm);
         let width = self.arrives_mm.size[0];
         #[expect(clippy::cast_possible_truncation, reason = "a length")]
@@ -294,7 +339,10 @@ pub(crate) struct FrostedPane {
 
 impl Coating for FrostedPane {
     fn passage(&self, at_mm: [f64; 2]) -> Passage {
-        let Ice { arrives_mm, ridge } = &self.ice;
+        let Ice {
+            arrives_mm, ridge, ..
+        } = &self.ice;
+        let at_mm = self.ice.inside(at_mm);
         let since_mm = arrives_mm.cell(at_mm).map_or(-1.0, |cell| {
             self.front_mm - f64::from(arrives_mm.values[cell])
         });

@@ -221,12 +221,12 @@ fn a_film_turns_light_as_much_as_its_ripple_says() {
         square.sqrt()
     );
     let coating = Coat::Film(film).on_pane(&AREA, 0.4, Seed(1));
-    const STEP_MM: f64 = 1e-4;
+    const STEP_MM: f64 = 0.02;
     for at in places().step_by(997) {
         let turned = |dx: f64, dy: f64| coating.passage([at[0] + dx, at[1] + dy]).turned_rad;
         let along = turned(0.0, STEP_MM)[0] - turned(0.0, -STEP_MM)[0];
         let across = turned(STEP_MM, 0.0)[1] - turned(-STEP_MM, 0.0)[1];
-        assert!((along - across).abs() < 1e-9, "{along} and {across}");
+        assert!((along - across).abs() < 1e-6, "{along} and {across}");
     }
     let haze = of_seeds(Coat::Film(FILM), |it| it.wide);
     assert!((haze - 0.04).abs() < 0.003, "{haze}");

@@ -27,7 +27,7 @@ use streak::Streaks;
 use turned::Turned;
 
 /// Cells of a map per radius of the disc that a point of the pane becomes in the middle row.
-const CELLS_PER_RADIUS: f64 = 2.0;
+const CELLS_PER_RADIUS: f64 = 1.2;
 
 /// Widest cell of a map, px.
 const WIDEST_PX: f64 = 4.0;
