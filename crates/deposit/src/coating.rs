@@ -76,7 +76,7 @@ impl Coat {
         match self {
             Self::Mud(it) => Box::new(it.on_pane(area, finest_mm, seed)),
             Self::Dust(it) => Box::new(it.on_pane(area, finest_mm, seed)),
-            Self::Film(it) => Box::new(it.on_pane(seed)),
+            Self::Film(it) => Box::new(it.on_pane(area, seed)),
             Self::Frost(it) => Box::new(it.on_pane(area, finest_mm, seed)),
             Self::Scratches(it) => Box::new(*it),
             Self::Fog(it) => Box::new(it.on_pane(area, seed)),

@@ -4,7 +4,7 @@ use std::f64::consts::{SQRT_2, TAU};
 
 use starbreak_seed::{Seed, Stream, uniform};
 
-use crate::{Coating, Passage};
+use crate::{Area, Coating, Field, Passage};
 
 /// A film whose thickness varies smoothly.
 ///
@@ -31,6 +31,13 @@ const N_WAVES: u32 = 24;
 /// Shortest and longest wave, in scales.
 const LENGTHS: [f64; 2] = [0.6, 2.0];
 
+/// How much more haze there is in some places than in others, where hands and cloths were, and how large they are, mm.
+/// FIT.
+const PATCHES: (f64, f64) = (70.0, 0.8);
+
+/// Share of the haze that is across the wiper's way. FIT.
+const ACROSS: f64 = 0.5;
+
 /// Angle by which it scatters, rad. FIT.
 const SCATTERS_BY_RAD: f64 = 0.1;
 
@@ -47,8 +54,8 @@ impl Film {
         (GREASE - 1.0) * self.ripple_m * 1e3 * square.sqrt()
     }
 
-    pub(crate) fn on_pane(&self, seed: Seed) -> FilmedPane {
-        let mut rng = seed.stream(Stream::Film, 0);
+    pub(crate) fn on_pane(&self, area: &Area, seed: Seed) -> FilmedPane {
+        let mut rng = seed.stream(Stream::Film, 9);
         let [most, least] = LENGTHS.map(|it| TAU / (it * self.scale_mm));
         let height_mm = self.ripple_m * 1e3 * SQRT_2 / f64::from(N_WAVES).sqrt();
         let waves = (0..N_WAVES)
@@ -68,6 +75,7 @@ impl Film {
             waves,
             turn_mm: (GREASE - 1.0) * height_mm,
             haze: self.haze,
+            patches: Field::over(area, PATCHES, (Stream::Film, seed)),
         }
     }
 }
@@ -84,6 +92,7 @@ pub(crate) struct FilmedPane {
     /// (n − 1) times the height of each wave.
     turn_mm: f64,
     haze: f64,
+    patches: Field,
 }
 
 impl Coating for FilmedPane {
@@ -101,11 +110,14 @@ impl Coating for FilmedPane {
         }
         // In standard deviations.
         let height = height * (2.0 / f64::from(N_WAVES)).sqrt();
-        let haze = (self.haze * (1.0 + 0.5 * height)).clamp(0.0, 1.0);
+        let haze = self.haze * self.patches.at(at_mm) * (1.0 + 0.5 * height);
+        let haze = haze.clamp(0.0, 1.0);
         Passage {
             covered: haze,
             direct: [1.0 - haze; 3],
-            wide: haze,
+            wide: (1.0 - ACROSS) * haze,
+            streak: ACROSS * haze,
+            across: [0.0, 1.0],
             turned_rad: turned.map(|it| it * self.turn_mm),
             ..Passage::CLEAN
         }

@@ -22,17 +22,14 @@ pub struct Frost {
     pub nuclei_per_mm2: f64,
 }
 
-/// Refractive index of ice.
-const ICE: f64 = 1.31;
-
-/// Slope of its faces, the standard deviation per axis. FIT.
-const SLOPE: f64 = 0.3;
+/// Angle by which it turns light per axis, rad: (n − 1) times slopes of some 30°, and more where it scatters. FIT.
+const TURNED_RAD: f64 = 0.18;
 
 /// Thickness of ice when the front has gone a millimeter further, mm. FIT.
 const THICKNESS_MM: f64 = 0.06;
 
 /// Thickness up to which most of its face is even, mm. FIT.
-const EVEN_MM: f64 = 0.15;
+const EVEN_MM: f64 = 0.08;
 
 /// What it scatters, by bubbles and cracks, mm⁻¹. FIT.
 const SCATTERS_PER_MM: f64 = 2.0;
@@ -53,8 +50,12 @@ const BRANCHES_EACH_MM: [f64; 2] = [2.2, 1.4];
 /// Speed at which ice closes in between branches, over that of the front. FIT.
 const SIDEWAYS: f64 = 0.02;
 
-/// Standard deviation of the curvature of stems, mm⁻¹. FIT.
-const CURVES_PER_MM: f64 = 0.02;
+/// Standard deviation of the curvature of stems, mm⁻¹, and of what chance turns a tip by on a millimeter, rad. FIT.
+const CURVES_PER_MM: f64 = 0.012;
+const WANDERS_RAD: f64 = 0.05;
+
+/// Of what ice scatters and lets through, the share that goes on forwards. FIT.
+const FORWARDS: f64 = 0.6;
 
 /// Most nuclei.
 const MOST_NUCLEI: f64 = 2e4;
@@ -203,7 +204,7 @@ impl Growing {
             return;
         }
         tip.at_mm = ice.inside([tip.at_mm[0] + step_mm * cos, tip.at_mm[1] + step_mm * sin]);
-        tip.angle += tip.curve * step_mm;
+        tip.angle += tip.curve * step_mm + WANDERS_RAD * step_mm.sqrt() * normal(&mut self.rng);
         tip.next_mm -= step_mm;
         ice.mark(tip.at_mm, tip.kind, way_mm);
         if tip.next_mm <= 0.0
@@ -358,14 +359,14 @@ impl Coating for FrostedPane {
         Passage {
             covered: 1.0,
             direct: [unscattered * even; 3],
-            wide: unscattered * (1.0 - even),
-            diffuse: [through - unscattered; 3],
+            wide: unscattered * (1.0 - even) + FORWARDS * (through - unscattered),
+            diffuse: [(1.0 - FORWARDS) * (through - unscattered); 3],
             back: [1.0 - through; 3],
             ..Passage::CLEAN
         }
     }
 
     fn turns_by_rad(&self) -> [f64; 2] {
-        [0.0, (ICE - 1.0) * SLOPE]
+        [0.0, TURNED_RAD]
     }
 }

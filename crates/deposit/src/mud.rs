@@ -34,7 +34,7 @@ const SIZES: f64 = 0.9;
 const MOST_OUTLINE: f64 = 2.0;
 
 /// How much thicker and thinner it is in places, and how large those are, mm. FIT.
-const GRAIN: (f64, f64) = (1.6, 0.5);
+const GRAIN: (f64, f64) = (1.6, 0.35);
 
 /// Most splats.
 const MOST_SPLATS: u32 = 200_000;
@@ -136,7 +136,7 @@ impl Splat {
         let longer = 1.0 + 0.7 * uniform(rng) * uniform(rng);
         let mut lobes = [[0.0; 2]; N_LOBES];
         for (order, lobe) in (2_u32..).zip(&mut lobes) {
-            let size = 0.22 * normal(rng) / libm::pow(f64::from(order), 0.9);
+            let size = 0.2 * normal(rng) / libm::pow(f64::from(order), 1.1);
             let (sin, cos) = libm::sincos(TAU * uniform(rng));
             *lobe = [size * cos, -size * sin];
         }

@@ -70,7 +70,10 @@ impl Turned {
                     }
                     // Between two copies by the variance.
                     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-                    let at = [x as f32 + 0.5 + right, y as f32 + 0.5 + down];
+                    let at = [
+                        mirrored(x as f32 + 0.5 + right, width),
+                        mirrored(y as f32 + 0.5 + down, height),
+                    ];
                     let level = blurred_level(sigma).min(blurred.len() - 1);
                     let low = blurred[level].at(at);
                     row[x] = match blurred.get(level + 1) {
@@ -89,6 +92,14 @@ impl Turned {
                 });
         }
     }
+}
+
+/// A place of a frame; beyond its border it goes on mirrored.
+fn mirrored(px: f32, n: usize) -> f32 {
+    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+    let n = n as f32;
+    let folded = px.abs() % (2.0 * n);
+    folded.min(2.0 * n - folded)
 }
 
 /// The last copy that is no more blurred than a standard deviation, px.

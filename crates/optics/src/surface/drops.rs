@@ -132,7 +132,14 @@ impl Drop<'_> {
                     x * half_step.0 + y * half_step.1,
                 ];
                 let at = |share: f64, to: [f64; 2]| self.seen(place(share, to));
-                let Some(sent) = at((0.5 * (low * low + high * high)).sqrt(), between) else {
+                // A facet that shows more than one place starts from the mean of its corners, of which
+                // the innermost has two in the middle.
+                let share = if ring == 1 && is_shown {
+                    0.5 * high
+                } else {
+                    (0.5 * (low * low + high * high)).sqrt()
+                };
+                let Some(sent) = at(share, between) else {
                     continue;
                 };
                 // How the place that is seen moves across the facet.
@@ -206,7 +213,7 @@ impl Drop<'_> {
                 f64::INFINITY
             };
             if to_glass < to_sphere {
-                self.enters_cabin(&mut sent, ray, share);
+                self.enters_cabin(&mut sent, sight, ray, share);
                 return Some(sent);
             }
             at = std::array::from_fn(|k| at[k] + to_sphere * ray[k]);
@@ -236,7 +243,10 @@ impl Drop<'_> {
             // Through the glass beside the drop.
             self.from.cabin(sent, direction, share);
         } else {
-            let seen = share / (1.0 - reflectance(sight[2], self.from.sheet.index));
+            let n = self.from.sheet.index;
+            let in_glass = (1.0 - (1.0 - sight[2] * sight[2]) / (n * n)).sqrt();
+            let seen =
+                share * (1.0 + reflectance(sight[2], n)) * (1.0 - reflectance(in_glass, WATER / n));
             let direction = self.from.sheet.camera_from_sheet(direction);
             self.from.seen(sent, direction, seen);
             self.from.mirrored_cabin(sent, sight, share - seen);
@@ -244,14 +254,18 @@ impl Drop<'_> {
     }
 
     /// Light that comes through the glass, seen along a direction in the water.
-    fn enters_cabin(&self, sent: &mut Sent, [x, y, _]: Vector, share: f64) {
+    fn enters_cabin(&self, sent: &mut Sent, sight: Vector, [x, y, _]: Vector, share: f64) {
         let [x, y] = [WATER * x, WATER * y];
         let square = x * x + y * y;
         if square >= 1.0 {
             // The inner face holds it.
             sent.lanes[HELD] += share;
         } else {
-            self.from.cabin(sent, [x, y, -(1.0 - square).sqrt()], share);
+            let z = (1.0 - square).sqrt();
+            let face = reflectance(z, self.from.sheet.index);
+            self.from.cabin(sent, [x, y, -z], share * (1.0 - face));
+            self.leaves(sent, sight, [x, y, z], share * face * (1.0 - face));
+            self.from.cabin(sent, [x, y, -z], share * face * face);
         }
     }
 }
