@@ -491,7 +491,13 @@ fn what_lies_on_the_pane_is_there_from_the_first_frame() {
         write_distinct(&dir.path().join("in"));
         succeed(
             dir.path(),
-            &[&TO_OUT[..], &["--preset", preset, "--severity", "5"]].concat(),
+            &[
+                &TO_OUT[..],
+                &["--preset", preset, "--severity", "5"],
+                // No wiper.
+                &["--set", "drops.wiper_period_s=0"][..if preset == "rain" { 2 } else { 0 }],
+            ]
+            .concat(),
         );
         let track = json(&dir.path().join("out.track.json"));
         assert_eq!(track["damage_onset"]["frame_idx"], 0, "{preset}");
@@ -551,6 +557,62 @@ fn what_lies_on_the_pane_changes_from_frame_to_frame_and_the_track_says_how() {
     ];
     let grows = coverages(&frost, "frost", "2");
     assert!(grows[23] > grows[0], "{grows:?}");
+}
+
+#[test]
+fn mud_on_whole_glass_is_lit_and_cracks_keep_their_class_behind_a_coat() {
+    let dir = folder();
+    write_distinct(&dir.path().join("in"));
+    let mud = [
+        "--preset",
+        "muddy",
+        "--set",
+        "mud.coverage_percent=80",
+        "--set",
+        "mud.absorption_per_mm=[0, 0, 0]",
+        "--set",
+        "camera.f_px=60",
+    ];
+    succeed(dir.path(), &[&TO_OUT[..], &mud].concat());
+    let read = |folder: &str, name: &str| image::open(dir.path().join(folder).join(name)).unwrap();
+    let darkest = read("out", "f12.png")
+        .to_luma8()
+        .iter()
+        .copied()
+        .min()
+        .unwrap();
+    assert!(
+        darkest > 40,
+        "white mud shines with the light outside: {darkest}"
+    );
+    // An opaque crack is opaque also where a veil lies over all.
+    let cracks = [
+        "--preset",
+        "lens-cover-shattered",
+        "--masks",
+        "masks",
+        "--set",
+        "output.classes=true",
+        "--set",
+        "dust.coverage_percent=1",
+    ];
+    for folder in ["out", "masks"] {
+        let _ = fs::remove_dir_all(dir.path().join(folder));
+    }
+    fs::remove_file(dir.path().join("out.track.json")).unwrap();
+    succeed(dir.path(), &[&TO_OUT[..], &cracks].concat());
+    let mask = names(&dir.path().join("masks"))
+        .into_iter()
+        .find(|name| name.contains("f12") && name.contains("region"));
+    let mask = read("masks", &mask.unwrap()).to_luma8();
+    let n = |code: u8| mask.iter().filter(|it| **it == code).count();
+    assert!(
+        n(255) + n(170) > 0 && n(85) > 0,
+        "{} {} {}",
+        n(85),
+        n(170),
+        n(255)
+    );
 }
 
 #[test]

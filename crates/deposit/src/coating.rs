@@ -94,6 +94,15 @@ impl Coat {
         self
     }
 
+    /// The same where the optical axis meets the pane at a place, mm.
+    #[must_use]
+    pub fn seen_from(mut self, axis_mm: [f64; 2]) -> Self {
+        if let Self::Scratches(it) = &mut self {
+            it.pivot_mm = [0, 1].map(|k| it.pivot_mm[k] + axis_mm[k]);
+        }
+        self
+    }
+
     /// Whether it changes as time goes.
     #[must_use]
     pub fn grows(&self) -> bool {

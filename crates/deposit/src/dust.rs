@@ -49,7 +49,7 @@ fn n_per_m2(level_um: f64, size_um: f64) -> f64 {
 
 /// What grains of sizes cover, and the mean over that of the logarithm of their size.
 fn covered_by(level_um: f64, from_um: f64) -> (f64, f64) {
-    const STEPS: u32 = 400;
+    const STEPS: u32 = 120;
     let (from, to) = (libm::log10(from_um), libm::log10(SIZES_UM[1]));
     let step = (to - from) / f64::from(STEPS);
     let (mut covered, mut sum) = (0.0, 0.0);
@@ -75,7 +75,7 @@ impl Dust {
     #[must_use]
     pub fn level_um(&self) -> f64 {
         let (mut low, mut high) = (1.0, SIZES_UM[1]);
-        for _ in 0..60 {
+        for _ in 0..30 {
             let middle = 0.5 * (low + high);
             if Self::coverage_of_level(middle) < self.coverage {
                 low = middle;

@@ -60,7 +60,7 @@ impl Film {
         let height_mm = self.ripple_m * 1e3 * SQRT_2 / f64::from(N_WAVES).sqrt();
         let waves = (0..N_WAVES)
             .map(|k| {
-                // Evenly over numbers and directions, each a little off.
+                // Evenly over numbers, in any direction.
                 let part = (f64::from(k) + uniform(&mut rng)) / f64::from(N_WAVES);
                 let number = least + (most - least) * part;
                 let (sin, cos) = libm::sincos(TAU * uniform(&mut rng));

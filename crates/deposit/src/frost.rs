@@ -11,7 +11,8 @@ use crate::{Area, Coating, Passage};
 ///
 /// From each nucleus stems grow at the speed of the front, in directions 60° apart; they branch on both sides, at 60°
 /// again, and branches branch, each kind slower than the one before. A tip that meets ice stops. Between branches ice
-/// closes in slowly. It thickens with the root of the time since it came \[as heat that is led away through it\].
+/// closes in slowly. It thickens with the root of the time since it came, as heat has to
+/// be led away through it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frost {
     /// How long it has grown, s.
@@ -61,14 +62,14 @@ const FORWARDS: f64 = 0.6;
 const MOST_NUCLEI: f64 = 2e4;
 
 /// Largest side that grows, mm: a larger pane has it again and again, without a seam.
-const TILE_MM: f64 = 320.0;
+const TILE_MM: f64 = 400.0;
 
 /// A cell that no ice has come to.
 const NEVER: f32 = f32::INFINITY;
 
 impl Frost {
     pub(crate) fn on_pane(&self, area: &Area, finest_mm: f64, seed: Seed) -> FrostedPane {
-        let cell_mm = finest_mm.clamp(0.12, 0.5);
+        let cell_mm = finest_mm.clamp(0.2, 0.5);
         // A whole number of cells, so that what leaves on one side comes in on the other.
         let sides_mm = area
             .sides_mm()
@@ -283,50 +284,35 @@ impl Ice {
     }
 }
 
-/// Lets ice close in from all cells that have some: each next cell is reached later by its distance over the speed, found
-/// in two sweeps over the cells.
+/// Lets ice close in from all cells that have some: each next cell is reached later by its distance over the speed. Sweeps
+/// go down and right, then up and left, twice, so that they come around the edges of the tile.
 fn close_in(arrives_mm: &mut Raster) {
     let [width, height] = arrives_mm.size;
     #[expect(clippy::cast_possible_truncation, reason = "a length")]
     let straight = (arrives_mm.cell_mm / SIDEWAYS) as f32;
     let across = straight * std::f32::consts::SQRT_2;
     let values = &mut arrives_mm.values;
-    for y in 0..height {
-        for x in 0..width {
-            let at = y * width + x;
-            let mut first = values[at];
-            if x > 0 {
-                first = first.min(values[at - 1] + straight);
+    let mut reach = |x: usize, y: usize, [left, right, above]: [usize; 3]| {
+        let at = y * width + x;
+        let first = values[at]
+            .min(values[y * width + left] + straight)
+            .min(values[above * width + x] + straight)
+            .min(values[above * width + left] + across)
+            .min(values[above * width + right] + across);
+        values[at] = first;
+    };
+    for _ in 0..2 {
+        for y in 0..height {
+            let above = (y + height - 1) % height;
+            for x in 0..width {
+                reach(x, y, [(x + width - 1) % width, (x + 1) % width, above]);
             }
-            if y > 0 {
-                first = first.min(values[at - width] + straight);
-                if x > 0 {
-                    first = first.min(values[at - width - 1] + across);
-                }
-                if x + 1 < width {
-                    first = first.min(values[at - width + 1] + across);
-                }
-            }
-            values[at] = first;
         }
-    }
-    for y in (0..height).rev() {
-        for x in (0..width).rev() {
-            let at = y * width + x;
-            let mut first = values[at];
-            if x + 1 < width {
-                first = first.min(values[at + 1] + straight);
+        for y in (0..height).rev() {
+            let below = (y + 1) % height;
+            for x in (0..width).rev() {
+                reach(x, y, [(x + 1) % width, (x + width - 1) % width, below]);
             }
-            if y + 1 < height {
-                first = first.min(values[at + width] + straight);
-                if x > 0 {
-                    first = first.min(values[at + width - 1] + across);
-                }
-                if x + 1 < width {
-                    first = first.min(values[at + width + 1] + across);
-                }
-            }
-            values[at] = first;
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::{Coating, Passage};
 /// How many there are is said by their haze: the share of a beam that they turn by more than 2.5° \[ASTMD1003\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scratches {
-    /// Haze, 0 to 0.3.
+    /// Haze, 0 to 0.2.
     pub haze: f64,
     /// Share of the haze that is of grooves along the wiper's way; those of sand have all directions.
     pub wiped: f64,

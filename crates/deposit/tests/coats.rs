@@ -140,7 +140,7 @@ fn no_coat_makes_or_loses_light() {
     }
 }
 
-/// By the program of the standard's own table: grains of more than 1 to 1000 µm of a level, whose areas are summed in steps
+/// The areas of grains one size after the other: grains of more than 1 to 1000 µm of a level, whose areas are summed in steps
 /// of their sizes.
 #[test]
 fn dust_covers_what_its_level_says() {

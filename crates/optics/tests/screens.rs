@@ -206,6 +206,47 @@ fn a_lamp_behind_wiped_glass_has_a_streak_that_points_at_the_wipers_pivot() {
     assert!(long / (xx + yy) > 0.95, "a line: {}", long / (xx + yy));
 }
 
+/// On a pane that leans: the streak of a lamp is across the picture of the groove, which follows from two of its places.
+#[test]
+fn a_streak_is_across_the_picture_of_its_groove_on_a_raked_pane() {
+    let pivot_mm = [-120.0, 90.0];
+    let view = view(0.8);
+    let scratches = Scratches {
+        haze: 0.08,
+        wiped: 1.0,
+        pivot_mm,
+    };
+    let coating = Coat::Scratches(scratches).on_pane(&AREA, 0.3, Seed(1));
+    let screen = Screen::of(&*coating, &view, &OPTIC);
+    let lamp = [350.5, 150.5];
+    let mut light = vec![0.0_f32; 600 * 400];
+    light[150 * 600 + 350] = 1e4;
+    over(&screen, &mut light, 1, &even(0.0));
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for (k, value) in light.iter().enumerate() {
+        let (x, y) = (
+            (k % 600) as f64 + 0.5 - lamp[0],
+            (k / 600) as f64 + 0.5 - lamp[1],
+        );
+        let away = x.hypot(y);
+        if (8.0..40.0).contains(&away) {
+            let value = f64::from(*value) / (away * away);
+            (xx, xy, yy) = (xx + value * x * x, xy + value * x * y, yy + value * y * y);
+        }
+    }
+    let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
+    // A step along the circle about the pivot.
+    let at = view.unproject(lamp).unwrap();
+    let from_pivot = [at[0] - pivot_mm[0], at[1] - pivot_mm[1]];
+    let step = [at[0] - 1e-3 * from_pivot[1], at[1] + 1e-3 * from_pivot[0]];
+    let [a, b] = [at, step].map(|at| view.project(at).unwrap());
+    let groove = (b[1] - a[1]).atan2(b[0] - a[0]);
+    let off = (angle - groove - 0.5 * std::f64::consts::PI)
+        .to_degrees()
+        .rem_euclid(180.0);
+    assert!(off.min(180.0 - off) < 3.0, "{off} degrees");
+}
+
 /// A prism that turns all light by one angle moves a picture by f times that.
 struct Prism([f64; 2]);
 

@@ -61,7 +61,7 @@ pub enum Error {
     /// More rain than can be followed drop by drop.
     #[error(
         "[drops]: some {n_drops:.1e} drops would land on the pane that the frame shows, more than the {most:.0e} that are \
-         followed; lower drops.age_s, drops.rain_mm_h or glass.distance_m"
+         followed; lower drops.age_s, drops.rain_mm_h or glass.distance_m, or let drops.wiper_period_s wipe a clip's pane"
     )]
     TooManyDrops {
         /// How many.

@@ -162,7 +162,11 @@ fn what_lies_on_the_glass_ages_and_a_wiper_wipes_it() {
         ("fogged", "condensation", 60.0),
         ("frosted", "frost", 600.0),
     ] {
-        let settings = Recipe::preset(preset).unwrap().settings().unwrap();
+        let mut recipe = Recipe::preset(preset).unwrap();
+        if key == "drops" {
+            recipe.set("drops.wiper_period_s=0").unwrap();
+        }
+        let settings = recipe.settings().unwrap();
         let chain = Chain::of(&settings, (320, 200), Seed(1)).unwrap();
         assert!(chain.ages(), "{preset}");
         let [now, later] = [0.0, by_s].map(|by_s| chain.later(by_s, Some(f64::INFINITY)).unwrap());
@@ -192,4 +196,49 @@ fn what_lies_on_the_glass_ages_and_a_wiper_wipes_it() {
         at(5.9) > 0.5 * at(0.9) && at(6.05) < 0.1 * at(0.9),
         "and again"
     );
+}
+
+#[test]
+fn lamps_brighter_than_white_stay_as_they_are_where_nothing_meets_their_light() {
+    let lamps: DynamicImage = RgbImage::from_fn(320, 200, |x, y| {
+        Rgb([
+            255,
+            u8::try_from(x % 256).unwrap(),
+            u8::try_from(y).unwrap(),
+        ])
+    })
+    .into();
+    let over = |sets: &[&str]| {
+        let mut recipe = Recipe::preset("muddy").unwrap();
+        for set in sets {
+            recipe.set(set).unwrap();
+        }
+        let chain = Chain::of(&recipe.settings().unwrap(), (320, 200), Seed(3)).unwrap();
+        let mut after = lamps.clone();
+        let mut watch = Stopwatch::start();
+        let shown = chain
+            .over_and_report(&mut after, Seed(3), &[], &mut watch)
+            .unwrap();
+        (after, shown.region)
+    };
+    let (after, region) = over(&["lens.headroom=50"]);
+    let pixels = after.to_rgb8().into_raw();
+    let before = lamps.to_rgb8().into_raw();
+    let mut n_clean = 0;
+    for (k, code) in region.iter().enumerate() {
+        if *code == 0 && pixels[3 * k..][..3] == before[3 * k..][..3] {
+            n_clean += 1;
+        }
+    }
+    let n_outside = region.iter().filter(|code| **code == 0).count();
+    assert!(
+        n_clean > n_outside * 95 / 100,
+        "{n_clean} of {n_outside} stay"
+    );
+    let (after, _) = over(&[
+        "mud.coverage_percent=0",
+        "frost.age_s=0",
+        "lens.headroom=50",
+    ]);
+    assert!(after == lamps, "with nothing on the pane");
 }

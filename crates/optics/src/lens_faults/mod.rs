@@ -223,17 +223,21 @@ impl LensFaults {
         if light.is_empty() {
             return;
         }
+        // Before a blur makes lamps large and dim.
+        let has_ghosts =
+            (self.faults.iter()).any(|(_, fault)| matches!(fault, LensFault::Ghosts(_)));
+        let mut lamps = match has_ghosts {
+            true => lamps::lamps_of(light, n_colors, optic.size),
+            false => Vec::new(),
+        };
+        lamps.extend(sun);
         for (_, fault) in &self.faults {
             match fault {
                 LensFault::Distortion(it) => it.over(light, n_colors, optic),
                 LensFault::Fringes(it) => it.over(light, n_colors, optic),
                 LensFault::Defocus(it) => it.over(light, n_colors, optic),
                 LensFault::Shake(it) => it.over(light, n_colors, optic, frame),
-                LensFault::Ghosts(it) => {
-                    let mut lamps = lamps::lamps_of(light, n_colors, optic.size);
-                    lamps.extend(sun);
-                    it.over(light, n_colors, optic, &lamps);
-                }
+                LensFault::Ghosts(it) => it.over(light, n_colors, optic, &lamps),
                 LensFault::Star(it) => it.over(light, n_colors, optic),
                 LensFault::Glare(it) => it.over(light, n_colors, optic),
                 LensFault::Shading(it) => it.over(light, n_colors, optic),

@@ -83,7 +83,7 @@ impl Star {
         let n_lit = |cells: &Cells<COLORS>| {
             cells
                 .values()
-                .filter(|it| it[0] > 0.0 || it[COLORS - 1] > 0.0)
+                .filter(|it| it.iter().any(|value| *value > 0.0))
                 .count()
         };
         if n_lit(&lamps) == 0 {

@@ -32,7 +32,7 @@ const CELLS_PER_RADIUS: f64 = 1.2;
 /// Widest cell of a map, px.
 const WIDEST_PX: f64 = 4.0;
 
-/// What is turned by more than this, px, is no longer where it was.
+/// What is moved or blurred by more than this, px, is no longer where it was.
 const MOVED_PX: f32 = 0.5;
 
 /// A coat before one camera, ready for any image of its size.
@@ -50,14 +50,13 @@ pub struct Screen {
     spreads_px: [f64; 2],
     wide_rad: f64,
     covered: f64,
-    /// Directions, of length 1, of the middle of each cell, of the pane's outer normal, and up.
     sights: Sights,
 }
 
 /// Three numbers in each cell of a frame.
 type Map = Cells<3>;
 
-/// Where cells and pane look.
+/// Focal length, px, and the pane's normal on the side of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sights {
     f_px: f64,
@@ -80,7 +79,13 @@ impl Samples {
         let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| [middle(x), middle(y)]));
         let passages = places
             .map(|place| match view.unproject(place) {
-                Some(at_mm) => coating.passage(at_mm),
+                Some(at_mm) => {
+                    let mut passage = coating.passage(at_mm);
+                    if passage.streak > 0.0 {
+                        passage.across = across_in_frame(passage.across, at_mm, view);
+                    }
+                    passage
+                }
                 None => Passage::CLEAN,
             })
             .collect();
@@ -117,6 +122,17 @@ impl Samples {
     }
 }
 
+/// Direction across a groove in the frame, by that on the pane.
+fn across_in_frame([x, y]: [f64; 2], at_mm: [f64; 2], view: &View) -> [f64; 2] {
+    let Some([[a, b], [c, d]]) = view.jacobian(at_mm) else {
+        return [x, y];
+    };
+    // The groove itself is moved to the frame, and light turned across it there.
+    let (along_x, along_y) = (-a * y + b * x, -c * y + d * x);
+    let length = libm::hypot(along_x, along_y).max(f64::MIN_POSITIVE);
+    [along_y / length, -along_x / length]
+}
+
 impl Screen {
     /// Of a coat on the pane that a view sees through a lens.
     #[must_use]
@@ -135,7 +151,13 @@ impl Screen {
         let samples = Samples::of(coating, view, per_cell);
         let radii: Vec<f64> = (0_u32..)
             .take(samples.size.1)
-            .map(|y| radius((f64::from(y) + 0.5) * f64::from(per_cell)) / f64::from(per_cell))
+            .map(|y| {
+                let cells =
+                    radius((f64::from(y) + 0.5) * f64::from(per_cell)) / f64::from(per_cell);
+                // Variances per axis, cells²: the kernel 1/12, lines between cells 1/6; that of a disc is ρ²/4.
+                let known = if per_cell > 1 { 1.0 } else { 0.0 };
+                (cells * cells - known).max(0.0).sqrt().copysign(cells)
+            })
             .collect();
         let pupil = (Pupil::of(&optic.lens), radii.as_slice());
         #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]

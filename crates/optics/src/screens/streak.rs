@@ -31,12 +31,15 @@ impl Streaks {
             .map(|it| it.across.map(|along| along as f32))
             .collect();
         // The share within an angle, of k ∝ 1/(θ₀² + θ²).
-        let most = libm::atan(Scratches::MOST_ACROSS_RAD / Scratches::ACROSS_RAD);
+        let whole = libm::atan(Scratches::MOST_ACROSS_RAD / Scratches::ACROSS_RAD);
         let within = |cells: f64| {
             let rad = libm::atan(cells * f64::from(CELL_PX) / f_px);
-            (libm::atan(rad / Scratches::ACROSS_RAD) / most).min(1.0)
+            (libm::atan(rad / Scratches::ACROSS_RAD) / whole).min(1.0)
         };
-        let reach = libm::tan(Scratches::MOST_ACROSS_RAD) * f_px / f64::from(CELL_PX);
+        // Beyond two frames it is all one.
+        let most = 2.0 * to_f64(samples.size.0.max(samples.size.1)) * f64::from(samples.per_cell);
+        let reach_px = (libm::tan(Scratches::MOST_ACROSS_RAD) * f_px).min(most);
+        let reach = reach_px / f64::from(CELL_PX);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -61,6 +64,12 @@ impl Streaks {
             shares.push((middle, share));
             last = next;
             k += wide;
+        }
+        // The rest.
+        if let Some((_, share)) = shares.last_mut() {
+            #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
+            let rest = (0.5 * (1.0 - last)) as f32;
+            *share += rest;
         }
         Some(Self {
             across,
@@ -111,6 +120,11 @@ impl Streaks {
         let at = middle(y).min(last) * self.columns + middle(x).min(self.columns - 1);
         self.across[at]
     }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
+fn to_f64(k: usize) -> f64 {
+    k as f64
 }
 
 #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]

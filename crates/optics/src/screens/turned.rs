@@ -40,12 +40,11 @@ impl Turned {
         })
     }
 
-    /// How far a cell is moved, px.
+    /// How far a cell is moved and blurred, px: the root of the mean square.
     pub(super) fn moves_by(&self, cell: usize) -> f32 {
-        self.moved
-            .values()
-            .nth(cell)
-            .map_or(0.0, |[x, y, _]| (x * x + y * y).sqrt())
+        self.moved.values().nth(cell).map_or(0.0, |[x, y, sigma]| {
+            (x * x + y * y + 2.0 * sigma * sigma).sqrt()
+        })
     }
 
     /// Moves and blurs the light of a frame, in place.

@@ -318,13 +318,14 @@ impl Clip {
         let seed = context.seed.of_item(&name, 0);
         let chain = patterns.for_clip(&context.settings, size, seed)?;
         let frame_s = 1.0 / source.rate().value();
-        let bare = chain.before_impact()?;
-        let bare = chain.layer_under(&bare, None)?;
+        let bare_layer = chain.before_impact()?;
+        let bare = chain.layer_under(&bare_layer, None)?;
         let (impact_at_s, growth) = (request.impact_at_s, request.growth);
         let show = Show {
             timeline: Timeline::new(&chain, impact_at_s, growth, frame_s)?,
             chain: &chain,
             bare: &bare,
+            bare_layer: &bare_layer,
             settings: &context.settings,
             target: self.target,
             seed: context.seed,

@@ -28,8 +28,9 @@ const LOOK_AROUND: Duration = Duration::from_millis(100);
 pub(super) struct Show<'a> {
     /// The damage in full.
     pub(super) chain: &'a Chain,
-    /// The pane before the impact.
+    /// The pane before the impact, in the dark, and without a light.
     pub(super) bare: &'a Lit<'a>,
+    pub(super) bare_layer: &'a PaneLayer,
     /// Of the run, which says how frames are written.
     pub(super) settings: &'a Settings,
     pub(super) timeline: Timeline,
@@ -215,7 +216,10 @@ impl<'a> Show<'a> {
         for (frame, own) in batch.iter_mut().zip(own_light) {
             plans.push(self.plan(kept, frame, own)?);
         }
-        if kept.still.is_none() && plans.iter().any(|plan| plan.state == GlassState::Still) {
+        if kept.still.is_none()
+            && !self.chain.ages()
+            && plans.iter().any(|plan| plan.state == GlassState::Still)
+        {
             let lit = self.still_under(kept, kept.onset_light)?;
             kept.still = Some(self.facts(self.chain.layer(), &lit, f64::INFINITY)?);
         }
@@ -261,7 +265,7 @@ impl<'a> Show<'a> {
         if state != GlassState::Intact && kept.onset_light.is_none() {
             kept.onset_light = light;
         }
-        let is_still = state == GlassState::Still;
+        let is_still = state == GlassState::Still && !self.chain.ages();
         let lit = is_still.then(|| self.still_under(kept, light));
         let plan = Plan {
             at,
@@ -348,35 +352,38 @@ impl<'a> Show<'a> {
 
     fn one(&self, kept: &Kept<'a>, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {
         let at = plan.at;
-        let mut is_untouched = false;
         if self.chain.ages() {
             return self.one_of_its_age(kept, frame, plan);
         }
-        let facts = match (plan.state, &plan.lit, &kept.still) {
+        match (plan.state, &plan.lit, &kept.still) {
             (GlassState::Still, Some(lit), Some(facts)) => {
                 lit.over(&mut frame.pixels, at)?;
-                Arc::clone(facts)
+                self.shown(frame, plan, (Arc::clone(facts), lit), (false, None))
             }
             (GlassState::Growing, ..) => {
                 let grown = self.chain.grown_at(plan.grown)?;
                 let lit = self.chain.layer_under(&grown, plan.light.as_ref())?;
                 lit.over(&mut frame.pixels, at)?;
-                if plan.light == kept.onset_light {
+                let facts = if plan.light == kept.onset_light {
                     self.facts(&grown, &lit, plan.grown)?
                 } else {
                     let lit = self.chain.layer_under(&grown, kept.onset_light.as_ref())?;
                     self.facts(&grown, &lit, plan.grown)?
-                }
+                };
+                self.shown(frame, plan, (facts, &lit), (false, None))
             }
             _ => {
-                is_untouched = self.bare.changes_nothing(at.time_s) && at.frame_idx == frame.idx;
+                let is_untouched =
+                    self.bare.changes_nothing(at.time_s) && at.frame_idx == frame.idx;
+                // Coats and ghosts shine with the light around the camera.
+                let bare = (self.chain).layer_under(self.bare_layer, plan.light.as_ref())?;
                 if !is_untouched {
-                    self.bare.over(&mut frame.pixels, at)?;
+                    bare.over(&mut frame.pixels, at)?;
                 }
-                Arc::clone(&kept.intact)
+                let facts = Arc::clone(&kept.intact);
+                self.shown(frame, plan, (facts, &bare), (is_untouched, None))
             }
-        };
-        self.shown(frame, plan, (facts, self.bare), (is_untouched, None))
+        }
     }
 
     /// The same where what lies on the glass changes from frame to frame.

@@ -127,7 +127,7 @@ impl StageFacts {
             true => region.as_flat_samples_mut().as_mut_slice().fill(255),
             false => lit.add_faults(&mut region, color, at),
         }
-        if self.wanted.classes {
+        if self.wanted.classes && !is_blank {
             lit.classify(&mut region);
         }
         let masks = match &self.masks {

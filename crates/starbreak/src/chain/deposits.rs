@@ -34,7 +34,7 @@ impl Chain {
     /// # Errors
     /// [`Error::Optics`] for a camera that sees nothing.
     pub fn coated(mut self, seed: Seed) -> Result<Self, Error> {
-        self.screens = screens_of(&self.settings, self.size(), seed, 0.0)?;
+        self.screens = screens_of(&self.settings, self.size(), seed, 0.0, |_| true)?;
         self.coat_seed = Some(seed);
         let facts = coat_facts(&self.settings, &self.screens);
         self.facts.extend(facts);
@@ -55,30 +55,37 @@ impl Chain {
     /// As for [`Chain::of`].
     pub fn later(&self, after_s: f64, growth: Option<f64>) -> Result<Self, Error> {
         let (settings, size) = (&self.settings, self.size());
-        let (layer, on_pane) = match &self.origin {
-            Origin::Network(cracks) => {
-                let on_pane = deposit_of(settings, size, cracks.seed, after_s)?;
-                let on = on_pane.as_ref();
-                let layer = match growth {
-                    Some(time) => {
-                        let network = (&cracks.network, time);
-                        PaneLayer::of_network_under(settings, network, size, on, cracks.seed)?
-                    }
-                    None => PaneLayer::whole(settings, size, on)?,
-                };
-                (layer, on_pane.map(Arc::new))
+        let rains = settings.drops.is_some() && self.on_pane.is_some();
+        let seed = match &self.origin {
+            Origin::Network(cracks) => cracks.seed,
+            Origin::Photo(_) | Origin::Stored => self.coat_seed.unwrap_or(Seed(0)),
+        };
+        let on_pane = if rains {
+            deposit_of(settings, size, seed, after_s)?.map(Arc::new)
+        } else {
+            self.on_pane.clone()
+        };
+        let on = on_pane.as_deref();
+        let layer = match (&self.origin, growth) {
+            (_, None) => PaneLayer::whole(settings, size, on)?,
+            (Origin::Network(cracks), Some(time)) if rains || time.is_finite() => {
+                let network = (&cracks.network, time);
+                PaneLayer::of_network_under(settings, network, size, on, cracks.seed)?
             }
-            // Glass that is whole.
-            Origin::Stored if self.on_pane.is_some() => {
-                let on_pane =
-                    deposit_of(settings, size, self.coat_seed.unwrap_or(Seed(0)), after_s)?;
-                let layer = PaneLayer::whole(settings, size, on_pane.as_ref())?;
-                (layer, on_pane.map(Arc::new))
-            }
-            Origin::Photo(_) | Origin::Stored => (self.layer.clone(), self.on_pane.clone()),
+            (Origin::Stored, Some(_)) if rains => PaneLayer::whole(settings, size, on)?,
+            // Nothing of it changes.
+            _ => self.layer.clone(),
         };
         let screens = match self.coat_seed {
-            Some(seed) => screens_of(settings, size, seed, after_s)?,
+            Some(seed) => {
+                let mut grown = screens_of(settings, size, seed, after_s, Coat::grows)?.into_iter();
+                let coats = settings.coats.iter().zip(&self.screens);
+                let each = coats.map(|(coat, screen)| match coat.grows() {
+                    true => grown.next().unwrap_or_else(|| screen.clone()),
+                    false => screen.clone(),
+                });
+                each.collect()
+            }
             None => Vec::new(),
         };
         let facts = drops_fact(settings, on_pane.as_deref())

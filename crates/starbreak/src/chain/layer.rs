@@ -1,7 +1,7 @@
 //! What the optics made of the glass, before any light.
 
 use image::GrayImage;
-use starbreak_deposit::{Area, Deposit};
+use starbreak_deposit::{Area, Coat, Deposit};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::paper::draw;
 use starbreak_optics::photo::{PhotoPattern, bake as bake_photo, draw as draw_photo};
@@ -76,8 +76,8 @@ pub(super) fn deposit_of(
     }))
 }
 
-/// Coats on the pane of some settings before frames of a size, so many seconds after the beginning; the seed places
-/// them.
+/// Those coats on the pane of some settings before frames of a size that are asked for, so many seconds after the
+/// beginning; the seed places them.
 ///
 /// # Errors
 /// [`Error::Optics`] for a camera that sees nothing.
@@ -86,8 +86,9 @@ pub(super) fn screens_of(
     size_px: (u32, u32),
     seed: Seed,
     after_s: f64,
+    is_asked: impl Fn(&Coat) -> bool,
 ) -> Result<Vec<Screen>, Error> {
-    if settings.coats.is_empty() {
+    if !settings.coats.iter().any(&is_asked) {
         return Ok(Vec::new());
     }
     let scene = Scene::of(settings, size_px);
@@ -97,9 +98,16 @@ pub(super) fn screens_of(
     };
     let area = scene.wet_area(&view);
     let finest_mm = scene.finest_mm(&view);
-    Ok((settings.coats.iter())
+    let [width, height] = [size_px.0, size_px.1].map(f64::from);
+    // Where the wiper turns is told from where the optical axis meets the pane.
+    let axis_mm = view
+        .unproject([0.5 * width, 0.5 * height])
+        .unwrap_or_default();
+    let coats = settings.coats.iter().filter(|coat| is_asked(coat));
+    Ok(coats
         .map(|coat| {
-            let coating = coat.later(after_s).on_pane(&area, finest_mm, seed);
+            let coat = coat.later(after_s).seen_from(axis_mm);
+            let coating = coat.on_pane(&area, finest_mm, seed);
             Screen::of(&*coating, &view, &optic)
         })
         .collect())

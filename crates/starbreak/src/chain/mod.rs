@@ -19,7 +19,7 @@ use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::Environment;
 use starbreak_optics::screens::Screen;
 use starbreak_seed::Seed;
-use starbreak_sensor::{Frames, Moment};
+use starbreak_sensor::{FrameState, Frames, Moment};
 
 use crate::photo::PlacedPhoto;
 use crate::{
@@ -455,13 +455,15 @@ impl Chain {
         }
         let maps = (self.settings.output.maps).then(|| lit.maps()).flatten();
         let mut region = regions.into_all();
-        if self.settings.output.classes {
-            lit.classify(&mut region);
-        }
         let faults = self.settings.faults.as_ref();
         let frames = faults.and_then(|faults| faults.sensor.get::<Frames>());
+        let arrival = frames.map(|frames| frames.of_picture(seed));
+        // A frame that is blank is opaque.
+        if self.settings.output.classes && !arrival.is_some_and(FrameState::is_blank) {
+            lit.classify(&mut region);
+        }
         Ok(Shown {
-            arrival: frames.map(|frames| frames.of_picture(seed)),
+            arrival,
             region_fraction: region_fraction(&region),
             optics: OpticsReport {
                 contrast,

@@ -16,7 +16,7 @@ use crate::CameraFaults;
 /// What the glass did to an image.
 #[derive(Debug, Clone)]
 pub struct Shown {
-    /// 255 where the glass affects the image, else 0.
+    /// 255 where the glass affects the image, else 0; with [`CLASSES`](crate::CLASSES) where these are asked for.
     pub region: GrayImage,
     /// Share of the frame in the region.
     pub region_fraction: f64,

@@ -188,9 +188,11 @@ where
     let sensor = &faults.sensor;
     // A frame that does not arrive is not looked at.
     if !sensor.frame_state(at).is_blank() {
-        if !behind.screens.is_empty() || !faults.lens.faults().is_empty() {
+        let is_coated = !behind.screens.iter().all(Screen::is_nothing);
+        if is_coated || !faults.lens.faults().is_empty() {
             let before = |light: &mut Vec<f32>, n_colors| {
                 faults.lens.unclip(light, n_colors);
+                let unclipped = (faults.lens.headroom() > 1.0).then(|| light.clone());
                 let (light_around, params) = &behind.around;
                 for screen in behind.screens {
                     screen.over(light, n_colors, (light_around, params));
@@ -199,6 +201,7 @@ where
                     let sun = behind.sun(optic);
                     faults.lens.over(light, n_colors, (optic, sun), at.frame);
                 }
+                unclipped
             };
             change_all(sensor, samples, (size, n_channels), at, before);
         } else if sensor.changes_light() {
@@ -245,29 +248,44 @@ fn change_light<S: Sample>(
         }
         return;
     }
-    change_all(sensor, samples, (size, n_channels), at, |_, _| {});
+    change_all(sensor, samples, (size, n_channels), at, |_, _| None);
 }
 
-/// What comes before the sensor, and the sensor, make of the light of a whole frame; samples whose light stays keep their codes.
+/// What comes before the sensor, and the sensor, make of the light of a whole frame; samples whose light stays keep their
+/// codes. What comes before gives the light that clipped samples are taken to have had, where that is another.
 fn change_all<S: Sample>(
     sensor: &Sensor,
     samples: &mut [S],
     (size, n_channels): ((usize, usize), usize),
     at: Moment,
-    before: impl Fn(&mut Vec<f32>, usize),
+    before: impl Fn(&mut Vec<f32>, usize) -> Option<Vec<f32>>,
 ) {
     let n_colors = if n_channels < 3 { 1 } else { 3 };
     let mut values = Vec::with_capacity(size.0 * size.1 * n_colors);
     for pixel in samples.chunks_exact(n_channels) {
         values.extend(pixel[..n_colors].iter().map(|code| code.light()));
     }
-    before(&mut values, n_colors);
+    let unclipped = before(&mut values, n_colors);
     let Ok(mut light) = Light::new(size, n_colors, values) else {
         return;
     };
     sensor.over(&mut light, at);
     let pixels = samples.chunks_exact_mut(n_channels);
-    for (pixel, after) in pixels.zip(light.values().chunks_exact(n_colors)) {
+    for (k, (pixel, after)) in pixels
+        .zip(light.values().chunks_exact(n_colors))
+        .enumerate()
+    {
+        // What was only taken to be brighter than white, and nothing met, is as it was.
+        let stays = unclipped.as_ref().is_some_and(|unclipped| {
+            let before = &unclipped[k * n_colors..][..n_colors];
+            before
+                .iter()
+                .zip(after)
+                .all(|(a, b)| a.to_bits() == b.to_bits())
+        });
+        if stays {
+            continue;
+        }
         for (code, after) in pixel.iter_mut().zip(after) {
             *code = code.with_light(*after);
         }

@@ -20,6 +20,9 @@ const MAP_BYTES: f64 = 80.0;
 /// Bytes of a pixel in a camera with faults: its light before and after, what the mosaic adds, and the image as it was.
 const FAULT_BYTES: f64 = 64.0;
 
+/// A coat: what it does in each cell, its maps, and copies of the frame.
+const COAT_BYTES: f64 = 280.0;
+
 /// Bytes of the most facets that drops have.
 const DROPS_BYTES: f64 = 2e8;
 
@@ -54,6 +57,7 @@ impl Settings {
         let area_px = area_px(view.size());
         let mut parts: Vec<Part> = vec![(FRAME_BYTES * area_px, SMALLER_IMAGE)];
         parts.extend(self.of_faults(area_px));
+        parts.extend(self.of_coats(area_px));
         parts.extend(self.of_drops(area_px));
         match &self.optics {
             OpticsSettings::Paper(optics) => {
@@ -82,6 +86,7 @@ impl Settings {
         let OpticsSettings::Physical(optics) = &self.optics else {
             let mut parts = vec![frame, (DRAWN_BYTES * area_px, SMALLER_IMAGE)];
             parts.extend(self.of_faults(area_px));
+            parts.extend(self.of_coats(area_px));
             return Cost::of("showing the photograph of glass", &parts);
         };
         let distance_m = self.fracture.mount().map_or(1.0, |mount| mount.distance_m);
@@ -97,6 +102,7 @@ impl Settings {
         let mut parts = vec![frame, (PHOTO_BYTES * spread_px, SMALLER_DISC)];
         parts.extend(self.of_whole(optics, area_px, f_px));
         parts.extend(self.of_faults(area_px));
+        parts.extend(self.of_coats(area_px));
         Cost::of("showing the photograph of glass", &parts)
     }
 
@@ -104,6 +110,13 @@ impl Settings {
     fn of_faults(&self, area_px: f64) -> Option<Part> {
         let part = (FAULT_BYTES * area_px, SMALLER_IMAGE);
         self.faults.is_some().then_some(part)
+    }
+
+    /// What coats on the pane take.
+    fn of_coats(&self, area_px: f64) -> Option<Part> {
+        let n = u32::try_from(self.coats.len()).unwrap_or(u32::MAX);
+        let part = (COAT_BYTES * f64::from(n) * area_px, SMALLER_IMAGE);
+        (n > 0).then_some(part)
     }
 
     /// What drops on the pane take.

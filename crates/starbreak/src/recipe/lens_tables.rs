@@ -143,7 +143,8 @@ pub(super) struct GhostsTable {
     #[schemars(range(min = 0.0, max = 8.0))]
     pub(super) reflectance_percent: f64,
     /// The faces of the lens from the front on, 2 to 40: each [radius, way to the next face, refractive index behind it],
-    /// in any unit of length. A radius is above 0 where its center is behind the face; one is 0, which is the stop.
+    /// in any unit of length. A radius is above 0 where its center is behind the face, and 1000000 where it is flat; one is
+    /// 0, which is the stop.
     pub(super) faces: Vec<[f64; 3]>,
     /// Time of a clip at which it begins, s, 0 to 1000000; pictures by themselves have it.
     #[schemars(range(min = 0.0, max = 1e6))]

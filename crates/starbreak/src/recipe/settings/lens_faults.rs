@@ -135,6 +135,13 @@ fn check_faces(place: &Place, faces: &[[f64; 3]]) -> Result<(), RecipeError> {
             return refused(format!("{face:?}"), expected);
         }
     }
+    for (k, face) in faces.iter().enumerate() {
+        let before = if k == 0 { 1.0 } else { faces[k - 1][2] };
+        if face[0].abs() <= 0.0 && (face[2] - before).abs() > 0.0 {
+            let found = format!("a stop of index {} behind {before}", face[2]);
+            return refused(found, "a stop in one medium");
+        }
+    }
     let n_stops = faces.iter().filter(|face| face[0].abs() <= 0.0).count();
     if n_stops != 1 {
         return refused(
