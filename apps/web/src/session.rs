@@ -308,7 +308,7 @@ fn catalog() -> Result<Answer, Trouble> {
     let named = |(name, about): (&str, &str)| json!({ "name": name, "about": about });
     let cameras = cameras()?;
     let cameras = cameras.iter().map(|(name, about)| named((name, about)));
-    let mut faults = serde_json::Map::new();
+    let mut faults = Map::new();
     for fault in FAULTS {
         if let Some((preset, _)) = fault.presets.first() {
             let tables = Recipe::preset(preset)?.to_json();
