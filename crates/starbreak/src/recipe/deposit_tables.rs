@@ -39,7 +39,7 @@ pub(super) struct ScratchesTable {
     /// How much of it is of scratches along the wiper's way, percent, 0 (sand alone) to 100: they draw streaks through lamps.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub(super) wiper_percent: f64,
-    /// Where the wiper turns, mm on the glass right and down of where the optical axis meets it.
+    /// Where the wiper turns, mm on the glass right and down of where the optical axis meets it, -2000 to 2000 each.
     #[schemars(extend("minimum" = -2000.0, "maximum" = 2000.0))]
     pub(super) pivot_mm: [f64; 2],
 }
