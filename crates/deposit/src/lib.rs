@@ -21,6 +21,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod cap;
+mod coat;
 mod coating;
 mod condensation;
 mod dust;
@@ -34,7 +35,8 @@ mod raster;
 mod scratches;
 
 pub use cap::Cap;
-pub use coating::{Coat, Coating, Passage};
+pub use coat::Coat;
+pub use coating::{Coating, Passage};
 pub use condensation::{Condensation, Dew, Fog};
 pub use dust::Dust;
 pub use field::Field;

@@ -481,7 +481,9 @@ proptest! {
             (false, true) => 1.0 / (N * N),
             _ => 1.0,
         };
-        prop_assert!((there * scale - back).abs() <= 1e-9 * (there * scale + back), "{there} {back}");
+        // Near total reflection what passes is the root of a difference: of 1e-10 half the digits are not known.
+        let least = 1e-9 * (there * scale + back) + 1e-9;
+        prop_assert!((there * scale - back).abs() <= least, "{there} {back}");
     }
 }
 
