@@ -111,7 +111,8 @@ def main():
         by_name[detector, condition["family"], condition["severity"]] = condition
     tests = []
     for detector, families in curves.items():
-        print(f"{detector}: AP50 of clean images {100 * clean[detector]:.1f} %; points of it at severity 1 to 5 [95 %]")
+        severities = ", ".join(str(point[0]) for point in next(iter(families.values())))
+        print(f"{detector}: AP50 of clean images {100 * clean[detector]:.1f} %; points of it at severity {severities} [95 %]")
         for family, points in families.items():
             cells = "  ".join(f"{100 * d:6.1f} [{100 * low:5.1f}, {100 * high:5.1f}]" for _, d, low, high in points)
             print(f"  {family:17} {cells}")
