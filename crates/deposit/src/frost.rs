@@ -11,8 +11,7 @@ use crate::{Area, Coating, Passage};
 ///
 /// From each nucleus stems grow at the speed of the front, in directions 60° apart; they branch on both sides, at 60°
 /// again, and branches branch, each kind slower than the one before. A tip that meets ice stops. Between branches ice
-/// closes in slowly. It thickens with the root of the time since it came, as heat has to
-/// be led away through it.
+/// closes in slowly. It thickens with the root of the time since it came, as heat has to be led away through it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frost {
     /// How long it has grown, s.

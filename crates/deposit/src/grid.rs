@@ -15,14 +15,7 @@ pub(crate) struct Grid {
 
 impl Grid {
     pub(crate) fn over(area: &Area) -> Self {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "cells of a pane"
-        )]
-        let size = area
-            .sides_mm()
-            .map(|side| ((side / CELL_MM).ceil() as usize).max(1));
+        let size = area.cells(CELL_MM);
         Self {
             from_mm: area.from_mm,
             size,

@@ -62,6 +62,17 @@ impl Area {
         [0, 1].map(|k| (self.to_mm[k] - self.from_mm[k]).max(0.0))
     }
 
+    /// Cells of a width, mm, along each side: one at least.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "cells of a pane"
+    )]
+    pub(crate) fn cells(&self, cell_mm: f64) -> [usize; 2] {
+        self.sides_mm()
+            .map(|side| ((side / cell_mm).ceil() as usize).max(1))
+    }
+
     /// Its area, m².
     #[must_use]
     pub fn area_m2(&self) -> f64 {

@@ -19,14 +19,7 @@ impl Raster {
     pub(crate) fn over(area: &Area, cell_mm: f64, value: f32) -> Self {
         let least_mm = (area.area_m2() * 1e6 / MOST_CELLS).sqrt();
         let cell_mm = cell_mm.max(least_mm).max(1e-3);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "cells of a pane"
-        )]
-        let size = area
-            .sides_mm()
-            .map(|side| ((side / cell_mm).ceil() as usize).max(1));
+        let size = area.cells(cell_mm);
         Self {
             from_mm: area.from_mm,
             cell_mm,

@@ -164,6 +164,18 @@ impl<const COLORS: usize> Cells<COLORS> {
         }
     }
 
+    /// Adds the light of cells to that of the pixels of a frame of a width, px.
+    pub(crate) fn add_to(&self, light: &mut [f32], width: usize) {
+        for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
+            let row = row.as_chunks_mut::<COLORS>().0;
+            self.each_between(y, width, |x, more| {
+                for (value, more) in row[x].iter_mut().zip(more) {
+                    *value += more;
+                }
+            });
+        }
+    }
+
     /// Calls with the light at each pixel of a row, on straight lines between the middles of cells.
     pub(crate) fn each_between(
         &self,

@@ -59,6 +59,18 @@ impl Default for EnvironmentParams {
 }
 
 impl EnvironmentParams {
+    /// The horizon before a camera of a focal length, px, in a frame of a height, px.
+    #[must_use]
+    pub fn horizon(&self, height: u32, f_px: f64) -> Horizon {
+        Horizon::at_row(self.horizon_row, height, f_px)
+    }
+
+    /// Direction, of length 1, towards the sun over a horizon.
+    #[must_use]
+    pub fn sun(&self, horizon: &Horizon) -> [f64; 3] {
+        horizon.sun(self.sun_azimuth_rad, self.sun_elevation_rad)
+    }
+
     /// Every parameter is in its range: angles, and linear light from 0 to a million.
     ///
     /// # Errors
@@ -149,6 +161,15 @@ impl Environment {
 /// Luminance of linear light by the primaries of sRGB \[IEC1999\].
 pub(crate) fn luminance([red, green, blue]: Rgb) -> f32 {
     0.2126 * red + 0.7152 * green + 0.0722 * blue
+}
+
+/// Red, green and blue as the colors of an image, 1 or 3: gray is its luminance.
+pub(crate) fn of_colors<const COLORS: usize>(rgb: Rgb) -> [f32; COLORS] {
+    if COLORS == 1 {
+        [luminance(rgb); COLORS]
+    } else {
+        std::array::from_fn(|k| rgb[k])
+    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::Optic;
 use super::lamps::Lamp;
-use crate::environment::Rgb;
+use crate::environment::{Rgb, of_colors};
 use crate::maps::Pupil;
 use crate::pyramid::Cells;
 
@@ -271,23 +271,8 @@ impl Ghosts {
         }
         if large.iter().any(|it| *it > 0.0) {
             let large = Cells::<COLORS>::of_cells(&large, cells, CELL_PX);
-            for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
-                large.each_between(y, width, |x, more| {
-                    for (value, more) in row[x * COLORS..][..COLORS].iter_mut().zip(more) {
-                        *value += more;
-                    }
-                });
-            }
+            large.add_to(light, width);
         }
-    }
-}
-
-/// Light of an image's colors: gray is luminance.
-fn of_colors<const COLORS: usize>(rgb: Rgb) -> [f32; COLORS] {
-    if COLORS == 1 {
-        [crate::environment::luminance(rgb); COLORS]
-    } else {
-        std::array::from_fn(|k| rgb[k])
     }
 }
 

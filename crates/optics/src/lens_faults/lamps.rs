@@ -14,7 +14,7 @@ const MOST: usize = 64;
 pub struct Lamp {
     /// Where its image is, px; it may lie beyond the frame.
     pub at_px: [f64; 2],
-    /// Sum over the pixels of its image of red, green and blue, which the frame does not show as white.
+    /// Red, green and blue of all pixels of its image together.
     pub light: Rgb,
     /// Radius of a disc of its image's area, px.
     pub radius_px: f64,

@@ -135,13 +135,7 @@ impl Star {
         }
         let star = Cells::<COLORS>::of_cells(star.as_flattened(), lamps.size, lamps.per_cell);
         // A cell holds the mean of its pixels, so that light stays what it is.
-        for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
-            star.each_between(y, width, |x, more| {
-                for (value, more) in row[x * COLORS..][..COLORS].iter_mut().zip(more) {
-                    *value += more;
-                }
-            });
-        }
+        star.add_to(light, width);
     }
 }
 

@@ -7,7 +7,7 @@ use super::picture::Photo;
 use super::placement::Placement;
 use super::raster::{Glass, Raster};
 use crate::coverage::LEAST;
-use crate::environment::{Environment, HemisphereWeights, Horizon, luminance};
+use crate::environment::{Environment, HemisphereWeights, luminance};
 use crate::maps::Pupil;
 use crate::physical::{Beyond, Overlay, PhysicalOptics, defocus_rows};
 use crate::srgb::encode16;
@@ -118,7 +118,7 @@ pub fn bake(
     placement.check()?;
     let (width, height) = view.size();
     let sheet = SheetView::new(view, &optics.lens, &optics.glass)?;
-    let horizon = Horizon::at_row(optics.environment.horizon_row, height, sheet.f_px());
+    let horizon = optics.environment.horizon(height, sheet.f_px());
     let outward = sheet.camera_from_sheet([0.0, 0.0, 1.0]);
     let size = (width as usize, height as usize);
     let in_frame = (0..height).filter_map(|y| radius_px(&sheet, f64::from(y)));

@@ -9,7 +9,7 @@ use starbreak_seed::Seed;
 
 use super::layer::PatternLayer;
 use super::{Overlay, PhysicalOptics};
-use crate::environment::{Environment, HemisphereWeights, Horizon};
+use crate::environment::{Environment, HemisphereWeights};
 use crate::interface::gap::GapTable;
 use crate::maps::{CHUNK, Facet, LaneRuns, Pupil, cover, spread};
 use crate::surface::{
@@ -93,8 +93,8 @@ fn light_from<'a>(
 ) -> LightFrom<'a> {
     let (_, height) = sheet.view().size();
     let environment = &optics.environment;
-    let horizon = Horizon::at_row(environment.horizon_row, height, sheet.f_px());
-    let sun = horizon.sun(environment.sun_azimuth_rad, environment.sun_elevation_rad);
+    let horizon = environment.horizon(height, sheet.f_px());
+    let sun = environment.sun(&horizon);
     let outward = sheet.camera_from_sheet([0.0, 0.0, 1.0]);
     LightFrom {
         sheet,

@@ -15,7 +15,7 @@ use starbreak_deposit::{Coating, Passage};
 
 use crate::View;
 use crate::environment::{
-    Environment, EnvironmentParams, HemisphereWeights, Horizon, Rgb, luminance,
+    Environment, EnvironmentParams, HemisphereWeights, Rgb, luminance, of_colors,
 };
 use crate::lens_faults::Optic;
 use crate::maps::Pupil;
@@ -50,6 +50,9 @@ pub struct Screen {
     spreads_px: [f64; 2],
     wide_rad: f64,
     covered: f64,
+    /// Whether any light is turned by the smaller and by the larger angle, and whether any changes at all.
+    has_halos: [bool; 2],
+    is_nothing: bool,
     sights: Sights,
 }
 
@@ -165,13 +168,19 @@ impl Screen {
         let covered = samples.passages.iter().map(|it| it.covered).sum::<f64>() / n;
         let [narrow_rad, wide_rad] = coating.turns_by_rad();
         let (width, height) = view.size();
+        let direct = samples.map(pupil, |it| it.direct);
+        let turned = samples.map(pupil, |it| [it.narrow, it.wide, it.streak]);
+        let moved = Turned::of(&samples, pupil, optic.f_px);
+        let is_whole = |it: &Rgb| it.iter().all(|share| *share >= 1.0);
         Self {
             size: (width as usize, height as usize),
-            direct: samples.map(pupil, |it| it.direct),
-            turned: samples.map(pupil, |it| [it.narrow, it.wide, it.streak]),
+            has_halos: [0, 1].map(|k| turned.values().any(|it| it[k] > 0.0)),
+            is_nothing: direct.values().all(is_whole) && moved.is_none(),
+            direct,
+            turned,
+            moved,
             diffuse: samples.map_of_any(pupil, |it| it.diffuse),
             back: samples.map_of_any(pupil, |it| it.back),
-            moved: Turned::of(&samples, pupil, optic.f_px),
             streaks: Streaks::of(&samples, optic.f_px),
             spreads_px: [narrow_rad, wide_rad].map(|rad| rad * optic.f_px),
             wide_rad,
@@ -186,11 +195,7 @@ impl Screen {
     /// Whether no light changes.
     #[must_use]
     pub fn is_nothing(&self) -> bool {
-        let is_whole = self
-            .direct
-            .values()
-            .all(|it| it.iter().all(|share| *share >= 1.0));
-        is_whole && self.moved.is_none()
+        self.is_nothing
     }
 
     /// Mean share of the frame that is covered.
@@ -255,15 +260,14 @@ impl Screen {
 
     /// The light that the coat itself sends to the camera, under the light around it.
     fn shines(&self, light: &Environment, params: &EnvironmentParams) -> Option<Map> {
-        let has_lobe =
-            light.sun_rgb.iter().any(|it| *it > 0.0) && self.turned.values().any(|it| it[1] > 0.0);
+        let has_lobe = light.sun_rgb.iter().any(|it| *it > 0.0) && self.has_halos[1];
         if self.diffuse.is_none() && self.back.is_none() && !has_lobe {
             return None;
         }
         let Sights { f_px, normal } = self.sights;
         let height = u32::try_from(self.size.1).unwrap_or(u32::MAX);
-        let horizon = Horizon::at_row(params.horizon_row, height, f_px);
-        let sun = horizon.sun(params.sun_azimuth_rad, params.sun_elevation_rad);
+        let horizon = params.horizon(height, f_px);
+        let sun = params.sun(&horizon);
         let cos_to_up = dot(normal, horizon.up);
         let sky = HemisphereWeights::facing(cos_to_up).mean_radiance(light);
         #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
@@ -335,8 +339,7 @@ impl Screen {
     ) {
         let (width, height) = self.size;
         let pixels = Cells::<COLORS>::of(light, self.size);
-        let has = |k: usize| self.turned.values().any(|it| it[k] > 0.0);
-        let halos = [0, 1].map(|k| has(k).then(|| pixels.spread(self.spreads_px[k])));
+        let halos = [0, 1].map(|k| self.has_halos[k].then(|| pixels.spread(self.spreads_px[k])));
         let streaks = self.streaks.as_ref().map(|it| it.over(&pixels));
         let shine = self.shines(around.0, around.1);
         if let Some(moved) = &self.moved {
@@ -378,15 +381,6 @@ impl Screen {
                 });
             }
         }
-    }
-}
-
-/// Red, green and blue as the colors of an image: gray is its luminance.
-fn of_colors<const COLORS: usize>(rgb: Rgb) -> [f32; COLORS] {
-    if COLORS == 1 {
-        [luminance(rgb); COLORS]
-    } else {
-        std::array::from_fn(|k| rgb[k])
     }
 }
 

@@ -86,8 +86,7 @@ impl Streaks {
             small = small.halved();
         }
         let (columns, rows) = small.size;
-        let light: Vec<[f32; COLORS]> = small.values().copied().collect();
-        let mut out = Vec::with_capacity(light.len() * COLORS);
+        let mut out = Vec::with_capacity(columns * rows * COLORS);
         for y in 0..rows {
             for x in 0..columns {
                 let [dx, dy] = self.direction([x, y], small.per_cell);
@@ -97,7 +96,7 @@ impl Streaks {
                         mirrored(to_f32(x) + k * dx, columns),
                         mirrored(to_f32(y) + k * dy, rows),
                     ];
-                    for (sum, value) in sum.iter_mut().zip(light[at[1] * columns + at[0]]) {
+                    for (sum, value) in sum.iter_mut().zip(small.cell(at[1] * columns + at[0])) {
                         *sum += share * value;
                     }
                 };

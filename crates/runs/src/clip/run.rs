@@ -28,9 +28,10 @@ const LOOK_AROUND: Duration = Duration::from_millis(100);
 pub(super) struct Show<'a> {
     /// The damage in full.
     pub(super) chain: &'a Chain,
-    /// The pane before the impact, in the dark, and without a light.
-    pub(super) bare: &'a Lit<'a>,
+    /// The pane before the impact.
     pub(super) bare_layer: &'a PaneLayer,
+    /// The same in the dark, for what no light changes: regions, and whether a frame stays as it is.
+    pub(super) bare: &'a Lit<'a>,
     /// Of the run, which says how frames are written.
     pub(super) settings: &'a Settings,
     pub(super) timeline: Timeline,
@@ -375,13 +376,14 @@ impl<'a> Show<'a> {
             _ => {
                 let is_untouched =
                     self.bare.changes_nothing(at.time_s) && at.frame_idx == frame.idx;
+                let facts = Arc::clone(&kept.intact);
+                if is_untouched {
+                    return self.shown(frame, plan, (facts, self.bare), (true, None));
+                }
                 // Coats and ghosts shine with the light around the camera.
                 let bare = (self.chain).layer_under(self.bare_layer, plan.light.as_ref())?;
-                if !is_untouched {
-                    bare.over(&mut frame.pixels, at)?;
-                }
-                let facts = Arc::clone(&kept.intact);
-                self.shown(frame, plan, (facts, &bare), (is_untouched, None))
+                bare.over(&mut frame.pixels, at)?;
+                self.shown(frame, plan, (facts, &bare), (false, None))
             }
         }
     }
@@ -404,11 +406,9 @@ impl<'a> Show<'a> {
         if !is_untouched {
             lit.over(&mut frame.pixels, plan.at)?;
         }
-        let length_px = self.chain.crack_length_px(growth.unwrap_or(0.0))?;
-        let length_px = if growth.is_none() {
-            Some(0.0)
-        } else {
-            length_px
+        let length_px = match growth {
+            Some(time) => self.chain.crack_length_px(time)?,
+            None => Some(0.0),
         };
         let told = if plan.light == kept.onset_light {
             lit

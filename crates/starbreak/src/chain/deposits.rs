@@ -44,8 +44,12 @@ impl Chain {
     /// Whether what lies on the glass changes as time goes: rain falls, dew and frost grow.
     #[must_use]
     pub fn ages(&self) -> bool {
-        let rains = self.settings.drops.is_some() && self.on_pane.is_some();
-        rains || self.settings.coats.iter().any(Coat::grows)
+        self.rains() || self.settings.coats.iter().any(Coat::grows)
+    }
+
+    /// Whether drops fall that can be made again at another time; those of a bank stay as they are.
+    fn rains(&self) -> bool {
+        self.settings.drops.is_some() && self.on_pane.is_some()
     }
 
     /// What it is like so many seconds later, with the network as it is at a time in the unit of its arrivals; none is
@@ -55,7 +59,7 @@ impl Chain {
     /// As for [`Chain::of`].
     pub fn later(&self, after_s: f64, growth: Option<f64>) -> Result<Self, Error> {
         let (settings, size) = (&self.settings, self.size());
-        let rains = settings.drops.is_some() && self.on_pane.is_some();
+        let rains = self.rains();
         let seed = match &self.origin {
             Origin::Network(cracks) => cracks.seed,
             Origin::Photo(_) | Origin::Stored => self.coat_seed.unwrap_or(Seed(0)),

@@ -2,7 +2,7 @@
 
 use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
-use starbreak_optics::environment::{Environment, EnvironmentParams, Horizon};
+use starbreak_optics::environment::{Environment, EnvironmentParams};
 use starbreak_optics::lens_faults::{Lamp, Optic};
 use starbreak_optics::screens::Screen;
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
@@ -100,8 +100,7 @@ impl<'a> Behind<'a> {
     fn sun(&self, optic: &Optic) -> Option<Lamp> {
         let (light, params) = &self.around;
         let height = u32::try_from(optic.size.1).unwrap_or(u32::MAX);
-        let horizon = Horizon::at_row(params.horizon_row, height, optic.f_px);
-        let direction = horizon.sun(params.sun_azimuth_rad, params.sun_elevation_rad);
+        let direction = params.sun(&params.horizon(height, optic.f_px));
         Lamp::of_sun(direction, light.sun_rgb, optic)
     }
 

@@ -105,18 +105,16 @@ fn scratches(it: ScratchesTable) -> Option<Coat> {
 }
 
 fn fog(it: CondensationTable) -> Option<Coat> {
-    (it.growth_um_s > 0.0).then_some({
-        Coat::Fog(Fog {
-            mean: Condensation {
-                growth_m_s: it.growth_um_s * 1e-6,
-                age_s: it.age_s,
-                nuclei_per_m2: it.nuclei_per_mm2 * 1e6,
-                contact_rad: it.contact_deg.to_radians(),
-            },
-            unevenness: it.unevenness,
-            scale_mm: it.scale_mm,
-        })
-    })
+    (it.growth_um_s > 0.0).then_some(Coat::Fog(Fog {
+        mean: Condensation {
+            growth_m_s: it.growth_um_s * 1e-6,
+            age_s: it.age_s,
+            nuclei_per_m2: it.nuclei_per_mm2 * 1e6,
+            contact_rad: it.contact_deg.to_radians(),
+        },
+        unevenness: it.unevenness,
+        scale_mm: it.scale_mm,
+    }))
 }
 
 fn without_pane(place: &Place, table: &str) -> RecipeError {
