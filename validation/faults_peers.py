@@ -4,11 +4,11 @@
 usage: faults_peers.py STARBREAK FAULTS_SPEED [PYTHON_IMAGE_FAILURES]
 
 STARBREAK is the command, FAULTS_SPEED the example of the crate `starbreak` of that name, whose times are its
-own. Peers: imagecorruptions, AlbumentationsX, kornia on the CPU; and, where the last argument is a checkout of
-github.com/francescosecci/Python_Image_Failures, the scripts of Secci and Ceccarelli. Those have no license:
-none of their code is here. They are run as they are, but that they get the frame instead of their own picture
-and plot nothing. What a setting does is measured on charts, for all by the same measure. One thread.
-Needs requirements-faults.txt.
+own. Peers: imagecorruptions, AlbumentationsX, kornia on the CPU; NRTK's drops; and, where the last argument is
+a checkout of github.com/francescosecci/Python_Image_Failures, the scripts of Secci and Ceccarelli. Those have
+no license: none of their code is here. They are run as they are, but that they get the frame instead of their
+own picture and plot nothing. First all are timed, in turns and on the same frame; then what a setting does is
+measured on charts, for all by the same measure. One thread. Needs requirements-faults.txt.
 """
 import contextlib
 import functools
@@ -17,16 +17,18 @@ import io
 import os
 import pathlib
 import re
+import signal
 import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 import types
 import typing
 import unittest.mock
 import warnings
 
-for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[variable] = "1"
 os.environ["ALBUMENTATIONS_NO_TELEMETRY"] = "1"
 warnings.simplefilter("ignore")
@@ -38,6 +40,7 @@ import kornia
 import numpy as np
 import skimage.filters
 import torch
+from nrtk.impls.perturb_image.environment import WaterDropletPerturber
 from PIL import Image, ImageEnhance, ImageFilter
 
 cv2.setNumThreads(1)
@@ -45,6 +48,9 @@ torch.set_num_threads(1)
 
 SIZES = ((1242, 375), (1280, 720))
 RUNS = 15
+# A call that takes longer is timed once; one that does not end within the limit is given up.
+ONCE_MS = 10_000
+LIMIT_S = 240
 # Codes of sRGB next to 3, 18 and 50 % of white.
 GRAYS = {3: 49, 18: 118, 50: 188}
 SECCI = "Python_Image_Failures"
@@ -105,6 +111,16 @@ def kornia_row(name, setting, augmentations):
     return Row("kornia", name, setting, calls, "torch.manual_seed")
 
 
+def nrtk_row(*counts):
+    """Drops of other numbers; what numba compiles it compiles here."""
+    def call(count, going_on, image, seed):
+        return (going_on if seed is None else WaterDropletPerturber(num_drops=count, seed=seed))(image=image)[0]
+
+    WaterDropletPerturber(seed=0)(image=np.zeros((64, 96, 3), np.uint8))
+    calls = {str(n): functools.partial(call, n, WaterDropletPerturber(num_drops=n)) for n in counts}
+    return Row("NRTK", "WaterDropletPerturber", "num_drops", calls, "seed=")
+
+
 class Scripts:
     """The scripts of a checkout, each given a frame as the picture that it opens."""
 
@@ -146,14 +162,35 @@ class Scripts:
 
 
 class Starbreak:
-    """Presets through the command; their times are those of FAULTS_SPEED."""
+    """Presets through the command; their times are those of the example."""
 
     def __init__(self, command, example, folder):
         self.command, self.folder, self.n_frames = command, pathlib.Path(folder), 0
         listed = subprocess.run([command, "recipe", "--list"], check=True, capture_output=True, text=True).stdout
         self.presets = re.findall(r"^\S+", listed.split("\n\n")[0], re.MULTILINE)
-        timed = subprocess.run([example], check=True, capture_output=True, text=True).stdout.splitlines()[1:]
-        self.times = {words[0]: [float(word) for word in words[1:]] for words in map(str.split, timed)}
+        self.example, self.timed = example, {}
+
+    def time(self):
+        """Runs the example once more."""
+        lines = subprocess.run([self.example], check=True, capture_output=True, text=True).stdout.splitlines()[1:]
+        for name, *words in map(str.split, lines):
+            self.timed.setdefault(name, []).append([float(word) for word in words])
+
+    def times(self, preset):
+        """Of a frame and until ready for the first one, for both sizes, ms: medians of the runs."""
+        medians = np.median(self.timed.get(preset, [[np.nan] * 4]), axis=0)
+        return medians[0::2], medians[1::2]
+
+    def sets(self, preset):
+        """What the severities set: keys and values of the recipe."""
+        recipes = []
+        for severity in "12345":
+            words = [self.command, "recipe", "--preset", preset, "--severity", severity]
+            recipe = tomllib.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
+            tables = {key: value for key, value in recipe.items() if isinstance(value, dict)}
+            recipes.append({f"{name}.{key}": value for name, table in tables.items() for key, value in table.items()})
+        keys = [key for key in recipes[0] if any(recipe.get(key) != recipes[0][key] for recipe in recipes)]
+        return "; ".join(f"{key} {' '.join(f'{recipe[key]:g}' for recipe in recipes)}" for key in keys)
 
     def crack(self, images, seed, words):
         for name, image in images.items():
@@ -203,6 +240,12 @@ def picture(width, height):
     return np.clip(10 + 235 * (total - low) / (high - low), 10, 245).astype(np.uint8)
 
 
+def sawtooth(width, height):
+    """The frame of the example."""
+    x, y = np.meshgrid(np.arange(width), np.arange(height))
+    return (np.stack([x, y, x + y], axis=-1) * 7 % 256).astype(np.uint8)
+
+
 def each(row, measure, form="{:.3g}"):
     return " ".join(form.format(measure(call)) for call in row.calls.values())
 
@@ -211,13 +254,39 @@ def middle(row):
     return list(row.calls.values())[len(row.calls) // 2]
 
 
-def median_ms(call, image):
-    times = []
-    for _ in range(RUNS + 1):
+def give_up(*_):
+    raise TimeoutError
+
+
+def elapsed_ms(call, frame):
+    """Infinite beyond the limit, nan where it fails."""
+    signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(LIMIT_S)
+    try:
         before = time.perf_counter()
-        call(image, None)
-        times.append(1e3 * (time.perf_counter() - before))
-    return float(np.median(times[1:]))
+        call(frame, None)
+        return 1e3 * (time.perf_counter() - before)
+    except TimeoutError:
+        return np.inf
+    except Exception:
+        return np.nan
+    finally:
+        signal.alarm(0)
+
+
+def interleaved(ours, rows):
+    """Times by row and size: medians of rounds in which all take their turns, after a first one."""
+    frames = [sawtooth(*size) for size in SIZES]
+    times = {(id(row), size): [] for row in rows for size in SIZES}
+    for turn in range(RUNS + 1):
+        if turn % (RUNS // 2) == 0:
+            ours.time()
+        for row in rows:
+            for size, frame in zip(SIZES, frames):
+                found = times[id(row), size]
+                if not found or found[0] < ONCE_MS:
+                    found.append(elapsed_ms(middle(row), frame))
+    return {key: np.median(found[1:] or found) for key, found in times.items()}
 
 
 def patches(call):
@@ -353,6 +422,33 @@ def dimmed(call):
     return f"{100 * (abs(made - 1) > 0.02).mean():.2g}/{made.min():.2f}"
 
 
+def of_picture(ours, row):
+    """What a setting does to a picture, whatever it is."""
+    chart = picture(640, 360)
+
+    def compared(call):
+        made = call(chart, 1)
+        return made.astype(float), chart[:made.shape[0], :made.shape[1]]
+
+    def off(call):
+        made, before = compared(call)
+        return 100 * (abs(made - before) > 5).any(axis=-1).mean()
+
+    def distance(call):
+        made, before = compared(call)
+        return 10 * np.log10(255**2 / max(((made - before) ** 2).mean(), 1e-9))
+
+    def drift(call):
+        made, before = compared(call)
+        return 100 * (light(made.astype(np.uint8)).mean() / light(before).mean() - 1)
+
+    lines = [each(row, off), f"PSNR, dB: {each(row, distance, '{:.1f}')}; mean light {each(row, drift, '{:+.0f}')} %"]
+    if row.library == "starbreak":
+        ready = [f"{ms:.1f}" for ms in ours.times(row.name)[1]]
+        return [*lines, f"severities set {ours.sets(row.name)}", f"once, before the first frame: {' and '.join(ready)} ms"]
+    return lines
+
+
 def of_frames(ours, row):
     if row.library == "starbreak":
         return [each(row, ours.black_percent) + " % black, of 400 pictures by themselves"]
@@ -389,6 +485,9 @@ def faults(ours, scripts):
 
     def each_of(kind, *values):
         return {f"{v:g}": kind(v) for v in values}
+
+    def glass(title, presets, *rows):
+        return f"{title}: pixels off by more than 5 codes, %", functools.partial(of_picture, ours), presets, rows
 
     found = [
         ("too much light: EV at 18 % gray", of_exposure, ["overexposed"], [
@@ -439,15 +538,40 @@ def faults(ours, scripts):
             i("spatter"), a("Spatter", {mode: {"mode": mode} for mode in ("rain", "mud")}),
             s("overlay_images2.py", overlay("dirtyonglass.png", 0.35))]),
         ("blank and frozen frames: share", functools.partial(of_frames, ours), ["blank-frames"], [s("black.py"), s("white.py")]),
+        glass("rain on the pane", ["rain"], nrtk_row(5, 20, 80), i("spatter"), a("RandomRain, streaks in the air", {
+            kind: {"rain_type": kind} for kind in ("drizzle", "default", "heavy", "torrential")}),
+            a("Spatter", {"rain": {"mode": "rain"}}), k("RandomRain, streaks in the air", "", {"default": K.RandomRain(p=1.0)}),
+            s("overlay_images2.py", overlay("rain/rain1.png", 0.35))),
+        glass("mud", ["muddy"], a("Spatter", {"mud": {"mode": "mud"}})),
+        glass("dust and dirt", ["dusty"], s("overlay_images2.py", overlay("dirtyonglass.png", 0.35))),
+        glass("dew and fog", ["fogged"], i("fog"), a("RandomFog, in the air", same("fog_coef_range", 0.3, 0.65, 1)),
+            a("AtmosphericFog, in the air", same("density_range", 1, 2, 3)),
+            s("overlay_images2.py", overlay("condensation/condensation1.png", 0.35))),
+        glass("ice", ["frosted"], i("frost"), s("overlay_images2.py", overlay("ice/ice1.png", 0.2))),
+        glass("grease", ["greasy"]),
+        glass("scratches", ["scratched"]),
+        glass("flares: ghosts, stars and veils", ["ghosts", "star-burst", "glare"],
+            a("RandomSunFlare", {"overlay": {}}), a("RandomSunFlare", {"physics_based": {"method": "physics_based"}}),
+            a("LensFlare", same("intensity_range", 0.3, 0.5, 0.7))),
+        glass("distortion", ["distortion"], a("OpticalDistortion", same("distort_range", 0.0125, 0.025, 0.05))),
+        glass("color fringes", ["fringes"], a("ChromaticAberration", {f"{v:g}": {
+            "primary_distortion_range": (v, v), "secondary_distortion_range": (2.5 * v, 2.5 * v)} for v in (0.005, 0.01, 0.02)}),
+            s("chromaticaberration.py")),
+        glass("defocus", ["defocus"], i("defocus_blur"), a("Defocus", {
+            str(v): {"radius_range": (v, v), "alias_blur_range": (0.3, 0.3)} for v in (3, 6, 10)}), s("blurred.py", {"5 x 5": {}})),
+        glass("shake", ["shake"], i("motion_blur"), a("MotionBlur", same("blur_range", 3, 5, 7)),
+            k("RandomMotionBlur, example", "kernel_size", each_of(lambda v: K.RandomMotionBlur(v, 35.0, 0.5, p=1.0), 3))),
     ]
     return [(title, measure, presets, [row for row in rows if row]) for title, measure, presets, rows in found]
 
 
-def print_row(ours, row, measure, times, charts):
+def print_row(ours, row, measure, times, chart):
+    if np.inf in times:
+        print(f"  {row.library:22}{row.name:32}{'':7}> {LIMIT_S} s: given up, and not measured")
+        return
     try:
         lines = measure(row)
-        seed, following = repeats(ours, row, charts[0])
-        times = times or [median_ms(middle(row), chart) for chart in charts]
+        seed, following = repeats(ours, row, chart)
     except Exception as error:
         print(f"  {row.library:22}{row.name:32} FAILS: {type(error).__name__}: {error}")
         return
@@ -460,8 +584,11 @@ def print_row(ours, row, measure, times, charts):
 
 LEGEND = f"""
 ms: medians of {RUNS} frames on one thread, of the middle setting, from an array of 8 bits to another: with kornia's
-conversion to floats and back, without reading and writing files. Of starbreak those of the example faults_speed:
-in Rust, in place.
+conversion to floats and back, without reading and writing files, but for what a peer itself reads at each call.
+All on the same frame and in rounds, in which all take their turns, after one that does not count. A call of more
+than {ONCE_MS // 1000} s is timed once, one of more than {LIMIT_S} s given up. Of starbreak medians of 3 runs, before, amid and after
+the rounds, of the example faults_speed: in Rust, in place; what lies on the glass is made once, before the first
+frame. Those of NRTK are without numba's compilation.
 Below each row its settings: severities 1 to 5; else low, middle and end of the default range (of one around
 nothing a quarter, half and the end); other values where the name says `chosen`, `example` or what the default is.
 After the arrow what they do, measured on charts, in linear light, for all by the same code, starbreak's through
@@ -471,30 +598,40 @@ same seed: how a seed is given, and whether it brings the same bytes back. numpy
 torch.manual_seed are one state of the whole process; Compose(seed=) is one of a pipeline's calls, in order.
 next: whether a second call on the same frame, without a new seed, draws anew; of starbreak, whether an image of
 another name does.
-gaussian_blur of imagecorruptions gets the new name of an argument of skimage. deadpixel*.py paint red pixels.
+of faults of glass and lens: on a picture of 640 x 360. What severities set is in the units of the keys (`starbreak recipe
+--preset NAME`). Peers know none, but for NRTK's indices of refraction: theirs are numbers of drops, grades, pixels
+and shares. The fog of imagecorruptions and AlbumentationsX is in the air, also where they say nothing, their ice and
+dirt pictures or noise. NRTK's drops refract the picture and blur all of it; distances of pane and scene are drawn.
+Boxes: imagecorruptions and the scripts have none. AlbumentationsX and NRTK hand them on as they are, and
+OpticalDistortion moves them. starbreak carries labels as they are, says how much of each box is damaged, and refuses
+labels where distortion would move them.
+gaussian_blur, spatter and fog of imagecorruptions get new names of skimage and numpy. deadpixel*.py paint red pixels.
 """
 
 
 def main():
     command, example = (str(pathlib.Path(path).resolve()) for path in sys.argv[1:3])
     checkout = sys.argv[3] if len(sys.argv) > 3 else None
-    # skimage has renamed an argument since imagecorruptions 1.1.2.
+    # skimage has renamed an argument, and numpy a type, since imagecorruptions 1.1.2.
     imagecorruptions.corruptions.gaussian = lambda x, sigma, multichannel=False: skimage.filters.gaussian(
         x, sigma=sigma, channel_axis=-1 if multichannel else None)
-    charts = [picture(*size) for size in SIZES]
+    np.float_ = np.float64
     print(f"{'':56}{'ms':>9}{'ms':>9}")
     print(f"  {'library':22}{'call':32}{'1242x375':>9}{'1280x720':>9}  {'same seed':32} next")
+    chart = picture(*SIZES[0])
     with tempfile.TemporaryDirectory() as folder:
         ours = Starbreak(command, example, folder)
-        for title, measure, presets, rows in faults(ours, Scripts(checkout) if checkout else None):
+        found = faults(ours, Scripts(checkout) if checkout else None)
+        times = interleaved(ours, [row for *_, rows in found for row in rows])
+        for title, measure, presets, rows in found:
             print(f"\n{title}")
             for preset in presets:
                 if preset in ours.presets:
-                    print_row(ours, ours.row(preset), measure, ours.times.get(preset, [float("nan")] * 2), charts)
+                    print_row(ours, ours.row(preset), measure, ours.times(preset)[0], chart)
                 else:
                     print(f"  {'starbreak':22}{preset:32} not in this build")
             for row in rows:
-                print_row(ours, row, measure, None, charts)
+                print_row(ours, row, measure, [times[id(row), size] for size in SIZES], chart)
             absent = [name for name in ("imagecorruptions", "AlbumentationsX", "kornia", SECCI)
                       if name not in {row.library for row in rows} and (checkout or name != SECCI)]
             if absent:
@@ -502,7 +639,7 @@ def main():
             sys.stdout.flush()
     print(LEGEND)
     print(subprocess.run([command, "--version"], check=True, capture_output=True, text=True).stdout.strip())
-    packages = ("imagecorruptions", "albumentationsx", "kornia", "torch", "numpy", "scikit-image", "opencv-python")
+    packages = ("imagecorruptions", "albumentationsx", "kornia", "nrtk", "numba", "torch", "numpy", "scikit-image", "opencv-python")
     print(", ".join(f"{name} {importlib.metadata.version(name)}" for name in packages))
     head = ["git", "-C", checkout or ".", "rev-parse", "HEAD"]
     print(SECCI, subprocess.run(head, capture_output=True, text=True).stdout[:12] if checkout else "was not given")

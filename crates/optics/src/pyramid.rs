@@ -53,6 +53,7 @@ impl<const COLORS: usize> Cells<COLORS> {
         clippy::cast_sign_loss,
         reason = "px of a frame"
     )]
+    #[inline(always)]
     pub(crate) fn at(&self, [u, v]: [f32; 2]) -> [f32; COLORS] {
         let (columns, rows) = self.size;
         let along = |px: f32, n: usize| {
@@ -76,37 +77,9 @@ impl<const COLORS: usize> Cells<COLORS> {
         })
     }
 
-    /// Spread by a Gaussian of a standard deviation, px, on cells as large as that allows.
-    pub(crate) fn spread(&self, sigma_px: f64) -> Self {
-        let mut cells = self.clone();
-        while f64::from(cells.per_cell) * 2.0 <= sigma_px / CELLS_PER_SIGMA
-            && cells.size.0.max(cells.size.1) > 2
-        {
-            cells = cells.halved();
-        }
-        cells.blurred(sigma_px)
-    }
-
     /// Cells twice as wide; those at the end of the frame are cut off by it.
     pub(crate) fn halved(&self) -> Self {
-        let (width, height) = self.size;
-        let size = (width.div_ceil(2), height.div_ceil(2));
-        let mut light = Vec::with_capacity(size.0 * size.1);
-        for y in (0..height).step_by(2) {
-            let above = &self.light[y * width..][..width];
-            let below = &self.light[(y + 1).min(height - 1) * width..][..width];
-            for (above, below) in above.chunks(2).zip(below.chunks(2)) {
-                let last = above.len() - 1;
-                light.push(std::array::from_fn(|c| {
-                    0.25 * ((above[0][c] + above[last][c]) + (below[0][c] + below[last][c]))
-                }));
-            }
-        }
-        Self {
-            size,
-            per_cell: 2 * self.per_cell,
-            light,
-        }
+        halved(self.light.as_flattened(), self.size, self.per_cell)
     }
 
     /// Spread by a Gaussian of a standard deviation, px; beyond the frame it goes on mirrored. What cells and the
@@ -116,6 +89,16 @@ impl<const COLORS: usize> Cells<COLORS> {
         // Variances per axis, cells²: means 1/12, lines 1/6.
         let known = if self.per_cell > 1 { 0.25 } else { 0.0 };
         let kernel = gaussian((sigma * sigma - known).max(0.0).sqrt());
+        let light = vectorized(
+            #[inline(always)]
+            || self.by_kernel(&kernel),
+        );
+        Self { light, ..*self }
+    }
+
+    /// Spread by the middle and one side of a kernel, across and down.
+    #[inline(always)]
+    fn by_kernel(&self, kernel: &[f32]) -> Vec<[f32; COLORS]> {
         let (width, height) = self.size;
         let mut along = vec![[0.0_f32; COLORS]; self.light.len()];
         let reach = kernel.len() - 1;
@@ -125,8 +108,10 @@ impl<const COLORS: usize> Cells<COLORS> {
             .chunks_exact(width)
             .zip(along.chunks_exact_mut(width))
         {
-            for (k, to) in (-reach.cast_signed()..).zip(&mut wide) {
-                *to = row[mirrored(k, width)];
+            wide[reach..reach + width].copy_from_slice(row);
+            for k in 0..reach {
+                wide[k] = row[mirrored(k.cast_signed() - reach.cast_signed(), width)];
+                wide[reach + width + k] = row[mirrored((width + k).cast_signed(), width)];
             }
             for (k, share) in kernel.iter().enumerate() {
                 let sides: &[usize] = if k == 0 {
@@ -150,80 +135,214 @@ impl<const COLORS: usize> Cells<COLORS> {
                 }
             }
         }
-        Self { light, ..*self }
+        light
     }
 
     /// Adds the light of wider cells.
     pub(crate) fn add(&mut self, wider: &Self) {
-        let ratio = self.per_cell;
-        let (width, _) = self.size;
-        for (y, row) in self.light.chunks_exact_mut(width).enumerate() {
-            wider.each_between_cells((y, width), ratio, |x, more| {
-                row[x] = std::array::from_fn(|c| row[x][c] + more[c]);
-            });
-        }
+        let (width, step) = (self.size.0, self.per_cell);
+        add_rows(self.light.as_flattened_mut(), Rows::of(wider, width, step));
     }
 
     /// Adds the light of cells to that of the pixels of a frame of a width, px.
     pub(crate) fn add_to(&self, light: &mut [f32], width: usize) {
-        for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
-            let row = row.as_chunks_mut::<COLORS>().0;
-            self.each_between(y, width, |x, more| {
-                for (value, more) in row[x].iter_mut().zip(more) {
-                    *value += more;
-                }
-            });
-        }
+        add_rows(light, Rows::of(self, width, 1));
     }
 
-    /// Calls with the light at each pixel of a row, on straight lines between the middles of cells.
-    pub(crate) fn each_between(
-        &self,
-        y: usize,
-        width: usize,
-        call: impl FnMut(usize, [f32; COLORS]),
-    ) {
-        self.each_between_cells((y, width), 1, call);
-    }
-
-    /// The same at the middles of cells of a width, px.
-    #[expect(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "px of a frame"
-    )]
-    fn each_between_cells(
-        &self,
-        (y, width): (usize, usize),
-        step: u32,
-        mut call: impl FnMut(usize, [f32; COLORS]),
-    ) {
-        let scale = step as f32 / self.per_cell as f32;
-        let at = |k: usize, n: usize| {
-            let place = ((k as f32 + 0.5) * scale - 0.5).clamp(0.0, (n - 1) as f32);
-            let whole = place as usize;
-            (whole, (whole + 1).min(n - 1), place - whole as f32)
-        };
-        let (columns, rows) = self.size;
-        let (above, below, t) = at(y, rows);
-        let above = &self.light[above * columns..][..columns];
-        let below = &self.light[below * columns..][..columns];
-        let between = |a: [f32; COLORS], b: [f32; COLORS], t: f32| -> [f32; COLORS] {
-            std::array::from_fn(|c| a[c] + (b[c] - a[c]) * t)
-        };
-        let line: Vec<_> = above
-            .iter()
-            .zip(below)
-            .map(|(a, b)| between(*a, *b, t))
-            .collect();
-        for x in 0..width {
-            let (left, right, s) = at(x, columns);
-            call(x, between(line[left], line[right], s));
-        }
+    /// The light at each pixel of a frame of a width, px, row by row.
+    pub(crate) fn rows(&self, width: usize) -> Rows<'_, COLORS> {
+        Rows::of(self, width, 1)
     }
 }
 
+fn add_rows<const COLORS: usize>(light: &mut [f32], mut rows: Rows<'_, COLORS>) {
+    vectorized(
+        #[inline(always)]
+        || {
+            let width = rows.across.len();
+            for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
+                for (value, more) in row.iter_mut().zip(rows.at(y)) {
+                    *value += more;
+                }
+            }
+        },
+    );
+}
+
+/// The light of cells at each pixel of a row, on straight lines between their middles.
+pub(crate) struct Rows<'c, const COLORS: usize> {
+    cells: &'c Cells<COLORS>,
+    /// The cell left of each pixel, and how near it is to the next.
+    across: Vec<(u32, f32)>,
+    /// Pixels per cell.
+    scale: f32,
+    /// Of the present row: that of cells, with more at its end, and that of pixels.
+    line: Vec<f32>,
+    row: Vec<f32>,
+}
+
+/// Values that are read and written together: all of a pixel, and the first of the next.
+const TOGETHER: usize = 4;
+
+impl<'c, const COLORS: usize> Rows<'c, COLORS> {
+    /// Of so many places a width, px, apart.
+    fn of(cells: &'c Cells<COLORS>, n: usize, step: u32) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+        let scale = step as f32 / cells.per_cell as f32;
+        let columns = cells.size.0;
+        Self {
+            across: (0..n).map(|x| place(x, scale, columns)).collect(),
+            scale,
+            line: vec![0.0; (columns + 1) * COLORS + TOGETHER],
+            row: vec![0.0; n * COLORS + TOGETHER],
+            cells,
+        }
+    }
+
+    /// The light of a row, with the values of a pixel side by side.
+    #[inline(always)]
+    pub(crate) fn at(&mut self, y: usize) -> &[f32] {
+        let (columns, rows) = self.cells.size;
+        let (above, t) = place(y, self.scale, rows);
+        let above = above as usize;
+        let row_of = |y: usize| self.cells.light[y * columns..][..columns].as_flattened();
+        let (from, below) = (row_of(above), row_of((above + 1).min(rows - 1)));
+        let n = self.across.len() * COLORS;
+        if self.scale.to_bits() == 1.0_f32.to_bits() && n == from.len() {
+            return from;
+        }
+        for ((to, a), b) in self.line.iter_mut().zip(from).zip(below) {
+            *to = a + (b - a) * t;
+        }
+        // Beyond the last cell it goes on.
+        let end = columns * COLORS;
+        self.line.copy_within(end - COLORS..end, end);
+        let places = self.across.iter().zip(0_usize..);
+        for ((left, s), x) in places {
+            let left = *left as usize * COLORS;
+            if COLORS == 1 {
+                let [a, b] = [self.line[left], self.line[left + 1]];
+                self.row[x] = a + (b - a) * s;
+                continue;
+            }
+            let a = &self.line[left..left + TOGETHER];
+            let b = &self.line[left + COLORS..left + COLORS + TOGETHER];
+            let to = &mut self.row[x * COLORS..x * COLORS + TOGETHER];
+            for k in 0..TOGETHER {
+                to[k] = a[k] + (b[k] - a[k]) * s;
+            }
+        }
+        &self.row[..n]
+    }
+}
+
+/// The middle of cells that is before one of places that are so many cells apart, and how near it is to the next.
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "px of a frame"
+)]
+#[inline(always)]
+fn place(k: usize, scale: f32, n: usize) -> (u32, f32) {
+    let place = ((k as f32 + 0.5) * scale - 0.5).clamp(0.0, (n - 1) as f32);
+    let whole = place as u32;
+    (whole, place - whole as f32)
+}
+
+/// A frame in pixels, and in ever wider cells as they are asked for.
+pub(crate) struct Pyramid<'l, const COLORS: usize> {
+    pixels: &'l [f32],
+    size: (usize, usize),
+    /// Cells of 2, 4, 8, … px.
+    wider: Vec<Cells<COLORS>>,
+}
+
+impl<'l, const COLORS: usize> Pyramid<'l, COLORS> {
+    /// Of the light of a frame of a width and height, px.
+    pub(crate) fn of(pixels: &'l [f32], size: (usize, usize)) -> Self {
+        Self {
+            pixels,
+            size,
+            wider: Vec::new(),
+        }
+    }
+
+    /// Cells that are no wider than so many px, as wide as that allows: the pixels themselves at least.
+    pub(crate) fn no_wider(&mut self, most_px: f64) -> Cells<COLORS> {
+        match self.wider_up_to(most_px) {
+            Some(cells) => cells.clone(),
+            None => Cells::of(self.pixels, self.size),
+        }
+    }
+
+    /// Spread by a Gaussian of a standard deviation, px, on cells as wide as that allows.
+    pub(crate) fn spread(&mut self, sigma_px: f64) -> Cells<COLORS> {
+        match self.wider_up_to(sigma_px / CELLS_PER_SIGMA) {
+            Some(cells) => cells.blurred(sigma_px),
+            None => Cells::of(self.pixels, self.size).blurred(sigma_px),
+        }
+    }
+
+    /// Cells of 2 px or more, where so many px allow them.
+    fn wider_up_to(&mut self, most_px: f64) -> Option<&Cells<COLORS>> {
+        let (mut n, mut per_cell, mut size) = (0, 2.0, self.size);
+        while per_cell <= most_px && size.0.max(size.1) > 2 {
+            if n == self.wider.len() {
+                let next = match self.wider.last() {
+                    Some(last) => last.halved(),
+                    None => halved(self.pixels, self.size, 1),
+                };
+                self.wider.push(next);
+            }
+            size = self.wider[n].size;
+            n += 1;
+            per_cell *= 2.0;
+        }
+        self.wider.get(n.checked_sub(1)?)
+    }
+}
+
+/// Means of two by two cells; those at the end of the frame are cut off by it.
+fn halved<const COLORS: usize>(
+    light: &[f32],
+    (width, height): (usize, usize),
+    per_cell: u32,
+) -> Cells<COLORS> {
+    let size = (width.div_ceil(2), height.div_ceil(2));
+    let mut half = vec![[0.0_f32; COLORS]; size.0 * size.1];
+    let light = light.as_chunks::<COLORS>().0;
+    vectorized(
+        #[inline(always)]
+        || {
+            for (y, to) in half.chunks_exact_mut(size.0).enumerate() {
+                let above = &light[2 * y * width..][..width];
+                let below = &light[(2 * y + 1).min(height - 1) * width..][..width];
+                for ((to, above), below) in to.iter_mut().zip(above.chunks(2)).zip(below.chunks(2))
+                {
+                    let last = above.len() - 1;
+                    for c in 0..COLORS {
+                        to[c] = 0.25
+                            * ((above[0][c] + above[last][c]) + (below[0][c] + below[last][c]));
+                    }
+                }
+            }
+        },
+    );
+    Cells {
+        size,
+        per_cell: 2 * per_cell,
+        light: half,
+    }
+}
+
+/// Runs what is inlined in it compiled for the processor that there is. No result depends on it: nothing is fused.
+#[inline(always)]
+pub(crate) fn vectorized<R>(run: impl FnOnce() -> R) -> R {
+    pulp::Arch::new().dispatch(run)
+}
+
+#[inline(always)]
 fn add_times<const COLORS: usize>(to: &mut [[f32; COLORS]], from: &[[f32; COLORS]], share: f32) {
     for (to, from) in to.as_flattened_mut().iter_mut().zip(from.as_flattened()) {
         *to += share * from;

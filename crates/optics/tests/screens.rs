@@ -59,7 +59,9 @@ fn of(coat: &Coat) -> Screen {
 }
 
 fn over(screen: &Screen, light: &mut [f32], n_colors: usize, around: &Environment) {
-    screen.over(light, n_colors, (around, &EnvironmentParams::default()));
+    screen
+        .under(around, &EnvironmentParams::default())
+        .over(light, n_colors);
 }
 
 fn screen(covered: f64, contrast: f64) -> Screen {
@@ -159,16 +161,21 @@ fn a_beam_is_turned_by_more_than_two_and_a_half_degrees_as_much_as_the_haze_says
             ..OPTIC
         };
         let screen = Screen::of(&*coating, &view(0.0), &optic);
-        let mut light = vec![0.0_f32; 600 * 400];
-        light[200 * 600 + 300] = 1e4;
-        over(&screen, &mut light, 1, &even(0.0));
-        let all = beyond(&light, (300, 200), -1.0) / 1e4;
-        // What leaves the frame is mirrored into it, and is haze all the same.
-        assert!((all - 1.0).abs() < 0.02, "{all}");
-        let haze = beyond(&light, (300, 200), 900.0 * 2.5_f64.to_radians().tan()) / 1e4;
+        // Streaks are on cells: in the mean of places of the beam.
+        let mut mean = 0.0;
+        for k in 0..16 {
+            let at = (281 + 11 * (k % 4), 184 + 9 * (k / 4));
+            let mut light = vec![0.0_f32; 600 * 400];
+            light[at.1 * 600 + at.0] = 1e4;
+            over(&screen, &mut light, 1, &even(0.0));
+            let all = beyond(&light, at, -1.0) / 1e4;
+            // What leaves the frame is mirrored into it, and is haze all the same.
+            assert!((all - 1.0).abs() < 0.005, "{all}");
+            mean += beyond(&light, at, 900.0 * 2.5_f64.to_radians().tan()) / 1e4 / 16.0;
+        }
         assert!(
-            (haze - 0.04).abs() < 0.0015,
-            "{haze} of sand and wipers {wiped}"
+            (mean - 0.04).abs() < 0.001,
+            "{mean} of sand and wipers {wiped}"
         );
     }
 }
@@ -299,7 +306,7 @@ fn dust_in_the_sun_veils_the_picture_towards_it() {
         ..EnvironmentParams::default()
     };
     let mut light = vec![0.0_f32; 600 * 400];
-    screen.over(&mut light, 1, (&sun, &params));
+    screen.under(&sun, &params).over(&mut light, 1);
     let [left, right] = [100, 500].map(|x| light[200 * 600 + x]);
     assert!(right > 1.5 * left && left > 0.0, "{left} and {right}");
     // c ω 0.8 E p(θ), p by its own formula, in the mean of a part of the frame.
@@ -323,7 +330,7 @@ fn dust_in_the_sun_veils_the_picture_towards_it() {
         ..params
     };
     let mut light = vec![0.0_f32; 600 * 400];
-    screen.over(&mut light, 1, (&sun, &behind));
+    screen.under(&sun, &behind).over(&mut light, 1);
     assert!(light.iter().all(|it| *it <= 0.0), "no light");
 }
 

@@ -323,23 +323,35 @@ impl Disc {
                 ]
             })
             .collect();
+        let columns = range(0, size.0);
         for y in range(1, size.1) {
-            for x in range(0, size.0) {
-                let [dx, dy] = [x as f64 + 0.5 - self.at[0], y as f64 + 0.5 - self.at[1]];
-                let within = if sides.is_empty() {
-                    radius - libm::hypot(dx, dy)
-                } else {
-                    sides
-                        .iter()
-                        .map(|[nx, ny, offset]| nx * dx + ny * dy + offset)
-                        .fold(f64::INFINITY, f64::min)
-                };
-                let share = (within + 0.5).clamp(0.0, 1.0) as f32;
-                if share > 0.0 {
-                    let pixel = &mut light[(y * size.0 + x) * COLORS..][..COLORS];
-                    for (value, more) in pixel.iter_mut().zip(more) {
-                        *value += share * more;
-                    }
+            let dy = y as f64 + 0.5 - self.at[1];
+            let within = |x: usize| {
+                let dx = x as f64 + 0.5 - self.at[0];
+                if sides.is_empty() {
+                    return radius - libm::hypot(dx, dy);
+                }
+                (sides.iter())
+                    .map(|[nx, ny, offset]| nx * dx + ny * dy + offset)
+                    .fold(f64::INFINITY, f64::min)
+            };
+            let row = &mut light[y * size.0 * COLORS..][..size.0 * COLORS];
+            let row = row.as_chunks_mut::<COLORS>().0;
+            let mut edge = |x: usize| {
+                let share = (within(x) + 0.5).clamp(0.0, 1.0) as f32;
+                for c in 0..COLORS {
+                    row[x][c] += share * more[c];
+                }
+                share
+            };
+            // Convex: from either side up to the first that is whole, and all between.
+            let Some(first) = columns.clone().find(|x| edge(*x) >= 1.0) else {
+                continue;
+            };
+            let last = (first + 1..columns.end).rev().find(|x| edge(*x) >= 1.0);
+            for pixel in &mut row[first + 1..last.unwrap_or(first + 1)] {
+                for c in 0..COLORS {
+                    pixel[c] += more[c];
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Light that the lens scatters over the frame.
 
 use super::Optic;
-use crate::pyramid::{CELLS_PER_SIGMA, Cells};
+use crate::pyramid::{Cells, Pyramid, vectorized};
 
 /// Veiling glare: a share of all light is spread over the frame, around what is bright and far from it.
 ///
@@ -61,25 +61,9 @@ impl Glare {
     fn colors_over<const COLORS: usize>(&self, light: &mut [f32], optic: &Optic) {
         // From the widest to the narrowest, each on cells as large as it allows; the sum goes from cells to finer ones.
         let mut sum: Option<Cells<COLORS>> = None;
-        let finest = Cells::<COLORS>::of(light, optic.size);
-        let mut levels = vec![finest];
-        for sigma in SIGMAS_RAD.iter().rev() {
-            let wanted = sigma * optic.f_px / CELLS_PER_SIGMA;
-            while let Some(last) = levels.last()
-                && f64::from(last.per_cell) * 2.0 <= wanted
-                && last.size.0.max(last.size.1) > 2
-            {
-                let next = last.halved();
-                levels.push(next);
-            }
-        }
+        let mut pyramid = Pyramid::<COLORS>::of(light, optic.size);
         for sigma in SIGMAS_RAD {
-            let wanted = sigma * optic.f_px / CELLS_PER_SIGMA;
-            let fits = |level: &&Cells<COLORS>| f64::from(level.per_cell) <= wanted.max(1.0);
-            let Some(level) = levels.iter().rev().find(fits) else {
-                continue;
-            };
-            let mut blurred = level.blurred(sigma * optic.f_px);
+            let mut blurred = pyramid.spread(sigma * optic.f_px);
             if let Some(wider) = sum {
                 blurred.add(&wider);
             }
@@ -89,13 +73,17 @@ impl Glare {
         #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
         let scattered = self.scattered(optic) as f32;
         let (kept, each) = (1.0 - scattered, 0.25 * scattered);
-        let (width, _) = optic.size;
-        for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
-            sum.each_between(y, width, |x, veil| {
-                for (value, veil) in row[x * COLORS..][..COLORS].iter_mut().zip(veil) {
-                    *value = kept * *value + each * veil;
+        let width = optic.size.0;
+        let mut rows = sum.rows(width);
+        vectorized(
+            #[inline(always)]
+            || {
+                for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
+                    for (value, veil) in row.iter_mut().zip(rows.at(y)) {
+                        *value = kept * *value + each * veil;
+                    }
                 }
-            });
-        }
+            },
+        );
     }
 }

@@ -1,5 +1,7 @@
 //! A frame whose pixels come from other places.
 
+use crate::pyramid::vectorized;
+
 /// Form of the light of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Channel {
@@ -47,25 +49,34 @@ fn resample_of<const COLORS: usize>(
     let mut above = corners_of(0);
     for top in (0..height).step_by(SQUARE) {
         let below = corners_of(top + SQUARE);
-        for left in (0..width).step_by(SQUARE) {
-            let k = left / SQUARE;
-            let square = [above[k], above[k + 1], below[k], below[k + 1]];
-            for y in top..(top + SQUARE).min(height) {
-                for x in left..(left + SQUARE).min(width) {
-                    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-                    let place = match square {
-                        [Some(a), Some(b), Some(c), Some(d)] => {
-                            let per = 1.0 / SQUARE as f64;
-                            let s = ((x - left) as f64 + 0.5) * per;
-                            let t = ((y - top) as f64 + 0.5) * per;
-                            Some([0, 1].map(|k| {
-                                let high = a[k] + s * (b[k] - a[k]);
-                                let low = c[k] + s * (d[k] - c[k]);
-                                high + t * (low - high)
-                            }))
+        let bottom = (top + SQUARE).min(height);
+        for (k, left) in (0..width).step_by(SQUARE).enumerate() {
+            let right = (left + SQUARE).min(width);
+            if let [Some(a), Some(b), Some(c), Some(d)] =
+                [above[k], above[k + 1], below[k], below[k + 1]]
+            {
+                vectorized(
+                    #[inline(always)]
+                    || {
+                        for y in top..bottom {
+                            let t = part_of_square(y - top);
+                            let [high, low] = [[a, c], [b, d]]
+                                .map(|[a, c]| [0, 1].map(|k| a[k] + t * (c[k] - a[k])));
+                            let row = &mut rows[y * width + left..y * width + right];
+                            for (x, pixel) in row.iter_mut().enumerate() {
+                                let s = part_of_square(x);
+                                let place = [0, 1].map(|k| high[k] + s * (low[k] - high[k]));
+                                *pixel = sample(light, (width, height), place);
+                            }
                         }
-                        _ => from(x as f64 + 0.5, y as f64 + 0.5),
-                    };
+                    },
+                );
+                continue;
+            }
+            for y in top..bottom {
+                for x in left..right {
+                    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+                    let place = from(x as f64 + 0.5, y as f64 + 0.5);
                     if let Some(place) = place {
                         rows[y * width + x] = sample(light, (width, height), place);
                     }
@@ -77,8 +88,15 @@ fn resample_of<const COLORS: usize>(
     out
 }
 
+/// Where the middle of a pixel of a square is between its sides.
+#[expect(clippy::cast_precision_loss, reason = "px of a square")]
+#[inline(always)]
+fn part_of_square(k: usize) -> f64 {
+    (k as f64 + 0.5) / SQUARE as f64
+}
+
 /// The light at a place.
-#[inline]
+#[inline(always)]
 fn sample<const COLORS: usize>(
     light: &[[f32; COLORS]],
     (width, height): (usize, usize),
@@ -86,30 +104,34 @@ fn sample<const COLORS: usize>(
 ) -> [f32; COLORS] {
     let (left, across) = taps(u);
     let (top, down) = taps(v);
-    let mut sum = [0.0; COLORS];
+    // Of each of four columns.
+    let mut columns = [[0.0; COLORS]; 4];
     let is_inside =
         left >= 0 && top >= 0 && left + 4 <= width.cast_signed() && top + 4 <= height.cast_signed();
     if is_inside {
         let first = top.cast_unsigned() * width + left.cast_unsigned();
         for (row, down) in down.into_iter().enumerate() {
-            let four = &light[first + row * width..][..4];
-            for (pixel, across) in four.iter().zip(across) {
-                for (to, from) in sum.iter_mut().zip(pixel) {
-                    *to += down * across * from;
-                }
+            let four = light[first + row * width..][..4].as_flattened();
+            for (to, from) in columns.as_flattened_mut().iter_mut().zip(four) {
+                *to += down * from;
             }
         }
     } else {
         for (k, down) in (top..).zip(down) {
             let row = clamped(k, height) * width;
-            for (k, across) in (left..).zip(across) {
-                for (to, from) in sum.iter_mut().zip(light[row + clamped(k, width)]) {
-                    *to += down * across * from;
+            for (k, to) in (left..).zip(&mut columns) {
+                let from = light[row + clamped(k, width)];
+                for c in 0..COLORS {
+                    to[c] += down * from[c];
                 }
             }
         }
     }
-    sum.map(|value| value.max(0.0))
+    std::array::from_fn(|c| {
+        let [a, b, d, e] = columns.map(|column| column[c]);
+        let sum = (across[0] * a + across[1] * b) + (across[2] * d + across[3] * e);
+        sum.max(0.0)
+    })
 }
 
 /// The first of four pixels around a place, px, and their shares.
@@ -117,6 +139,7 @@ fn sample<const COLORS: usize>(
     clippy::cast_possible_truncation,
     reason = "px of a frame; shares of light"
 )]
+#[inline(always)]
 fn taps(place: f64) -> (isize, [f32; 4]) {
     let place = place - 0.5;
     let whole = place.floor();

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use starbreak_seed::{Seed, Stream, uniform};
 
 use super::Optic;
-use crate::pyramid::mirrored;
+use crate::pyramid::{mirrored, vectorized};
 
 /// A camera that turns, or trembles, while a frame is exposed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,18 +141,23 @@ impl Shake {
                 wide.extend_from_slice(&row[at..at + n_colors]);
             }
         }
-        for (y, row) in light.chunks_exact_mut(width * n_colors).enumerate() {
-            row.fill(0.0);
-            for ((dx, dy), share) in &kernel {
-                // What is seen here was there.
-                let from_y = mirrored(y.cast_signed() - dy, height);
-                let first = (reach.cast_signed() - dx).cast_unsigned() * n_colors;
-                let from = &wide[from_y * stride + first..][..width * n_colors];
-                for (to, from) in row.iter_mut().zip(from) {
-                    *to += share * from;
+        vectorized(
+            #[inline(always)]
+            || {
+                for (y, row) in light.chunks_exact_mut(width * n_colors).enumerate() {
+                    row.fill(0.0);
+                    for ((dx, dy), share) in &kernel {
+                        // What is seen here was there.
+                        let from_y = mirrored(y.cast_signed() - dy, height);
+                        let first = (reach.cast_signed() - dx).cast_unsigned() * n_colors;
+                        let from = &wide[from_y * stride + first..][..width * n_colors];
+                        for (to, from) in row.iter_mut().zip(from) {
+                            *to += share * from;
+                        }
+                    }
                 }
-            }
-        }
+            },
+        );
     }
 }
 

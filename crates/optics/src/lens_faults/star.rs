@@ -30,7 +30,7 @@ const TO_PX: f64 = 400.0;
 const WAVELENGTHS_UM: [f64; 3] = [0.61, 0.55, 0.465];
 
 /// Most pixels that throw a star, times their spikes: of more the light is gathered in cells.
-const MOST_SPIKES: usize = 60_000;
+const MOST_SPIKES: usize = 12_000;
 
 impl Star {
     /// Whether it changes nothing.
@@ -72,6 +72,9 @@ impl Star {
 
     /// What is brighter than white gives its share to its star; of the rest nobody sees it.
     fn colors_over<const COLORS: usize>(&self, light: &mut [f32], optic: &Optic) {
+        if light.iter().all(|value| *value <= 1.0) {
+            return;
+        }
         let (width, _) = optic.size;
         let mut lamps = Cells::<COLORS>::of(light, optic.size);
         for pixel in lamps.values_mut() {
@@ -86,9 +89,6 @@ impl Star {
                 .filter(|it| it.iter().any(|value| *value > 0.0))
                 .count()
         };
-        if n_lit(&lamps) == 0 {
-            return;
-        }
         let [from, to] = [FROM_PX, TO_PX].map(|px| self.beyond(px, optic));
         let shares: Rgb = std::array::from_fn(|k| {
             #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
@@ -111,26 +111,19 @@ impl Star {
             lamps = lamps.halved();
         }
         let mut star = vec![[0.0_f32; COLORS]; lamps.size.0 * lamps.size.1];
-        let steps = steps(f64::from(lamps.per_cell));
+        let steps: Vec<Step> = (spikes.iter())
+            .flat_map(|angle| steps(*angle, f64::from(lamps.per_cell)))
+            .collect();
         let per_spike = 1.0 / to_f32(spikes.len());
-        let (columns, rows) = lamps.size;
+        let columns = lamps.size.0;
         for (at, lamp) in lamps.values().enumerate() {
             if lamp.iter().all(|value| *value <= 0.0) {
                 continue;
             }
             let sends: [f32; COLORS] = std::array::from_fn(|k| lamp[k] * shares[k] * per_spike);
-            for angle in &spikes {
-                let (sin, cos) = libm::sincos(*angle);
-                for (away, share) in &steps {
-                    let x = to_f64(at % columns) + away * cos;
-                    let y = to_f64(at / columns) + away * sin;
-                    splat::<COLORS>(
-                        &mut star,
-                        (columns, rows),
-                        [x, y],
-                        sends.map(|it| it * share),
-                    );
-                }
+            let at = [at % columns, at / columns].map(usize::cast_signed);
+            for step in &steps {
+                step.add(&mut star, lamps.size, (at, sends));
             }
         }
         let star = Cells::<COLORS>::of_cells(star.as_flattened(), lamps.size, lamps.per_cell);
@@ -139,55 +132,72 @@ impl Star {
     }
 }
 
-/// Places along a spike, in cells of a width, px, each with its share of the spike's light.
-fn steps(per_cell: f64) -> Vec<(f64, f32)> {
-    let within = |px: f64| 1.0 / FROM_PX - 1.0 / px;
-    let all = within(TO_PX);
-    let mut steps = Vec::new();
-    let mut from_px = FROM_PX;
-    while from_px < TO_PX {
-        let to_px = (from_px + per_cell.max(0.5)).min(TO_PX);
-        #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
-        let share = ((within(to_px) - within(from_px)) / all) as f32;
-        steps.push((0.5 * (from_px + to_px) / per_cell, share));
-        from_px = to_px;
-    }
-    steps
+/// Two cells side by side that a spike passes between.
+struct Step {
+    /// From the lamp, right and down.
+    near: [isize; 2],
+    far: [isize; 2],
+    /// Their shares of the spike's light.
+    shares: [f32; 2],
 }
 
-/// Adds light at a place between the middles of cells; what is beyond the frame is lost.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "cells of a frame"
-)]
-fn splat<const COLORS: usize>(
-    star: &mut [[f32; COLORS]],
-    (columns, rows): (usize, usize),
-    [x, y]: [f64; 2],
-    light: [f32; COLORS],
-) {
-    let (left, top) = (x.floor(), y.floor());
-    let (s, t) = ((x - left) as f32, (y - top) as f32);
-    for (dx, dy, share) in [
-        (0.0, 0.0, (1.0 - s) * (1.0 - t)),
-        (1.0, 0.0, s * (1.0 - t)),
-        (0.0, 1.0, (1.0 - s) * t),
-        (1.0, 1.0, s * t),
-    ] {
-        let (x, y) = (left + dx, top + dy);
-        if x >= 0.0 && y >= 0.0 && x < to_f64(columns) && y < to_f64(rows) {
-            let cell = &mut star[y as usize * columns + x as usize];
-            for (value, more) in cell.iter_mut().zip(light) {
-                *value += share * more;
+impl Step {
+    /// Adds the light that a lamp sends along the spike; what is beyond the frame is lost.
+    fn add<const COLORS: usize>(
+        &self,
+        star: &mut [[f32; COLORS]],
+        (columns, rows): (usize, usize),
+        (lamp, light): ([isize; 2], [f32; COLORS]),
+    ) {
+        for (away, share) in [self.near, self.far].into_iter().zip(self.shares) {
+            let [x, y] = [0, 1].map(|k| (lamp[k] + away[k]).cast_unsigned());
+            // Left of the frame or above it is far beyond its other end.
+            if x < columns && y < rows {
+                let cell = &mut star[y * columns + x];
+                for c in 0..COLORS {
+                    cell[c] += share * light[c];
+                }
             }
         }
     }
 }
 
-#[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
-fn to_f64(k: usize) -> f64 {
-    k as f64
+/// The steps of a spike in a direction, rad, one for each column that it passes, or each row, of cells of a width, px.
+fn steps(angle: f64, per_cell: f64) -> Vec<Step> {
+    let (sin, cos) = libm::sincos(angle);
+    let most = cos.abs().max(sin.abs());
+    let is_flat = cos.abs() >= sin.abs();
+    let (main, other) = if is_flat { (cos, sin) } else { (sin, cos) };
+    let beyond = |px: f64| 1.0 / px.clamp(FROM_PX, TO_PX);
+    let all = beyond(FROM_PX) - beyond(TO_PX);
+    let mut steps = Vec::new();
+    for k in 0_i32.. {
+        let [from_px, to_px] = [-0.5, 0.5].map(|half| (f64::from(k) + half) * per_cell / most);
+        if from_px >= TO_PX {
+            break;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
+        let share = ((beyond(from_px) - beyond(to_px)) / all) as f32;
+        let along = if main < 0.0 { -k } else { k } as isize;
+        let across = f64::from(k) * other / most;
+        #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
+        let (whole, part) = (across.floor() as isize, (across - across.floor()) as f32);
+        let cell = |across: isize| {
+            if is_flat {
+                [along, across]
+            } else {
+                [across, along]
+            }
+        };
+        if share > 0.0 {
+            steps.push(Step {
+                near: cell(whole),
+                far: cell(whole + 1),
+                shares: [share * (1.0 - part), share * part],
+            });
+        }
+    }
+    steps
 }
 
 #[expect(clippy::cast_precision_loss, reason = "some spikes")]

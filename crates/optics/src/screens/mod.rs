@@ -20,7 +20,7 @@ use crate::environment::{
 use crate::lens_faults::Optic;
 use crate::maps::Pupil;
 use crate::physical::{Beyond, defocus_rows};
-use crate::pyramid::Cells;
+use crate::pyramid::{Cells, Pyramid, vectorized};
 use crate::vector::dot;
 
 use streak::Streaks;
@@ -319,67 +319,103 @@ impl Screen {
         density
     }
 
-    /// What the coat makes of the light of a frame under what is around, with 1 or 3 values per pixel, in place.
-    pub fn over(
-        &self,
-        light: &mut [f32],
-        n_colors: usize,
-        around: (&Environment, &EnvironmentParams),
-    ) {
+    /// The coat under what is around it, for any frame of its size.
+    #[must_use]
+    pub fn under(&self, light: &Environment, params: &EnvironmentParams) -> LitScreen<'_> {
+        LitScreen {
+            screen: self,
+            shine: self.shines(light, params),
+        }
+    }
+}
+
+/// A coat under one light.
+#[derive(Debug, Clone)]
+pub struct LitScreen<'a> {
+    screen: &'a Screen,
+    /// The light that it sends to the camera itself.
+    shine: Option<Map>,
+}
+
+impl LitScreen<'_> {
+    /// The coat.
+    #[must_use]
+    pub fn screen(&self) -> &Screen {
+        self.screen
+    }
+
+    /// What the coat makes of the light of a frame with 1 or 3 values per pixel, in place.
+    pub fn over(&self, light: &mut [f32], n_colors: usize) {
         match n_colors {
-            1 => self.colors_over::<1>(light, around),
-            _ => self.colors_over::<3>(light, around),
+            1 => self.colors_over::<1>(light),
+            _ => self.colors_over::<3>(light),
         }
     }
 
-    fn colors_over<const COLORS: usize>(
+    fn colors_over<const COLORS: usize>(&self, light: &mut [f32]) {
+        let screen = self.screen;
+        let mut pyramid = Pyramid::<COLORS>::of(light, screen.size);
+        let [narrow, wide] =
+            [0, 1].map(|k| screen.has_halos[k].then(|| pyramid.spread(screen.spreads_px[k])));
+        let streaks = (screen.streaks.as_ref()).map(|it| it.over(&mut pyramid));
+        if let Some(moved) = &screen.moved {
+            moved.over::<COLORS>(light, screen.size);
+        }
+        let spread = [narrow, wide, streaks];
+        vectorized(
+            #[inline(always)]
+            || self.rows_over(light, spread.each_ref().map(Option::as_ref)),
+        );
+    }
+
+    /// Shares of the light of each pixel, and of what is spread, and what shines.
+    #[inline(always)]
+    fn rows_over<const COLORS: usize>(
         &self,
         light: &mut [f32],
-        around: (&Environment, &EnvironmentParams),
+        spread: [Option<&Cells<COLORS>>; 3],
     ) {
-        let (width, height) = self.size;
-        let pixels = Cells::<COLORS>::of(light, self.size);
-        let halos = [0, 1].map(|k| self.has_halos[k].then(|| pixels.spread(self.spreads_px[k])));
-        let streaks = self.streaks.as_ref().map(|it| it.over(&pixels));
-        let shine = self.shines(around.0, around.1);
-        if let Some(moved) = &self.moved {
-            moved.over::<COLORS>(light, self.size);
-        }
-        let mut turned = vec![[0.0_f32; 3]; width];
-        for (y, row) in light
-            .chunks_exact_mut(width * COLORS)
-            .take(height)
-            .enumerate()
-        {
-            let row = row.as_chunks_mut::<COLORS>().0;
-            self.direct.each_between(y, width, |x, share| {
-                let share = of_colors::<COLORS>(share);
-                for (value, share) in row[x].iter_mut().zip(share) {
-                    *value *= share;
+        let width = self.screen.size.0;
+        let mut direct = self.screen.direct.rows(width);
+        let mut shares = self.screen.turned.rows(width);
+        let mut spread = spread.map(|cells| cells.map(|cells| cells.rows(width)));
+        let has_spread = spread.iter().any(Option::is_some);
+        let mut shine = self.shine.as_ref().map(|map| map.rows(width));
+        for (y, row) in light.chunks_exact_mut(width * COLORS).enumerate() {
+            each_color::<COLORS>(row, direct.at(y), |value, share| *value *= share);
+            if has_spread {
+                let shares = shares.at(y).as_chunks::<3>().0;
+                for (k, rows) in spread.iter_mut().enumerate() {
+                    let Some(rows) = rows else { continue };
+                    let halo = rows.at(y).as_chunks::<COLORS>().0;
+                    let pixels = row.as_chunks_mut::<COLORS>().0;
+                    for ((pixel, share), halo) in pixels.iter_mut().zip(shares).zip(halo) {
+                        for c in 0..COLORS {
+                            pixel[c] += share[k] * halo[c];
+                        }
+                    }
                 }
-            });
-            if halos.iter().any(Option::is_some) || streaks.is_some() {
-                self.turned
-                    .each_between(y, width, |x, shares| turned[x] = shares);
             }
-            let spread = halos.iter().chain([&streaks]).enumerate();
-            for (k, spread) in spread {
-                let Some(spread) = spread else { continue };
-                spread.each_between(y, width, |x, halo| {
-                    let share = turned[x][k];
-                    for (value, halo) in row[x].iter_mut().zip(halo) {
-                        *value += share * halo;
-                    }
-                });
+            if let Some(shine) = &mut shine {
+                each_color::<COLORS>(row, shine.at(y), |value, more| *value += more);
             }
-            if let Some(shine) = &shine {
-                shine.each_between(y, width, |x, more| {
-                    let more = of_colors::<COLORS>(more);
-                    for (value, more) in row[x].iter_mut().zip(more) {
-                        *value += more;
-                    }
-                });
-            }
+        }
+    }
+}
+
+/// Changes each value of a row by that of a map of red, green and blue.
+#[inline(always)]
+fn each_color<const COLORS: usize>(row: &mut [f32], map: &[f32], change: impl Fn(&mut f32, f32)) {
+    if COLORS == 3 {
+        for (value, by) in row.iter_mut().zip(map) {
+            change(value, *by);
+        }
+        return;
+    }
+    let pixels = row.as_chunks_mut::<COLORS>().0;
+    for (pixel, by) in pixels.iter_mut().zip(map.as_chunks::<3>().0) {
+        for (value, by) in pixel.iter_mut().zip(of_colors::<COLORS>(*by)) {
+            change(value, by);
         }
     }
 }

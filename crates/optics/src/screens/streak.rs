@@ -3,7 +3,7 @@
 use starbreak_deposit::Scratches;
 
 use super::Samples;
-use crate::pyramid::Cells;
+use crate::pyramid::{Cells, Pyramid, mirrored, vectorized};
 
 /// Width of the cells in which streaks are, px: grooves of a pupil have more than one direction.
 const CELL_PX: u32 = 4;
@@ -15,10 +15,23 @@ pub(super) struct Streaks {
     across: Vec<[f32; 2]>,
     columns: usize,
     per_cell: u32,
-    /// Places on a streak, in cells from its middle on to one side, each with its share of light; with the other side they
-    /// sum to 1.
-    shares: Vec<(f32, f32)>,
+    /// Pieces of a streak from its middle on to one side; with the other side their shares sum to 1.
+    pieces: Vec<Piece>,
 }
+
+/// A piece of a streak.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Piece {
+    /// Its middle, px from that of the streak.
+    away_px: f32,
+    /// Its share of light.
+    share: f32,
+    /// Which cells are as wide as it is long: each a factor of 2 wider than those before.
+    level: usize,
+}
+
+/// Sizes of cells.
+const LEVELS: usize = 3;
 
 impl Streaks {
     /// Of what a coat does; none where it has no grooves.
@@ -46,70 +59,98 @@ impl Streaks {
             reason = "cells of a frame"
         )]
         let n = reach.ceil().max(1.0) as u32;
-        let mut shares = Vec::new();
+        let mut pieces: Vec<Piece> = Vec::new();
         let (mut k, mut last) = (0, 0.0);
         while k <= n {
-            // Far out light changes slowly: every second cell, then every fourth stands for its neighbors.
-            let wide = match k {
-                0..16 => 1,
-                16..64 => 2,
-                _ => 4,
+            // Far out light changes slowly.
+            let level = match k {
+                0..16 => 0,
+                16..64 => 1,
+                _ => 2,
             };
+            let wide = 1 << level;
             let next = within(f64::from(k) + f64::from(wide) - 0.5);
             let sides = if k == 0 { 1.0 } else { 0.5 };
-            #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
-            let share = (sides * (next - last)) as f32;
-            #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
-            let middle = (f64::from(k) + 0.5 * f64::from(wide - 1)) as f32;
-            shares.push((middle, share));
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "px of a frame, a share of light"
+            )]
+            pieces.push(Piece {
+                away_px: ((f64::from(k) + 0.5 * f64::from(wide - 1)) * f64::from(CELL_PX)) as f32,
+                share: (sides * (next - last)) as f32,
+                level,
+            });
             last = next;
             k += wide;
         }
         // The rest.
-        if let Some((_, share)) = shares.last_mut() {
+        if let Some(piece) = pieces.last_mut() {
             #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
             let rest = (0.5 * (1.0 - last)) as f32;
-            *share += rest;
+            piece.share += rest;
         }
         Some(Self {
             across,
             columns: samples.size.0,
             per_cell: samples.per_cell,
-            shares,
+            pieces,
         })
     }
 
     /// The light of a frame turned by grooves.
-    pub(super) fn over<const COLORS: usize>(&self, pixels: &Cells<COLORS>) -> Cells<COLORS> {
-        let mut small = pixels.clone();
-        while small.per_cell < CELL_PX && small.size.0.max(small.size.1) > 1 {
-            small = small.halved();
-        }
-        let (columns, rows) = small.size;
-        let mut out = Vec::with_capacity(columns * rows * COLORS);
-        for y in 0..rows {
-            for x in 0..columns {
-                let [dx, dy] = self.direction([x, y], small.per_cell);
-                let mut sum = [0.0_f32; COLORS];
-                let mut add = |k: f32, share: f32| {
-                    let at = [
-                        mirrored(to_f32(x) + k * dx, columns),
-                        mirrored(to_f32(y) + k * dy, rows),
-                    ];
-                    for (sum, value) in sum.iter_mut().zip(small.cell(at[1] * columns + at[0])) {
-                        *sum += share * value;
-                    }
-                };
-                for (k, share) in &self.shares {
-                    add(*k, *share);
-                    if *k > 0.0 {
-                        add(-k, *share);
+    pub(super) fn over<const COLORS: usize>(
+        &self,
+        pyramid: &mut Pyramid<'_, COLORS>,
+    ) -> Cells<COLORS> {
+        let levels: [Cells<COLORS>; LEVELS] =
+            std::array::from_fn(|k| pyramid.no_wider(f64::from(CELL_PX << k)));
+        let [small, ..] = &levels;
+        let mut out = vec![[0.0_f32; COLORS]; small.size.0 * small.size.1];
+        vectorized(
+            #[inline(always)]
+            || {
+                for (y, row) in out.chunks_exact_mut(small.size.0).enumerate() {
+                    for (x, sum) in row.iter_mut().enumerate() {
+                        *sum = self.of_cell([x, y], &levels);
                     }
                 }
-                out.extend(sum);
+            },
+        );
+        Cells::of_cells(out.as_flattened(), small.size, small.per_cell)
+    }
+
+    /// The light that is turned to the middle of a cell.
+    #[inline(always)]
+    fn of_cell<const COLORS: usize>(
+        &self,
+        cell: [usize; 2],
+        levels: &[Cells<COLORS>; LEVELS],
+    ) -> [f32; COLORS] {
+        let per_cell = levels[0].per_cell;
+        let [dx, dy] = self.direction(cell, per_cell);
+        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+        let [x, y] = cell.map(|k| (k as f32 + 0.5) * per_cell as f32);
+        let mut sum = [0.0_f32; COLORS];
+        for piece in &self.pieces {
+            let cells = &levels[piece.level];
+            let sides: &[f32] = if piece.away_px > 0.0 {
+                &[1.0, -1.0]
+            } else {
+                &[1.0]
+            };
+            for side in sides {
+                let away = side * piece.away_px;
+                let at = [
+                    cell_at(x + away * dx, cells.size.0, cells.per_cell),
+                    cell_at(y + away * dy, cells.size.1, cells.per_cell),
+                ];
+                let light = cells.cell(at[1] * cells.size.0 + at[0]);
+                for c in 0..COLORS {
+                    sum[c] += piece.share * light[c];
+                }
             }
         }
-        Cells::of_cells(&out, small.size, small.per_cell)
+        sum
     }
 
     /// Direction across grooves at a cell of a frame.
@@ -126,14 +167,17 @@ fn to_f64(k: usize) -> f64 {
     k as f64
 }
 
-#[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
-fn to_f32(k: usize) -> f32 {
-    k as f32
-}
-
-/// The cell of a place; beyond the frame it goes on mirrored.
-fn mirrored(place: f32, n: usize) -> usize {
-    #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
-    let whole = (place + 0.5).floor() as isize;
-    crate::pyramid::mirrored(whole, n)
+/// The cell of a place, px; beyond the frame it goes on mirrored.
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "px of a frame"
+)]
+#[inline(always)]
+fn cell_at(px: f32, n: usize, per_cell: u32) -> usize {
+    let whole = (px / per_cell as f32).floor() as isize;
+    match usize::try_from(whole) {
+        Ok(cell) if cell < n => cell,
+        _ => mirrored(whole, n),
+    }
 }

@@ -4,7 +4,7 @@ use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
 use starbreak_optics::environment::{Environment, EnvironmentParams};
 use starbreak_optics::lens_faults::{Lamp, Optic};
-use starbreak_optics::screens::Screen;
+use starbreak_optics::screens::{LitScreen, Screen};
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
 use starbreak_sensor::{Code, Codes, Light, Moment, Sensor};
 
@@ -13,20 +13,12 @@ use crate::{CameraFaults, Error, OpticsSettings, Scene, Settings};
 /// A sample of an image, with its light.
 trait Sample: Code {
     fn light(self) -> f32;
+    /// Of the light of a code it is that code.
     fn of_light(light: f32) -> Self;
-
-    /// The code of a light; its own where that is the same.
-    fn with_light(self, after: f32) -> Self {
-        if self.light().to_bits() == after.to_bits() {
-            self
-        } else {
-            Self::of_light(after)
-        }
-    }
 
     /// From a code to that of so many times its light.
     fn times(gain: f32) -> impl Fn(Self) -> Self {
-        move |code| code.with_light(code.light() * gain)
+        move |code| Self::of_light(code.light() * gain)
     }
 }
 
@@ -43,7 +35,7 @@ impl Sample for u8 {
     fn times(gain: f32) -> impl Fn(Self) -> Self {
         let table: [Self; 256] = std::array::from_fn(|k| {
             let code = Self::try_from(k).unwrap_or(Self::MAX);
-            code.with_light(code.light() * gain)
+            Self::of_light(code.light() * gain)
         });
         move |code| table[usize::from(code)]
     }
@@ -60,11 +52,11 @@ impl Sample for u16 {
 }
 
 /// What light meets beside broken glass and drops: coats on the glass, then the camera's faults.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Behind<'a> {
-    pub(super) screens: &'a [Screen],
-    /// The light around the camera, in which coats shine.
-    pub(super) around: (Environment, EnvironmentParams),
+    screens: Vec<LitScreen<'a>>,
+    /// The sun as the lens sees it, where it stands before the camera.
+    sun: Option<Lamp>,
     pub(super) faults: Option<&'a CameraFaults>,
     /// The lens, which some optics know.
     pub(super) optic: Option<Optic>,
@@ -84,24 +76,23 @@ impl<'a> Behind<'a> {
             OpticsSettings::Physical(optics) => optics.environment,
             OpticsSettings::Paper(_) => EnvironmentParams::default(),
         };
+        let optic = Scene::of(settings, size).optic();
+        let sun = optic.as_ref().and_then(|optic| {
+            let direction = params.sun(&params.horizon(size.1, optic.f_px));
+            Lamp::of_sun(direction, light.sun_rgb, optic)
+        });
         Self {
-            screens,
-            around: (light, params),
+            screens: (screens.iter())
+                .map(|screen| screen.under(&light, &params))
+                .collect(),
+            sun,
             faults: settings.faults.as_ref(),
-            optic: Scene::of(settings, size).optic(),
+            optic,
             least: match &settings.optics {
                 OpticsSettings::Physical(optics) => optics.region_threshold,
                 OpticsSettings::Paper(_) => 0.0,
             },
         }
-    }
-
-    /// The sun as the lens sees it, where it stands before the camera.
-    fn sun(&self, optic: &Optic) -> Option<Lamp> {
-        let (light, params) = &self.around;
-        let height = u32::try_from(optic.size.1).unwrap_or(u32::MAX);
-        let direction = params.sun(&params.horizon(height, optic.f_px));
-        Lamp::of_sun(direction, light.sun_rgb, optic)
     }
 
     /// Whether there is nothing.
@@ -112,8 +103,12 @@ impl<'a> Behind<'a> {
     /// Whether there is nothing at a time of a clip, s.
     pub(super) fn is_nothing_at(&self, time_s: f64) -> bool {
         let faults = self.faults;
-        self.screens.iter().all(Screen::is_nothing)
-            && faults.is_none_or(|faults| faults.at(time_s).is_empty())
+        !self.is_coated() && faults.is_none_or(|faults| faults.at(time_s).is_empty())
+    }
+
+    /// Whether a coat changes any light.
+    fn is_coated(&self) -> bool {
+        !self.screens.iter().all(|it| it.screen().is_nothing())
     }
 
     /// Puts an image there, in place. Samples whose light does not change keep their codes; alpha stays.
@@ -145,8 +140,8 @@ impl<'a> Behind<'a> {
 
     /// Takes from the share of an image's light that comes through at each pixel what coats do not let through.
     pub(super) fn let_through(&self, passing: &mut [f32]) {
-        for screen in self.screens {
-            for (all, passes) in passing.iter_mut().zip(screen.passing()) {
+        for screen in &self.screens {
+            for (all, passes) in passing.iter_mut().zip(screen.screen().passing()) {
                 *all *= passes;
             }
         }
@@ -154,8 +149,8 @@ impl<'a> Behind<'a> {
 
     /// Adds 255 where it reaches a frame of these colors to a region.
     pub(super) fn add_region(&self, region: &mut GrayImage, color: ColorType, at: Moment) {
-        for screen in self.screens {
-            add(region, screen.reaches(self.least));
+        for screen in &self.screens {
+            add(region, screen.screen().reaches(self.least));
         }
         if let Some(faults) = self.faults {
             add_faults(faults, region, color, at);
@@ -187,18 +182,17 @@ where
     let sensor = &faults.sensor;
     // A frame that does not arrive is not looked at.
     if !sensor.frame_state(at).is_blank() {
-        let is_coated = !behind.screens.iter().all(Screen::is_nothing);
-        if is_coated || !faults.lens.faults().is_empty() {
+        if behind.is_coated() || !faults.lens.faults().is_empty() {
             let before = |light: &mut Vec<f32>, n_colors| {
                 faults.lens.unclip(light, n_colors);
                 let unclipped = (faults.lens.headroom() > 1.0).then(|| light.clone());
-                let (light_around, params) = &behind.around;
-                for screen in behind.screens {
-                    screen.over(light, n_colors, (light_around, params));
+                for screen in &behind.screens {
+                    screen.over(light, n_colors);
                 }
                 if let Some(optic) = &behind.optic {
-                    let sun = behind.sun(optic);
-                    faults.lens.over(light, n_colors, (optic, sun), at.frame);
+                    faults
+                        .lens
+                        .over(light, n_colors, (optic, behind.sun), at.frame);
                 }
                 unclipped
             };
@@ -260,33 +254,35 @@ fn change_all<S: Sample>(
     before: impl Fn(&mut Vec<f32>, usize) -> Option<Vec<f32>>,
 ) {
     let n_colors = if n_channels < 3 { 1 } else { 3 };
-    let mut values = Vec::with_capacity(size.0 * size.1 * n_colors);
-    for pixel in samples.chunks_exact(n_channels) {
-        values.extend(pixel[..n_colors].iter().map(|code| code.light()));
-    }
+    let mut values: Vec<f32> = match n_channels == n_colors {
+        true => samples.iter().map(|code| code.light()).collect(),
+        false => (samples.chunks_exact(n_channels))
+            .flat_map(|pixel| pixel[..n_colors].iter().map(|code| code.light()))
+            .collect(),
+    };
     let unclipped = before(&mut values, n_colors);
     let Ok(mut light) = Light::new(size, n_colors, values) else {
         return;
     };
     sensor.over(&mut light, at);
+    if n_channels == n_colors && unclipped.is_none() {
+        for (code, after) in samples.iter_mut().zip(light.values()) {
+            *code = S::of_light(*after);
+        }
+        return;
+    }
     let pixels = samples.chunks_exact_mut(n_channels);
-    for (k, (pixel, after)) in pixels
-        .zip(light.values().chunks_exact(n_colors))
-        .enumerate()
-    {
+    let lights = light.values().chunks_exact(n_colors);
+    for (k, (pixel, after)) in pixels.zip(lights).enumerate() {
         // What was only taken to be brighter than white, and nothing met, is as it was.
         let stays = unclipped.as_ref().is_some_and(|unclipped| {
             let before = &unclipped[k * n_colors..][..n_colors];
-            before
-                .iter()
-                .zip(after)
-                .all(|(a, b)| a.to_bits() == b.to_bits())
+            (before.iter().zip(after)).all(|(a, b)| a.to_bits() == b.to_bits())
         });
-        if stays {
-            continue;
-        }
-        for (code, after) in pixel.iter_mut().zip(after) {
-            *code = code.with_light(*after);
+        if !stays {
+            for (code, after) in pixel.iter_mut().zip(after) {
+                *code = S::of_light(*after);
+            }
         }
     }
 }
