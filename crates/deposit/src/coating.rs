@@ -37,6 +37,42 @@ impl Passage {
         back: [0.0; 3],
         turned_rad: [0.0; 2],
     };
+
+    /// The mean of some places; the direction of the grooves is that of the first.
+    #[must_use]
+    pub fn mean(mut places: impl Iterator<Item = Self>) -> Self {
+        let Some(mut sum) = places.next() else {
+            return Self::CLEAN;
+        };
+        let mut n = 1.0;
+        for it in places {
+            n += 1.0;
+            sum.covered += it.covered;
+            sum.narrow += it.narrow;
+            sum.wide += it.wide;
+            sum.streak += it.streak;
+            for k in 0..3 {
+                sum.direct[k] += it.direct[k];
+                sum.diffuse[k] += it.diffuse[k];
+                sum.back[k] += it.back[k];
+            }
+            for k in 0..2 {
+                sum.turned_rad[k] += it.turned_rad[k];
+            }
+        }
+        let per = 1.0 / n;
+        Self {
+            covered: per * sum.covered,
+            direct: sum.direct.map(|it| per * it),
+            narrow: per * sum.narrow,
+            wide: per * sum.wide,
+            streak: per * sum.streak,
+            across: sum.across,
+            diffuse: sum.diffuse.map(|it| per * it),
+            back: sum.back.map(|it| per * it),
+            turned_rad: sum.turned_rad.map(|it| per * it),
+        }
+    }
 }
 
 /// A coat on one pane.

@@ -35,8 +35,8 @@ const EVEN_MM: f64 = 0.08;
 const SCATTERS_PER_MM: f64 = 2.0;
 
 /// How much thicker it is on stems, branches and branches of these, and between them. FIT.
-const RIDGES: [f32; 3] = [2.2, 1.6, 1.2];
-const BETWEEN: f32 = 0.6;
+const RIDGES: [f32; 3] = [3.0, 2.0, 1.4];
+const BETWEEN: f32 = 0.35;
 
 /// Speed of stems, branches, and branches of these, over that of the front. FIT.
 const SPEEDS: [f64; 3] = [1.0, 0.6, 0.4];
@@ -89,8 +89,9 @@ impl Frost {
             close_in(&mut ice.arrives_mm);
         }
         FrostedPane {
-            ice,
-            front_mm: most_mm,
+            thickness_mm: ice.thickness_mm(most_mm),
+            from_mm: ice.from_mm,
+            sides_mm: ice.sides_mm,
         }
     }
 }
@@ -234,11 +235,21 @@ impl Growing {
 impl Ice {
     /// The same place of the tile.
     fn inside(&self, at_mm: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|k| {
-            let side = self.sides_mm[k];
-            let within = at_mm[k] - self.from_mm[k];
-            self.from_mm[k] + (within - (within / side).floor() * side)
-        })
+        inside(at_mm, self.from_mm, self.sides_mm)
+    }
+
+    /// How thick it is when the front has gone a way, mm.
+    fn thickness_mm(&self, front_mm: f64) -> Raster {
+        let mut thickness_mm = self.ridge.clone();
+        let cells = thickness_mm.values.iter_mut().zip(&self.arrives_mm.values);
+        for (ridge, arrives_mm) in cells {
+            #[expect(clippy::cast_possible_truncation, reason = "a length")]
+            let since_mm = (front_mm - f64::from(*arrives_mm)).max(0.0) as f32;
+            #[expect(clippy::cast_possible_truncation, reason = "a length")]
+            let per_ridge = THICKNESS_MM as f32;
+            *ridge *= per_ridge * since_mm.sqrt();
+        }
+        thickness_mm
     }
 
     /// Ice comes to the cells of a disc, where none is, on both sides of an edge of the tile.
@@ -264,19 +275,25 @@ impl Ice {
     }
 
     fn mark_disc(&mut self, at_mm: [f64; 2], (radius_mm, kind): (f64, usize), way_mm: f64) {
-        let [columns, rows] = self.arrives_mm.around(at_mm, radius_mm);
+        let [columns, rows] =
+            (self.arrives_mm).around(at_mm, radius_mm + 0.5 * self.arrives_mm.cell_mm);
         let width = self.arrives_mm.size[0];
         #[expect(clippy::cast_possible_truncation, reason = "a length")]
         let way = way_mm as f32;
         for y in rows {
             for x in columns.clone() {
                 let [mx, my] = self.arrives_mm.middle_mm(x, y);
-                if libm::hypot(mx - at_mm[0], my - at_mm[1]) <= radius_mm {
+                // As far as the disc covers it.
+                let away_mm = libm::hypot(mx - at_mm[0], my - at_mm[1]);
+                let part = ((radius_mm - away_mm) / self.arrives_mm.cell_mm + 0.5).min(1.0);
+                if part > 0.0 {
                     let cell = y * width + x;
                     let arrives = &mut self.arrives_mm.values[cell];
                     *arrives = arrives.min(way);
+                    #[expect(clippy::cast_possible_truncation, reason = "a ratio")]
+                    let higher = BETWEEN + (RIDGES[kind] - BETWEEN) * part as f32;
                     let ridge = &mut self.ridge.values[cell];
-                    *ridge = ridge.max(RIDGES[kind]);
+                    *ridge = ridge.max(higher);
                 }
             }
         }
@@ -318,31 +335,28 @@ fn close_in(arrives_mm: &mut Raster) {
 
 /// Ice on one pane.
 pub(crate) struct FrostedPane {
-    ice: Ice,
-    /// Way of the front now, mm.
-    front_mm: f64,
+    thickness_mm: Raster,
+    from_mm: [f64; 2],
+    sides_mm: [f64; 2],
 }
 
 impl Coating for FrostedPane {
     fn passage(&self, at_mm: [f64; 2]) -> Passage {
-        let Ice {
-            arrives_mm, ridge, ..
-        } = &self.ice;
-        let at_mm = self.ice.inside(at_mm);
-        let since_mm = arrives_mm.cell(at_mm).map_or(-1.0, |cell| {
-            self.front_mm - f64::from(arrives_mm.values[cell])
-        });
-        if since_mm < 0.0 {
+        let at_mm = inside(at_mm, self.from_mm, self.sides_mm);
+        let thickness_mm = self.thickness_mm.at(at_mm);
+        if thickness_mm <= 0.0 {
             return Passage::CLEAN;
         }
-        let thickness_mm = THICKNESS_MM * ridge.at(at_mm) * since_mm.sqrt();
         let depth = SCATTERS_PER_MM * thickness_mm;
         let through = 1.0 / (1.0 + depth);
         // Of what is not scattered some meets an even face, as of a thin film; the rest is turned.
         let unscattered = libm::exp(-depth);
         let even = libm::exp(-thickness_mm / EVEN_MM);
+        let is_covered = |cell: usize| self.thickness_mm.values[cell] > 0.0;
         Passage {
-            covered: 1.0,
+            covered: f64::from(u8::from(
+                self.thickness_mm.cell(at_mm).is_some_and(is_covered),
+            )),
             direct: [unscattered * even; 3],
             wide: unscattered * (1.0 - even) + FORWARDS * (through - unscattered),
             diffuse: [(1.0 - FORWARDS) * (through - unscattered); 3],
@@ -354,4 +368,12 @@ impl Coating for FrostedPane {
     fn turns_by_rad(&self) -> [f64; 2] {
         [0.0, TURNED_RAD]
     }
+}
+
+/// The same place of a tile.
+fn inside(at_mm: [f64; 2], from_mm: [f64; 2], sides_mm: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|k| {
+        let within = at_mm[k] - from_mm[k];
+        from_mm[k] + (within - (within / sides_mm[k]).floor() * sides_mm[k])
+    })
 }

@@ -36,6 +36,12 @@ const MOST_OUTLINE: f64 = 2.0;
 /// How much thicker and thinner it is in places, and how large those are, mm. FIT.
 const GRAIN: (f64, f64) = (1.6, 0.35);
 
+/// How its thickness falls to the edge of a splat: as (1 − r²) to this. FIT.
+const DOME: f64 = 0.75;
+
+/// Standard deviation of the logarithm of the thickness of splats. FIT.
+const THICKNESSES: f64 = 0.4;
+
 /// Most splats.
 const MOST_SPLATS: u32 = 200_000;
 
@@ -88,7 +94,8 @@ impl Mud {
                 area.from_mm[k] + (sides[k] + 2.0 * radius_mm) * uniform(&mut rng) - radius_mm
             });
             let splat = Splat::new(middle_mm, radius_mm, &mut rng);
-            covered += splat.add(&mut thickness, self.thickness_mm);
+            let thickness_mm = self.thickness_mm * libm::exp(THICKNESSES * normal(&mut rng));
+            covered += splat.add(&mut thickness, thickness_mm);
             // Spray around it.
             #[expect(
                 clippy::cast_possible_truncation,
@@ -102,7 +109,7 @@ impl Mud {
                 let at = [middle_mm[0] + away * cos, middle_mm[1] + away * sin];
                 let radius = radius_mm * 0.04 * (1.0 + 3.0 * uniform(&mut rng));
                 let drop = Splat::new(at, radius, &mut rng);
-                covered += drop.add(&mut thickness, 0.5 * self.thickness_mm);
+                covered += drop.add(&mut thickness, 0.4 * thickness_mm);
             }
         }
         MuddyPane {
@@ -184,13 +191,11 @@ impl Splat {
                 if part >= 1.0 {
                     continue;
                 }
-                // Flat, with an edge to which the grains were carried as it dried.
-                let edge = (1.0 - part * part).sqrt().min(0.45) / 0.45;
-                let ring = 1.0 + 0.5 * libm::exp(-0.5 * (part - 0.86) * (part - 0.86) / 0.0064);
+                let dome = libm::pow(1.0 - part * part, DOME);
                 let cell = &mut thickness.values[y * thickness.size[0] + x];
                 n_new += usize::from(*cell <= 0.0);
                 #[expect(clippy::cast_possible_truncation, reason = "a length")]
-                let more = (most_mm * 0.75 * edge * ring) as f32;
+                let more = (most_mm * dome) as f32;
                 *cell = cell.max(more) + 0.3 * cell.min(more);
             }
         }

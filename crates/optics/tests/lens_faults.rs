@@ -442,7 +442,7 @@ fn clipped_lamps_are_as_bright_as_the_headroom_says() {
         let mut light: Vec<f32> = (0..40_000)
             .map(|k| lamp(f64::from(k % 200), f64::from(k / 200)) as f32)
             .collect();
-        lens.unclip(&mut light, 1);
+        lens.unclip(&mut light, 1, (200, 200));
         lens.over(&mut light, 1, (&optic, None), Seed(1));
         f64::from(light[100 * 200 + 120])
     };
@@ -452,15 +452,79 @@ fn clipped_lamps_are_as_bright_as_the_headroom_says() {
 #[test]
 fn a_lamp_keeps_its_color() {
     let lens = LensFaults::with_headroom(40.0);
-    let mut light = vec![1.0, 0.05, 0.03, 1.0, 0.97, 0.93, 0.9, 0.9, 0.9];
-    lens.unclip(&mut light, 3);
+    let mut light = vec![0.0_f32; 60 * 60 * 3];
+    let at = |k: usize| 3 * (60 * (10 + 20 * k) + 10 + 20 * k);
+    for (k, color) in [[1.0, 0.05, 0.03], [1.0, 0.99, 0.97], [0.9; 3]]
+        .iter()
+        .enumerate()
+    {
+        light[at(k)..][..3].copy_from_slice(color);
+    }
+    lens.unclip(&mut light, 3, (60, 60));
+    let red = &light[at(0)..][..3];
     assert!(
-        light[0] > 39.0 && light[1] < 0.06 && light[2] < 0.04,
-        "a red one: {light:?}"
+        (1.5..2.5).contains(&red[0]) && red[1] < 0.06 && red[2] < 0.04,
+        "a signal: {red:?}"
+    );
+    let white = &light[at(1)..][..3];
+    assert!(
+        white[2] > 0.7 * white[0],
+        "one that is nearly white: {white:?}"
+    );
+    assert_eq!(light[at(2)..][..3], [0.9; 3], "what is not clipped stays");
+}
+
+/// A frame with a disc of light 1, as large as an area in px, in darkness.
+fn disc(area_px: f64) -> Vec<f32> {
+    let radius = (area_px / PI).sqrt();
+    let away = |k: u32| (f64::from(k % 400) - 200.0).hypot(f64::from(k / 400) - 150.0);
+    let light = (0..120_000).map(|k| f32::from(u8::from(away(k) <= radius)));
+    light.collect()
+}
+
+#[test]
+fn what_is_clipped_is_the_brighter_the_smaller_it_is() {
+    let lens = LensFaults::with_headroom(300.0);
+    let brightest = |area_px: f64| {
+        let mut light = disc(area_px);
+        lens.unclip(&mut light, 1, (400, 300));
+        light.iter().fold(0.0_f32, |most, value| most.max(*value))
+    };
+    assert!(
+        brightest(10.0) > 299.0,
+        "a ten-thousandth of the frame is a lamp"
+    );
+    let areas = [10.0, 100.0, 1e3, 1e4, 3e4, 5e4];
+    for (small, large) in areas.iter().zip(&areas[1..]) {
+        let (one, other) = (brightest(*small), brightest(*large));
+        assert!(
+            other - 1.0 < 0.7 * (one - 1.0),
+            "{one} of {small} px, {other} of {large}"
+        );
+        assert!(other > 1.0, "{other}: brighter than white");
+    }
+    assert!(
+        brightest(3e4) < 2.5,
+        "a sky is but a little brighter than white"
+    );
+}
+
+#[test]
+fn a_lamp_is_brightest_in_its_middle_and_has_no_holes() {
+    let lens = LensFaults::with_headroom(300.0);
+    let mut light = disc(900.0);
+    let middle = 150 * 400 + 200;
+    // What compression leaves: a pixel of it is not clipped.
+    light[middle + 5] = 0.93;
+    lens.unclip(&mut light, 1, (400, 300));
+    assert!(
+        light[middle] > 2.0 * light[middle + 9],
+        "more than near its rim"
     );
     assert!(
-        light[5] > 0.7 * light[3],
-        "one that is nearly white: {light:?}"
+        light[middle + 9] > light[middle + 15],
+        "and there more than at it"
     );
-    assert_eq!(light[6..], [0.9; 3], "what is not clipped stays");
+    assert!(light[middle + 5] > 0.3 * light[middle + 4], "no hole");
+    assert!(light[middle + 16] >= 1.0, "the rim is no darker");
 }

@@ -222,19 +222,22 @@ fn lamps_brighter_than_white_stay_as_they_are_where_nothing_meets_their_light() 
         (after, shown.region)
     };
     let (after, region) = over(&["lens.headroom=50"]);
-    let pixels = after.to_rgb8().into_raw();
-    let before = lamps.to_rgb8().into_raw();
-    let mut n_clean = 0;
-    for (k, code) in region.iter().enumerate() {
-        if *code == 0 && pixels[3 * k..][..3] == before[3 * k..][..3] {
-            n_clean += 1;
+    let pixels = after.to_rgb8();
+    let before = lamps.to_rgb8();
+    // Around splats the glass is dirty by less than the region counts.
+    let is_far = |x: u32, y: u32| {
+        let near = |k: u32, n: u32| k.saturating_sub(2)..(k + 3).min(n);
+        near(y, 200).all(|y| near(x, 320).all(|x| region.get_pixel(x, y).0[0] == 0))
+    };
+    let (mut n_far, mut n_clean) = (0, 0);
+    for (x, y, pixel) in before.enumerate_pixels() {
+        if is_far(x, y) {
+            n_far += 1;
+            n_clean += u32::from(pixels.get_pixel(x, y) == pixel);
         }
     }
-    let n_outside = region.iter().filter(|code| **code == 0).count();
-    assert!(
-        n_clean > n_outside * 95 / 100,
-        "{n_clean} of {n_outside} stay"
-    );
+    assert!(n_far > 20_000, "{n_far} px are far from mud");
+    assert!(n_clean > n_far * 99 / 100, "{n_clean} of {n_far} stay");
     let (after, _) = over(&[
         "mud.coverage_percent=0",
         "frost.age_s=0",

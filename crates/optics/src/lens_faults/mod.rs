@@ -4,6 +4,7 @@
 //! them in this order: geometry ([`Distortion`], [`Fringes`]), blur ([`Defocus`], [`Shake`]), stray light
 //! ([`Ghosts`], [`Star`], [`Glare`]), and [`Shading`].
 
+mod clipped;
 mod defocus;
 mod distortion;
 mod fringes;
@@ -190,23 +191,12 @@ impl LensFaults {
         faults.any(|(_, fault)| matches!(fault, LensFault::Distortion(_)))
     }
 
-    /// Makes what is clipped in a frame of linear light, of 1 or 3 colors, as bright as it may have been, before anything
-    /// spreads it. Of a pixel with a clipped color the others are brighter, too, the more so the nearer they are to it:
-    /// a lamp that is nearly white stays so, and a red one red.
-    pub fn unclip(&self, light: &mut [f32], n_colors: usize) {
-        if self.headroom <= 1.0 {
-            return;
-        }
-        #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
-        let more = (self.headroom - 1.0) as f32;
-        for pixel in light.chunks_exact_mut(n_colors) {
-            // Of 8 bits the last code alone is clipped light.
-            if pixel.iter().any(|value| *value >= 0.995) {
-                for value in pixel {
-                    let near = ((*value - 0.5) / 0.495).clamp(0.0, 1.0);
-                    *value *= 1.0 + more * near * near;
-                }
-            }
+    /// Makes what is clipped in a frame of linear light of a width and height, px, of 1 or 3 colors, as bright as it may
+    /// have been, before anything spreads it: small lamps by the headroom, in their middle, and larger ones less, for a camera
+    /// that saw a sky so bright would have exposed less. A lamp that is nearly white stays so, and a red one red.
+    pub fn unclip(&self, light: &mut [f32], n_colors: usize, size: (usize, usize)) {
+        if self.headroom > 1.0 {
+            clipped::unclip(light, n_colors, size, self.headroom);
         }
     }
 

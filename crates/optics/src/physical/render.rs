@@ -68,6 +68,27 @@ impl Overlay {
     /// [`OpticsError`] for an image without pixels or of another size than the overlay, or one
     /// whose samples are floating point.
     pub fn apply(&self, image: &mut DynamicImage, seed: Seed) -> Result<(), OpticsError> {
+        self.change(image, (Part::All, seed))
+    }
+
+    /// What [`Overlay::apply`] does to linear light of 1 or 3 colors, in place, which may be brighter than white. Then
+    /// [`Overlay::apply_noise`] adds what the sensor does.
+    pub fn over_light(&self, light: &mut Vec<f32>, n_colors: usize) {
+        match n_colors {
+            1 => self.over_colors::<1>(light),
+            _ => self.over_colors::<3>(light),
+        }
+    }
+
+    /// The sensor's noise alone.
+    ///
+    /// # Errors
+    /// As [`Overlay::apply`].
+    pub fn apply_noise(&self, image: &mut DynamicImage, seed: Seed) -> Result<(), OpticsError> {
+        self.change(image, (Part::Noise, seed))
+    }
+
+    fn change(&self, image: &mut DynamicImage, part: (Part, Seed)) -> Result<(), OpticsError> {
         let (width, height) = (image.width(), image.height());
         if width == 0 || height == 0 {
             return Err(OpticsError::EmptyImage { width, height });
@@ -81,14 +102,14 @@ impl Overlay {
             });
         }
         match image {
-            DynamicImage::ImageLuma8(image) => self.over(Layout::<1, 0>, image.as_mut(), seed),
-            DynamicImage::ImageLumaA8(image) => self.over(Layout::<1, 1>, image.as_mut(), seed),
-            DynamicImage::ImageRgb8(image) => self.over(Layout::<3, 0>, image.as_mut(), seed),
-            DynamicImage::ImageRgba8(image) => self.over(Layout::<3, 1>, image.as_mut(), seed),
-            DynamicImage::ImageLuma16(image) => self.over(Layout::<1, 0>, image.as_mut(), seed),
-            DynamicImage::ImageLumaA16(image) => self.over(Layout::<1, 1>, image.as_mut(), seed),
-            DynamicImage::ImageRgb16(image) => self.over(Layout::<3, 0>, image.as_mut(), seed),
-            DynamicImage::ImageRgba16(image) => self.over(Layout::<3, 1>, image.as_mut(), seed),
+            DynamicImage::ImageLuma8(image) => self.over(Layout::<1, 0>, image.as_mut(), part),
+            DynamicImage::ImageLumaA8(image) => self.over(Layout::<1, 1>, image.as_mut(), part),
+            DynamicImage::ImageRgb8(image) => self.over(Layout::<3, 0>, image.as_mut(), part),
+            DynamicImage::ImageRgba8(image) => self.over(Layout::<3, 1>, image.as_mut(), part),
+            DynamicImage::ImageLuma16(image) => self.over(Layout::<1, 0>, image.as_mut(), part),
+            DynamicImage::ImageLumaA16(image) => self.over(Layout::<1, 1>, image.as_mut(), part),
+            DynamicImage::ImageRgb16(image) => self.over(Layout::<3, 0>, image.as_mut(), part),
+            DynamicImage::ImageRgba16(image) => self.over(Layout::<3, 1>, image.as_mut(), part),
             other => {
                 return Err(OpticsError::ImageMode {
                     mode: format!("{:?}", other.color()),
@@ -133,15 +154,17 @@ impl Overlay {
         &self,
         layout: Layout<COLORS, EXTRA>,
         samples: &mut [S],
-        seed: Seed,
+        (part, seed): (Part, Seed),
     ) {
-        if self.changes_runs_alone() {
+        if part == Part::Noise {
+            self.add_noise(layout, samples, seed);
+        } else if self.changes_runs_alone() {
             let width = self.size.0 as usize;
             for layer in &self.layers {
                 layer.over(layout, samples, width, self.noise(seed).as_ref());
             }
         } else {
-            self.over_all(layout, samples, self.scene_px(), seed);
+            self.over_all(layout, samples, seed);
         }
     }
 
@@ -150,25 +173,14 @@ impl Overlay {
         &self,
         layout: Layout<COLORS, EXTRA>,
         samples: &mut [S],
-        scene_px: f64,
         seed: Seed,
     ) {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
-        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
         let mut light: Vec<f32> = samples
             .chunks_exact(stride)
             .flat_map(|pixel| pixel[..COLORS].iter().map(|sample| sample.light()))
             .collect();
-        if scene_px.abs() >= SHARP_PX {
-            let pupil = Pupil::of(&self.optics.lens);
-            light = defocus::<COLORS>(&light, (width, height), pupil, scene_px);
-        }
-        for layer in &self.layers {
-            layer.over_light::<COLORS>(&mut light, width);
-        }
-        if self.optics.veiling_glare > 0.0 {
-            veil::<COLORS>(&mut light, self.optics.veiling_glare);
-        }
+        self.over_colors::<COLORS>(&mut light);
         for (pixel, light) in samples
             .chunks_exact_mut(stride)
             .zip(light.chunks_exact(COLORS))
@@ -177,9 +189,33 @@ impl Overlay {
                 *sample = S::code(*light);
             }
         }
+        self.add_noise(layout, samples, seed);
+    }
+
+    fn over_colors<const COLORS: usize>(&self, light: &mut Vec<f32>) {
+        let size = (self.size.0 as usize, self.size.1 as usize);
+        let scene_px = self.scene_px();
+        if scene_px.abs() >= SHARP_PX {
+            let pupil = Pupil::of(&self.optics.lens);
+            *light = defocus::<COLORS>(light, size, pupil, scene_px);
+        }
+        for layer in &self.layers {
+            layer.over_light::<COLORS>(light, size.0);
+        }
+        if self.optics.veiling_glare > 0.0 {
+            veil::<COLORS>(light, self.optics.veiling_glare);
+        }
+    }
+
+    fn add_noise<S: Sample, const COLORS: usize, const EXTRA: usize>(
+        &self,
+        layout: Layout<COLORS, EXTRA>,
+        samples: &mut [S],
+        seed: Seed,
+    ) {
         if let Some(noise) = self.noise(seed) {
             for layer in &self.layers {
-                layer.add_noise(layout, samples, width, &noise);
+                layer.add_noise(layout, samples, self.size.0 as usize, &noise);
             }
         }
     }
@@ -188,6 +224,13 @@ impl Overlay {
         let params = self.optics.noise?;
         (params.read > 0.0 || params.shot > 0.0).then_some(Noise { params, seed })
     }
+}
+
+/// What is done to an image.
+#[derive(Clone, Copy, PartialEq)]
+enum Part {
+    All,
+    Noise,
 }
 
 impl OverlayLayer {

@@ -11,6 +11,8 @@
 mod streak;
 mod turned;
 
+use std::rc::Rc;
+
 use starbreak_deposit::{Coating, Passage};
 
 use crate::View;
@@ -31,6 +33,10 @@ const CELLS_PER_RADIUS: f64 = 1.2;
 
 /// Widest cell of a map, px.
 const WIDEST_PX: f64 = 4.0;
+
+/// A way over the pane on which a coat does not change, mm, and most places of a cell.
+const LONGEST_MM: f64 = 0.7;
+const MOST_PLACES: u32 = 32;
 
 /// What is moved or blurred by more than this, px, is no longer where it was.
 const MOVED_PX: f32 = 0.5;
@@ -79,13 +85,21 @@ impl Samples {
         let (width, height) = view.size();
         let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
         let middle = |k: u32| (f64::from(k) + 0.5) * f64::from(per_cell);
-        let places = (0..size.1).flat_map(|y| (0..size.0).map(move |x| [middle(x), middle(y)]));
-        let passages = places
-            .map(|place| match view.unproject(place) {
-                Some(at_mm) => {
-                    let mut passage = coating.passage(at_mm);
+        let middle_px = 0.5 * f64::from(width);
+        let passages = (0..size.1)
+            .flat_map(|y| {
+                let around_mm = footprint(view, [middle_px, middle(y)], per_cell);
+                (0..size.0).map(move |x| ([middle(x), middle(y)], around_mm.clone()))
+            })
+            .map(|(place, around_mm)| match view.unproject(place) {
+                Some([x, y]) => {
+                    let there = |[dx, dy]: &[f64; 2]| coating.passage([x + dx, y + dy]);
+                    let mut passage = match &around_mm[..] {
+                        [one] => there(one),
+                        all => Passage::mean(all.iter().map(there)),
+                    };
                     if passage.streak > 0.0 {
-                        passage.across = across_in_frame(passage.across, at_mm, view);
+                        passage.across = across_in_frame(passage.across, [x, y], view);
                     }
                     passage
                 }
@@ -123,6 +137,31 @@ impl Samples {
         };
         Cells::of_cells(&spread, self.size, self.per_cell)
     }
+}
+
+/// Places on the pane around that in the middle of a cell of a frame, mm, of which the cell shows the mean: along the longer
+/// way over the pane that it is, where that is long, as of glass seen at a grazing angle.
+fn footprint(view: &View, middle_px: [f64; 2], per_cell: u32) -> Rc<[[f64; 2]]> {
+    let half = 0.5 * f64::from(per_cell);
+    let ways = [[half, 0.0], [0.0, half]].into_iter().filter_map(|[x, y]| {
+        let from = view.unproject(middle_px)?;
+        let to = view.unproject([middle_px[0] + x, middle_px[1] + y])?;
+        Some([2.0 * (to[0] - from[0]), 2.0 * (to[1] - from[1])])
+    });
+    let length = |[x, y]: &[f64; 2]| libm::hypot(*x, *y);
+    let Some(way) = ways.max_by(|one, other| length(one).total_cmp(&length(other))) else {
+        return Rc::new([[0.0; 2]]);
+    };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "some places"
+    )]
+    let n = ((length(&way) / LONGEST_MM).ceil() as u32).clamp(1, MOST_PLACES);
+    (0..n)
+        .map(|k| (f64::from(k) + 0.5) / f64::from(n) - 0.5)
+        .map(|part| way.map(|mm| part * mm))
+        .collect()
 }
 
 /// Direction across a groove in the frame, by that on the pane.

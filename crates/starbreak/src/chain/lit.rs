@@ -58,13 +58,42 @@ impl Lit<'_> {
     /// [`Error::Optics`]; the image may then be half changed.
     pub fn over(&self, frame: &mut DynamicImage, at: impl Into<Moment>) -> Result<(), Error> {
         let at = at.into();
+        self.glass_over(frame, at)?;
+        self.camera_over(frame, at)
+    }
+
+    /// The glass over codes of light.
+    fn glass_over(&self, frame: &mut DynamicImage, at: Moment) -> Result<(), Error> {
         match &self.glass {
             Glass::Paper(coverage, optics) => {
                 composite(frame, coverage, optics)?;
             }
-            Glass::Physical(overlay) => overlay.apply(frame, at.frame)?,
+            Glass::Physical(overlay) if self.glass_in_light().is_none() => {
+                overlay.apply(frame, at.frame)?;
+            }
+            Glass::Physical(_) => {}
         }
-        self.behind.over(frame, at)
+        Ok(())
+    }
+
+    /// What comes behind the glass, with that where it meets light brighter than white.
+    fn camera_over(&self, frame: &mut DynamicImage, at: Moment) -> Result<(), Error> {
+        let glass = self.glass_in_light();
+        self.behind.over(frame, glass, at)?;
+        if let Some(overlay) = glass {
+            overlay.apply_noise(frame, at.frame)?;
+        }
+        Ok(())
+    }
+
+    /// The glass, where lamps are brighter than any code when they meet it.
+    fn glass_in_light(&self) -> Option<&Overlay> {
+        match &self.glass {
+            Glass::Physical(overlay) if self.behind.has_headroom() => {
+                Some(&**overlay).filter(|overlay| !overlay.changes_nothing())
+            }
+            _ => None,
+        }
     }
 
     /// As [`Lit::over`]; returns where the frame is affected.
@@ -81,7 +110,7 @@ impl Lit<'_> {
                 masks.region
             }
             Glass::Physical(overlay) => {
-                overlay.apply(frame, at.frame)?;
+                self.glass_over(frame, at)?;
                 watch.lap("render");
                 let region = overlay.region();
                 watch.lap("region");
@@ -90,7 +119,7 @@ impl Lit<'_> {
         };
         let mut all = None;
         if !self.behind.is_nothing() {
-            self.behind.over(frame, at)?;
+            self.camera_over(frame, at)?;
             let mut behind = glass.clone();
             self.behind.add_region(&mut behind, frame.color(), at);
             watch.lap("camera");

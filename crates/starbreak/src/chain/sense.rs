@@ -4,6 +4,7 @@ use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
 use starbreak_optics::environment::{Environment, EnvironmentParams};
 use starbreak_optics::lens_faults::{Lamp, Optic};
+use starbreak_optics::physical::Overlay;
 use starbreak_optics::screens::{LitScreen, Screen};
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
 use starbreak_sensor::{Code, Codes, Light, Moment, Sensor};
@@ -111,17 +112,29 @@ impl<'a> Behind<'a> {
         !self.screens.iter().all(|it| it.screen().is_nothing())
     }
 
-    /// Puts an image there, in place. Samples whose light does not change keep their codes; alpha stays.
+    /// Whether what is clipped in an image is taken to have been brighter than white.
+    pub(super) fn has_headroom(&self) -> bool {
+        self.faults
+            .is_some_and(|faults| faults.lens.headroom() > 1.0)
+    }
+
+    /// Puts an image there, in place, before that behind the glass in front where some is given. Samples whose light does
+    /// not change keep their codes; alpha stays.
     ///
     /// # Errors
     /// [`Error::Optics`] for an image of 32-bit samples, [`Error::Sensor`] for one that no codec takes.
-    pub(super) fn over(&self, image: &mut DynamicImage, at: Moment) -> Result<(), Error> {
+    pub(super) fn over(
+        &self,
+        image: &mut DynamicImage,
+        glass: Option<&Overlay>,
+        at: Moment,
+    ) -> Result<(), Error> {
         if self.is_nothing() {
             return Ok(());
         }
         let none = CameraFaults::default();
         let faults = self.faults.unwrap_or(&none).at(at.time_s);
-        let now = (&*faults, self);
+        let now = (&*faults, self, glass);
         match image {
             DynamicImage::ImageLuma8(image) => samples(now, image, at),
             DynamicImage::ImageLumaA8(image) => samples(now, image, at),
@@ -168,7 +181,7 @@ fn add(region: &mut GrayImage, reached: Vec<bool>) {
 }
 
 fn samples<P>(
-    (faults, behind): (&CameraFaults, &Behind<'_>),
+    (faults, behind, glass): (&CameraFaults, &Behind<'_>, Option<&Overlay>),
     image: &mut ImageBuffer<P, Vec<P::Subpixel>>,
     at: Moment,
 ) -> Result<(), Error>
@@ -182,10 +195,13 @@ where
     let sensor = &faults.sensor;
     // A frame that does not arrive is not looked at.
     if !sensor.frame_state(at).is_blank() {
-        if behind.is_coated() || !faults.lens.faults().is_empty() {
+        if glass.is_some() || behind.is_coated() || !faults.lens.faults().is_empty() {
             let before = |light: &mut Vec<f32>, n_colors| {
-                faults.lens.unclip(light, n_colors);
+                faults.lens.unclip(light, n_colors, size);
                 let unclipped = (faults.lens.headroom() > 1.0).then(|| light.clone());
+                if let Some(glass) = glass {
+                    glass.over_light(light, n_colors);
+                }
                 for screen in &behind.screens {
                     screen.over(light, n_colors);
                 }
@@ -265,26 +281,46 @@ fn change_all<S: Sample>(
         return;
     };
     sensor.over(&mut light, at);
-    if n_channels == n_colors && unclipped.is_none() {
-        for (code, after) in samples.iter_mut().zip(light.values()) {
-            *code = S::of_light(*after);
-        }
-        return;
-    }
-    let pixels = samples.chunks_exact_mut(n_channels);
-    let lights = light.values().chunks_exact(n_colors);
-    for (k, (pixel, after)) in pixels.zip(lights).enumerate() {
-        // What was only taken to be brighter than white, and nothing met, is as it was.
-        let stays = unclipped.as_ref().is_some_and(|unclipped| {
-            let before = &unclipped[k * n_colors..][..n_colors];
-            (before.iter().zip(after)).all(|(a, b)| a.to_bits() == b.to_bits())
-        });
-        if !stays {
-            for (code, after) in pixel.iter_mut().zip(after) {
+    let light = light.values();
+    match unclipped {
+        None if n_channels == n_colors => {
+            for (code, after) in samples.iter_mut().zip(light) {
                 *code = S::of_light(*after);
             }
         }
+        None => {
+            let pixels = samples.chunks_exact_mut(n_channels);
+            for (pixel, after) in pixels.zip(light.chunks_exact(n_colors)) {
+                for (code, after) in pixel.iter_mut().zip(after) {
+                    *code = S::of_light(*after);
+                }
+            }
+        }
+        Some(unclipped) => {
+            let lights = light.chunks_exact(n_colors);
+            let lights = lights.zip(unclipped.chunks_exact(n_colors));
+            let pixels = samples.chunks_exact_mut(n_channels);
+            for (pixel, (after, before)) in pixels.zip(lights) {
+                for (code, (after, before)) in pixel.iter_mut().zip(after.iter().zip(before)) {
+                    *code = S::of_light(clipped_again(code.light(), *before, *after));
+                }
+            }
+        }
     }
+}
+
+/// A change of light by less than this share leaves a sample that was taken to be brighter than it is as it is.
+const LEAST_CHANGE: f32 = 0.02;
+
+/// The light of a sample that was taken to be brighter before all that light meets, and what it is after that. What meets
+/// nothing is as it was.
+fn clipped_again(was: f32, before: f32, after: f32) -> f32 {
+    if before <= was {
+        return after;
+    }
+    let part = ((after - before).abs() / (LEAST_CHANGE * before)).min(1.0);
+    let same = after / before * was;
+    same + part * (after - same)
 }
 
 /// 255 where a camera's faults reach a frame of these colors, added to a region.

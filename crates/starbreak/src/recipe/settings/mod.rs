@@ -220,7 +220,8 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
         fracture,
         camera,
         optics,
-        faults: (!faults.is_empty()).then_some(faults),
+        // Lamps are brighter than white before the glass, too.
+        faults: (!faults.is_empty() || faults.lens.headroom() > 1.0).then_some(faults),
         max_memory_bytes: DEFAULT_MAX_MEMORY_BYTES,
     })
 }
