@@ -406,6 +406,19 @@ pub enum DatasetError {
         /// What is wrong, and where.
         reason: String,
     },
+    /// A label of which a part cannot be moved with what its image shows.
+    #[error(
+        "{path:?}: {place}: {what} cannot be moved with what the image shows; leave it out of the labels, or take a \
+         lens that moves nothing"
+    )]
+    Unmovable {
+        /// The file.
+        path: PathBuf,
+        /// Which label.
+        place: String,
+        /// Which part of it, and why not.
+        what: String,
+    },
     /// The reduced copy of an index file cannot be written.
     #[error("cannot write the reduced copy of {name:?}: {}; {}", io_fact(.source), io_way_out(.source))]
     SubsetWrite {

@@ -1,0 +1,1 @@
+//! Boxes, outlines and masks under maps that can be computed.
