@@ -15,12 +15,17 @@ impl<'a> JsonMembers<'a> {
     /// The first member of a key; none where it is absent or null.
     pub(crate) fn get(&self, key: &str) -> Option<&'a RawValue> {
         let found = self.0.iter().find(|(known, _)| known == key);
-        found.map(|(_, value)| *value).filter(|value| value.get() != "null")
+        found
+            .map(|(_, value)| *value)
+            .filter(|value| value.get() != "null")
     }
 
     /// The first key of no list of these whose value has numbers in a list: they may be places.
     pub(crate) fn other_with_numbers(&self, known: &[&str]) -> Option<&str> {
-        let mut others = self.0.iter().filter(|(key, _)| !known.contains(&key.as_str()));
+        let mut others = self
+            .0
+            .iter()
+            .filter(|(key, _)| !known.contains(&key.as_str()));
         let found = others.find(|(_, value)| {
             serde_json::from_str(value.get()).is_ok_and(|value: Value| has_numbers_in_lists(&value))
         });
@@ -41,9 +46,9 @@ impl<'a> JsonMembers<'a> {
 
 fn has_numbers_in_lists(value: &Value) -> bool {
     match value {
-        Value::Array(values) => {
-            values.iter().any(|value| value.is_number() || has_numbers_in_lists(value))
-        }
+        Value::Array(values) => values
+            .iter()
+            .any(|value| value.is_number() || has_numbers_in_lists(value)),
         Value::Object(members) => members.values().any(has_numbers_in_lists),
         _ => false,
     }

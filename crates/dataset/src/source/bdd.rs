@@ -320,7 +320,9 @@ impl Layout for Bdd {
         let index = self.index(file)?;
         let rows = index.rows.iter().enumerate();
         let kept = rows.filter(|(_, row)| is_kept(&row.name)).map(|(k, _)| k);
-        copy(index, kept, out, &mut |record, _| Ok(as_it_is(record, true)))
+        copy(index, kept, out, &mut |record, _| {
+            Ok(as_it_is(record, true))
+        })
     }
 
     fn check_movable(
@@ -346,9 +348,13 @@ impl Layout for Bdd {
     ) -> Result<(), DatasetError> {
         let index = self.index(file)?;
         let mut frames = Frames::of_index(index, root, is_kept, motion);
-        let kept: Vec<usize> = (0..index.rows.len()).filter(|row| frames.has(*row)).collect();
+        let kept: Vec<usize> = (0..index.rows.len())
+            .filter(|row| frames.has(*row))
+            .collect();
         copy(index, kept.into_iter(), out, &mut |record, row| {
-            let moved = frames.of_row(row).map(|frame| moved_labels(record.text, ids_of(index, row), frame));
+            let moved = frames
+                .of_row(row)
+                .map(|frame| moved_labels(record.text, ids_of(index, row), frame));
             let moved = moved.transpose().map_err(unmovable(index, row))?;
             Ok(moved.map(Cow::Owned))
         })
@@ -382,22 +388,29 @@ fn copy(
 ) -> Result<(), DatasetError> {
     let rows = rows.filter_map(|k| Some((k, index.rows.get(k)?)));
     // By the number of the frame in the file.
-    let mut kept: BTreeMap<&Id, (usize, &str)> =
-        rows.map(|(k, row)| (&row.id, (k, row.name.as_str()))).collect();
-    write_copy(&index.path, &index.name, &["frames"], |record| {
-        let idx = record.idx.and_then(|idx| i64::try_from(idx).ok());
-        let id = Id::Int(idx.unwrap_or(i64::MAX));
-        // A frame that is not the one that was read stays to be missed below.
-        let is_same = kept.get(&id).is_some_and(|(_, name)| {
-            let frame = record.parse::<ScalabelFrame<'_>>().ok();
-            let in_folder = frame.and_then(|frame| image_name(&frame.name).ok());
-            in_folder.is_some_and(|in_folder| name.ends_with(&in_folder))
-        });
-        match is_same.then(|| kept.remove(&id)).flatten() {
-            Some((row, _)) => text_of(record, row),
-            None => Ok(None),
-        }
-    }, out)?;
+    let mut kept: BTreeMap<&Id, (usize, &str)> = rows
+        .map(|(k, row)| (&row.id, (k, row.name.as_str())))
+        .collect();
+    write_copy(
+        &index.path,
+        &index.name,
+        &["frames"],
+        |record| {
+            let idx = record.idx.and_then(|idx| i64::try_from(idx).ok());
+            let id = Id::Int(idx.unwrap_or(i64::MAX));
+            // A frame that is not the one that was read stays to be missed below.
+            let is_same = kept.get(&id).is_some_and(|(_, name)| {
+                let frame = record.parse::<ScalabelFrame<'_>>().ok();
+                let in_folder = frame.and_then(|frame| image_name(&frame.name).ok());
+                in_folder.is_some_and(|in_folder| name.ends_with(&in_folder))
+            });
+            match is_same.then(|| kept.remove(&id)).flatten() {
+                Some((row, _)) => text_of(record, row),
+                None => Ok(None),
+            }
+        },
+        out,
+    )?;
     match kept.is_empty() {
         true => Ok(()),
         false => Err(super::changed(&index.path, SourceFormat::Bdd)),

@@ -92,7 +92,9 @@ where
     }
 
     fn put(&mut self, text: &str) -> Result<(), DatasetError> {
-        self.out.write_all(text.as_bytes()).map_err(&self.write_error)
+        self.out
+            .write_all(text.as_bytes())
+            .map_err(&self.write_error)
     }
 }
 

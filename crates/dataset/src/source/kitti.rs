@@ -227,7 +227,8 @@ impl Layout for Kitti {
                 Some(moved_line(line, &row, &moved))
             });
             let text = moved.unwrap_or_default();
-            out.write_all(text.as_bytes()).map_err(|error| super::subset_error(file, error))?;
+            out.write_all(text.as_bytes())
+                .map_err(|error| super::subset_error(file, error))?;
         }
         Ok(())
     }

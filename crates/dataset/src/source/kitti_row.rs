@@ -82,11 +82,17 @@ pub(super) fn moved_line(line: &str, row: &KittiRow, moved: &MovedBox) -> String
     let mut rest = line;
     let mut replaced = replaced.into_iter();
     while !rest.is_empty() {
-        let begin = rest.find(|c: char| !c.is_ascii_whitespace()).unwrap_or(rest.len());
+        let begin = rest
+            .find(|c: char| !c.is_ascii_whitespace())
+            .unwrap_or(rest.len());
         let end = rest[begin..].find(|c: char| c.is_ascii_whitespace());
         let end = end.map_or(rest.len(), |at| begin + at);
         text.push_str(&rest[..begin]);
-        let new = if begin < end { replaced.next().flatten() } else { None };
+        let new = if begin < end {
+            replaced.next().flatten()
+        } else {
+            None
+        };
         text.push_str(new.as_deref().unwrap_or(&rest[begin..end]));
         rest = &rest[end..];
     }
@@ -138,14 +144,18 @@ mod tests {
                 kept,
             };
             let row = KittiRow::parse(line).ok().flatten();
-            row.map(|row| moved_line(line, &row, &moved)).unwrap_or_default()
+            row.map(|row| moved_line(line, &row, &moved))
+                .unwrap_or_default()
         };
         assert_eq!(
             moved(&format!("{LABEL}\t0.75 "), 1.0),
             "Car 0.5 1 -1.57 9.00 20.25 31.50 42.00 1.5 1.6 3.9 1 2 30 0.1\t0.75 ",
             "nothing is cut off"
         );
-        assert!(moved(LABEL, 0.8).starts_with("Car 0.60 1 -1.57 9.00"), "1 - (1 - 0.5) 0.8");
+        assert!(
+            moved(LABEL, 0.8).starts_with("Car 0.60 1 -1.57 9.00"),
+            "1 - (1 - 0.5) 0.8"
+        );
         let area = moved(&LABEL.replace("Car 0.5", "DontCare -1"), 0.8);
         assert!(area.starts_with("DontCare -1 1"), "{area}");
     }

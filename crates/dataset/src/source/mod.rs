@@ -144,8 +144,16 @@ trait Layout: fmt::Debug + Send + Sync {
     }
 
     /// The objects of an image in its moved frame.
-    fn moved_objects(&self, _: &Path, image: &SourceImage, frame: &MovedFrame) -> Vec<LabeledObject> {
-        let moved = image.objects.iter().filter_map(|object| frame.object(object));
+    fn moved_objects(
+        &self,
+        _: &Path,
+        image: &SourceImage,
+        frame: &MovedFrame,
+    ) -> Vec<LabeledObject> {
+        let moved = image
+            .objects
+            .iter()
+            .filter_map(|object| frame.object(object));
         moved.collect()
     }
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use serde::Deserialize;
-use serde_json::value::RawValue;
 use serde_json::json;
+use serde_json::value::RawValue;
 
 use super::id::Id;
 use super::moved::{MovedFrame, hundredth};
@@ -33,7 +33,8 @@ struct Places<'a> {
 impl<'a> Places<'a> {
     /// The places of a label whose box was read; what of it cannot be moved where there is such.
     fn of(text: &'a str, corners_px: Option<[f64; 4]>) -> Result<Self, String> {
-        let members: JsonMembers<'a> = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        let members: JsonMembers<'a> =
+            serde_json::from_str(text).map_err(|error| error.to_string())?;
         if let Some(key) = FIXED.iter().find(|key| members.get(key).is_some()) {
             return Err(format!("its {key}"));
         }
@@ -48,7 +49,9 @@ impl<'a> Places<'a> {
             };
             lines.iter().map(line).collect()
         });
-        let lines = lines.transpose().map_err(|_: serde_json::Error| "its poly2d, which is none,")?;
+        let lines = lines
+            .transpose()
+            .map_err(|_: serde_json::Error| "its poly2d, which is none,")?;
         Ok(Self {
             members,
             corners_px,
@@ -61,19 +64,26 @@ impl<'a> Places<'a> {
         let mut replaced = Vec::new();
         if let Some(corners_px) = self.corners_px {
             let [x1, y1, x2, y2] = frame.box_px(corners_px)?.corners_px;
-            let box2d: JsonMembers<'_> = serde_json::from_str(self.members.get("box2d")?.get()).ok()?;
+            let box2d: JsonMembers<'_> =
+                serde_json::from_str(self.members.get("box2d")?.get()).ok()?;
             let corners = [("x1", x1), ("y1", y1), ("x2", x2), ("y2", y2)];
             let corners = corners.map(|(key, at)| (key, json!(at).to_string()));
             replaced.push(("box2d", box2d.with(&corners)));
         }
-        let mut vertices = self.lines.iter().flat_map(|(_, vertices)| vertices).peekable();
+        let mut vertices = self
+            .lines
+            .iter()
+            .flat_map(|(_, vertices)| vertices)
+            .peekable();
         let is_line = self.corners_px.is_none() && vertices.peek().is_some();
         if is_line && vertices.all(|at| frame.point(*at).is_none()) {
             return None;
         }
         if self.members.get("poly2d").is_some() {
             let line = |(members, vertices): &(JsonMembers<'_>, Vec<[f64; 2]>)| {
-                let moved = vertices.iter().map(|at| frame.point_anywhere(*at).map(hundredth));
+                let moved = vertices
+                    .iter()
+                    .map(|at| frame.point_anywhere(*at).map(hundredth));
                 members.with(&[("vertices", json!(moved.collect::<Vec<_>>()).to_string())])
             };
             let lines: Vec<String> = self.lines.iter().map(line).collect();
@@ -130,7 +140,9 @@ pub(super) fn moved_labels(
     frame: &MovedFrame,
 ) -> Result<String, (String, String)> {
     let members: Option<JsonMembers<'_>> = serde_json::from_str(text).ok();
-    let labels = members.as_ref().and_then(|members| Some((members, members.get("labels")?)));
+    let labels = members
+        .as_ref()
+        .and_then(|members| Some((members, members.get("labels")?)));
     let Some((members, labels)) = labels else {
         return Ok(text.to_owned());
     };

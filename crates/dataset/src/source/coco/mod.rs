@@ -153,7 +153,10 @@ impl Layout for Coco {
     ) -> Result<(), DatasetError> {
         let index = self.index(file)?;
         let rows = index.rows.iter().enumerate();
-        let kept = rows.filter(|(_, row)| is_kept(&row.name)).map(|(k, _)| k).collect();
+        let kept = rows
+            .filter(|(_, row)| is_kept(&row.name))
+            .map(|(k, _)| k)
+            .collect();
         copy(index, &kept, out, &mut |record, is_of_kept| {
             Ok(as_it_is(record, is_of_kept))
         })
@@ -183,7 +186,9 @@ impl Layout for Coco {
     ) -> Result<(), DatasetError> {
         let index = self.index(file)?;
         let mut frames = Frames::of_index(index, root, is_kept, motion);
-        let kept: BTreeSet<usize> = (0..index.rows.len()).filter(|row| frames.has(*row)).collect();
+        let kept: BTreeSet<usize> = (0..index.rows.len())
+            .filter(|row| frames.has(*row))
+            .collect();
         let mut annotations = Annotations::of(index, kept.iter().copied());
         copy(index, &kept, out, &mut |record, _| {
             annotations.moved(record, &mut frames)
@@ -202,26 +207,36 @@ fn copy(
     out: &mut dyn Write,
     text_of: &mut TextOf<'_>,
 ) -> Result<(), DatasetError> {
-    let kept = index.rows.iter().enumerate().filter(|(k, _)| rows.contains(k));
+    let kept = index
+        .rows
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| rows.contains(k));
     // Kept, and whether the record of the image is still to come.
     let mut kept: BTreeMap<&Id, bool> = kept.map(|(_, row)| (&row.id, true)).collect();
     let lists = ["images", "annotations"];
-    write_copy(&index.path, &index.name, &lists, |record| match record.key {
-        // One without a name is no image: another one may have its number.
-        "images" => {
-            let image = record.parse::<CocoImage<Id, IgnoredAny>>().ok();
-            let is_kept = image
-                .filter(|image| image.file_name.is_some())
-                .and_then(|image| kept.get_mut(&image.id))
-                .is_some_and(std::mem::take);
-            Ok(as_it_is(record, is_kept))
-        }
-        _ => {
-            let annotation = record.parse::<AnnotationOf>().ok();
-            let id = annotation.and_then(|annotation| annotation.image_id);
-            text_of(record, id.is_some_and(|id| kept.contains_key(&id)))
-        }
-    }, out)?;
+    write_copy(
+        &index.path,
+        &index.name,
+        &lists,
+        |record| match record.key {
+            // One without a name is no image: another one may have its number.
+            "images" => {
+                let image = record.parse::<CocoImage<Id, IgnoredAny>>().ok();
+                let is_kept = image
+                    .filter(|image| image.file_name.is_some())
+                    .and_then(|image| kept.get_mut(&image.id))
+                    .is_some_and(std::mem::take);
+                Ok(as_it_is(record, is_kept))
+            }
+            _ => {
+                let annotation = record.parse::<AnnotationOf>().ok();
+                let id = annotation.and_then(|annotation| annotation.image_id);
+                text_of(record, id.is_some_and(|id| kept.contains_key(&id)))
+            }
+        },
+        out,
+    )?;
     match kept.values().any(|is_to_come| *is_to_come) {
         false => Ok(()),
         true => Err(super::changed(&index.path, SourceFormat::Coco)),

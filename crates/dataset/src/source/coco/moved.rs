@@ -36,16 +36,24 @@ struct Places<'a> {
 impl<'a> Places<'a> {
     /// The places of a record whose box was read; what of it cannot be moved where there is such.
     fn of(text: &'a str) -> Result<Self, String> {
-        let members: JsonMembers<'a> = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        let members: JsonMembers<'a> =
+            serde_json::from_str(text).map_err(|error| error.to_string())?;
         if let Some(key) = members.other_with_numbers(&PLACES) {
             return Err(format!("its {key}, whose numbers may be places,"));
         }
-        let [x, y, width, height]: [f64; 4] = read(members.get("bbox"), "bbox")?.unwrap_or_default();
-        let segmentation = members.get("segmentation").map(segmentation_of).transpose()?;
+        let [x, y, width, height]: [f64; 4] =
+            read(members.get("bbox"), "bbox")?.unwrap_or_default();
+        let segmentation = members
+            .get("segmentation")
+            .map(segmentation_of)
+            .transpose()?;
         let numbers: Option<Vec<f64>> = read(members.get("keypoints"), "keypoints")?;
         let key_points = numbers.map(|numbers| match numbers.as_chunks::<3>() {
             (points, []) => Ok(points.to_vec()),
-            _ => Err(format!("its keypoints of {} numbers, which are no threes,", numbers.len())),
+            _ => Err(format!(
+                "its keypoints of {} numbers, which are no threes,",
+                numbers.len()
+            )),
         });
         Ok(Self {
             bbox_px: [x, y, x + width, y + height],
@@ -80,7 +88,9 @@ impl<'a> Places<'a> {
                 #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
                 if [width as f64, height as f64] != frame.size() {
                     let [w, h] = frame.size();
-                    return Err(format!("its mask of {width} x {height} px in an image of {w} x {h} px"));
+                    return Err(format!(
+                        "its mask of {width} x {height} px in an image of {w} x {h} px"
+                    ));
                 }
                 let moved = frame.mask(mask);
                 #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
@@ -93,13 +103,19 @@ impl<'a> Places<'a> {
         }
         replaced.push(("area", json!(hundredth(area))));
         if let Some(points) = &self.key_points {
-            let moved: Vec<[f64; 3]> = points.iter().map(|point| key_point(frame, *point)).collect();
+            let moved: Vec<[f64; 3]> = points
+                .iter()
+                .map(|point| key_point(frame, *point))
+                .collect();
             let n_seen = moved.iter().filter(|point| point[2] > 0.0).count();
             let numbers: Vec<Value> = moved.concat().into_iter().map(short).collect();
             replaced.push(("keypoints", json!(numbers)));
             replaced.push(("num_keypoints", json!(n_seen)));
         }
-        let replaced: Vec<_> = replaced.iter().map(|(key, value)| (*key, value.to_string())).collect();
+        let replaced: Vec<_> = replaced
+            .iter()
+            .map(|(key, value)| (*key, value.to_string()))
+            .collect();
         Ok(Some(self.members.with(&replaced)))
     }
 }
@@ -115,16 +131,24 @@ fn key_point(frame: &MovedFrame, [x, y, seen]: [f64; 3]) -> [f64; 3] {
 
 /// A number without a fraction as tools write it.
 fn short(value: f64) -> Value {
-    #[expect(clippy::cast_possible_truncation, reason = "a whole number within px of a frame")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a whole number within px of a frame"
+    )]
     match value.fract().abs() <= 0.0 && value.abs() < 1e9 {
         true => json!(value as i64),
         false => json!(value),
     }
 }
 
-fn read<'a, T: Deserialize<'a>>(value: Option<&'a RawValue>, key: &str) -> Result<Option<T>, String> {
+fn read<'a, T: Deserialize<'a>>(
+    value: Option<&'a RawValue>,
+    key: &str,
+) -> Result<Option<T>, String> {
     let value = value.map(|value| serde_json::from_str(value.get()));
-    value.transpose().map_err(|_| format!("its {key}, which is none,"))
+    value
+        .transpose()
+        .map_err(|_| format!("its {key}, which is none,"))
 }
 
 /// Outlines, or a mask of runs.
@@ -151,7 +175,10 @@ fn segmentation_of(value: &RawValue) -> Result<Segmentation, String> {
             let outlines: Result<_, _> = outlines.into_iter().map(corners).collect();
             outlines.map(Segmentation::Outlines)
         }
-        Ok(Form::Mask { size: [height, width], counts }) => {
+        Ok(Form::Mask {
+            size: [height, width],
+            counts,
+        }) => {
             let counts = match counts {
                 Counts::Numbers(counts) => counts,
                 Counts::Text(text) => Mask::counts_of_text(&text).map_err(of_mask)?,
@@ -173,8 +200,12 @@ pub(super) struct Annotations<'i> {
 impl<'i> Annotations<'i> {
     /// Those of these rows of an index that could be read.
     pub(super) fn of(index: &'i IndexFile, rows: impl Iterator<Item = usize>) -> Self {
-        let of_row =
-            |row: usize| index.labels_of(row).iter().map(move |label| (&label.id, row));
+        let of_row = |row: usize| {
+            index
+                .labels_of(row)
+                .iter()
+                .map(move |label| (&label.id, row))
+        };
         Self {
             path: &index.path,
             rows: rows.flat_map(of_row).collect(),

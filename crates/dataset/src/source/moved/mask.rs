@@ -39,7 +39,9 @@ impl Mask {
         let mut counts: Vec<i64> = Vec::new();
         let (mut value, mut n_bits) = (0_i64, 0_u32);
         for byte in text.bytes() {
-            let bits = byte.checked_sub(48).filter(|bits| *bits < 64 && n_bits <= 40);
+            let bits = byte
+                .checked_sub(48)
+                .filter(|bits| *bits < 64 && n_bits <= 40);
             let bits = i64::from(bits.ok_or("runs that are no compressed numbers")?);
             value |= (bits & 0x1f) << n_bits;
             n_bits += 5;
@@ -58,7 +60,9 @@ impl Mask {
         }
         let counts = counts.into_iter().map(u64::try_from);
         match n_bits {
-            0 => counts.collect::<Result<_, _>>().map_err(|_| "a run of less than 0 pixels".to_owned()),
+            0 => counts
+                .collect::<Result<_, _>>()
+                .map_err(|_| "a run of less than 0 pixels".to_owned()),
             _ => Err("runs that end too early".to_owned()),
         }
     }
@@ -71,7 +75,11 @@ impl Mask {
     /// The lengths of its runs.
     pub(in crate::source) fn counts(&self) -> Vec<u64> {
         let begins = std::iter::once(&0).chain(&self.ends);
-        self.ends.iter().zip(begins).map(|(end, begin)| end - begin).collect()
+        self.ends
+            .iter()
+            .zip(begins)
+            .map(|(end, begin)| end - begin)
+            .collect()
     }
 
     /// Pixels inside.
@@ -97,7 +105,12 @@ impl Mask {
                 false => [0, height - 1],
             };
             let now = around.unwrap_or([x0, y0, x1 + 1, y1 + 1]);
-            around = Some([now[0].min(x0), now[1].min(y0), now[2].max(x1 + 1), now[3].max(y1 + 1)]);
+            around = Some([
+                now[0].min(x0),
+                now[1].min(y0),
+                now[2].max(x1 + 1),
+                now[3].max(y1 + 1),
+            ]);
         }
         around
     }
@@ -114,15 +127,19 @@ impl MovedFrame {
     pub(in crate::source) fn mask(&self, mask: &Mask) -> Mask {
         let [width, height] = mask.size;
         let n_pixels = width * height;
-        let corners = mask.around().and_then(|corners| self.box_px(corners.map(|at| at as f64)));
+        let corners = mask
+            .around()
+            .and_then(|corners| self.box_px(corners.map(|at| at as f64)));
         let mut runs: Vec<[u64; 2]> = Vec::new();
         let [x0, y0, x1, y1] = corners.map_or([0.0; 4], |moved| moved.corners_px);
         for x in x0 as u64..(x1.ceil() as u64).min(width) {
             for y in y0 as u64..(y1.ceil() as u64).min(height) {
                 let shown = self.map.shown_at([x as f64 + 0.5, y as f64 + 0.5]);
-                let has = shown.filter(|at| self.is_inside(*at)).is_some_and(|[u, v]| {
-                    mask.has((u as u64).min(width - 1), (v as u64).min(height - 1))
-                });
+                let has = shown
+                    .filter(|at| self.is_inside(*at))
+                    .is_some_and(|[u, v]| {
+                        mask.has((u as u64).min(width - 1), (v as u64).min(height - 1))
+                    });
                 let at = x * height + y;
                 match runs.last_mut() {
                     Some(run) if has && run[1] == at => run[1] += 1,

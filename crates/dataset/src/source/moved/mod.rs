@@ -12,8 +12,8 @@ use std::path::Path;
 use super::index::IndexFile;
 use super::name::path_below;
 use super::record::LabeledObject;
-use crate::image_file::image_size;
 use crate::error::DatasetError;
+use crate::image_file::image_size;
 
 pub(super) use mask::Mask;
 pub(super) use outline::area_px2;
@@ -97,7 +97,8 @@ impl MovedFrame {
             let [across, down] = [across, down].map(|n| n.min(STEPS[1]));
             for at in steps([x0, y0], [x0, y1], down) {
                 let row = steps(at, [x1, at[1]], across);
-                row.filter_map(|at| self.map.seen_at(at)).for_each(|at| around.add(at));
+                row.filter_map(|at| self.map.seen_at(at))
+                    .for_each(|at| around.add(at));
             }
         }
         let area = |[x0, y0, x1, y1]: [f64; 4]| (x1 - x0) * (y1 - y0);
@@ -107,7 +108,11 @@ impl MovedFrame {
         let is_left = area(corners_px) > 0.0 || area([x0, y0, x1, y1]) <= 0.0;
         is_left.then(|| MovedBox {
             corners_px,
-            kept: if area(whole) > 0.0 { area(cut) / area(whole) } else { 1.0 },
+            kept: if area(whole) > 0.0 {
+                area(cut) / area(whole)
+            } else {
+                1.0
+            },
         })
     }
 
@@ -140,7 +145,9 @@ impl MovedFrame {
                 None => far = half,
             }
         }
-        self.map.seen_at(between(middle, at, near)).unwrap_or(middle)
+        self.map
+            .seen_at(between(middle, at, near))
+            .unwrap_or(middle)
     }
 
     /// The part of a box in the frame; none where there is none.
@@ -170,7 +177,11 @@ impl<'m> Frames<'m> {
         is_taken: &mut dyn FnMut(&str) -> bool,
         motion: &'m Motion<'m>,
     ) -> Self {
-        let rows = index.rows.iter().enumerate().filter(|(_, row)| is_taken(&row.name));
+        let rows = index
+            .rows
+            .iter()
+            .enumerate()
+            .filter(|(_, row)| is_taken(&row.name));
         let sized = rows.filter_map(|(k, row)| {
             let size_px = image_size(&path_below(root, &row.name)).ok()?;
             Some((k, size_px))

@@ -86,7 +86,11 @@ impl MovedFrame {
 /// The area within an outline, px².
 pub(in crate::source) fn area_px2(corners: &[[f64; 2]]) -> f64 {
     let next = corners.iter().cycle().skip(1);
-    let twice: f64 = corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
+    let twice: f64 = corners
+        .iter()
+        .zip(next)
+        .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
+        .sum();
     0.5 * twice.abs()
 }
 

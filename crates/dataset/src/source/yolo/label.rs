@@ -66,7 +66,11 @@ pub(super) fn label_of_line(line: &str) -> Result<Option<Label>, String> {
 
 /// The line of a label once what its image shows is moved, with its box `x0, y0, x1, y1`, px; none where nothing of it is
 /// left in the frame.
-pub(super) fn moved_line(line: &str, label: &Label, frame: &MovedFrame) -> Option<(String, [f64; 4])> {
+pub(super) fn moved_line(
+    line: &str,
+    label: &Label,
+    frame: &MovedFrame,
+) -> Option<(String, [f64; 4])> {
     let size = frame.size();
     let fields: Vec<&str> = line.split_ascii_whitespace().collect();
     let (class, numbers) = fields.split_first()?;
@@ -80,7 +84,10 @@ pub(super) fn moved_line(line: &str, label: &Label, frame: &MovedFrame) -> Optio
     } else {
         let shares: Option<Vec<f64>> = numbers.iter().map(|text| text.parse().ok()).collect();
         let (corners, _) = shares.as_deref()?.as_chunks::<2>();
-        let corners: Vec<_> = corners.iter().map(|at| [at[0] * size[0], at[1] * size[1]]).collect();
+        let corners: Vec<_> = corners
+            .iter()
+            .map(|at| [at[0] * size[0], at[1] * size[1]])
+            .collect();
         let moved = frame.outline(&corners);
         let shares = moved.iter().map(|at| [at[0] / size[0], at[1] / size[1]]);
         (box_around(&moved)?, shares.collect())

@@ -389,7 +389,12 @@ impl Layout for Yolo {
         })
     }
 
-    fn moved_objects(&self, root: &Path, image: &SourceImage, frame: &MovedFrame) -> Vec<LabeledObject> {
+    fn moved_objects(
+        &self,
+        root: &Path,
+        image: &SourceImage,
+        frame: &MovedFrame,
+    ) -> Vec<LabeledObject> {
         let label = label_of_image(&image.name);
         let mut objects = image.objects.iter().peekable();
         let mut moved = Vec::new();
@@ -398,7 +403,10 @@ impl Layout for Yolo {
             let record = format!("{label}:{}", line.number);
             if let Some(object) = objects.next_if(|object| object.record == record) {
                 let box_px = self.moved_line(&line, frame).map(|(_, box_px)| box_px);
-                moved.extend(box_px.map(|box_px| LabeledObject { box_px, ..object.clone() }));
+                moved.extend(box_px.map(|box_px| LabeledObject {
+                    box_px,
+                    ..object.clone()
+                }));
             }
             Ok(())
         });
