@@ -419,10 +419,10 @@ pub enum DatasetError {
         /// Which part of it, and why not.
         what: String,
     },
-    /// The reduced copy of an index file cannot be written.
-    #[error("cannot write the reduced copy of {name:?}: {}; {}", io_fact(.source), io_way_out(.source))]
+    /// The changed copy of an index or a label file cannot be written.
+    #[error("cannot write the changed copy of {name:?}: {}; {}", io_fact(.source), io_way_out(.source))]
     SubsetWrite {
-        /// Name of the index in its dataset.
+        /// Name of the file in its dataset.
         name: String,
         /// The error of the writer.
         source: io::Error,

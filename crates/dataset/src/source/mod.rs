@@ -431,7 +431,7 @@ fn layout_error(spec: &SourceSpec, reason: impl Into<String>) -> DatasetError {
     }
 }
 
-/// The reduced copy of a file cannot be written.
+/// The changed copy of a file cannot be written.
 fn subset_error(file: &SourceFile, source: std::io::Error) -> DatasetError {
     DatasetError::SubsetWrite {
         name: file.name.clone(),

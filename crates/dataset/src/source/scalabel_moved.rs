@@ -45,13 +45,16 @@ impl<'a> Places<'a> {
             let lines: Vec<&RawValue> = serde_json::from_str(lines.get())?;
             let line = |line: &&'a RawValue| {
                 let Line { vertices } = serde_json::from_str(line.get())?;
+                if vertices.as_flattened().iter().any(|at| at.abs() > 1e9) {
+                    return Err(serde::de::Error::custom("beyond 1e9 px"));
+                }
                 Ok((serde_json::from_str(line.get())?, vertices))
             };
             lines.iter().map(line).collect()
         });
-        let lines = lines
-            .transpose()
-            .map_err(|_: serde_json::Error| "its poly2d, which is none,")?;
+        let lines = lines.transpose().map_err(
+            |_: serde_json::Error| "its poly2d, which is none or reaches beyond 1e9 px,",
+        )?;
         Ok(Self {
             members,
             corners_px,

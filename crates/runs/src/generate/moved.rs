@@ -29,7 +29,8 @@ impl PlaceMap for OfLens {
 
 impl Plan<'_> {
     /// Whether the lens moves what images show, and labels with it.
-    pub(super) fn moves_labels(&self) -> bool {
+    #[must_use]
+    pub fn moves_labels(&self) -> bool {
         let faults = self.context.settings.faults.as_ref();
         faults.is_some_and(|faults| faults.lens.moves_labels())
     }

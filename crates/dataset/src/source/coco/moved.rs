@@ -85,9 +85,8 @@ impl<'a> Places<'a> {
             }
             Some(Segmentation::Mask(mask)) => {
                 let [width, height] = mask.size();
-                #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-                if [width as f64, height as f64] != frame.size() {
-                    let [w, h] = frame.size();
+                let [w, h] = frame.size_px();
+                if [width, height] != [w, h].map(u64::from) {
                     return Err(format!(
                         "its mask of {width} x {height} px in an image of {w} x {h} px"
                     ));

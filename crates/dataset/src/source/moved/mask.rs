@@ -1,6 +1,6 @@
 //! Masks as MS-COCO stores them: the lengths of runs of pixels outside and inside in turn, column by column.
 
-use super::MovedFrame;
+use super::{MovedFrame, STEP_PX};
 
 /// A mask of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -131,15 +131,18 @@ impl MovedFrame {
             .around()
             .and_then(|corners| self.box_px(corners.map(|at| at as f64)));
         let mut runs: Vec<[u64; 2]> = Vec::new();
-        let [x0, y0, x1, y1] = corners.map_or([0.0; 4], |moved| moved.corners_px);
-        for x in x0 as u64..(x1.ceil() as u64).min(width) {
-            for y in y0 as u64..(y1.ceil() as u64).min(height) {
+        // No farther than the box may miss where the lens sees a part alone.
+        let [x0, y0, x1, y1] = corners.map_or([0.0; 4], |moved| {
+            let [x0, y0, x1, y1] = moved.corners_px;
+            [x0 - STEP_PX, y0 - STEP_PX, x1 + STEP_PX, y1 + STEP_PX].map(f64::ceil)
+        });
+        for x in x0 as u64..(x1 as u64).min(width) {
+            for y in y0 as u64..(y1 as u64).min(height) {
                 let shown = self.map.shown_at([x as f64 + 0.5, y as f64 + 0.5]);
-                let has = shown
-                    .filter(|at| self.is_inside(*at))
-                    .is_some_and(|[u, v]| {
-                        mask.has((u as u64).min(width - 1), (v as u64).min(height - 1))
-                    });
+                let shown = shown.filter(|at| self.is_inside(*at));
+                let has = shown.is_some_and(|[u, v]| {
+                    mask.has((u as u64).min(width - 1), (v as u64).min(height - 1))
+                });
                 let at = x * height + y;
                 match runs.last_mut() {
                     Some(run) if has && run[1] == at => run[1] += 1,

@@ -38,6 +38,7 @@ const STEPS: [f64; 2] = [16.0, 256.0];
 
 /// A frame of which what it shows is moved.
 pub(super) struct MovedFrame {
+    size_px: [u32; 2],
     size: [f64; 2],
     map: Box<dyn PlaceMap>,
 }
@@ -62,8 +63,10 @@ impl MovedFrame {
 
     /// That of frames of a width and height, px.
     pub(super) fn of_size(size_px: (u32, u32), motion: &Motion<'_>) -> Self {
+        let sides = [size_px.0, size_px.1];
         Self {
-            size: [f64::from(size_px.0), f64::from(size_px.1)],
+            size_px: sides,
+            size: sides.map(f64::from),
             map: motion(size_px),
         }
     }
@@ -71,6 +74,11 @@ impl MovedFrame {
     /// Width and height, px.
     pub(super) fn size(&self) -> [f64; 2] {
         self.size
+    }
+
+    /// Width and height, px.
+    pub(super) fn size_px(&self) -> [u32; 2] {
+        self.size_px
     }
 
     /// The smallest box around what a box holds; none where nothing of it is left in the frame.
@@ -241,7 +249,8 @@ fn between(from: [f64; 2], to: [f64; 2], share: f64) -> [f64; 2] {
 
 /// To a hundredth of a px, as labels are written.
 pub(super) fn hundredth(value: f64) -> f64 {
-    (value * 100.0).round() / 100.0
+    // Not -0.
+    (value * 100.0).round() / 100.0 + 0.0
 }
 
 #[cfg(test)]
