@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::{Component, Path};
 
-use starbreak_dataset::{FileRole, Source, SourceFormat, SourceImage, SourceSpec};
+use starbreak_dataset::{FileRole, PlaceMap, Source, SourceFormat, SourceImage, SourceSpec};
 
 use crate::Vocabulary;
 
@@ -108,6 +108,7 @@ pub fn source(bytes: &[u8]) {
     let images = walk(&source);
     assert_eq!(walk(&source), images, "a second walk");
 
+    move_labels(&source, &images);
     let index = source.files().flatten().find(|f| f.role == FileRole::Index);
     let Some(index) = index.filter(|index| index.name == file) else {
         return;
@@ -125,6 +126,49 @@ pub fn source(bytes: &[u8]) {
             assert_eq!(again, images, "written and read again");
         }
         Err(error) => assert!(images.is_empty(), "does not read what it wrote: {error}"),
+    }
+}
+
+/// A lens that turns and shrinks what is near the middle, and shows nothing else.
+struct Lens([f64; 2]);
+
+impl PlaceMap for Lens {
+    fn seen_at(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        let [u, v] = [x - self.0[0], y - self.0[1]];
+        let is_seen = u * u + v * v < 9.0;
+        is_seen.then_some([self.0[0] + 0.5 * v, self.0[1] - 0.5 * u])
+    }
+
+    fn shown_at(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+        let [u, v] = [x - self.0[0], y - self.0[1]];
+        Some([self.0[0] - 2.0 * v, self.0[1] + 2.0 * u])
+    }
+}
+
+/// Labels are moved or refused by name.
+fn move_labels(source: &Source, images: &[SourceImage]) {
+    let motion = |(width, height): (u32, u32)| -> Box<dyn PlaceMap> {
+        Box::new(Lens([0.5 * f64::from(width), 0.5 * f64::from(height)]))
+    };
+    for image in images {
+        match source.moved_objects(image, &motion) {
+            Ok(objects) => assert!(
+                objects.len() <= image.objects.len(),
+                "none comes from nowhere"
+            ),
+            Err(error) => check_message(&error.to_string()),
+        }
+    }
+    for file in source.files().flatten() {
+        let mut moved = Vec::new();
+        let checked = source.check_movable(&file, &mut |_| true);
+        let written = match file.role {
+            FileRole::Other => continue,
+            _ => source.write_moved(&file, &motion, &mut |_| true, &mut moved),
+        };
+        for error in checked.err().into_iter().chain(written.err()) {
+            check_message(&error.to_string());
+        }
     }
 }
 

@@ -70,6 +70,14 @@ def test_masks_boxes_and_keypoints_stay_as_they_are(image):
     assert made["labels"] == ["car"]
 
 
+@pytest.mark.parametrize("recipe", ["distortion", {"fracture": {"model": "none"}, "distortion": {"k1": 0.1}}])
+def test_what_a_lens_moves_is_refused_beside_masks(image, recipe):
+    transform = A.Compose([CrackedGlass(recipe, crack_seed=7, p=1.0)])
+    assert (transform(image=image)["image"] != image).any()
+    with pytest.raises(ValueError, match="distortion"):
+        transform(image=image, mask=image[..., 0])
+
+
 def test_the_frames_of_a_video_stand_behind_one_crack(image):
     frames = np.stack([image, image[:, ::-1], image // 2])
     made = A.Compose([glass(key="clip", region_key="region")])(images=frames, clip="c")

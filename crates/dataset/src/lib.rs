@@ -82,9 +82,9 @@ pub use replacing::listed_files;
 pub use set_layout::{STATE_FOLDER, SampleFiles, SetLayout, refuse_inside_set, set_around};
 pub use source::{
     BadRecord, CocoAnnotation, CocoCategory, CocoImage, CocoObject, FileRole, FrameSize,
-    IndexFiles, KittiRow, LabeledObject, ObjectKind, ScalabelFrame, ScalabelLabel, ScalabelObject,
-    Source, SourceFile, SourceImage, SourceSpec, WholeId, read_coco_records, read_scalabel_frames,
-    sound_bbox,
+    IndexFiles, KittiRow, LabeledObject, Motion, ObjectKind, PlaceMap, ScalabelFrame,
+    ScalabelLabel, ScalabelObject, Source, SourceFile, SourceImage, SourceSpec, WholeId,
+    read_coco_records, read_scalabel_frames, sound_bbox,
 };
 pub use street::{SceneObject, StreetScene, street_scene};
 pub use text_file::{TextFile, read_text};

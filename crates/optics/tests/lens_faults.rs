@@ -379,6 +379,12 @@ fn a_corner_moves_as_far_as_is_said_and_masks_with_it() {
     assert!((moved - 0.04 * half_diagonal).abs() < 1e-9, "{moved}");
     let lens = only(fault);
     assert!(lens.moves_labels());
+    let places = lens.moved_places(&optic).unwrap();
+    assert_eq!(
+        places.seen_at([1242.0, 375.0]),
+        Some([x, y]),
+        "the same place"
+    );
     // A mask moves as the picture does.
     let mut mask = image::GrayImage::new(1242, 375);
     mask.put_pixel(1000, 300, image::Luma([255]));
@@ -401,6 +407,31 @@ fn a_corner_moves_as_far_as_is_said_and_masks_with_it() {
         (after[187 * 1242 + 621] - 1.0).abs() < 1e-6,
         "white in the middle"
     );
+}
+
+#[test]
+fn what_no_frame_shows_has_no_place() {
+    let optic = optic((640, 480));
+    // It turns round at 82 % of the way to a corner: r² = 1/(3·0.5).
+    let lens = only(Distortion {
+        corner: -0.5,
+        ..Distortion::NONE
+    });
+    let places = lens.moved_places(&optic).unwrap();
+    let out = |share: f64| [320.0 + 320.0 * share, 240.0 + 240.0 * share];
+    assert!(places.seen_at(out(0.81)).is_some(), "before the turn");
+    assert_eq!(places.seen_at(out(0.83)), None, "behind it");
+    for share in [-0.8, -0.3, 0.0, 0.1, 0.5, 0.7] {
+        let at = out(share);
+        let back = places
+            .seen_at(at)
+            .and_then(|at| places.shown_at(at))
+            .unwrap();
+        let miss = (back[0] - at[0]).hypot(back[1] - at[1]);
+        assert!(miss < 1e-4, "there and back: {miss} px");
+    }
+    let blurs = only(Shading { corner_loss: 0.5 });
+    assert!(blurs.moved_places(&optic).is_none(), "nothing moves");
 }
 
 #[test]

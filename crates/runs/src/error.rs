@@ -56,6 +56,25 @@ pub enum Error {
         /// Why not, and what to set.
         why: &'static str,
     },
+    /// A file beside the labels of a set in which there may be more of them, where a lens moves what they name.
+    #[error(
+        "[distortion] moves what images show, and labels with it, but {path:?} may hold others, which would stay; leave \
+         such files out with --other-files skip"
+    )]
+    OtherFileStays {
+        /// The first such file.
+        path: PathBuf,
+    },
+    /// A condition of a study that moves what the labels name.
+    #[error(
+        "condition {condition}: [distortion] moves what images show, and a study holds clean and damaged images against \
+         the same labels; leave that condition out, generate the set instead, whose labels move, and run `starbreak \
+         evaluate` with these"
+    )]
+    StudyMoves {
+        /// The condition.
+        condition: String,
+    },
     /// A detector.
     #[error(transparent)]
     Detect(#[from] DetectError),

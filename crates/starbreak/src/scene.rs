@@ -2,7 +2,7 @@
 
 use starbreak_deposit::Area;
 use starbreak_glass::{CrackNetwork, LengthUnit, Pane};
-use starbreak_optics::lens_faults::Optic;
+use starbreak_optics::lens_faults::{MovedPlaces, Optic};
 use starbreak_optics::{Camera, View};
 
 use crate::{Error, FractureSettings, Mount, OpticsSettings, Settings};
@@ -44,6 +44,13 @@ impl<'a> Scene<'a> {
             lens: optics.lens,
             size: (width as usize, height as usize),
         })
+    }
+
+    /// Where the camera shows what frames show without distortion; none where it moves nothing.
+    #[must_use]
+    pub fn moved_places(&self) -> Option<MovedPlaces> {
+        let faults = self.settings.faults.as_ref()?;
+        faults.lens.moved_places(&self.optic()?)
     }
 
     /// How the frame shows the pane that the settings break: the paper's is the frame itself, that

@@ -315,6 +315,7 @@ fn how_carried(plan: &Plan<'_>) -> &'static str {
     match plan.options.other_files {
         Some(Carry::Copy) => "copied",
         Some(Carry::HardLink) => "carried over, labels copied and the others hard-linked",
+        None if plan.moves_labels() => "moved with what they name, other files left out",
         None => "copied, other files left out",
     }
 }

@@ -8,7 +8,7 @@ use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
 use starbreak_dataset::{Source, sha256_file};
 use starbreak_detect::{Detector, DetectorOptions, ImageToSee, LabelMap, LabelRules};
 use starbreak_eval::GroundTruth;
-use starbreak_runs::generate::{Selection, Survey, refuse_moved_labels, refuse_outputs, survey};
+use starbreak_runs::generate::{Selection, Survey, refuse_outputs, survey};
 use starbreak_runs::study::{
     Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns, conditions,
 };
@@ -171,8 +171,6 @@ fn conditions_of(global: &Global, args: &StudyArgs) -> Result<Vec<Condition>, Fa
     for condition in &all {
         let settings = condition.recipe.settings()?;
         refuse_outputs(&settings.output)?;
-        // A study has labels, or there is nothing to find.
-        refuse_moved_labels(&settings, 1)?;
         if condition.is_photographed {
             args.overlay.refuse_idle_gain(&settings)?;
         }

@@ -68,6 +68,19 @@ class CrackDrawing:
         self.bank = None if bank is None else PatternBank(bank)
         self.severities = _severities(severity)
         self.recipes = () if self.bank else tuple(_recipe(recipe, one) for one in self.severities or (None,))
+        recipes = (self.bank.recipe,) if self.bank else self.recipes
+        self._moves = any("distortion" in one.to_dict() for one in recipes)
+
+    def refuse_moved(self, targets: str) -> None:
+        """Raise if the lens moves what labels name, which stay.
+
+        >>> CrackDrawing("distortion").refuse_moved("boxes")
+        Traceback (most recent call last):
+        ValueError: [distortion] moves what boxes name, and they would stay; leave that table out
+        >>> CrackDrawing("noise").refuse_moved("boxes")
+        """
+        if self._moves:
+            raise ValueError(f"[distortion] moves what {targets} name, and they would stay; leave that table out")
 
     @property
     def epoch(self) -> int:

@@ -100,7 +100,6 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
         super().__init__(p=p)
         # What `to_dict` writes.
         self.recipe = recipe.to_dict() if isinstance(recipe, Recipe) else recipe
-        self._moves = self.recipe == "distortion" or (isinstance(self.recipe, dict) and "distortion" in self.recipe)
         self.severity = tuple(map(int, severity)) if isinstance(severity, Iterable) else severity and int(severity)
         self.bank = None if bank is None else os.fspath(bank)
         self.crack_seed = crack_seed
@@ -118,10 +117,7 @@ class CrackedGlass(DualTransform):  # type: ignore[misc]
         return np.stack(self._drawing.crack(list(images), seed_of_image))
 
     def apply_to_mask(self, mask: Any, **params: Any) -> Any:
-        if self._moves:
-            raise ValueError(
-                "[distortion] moves what masks, boxes and key points name, and they would stay; leave that table out"
-            )
+        self._drawing.refuse_moved("masks, boxes and key points")
         return mask
 
     apply_to_masks = apply_to_bboxes = apply_to_keypoints = apply_to_mask

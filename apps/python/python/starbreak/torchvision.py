@@ -1,7 +1,8 @@
 """Broken glass as a transform for torchvision (v2).
 
 Images are PIL images, ``tv_tensors.Image``, ``tv_tensors.Video`` or uint8 tensors of shape
-(…, 1 or 3, H, W). Boxes, masks and labels pass through, since glass moves no object.
+(…, 1 or 3, H, W). Boxes, masks and labels pass through, since glass moves no object; beside a
+recipe with ``[distortion]``, which does, boxes, masks and key points are refused.
 
 >>> import torch
 >>> from starbreak.torchvision import CrackedGlass
@@ -30,6 +31,12 @@ from ._drawing import CrackDrawing, Image, Path, RecipeLike, Severity, collected
 __all__ = ["CameraFault", "CrackedGlass"]
 
 
+#: What names places of an image; older versions have no key points.
+_PLACES = tuple(
+    getattr(tv_tensors, name) for name in ("BoundingBoxes", "KeyPoints", "Mask") if hasattr(tv_tensors, name)
+)
+
+
 def _is_plain_tensor(value: Any) -> bool:
     return isinstance(value, torch.Tensor) and not isinstance(value, tv_tensors.TVTensor)
 
@@ -50,7 +57,8 @@ class CrackedGlass(v2.Transform):  # type: ignore[misc]
     All images of one call are behind one crack.
 
     Raises:
-        ValueError: at construction for invalid parameters; later for images that are not uint8.
+        ValueError: at construction for invalid parameters; later for images that are not uint8, and
+            for boxes, masks and key points beside ``[distortion]``.
         OSError: for a bank that cannot be read.
     """
 
@@ -77,6 +85,10 @@ class CrackedGlass(v2.Transform):  # type: ignore[misc]
 
     def extra_repr(self) -> str:
         return self._drawing.words(crack_seed=self._drawing.seed, region_key=self.region_key)
+
+    def check_inputs(self, flat_inputs: list[Any]) -> None:
+        if any(isinstance(value, _PLACES) for value in flat_inputs):
+            self._drawing.refuse_moved("boxes, masks and key points")
 
     def make_params(self, flat_inputs: list[Any]) -> dict[str, Any]:
         if self._drawing.seed is None or not flat_inputs:

@@ -406,10 +406,23 @@ pub enum DatasetError {
         /// What is wrong, and where.
         reason: String,
     },
-    /// The reduced copy of an index file cannot be written.
-    #[error("cannot write the reduced copy of {name:?}: {}; {}", io_fact(.source), io_way_out(.source))]
+    /// A label of which a part cannot be moved with what its image shows.
+    #[error(
+        "{path:?}: {place}: {what} cannot be moved with what the image shows; leave it out of the labels, or take a \
+         lens that moves nothing"
+    )]
+    Unmovable {
+        /// The file.
+        path: PathBuf,
+        /// Which label.
+        place: String,
+        /// Which part of it, and why not.
+        what: String,
+    },
+    /// The changed copy of an index or a label file cannot be written.
+    #[error("cannot write the changed copy of {name:?}: {}; {}", io_fact(.source), io_way_out(.source))]
     SubsetWrite {
-        /// Name of the index in its dataset.
+        /// Name of the file in its dataset.
         name: String,
         /// The error of the writer.
         source: io::Error,

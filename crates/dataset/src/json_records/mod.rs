@@ -1,6 +1,7 @@
 //! JSON files with long lists of records, one record at a time, in memory that does not depend on
 //! the length of the file.
 
+mod members;
 mod record;
 
 use std::fs::File;
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::DatasetError;
 use crate::ordinary_file::open_file;
+pub(crate) use members::JsonMembers;
 pub(crate) use record::reason_of;
 pub use record::{JsonRecord, RecordFault};
 

@@ -1,17 +1,20 @@
 //! BDD100K `det_20`: lists of frames in Scalabel form.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use super::id::Id;
 use super::index::{Catalog, IndexFile, Label, Row, folder_of_images, image_name, second_names};
-use super::index_copy::write_copy;
+use super::index_copy::{as_it_is, write_copy};
+use super::moved::{Frames, Motion};
 use super::name::path_below;
 use super::record::{BadRecord, FileRole, SourceFile};
+use super::scalabel_moved::{check_labels, moved_labels};
 use super::scalabel_row::{ScalabelFrame, ScalabelLabel, read_scalabel_frames};
 use super::{Images, Layout, Place, SourceFormat, SourceSpec, index_error, layout_error, no_index};
 use crate::error::DatasetError;
@@ -31,6 +34,11 @@ impl Bdd {
         let (root, names, own) = place(spec)?;
         let bdd = Self::of(&root, &names, own)?;
         Ok((root, bdd))
+    }
+
+    fn index(&self, file: &SourceFile) -> Result<&IndexFile, DatasetError> {
+        let index = self.catalog.file(&file.name);
+        index.ok_or_else(|| no_index(file, SourceFormat::Bdd))
     }
 
     fn of(root: &Path, names: &[String], own: Option<Vec<String>>) -> Result<Self, DatasetError> {
@@ -309,31 +317,102 @@ impl Layout for Bdd {
         is_kept: &mut dyn FnMut(&str) -> bool,
         out: &mut dyn Write,
     ) -> Result<(), DatasetError> {
-        let index = self.catalog.file(&file.name);
-        let index = index.ok_or_else(|| no_index(file, SourceFormat::Bdd))?;
-        // By the number of the frame in the file.
-        let mut kept: BTreeMap<&Id, &str> = index
-            .rows
-            .iter()
-            .filter(|row| is_kept(&row.name))
-            .map(|row| (&row.id, row.name.as_str()))
+        let index = self.index(file)?;
+        let rows = index.rows.iter().enumerate();
+        let kept = rows.filter(|(_, row)| is_kept(&row.name)).map(|(k, _)| k);
+        copy(index, kept, out, &mut |record, _| {
+            Ok(as_it_is(record, true))
+        })
+    }
+
+    fn check_movable(
+        &self,
+        file: &SourceFile,
+        is_kept: &mut dyn FnMut(&str) -> bool,
+    ) -> Result<(), DatasetError> {
+        let index = self.index(file)?;
+        let rows = index.rows.iter().enumerate();
+        let kept = rows.filter(|(_, row)| is_kept(&row.name)).map(|(k, _)| k);
+        copy(index, kept, &mut io::sink(), &mut |record, row| {
+            check_labels(record.text, ids_of(index, row)).map_err(unmovable(index, row))?;
+            Ok(None)
+        })
+    }
+
+    fn moved(
+        &self,
+        root: &Path,
+        (file, motion): (&SourceFile, &Motion<'_>),
+        is_kept: &mut dyn FnMut(&str) -> bool,
+        out: &mut dyn Write,
+    ) -> Result<(), DatasetError> {
+        let index = self.index(file)?;
+        let mut frames = Frames::of_index(index, root, is_kept, motion);
+        let kept: Vec<usize> = (0..index.rows.len())
+            .filter(|row| frames.has(*row))
             .collect();
-        let keeps = |record: &JsonRecord<'_>| {
+        copy(index, kept.into_iter(), out, &mut |record, row| {
+            let moved = frames
+                .of_row(row)
+                .map(|frame| moved_labels(record.text, ids_of(index, row), frame));
+            let moved = moved.transpose().map_err(unmovable(index, row))?;
+            Ok(moved.map(Cow::Owned))
+        })
+    }
+}
+
+/// The ids of the labels with boxes of a row.
+fn ids_of(index: &IndexFile, row: usize) -> BTreeSet<&Id> {
+    index.labels_of(row).iter().map(|label| &label.id).collect()
+}
+
+fn unmovable(index: &IndexFile, row: usize) -> impl FnOnce((String, String)) -> DatasetError {
+    let name = index.rows.get(row).map_or("", |row| row.name.as_str());
+    move |(label, what)| DatasetError::Unmovable {
+        path: index.path.clone(),
+        place: format!("frame {name}, {label}"),
+        what,
+    }
+}
+
+/// What is written for a frame of a row.
+type TextOf<'t> =
+    dyn for<'r> FnMut(&JsonRecord<'r>, usize) -> Result<Option<Cow<'r, str>>, DatasetError> + 't;
+
+/// Writes an index with these rows alone.
+fn copy(
+    index: &IndexFile,
+    rows: impl Iterator<Item = usize>,
+    out: &mut dyn Write,
+    text_of: &mut TextOf<'_>,
+) -> Result<(), DatasetError> {
+    let rows = rows.filter_map(|k| Some((k, index.rows.get(k)?)));
+    // By the number of the frame in the file.
+    let mut kept: BTreeMap<&Id, (usize, &str)> = rows
+        .map(|(k, row)| (&row.id, (k, row.name.as_str())))
+        .collect();
+    write_copy(
+        &index.path,
+        &index.name,
+        &["frames"],
+        |record| {
             let idx = record.idx.and_then(|idx| i64::try_from(idx).ok());
-            let frame = Id::Int(idx.unwrap_or(i64::MAX));
+            let id = Id::Int(idx.unwrap_or(i64::MAX));
             // A frame that is not the one that was read stays to be missed below.
-            let is_same = kept.get(&frame).is_some_and(|name| {
+            let is_same = kept.get(&id).is_some_and(|(_, name)| {
                 let frame = record.parse::<ScalabelFrame<'_>>().ok();
                 let in_folder = frame.and_then(|frame| image_name(&frame.name).ok());
                 in_folder.is_some_and(|in_folder| name.ends_with(&in_folder))
             });
-            is_same && kept.remove(&frame).is_some()
-        };
-        let path = &index.path;
-        write_copy(path, &file.name, &["frames"], keeps, out)?;
-        match kept.is_empty() {
-            true => Ok(()),
-            false => Err(super::changed(path, SourceFormat::Bdd)),
-        }
+            match is_same.then(|| kept.remove(&id)).flatten() {
+                Some((row, _)) => text_of(record, row),
+                None => Ok(None),
+            }
+        },
+        out,
+    )?;
+    match kept.is_empty() {
+        true => Ok(()),
+        false => Err(super::changed(&index.path, SourceFormat::Bdd)),
     }
 }

@@ -95,7 +95,7 @@ impl IndexFile {
         }
     }
 
-    fn labels_of(&self, row_idx: usize) -> &[Label] {
+    pub(super) fn labels_of(&self, row_idx: usize) -> &[Label] {
         let end_of = |row: Option<&Row>| row.map_or(0, |row| row.labels_end);
         let begin = end_of(
             row_idx

@@ -5,7 +5,8 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::kitti_row::KittiRow;
+use super::kitti_row::{KittiRow, moved_line};
+use super::moved::{Motion, MovedFrame};
 use super::name::{is_image_name, path_below, split_extension};
 use super::record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
 use super::tree::{Found, Walk};
@@ -204,6 +205,32 @@ impl Layout for Kitti {
         _: &mut dyn Write,
     ) -> Result<(), DatasetError> {
         Err(no_index(file, SourceFormat::Kitti))
+    }
+
+    fn moved(
+        &self,
+        root: &Path,
+        (file, motion): (&SourceFile, &Motion<'_>),
+        _: &mut dyn FnMut(&str) -> bool,
+        out: &mut dyn Write,
+    ) -> Result<(), DatasetError> {
+        let FileRole::LabelOf(image) = &file.role else {
+            return Err(no_index(file, SourceFormat::Kitti));
+        };
+        let frame = MovedFrame::of_file(&path_below(root, image), motion)?;
+        // What cannot be read is among the problems of the image.
+        let text = read_label(&file.path, &file.name).unwrap_or_default();
+        for line in text.replace('\u{feff}', "").split_inclusive('\n') {
+            let row = KittiRow::parse(line).ok().flatten();
+            let moved = row.and_then(|row| {
+                let moved = frame.box_px(row.label_corners_px().ok()?)?;
+                Some(moved_line(line, &row, &moved))
+            });
+            let text = moved.unwrap_or_default();
+            out.write_all(text.as_bytes())
+                .map_err(|error| super::subset_error(file, error))?;
+        }
+        Ok(())
     }
 }
 

@@ -1,5 +1,6 @@
 //! One line of a KITTI file.
 
+use super::moved::MovedBox;
 use super::record::ObjectKind;
 
 /// A line of a KITTI file: a label, or a result, which has a score.
@@ -65,6 +66,39 @@ impl KittiRow {
     }
 }
 
+/// A label of which the box is moved and cut to the frame; the rest of it stays in its very characters, but for the share
+/// of the object that is cut off, which is raised by what the frame cuts off.
+pub(super) fn moved_line(line: &str, row: &KittiRow, moved: &MovedBox) -> String {
+    let mut replaced: [Option<String>; 8] = Default::default();
+    for (field, at) in replaced[4..].iter_mut().zip(moved.corners_px) {
+        *field = Some(format!("{at:.2}"));
+    }
+    let truncated = row.numbers[0];
+    if truncated >= 0.0 && moved.kept < 1.0 {
+        let left = (1.0 - truncated).max(0.0) * moved.kept;
+        replaced[1] = Some(format!("{:.2}", 1.0 - left));
+    }
+    let mut text = String::with_capacity(line.len());
+    let mut rest = line;
+    let mut replaced = replaced.into_iter();
+    while !rest.is_empty() {
+        let begin = rest
+            .find(|c: char| !c.is_ascii_whitespace())
+            .unwrap_or(rest.len());
+        let end = rest[begin..].find(|c: char| c.is_ascii_whitespace());
+        let end = end.map_or(rest.len(), |at| begin + at);
+        text.push_str(&rest[..begin]);
+        let new = if begin < end {
+            replaced.next().flatten()
+        } else {
+            None
+        };
+        text.push_str(new.as_deref().unwrap_or(&rest[begin..end]));
+        rest = &rest[end..];
+    }
+    text
+}
+
 impl ObjectKind {
     /// How KITTI's benchmarks treat an object of a type: `DontCare`, in whatever letters, is an area
     /// in which nothing is labeled, as the development kit has it.
@@ -100,6 +134,30 @@ mod tests {
         assert!(numbers[14].is_nan(), "a label has no score");
         assert_eq!(result.map(|row| row.numbers[14]), Some(0.75));
         assert_eq!(KittiRow::parse("  "), Ok(None), "an empty line");
+    }
+
+    #[test]
+    fn what_is_no_box_stays_in_its_very_characters() {
+        let moved = |line: &str, kept| {
+            let moved = MovedBox {
+                corners_px: [9.0, 20.25, 31.5, 41.999],
+                kept,
+            };
+            let row = KittiRow::parse(line).ok().flatten();
+            row.map(|row| moved_line(line, &row, &moved))
+                .unwrap_or_default()
+        };
+        assert_eq!(
+            moved(&format!("{LABEL}\t0.75 "), 1.0),
+            "Car 0.5 1 -1.57 9.00 20.25 31.50 42.00 1.5 1.6 3.9 1 2 30 0.1\t0.75 ",
+            "nothing is cut off"
+        );
+        assert!(
+            moved(LABEL, 0.8).starts_with("Car 0.60 1 -1.57 9.00"),
+            "1 - (1 - 0.5) 0.8"
+        );
+        let area = moved(&LABEL.replace("Car 0.5", "DontCare -1"), 0.8);
+        assert!(area.starts_with("DontCare -1 1"), "{area}");
     }
 
     #[test]

@@ -21,6 +21,8 @@ mod folder;
 mod kitti;
 mod kitti_row;
 mod list;
+mod moved;
+mod scalabel_moved;
 mod scalabel_row;
 mod yolo;
 
@@ -34,6 +36,7 @@ pub use coco_row::{
 pub use id::WholeId;
 pub use index_files::IndexFiles;
 pub use kitti_row::KittiRow;
+pub use moved::{Motion, PlaceMap};
 pub use record::{BadRecord, FileRole, LabeledObject, ObjectKind, SourceFile, SourceImage};
 pub use scalabel_row::{
     FrameSize, ScalabelFrame, ScalabelLabel, ScalabelObject, read_scalabel_frames,
@@ -43,6 +46,7 @@ pub use spec::SourceSpec;
 use crate::error::DatasetError;
 pub(crate) use crate::formats::SourceFormat;
 use crate::ordinary_file::not_a_file;
+use moved::MovedFrame;
 use tree::{Found, Walk};
 
 /// A dataset which is read as it is walked.
@@ -118,6 +122,40 @@ trait Layout: fmt::Debug + Send + Sync {
         is_kept: &mut dyn FnMut(&str) -> bool,
         out: &mut dyn Write,
     ) -> Result<(), DatasetError>;
+
+    /// Refuses a file with labels of kept images that cannot be moved, as far as it can be said without the images.
+    fn check_movable(
+        &self,
+        _: &SourceFile,
+        _: &mut dyn FnMut(&str) -> bool,
+    ) -> Result<(), DatasetError> {
+        Ok(())
+    }
+
+    /// A label file, or an index with the kept images only, with what it labels moved.
+    fn moved(
+        &self,
+        _: &Path,
+        (file, _): (&SourceFile, &Motion<'_>),
+        is_kept: &mut dyn FnMut(&str) -> bool,
+        out: &mut dyn Write,
+    ) -> Result<(), DatasetError> {
+        self.subset(file, is_kept, out)
+    }
+
+    /// The objects of an image in its moved frame.
+    fn moved_objects(
+        &self,
+        _: &Path,
+        image: &SourceImage,
+        frame: &MovedFrame,
+    ) -> Vec<LabeledObject> {
+        let moved = image
+            .objects
+            .iter()
+            .filter_map(|object| frame.object(object));
+        moved.collect()
+    }
 }
 
 impl Source {
@@ -266,6 +304,59 @@ impl Source {
     ) -> Result<(), DatasetError> {
         self.layout.subset(file, is_kept, out)
     }
+
+    /// The labels of an image once what it shows is moved: each box becomes the smallest around what it holds, to a
+    /// hundredth of a px, and is cut to the frame; those are left out of which nothing remains there.
+    ///
+    /// # Errors
+    /// As [`crate::image_size`], of which that of the upright image is taken.
+    pub fn moved_objects(
+        &self,
+        image: &SourceImage,
+        motion: &Motion<'_>,
+    ) -> Result<Vec<LabeledObject>, DatasetError> {
+        if image.objects.is_empty() {
+            return Ok(Vec::new());
+        }
+        let frame = MovedFrame::of_file(&image.path, motion)?;
+        Ok(self.layout.moved_objects(&self.root, image, &frame))
+    }
+
+    /// Refuses an [index](FileRole::Index) with labels of kept images that [`Source::write_moved`] could not write,
+    /// without a look at the images.
+    ///
+    /// # Errors
+    /// [`DatasetError::Unmovable`], [`DatasetError::Read`], [`DatasetError::JsonText`].
+    pub fn check_movable(
+        &self,
+        file: &SourceFile,
+        is_kept: &mut dyn FnMut(&str) -> bool,
+    ) -> Result<(), DatasetError> {
+        self.layout.check_movable(file, is_kept)
+    }
+
+    /// Writes a [label file](FileRole::LabelOf), or an [index](FileRole::Index) for those of the images whose names are
+    /// kept, with what is labeled where it is seen once what images show is moved.
+    ///
+    /// Boxes are moved as [`Source::moved_objects`] says. Outlines get corners where their lines are bent, and are cut to
+    /// the frame; of masks each pixel asks what its middle shows; a key point that is not seen any more is one of which
+    /// nobody knows where it is (0, 0, 0). The vertices of BDD100K's `poly2d` are moved and not cut. Objects whose box
+    /// leaves the frame are left out, and so are labels that could not be read, and in an index images without a header
+    /// that says their size. What says no place of the frame stays as it was, and so do 3-D boxes of KITTI, which are
+    /// those of the scene; how much of its objects is cut off is raised by what the frame cuts off.
+    ///
+    /// # Errors
+    /// [`DatasetError::Unmovable`] for labels with places that cannot be moved, as in masks of another size than the
+    /// image; as [`Source::subset`], and [`crate::image_size`] for a label file.
+    pub fn write_moved(
+        &self,
+        file: &SourceFile,
+        motion: &Motion<'_>,
+        is_kept: &mut dyn FnMut(&str) -> bool,
+        out: &mut dyn Write,
+    ) -> Result<(), DatasetError> {
+        self.layout.moved(&self.root, (file, motion), is_kept, out)
+    }
 }
 
 /// The path, which must be a folder.
@@ -340,7 +431,7 @@ fn layout_error(spec: &SourceSpec, reason: impl Into<String>) -> DatasetError {
     }
 }
 
-/// The reduced copy of a file cannot be written.
+/// The changed copy of a file cannot be written.
 fn subset_error(file: &SourceFile, source: std::io::Error) -> DatasetError {
     DatasetError::SubsetWrite {
         name: file.name.clone(),

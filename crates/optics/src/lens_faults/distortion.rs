@@ -122,20 +122,27 @@ impl Distortion {
         f64::INFINITY
     }
 
-    pub(super) fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic) {
-        let middle = optic.middle();
+    /// The law for frames of one size.
+    pub(super) fn for_frames(&self, optic: &Optic) -> OfFrames {
         let k = self.radial(optic);
         let without_p = Self {
             p: [0.0; 2],
             ..*self
         };
-        let most = without_p.grows_up_to(k);
-        let [right, bottom] = middle.map(|half| 2.0 * half);
+        OfFrames {
+            fault: *self,
+            k,
+            most: without_p.grows_up_to(k),
+            middle: optic.middle(),
+            f_px: optic.f_px,
+        }
+    }
+
+    pub(super) fn over(&self, light: &mut Vec<f32>, n_colors: usize, optic: &Optic) {
+        let of_frames = self.for_frames(optic);
+        let [right, bottom] = of_frames.middle.map(|half| 2.0 * half);
         let from = |u: f64, v: f64| {
-            let at = [u - self.shift_px[0], v - self.shift_px[1]];
-            let at = std::array::from_fn(|k| (at[k] - middle[k]) / optic.f_px);
-            let [x, y] = self.of_picture(at, k, most)?;
-            let at = [middle[0] + optic.f_px * x, middle[1] + optic.f_px * y];
+            let at = of_frames.shown_at([u, v])?;
             let is_inside = (0.0..=right).contains(&at[0]) && (0.0..=bottom).contains(&at[1]);
             is_inside.then_some(at)
         };
@@ -147,6 +154,44 @@ impl Distortion {
             },
             from,
         );
+    }
+}
+
+/// A distortion with what it needs to know of frames of one size.
+#[derive(Debug, Clone)]
+pub(super) struct OfFrames {
+    fault: Distortion,
+    k: [f64; 4],
+    /// Distance from the axis up to which the law grows.
+    most: f64,
+    middle: [f64; 2],
+    f_px: f64,
+}
+
+impl OfFrames {
+    /// Where the camera shows what a pinhole would show at a place, px; none beyond the distance up to which the law
+    /// grows: nobody sees that.
+    pub(super) fn seen_at(&self, at: [f64; 2]) -> Option<[f64; 2]> {
+        let [x, y] = [0, 1].map(|k| (at[k] - self.middle[k]) / self.f_px);
+        if x * x + y * y > self.most * self.most {
+            return None;
+        }
+        let moved = self.fault.of_plane([x, y], self.k);
+        let shift_px = self.fault.shift_px;
+        Some(std::array::from_fn(|k| {
+            self.middle[k] + self.f_px * moved[k] + shift_px[k]
+        }))
+    }
+
+    /// What place of a pinhole's frame, or beyond it, the camera shows at a place, px; none where it shows none.
+    pub(super) fn shown_at(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+        let at = [u - self.fault.shift_px[0], v - self.fault.shift_px[1]];
+        let at = std::array::from_fn(|k| (at[k] - self.middle[k]) / self.f_px);
+        let [x, y] = self.fault.of_picture(at, self.k, self.most)?;
+        Some([
+            self.middle[0] + self.f_px * x,
+            self.middle[1] + self.f_px * y,
+        ])
     }
 }
 

@@ -104,6 +104,29 @@ each!(
     Distortion, Fringes, Defocus, Shake, Ghosts, Star, Glare, Shading
 );
 
+/// Where the frames of a camera show what they would show without distortion, and back, px.
+#[derive(Debug, Clone)]
+pub struct MovedPlaces(Vec<distortion::OfFrames>);
+
+impl MovedPlaces {
+    /// Where that is seen which is at a place without distortion; none where it is not seen at all. It may be beyond the
+    /// frame.
+    #[must_use]
+    pub fn seen_at(&self, at: [f64; 2]) -> Option<[f64; 2]> {
+        self.0.iter().try_fold(at, |at, fault| fault.seen_at(at))
+    }
+
+    /// Where that is without distortion which is seen at a place; none where nothing is seen. It may be beyond the frame,
+    /// of which an image knows nothing.
+    #[must_use]
+    pub fn shown_at(&self, at: [f64; 2]) -> Option<[f64; 2]> {
+        self.0
+            .iter()
+            .rev()
+            .try_fold(at, |at, fault| fault.shown_at(at))
+    }
+}
+
 /// A lens with its faults. Without any, or with all of them at nothing, a frame stays as it is, to the last bit.
 ///
 /// # Example
@@ -189,6 +212,17 @@ impl LensFaults {
     pub fn moves_labels(&self) -> bool {
         let mut faults = self.faults.iter();
         faults.any(|(_, fault)| matches!(fault, LensFault::Distortion(_)))
+    }
+
+    /// Where frames of one camera show what they would show without distortion; none where nothing is moved.
+    #[must_use]
+    pub fn moved_places(&self, optic: &Optic) -> Option<MovedPlaces> {
+        let moves = |(_, fault): &(f64, LensFault)| match fault {
+            LensFault::Distortion(it) => Some(it.for_frames(optic)),
+            _ => None,
+        };
+        let all: Vec<_> = self.faults.iter().filter_map(moves).collect();
+        (!all.is_empty()).then_some(MovedPlaces(all))
     }
 
     /// Makes what is clipped in a frame of linear light of a width and height, px, of 1 or 3 colors, as bright as it may

@@ -36,11 +36,12 @@ impl Plan<'_> {
         Ok(carried)
     }
 
-    /// Whether indexes are written anew: for the images that there are, and those of YOLO
-    /// always, since a path in them may lead back to the source; where none does, they stay as
-    /// they are.
+    /// Whether indexes are written anew: for the images that there are, where their labels are moved,
+    /// and those of YOLO always, since a path in them may lead back to the source; where none does,
+    /// they stay as they are.
     fn reduces_indexes(&self) -> bool {
-        self.options.selection.is_partial()
+        self.moves_labels()
+            || self.options.selection.is_partial()
             || self.survey.n_left_out > 0
             || self.source.format() == SourceFormat::Yolo
     }
@@ -54,6 +55,12 @@ impl Plan<'_> {
         let selection = &self.options.selection;
         let is_first_shard = selection.shard.is_none_or(|shard| shard.number == 1);
         let carried = match (&file.role, self.options.other_files) {
+            (FileRole::LabelOf(image), _) if self.moves_labels() => {
+                if !self.writes_moved(image) {
+                    return Ok(None);
+                }
+                self.put_moved(set, file, name)?
+            }
             (FileRole::LabelOf(image), _) => {
                 // A label without an image goes along with the whole source.
                 let is_kept = if selection.is_partial() || selection.shard.is_some() {
@@ -66,6 +73,7 @@ impl Plan<'_> {
                 }
                 set.carry(&file.path, name, Carry::Copy)?
             }
+            (FileRole::Index, _) if self.moves_labels() => self.put_moved(set, file, name)?,
             (FileRole::Index, _) if self.reduces_indexes() => set.put_with(name, &mut |out| {
                 let is_kept = &mut |image: &str| self.survey.is_of_set(image);
                 self.source.subset(file, is_kept, out)
@@ -75,5 +83,20 @@ impl Plan<'_> {
             (FileRole::Other, _) => return Ok(None),
         };
         Ok(Some(carried))
+    }
+
+    /// Writes labels where the lens shows what they name.
+    fn put_moved(
+        &self,
+        set: &GeneratedSet,
+        file: &SourceFile,
+        name: &str,
+    ) -> Result<CarriedFile, Error> {
+        let places = |size_px| self.places(size_px);
+        let is_kept = &mut |image: &str| self.survey.is_of_set(image);
+        let moved = set.put_with(name, &mut |out| {
+            self.source.write_moved(file, &places, is_kept, out)
+        });
+        Ok(moved?)
     }
 }

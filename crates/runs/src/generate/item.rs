@@ -45,13 +45,15 @@ impl Plan<'_> {
         let mut watch = Stopwatch::start();
         let file = read_image(&image.path, &ImageLimits::default())?;
         watch.lap("read");
+        let objects = self.objects_of(image)?;
         let item = Item {
             name: &image.name,
-            objects: &image.objects,
+            objects: &objects,
             sample_idx,
             files,
         };
         let damage_for = |size, seed, watch: &mut Stopwatch| {
+            // The glass stands before the lens, which moves it with what it hides.
             let frame = (size, Some(image.objects.as_slice()));
             let settings = &self.context.settings;
             self.patterns.for_frame(settings, frame, seed, watch)
@@ -65,6 +67,7 @@ impl Plan<'_> {
 pub(super) struct Item<'a> {
     /// Name of the image in its source, which the seed is keyed by.
     pub(super) name: &'a str,
+    /// Where the image shows them in the end.
     pub(super) objects: &'a [LabeledObject],
     pub(super) sample_idx: u32,
     pub(super) files: &'a SampleFiles,

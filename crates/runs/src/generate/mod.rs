@@ -13,6 +13,7 @@ mod carry;
 mod damage;
 mod identity;
 mod item;
+mod moved;
 mod preview;
 mod regenerate;
 mod run;
@@ -29,7 +30,7 @@ pub use single::{CrackedFiles, crack_file};
 pub use survey::{Shard, Survey, survey};
 pub use verify::{VerifyReport, verify};
 
-use starbreak::{OutputFormat, OutputSettings, Settings};
+use starbreak::{OutputFormat, OutputSettings};
 use starbreak_dataset::{Carry, Source};
 
 use crate::RunContext;
@@ -107,21 +108,6 @@ pub fn refuse_outputs(output: &OutputSettings) -> Result<(), Error> {
         return Err(Error::SetOutput {
             why: "generate writes no maps, which take some 30 bytes per px; set output.maps = false, and crack single \
                   images for their maps",
-        });
-    }
-    Ok(())
-}
-
-/// Refuses a recipe that moves what images show where their labels would be carried as they are.
-///
-/// # Errors
-/// [`Error::SetOutput`] saying what to do.
-pub fn refuse_moved_labels(settings: &Settings, n_objects: u64) -> Result<(), Error> {
-    let faults = settings.faults.as_ref();
-    if n_objects > 0 && faults.is_some_and(|faults| faults.lens.moves_labels()) {
-        return Err(Error::SetOutput {
-            why: "[distortion] moves what images show, and labels are carried as they are; take the images alone \
-                  (folder:DIR with --other-files skip), or leave [distortion] out",
         });
     }
     Ok(())

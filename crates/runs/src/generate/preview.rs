@@ -40,10 +40,11 @@ pub struct PreviewImage {
 /// Makes up to `n` images, evenly spread over those of the plan, and writes nothing.
 ///
 /// # Errors
-/// [`Error::Dataset`] for a folder in which the plan could not be carried out, and where a file of the
+/// [`Error::Dataset`] for a folder in which the plan could not be carried out, for labels that cannot be moved, and where a file of the
 /// source cannot be asked for its length.
 pub fn preview(plan: &Plan<'_>, n: u64) -> Result<Preview, Error> {
     plan.source.refuse_output_at(&plan.context.out)?;
+    plan.check_movable()?;
     GeneratedSet::may_begin(&plan.context.out, &plan.identity())?;
     let total = plan.survey.n_selected;
     let wanted = n.min(total);

@@ -8,7 +8,7 @@ use serde_json::json;
 use starbreak::Timings;
 use starbreak_dataset::{BadRecord, CarriedFile, GeneratedSet, Manifest, SourceImage, blake3_file};
 
-use super::{Plan, refuse_moved_labels};
+use super::Plan;
 use crate::Error;
 
 /// Something that a run tells as it happens.
@@ -75,7 +75,8 @@ struct Tally {
 /// files that are carried over.
 ///
 /// # Errors
-/// [`Error`] for a folder that cannot be used, and for what would fail every image, such as a
+/// [`Error`] for a folder that cannot be used, for labels that cannot be moved where a lens moves what they name, and for
+/// what would fail every image, such as a
 /// full disk; what is done stays done. The failure of one image is in the report.
 pub fn generate(
     plan: &Plan<'_>,
@@ -84,7 +85,7 @@ pub fn generate(
 ) -> Result<GenerateReport, Error> {
     let out = &plan.context.out;
     plan.source.refuse_output_at(out)?;
-    refuse_moved_labels(&plan.context.settings, plan.survey.n_objects)?;
+    plan.check_movable()?;
     let n_samples = plan.options.n_samples;
     let set = GeneratedSet::begin(out, n_samples, &plan.identity())?;
     set.put_state("recipe.toml", Some(&plan.context.recipe))?;
@@ -234,9 +235,8 @@ impl Plan<'_> {
         if let Some(done) = set.done(&image.name, sample_idx)?
             && blake3_file(&image.path)? == done.input_blake3
             && set.layout().is_unaltered(&done)
-            && set
-                .layout()
-                .has_labels(&image.name, sample_idx, &image.objects)
+            && let Ok(objects) = self.objects_of(image)
+            && set.layout().has_labels(&image.name, sample_idx, &objects)
         {
             return Ok(Outcome::Kept);
         }

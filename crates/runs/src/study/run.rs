@@ -122,7 +122,7 @@ impl StudyPlan<'_> {
     ///
     /// # Errors
     /// [`Error::AnotherStudy`] for the folder of another study, [`Error::LabeledSize`] for labels of images of
-    /// another size, both before anything is written.
+    /// another size, [`Error::StudyMoves`] for a condition that moves what labels name, all before anything is written.
     /// [`Error`] for folders that cannot be used and for what would fail every image. An image that
     /// fails alone is in [`StudyRuns::unseen`].
     pub fn run(
@@ -137,6 +137,7 @@ impl StudyPlan<'_> {
         identity.check(self.out)?;
         self.check_files()?;
         self.check_sizes(truth)?;
+        self.refuse_moved_labels()?;
         let quality = self.quality()?;
         self.try_detectors(quality)?;
         identity.write(self.out)?;
@@ -365,6 +366,18 @@ impl StudyPlan<'_> {
             identity["photos"] = self.patterns(condition)?.identity();
         }
         Ok(identity)
+    }
+
+    /// Refuses a condition that moves what the labels name, which are those of the clean images.
+    fn refuse_moved_labels(&self) -> Result<(), Error> {
+        for condition in self.conditions {
+            let faults = condition.recipe.settings()?.faults;
+            if faults.is_some_and(|faults| faults.lens.moves_labels()) {
+                let condition = condition.name.clone();
+                return Err(Error::StudyMoves { condition });
+            }
+        }
+        Ok(())
     }
 
     /// The quality of JPEG that all conditions share.

@@ -1,8 +1,10 @@
 //! MS-COCO: `annotations/instances_*.json`.
 
+mod moved;
 mod reader;
 
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,12 +14,14 @@ use serde::de::IgnoredAny;
 use super::coco_row::{CocoImage, read_coco_records};
 use super::id::Id;
 use super::index::{Catalog, IndexFile, folder_of_images};
-use super::index_copy::write_copy;
+use super::index_copy::{as_it_is, write_copy};
+use super::moved::{Frames, Motion};
 use super::name::path_below;
 use super::record::{FileRole, SourceFile};
 use super::{Images, Layout, Place, SourceFormat, SourceSpec, index_error, layout_error, no_index};
 use crate::error::DatasetError;
 use crate::json_records::JsonRecord;
+use moved::Annotations;
 use reader::{AnnotationOf, Reader};
 
 /// The name of an index that stands beside its images, as some tools export it.
@@ -34,6 +38,11 @@ impl Coco {
         let (root, names, own) = place(spec)?;
         let coco = Self::of(&root, &names, own)?;
         Ok((root, coco))
+    }
+
+    fn index(&self, file: &SourceFile) -> Result<&IndexFile, DatasetError> {
+        let index = self.catalog.file(&file.name);
+        index.ok_or_else(|| no_index(file, SourceFormat::Coco))
     }
 
     fn of(root: &Path, names: &[String], own: Option<Vec<String>>) -> Result<Self, DatasetError> {
@@ -142,34 +151,94 @@ impl Layout for Coco {
         is_kept: &mut dyn FnMut(&str) -> bool,
         out: &mut dyn Write,
     ) -> Result<(), DatasetError> {
-        let index = self.catalog.file(&file.name);
-        let index = index.ok_or_else(|| no_index(file, SourceFormat::Coco))?;
-        // Kept, and whether the record of the image is still to come.
-        let mut kept: BTreeMap<&Id, bool> = index
-            .rows
-            .iter()
-            .filter(|row| is_kept(&row.name))
-            .map(|row| (&row.id, true))
+        let index = self.index(file)?;
+        let rows = index.rows.iter().enumerate();
+        let kept = rows
+            .filter(|(_, row)| is_kept(&row.name))
+            .map(|(k, _)| k)
             .collect();
-        let keeps = |record: &JsonRecord<'_>| match record.key {
+        copy(index, &kept, out, &mut |record, is_of_kept| {
+            Ok(as_it_is(record, is_of_kept))
+        })
+    }
+
+    fn check_movable(
+        &self,
+        file: &SourceFile,
+        is_kept: &mut dyn FnMut(&str) -> bool,
+    ) -> Result<(), DatasetError> {
+        let index = self.index(file)?;
+        let rows = index.rows.iter().enumerate();
+        let kept = rows.filter(|(_, row)| is_kept(&row.name)).map(|(k, _)| k);
+        let mut annotations = Annotations::of(index, kept);
+        read_coco_records(&index.path, |record| match record.key {
+            "annotations" => annotations.check(&record),
+            _ => Ok(()),
+        })
+    }
+
+    fn moved(
+        &self,
+        root: &Path,
+        (file, motion): (&SourceFile, &Motion<'_>),
+        is_kept: &mut dyn FnMut(&str) -> bool,
+        out: &mut dyn Write,
+    ) -> Result<(), DatasetError> {
+        let index = self.index(file)?;
+        let mut frames = Frames::of_index(index, root, is_kept, motion);
+        let kept: BTreeSet<usize> = (0..index.rows.len())
+            .filter(|row| frames.has(*row))
+            .collect();
+        let mut annotations = Annotations::of(index, kept.iter().copied());
+        copy(index, &kept, out, &mut |record, _| {
+            annotations.moved(record, &mut frames)
+        })
+    }
+}
+
+/// What is written for a record of an annotation, of which is said whether its image is kept.
+type TextOf<'t> =
+    dyn for<'r> FnMut(&JsonRecord<'r>, bool) -> Result<Option<Cow<'r, str>>, DatasetError> + 't;
+
+/// Writes an index with these rows alone.
+fn copy(
+    index: &IndexFile,
+    rows: &BTreeSet<usize>,
+    out: &mut dyn Write,
+    text_of: &mut TextOf<'_>,
+) -> Result<(), DatasetError> {
+    let kept = index
+        .rows
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| rows.contains(k));
+    // Kept, and whether the record of the image is still to come.
+    let mut kept: BTreeMap<&Id, bool> = kept.map(|(_, row)| (&row.id, true)).collect();
+    let lists = ["images", "annotations"];
+    write_copy(
+        &index.path,
+        &index.name,
+        &lists,
+        |record| match record.key {
             // One without a name is no image: another one may have its number.
-            "images" => record
-                .parse::<CocoImage<Id, IgnoredAny>>()
-                .ok()
-                .filter(|image| image.file_name.is_some())
-                .and_then(|image| kept.get_mut(&image.id))
-                .is_some_and(std::mem::take),
-            _ => record
-                .parse::<AnnotationOf>()
-                .ok()
-                .and_then(|annotation| annotation.image_id)
-                .is_some_and(|id| kept.contains_key(&id)),
-        };
-        let path = &index.path;
-        write_copy(path, &file.name, &["images", "annotations"], keeps, out)?;
-        match kept.values().any(|is_to_come| *is_to_come) {
-            false => Ok(()),
-            true => Err(super::changed(path, SourceFormat::Coco)),
-        }
+            "images" => {
+                let image = record.parse::<CocoImage<Id, IgnoredAny>>().ok();
+                let is_kept = image
+                    .filter(|image| image.file_name.is_some())
+                    .and_then(|image| kept.get_mut(&image.id))
+                    .is_some_and(std::mem::take);
+                Ok(as_it_is(record, is_kept))
+            }
+            _ => {
+                let annotation = record.parse::<AnnotationOf>().ok();
+                let id = annotation.and_then(|annotation| annotation.image_id);
+                text_of(record, id.is_some_and(|id| kept.contains_key(&id)))
+            }
+        },
+        out,
+    )?;
+    match kept.values().any(|is_to_come| *is_to_come) {
+        false => Ok(()),
+        true => Err(super::changed(&index.path, SourceFormat::Coco)),
     }
 }

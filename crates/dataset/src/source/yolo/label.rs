@@ -1,5 +1,9 @@
 //! A line of a YOLO label file.
 
+use std::fmt::Write as _;
+
+use crate::source::moved::{MovedFrame, box_around};
+
 /// A class by number, and its box in shares of the width and height: `x0, y0, x1, y1`.
 #[derive(Debug, PartialEq)]
 pub(super) struct Label {
@@ -58,6 +62,41 @@ pub(super) fn label_of_line(line: &str) -> Result<Option<Label>, String> {
         }
     };
     Ok(Some(Label { class, shares }))
+}
+
+/// The line of a label once what its image shows is moved, with its box `x0, y0, x1, y1`, px; none where nothing of it is
+/// left in the frame.
+pub(super) fn moved_line(
+    line: &str,
+    label: &Label,
+    frame: &MovedFrame,
+) -> Option<(String, [f64; 4])> {
+    let size = frame.size();
+    let fields: Vec<&str> = line.split_ascii_whitespace().collect();
+    let (class, numbers) = fields.split_first()?;
+    let (corners_px, shares) = if numbers.len() == 4 {
+        let [x0, y0, x1, y1] = label.shares;
+        let [w, h] = size;
+        let moved = frame.box_px([x0 * w, y0 * h, x1 * w, y1 * h])?.corners_px;
+        let [x0, y0, x1, y1] = moved;
+        let middle = [0.5 * (x0 + x1) / w, 0.5 * (y0 + y1) / h];
+        (moved, vec![middle, [(x1 - x0) / w, (y1 - y0) / h]])
+    } else {
+        let shares: Option<Vec<f64>> = numbers.iter().map(|text| text.parse().ok()).collect();
+        let (corners, _) = shares.as_deref()?.as_chunks::<2>();
+        let corners: Vec<_> = corners
+            .iter()
+            .map(|at| [at[0] * size[0], at[1] * size[1]])
+            .collect();
+        let moved = frame.outline(&corners);
+        let shares = moved.iter().map(|at| [at[0] / size[0], at[1] / size[1]]);
+        (box_around(&moved)?, shares.collect())
+    };
+    let mut text = (*class).to_owned();
+    for share in shares.as_flattened() {
+        let _ = write!(text, " {share:.7}");
+    }
+    Some((text, corners_px))
 }
 
 #[cfg(test)]

@@ -16,11 +16,12 @@ use super::tree::differs_in_case;
 use super::{Images, Layout, Names, SourceFormat, SourceSpec, is_file, layout_error, no_index};
 use crate::error::DatasetError;
 use crate::image_file::image_size;
-use crate::source::lines::for_each_line;
+use crate::source::lines::{Line, for_each_line};
+use crate::source::moved::{Motion, MovedFrame};
 use crate::text_file::read_text;
 use data_file::DataFile;
 use images::{Places, inside, name_of_line};
-use label::label_of_line;
+use label::{label_of_line, moved_line};
 
 /// Longest `data.yaml`, in bytes. FIT
 const MAX_DATA_BYTES: u64 = 16 << 20;
@@ -157,6 +158,14 @@ impl Yolo {
         if let Err(error) = read {
             problems.push(BadRecord::new(label, error.to_string()).of_image(name));
         }
+    }
+
+    /// A line of a label file moved, with its box; none where it is no label or nothing of it is left.
+    fn moved_line(&self, line: &Line<'_>, frame: &MovedFrame) -> Option<(String, [f64; 4])> {
+        let text = line.text.ok()?;
+        let label = label_of_line(text).ok().flatten()?;
+        self.data.names.get(&label.class)?;
+        moved_line(text, &label, frame)
     }
 
     /// The image that a label file belongs to, there or not; nothing for other files.
@@ -359,5 +368,48 @@ impl Layout for Yolo {
             };
             out.write_all(&bytes).map_err(write_error)
         })
+    }
+
+    fn moved(
+        &self,
+        root: &Path,
+        (file, motion): (&SourceFile, &Motion<'_>),
+        is_kept: &mut dyn FnMut(&str) -> bool,
+        out: &mut dyn Write,
+    ) -> Result<(), DatasetError> {
+        let FileRole::LabelOf(image) = &file.role else {
+            return self.subset(file, is_kept, out);
+        };
+        let frame = MovedFrame::of_file(&path_below(root, image), motion)?;
+        for_each_line(&file.path, |line| {
+            let Some((text, _)) = self.moved_line(&line, &frame) else {
+                return Ok(());
+            };
+            writeln!(out, "{text}").map_err(|error| super::subset_error(file, error))
+        })
+    }
+
+    fn moved_objects(
+        &self,
+        root: &Path,
+        image: &SourceImage,
+        frame: &MovedFrame,
+    ) -> Vec<LabeledObject> {
+        let label = label_of_image(&image.name);
+        let mut objects = image.objects.iter().peekable();
+        let mut moved = Vec::new();
+        // A file that changed or went away in the meantime has fewer.
+        let _ = for_each_line(&path_below(root, &label), |line| {
+            let record = format!("{label}:{}", line.number);
+            if let Some(object) = objects.next_if(|object| object.record == record) {
+                let box_px = self.moved_line(&line, frame).map(|(_, box_px)| box_px);
+                moved.extend(box_px.map(|box_px| LabeledObject {
+                    box_px,
+                    ..object.clone()
+                }));
+            }
+            Ok(())
+        });
+        moved
     }
 }
