@@ -44,7 +44,7 @@ const FACTS: Record<string, [string, (fact: unknown) => string]> = {
   "glare.veil": ["veil", percent],
   "glare.scattered": ["light that is scattered", percent],
   "shading.corner_loss": ["a corner loses", percent],
-  "lens.headroom": ["white may be", (fact) => `${number(Number(fact), 0)} times as bright`],
+  "lens.headroom": ["lamps may be", (fact) => `${number(Number(fact), 0)} times as bright`],
   "exposure.ev": ["exposure", (fact) => `${number(Number(fact), 1)} EV`],
   "banding.depth": ["bands", (fact) => `${number(100 * Number(fact), 1)} % of the light`],
   "banding.rows_per_band": ["a band", (fact) => `${number(Number(fact), 0)} rows`],

@@ -196,8 +196,8 @@ pub(super) struct ShadingTable {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LensTable {
-    /// How many times as bright as white lamps and sky were that are clipped in the image, 1 to 1000. It says how bright
-    /// they are where the lens blurs or scatters their light; an image cannot tell.
+    /// How many times as bright as white lamps were that are clipped in the image, 1 to 1000, before their light meets
+    /// glass and lens: spots of up to a ten-thousandth of the frame; larger ones less, a sky next to nothing.
     #[schemars(range(min = 1.0, max = 1000.0))]
     pub(super) headroom: f64,
 }
