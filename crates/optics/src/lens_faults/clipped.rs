@@ -53,12 +53,15 @@ pub(super) fn unclip(
     (width, height): (usize, usize),
     headroom: f64,
 ) {
-    if light.iter().all(|value| *value < CLIPPED) {
+    if light.iter().fold(0.0_f32, |most, value| most.max(*value)) < CLIPPED {
         return;
     }
-    let brightest: Vec<f32> = (light.chunks_exact(n_colors))
-        .map(|pixel| pixel.iter().fold(0.0_f32, |most, value| most.max(*value)))
-        .collect();
+    let brightest: Vec<f32> = match light.as_chunks::<3>() {
+        (pixels, []) if n_colors == 3 => (pixels.iter())
+            .map(|[red, green, blue]| red.max(*green).max(*blue))
+            .collect(),
+        _ => light.to_vec(),
+    };
     let depths = depths(&brightest, (width, height));
     let (labels, regions) = regions(&brightest, &depths, width);
     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
@@ -113,21 +116,21 @@ fn depths(brightest: &[f32], (width, height): (usize, usize)) -> Vec<u32> {
         .map(|value| if *value < BORDER { 0 } else { FAR })
         .collect();
     let [side, corner] = STEPS;
+    // Down and right, then up and left, by the neighbors that are before on the way.
     for y in 0..height {
         for x in 0..width {
             let at = y * width + x;
+            if depths[at] == 0 {
+                continue;
+            }
             let mut least = depths[at];
             if x > 0 {
                 least = least.min(depths[at - 1] + side);
             }
             if y > 0 {
-                least = least.min(depths[at - width] + side);
-                if x > 0 {
-                    least = least.min(depths[at - width - 1] + corner);
-                }
-                if x + 1 < width {
-                    least = least.min(depths[at - width + 1] + corner);
-                }
+                let above = &depths[at - width - usize::from(x > 0)..];
+                let above = &above[..usize::from(x > 0) + 1 + usize::from(x + 1 < width)];
+                least = least.min(least_of(above, usize::from(x > 0), (side, corner)));
             }
             depths[at] = least;
         }
@@ -135,18 +138,17 @@ fn depths(brightest: &[f32], (width, height): (usize, usize)) -> Vec<u32> {
     for y in (0..height).rev() {
         for x in (0..width).rev() {
             let at = y * width + x;
+            if depths[at] == 0 {
+                continue;
+            }
             let mut least = depths[at];
             if x + 1 < width {
                 least = least.min(depths[at + 1] + side);
             }
             if y + 1 < height {
-                least = least.min(depths[at + width] + side);
-                if x + 1 < width {
-                    least = least.min(depths[at + width + 1] + corner);
-                }
-                if x > 0 {
-                    least = least.min(depths[at + width - 1] + corner);
-                }
+                let below = &depths[at + width - usize::from(x > 0)..];
+                let below = &below[..usize::from(x > 0) + 1 + usize::from(x + 1 < width)];
+                least = least.min(least_of(below, usize::from(x > 0), (side, corner)));
             }
             depths[at] = least;
         }
@@ -154,14 +156,18 @@ fn depths(brightest: &[f32], (width, height): (usize, usize)) -> Vec<u32> {
     depths
 }
 
+/// The least way over the pixels of a row beside a pixel, of which one is straight above or below.
+fn least_of(row: &[u32], straight: usize, (side, corner): (u32, u32)) -> u32 {
+    let way = |(k, depth): (usize, &u32)| depth + if k == straight { side } else { corner };
+    row.iter().enumerate().map(way).min().unwrap_or(u32::MAX)
+}
+
 /// The region of each pixel, and all regions: those that are part of another have its numbers.
 fn regions(brightest: &[f32], depths: &[u32], width: usize) -> (Vec<u32>, Vec<Region>) {
     let mut labels = vec![DARK; brightest.len()];
     let mut regions: Vec<Region> = Vec::new();
-    for at in 0..brightest.len() {
-        if depths[at] == 0 {
-            continue;
-        }
+    let bright = depths.iter().enumerate().filter(|(_, depth)| **depth > 0);
+    for (at, _) in bright {
         let x = at % width;
         let label_at = |at: usize| Some(labels[at]).filter(|label| *label != DARK);
         let left = if x > 0 { label_at(at - 1) } else { None };

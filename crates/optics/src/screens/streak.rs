@@ -70,14 +70,13 @@ impl Streaks {
             };
             let wide = 1 << level;
             let next = within(f64::from(k) + f64::from(wide) - 0.5);
-            let sides = if k == 0 { 1.0 } else { 0.5 };
             #[expect(
                 clippy::cast_possible_truncation,
                 reason = "px of a frame, a share of light"
             )]
             pieces.push(Piece {
                 away_px: ((f64::from(k) + 0.5 * f64::from(wide - 1)) * f64::from(CELL_PX)) as f32,
-                share: (sides * (next - last)) as f32,
+                share: (0.5 * (next - last)) as f32,
                 level,
             });
             last = next;
@@ -102,16 +101,20 @@ impl Streaks {
         &self,
         pyramid: &mut Pyramid<'_, COLORS>,
     ) -> Cells<COLORS> {
-        let levels: [Cells<COLORS>; LEVELS] =
-            std::array::from_fn(|k| pyramid.no_wider(f64::from(CELL_PX << k)));
-        let [small, ..] = &levels;
+        let small = pyramid.no_wider(f64::from(CELL_PX));
+        let wide: [Wide<COLORS>; LEVELS] = std::array::from_fn(|level| {
+            let reach_px = (self.pieces.iter())
+                .filter(|piece| piece.level == level)
+                .fold(0.0, |most: f32, piece| most.max(piece.away_px));
+            Wide::of(&pyramid.no_wider(f64::from(CELL_PX << level)), reach_px)
+        });
         let mut out = vec![[0.0_f32; COLORS]; small.size.0 * small.size.1];
         vectorized(
             #[inline(always)]
             || {
                 for (y, row) in out.chunks_exact_mut(small.size.0).enumerate() {
                     for (x, sum) in row.iter_mut().enumerate() {
-                        *sum = self.of_cell([x, y], &levels);
+                        *sum = self.of_cell([x, y], small.per_cell, &wide);
                     }
                 }
             },
@@ -124,27 +127,17 @@ impl Streaks {
     fn of_cell<const COLORS: usize>(
         &self,
         cell: [usize; 2],
-        levels: &[Cells<COLORS>; LEVELS],
+        per_cell: u32,
+        wide: &[Wide<COLORS>; LEVELS],
     ) -> [f32; COLORS] {
-        let per_cell = levels[0].per_cell;
-        let [dx, dy] = self.direction(cell, per_cell);
+        let across = self.direction(cell, per_cell);
         #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-        let [x, y] = cell.map(|k| (k as f32 + 0.5) * per_cell as f32);
+        let at = cell.map(|k| (k as f32 + 0.5) * per_cell as f32);
         let mut sum = [0.0_f32; COLORS];
         for piece in &self.pieces {
-            let cells = &levels[piece.level];
-            let sides: &[f32] = if piece.away_px > 0.0 {
-                &[1.0, -1.0]
-            } else {
-                &[1.0]
-            };
-            for side in sides {
-                let away = side * piece.away_px;
-                let at = [
-                    cell_at(x + away * dx, cells.size.0, cells.per_cell),
-                    cell_at(y + away * dy, cells.size.1, cells.per_cell),
-                ];
-                let light = cells.cell(at[1] * cells.size.0 + at[0]);
+            let cells = &wide[piece.level];
+            for away in [piece.away_px, -piece.away_px] {
+                let light = cells.at([0, 1].map(|k| at[k] + away * across[k]));
                 for c in 0..COLORS {
                     sum[c] += piece.share * light[c];
                 }
@@ -167,17 +160,54 @@ fn to_f64(k: usize) -> f64 {
     k as f64
 }
 
-/// The cell of a place, px; beyond the frame it goes on mirrored.
-#[expect(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    reason = "px of a frame"
-)]
-#[inline(always)]
-fn cell_at(px: f32, n: usize, per_cell: u32) -> usize {
-    let whole = (px / per_cell as f32).floor() as isize;
-    match usize::try_from(whole) {
-        Ok(cell) if cell < n => cell,
-        _ => mirrored(whole, n),
+/// The cells of a frame and, mirrored, what is beyond it.
+struct Wide<const COLORS: usize> {
+    light: Vec<[f32; COLORS]>,
+    columns: usize,
+    /// Cells beyond each side.
+    beyond: f32,
+    per_px: f32,
+}
+
+impl<const COLORS: usize> Wide<COLORS> {
+    /// With as much beyond the frame as a way, px.
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "cells of a frame"
+    )]
+    fn of(cells: &Cells<COLORS>, reach_px: f32) -> Self {
+        let beyond = (reach_px / cells.per_cell as f32).ceil() as usize + 1;
+        let (width, height) = cells.size;
+        let sides = |n: usize| {
+            (0..n + 2 * beyond).map(move |k| mirrored(k.cast_signed() - beyond.cast_signed(), n))
+        };
+        let columns: Vec<usize> = sides(width).collect();
+        let light = sides(height)
+            .flat_map(|y| columns.iter().map(move |x| y * width + x))
+            .map(|cell| cells.cell(cell))
+            .collect();
+        Self {
+            light,
+            columns: columns.len(),
+            beyond: beyond as f32,
+            per_px: 1.0 / cells.per_cell as f32,
+        }
+    }
+
+    /// The light of the cell of a place, px.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "cells of a frame"
+    )]
+    #[inline(always)]
+    fn at(&self, at_px: [f32; 2]) -> [f32; COLORS] {
+        let [x, y] = at_px.map(|px| (px * self.per_px + self.beyond) as u32 as usize);
+        self.light
+            .get(y * self.columns + x)
+            .copied()
+            .unwrap_or([0.0; COLORS])
     }
 }
