@@ -255,12 +255,13 @@ impl Ice {
     /// Ice comes to the cells of a disc, where none is, on both sides of an edge of the tile.
     fn mark(&mut self, at_mm: [f64; 2], kind: usize, way_mm: f64) {
         let radius_mm = HALF_WIDTHS_MM[kind].max(0.5 * self.arrives_mm.cell_mm);
+        let reach_mm = radius_mm + 0.5 * self.arrives_mm.cell_mm;
         let copies = [0, 1].map(|k| {
             let within = at_mm[k] - self.from_mm[k];
             let side = self.sides_mm[k];
-            let other = if within < radius_mm {
+            let other = if within < reach_mm {
                 Some(at_mm[k] + side)
-            } else if within > side - radius_mm {
+            } else if within > side - reach_mm {
                 Some(at_mm[k] - side)
             } else {
                 None
@@ -288,8 +289,10 @@ impl Ice {
                 let part = ((radius_mm - away_mm) / self.arrives_mm.cell_mm + 0.5).min(1.0);
                 if part > 0.0 {
                     let cell = y * width + x;
-                    let arrives = &mut self.arrives_mm.values[cell];
-                    *arrives = arrives.min(way);
+                    if away_mm <= radius_mm {
+                        let arrives = &mut self.arrives_mm.values[cell];
+                        *arrives = arrives.min(way);
+                    }
                     #[expect(clippy::cast_possible_truncation, reason = "a ratio")]
                     let higher = BETWEEN + (RIDGES[kind] - BETWEEN) * part as f32;
                     let ridge = &mut self.ridge.values[cell];

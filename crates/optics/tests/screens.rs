@@ -171,7 +171,9 @@ fn a_beam_is_turned_by_more_than_two_and_a_half_degrees_as_much_as_the_haze_says
             let all = beyond(&light, at, -1.0) / 1e4;
             // What leaves the frame is mirrored into it, and is haze all the same.
             assert!((all - 1.0).abs() < 0.005, "{all}");
-            mean += beyond(&light, at, 900.0 * 2.5_f64.to_radians().tan()) / 1e4 / 16.0;
+            let haze = beyond(&light, at, 900.0 * 2.5_f64.to_radians().tan()) / 1e4;
+            assert!((haze - 0.04).abs() < 0.004, "{haze} at {at:?}");
+            mean += haze / 16.0;
         }
         assert!(
             (mean - 0.04).abs() < 0.001,

@@ -234,6 +234,10 @@ fn lamps_brighter_than_white_stay_as_they_are_where_nothing_meets_their_light() 
         if is_far(x, y) {
             n_far += 1;
             n_clean += u32::from(pixels.get_pixel(x, y) == pixel);
+        } else if region.get_pixel(x, y).0[0] == 0 {
+            let channels = pixels.get_pixel(x, y).0.into_iter().zip(pixel.0);
+            let most = channels.map(|(is, was)| is.abs_diff(was)).max();
+            assert!(most < Some(12), "{most:?} codes at {x}, {y}");
         }
     }
     assert!(n_far > 20_000, "{n_far} px are far from mud");
@@ -244,4 +248,55 @@ fn lamps_brighter_than_white_stay_as_they_are_where_nothing_meets_their_light() 
         "lens.headroom=50",
     ]);
     assert!(after == lamps, "with nothing on the pane");
+}
+
+/// Lamps brighter than white behind drops, in every kind of image, and what noise and lost frames make of it.
+#[test]
+fn bright_lamps_meet_drops_in_any_image() {
+    let mut recipe = Recipe::preset("rain").unwrap();
+    recipe.set("camera.focus_distance_m=0.15").unwrap();
+    let chain = Chain::of(&recipe.settings().unwrap(), (160, 100), Seed(3)).unwrap();
+    let night = RgbImage::from_fn(160, 100, |x, y| {
+        Rgb([if x % 40 < 2 && y % 25 < 2 { 255 } else { 12 }; 3])
+    });
+    let night = DynamicImage::from(night);
+    let images = [
+        DynamicImage::from(night.to_luma8()),
+        DynamicImage::from(night.to_luma_alpha8()),
+        night.clone(),
+        DynamicImage::from(night.to_rgba8()),
+        DynamicImage::from(night.to_luma16()),
+        DynamicImage::from(night.to_rgb16()),
+        DynamicImage::from(night.to_rgba16()),
+    ];
+    for image in images {
+        let mut wet = image.clone();
+        chain.over(&mut wet, Seed(3)).unwrap();
+        assert!(wet != image, "{:?}", image.color());
+        let light = |image: &DynamicImage| -> u64 {
+            image.to_rgb8().iter().map(|code| u64::from(*code)).sum()
+        };
+        assert!(light(&wet) > light(&image), "lamps light drops: {:?}", image.color());
+    }
+    for size in [(80, 100), (161, 100), (0, 0)] {
+        let mut other = DynamicImage::new_rgb8(size.0, size.1);
+        let refused = chain.over(&mut other, Seed(3));
+        assert!(matches!(refused, Err(Error::Optics(_))), "{size:?}");
+    }
+    recipe.set("optics.noise_read=0.05").unwrap();
+    for set in ["frames.black=1", "frames.white=0", "frames.frozen=0"] {
+        recipe.set(set).unwrap();
+    }
+    let chain = Chain::of(&recipe.settings().unwrap(), (160, 100), Seed(3)).unwrap();
+    let mut black = night;
+    chain.over(&mut black, Seed(3)).unwrap();
+    assert!(black.to_rgb8().iter().all(|code| *code == 0), "a black frame is black");
+}
+
+#[test]
+fn glass_with_nothing_on_it_is_intact_whatever_the_headroom() {
+    let mut recipe = Recipe::preset("frosted").unwrap();
+    recipe.set("frost.age_s=0").unwrap();
+    let chain = Chain::of(&recipe.settings().unwrap(), (160, 100), Seed(3)).unwrap();
+    assert!(chain.is_intact());
 }

@@ -16,7 +16,7 @@ use crate::fence::fence;
 use crate::formats::ImageFormat;
 use crate::ordinary_file::{check_file_len, read_file};
 use crate::provenance::blake3_hex;
-pub use size::image_size;
+pub use size::{image_size, readable_size};
 
 /// A decoded image together with what is needed to write its like.
 #[derive(Debug, Clone, PartialEq)]

@@ -14,6 +14,27 @@ use crate::ordinary_file::open_file;
 /// beginning is needed.
 const MAX_EXIF_BYTES: u64 = 1 << 16;
 
+/// As [`image_size`], of an image that [`crate::read_image`] takes by its [`crate::ImageLimits::default`].
+///
+/// # Errors
+/// As [`image_size`]; [`DatasetError::ImageTooLarge`], also for an image without pixels.
+pub fn readable_size(path: &Path) -> Result<(u32, u32), DatasetError> {
+    let (width_px, height_px) = image_size(path)?;
+    let limits = super::ImageLimits::default();
+    let name = path.to_string_lossy();
+    limits.check_size(&name, width_px, height_px)?;
+    if width_px == 0 || height_px == 0 {
+        return Err(DatasetError::ImageTooLarge {
+            name: name.into_owned(),
+            width_px,
+            height_px,
+            max_side_px: limits.max_side_px,
+            max_pixels: limits.max_pixels,
+        });
+    }
+    Ok((width_px, height_px))
+}
+
 /// Width and height of the upright image in the file at `path`, in pixels.
 ///
 /// The size that the pixels of [`crate::read_image`] have: sides are swapped where the EXIF

@@ -218,8 +218,9 @@ impl Layout for Kitti {
             return Err(no_index(file, SourceFormat::Kitti));
         };
         let frame = MovedFrame::of_file(&path_below(root, image), motion)?;
-        // What cannot be read is among the problems of the image.
-        let text = read_label(&file.path, &file.name).unwrap_or_default();
+        let bytes = label_bytes(&file.path, &file.name)?;
+        // What is no text is among the problems of the image.
+        let text = String::from_utf8(bytes).unwrap_or_default();
         for line in text.replace('\u{feff}', "").split_inclusive('\n') {
             let row = KittiRow::parse(line).ok().flatten();
             let moved = row.and_then(|row| {
@@ -234,13 +235,16 @@ impl Layout for Kitti {
     }
 }
 
+/// The bytes of a label file.
+fn label_bytes(path: &Path, name: &str) -> Result<Vec<u8>, DatasetError> {
+    let bytes = read_file(path, name, KittiRow::MAX_FILE_BYTES)?;
+    check_file_len(name, bytes.len() as u64, KittiRow::MAX_FILE_BYTES)?;
+    Ok(bytes)
+}
+
 /// The text of a label file, which may be empty.
 fn read_label(path: &Path, name: &str) -> Result<String, String> {
-    let bytes = read_file(path, name, KittiRow::MAX_FILE_BYTES)
-        .and_then(|bytes| {
-            check_file_len(name, bytes.len() as u64, KittiRow::MAX_FILE_BYTES)?;
-            Ok(bytes)
-        })
+    let bytes = label_bytes(path, name)
         .map_err(|error| match fs::symlink_metadata(path) {
             Err(found) if found.kind() == io::ErrorKind::NotFound => {
                 "there is no such file: the image has no label".to_owned()

@@ -149,12 +149,9 @@ trait Layout: fmt::Debug + Send + Sync {
         _: &Path,
         image: &SourceImage,
         frame: &MovedFrame,
-    ) -> Vec<LabeledObject> {
-        let moved = image
-            .objects
-            .iter()
-            .filter_map(|object| frame.object(object));
-        moved.collect()
+    ) -> Result<Vec<LabeledObject>, DatasetError> {
+        let objects = image.objects.iter();
+        Ok(objects.filter_map(|object| frame.object(object)).collect())
     }
 }
 
@@ -309,7 +306,7 @@ impl Source {
     /// hundredth of a px, and is cut to the frame; those are left out of which nothing remains there.
     ///
     /// # Errors
-    /// As [`crate::image_size`], of which that of the upright image is taken.
+    /// As [`crate::readable_size`], and where a label file cannot be read any more.
     pub fn moved_objects(
         &self,
         image: &SourceImage,
@@ -319,7 +316,7 @@ impl Source {
             return Ok(Vec::new());
         }
         let frame = MovedFrame::of_file(&image.path, motion)?;
-        Ok(self.layout.moved_objects(&self.root, image, &frame))
+        self.layout.moved_objects(&self.root, image, &frame)
     }
 
     /// Refuses an [index](FileRole::Index) with labels of kept images that [`Source::write_moved`] could not write,
@@ -347,7 +344,7 @@ impl Source {
     ///
     /// # Errors
     /// [`DatasetError::Unmovable`] for labels with places that cannot be moved, as in masks of another size than the
-    /// image; as [`Source::subset`], and [`crate::image_size`] for a label file.
+    /// image; as [`Source::subset`], and [`crate::readable_size`] for a label file.
     pub fn write_moved(
         &self,
         file: &SourceFile,

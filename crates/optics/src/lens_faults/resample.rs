@@ -60,12 +60,12 @@ fn resample_of<const COLORS: usize>(
                     || {
                         for y in top..bottom {
                             let t = part_of_square(y - top);
-                            let [high, low] = [[a, c], [b, d]]
+                            let [first, last] = [[a, c], [b, d]]
                                 .map(|[a, c]| [0, 1].map(|k| a[k] + t * (c[k] - a[k])));
                             let row = &mut rows[y * width + left..y * width + right];
                             for (x, pixel) in row.iter_mut().enumerate() {
                                 let s = part_of_square(x);
-                                let place = [0, 1].map(|k| high[k] + s * (low[k] - high[k]));
+                                let place = [0, 1].map(|k| first[k] + s * (last[k] - first[k]));
                                 *pixel = sample(light, (width, height), place);
                             }
                         }

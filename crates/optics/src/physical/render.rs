@@ -88,7 +88,11 @@ impl Overlay {
         self.change(image, (Part::Noise, seed))
     }
 
-    fn change(&self, image: &mut DynamicImage, part: (Part, Seed)) -> Result<(), OpticsError> {
+    /// Refuses an image that it cannot be put over.
+    ///
+    /// # Errors
+    /// As [`Overlay::apply`], but for the kind of samples.
+    pub fn check_size(&self, image: &DynamicImage) -> Result<(), OpticsError> {
         let (width, height) = (image.width(), image.height());
         if width == 0 || height == 0 {
             return Err(OpticsError::EmptyImage { width, height });
@@ -101,6 +105,11 @@ impl Overlay {
                 drawn_height: self.size.1 as usize,
             });
         }
+        Ok(())
+    }
+
+    fn change(&self, image: &mut DynamicImage, part: (Part, Seed)) -> Result<(), OpticsError> {
+        self.check_size(image)?;
         match image {
             DynamicImage::ImageLuma8(image) => self.over(Layout::<1, 0>, image.as_mut(), part),
             DynamicImage::ImageLumaA8(image) => self.over(Layout::<1, 1>, image.as_mut(), part),

@@ -22,10 +22,17 @@ impl Plan<'_> {
             .filter_map(Result::ok)
             .filter(|file| !is_state(&file.name) && !is_stray(file));
         let per_file = |file: SourceFile| -> Result<Vec<CarriedFile>, Error> {
-            let mut carried = Vec::new();
+            let mut carried: Vec<CarriedFile> = Vec::new();
             for sample_idx in 0..self.options.n_samples {
                 let name = set.layout().in_sample(&file.name, sample_idx);
-                carried.extend(self.carry_file(set, &file, &name)?);
+                carried.extend(match carried.first() {
+                    // What is moved is the same in each sample.
+                    Some(first) if self.moves_labels() && file.role != FileRole::Other => {
+                        let first = set.layout().path(&first.name);
+                        Some(set.carry(&first, &name, Carry::Copy)?)
+                    }
+                    _ => self.carry_file(set, &file, &name)?,
+                });
             }
             Ok(carried)
         };
@@ -36,12 +43,11 @@ impl Plan<'_> {
         Ok(carried)
     }
 
-    /// Whether indexes are written anew: for the images that there are, where their labels are moved,
-    /// and those of YOLO always, since a path in them may lead back to the source; where none does,
-    /// they stay as they are.
+    /// Whether indexes are written anew: for the images that there are, and those of YOLO
+    /// always, since a path in them may lead back to the source; where none does, they stay as
+    /// they are.
     fn reduces_indexes(&self) -> bool {
-        self.moves_labels()
-            || self.options.selection.is_partial()
+        self.options.selection.is_partial()
             || self.survey.n_left_out > 0
             || self.source.format() == SourceFormat::Yolo
     }

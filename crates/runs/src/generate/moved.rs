@@ -84,6 +84,6 @@ impl Plan<'_> {
     /// Whether the labels in a file of one image are written: the image is taken, and can be asked for its size.
     pub(super) fn writes_moved(&self, image: &str) -> bool {
         let path = self.source.root().join(image);
-        self.survey.is_selected(image) && starbreak_dataset::image_size(&path).is_ok()
+        self.survey.is_selected(image) && starbreak_dataset::readable_size(&path).is_ok()
     }
 }

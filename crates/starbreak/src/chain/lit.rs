@@ -71,19 +71,14 @@ impl Lit<'_> {
             Glass::Physical(overlay) if self.glass_in_light().is_none() => {
                 overlay.apply(frame, at.frame)?;
             }
-            Glass::Physical(_) => {}
+            Glass::Physical(overlay) => overlay.check_size(frame)?,
         }
         Ok(())
     }
 
     /// What comes behind the glass, with that where it meets light brighter than white.
     fn camera_over(&self, frame: &mut DynamicImage, at: Moment) -> Result<(), Error> {
-        let glass = self.glass_in_light();
-        self.behind.over(frame, glass, at)?;
-        if let Some(overlay) = glass {
-            overlay.apply_noise(frame, at.frame)?;
-        }
-        Ok(())
+        self.behind.over(frame, self.glass_in_light(), at)
     }
 
     /// The glass, where lamps are brighter than any code when they meet it.

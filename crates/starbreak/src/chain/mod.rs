@@ -288,7 +288,8 @@ impl Chain {
     #[must_use]
     pub fn is_intact(&self) -> bool {
         let is_clean = self.screens.iter().all(Screen::is_nothing);
-        self.is_glass_intact && is_clean && self.settings.faults.is_none()
+        let faults = self.settings.faults.as_ref();
+        self.is_glass_intact && is_clean && faults.is_none_or(CameraFaults::is_empty)
     }
 
     /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.

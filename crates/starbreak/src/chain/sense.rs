@@ -135,20 +135,14 @@ impl<'a> Behind<'a> {
         let none = CameraFaults::default();
         let faults = self.faults.unwrap_or(&none).at(at.time_s);
         let now = (&*faults, self, glass);
-        match image {
-            DynamicImage::ImageLuma8(image) => samples(now, image, at),
-            DynamicImage::ImageLumaA8(image) => samples(now, image, at),
-            DynamicImage::ImageRgb8(image) => samples(now, image, at),
-            DynamicImage::ImageRgba8(image) => samples(now, image, at),
-            DynamicImage::ImageLuma16(image) => samples(now, image, at),
-            DynamicImage::ImageLumaA16(image) => samples(now, image, at),
-            DynamicImage::ImageRgb16(image) => samples(now, image, at),
-            DynamicImage::ImageRgba16(image) => samples(now, image, at),
-            other => Err(OpticsError::ImageMode {
-                mode: format!("{:?}", other.color()),
+        // A frame that does not arrive is not looked at.
+        if !faults.sensor.frame_state(at).is_blank() {
+            step(now, Step::Light, image, at)?;
+            if let Some(overlay) = glass {
+                overlay.apply_noise(image, at.frame)?;
             }
-            .into()),
         }
+        step(now, Step::Codes, image, at)
     }
 
     /// Takes from the share of an image's light that comes through at each pixel what coats do not let through.
@@ -180,10 +174,38 @@ fn add(region: &mut GrayImage, reached: Vec<bool>) {
     }
 }
 
+/// What a camera does to light, and then to codes of it.
+#[derive(Clone, Copy, PartialEq)]
+enum Step {
+    Light,
+    Codes,
+}
+
+/// The faults that there are now, what is behind the glass, and the glass where it meets the same light.
+type Now<'a> = (&'a CameraFaults, &'a Behind<'a>, Option<&'a Overlay>);
+
+fn step(now: Now<'_>, step: Step, image: &mut DynamicImage, at: Moment) -> Result<(), Error> {
+    let at = (step, at);
+    match image {
+        DynamicImage::ImageLuma8(image) => samples(now, image, at),
+        DynamicImage::ImageLumaA8(image) => samples(now, image, at),
+        DynamicImage::ImageRgb8(image) => samples(now, image, at),
+        DynamicImage::ImageRgba8(image) => samples(now, image, at),
+        DynamicImage::ImageLuma16(image) => samples(now, image, at),
+        DynamicImage::ImageLumaA16(image) => samples(now, image, at),
+        DynamicImage::ImageRgb16(image) => samples(now, image, at),
+        DynamicImage::ImageRgba16(image) => samples(now, image, at),
+        other => Err(OpticsError::ImageMode {
+            mode: format!("{:?}", other.color()),
+        }
+        .into()),
+    }
+}
+
 fn samples<P>(
-    (faults, behind, glass): (&CameraFaults, &Behind<'_>, Option<&Overlay>),
+    (faults, behind, glass): Now<'_>,
     image: &mut ImageBuffer<P, Vec<P::Subpixel>>,
-    at: Moment,
+    (step, at): (Step, Moment),
 ) -> Result<(), Error>
 where
     P: Pixel,
@@ -193,35 +215,33 @@ where
     let size = (image.width() as usize, image.height() as usize);
     let samples: &mut [P::Subpixel] = image;
     let sensor = &faults.sensor;
-    // A frame that does not arrive is not looked at.
-    if !sensor.frame_state(at).is_blank() {
-        if glass.is_some() || behind.is_coated() || !faults.lens.faults().is_empty() {
-            let before = |light: &mut Vec<f32>, n_colors| {
-                faults.lens.unclip(light, n_colors, size);
-                let unclipped = (faults.lens.headroom() > 1.0).then(|| light.clone());
-                if let Some(glass) = glass {
-                    glass.over_light(light, n_colors);
-                }
-                for screen in &behind.screens {
-                    screen.over(light, n_colors);
-                }
-                if let Some(optic) = &behind.optic {
-                    faults
-                        .lens
-                        .over(light, n_colors, (optic, behind.sun), at.frame);
-                }
-                unclipped
-            };
-            change_all(sensor, samples, (size, n_channels), at, before);
-        } else if sensor.changes_light() {
-            change_light(sensor, samples, (size, n_channels), at);
-        }
+    if step == Step::Codes {
+        return match Codes::new(samples, size, n_channels) {
+            Some(mut codes) => Ok(sensor.over_codes(&mut codes, Sample::light, at)?),
+            // An image without pixels.
+            None => Ok(()),
+        };
     }
-    match Codes::new(samples, size, n_channels) {
-        Some(mut codes) => Ok(sensor.over_codes(&mut codes, Sample::light, at)?),
-        // An image without pixels.
-        None => Ok(()),
+    if glass.is_some() || behind.is_coated() || !faults.lens.faults().is_empty() {
+        let before = |light: &mut Vec<f32>, n_colors| {
+            faults.lens.unclip(light, n_colors, size);
+            let unclipped = (faults.lens.headroom() > 1.0).then(|| light.clone());
+            if let Some(glass) = glass {
+                glass.over_light(light, n_colors);
+            }
+            for screen in &behind.screens {
+                screen.over(light, n_colors);
+            }
+            if let Some(optic) = &behind.optic {
+                (faults.lens).over(light, n_colors, (optic, behind.sun), at.frame);
+            }
+            unclipped
+        };
+        change_all(sensor, samples, (size, n_channels), at, before);
+    } else if sensor.changes_light() {
+        change_light(sensor, samples, (size, n_channels), at);
     }
+    Ok(())
 }
 
 /// What the faults make of the light of a frame; samples whose light stays keep their codes.

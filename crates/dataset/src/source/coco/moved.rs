@@ -76,7 +76,11 @@ impl<'a> Places<'a> {
             None => {}
             Some(Segmentation::Outlines(outlines)) => {
                 let moved = outlines.iter().map(|outline| frame.outline(outline));
-                let moved: Vec<_> = moved.filter(|outline| !outline.is_empty()).collect();
+                let mut moved: Vec<_> = moved.filter(|outline| !outline.is_empty()).collect();
+                if moved.is_empty() && !outlines.is_empty() {
+                    // Readers of outlines expect one: that of the box, of which something is left.
+                    moved.push(vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]);
+                }
                 if !outlines.is_empty() {
                     area = moved.iter().map(|outline| area_px2(outline)).sum();
                 }

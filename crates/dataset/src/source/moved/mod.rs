@@ -13,7 +13,7 @@ use super::index::IndexFile;
 use super::name::path_below;
 use super::record::LabeledObject;
 use crate::error::DatasetError;
-use crate::image_file::image_size;
+use crate::image_file::readable_size;
 
 pub(super) use mask::Mask;
 pub(super) use outline::area_px2;
@@ -56,9 +56,9 @@ impl MovedFrame {
     /// That of a file, of which the header alone is read.
     ///
     /// # Errors
-    /// As [`image_size`].
+    /// As [`readable_size`].
     pub(super) fn of_file(path: &Path, motion: &Motion<'_>) -> Result<Self, DatasetError> {
-        Ok(Self::of_size(image_size(path)?, motion))
+        Ok(Self::of_size(readable_size(path)?, motion))
     }
 
     /// That of frames of a width and height, px.
@@ -191,7 +191,7 @@ impl<'m> Frames<'m> {
             .enumerate()
             .filter(|(_, row)| is_taken(&row.name));
         let sized = rows.filter_map(|(k, row)| {
-            let size_px = image_size(&path_below(root, &row.name)).ok()?;
+            let size_px = readable_size(&path_below(root, &row.name)).ok()?;
             Some((k, size_px))
         });
         Self {

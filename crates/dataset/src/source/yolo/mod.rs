@@ -394,12 +394,12 @@ impl Layout for Yolo {
         root: &Path,
         image: &SourceImage,
         frame: &MovedFrame,
-    ) -> Vec<LabeledObject> {
+    ) -> Result<Vec<LabeledObject>, DatasetError> {
         let label = label_of_image(&image.name);
         let mut objects = image.objects.iter().peekable();
         let mut moved = Vec::new();
-        // A file that changed or went away in the meantime has fewer.
-        let _ = for_each_line(&path_below(root, &label), |line| {
+        // A file that changed in the meantime has fewer.
+        for_each_line(&path_below(root, &label), |line| {
             let record = format!("{label}:{}", line.number);
             if let Some(object) = objects.next_if(|object| object.record == record) {
                 let box_px = self.moved_line(&line, frame).map(|(_, box_px)| box_px);
@@ -409,7 +409,7 @@ impl Layout for Yolo {
                 }));
             }
             Ok(())
-        });
-        moved
+        })?;
+        Ok(moved)
     }
 }
