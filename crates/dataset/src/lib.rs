@@ -71,9 +71,7 @@ pub use generated::{
     CarriedFile, Carry, Finding, GeneratedSet, ItemRecord, MAX_ITEM_BYTES, Manifest, MergeReport,
     SET_SCHEMA, SetChecker, compare_identity, file_len, merge_sets, set_identity,
 };
-pub use image_file::{
-    ImageFile, ImageLimits, decode_image, image_size, read_image, readable_size,
-};
+pub use image_file::{ImageFile, ImageLimits, decode_image, image_size, read_image, readable_size};
 pub use json_records::{JsonLists, JsonRecord, RecordFault, read_json_records};
 pub use line_log::LineLog;
 pub use ordinary_file::read_bytes;

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use image::{DynamicImage, Rgb, RgbImage};
-use starbreak::{Chain, Recipe, SCENARIOS, Seed, Stopwatch, presets};
+use starbreak::{Chain, Error, Recipe, SCENARIOS, Seed, Stopwatch, presets};
 
 fn over(recipe: &Recipe, image: &DynamicImage, seed: u64) -> DynamicImage {
     let mut image = image.clone();
@@ -276,7 +276,11 @@ fn bright_lamps_meet_drops_in_any_image() {
         let light = |image: &DynamicImage| -> u64 {
             image.to_rgb8().iter().map(|code| u64::from(*code)).sum()
         };
-        assert!(light(&wet) > light(&image), "lamps light drops: {:?}", image.color());
+        assert!(
+            light(&wet) > light(&image),
+            "lamps light drops: {:?}",
+            image.color()
+        );
     }
     for size in [(80, 100), (161, 100), (0, 0)] {
         let mut other = DynamicImage::new_rgb8(size.0, size.1);
@@ -290,7 +294,10 @@ fn bright_lamps_meet_drops_in_any_image() {
     let chain = Chain::of(&recipe.settings().unwrap(), (160, 100), Seed(3)).unwrap();
     let mut black = night;
     chain.over(&mut black, Seed(3)).unwrap();
-    assert!(black.to_rgb8().iter().all(|code| *code == 0), "a black frame is black");
+    assert!(
+        black.to_rgb8().iter().all(|code| *code == 0),
+        "a black frame is black"
+    );
 }
 
 #[test]

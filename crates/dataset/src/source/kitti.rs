@@ -244,14 +244,13 @@ fn label_bytes(path: &Path, name: &str) -> Result<Vec<u8>, DatasetError> {
 
 /// The text of a label file, which may be empty.
 fn read_label(path: &Path, name: &str) -> Result<String, String> {
-    let bytes = label_bytes(path, name)
-        .map_err(|error| match fs::symlink_metadata(path) {
-            Err(found) if found.kind() == io::ErrorKind::NotFound => {
-                "there is no such file: the image has no label".to_owned()
-            }
-            // Such as a link that leads nowhere.
-            _ => error.to_string(),
-        })?;
+    let bytes = label_bytes(path, name).map_err(|error| match fs::symlink_metadata(path) {
+        Err(found) if found.kind() == io::ErrorKind::NotFound => {
+            "there is no such file: the image has no label".to_owned()
+        }
+        // Such as a link that leads nowhere.
+        _ => error.to_string(),
+    })?;
     String::from_utf8(bytes).map_err(|_| "it is not UTF-8 text".to_owned())
 }
 

@@ -289,7 +289,7 @@ impl Chain {
     pub fn is_intact(&self) -> bool {
         let is_clean = self.screens.iter().all(Screen::is_nothing);
         let faults = self.settings.faults.as_ref();
-        self.is_glass_intact && is_clean && faults.is_none_or(CameraFaults::is_empty)
+        self.is_glass_intact && is_clean && faults.is_none_or(crate::CameraFaults::is_empty)
     }
 
     /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.
