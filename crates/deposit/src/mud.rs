@@ -36,6 +36,9 @@ const MOST_OUTLINE: f64 = 2.0;
 /// How much thicker and thinner it is in places, and how large those are, mm. FIT.
 const GRAIN: (f64, f64) = (1.6, 0.35);
 
+/// Largest radius of a splat, median diameters. FIT.
+const LARGEST: f64 = 3.0;
+
 /// How its thickness falls to the edge of a splat: as (1 − r²) to this. FIT.
 const DOME: f64 = 0.75;
 
@@ -88,8 +91,8 @@ impl Mud {
             }
             let mut rng = seed.stream(Stream::Mud, 16 + u64::from(k));
             let radius_mm = 0.5 * self.splat_mm * libm::exp(SIZES * normal(&mut rng));
-            // A larger one would be all there is.
-            let radius_mm = radius_mm.min(0.25 * sides[0].max(sides[1]));
+            // A larger one would have run down.
+            let radius_mm = radius_mm.min(LARGEST * self.splat_mm);
             let middle_mm = [0, 1].map(|k| {
                 area.from_mm[k] + (sides[k] + 2.0 * radius_mm) * uniform(&mut rng) - radius_mm
             });

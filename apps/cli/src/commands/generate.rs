@@ -313,6 +313,7 @@ fn would_do(plan: &Plan<'_>, made: &Preview) -> String {
 
 fn how_carried(plan: &Plan<'_>) -> &'static str {
     match plan.options.other_files {
+        Some(_) if plan.moves_labels() => "moved with what they name",
         Some(Carry::Copy) => "copied",
         Some(Carry::HardLink) => "carried over, labels copied and the others hard-linked",
         None if plan.moves_labels() => "moved with what they name, other files left out",

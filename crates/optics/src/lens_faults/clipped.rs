@@ -15,14 +15,16 @@ const CLIPPED: f32 = 0.995;
 const LAMP: f64 = 1e-4;
 const LAMP_PX: f64 = 4.0;
 
-/// How fast it falls with the area of a larger one: of a sky that is a fifth of the frame a factor of 300 becomes 2. FIT.
-const FALLS: f64 = 0.75;
+/// How fast it falls with the area of a larger one. FIT.
+const FALLS: f64 = 0.5;
 
-/// Light from which a color may have been clipped all the same.
-const NEAR: f32 = 0.8;
+/// Share of a frame that may be clipped at night, and how fast the headroom falls where it is more: a camera by day exposes
+/// so little that no lamp is much brighter than a white wall. FIT.
+const NIGHT: f64 = 0.005;
+const BY_DAY: f64 = 0.75;
 
 /// How much brighter the brightest color of what is white may be than the second. FIT.
-const PUREST: f32 = 4.0;
+const PUREST: f32 = 1.5;
 
 /// How much of the headroom lamps of one color have, as those of signals and the rear of cars. FIT.
 const SIGNAL: f32 = 0.02;
@@ -66,6 +68,16 @@ pub(super) fn unclip(
     let (labels, regions) = regions(&brightest, &depths, width);
     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
     let lamp_px = (LAMP * (width * height) as f64).max(LAMP_PX);
+    let n_clipped = brightest.iter().filter(|it| **it >= CLIPPED).count();
+    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+    let by_day = libm::pow(
+        (NIGHT * brightest.len() as f64 / n_clipped as f64).min(1.0),
+        BY_DAY,
+    );
+    // Deeper than three lamps' radii all is alike: a sky has no ridge.
+    let radii_px = 3.0 * (lamp_px / std::f64::consts::PI).sqrt();
+    #[expect(clippy::cast_possible_truncation, reason = "some px")]
+    let deepest = (f64::from(STEPS[0]) * radii_px) as f32;
     let gains: Vec<f32> = (regions.iter())
         .map(|region| {
             let share = (lamp_px / f64::from(region.n_pixels)).min(1.0);
@@ -75,7 +87,7 @@ pub(super) fn unclip(
                 0.0
             };
             #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
-            let gain = (of_clipped * libm::pow(share, FALLS)) as f32;
+            let gain = (of_clipped * by_day * libm::pow(share, FALLS)) as f32;
             gain
         })
         .collect();
@@ -85,16 +97,18 @@ pub(super) fn unclip(
         }
         let region = label as usize;
         #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-        let part = depth as f32 / regions[region].depth as f32;
+        let part = (depth as f32 / (regions[region].depth as f32).min(deepest)).min(1.0);
         brighten(pixel, gains[region] * part * part);
     }
 }
 
 /// Makes a pixel brighter by a factor of at most 1 and so much more.
 fn brighten(pixel: &mut [f32], more: f32) {
+    let brightest = pixel
+        .iter()
+        .fold(f32::MIN_POSITIVE, |most, value| most.max(*value));
     for value in &mut *pixel {
-        // A color that is not clipped is what it was, but for what noise and compression made of it.
-        let near = ((*value - NEAR) / (CLIPPED - NEAR)).clamp(0.0, 1.0);
+        let near = (*value / brightest).max(0.0);
         *value *= 1.0 + more * near * near;
     }
     if let [red, green, blue] = pixel {

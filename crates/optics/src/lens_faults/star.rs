@@ -142,6 +142,21 @@ struct Step {
 }
 
 impl Step {
+    /// Of a share of light, so many columns away (or rows, where the spike is steep) and so far across them, in cells.
+    #[expect(clippy::cast_possible_truncation, reason = "cells; a share of light")]
+    fn new(is_flat: bool, column: f64, across: f64, share: f64) -> Self {
+        let (along, whole, part) = (column as isize, across.floor(), across - across.floor());
+        let cell = |across: isize| match is_flat {
+            true => [along, across],
+            false => [across, along],
+        };
+        Self {
+            near: cell(whole as isize),
+            far: cell(whole as isize + 1),
+            shares: [1.0 - part, part].map(|part| (share * part) as f32),
+        }
+    }
+
     /// Adds the light that a lamp sends along the spike; what is beyond the frame is lost.
     fn add<const COLORS: usize>(
         &self,
@@ -162,7 +177,11 @@ impl Step {
     }
 }
 
-/// The steps of a spike in a direction, rad, one for each column that it passes, or each row, of cells of a width, px.
+/// Near the lamp, where light falls fast, a step is divided into so many, up to so many columns away.
+const FINE: (u32, u32) = (4, 24);
+
+/// The steps of a spike in a direction, rad, one or more for each column that it passes, or each row, of cells of a width,
+/// px.
 fn steps(angle: f64, per_cell: f64) -> Vec<Step> {
     let (sin, cos) = libm::sincos(angle);
     let most = cos.abs().max(sin.abs());
@@ -171,31 +190,27 @@ fn steps(angle: f64, per_cell: f64) -> Vec<Step> {
     let beyond = |px: f64| 1.0 / px.clamp(FROM_PX, TO_PX);
     let all = beyond(FROM_PX) - beyond(TO_PX);
     let mut steps = Vec::new();
-    for k in 0_i32.. {
-        let [from_px, to_px] = [-0.5, 0.5].map(|half| (f64::from(k) + half) * per_cell / most);
-        if from_px >= TO_PX {
-            break;
-        }
-        #[expect(clippy::cast_possible_truncation, reason = "a share of light")]
-        let share = ((beyond(from_px) - beyond(to_px)) / all) as f32;
-        let along = if main < 0.0 { -k } else { k } as isize;
-        let across = f64::from(k) * other / most;
-        #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
-        let (whole, part) = (across.floor() as isize, (across - across.floor()) as f32);
-        let cell = |across: isize| {
-            if is_flat {
-                [along, across]
-            } else {
-                [across, along]
+    let mut k = 0.0;
+    while (k - 0.5) * per_cell / most < TO_PX {
+        let n = if k < f64::from(FINE.1) { FINE.0 } else { 1 };
+        for piece in 0..n {
+            let [from, to] =
+                [0.0, 1.0].map(|end| k - 0.5 + (f64::from(piece) + end) / f64::from(n));
+            let [from_px, to_px] = [from, to].map(|cells| cells * per_cell / most);
+            let share = (beyond(from_px) - beyond(to_px)) / all;
+            if share > 0.0 {
+                // On straight lines between cells along the spike, and between those across it.
+                let along = 0.5 * (from + to);
+                let across = along * other / most;
+                for (column, part) in [(0.0, 1.0 - along.fract()), (1.0, along.fract())] {
+                    if share * part > 0.0 {
+                        let column = (along.floor() + column).copysign(main);
+                        steps.push(Step::new(is_flat, column, across, share * part));
+                    }
+                }
             }
-        };
-        if share > 0.0 {
-            steps.push(Step {
-                near: cell(whole),
-                far: cell(whole + 1),
-                shares: [share * (1.0 - part), share * part],
-            });
         }
+        k += 1.0;
     }
     steps
 }

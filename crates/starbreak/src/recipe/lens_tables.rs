@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// The faults of the lens, in the order in which light meets them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct LensTables {
-    /// Lines that bend, and a picture that is moved; labels stay where they were. Without this table there are none.
+    /// Lines that bend, and a picture that is moved, and labels with it. Without this table there are none.
     #[schemars(with = "DistortionTable")]
     pub(super) distortion: Option<DistortionTable>,
     /// Colored fringes along edges. Without this table there are none.

@@ -63,7 +63,7 @@ impl<'a> Places<'a> {
         })
     }
 
-    /// The annotation with its places moved; none where nothing of its box is left.
+    /// The annotation with its places moved; none where nothing of its box is left, or of its outlines or mask.
     fn moved(&self, frame: &MovedFrame) -> Result<Option<String>, String> {
         let Some(MovedBox { corners_px, .. }) = frame.box_px(self.bbox_px) else {
             return Ok(None);
@@ -76,10 +76,9 @@ impl<'a> Places<'a> {
             None => {}
             Some(Segmentation::Outlines(outlines)) => {
                 let moved = outlines.iter().map(|outline| frame.outline(outline));
-                let mut moved: Vec<_> = moved.filter(|outline| !outline.is_empty()).collect();
-                if moved.is_empty() && !outlines.is_empty() {
-                    // Readers of outlines expect one: that of the box, of which something is left.
-                    moved.push(vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]);
+                let moved: Vec<_> = moved.filter(|outline| !outline.is_empty()).collect();
+                if moved.is_empty() && outlines.iter().any(|outline| area_px2(outline) > 0.0) {
+                    return Ok(None);
                 }
                 if !outlines.is_empty() {
                     area = moved.iter().map(|outline| area_px2(outline)).sum();
@@ -96,6 +95,9 @@ impl<'a> Places<'a> {
                     ));
                 }
                 let moved = frame.mask(mask);
+                if moved.area_px2() == 0 && mask.area_px2() > 0 {
+                    return Ok(None);
+                }
                 #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
                 {
                     area = moved.area_px2() as f64;
