@@ -1,7 +1,7 @@
 //! Light of a frame in square cells, for blurs so wide that single pixels do not matter.
 
 /// Cells per standard deviation of a Gaussian, at least.
-pub(crate) const CELLS_PER_SIGMA: f64 = 2.0;
+const CELLS_PER_SIGMA: f64 = 2.0;
 
 /// Means of a frame's light over square cells, in rows from the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,22 +47,13 @@ impl<const COLORS: usize> Cells<COLORS> {
     }
 
     /// The light at a place, px, on straight lines between the middles of cells; beyond the frame that of its border.
-    #[expect(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "px of a frame"
-    )]
+    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
     #[inline(always)]
-    pub(crate) fn at(&self, [u, v]: [f32; 2]) -> [f32; COLORS] {
+    pub(crate) fn at(&self, place_px: [f32; 2]) -> [f32; COLORS] {
         let (columns, rows) = self.size;
-        let along = |px: f32, n: usize| {
-            let place = (px / self.per_cell as f32 - 0.5).clamp(0.0, (n - 1) as f32);
-            let whole = place as usize;
-            (whole, (whole + 1).min(n - 1), place - whole as f32)
-        };
-        let (left, right, s) = along(u, columns);
-        let (top, bottom, t) = along(v, rows);
+        let [u, v] = place_px.map(|px| px / self.per_cell as f32);
+        let ((left, s), (top, t)) = (cell_before(u, columns), cell_before(v, rows));
+        let (right, bottom) = ((left + 1).min(columns - 1), (top + 1).min(rows - 1));
         let of = |x: usize, y: usize| &self.light[y * columns + x];
         let corners = [
             of(left, top),
@@ -173,8 +164,8 @@ fn add_rows<const COLORS: usize>(light: &mut [f32], mut rows: Rows<'_, COLORS>) 
 pub(crate) struct Rows<'c, const COLORS: usize> {
     cells: &'c Cells<COLORS>,
     /// The cell left of each pixel, and how near it is to the next.
-    across: Vec<(u32, f32)>,
-    /// Pixels per cell.
+    across: Vec<(usize, f32)>,
+    /// Cells from one row to the next.
     scale: f32,
     /// Of the present row: that of cells, with more at its end, and that of pixels.
     line: Vec<f32>,
@@ -191,7 +182,9 @@ impl<'c, const COLORS: usize> Rows<'c, COLORS> {
         let scale = step as f32 / cells.per_cell as f32;
         let columns = cells.size.0;
         Self {
-            across: (0..n).map(|x| place(x, scale, columns)).collect(),
+            across: (0..n)
+                .map(|x| cell_before(middle(x, scale), columns))
+                .collect(),
             scale,
             line: vec![0.0; (columns + 1) * COLORS + TOGETHER],
             row: vec![0.0; n * COLORS + TOGETHER],
@@ -203,8 +196,7 @@ impl<'c, const COLORS: usize> Rows<'c, COLORS> {
     #[inline(always)]
     pub(crate) fn at(&mut self, y: usize) -> &[f32] {
         let (columns, rows) = self.cells.size;
-        let (above, t) = place(y, self.scale, rows);
-        let above = above as usize;
+        let (above, t) = cell_before(middle(y, self.scale), rows);
         let row_of = |y: usize| self.cells.light[y * columns..][..columns].as_flattened();
         let (from, below) = (row_of(above), row_of((above + 1).min(rows - 1)));
         let n = self.across.len() * COLORS;
@@ -219,7 +211,7 @@ impl<'c, const COLORS: usize> Rows<'c, COLORS> {
         self.line.copy_within(end - COLORS..end, end);
         let places = self.across.iter().zip(0_usize..);
         for ((left, s), x) in places {
-            let left = *left as usize * COLORS;
+            let left = left * COLORS;
             if COLORS == 1 {
                 let [a, b] = [self.line[left], self.line[left + 1]];
                 self.row[x] = a + (b - a) * s;
@@ -236,7 +228,14 @@ impl<'c, const COLORS: usize> Rows<'c, COLORS> {
     }
 }
 
-/// The middle of cells that is before one of places that are so many cells apart, and how near it is to the next.
+/// The middle of a row or column, in cells that are so many of them wide.
+#[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+#[inline(always)]
+fn middle(k: usize, scale: f32) -> f32 {
+    (k as f32 + 0.5) * scale
+}
+
+/// Of so many cells that whose middle is before a place, in cells, and how near that is to the next.
 #[expect(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -244,10 +243,10 @@ impl<'c, const COLORS: usize> Rows<'c, COLORS> {
     reason = "px of a frame"
 )]
 #[inline(always)]
-fn place(k: usize, scale: f32, n: usize) -> (u32, f32) {
-    let place = ((k as f32 + 0.5) * scale - 0.5).clamp(0.0, (n - 1) as f32);
+fn cell_before(place: f32, n: usize) -> (usize, f32) {
+    let place = (place - 0.5).clamp(0.0, (n - 1) as f32);
     let whole = place as u32;
-    (whole, place - whole as f32)
+    (whole as usize, place - whole as f32)
 }
 
 /// A frame in pixels, and in ever wider cells as they are asked for.

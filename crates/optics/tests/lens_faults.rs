@@ -473,7 +473,7 @@ fn clipped_lamps_are_as_bright_as_the_headroom_says() {
         let mut light: Vec<f32> = (0..40_000)
             .map(|k| lamp(f64::from(k % 200), f64::from(k / 200)) as f32)
             .collect();
-        lens.unclip(&mut light, 1, (200, 200));
+        lens.unclip(&mut light, 1, 200);
         lens.over(&mut light, 1, (&optic, None), Seed(1));
         f64::from(light[100 * 200 + 120])
     };
@@ -491,7 +491,7 @@ fn a_lamp_keeps_its_color() {
     {
         light[at(k)..][..3].copy_from_slice(color);
     }
-    lens.unclip(&mut light, 3, (60, 60));
+    lens.unclip(&mut light, 3, 60);
     let red = &light[at(0)..][..3];
     assert!(
         (1.5..2.5).contains(&red[0]) && red[1] < 0.06 && red[2] < 0.04,
@@ -518,7 +518,7 @@ fn what_is_clipped_is_the_brighter_the_smaller_it_is() {
     let lens = LensFaults::with_headroom(300.0);
     let brightest = |area_px: f64| {
         let mut light = disc(area_px);
-        lens.unclip(&mut light, 1, (400, 300));
+        lens.unclip(&mut light, 1, 400);
         light.iter().fold(0.0_f32, |most, value| most.max(*value))
     };
     assert!(
@@ -547,7 +547,7 @@ fn a_lamp_is_brightest_in_its_middle_and_has_no_holes() {
     let middle = 150 * 400 + 200;
     // What compression leaves: a pixel of it is not clipped.
     light[middle + 5] = 0.93;
-    lens.unclip(&mut light, 1, (400, 300));
+    lens.unclip(&mut light, 1, 400);
     assert!(
         light[middle] > 2.0 * light[middle + 14],
         "more than near its rim"

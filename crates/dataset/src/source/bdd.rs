@@ -318,9 +318,7 @@ impl Layout for Bdd {
         out: &mut dyn Write,
     ) -> Result<(), DatasetError> {
         let index = self.index(file)?;
-        let rows = index.rows.iter().enumerate();
-        let kept = rows.filter(|(_, row)| is_kept(&row.name)).map(|(k, _)| k);
-        copy(index, kept, out, &mut |record, _| {
+        copy(index, index.kept_rows(is_kept), out, &mut |record, _| {
             Ok(as_it_is(record, true))
         })
     }
@@ -331,8 +329,7 @@ impl Layout for Bdd {
         is_kept: &mut dyn FnMut(&str) -> bool,
     ) -> Result<(), DatasetError> {
         let index = self.index(file)?;
-        let rows = index.rows.iter().enumerate();
-        let kept = rows.filter(|(_, row)| is_kept(&row.name)).map(|(k, _)| k);
+        let kept = index.kept_rows(is_kept);
         copy(index, kept, &mut io::sink(), &mut |record, row| {
             check_labels(record.text, ids_of(index, row)).map_err(unmovable(index, row))?;
             Ok(None)

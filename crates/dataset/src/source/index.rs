@@ -106,6 +106,15 @@ impl IndexFile {
         self.labels.get(begin..end).unwrap_or_default()
     }
 
+    /// The numbers of the rows whose images are kept.
+    pub(super) fn kept_rows<'a>(
+        &'a self,
+        is_kept: &'a mut dyn FnMut(&str) -> bool,
+    ) -> impl Iterator<Item = usize> + 'a {
+        let rows = self.rows.iter().enumerate();
+        rows.filter(|(_, row)| is_kept(&row.name)).map(|(k, _)| k)
+    }
+
     fn problems_of(&self, row_idx: usize) -> impl Iterator<Item = &BadRecord> {
         let begin = self.problems.partition_point(|(row, _)| *row < row_idx);
         let of_row = self.problems.get(begin..).unwrap_or_default();

@@ -3,7 +3,8 @@
 //! An image does not tell; this is what it is taken to have been. Pixels that are clipped and touch are one region,
 //! with the border that the camera's lens and its compression made darker. A small region is a lamp, as bright as
 //! the headroom says. A large one is a sky or a wall, and only a little brighter than white, or the camera would have
-//! exposed less. A region is brightest in its middle: what is around that is light that a lens has spread already.
+//! exposed less; nor are lamps so bright beside a sky, by day. A region is brightest in its middle: what is around that is
+//! light that a lens has spread already.
 
 /// Light from which pixels beside clipped ones belong to their region.
 const BORDER: f32 = 0.9;
@@ -49,12 +50,7 @@ const DARK: u32 = u32::MAX;
 /// Makes what is clipped in a frame of 1 or 3 colors as bright as it is taken to have been with a headroom. Of a pixel with
 /// a clipped color the others are brighter, too, the more so the nearer they are to it: a lamp that is nearly white stays
 /// so. A red one stays red, and is not so bright.
-pub(super) fn unclip(
-    light: &mut [f32],
-    n_colors: usize,
-    (width, height): (usize, usize),
-    headroom: f64,
-) {
+pub(super) fn unclip(light: &mut [f32], n_colors: usize, width: usize, headroom: f64) {
     if light.iter().fold(0.0_f32, |most, value| most.max(*value)) < CLIPPED {
         return;
     }
@@ -64,16 +60,13 @@ pub(super) fn unclip(
             .collect(),
         _ => light.to_vec(),
     };
-    let depths = depths(&brightest, (width, height));
+    let depths = depths(&brightest, width);
     let (labels, regions) = regions(&brightest, &depths, width);
-    #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-    let lamp_px = (LAMP * (width * height) as f64).max(LAMP_PX);
     let n_clipped = brightest.iter().filter(|it| **it >= CLIPPED).count();
     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-    let by_day = libm::pow(
-        (NIGHT * brightest.len() as f64 / n_clipped as f64).min(1.0),
-        BY_DAY,
-    );
+    let (n_px, n_clipped) = (brightest.len() as f64, n_clipped as f64);
+    let lamp_px = (LAMP * n_px).max(LAMP_PX);
+    let by_day = libm::pow((NIGHT * n_px / n_clipped).min(1.0), BY_DAY);
     // Deeper than three lamps' radii all is alike: a sky has no ridge.
     let radii_px = 3.0 * (lamp_px / std::f64::consts::PI).sqrt();
     #[expect(clippy::cast_possible_truncation, reason = "some px")]
@@ -123,57 +116,43 @@ fn brighten(pixel: &mut [f32], more: f32) {
 }
 
 /// How far each bright pixel is from the next that is not, in steps; beyond the frame it goes on.
-fn depths(brightest: &[f32], (width, height): (usize, usize)) -> Vec<u32> {
+fn depths(brightest: &[f32], width: usize) -> Vec<u32> {
     // Farther than any, and far from the largest number.
     const FAR: u32 = 1 << 28;
     let mut depths: Vec<u32> = (brightest.iter())
         .map(|value| if *value < BORDER { 0 } else { FAR })
         .collect();
-    let [side, corner] = STEPS;
-    // Down and right, then up and left, by the neighbors that are before on the way.
-    for y in 0..height {
-        for x in 0..width {
-            let at = y * width + x;
-            if depths[at] == 0 {
-                continue;
-            }
-            let mut least = depths[at];
-            if x > 0 {
-                least = least.min(depths[at - 1] + side);
-            }
-            if y > 0 {
-                let above = &depths[at - width - usize::from(x > 0)..];
-                let above = &above[..usize::from(x > 0) + 1 + usize::from(x + 1 < width)];
-                least = least.min(least_of(above, usize::from(x > 0), (side, corner)));
-            }
-            depths[at] = least;
-        }
-    }
-    for y in (0..height).rev() {
-        for x in (0..width).rev() {
-            let at = y * width + x;
-            if depths[at] == 0 {
-                continue;
-            }
-            let mut least = depths[at];
-            if x + 1 < width {
-                least = least.min(depths[at + 1] + side);
-            }
-            if y + 1 < height {
-                let below = &depths[at + width - usize::from(x > 0)..];
-                let below = &below[..usize::from(x > 0) + 1 + usize::from(x + 1 < width)];
-                least = least.min(least_of(below, usize::from(x > 0), (side, corner)));
-            }
-            depths[at] = least;
-        }
-    }
+    sweep(&mut depths, width);
+    // The frame turned by half a turn.
+    depths.reverse();
+    sweep(&mut depths, width);
+    depths.reverse();
     depths
 }
 
-/// The least way over the pixels of a row beside a pixel, of which one is straight above or below.
-fn least_of(row: &[u32], straight: usize, (side, corner): (u32, u32)) -> u32 {
-    let way = |(k, depth): (usize, &u32)| depth + if k == straight { side } else { corner };
-    row.iter().enumerate().map(way).min().unwrap_or(u32::MAX)
+/// Lessens depths down and right, by those of the neighbors that are before on the way.
+fn sweep(depths: &mut [u32], width: usize) {
+    let [side, corner] = STEPS;
+    for at in 0..depths.len() {
+        let mut least = depths[at];
+        if least == 0 {
+            continue;
+        }
+        let x = at % width;
+        if x > 0 {
+            least = least.min(depths[at - 1] + side);
+        }
+        if at >= width {
+            least = least.min(depths[at - width] + side);
+            if x > 0 {
+                least = least.min(depths[at - width - 1] + corner);
+            }
+            if x + 1 < width {
+                least = least.min(depths[at - width + 1] + corner);
+            }
+        }
+        depths[at] = least;
+    }
 }
 
 /// The region of each pixel, and all regions: those that are part of another have its numbers.

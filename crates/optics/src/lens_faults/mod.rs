@@ -225,12 +225,12 @@ impl LensFaults {
         (!all.is_empty()).then_some(MovedPlaces(all))
     }
 
-    /// Makes what is clipped in a frame of linear light of a width and height, px, of 1 or 3 colors, as bright as it may
+    /// Makes what is clipped in a frame of linear light of a width, px, of 1 or 3 colors, as bright as it may
     /// have been, before anything spreads it: small lamps by the headroom, in their middle, and larger ones less, for a camera
     /// that saw a sky so bright would have exposed less. A lamp that is nearly white stays so, and a red one red.
-    pub fn unclip(&self, light: &mut [f32], n_colors: usize, size: (usize, usize)) {
+    pub fn unclip(&self, light: &mut [f32], n_colors: usize, width: usize) {
         if self.headroom > 1.0 {
-            clipped::unclip(light, n_colors, size, self.headroom);
+            clipped::unclip(light, n_colors, width, self.headroom);
         }
     }
 

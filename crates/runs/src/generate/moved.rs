@@ -28,11 +28,13 @@ impl PlaceMap for OfLens {
 }
 
 impl Plan<'_> {
-    /// Whether the lens moves what images show, and labels with it.
+    /// Whether the source has labels, and the lens moves what they name.
     #[must_use]
     pub fn moves_labels(&self) -> bool {
+        let format = self.source.format();
         let faults = self.context.settings.faults.as_ref();
-        faults.is_some_and(|faults| faults.lens.moves_labels())
+        !matches!(format, SourceFormat::Folder | SourceFormat::List)
+            && faults.is_some_and(|faults| faults.lens.moves_labels())
     }
 
     /// Where the lens shows the places of frames of a size, px.
@@ -58,11 +60,7 @@ impl Plan<'_> {
     /// Refuses labels that cannot be moved with what the lens moves, as far as it is known before the images are read, and
     /// files in which there may be more of them.
     pub(super) fn check_movable(&self) -> Result<(), Error> {
-        let has_labels = !matches!(
-            self.source.format(),
-            SourceFormat::Folder | SourceFormat::List
-        );
-        if !self.moves_labels() || !has_labels {
+        if !self.moves_labels() {
             return Ok(());
         }
         let files = self.source.files().filter_map(Result::ok);

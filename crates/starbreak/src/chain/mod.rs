@@ -23,7 +23,8 @@ use starbreak_sensor::{FrameState, Frames, Moment};
 
 use crate::photo::PlacedPhoto;
 use crate::{
-    Arrivals, Details, Error, OpticsSettings, Scene, Settings, Simulated, Stopwatch, simulate,
+    Arrivals, CameraFaults, Details, Error, OpticsSettings, Scene, Settings, Simulated, Stopwatch,
+    simulate,
 };
 
 use deposits::drops_fact;
@@ -289,7 +290,7 @@ impl Chain {
     pub fn is_intact(&self) -> bool {
         let is_clean = self.screens.iter().all(Screen::is_nothing);
         let faults = self.settings.faults.as_ref();
-        self.is_glass_intact && is_clean && faults.is_none_or(crate::CameraFaults::is_empty)
+        self.is_glass_intact && is_clean && faults.is_none_or(CameraFaults::is_empty)
     }
 
     /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.

@@ -118,8 +118,8 @@ impl<'a> Behind<'a> {
             .is_some_and(|faults| faults.lens.headroom() > 1.0)
     }
 
-    /// Puts an image there, in place, before that behind the glass in front where some is given. Samples whose light does
-    /// not change keep their codes; alpha stays.
+    /// What all this makes of an image, in place. Glass that is given comes first, in the same light, which may be brighter
+    /// than white; the image must be of its size. Samples whose light does not change keep their codes; alpha stays.
     ///
     /// # Errors
     /// [`Error::Optics`] for an image of 32-bit samples, [`Error::Sensor`] for one that no codec takes.
@@ -224,7 +224,7 @@ where
     }
     if glass.is_some() || behind.is_coated() || !faults.lens.faults().is_empty() {
         let before = |light: &mut Vec<f32>, n_colors| {
-            faults.lens.unclip(light, n_colors, size);
+            faults.lens.unclip(light, n_colors, size.0);
             let unclipped = (faults.lens.headroom() > 1.0).then(|| light.clone());
             if let Some(glass) = glass {
                 glass.over_light(light, n_colors);

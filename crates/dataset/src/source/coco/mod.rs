@@ -152,11 +152,7 @@ impl Layout for Coco {
         out: &mut dyn Write,
     ) -> Result<(), DatasetError> {
         let index = self.index(file)?;
-        let rows = index.rows.iter().enumerate();
-        let kept = rows
-            .filter(|(_, row)| is_kept(&row.name))
-            .map(|(k, _)| k)
-            .collect();
+        let kept = index.kept_rows(is_kept).collect();
         copy(index, &kept, out, &mut |record, is_of_kept| {
             Ok(as_it_is(record, is_of_kept))
         })
@@ -168,9 +164,7 @@ impl Layout for Coco {
         is_kept: &mut dyn FnMut(&str) -> bool,
     ) -> Result<(), DatasetError> {
         let index = self.index(file)?;
-        let rows = index.rows.iter().enumerate();
-        let kept = rows.filter(|(_, row)| is_kept(&row.name)).map(|(k, _)| k);
-        let mut annotations = Annotations::of(index, kept);
+        let mut annotations = Annotations::of(index, index.kept_rows(is_kept));
         read_coco_records(&index.path, |record| match record.key {
             "annotations" => annotations.check(&record),
             _ => Ok(()),

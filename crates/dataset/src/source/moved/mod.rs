@@ -185,13 +185,8 @@ impl<'m> Frames<'m> {
         is_taken: &mut dyn FnMut(&str) -> bool,
         motion: &'m Motion<'m>,
     ) -> Self {
-        let rows = index
-            .rows
-            .iter()
-            .enumerate()
-            .filter(|(_, row)| is_taken(&row.name));
-        let sized = rows.filter_map(|(k, row)| {
-            let size_px = readable_size(&path_below(root, &row.name)).ok()?;
+        let sized = index.kept_rows(is_taken).filter_map(|k| {
+            let size_px = readable_size(&path_below(root, &index.rows[k].name)).ok()?;
             Some((k, size_px))
         });
         Self {
