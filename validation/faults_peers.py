@@ -601,7 +601,7 @@ of the key. Peers know no physical unit but NRTK's indices of refraction and dis
 grades, or mix shares of colors. Fog of imagecorruptions and AlbumentationsX is in the air. The frost of the former and
 what the scripts lay over the frame are pictures. NRTK's drops refract the frame, and the rest is blurred.
 Boxes: imagecorruptions and the scripts know none. AlbumentationsX and NRTK hand them on, OpticalDistortion moves them.
-starbreak carries labels as they are, says how much of each box is damaged, and refuses labels under distortion.
+starbreak says how much of each box is damaged, and moves labels under distortion.
 gaussian_blur, spatter and fog of imagecorruptions get new names of skimage and numpy, chromaticaberration.py one of
 Pillow. deadpixel*.py paint red pixels.
 """

@@ -82,4 +82,9 @@ pub trait Coating {
 
     /// Standard deviations per axis of its smaller and its larger angle, rad.
     fn turns_by_rad(&self) -> [f64; 2];
+
+    /// Red, green and blue of white light that it turns by the larger angle, over what [`Passage::wide`] says.
+    fn wide_rgb(&self) -> [f64; 3] {
+        [1.0; 3]
+    }
 }

@@ -38,6 +38,9 @@ const PATCHES: (f64, f64) = (70.0, 0.8);
 /// Share of the haze that is across the wiper's way. FIT.
 const ACROSS: f64 = 0.5;
 
+/// How much more it scatters where it is thicker by its standard deviation, a share. FIT.
+const WHERE_THICK: f64 = 0.2;
+
 /// Angle by which it scatters, rad. FIT.
 const SCATTERS_BY_RAD: f64 = 0.1;
 
@@ -110,7 +113,7 @@ impl Coating for FilmedPane {
         }
         // In standard deviations.
         let height = height * (2.0 / f64::from(N_WAVES)).sqrt();
-        let haze = self.haze * self.patches.at(at_mm) * (1.0 + 0.5 * height);
+        let haze = self.haze * self.patches.at(at_mm) * (1.0 + WHERE_THICK * height);
         let haze = haze.clamp(0.0, 1.0);
         Passage {
             covered: haze,

@@ -54,6 +54,10 @@ const SIDEWAYS: f64 = 0.02;
 const CURVES_PER_MM: f64 = 0.012;
 const WANDERS_RAD: f64 = 0.05;
 
+/// Share of scattered light that each crystal sends back: half of 1 − g, with a mean cosine of the angle g of 0.8, that of
+/// crystals of ice \[Macke1996\].
+const BACKWARDS: f64 = 0.1;
+
 /// Of what ice scatters and lets through, the share that goes on forwards. FIT.
 const FORWARDS: f64 = 0.6;
 
@@ -285,7 +289,8 @@ impl Ice {
             for x in columns.clone() {
                 let [mx, my] = self.arrives_mm.middle_mm(x, y);
                 // As far as the disc covers it.
-                let away_mm = libm::hypot(mx - at_mm[0], my - at_mm[1]);
+                let [dx, dy] = [mx - at_mm[0], my - at_mm[1]];
+                let away_mm = (dx * dx + dy * dy).sqrt();
                 let part = ((radius_mm - away_mm) / self.arrives_mm.cell_mm + 0.5).min(1.0);
                 if part > 0.0 {
                     let cell = y * width + x;
@@ -351,7 +356,8 @@ impl Coating for FrostedPane {
             return Passage::CLEAN;
         }
         let depth = SCATTERS_PER_MM * thickness_mm;
-        let through = 1.0 / (1.0 + depth);
+        // Two streams, of which nothing is absorbed: ice is white where light is behind it.
+        let through = 1.0 / (1.0 + BACKWARDS * depth);
         // Of what is not scattered some meets an even face, as of a thin film; the rest is turned.
         let unscattered = libm::exp(-depth);
         let even = libm::exp(-thickness_mm / EVEN_MM);

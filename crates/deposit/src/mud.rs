@@ -39,9 +39,6 @@ const GRAIN: (f64, f64) = (1.6, 0.35);
 /// Largest radius of a splat, median diameters. FIT.
 const LARGEST: f64 = 3.0;
 
-/// How its thickness falls to the edge of a splat: as (1 − r²) to this. FIT.
-const DOME: f64 = 0.75;
-
 /// Standard deviation of the logarithm of the thickness of splats. FIT.
 const THICKNESSES: f64 = 0.4;
 
@@ -159,19 +156,26 @@ impl Splat {
         }
     }
 
-    /// Distance from the middle over that of the outline in this direction.
-    fn part(&self, [x, y]: [f64; 2]) -> f64 {
+    /// Farthest that its outline is from its middle, in radii of the disc that it was: no more than all waves together.
+    fn farthest(&self) -> f64 {
+        let most = self.lobes.iter().map(|[c, s]| (c * c + s * s).sqrt()).sum();
+        libm::exp(most).min(MOST_OUTLINE)
+    }
+
+    /// Square of the distance from the middle over that of the outline in this direction; 1 or more outside.
+    fn part_square(&self, [x, y]: [f64; 2], farthest: f64) -> f64 {
         let [cos, sin] = self.along;
         let (x, y) = (
             (x * cos + y * sin) / self.longer,
             (y * cos - x * sin) * self.longer,
         );
-        let away = libm::hypot(x, y) / self.radius_mm;
-        if away >= MOST_OUTLINE {
-            return away;
+        let length_square = x * x + y * y;
+        let away_square = length_square / (self.radius_mm * self.radius_mm);
+        if away_square >= farthest * farthest {
+            return 1.0;
         }
         // Cosines and sines of multiples of the angle, each from the one before.
-        let length = libm::hypot(x, y).max(1e-12);
+        let length = length_square.sqrt().max(1e-12);
         let (cos, sin) = (x / length, y / length);
         let (mut c, mut s) = (cos, sin);
         let mut outline = 0.0;
@@ -179,22 +183,26 @@ impl Splat {
             (c, s) = (c * cos - s * sin, s * cos + c * sin);
             outline += of_cos * c + of_sin * s;
         }
-        away / libm::exp(outline).clamp(0.4, MOST_OUTLINE)
+        let outline = libm::exp(outline).clamp(0.4, MOST_OUTLINE);
+        away_square / (outline * outline)
     }
 
-    /// Adds its thickness; returns how many cells it covers that were clean.
+    /// Adds its thickness, which falls to its edge as (1 − r²)^¾ (FIT); returns how many cells it covers that were clean.
     fn add(&self, thickness: &mut Raster, most_mm: f64) -> usize {
-        let [columns, rows] =
-            thickness.around(self.middle_mm, MOST_OUTLINE * self.longer * self.radius_mm);
+        let farthest = self.farthest();
+        let reach_mm = farthest * self.longer * self.radius_mm;
+        let [columns, rows] = thickness.around(self.middle_mm, reach_mm);
         let mut n_new = 0;
         for y in rows {
             for x in columns.clone() {
                 let [mx, my] = thickness.middle_mm(x, y);
-                let part = self.part([mx - self.middle_mm[0], my - self.middle_mm[1]]);
-                if part >= 1.0 {
+                let from_middle = [mx - self.middle_mm[0], my - self.middle_mm[1]];
+                let part_square = self.part_square(from_middle, farthest);
+                if part_square >= 1.0 {
                     continue;
                 }
-                let dome = libm::pow(1.0 - part * part, DOME);
+                let root = (1.0 - part_square).sqrt();
+                let dome = root * root.sqrt();
                 let cell = &mut thickness.values[y * thickness.size[0] + x];
                 n_new += usize::from(*cell <= 0.0);
                 #[expect(clippy::cast_possible_truncation, reason = "a length")]

@@ -1,5 +1,7 @@
 //! Light of a frame in square cells, for blurs so wide that single pixels do not matter.
 
+use wide::f32x4;
+
 /// Cells per standard deviation of a Gaussian, at least.
 const CELLS_PER_SIGMA: f64 = 2.0;
 
@@ -54,18 +56,45 @@ impl<const COLORS: usize> Cells<COLORS> {
         let [u, v] = place_px.map(|px| px / self.per_cell as f32);
         let ((left, s), (top, t)) = (cell_before(u, columns), cell_before(v, rows));
         let (right, bottom) = ((left + 1).min(columns - 1), (top + 1).min(rows - 1));
-        let of = |x: usize, y: usize| &self.light[y * columns + x];
-        let corners = [
-            of(left, top),
-            of(right, top),
-            of(left, bottom),
-            of(right, bottom),
-        ];
-        std::array::from_fn(|c| {
-            let [a, b, low_a, low_b] = corners.map(|it| it[c]);
-            let (high, low) = (a + s * (b - a), low_a + s * (low_b - low_a));
-            high + t * (low - high)
-        })
+        let corners = [(left, top), (right, top), (left, bottom), (right, bottom)];
+        let [a, b, low_a, low_b] = corners.map(|(x, y)| self.together(y * columns + x));
+        let (high, low) = (between(a, b, s), between(low_a, low_b, s));
+        let light = between(high, low, t).to_array();
+        std::array::from_fn(|c| light[c])
+    }
+
+    /// The light of a cell, with some of the next at its end.
+    #[inline(always)]
+    fn together(&self, cell: usize) -> f32x4 {
+        let from = &self.light.as_flattened()[cell * COLORS..];
+        if let Some(all) = from.first_chunk() {
+            return f32x4::new(*all);
+        }
+        let mut all = [0.0; TOGETHER];
+        all[..COLORS].copy_from_slice(&self.light[cell]);
+        f32x4::new(all)
+    }
+
+    /// Adds light at a place, in cells from the middle of the first, to the four around it, to each the more the nearer.
+    pub(crate) fn add_at(&mut self, [x, y]: [f32; 2], light: [f32; COLORS]) {
+        let (columns, rows) = self.size;
+        let [(left, s), (top, t)] = [x, y].map(|at| {
+            let whole = at.floor();
+            #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
+            let first = whole as isize;
+            (first, at - whole)
+        });
+        for (y, down) in [(top, 1.0 - t), (top + 1, t)] {
+            for (x, across) in [(left, 1.0 - s), (left + 1, s)] {
+                let at = usize::try_from(x).ok().zip(usize::try_from(y).ok());
+                if let Some((x, y)) = at.filter(|(x, y)| *x < columns && *y < rows) {
+                    let cell = &mut self.light[y * columns + x];
+                    for c in 0..COLORS {
+                        cell[c] += down * across * light[c];
+                    }
+                }
+            }
+        }
     }
 
     /// Cells twice as wide; those at the end of the frame are cut off by it.
@@ -144,6 +173,12 @@ impl<const COLORS: usize> Cells<COLORS> {
     pub(crate) fn rows(&self, width: usize) -> Rows<'_, COLORS> {
         Rows::of(self, width, 1)
     }
+}
+
+/// Values on a straight line from some to others.
+#[inline(always)]
+pub(crate) fn between(from: f32x4, to: f32x4, part: f32) -> f32x4 {
+    from + f32x4::splat(part) * (to - from)
 }
 
 fn add_rows<const COLORS: usize>(light: &mut [f32], mut rows: Rows<'_, COLORS>) {

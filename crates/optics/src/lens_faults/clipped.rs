@@ -3,8 +3,9 @@
 //! An image does not tell; this is what it is taken to have been. Pixels that are clipped and touch are one region,
 //! with the border that the camera's lens and its compression made darker. A small region is a lamp, as bright as
 //! the headroom says. A large one is a sky or a wall, and only a little brighter than white, or the camera would have
-//! exposed less; nor are lamps so bright beside a sky, by day. A region is brightest in its middle: what is around that is
-//! light that a lens has spread already.
+//! exposed less; nor are lamps so bright beside a sky, by day; and what is clipped amid light that is nearly as bright, as
+//! of clouds and snow, is no lamp at all. A region is brightest in its middle: what is around that is light that a lens has
+//! spread already.
 
 /// Light from which pixels beside clipped ones belong to their region.
 const BORDER: f32 = 0.9;
@@ -16,13 +17,18 @@ const CLIPPED: f32 = 0.995;
 const LAMP: f64 = 1e-4;
 const LAMP_PX: f64 = 4.0;
 
-/// How fast it falls with the area of a larger one. FIT.
+/// How fast it falls with the area of a larger one, and of a smaller one, which may be a glint. FIT.
 const FALLS: f64 = 0.5;
 
 /// Share of a frame that may be clipped at night, and how fast the headroom falls where it is more: a camera by day exposes
 /// so little that no lamp is much brighter than a white wall. FIT.
 const NIGHT: f64 = 0.005;
-const BY_DAY: f64 = 0.75;
+const BY_DAY: f64 = 1.0;
+
+/// Light around a region from which on it is no lamp, and how far around, of the frame's diagonal: beside it and, at
+/// corners, amid what is around. FIT.
+const AMID: f32 = 0.5;
+const AROUND: [f64; 2] = [0.01, 0.02];
 
 /// How much brighter the brightest color of what is white may be than the second. FIT.
 const PUREST: f32 = 1.5;
@@ -39,32 +45,68 @@ struct Region {
     /// Farthest from its border, in steps.
     depth: u32,
     is_clipped: bool,
+    /// Sum of the light of some places around it, and how many these are.
+    around: (f32, u32),
+}
+
+impl Region {
+    /// How much of a lamp it is by the light around it: 1 in the dark, 0 amid light that is half as bright.
+    fn stands_out(&self) -> f32 {
+        let (sum, n) = self.around;
+        if n == 0 {
+            return 0.0;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "some places")]
+        let light = (sum / n as f32 / AMID).min(1.0);
+        let rest = 1.0 - light * light;
+        rest * rest
+    }
+}
+
+/// Steps right and down to places around one.
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "px of a frame"
+)]
+fn places_around(n_pixels: usize, width: usize) -> [[isize; 2]; 8] {
+    let diagonal_px = libm::hypot(width as f64, (n_pixels / width) as f64);
+    let [a, b] = AROUND.map(|part| (part * diagonal_px).ceil() as isize);
+    [
+        [-a, 0],
+        [a, 0],
+        [0, -a],
+        [0, a],
+        [-b, -b],
+        [b, -b],
+        [-b, b],
+        [b, b],
+    ]
 }
 
 /// Steps to a neighbor beside a pixel and at its corner; depths are in thirds of a px.
 const STEPS: [u32; 2] = [3, 4];
 
-/// Not in a region.
-const DARK: u32 = u32::MAX;
-
-/// Makes what is clipped in a frame of 1 or 3 colors as bright as it is taken to have been with a headroom. Of a pixel with
-/// a clipped color the others are brighter, too, the more so the nearer they are to it: a lamp that is nearly white stays
-/// so. A red one stays red, and is not so bright.
-pub(super) fn unclip(light: &mut [f32], n_colors: usize, width: usize, headroom: f64) {
-    if light.iter().fold(0.0_f32, |most, value| most.max(*value)) < CLIPPED {
-        return;
+/// Makes what is clipped in a frame of 1 or 3 colors as bright as it is taken to have been with a headroom; returns the
+/// pixels that it makes brighter, in their order. Of a pixel with a clipped color the others are brighter, too, the more
+/// so the nearer they are to it: a lamp that is nearly white stays so. A red one stays red, and is not so bright.
+pub(super) fn unclip(
+    light: &mut [f32],
+    n_colors: usize,
+    width: usize,
+    headroom: f64,
+) -> Vec<usize> {
+    let bright = bright_pixels(light, n_colors);
+    let of = |at: usize| brightest(&light[at * n_colors..][..n_colors]);
+    let n_clipped = bright.iter().filter(|at| of(**at) >= CLIPPED).count();
+    if n_clipped == 0 {
+        return Vec::new();
     }
-    let brightest: Vec<f32> = match light.as_chunks::<3>() {
-        (pixels, []) if n_colors == 3 => (pixels.iter())
-            .map(|[red, green, blue]| red.max(*green).max(*blue))
-            .collect(),
-        _ => light.to_vec(),
-    };
-    let depths = depths(&brightest, width);
-    let (labels, regions) = regions(&brightest, &depths, width);
-    let n_clipped = brightest.iter().filter(|it| **it >= CLIPPED).count();
+    let n_pixels = light.len() / n_colors;
+    let depths = depths(&bright, n_pixels, width);
+    let (labels, regions) = regions(&bright, &depths, (n_pixels, width), of);
     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-    let (n_px, n_clipped) = (brightest.len() as f64, n_clipped as f64);
+    let (n_px, n_clipped) = (n_pixels as f64, n_clipped as f64);
     let lamp_px = (LAMP * n_px).max(LAMP_PX);
     let by_day = libm::pow((NIGHT * n_px / n_clipped).min(1.0), BY_DAY);
     // Deeper than three lamps' radii all is alike: a sky has no ridge.
@@ -73,33 +115,53 @@ pub(super) fn unclip(light: &mut [f32], n_colors: usize, width: usize, headroom:
     let deepest = (f64::from(STEPS[0]) * radii_px) as f32;
     let gains: Vec<f32> = (regions.iter())
         .map(|region| {
-            let share = (lamp_px / f64::from(region.n_pixels)).min(1.0);
-            let of_clipped = if region.is_clipped {
-                headroom - 1.0
-            } else {
-                0.0
-            };
+            let share = lamp_px / f64::from(region.n_pixels);
+            let share = libm::pow(share.min(1.0 / share), FALLS);
             #[expect(clippy::cast_possible_truncation, reason = "light is single precision")]
-            let gain = (of_clipped * by_day * libm::pow(share, FALLS)) as f32;
-            gain
+            let gain = ((headroom - 1.0) * by_day * share) as f32;
+            gain * region.stands_out()
         })
         .collect();
-    for ((pixel, label), depth) in light.chunks_exact_mut(n_colors).zip(labels).zip(depths) {
-        if label == DARK {
-            continue;
+    let mut brighter = bright;
+    brighter.retain(|at| {
+        let region = labels[*at] as usize - 1;
+        if !regions[region].is_clipped || gains[region] <= 0.0 {
+            return false;
         }
-        let region = label as usize;
         #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
-        let part = (depth as f32 / (regions[region].depth as f32).min(deepest)).min(1.0);
+        let part = (depths[*at] as f32 / (regions[region].depth as f32).min(deepest)).min(1.0);
+        let pixel = &mut light[at * n_colors..][..n_colors];
         brighten(pixel, gains[region] * part * part);
+        true
+    });
+    brighter
+}
+
+/// The light of a pixel's brightest color.
+fn brightest(pixel: &[f32]) -> f32 {
+    pixel.iter().fold(0.0, |most, value| most.max(*value))
+}
+
+/// The pixels whose brightest color is at least that of a border, in their order.
+fn bright_pixels(light: &[f32], n_colors: usize) -> Vec<usize> {
+    /// Pixels that are looked at together: most frames are dark but for some.
+    const TOGETHER: usize = 32;
+    let mut bright = Vec::new();
+    let starts = (0..).step_by(TOGETHER);
+    for (start, some) in starts.zip(light.chunks(TOGETHER * n_colors)) {
+        let is_any = (some.iter()).fold(false, |any, value| any | (*value >= BORDER));
+        if is_any {
+            let pixels = (start..).zip(some.chunks_exact(n_colors));
+            let pixels = pixels.filter(|(_, pixel)| brightest(pixel) >= BORDER);
+            bright.extend(pixels.map(|(at, _)| at));
+        }
     }
+    bright
 }
 
 /// Makes a pixel brighter by a factor of at most 1 and so much more.
 fn brighten(pixel: &mut [f32], more: f32) {
-    let brightest = pixel
-        .iter()
-        .fold(f32::MIN_POSITIVE, |most, value| most.max(*value));
+    let brightest = brightest(pixel).max(f32::MIN_POSITIVE);
     for value in &mut *pixel {
         let near = (*value / brightest).max(0.0);
         *value *= 1.0 + more * near * near;
@@ -115,78 +177,105 @@ fn brighten(pixel: &mut [f32], more: f32) {
     }
 }
 
-/// How far each bright pixel is from the next that is not, in steps; beyond the frame it goes on.
-fn depths(brightest: &[f32], width: usize) -> Vec<u32> {
+/// How far each bright pixel is from the next that is not, in steps, 0 where none is bright; beyond the frame it goes on.
+fn depths(bright: &[usize], n_pixels: usize, width: usize) -> Vec<u32> {
     // Farther than any, and far from the largest number.
     const FAR: u32 = 1 << 28;
-    let mut depths: Vec<u32> = (brightest.iter())
-        .map(|value| if *value < BORDER { 0 } else { FAR })
-        .collect();
-    sweep(&mut depths, width);
-    // The frame turned by half a turn.
-    depths.reverse();
-    sweep(&mut depths, width);
-    depths.reverse();
+    let mut depths = vec![0; n_pixels];
+    for at in bright {
+        depths[*at] = FAR;
+    }
+    for at in bright {
+        lessen(&mut depths, *at, width, -1);
+    }
+    for at in bright.iter().rev() {
+        lessen(&mut depths, *at, width, 1);
+    }
     depths
 }
 
-/// Lessens depths down and right, by those of the neighbors that are before on the way.
-fn sweep(depths: &mut [u32], width: usize) {
+/// Lessens the depth of a pixel by those of its neighbors that a way through the frame, on or back, comes to before it:
+/// one beside it and three of a row.
+fn lessen(depths: &mut [u32], at: usize, width: usize, back: isize) {
     let [side, corner] = STEPS;
-    for at in 0..depths.len() {
-        let mut least = depths[at];
-        if least == 0 {
-            continue;
-        }
-        let x = at % width;
-        if x > 0 {
-            least = least.min(depths[at - 1] + side);
-        }
-        if at >= width {
-            least = least.min(depths[at - width] + side);
-            if x > 0 {
-                least = least.min(depths[at - width - 1] + corner);
-            }
-            if x + 1 < width {
-                least = least.min(depths[at - width + 1] + corner);
-            }
-        }
-        depths[at] = least;
+    let x = at % width;
+    let (has_left, has_right) = (x > 0, x + 1 < width);
+    let (has_back, has_on) = if back < 0 {
+        (has_left, has_right)
+    } else {
+        (has_right, has_left)
+    };
+    let of = |at: usize, by: isize| depths[at.wrapping_add_signed(by)];
+    let mut least = depths[at];
+    if has_back {
+        least = least.min(of(at, back) + side);
     }
+    let row = at.checked_add_signed(back * width.cast_signed());
+    if let Some(row) = row.filter(|row| *row < depths.len()) {
+        least = least.min(of(row, 0) + side);
+        if has_back {
+            least = least.min(of(row, back) + corner);
+        }
+        if has_on {
+            least = least.min(of(row, -back) + corner);
+        }
+    }
+    depths[at] = least;
 }
 
-/// The region of each pixel, and all regions: those that are part of another have its numbers.
-fn regions(brightest: &[f32], depths: &[u32], width: usize) -> (Vec<u32>, Vec<Region>) {
-    let mut labels = vec![DARK; brightest.len()];
+/// The region of each pixel and 1, 0 where there is none, and all regions: those that are part of another have its numbers.
+fn regions(
+    bright: &[usize],
+    depths: &[u32],
+    (n_pixels, width): (usize, usize),
+    brightest: impl Fn(usize) -> f32,
+) -> (Vec<u32>, Vec<Region>) {
+    let mut labels = vec![0_u32; n_pixels];
+    let around = places_around(n_pixels, width);
     let mut regions: Vec<Region> = Vec::new();
-    let bright = depths.iter().enumerate().filter(|(_, depth)| **depth > 0);
-    for (at, _) in bright {
+    for at in bright.iter().copied() {
         let x = at % width;
-        let label_at = |at: usize| Some(labels[at]).filter(|label| *label != DARK);
-        let left = if x > 0 { label_at(at - 1) } else { None };
+        let region_at = |at: usize| (labels[at] as usize).checked_sub(1);
+        let left = if x > 0 { region_at(at - 1) } else { None };
         let above = if at >= width {
-            label_at(at - width)
+            region_at(at - width)
         } else {
             None
         };
         let region = match (left, above) {
-            (Some(one), Some(other)) => join(&mut regions, one as usize, other as usize),
-            (Some(one), None) | (None, Some(one)) => whole(&mut regions, one as usize),
+            (Some(one), Some(other)) => join(&mut regions, one, other),
+            (Some(one), None) | (None, Some(one)) => whole(&mut regions, one),
             (None, None) => {
                 regions.push(Region {
                     of: regions.len(),
                     n_pixels: 0,
                     depth: 0,
                     is_clipped: false,
+                    around: (0.0, 0),
                 });
                 regions.len() - 1
             }
         };
-        labels[at] = u32::try_from(region).unwrap_or(DARK);
+        labels[at] = u32::try_from(region + 1).unwrap_or(u32::MAX);
         let region = &mut regions[region];
         region.n_pixels += 1;
         region.depth = region.depth.max(depths[at]);
-        region.is_clipped |= brightest[at] >= CLIPPED;
+        region.is_clipped |= brightest(at) >= CLIPPED;
+        // Around its border; in its depth that lies within itself.
+        if depths[at] > STEPS[0] {
+            continue;
+        }
+        for [right, down] in around {
+            let is_inside = x
+                .checked_add_signed(right)
+                .is_some_and(|there| there < width);
+            let there = at.checked_add_signed(down * width.cast_signed() + right);
+            let there = there.filter(|there| is_inside && *there < n_pixels && depths[*there] == 0);
+            if let Some(there) = there {
+                region.around.0 += brightest(there);
+                region.around.1 += 1;
+            }
+        }
     }
     for k in 0..regions.len() {
         let of = whole(&mut regions, k);
@@ -216,6 +305,8 @@ fn join(regions: &mut [Region], one: usize, other: usize) -> usize {
         region.n_pixels += joined.n_pixels;
         region.depth = region.depth.max(joined.depth);
         region.is_clipped |= joined.is_clipped;
+        region.around.0 += joined.around.0;
+        region.around.1 += joined.around.1;
     }
     first
 }

@@ -227,11 +227,13 @@ impl LensFaults {
 
     /// Makes what is clipped in a frame of linear light of a width, px, of 1 or 3 colors, as bright as it may
     /// have been, before anything spreads it: small lamps by the headroom, in their middle, and larger ones less, for a camera
-    /// that saw a sky so bright would have exposed less. A lamp that is nearly white stays so, and a red one red.
-    pub fn unclip(&self, light: &mut [f32], n_colors: usize, width: usize) {
+    /// that saw a sky so bright would have exposed less. A lamp that is nearly white stays so, and a red one red. Returns
+    /// the pixels that it makes brighter, in their order.
+    pub fn unclip(&self, light: &mut [f32], n_colors: usize, width: usize) -> Vec<usize> {
         if self.headroom > 1.0 {
-            clipped::unclip(light, n_colors, width, self.headroom);
+            return clipped::unclip(light, n_colors, width, self.headroom);
         }
+        Vec::new()
     }
 
     /// What the faults make of a frame of linear light, in rows from the top with one value per pixel or three side by

@@ -1,5 +1,7 @@
 //! A frame whose pixels come from other places.
 
+use wide::f32x4;
+
 use crate::pyramid::vectorized;
 
 /// Form of the light of a frame.
@@ -104,10 +106,26 @@ fn sample<const COLORS: usize>(
 ) -> [f32; COLORS] {
     let (left, across) = taps(u);
     let (top, down) = taps(v);
-    // Of each of four columns.
-    let mut columns = [[0.0; COLORS]; 4];
     let is_inside =
-        left >= 0 && top >= 0 && left + 4 <= width.cast_signed() && top + 4 <= height.cast_signed();
+        left >= 0 && top >= 0 && left + 5 <= width.cast_signed() && top + 4 <= height.cast_signed();
+    if is_inside && COLORS == 3 {
+        // Of each of four columns, with some of the next pixel at the end.
+        let mut columns = [f32x4::ZERO; 4];
+        let first = top.cast_unsigned() * width + left.cast_unsigned();
+        for (row, down) in down.into_iter().enumerate() {
+            let five = light[first + row * width..][..5].as_flattened();
+            let down = f32x4::splat(down);
+            for (k, to) in columns.iter_mut().enumerate() {
+                if let Some(from) = five[k * COLORS..].first_chunk() {
+                    *to += down * f32x4::new(*from);
+                }
+            }
+        }
+        let [a, b, d, e] = [0, 1, 2, 3].map(|k| f32x4::splat(across[k]) * columns[k]);
+        let sum = ((a + b) + (d + e)).fast_max(f32x4::ZERO).to_array();
+        return std::array::from_fn(|c| sum[c]);
+    }
+    let mut columns = [[0.0; COLORS]; 4];
     if is_inside {
         let first = top.cast_unsigned() * width + left.cast_unsigned();
         for (row, down) in down.into_iter().enumerate() {

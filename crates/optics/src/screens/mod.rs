@@ -55,6 +55,7 @@ pub struct Screen {
     streaks: Option<Streaks>,
     spreads_px: [f64; 2],
     wide_rad: f64,
+    wide_rgb: Rgb,
     covered: f64,
     /// Whether any light is turned by the smaller and by the larger angle, and whether any changes at all.
     has_halos: [bool; 2],
@@ -207,6 +208,8 @@ impl Screen {
         let covered = samples.passages.iter().map(|it| it.covered).sum::<f64>() / n;
         let [narrow_rad, wide_rad] = coating.turns_by_rad();
         let (width, height) = view.size();
+        #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
+        let wide_rgb = coating.wide_rgb().map(|color| color as f32);
         let direct = samples.map(pupil, |it| it.direct);
         let turned = samples.map(pupil, |it| [it.narrow, it.wide, it.streak]);
         let moved = Turned::of(&samples, pupil, optic.f_px);
@@ -223,6 +226,7 @@ impl Screen {
             streaks: Streaks::of(&samples, optic.f_px),
             spreads_px: [narrow_rad, wide_rad].map(|rad| rad * optic.f_px),
             wide_rad,
+            wide_rgb,
             covered,
             sights: Sights {
                 f_px: optic.f_px,
@@ -329,6 +333,7 @@ impl Screen {
                 let of = |map: &Option<Map>| map.as_ref().map_or([0.0; 3], |map| map.cell(cell));
                 let (diffuse, back) = (of(&self.diffuse), of(&self.back));
                 let shine: Rgb = std::array::from_fn(|k| {
+                    let lobe = lobe * self.wide_rgb[k];
                     diffuse[k] * outside[k] + back[k] * cabin[k] + lobe * light.sun_rgb[k]
                 });
                 shine
@@ -394,8 +399,14 @@ impl LitScreen<'_> {
     fn colors_over<const COLORS: usize>(&self, light: &mut [f32]) {
         let screen = self.screen;
         let mut pyramid = Pyramid::<COLORS>::of(light, screen.size);
-        let [narrow, wide] =
+        let [narrow, mut wide] =
             [0, 1].map(|k| screen.has_halos[k].then(|| pyramid.spread(screen.spreads_px[k])));
+        if let Some(wide) = &mut wide {
+            let tint = of_colors::<COLORS>(screen.wide_rgb);
+            for light in wide.values_mut() {
+                *light = std::array::from_fn(|c| tint[c] * light[c]);
+            }
+        }
         let streaks = (screen.streaks.as_ref()).map(|it| it.over(&mut pyramid));
         if let Some(moved) = &screen.moved {
             moved.over::<COLORS>(light, screen.size);

@@ -19,6 +19,8 @@ use std::sync::LazyLock;
 
 use transfer::linear;
 
+use crate::pyramid::vectorized;
+
 /// Light of each 8-bit code, in units of white.
 pub static DECODE8: [f32; 256] = decode8_table();
 
@@ -41,6 +43,28 @@ pub fn decode16(code: u16) -> f32 {
 #[must_use]
 pub fn encode8(light: f32) -> u8 {
     encode8_in(bin8(light), light)
+}
+
+/// [`encode8`] of many.
+pub fn encode8_all(lights: &[f32], codes: &mut [u8]) {
+    /// Whose bins are found together.
+    const TOGETHER: usize = 32;
+    vectorized(
+        #[inline(always)]
+        || {
+            let (lights, last_lights) = lights.as_chunks::<TOGETHER>();
+            let (codes, last_codes) = codes.as_chunks_mut::<TOGETHER>();
+            for (lights, codes) in lights.iter().zip(codes) {
+                let bins = lights.map(bin8);
+                for k in 0..TOGETHER {
+                    codes[k] = encode8_in(bins[k], lights[k]);
+                }
+            }
+            for (light, code) in last_lights.iter().zip(last_codes) {
+                *code = encode8(*light);
+            }
+        },
+    );
 }
 
 /// [`encode8`] of light that is in a [`bin8`].

@@ -6,7 +6,7 @@ use starbreak_optics::environment::{Environment, EnvironmentParams};
 use starbreak_optics::lens_faults::{Lamp, Optic};
 use starbreak_optics::physical::Overlay;
 use starbreak_optics::screens::{LitScreen, Screen};
-use starbreak_optics::srgb::{decode8, decode16, encode8, encode16};
+use starbreak_optics::srgb::{decode8, decode16, encode8, encode8_all, encode16};
 use starbreak_sensor::{Code, Codes, Light, Moment, Sensor};
 
 use crate::{CameraFaults, Error, OpticsSettings, Scene, Settings};
@@ -16,6 +16,13 @@ trait Sample: Code {
     fn light(self) -> f32;
     /// Of the light of a code it is that code.
     fn of_light(light: f32) -> Self;
+
+    /// The codes of many lights.
+    fn of_lights(lights: &[f32], codes: &mut [Self]) {
+        for (code, light) in codes.iter_mut().zip(lights) {
+            *code = Self::of_light(*light);
+        }
+    }
 
     /// From a code to that of so many times its light.
     fn times(gain: f32) -> impl Fn(Self) -> Self {
@@ -30,6 +37,10 @@ impl Sample for u8 {
 
     fn of_light(light: f32) -> Self {
         encode8(light)
+    }
+
+    fn of_lights(lights: &[f32], codes: &mut [Self]) {
+        encode8_all(lights, codes);
     }
 
     /// By a table: a row has more samples than there are codes.
@@ -224,8 +235,8 @@ where
     }
     if glass.is_some() || behind.is_coated() || !faults.lens.faults().is_empty() {
         let before = |light: &mut Vec<f32>, n_colors| {
-            faults.lens.unclip(light, n_colors, size.0);
-            let unclipped = (faults.lens.headroom() > 1.0).then(|| light.clone());
+            let brighter = faults.lens.unclip(light, n_colors, size.0);
+            let unclipped = Unclipped::of(brighter, light, n_colors);
             if let Some(glass) = glass {
                 glass.over_light(light, n_colors);
             }
@@ -277,17 +288,56 @@ fn change_light<S: Sample>(
         }
         return;
     }
-    change_all(sensor, samples, (size, n_channels), at, |_, _| None);
+    change_all(sensor, samples, (size, n_channels), at, |_, _| {
+        Unclipped::default()
+    });
+}
+
+/// Pixels that are taken to have been brighter than their codes say, with that light.
+#[derive(Default)]
+struct Unclipped {
+    pixels: Vec<usize>,
+    /// With the colors of each side by side.
+    light: Vec<f32>,
+}
+
+impl Unclipped {
+    /// Of pixels of a frame's light of so many colors.
+    fn of(pixels: Vec<usize>, light: &[f32], n_colors: usize) -> Self {
+        let colors = |at: &usize| &light[at * n_colors..][..n_colors];
+        Self {
+            light: pixels.iter().flat_map(colors).copied().collect(),
+            pixels,
+        }
+    }
+
+    /// The codes of these pixels after all that their light met, from those before it.
+    fn codes<S: Sample>(
+        &self,
+        samples: &[S],
+        after: &[f32],
+        (n_channels, n_colors): (usize, usize),
+    ) -> Vec<S> {
+        let mut codes = Vec::with_capacity(self.light.len());
+        for (at, before) in self.pixels.iter().zip(self.light.chunks_exact(n_colors)) {
+            let was = &samples[at * n_channels..][..n_colors];
+            let after = &after[at * n_colors..][..n_colors];
+            for (was, (before, after)) in was.iter().zip(before.iter().zip(after)) {
+                codes.push(S::of_light(clipped_again(was.light(), *before, *after)));
+            }
+        }
+        codes
+    }
 }
 
 /// What comes before the sensor, and the sensor, make of the light of a whole frame; samples whose light stays keep their
-/// codes. What comes before gives the light that clipped samples are taken to have had, where that is another.
+/// codes. What comes before tells which pixels it took to have been brighter than they are.
 fn change_all<S: Sample>(
     sensor: &Sensor,
     samples: &mut [S],
     (size, n_channels): ((usize, usize), usize),
     at: Moment,
-    before: impl Fn(&mut Vec<f32>, usize) -> Option<Vec<f32>>,
+    before: impl Fn(&mut Vec<f32>, usize) -> Unclipped,
 ) {
     let n_colors = if n_channels < 3 { 1 } else { 3 };
     let mut values: Vec<f32> = match n_channels == n_colors {
@@ -302,30 +352,20 @@ fn change_all<S: Sample>(
     };
     sensor.over(&mut light, at);
     let light = light.values();
-    match unclipped {
-        None if n_channels == n_colors => {
-            for (code, after) in samples.iter_mut().zip(light) {
+    let clipped = unclipped.codes(samples, light, (n_channels, n_colors));
+    if n_channels == n_colors {
+        S::of_lights(light, samples);
+    } else {
+        let pixels = samples.chunks_exact_mut(n_channels);
+        for (pixel, after) in pixels.zip(light.chunks_exact(n_colors)) {
+            for (code, after) in pixel.iter_mut().zip(after) {
                 *code = S::of_light(*after);
             }
         }
-        None => {
-            let pixels = samples.chunks_exact_mut(n_channels);
-            for (pixel, after) in pixels.zip(light.chunks_exact(n_colors)) {
-                for (code, after) in pixel.iter_mut().zip(after) {
-                    *code = S::of_light(*after);
-                }
-            }
-        }
-        Some(unclipped) => {
-            let lights = light.chunks_exact(n_colors);
-            let lights = lights.zip(unclipped.chunks_exact(n_colors));
-            let pixels = samples.chunks_exact_mut(n_channels);
-            for (pixel, (after, before)) in pixels.zip(lights) {
-                for (code, (after, before)) in pixel.iter_mut().zip(after.iter().zip(before)) {
-                    *code = S::of_light(clipped_again(code.light(), *before, *after));
-                }
-            }
-        }
+    }
+    let codes = clipped.chunks_exact(n_colors);
+    for (at, codes) in unclipped.pixels.iter().zip(codes) {
+        samples[at * n_channels..][..n_colors].copy_from_slice(codes);
     }
 }
 
