@@ -52,7 +52,7 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
         if ["ghosts", "star-burst"].contains(&preset) {
             // A lamp.
             let mut lit = scene();
-            for (x, y) in (40..42).flat_map(|x| (20..22).map(move |y| (x, y))) {
+            for (x, y) in (40..42).flat_map(|x| (60..62).map(move |y| (x, y))) {
                 lit.put_pixel(x, y, Rgb([255, 255, 250]));
             }
             return behind(&recipe, lit);
