@@ -19,7 +19,7 @@ const SIZE_PX: (u32, u32) = (96, 64);
 fn message(stamp: u32) -> Vec<u8> {
     let (width, height) = SIZE_PX;
     let mut bytes = vec![0, 1, 0, 0];
-    let mut number = |bytes: &mut Vec<u8>, number: u32| bytes.extend(number.to_le_bytes());
+    let number = |bytes: &mut Vec<u8>, number: u32| bytes.extend(number.to_le_bytes());
     number(&mut bytes, stamp);
     number(&mut bytes, 0);
     number(&mut bytes, 4);

@@ -128,26 +128,26 @@ def test_only_data_differ_and_the_pixels_are_those_of_crack(bag, command, tmp_pa
         if topic == "/text":
             assert new_bytes == old_bytes
             continue
-        assert new.header.stamp == old.header.stamp and new.header.frame_id == old.header.frame_id
+        assert str(new.header) == str(old.header)
         for field in ("height", "width", "encoding", "is_bigendian", "step", "format"):
             assert getattr(new, field, None) == getattr(old, field, None)
         name = topic.strip("/").replace("/", ".")
-        expected = starbreak.crack(pixels_of(topic, old), recipe, 7, name=name)
         shown = pixels_of(topic, new)
         if TOPICS[topic] == "jpeg":
-            file = tmp_path / f"{name}.{count[topic]}"
-            folder = tmp_path / "cracked" / str(count[topic])
-            file.mkdir()
-            (file / name).write_bytes(bytes(old.data))
-            command("crack", file / name, "-o", folder, "--preset", "paper", *flags(), "--seed", 7)
-            assert bytes(new.data) == next(folder.glob("*.jpg")).read_bytes()
+            folder = tmp_path / f"frame {count[topic]}"
+            folder.mkdir()
+            (folder / name).write_bytes(bytes(old.data))
+            command("crack", folder / name, "-o", folder / "out", "--preset", "paper", *flags(), "--seed", 7)
+            assert bytes(new.data) == next((folder / "out").glob("*.jpg")).read_bytes()
         else:
+            expected = starbreak.crack(pixels_of(topic, old), recipe, 7, name=name)
             assert np.array_equal(shown, expected)
         assert not np.array_equal(shown, pixels_of(topic, old))
         count[topic] += 1
     assert set(count.values()) == {3}
     # A mask and a line of the track for each image.
-    assert {record[1] for record in ours} == {f"{topic}/starbreak/{kind}" for topic in TOPICS for kind in ("region", "track")}
+    added = {f"{topic}/starbreak/{kind}" for topic in TOPICS for kind in ("region", "track")}
+    assert {record[1] for record in ours} == added
     assert len(ours) == 2 * 12
     for _, topic, _, decoded in ours:
         if topic.endswith("/track"):
@@ -186,4 +186,4 @@ def test_a_bag_with_a_hit_and_two_recipes(bag, command, tmp_path):
         record = next(record for record in make_reader(file).iter_metadata() if record.name == "starbreak")
     assert record.metadata["schema"] == "starbreak.bag/1"
     said = {camera["topic"]: camera for camera in json.loads(record.metadata["cameras"])}
-    assert said["/front/image_raw"]["recipe"].startswith("#") or "[fracture]" in said["/front/image_raw"]["recipe"]
+    assert "[fracture]" in said["/front/image_raw"]["recipe"]

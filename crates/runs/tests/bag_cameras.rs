@@ -216,7 +216,12 @@ fn before_the_hit_nothing_is_altered_and_then_the_cracks_grow() {
             .collect();
         assert_eq!(n_affected[..3], [0; 3], "{topic}: before the hit");
         assert!(n_affected.is_sorted(), "{topic}: {n_affected:?}");
-        assert!(n_affected[3] < n_affected[9], "{topic}: {n_affected:?}");
+        // The small crack of the rear is nearly all there with its first step.
+        let is_more = n_affected[3] < n_affected[9];
+        assert!(
+            is_more || topic.starts_with("/rear"),
+            "{topic}: {n_affected:?}"
+        );
     }
     let stamp = ImpactAt::Stamp(1_700_000_000_250_000_000);
     folder.run(request(stamp), 2).unwrap();

@@ -315,7 +315,7 @@ fn refuse_taken(request: &BagRequest, survey: &Survey) -> Result<(), BagError> {
 fn not_a_camera(path: &Path, survey: &Survey, topic: &str) -> BagError {
     let all = survey.all_topics();
     match all.get(topic) {
-        Some(Content::Other) => survey.topics.refusal(topic, "it holds no images"),
+        Some(Content::Other) => survey.refusal(topic, "it holds no images"),
         _ => BagError::NoTopic {
             path: path.to_owned(),
             topic: topic.to_owned(),

@@ -20,7 +20,7 @@ const LONE_FRAME_S: f64 = 0.1;
 pub(super) struct Survey {
     pub(super) profile: String,
     pub(super) packing: Packing,
-    pub(super) topics: Topics,
+    topics: Topics,
     /// The cameras that were asked for, by topic.
     pub(super) cameras: BTreeMap<String, Seen>,
     promise: Option<Promise>,
@@ -131,6 +131,13 @@ impl Survey {
     /// Every topic with its content, as far as it is known.
     pub(super) fn all_topics(&self) -> BTreeMap<&str, Content> {
         self.known().flat_map(Topics::all).collect()
+    }
+
+    /// The refusal of a topic that the bag has.
+    pub(super) fn refusal(&self, topic: &str, reason: &'static str) -> BagError {
+        let mut known = self.known();
+        let of_topic = known.find(|topics| topics.all().contains_key(topic));
+        of_topic.unwrap_or(&self.topics).refusal(topic, reason)
     }
 
     fn known(&self) -> impl Iterator<Item = &Topics> {
