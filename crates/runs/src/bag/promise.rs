@@ -9,7 +9,7 @@ use super::records::{Unreadable, parsed, split};
 use super::topics::{Content, Topics};
 
 /// The footer: what it is, its length, two places and a checksum.
-const FOOTER_BYTES: u64 = 9 + 20;
+const FOOTER_BYTES: usize = 9 + 20;
 
 /// Longest summary that is read, bytes.
 const MAX_SUMMARY_BYTES: u64 = 1 << 28;
@@ -41,12 +41,12 @@ impl Promise {
 /// What a file promises; none where it has no summary or one that says less. What it says serves to stop looking and to count: nothing is left out because of it.
 pub(super) fn promise<R: Read + Seek>(from: &mut R) -> Result<Option<Promise>, Unreadable> {
     let n_bytes = from.seek(SeekFrom::End(0))?;
-    let tail = FOOTER_BYTES + mcap::MAGIC.len() as u64;
+    let tail = (FOOTER_BYTES + mcap::MAGIC.len()) as u64;
     let Some(footer_at) = n_bytes.checked_sub(tail) else {
         return Ok(None);
     };
     from.seek(SeekFrom::Start(footer_at))?;
-    let mut footer = [0; FOOTER_BYTES as usize];
+    let mut footer = [0; FOOTER_BYTES];
     from.read_exact(&mut footer)?;
     let Some((head, content)) = footer.split_first_chunk() else {
         return Ok(None);

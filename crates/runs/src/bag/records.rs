@@ -319,11 +319,7 @@ fn event(opcode: u8, record: &[u8], is_in_chunk: bool) -> Result<Option<Event>, 
     })
 }
 
-/// What a chunk holds and how it was compressed, or what is wrong with it.
-#[expect(
-    clippy::type_complexity,
-    reason = "one error ends the walk, the other the run"
-)]
+/// What a chunk holds and how it was compressed, or what is wrong with it: that ends the walk, an [`Unreadable`] the run.
 fn chunk(record: &[u8]) -> Result<Result<(Squeezing, Vec<Event>), String>, Unreadable> {
     let (header, data) = match parsed(op::CHUNK, record) {
         Ok(Record::Chunk { header, data }) => (header, data),

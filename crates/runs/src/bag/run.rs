@@ -148,7 +148,7 @@ fn write_all<W: Write + Seek>(
     mut writer: BagWriter<W>,
     from: &Receiver<Vec<Outgoing>>,
 ) -> Result<BagWriter<W>, Error> {
-    for one in from.into_iter().flatten() {
+    for one in from.iter().flatten() {
         writer.write(one)?;
     }
     Ok(writer)

@@ -49,7 +49,7 @@ impl ClipLight {
     }
 
     /// The same, where the first frame is another.
-    pub(super) fn from_frame(mut self, first_idx: u64) -> Self {
+    pub(super) fn starting_at(mut self, first_idx: u64) -> Self {
         self.first_idx = first_idx;
         self
     }

@@ -102,7 +102,7 @@ impl<'a> Stream<'a> {
                 false => Masks::No,
             },
         };
-        let light = ClipLight::new(params.light, params.frame_s).from_frame(first_idx);
+        let light = ClipLight::new(params.light, params.frame_s).starting_at(first_idx);
         let kept = show.kept(light)?;
         Ok(Self { show, kept })
     }

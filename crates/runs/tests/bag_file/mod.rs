@@ -41,7 +41,7 @@ impl Cdr {
     }
 
     pub(crate) fn u32(mut self, value: u32) -> Self {
-        while self.bytes.len() % 4 != 0 {
+        while !self.bytes.len().is_multiple_of(4) {
             self.bytes.push(0);
         }
         let bytes = if self.is_big {
