@@ -5,6 +5,7 @@
 //! libFuzzer and the test `replay` call the same functions.
 #![forbid(unsafe_code)]
 
+mod bag;
 mod bank;
 mod image;
 mod labels;
@@ -15,6 +16,7 @@ mod recipe;
 mod source;
 mod svg;
 
+pub use bag::{bag, message};
 pub use bank::{bank, coverage, pattern};
 pub use image::image;
 pub use labels::{labels, timeline};
@@ -39,7 +41,13 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 11] = [
+pub const TARGETS: [Target; 13] = [
+    Target {
+        name: "bag",
+        check: bag,
+        vocabulary: bag::VOCABULARY,
+        n_mutations: 1000,
+    },
     Target {
         name: "bank",
         check: bank,
@@ -69,6 +77,12 @@ pub const TARGETS: [Target; 11] = [
         check: labels,
         vocabulary: labels::VOCABULARY,
         n_mutations: 10_000,
+    },
+    Target {
+        name: "message",
+        check: message,
+        vocabulary: bag::VOCABULARY,
+        n_mutations: 50_000,
     },
     Target {
         name: "model",

@@ -137,9 +137,12 @@ const RESERVED: &[(&str, &[&str], &str)] = &[
     ),
     (
         "crc32fast",
-        CODECS,
-        "only the records of banks have checksums of our own",
+        &["starbreak-dataset", "starbreak-runs"],
+        "only the records of banks have checksums of our own, and those of bags are checked",
     ),
+    ("mcap", BAGS, "bags are read and written in one place"),
+    ("lz4", BAGS, "only the chunks of bags are compressed by it"),
+    ("zstd", BAGS, "only the chunks of bags are compressed by it"),
     ("saphyr-parser", CODECS, "only data.yaml of YOLO is YAML"),
     (
         "serde",
@@ -211,6 +214,9 @@ const SHELL: &[&str] = &["starbreak-cli"];
 
 /// The Python package.
 const PYTHON: &[&str] = &["starbreak-python"];
+
+/// The crate that puts bags behind glass.
+const BAGS: &[&str] = &["starbreak-runs"];
 
 /// The crate that touches files and codecs.
 const CODECS: &[&str] = &["starbreak-dataset"];

@@ -1,5 +1,6 @@
 //! The command line, as typed.
 
+pub(crate) mod bag;
 pub(crate) mod bench;
 mod completed;
 pub(crate) mod crack;
@@ -177,6 +178,8 @@ pub(crate) enum Verb {
     Patterns(PatternsArgs),
     /// Add a static or growing crack to a video, or to a folder of frames
     Video(video::VideoArgs),
+    /// Damage the cameras of a recording of a robot or car (MCAP); all else in it stays the same
+    Bag(bag::BagArgs),
     /// Evaluate detections on clean and damaged images, inside and outside the damaged region
     Evaluate(evaluate::EvaluateArgs),
     /// Follow objects through a clip, clean and damaged: when each is found, and its time to
@@ -251,20 +254,39 @@ impl Global {
 
     /// The recipe that the flags ask for, with this preset where they name none.
     pub(crate) fn recipe_or(&self, default_preset: &str) -> Result<Recipe, Failure> {
-        let preset = self.preset.as_deref().unwrap_or(default_preset);
-        let mut recipe = match (&self.recipe, self.severity) {
-            (Some(path), Some(_)) => {
-                return Err(Failure::wrong_input(format!(
-                    "--severity scales a preset, but the recipe {path:?} says its values itself; leave one of the two \
-                     out, or begin a recipe with `starbreak recipe --preset NAME --severity N`"
-                )));
-            }
-            (Some(path), None) => read_recipe(path)?,
-            (None, Some(severity)) => Recipe::preset_at(preset, severity)?,
-            (None, None) => Recipe::preset(preset)?,
+        match &self.recipe {
+            Some(path) => self.recipe_of(path),
+            None => self.preset_called(self.preset.as_deref().unwrap_or(default_preset)),
+        }
+    }
+
+    /// A preset, with the severity and all else that the flags say of recipes.
+    pub(crate) fn preset_called(&self, name: &str) -> Result<Recipe, Failure> {
+        let mut recipe = match self.severity {
+            Some(severity) => Recipe::preset_at(name, severity)?,
+            None => Recipe::preset(name)?,
         };
         self.adjust(&mut recipe)?;
         Ok(recipe)
+    }
+
+    /// The recipe in a file, with what the flags say of recipes.
+    fn recipe_of(&self, path: &Path) -> Result<Recipe, Failure> {
+        if self.severity.is_some() {
+            return Err(Failure::wrong_input(format!(
+                "--severity scales a preset, but the recipe {path:?} says its values itself; leave one of the two \
+                 out, or begin a recipe with `starbreak recipe --preset NAME --severity N`"
+            )));
+        }
+        let mut recipe = read_recipe(path)?;
+        self.adjust(&mut recipe)?;
+        Ok(recipe)
+    }
+
+    /// The same, of a file that the output does not replace.
+    pub(crate) fn recipe_in(&self, path: &Path, output: &Path) -> Result<Recipe, Failure> {
+        refuse_recipe(path, &[output.to_owned()])?;
+        self.recipe_of(path)
     }
 
     /// Lays the camera over a recipe, then sets single parameters; and the limit of its memory.
@@ -292,13 +314,8 @@ impl Global {
 
     /// None of the outputs is the recipe file, which would be lost.
     pub(crate) fn refuse_recipe_among(&self, outputs: &[PathBuf]) -> Result<(), Failure> {
-        let Some(recipe) = &self.recipe else {
-            return Ok(());
-        };
-        match outputs.iter().find(|output| same_file(recipe, output)) {
-            Some(output) => Err(Failure::wrong_input(format!(
-                "the output {output:?} would replace the recipe {recipe:?}; choose another name"
-            ))),
+        match &self.recipe {
+            Some(recipe) => refuse_recipe(recipe, outputs),
             None => Ok(()),
         }
     }
@@ -316,6 +333,16 @@ impl Global {
     /// The seed.
     pub(crate) fn seed(&self) -> Seed {
         Seed(self.seed)
+    }
+}
+
+/// None of the outputs is this recipe file, which would be lost.
+fn refuse_recipe(recipe: &Path, outputs: &[PathBuf]) -> Result<(), Failure> {
+    match outputs.iter().find(|output| same_file(recipe, output)) {
+        Some(output) => Err(Failure::wrong_input(format!(
+            "the output {output:?} would replace the recipe {recipe:?}; choose another name"
+        ))),
+        None => Ok(()),
     }
 }
 

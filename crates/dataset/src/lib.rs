@@ -74,7 +74,7 @@ pub use generated::{
 pub use image_file::{ImageFile, ImageLimits, decode_image, image_size, read_image, readable_size};
 pub use json_records::{JsonLists, JsonRecord, RecordFault, read_json_records};
 pub use line_log::LineLog;
-pub use ordinary_file::read_bytes;
+pub use ordinary_file::{open_file, read_bytes};
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};
 pub use provenance::{Provenance, blake3_file, blake3_hex, sha256_file, sha256_hex};

@@ -48,8 +48,12 @@ pub(crate) fn check_file_len(name: &str, n_bytes: u64, max_bytes: u64) -> Result
     Ok(())
 }
 
-/// An ordinary file, open for reading.
-pub(crate) fn open_file(path: &Path) -> Result<File, DatasetError> {
+/// An ordinary file, open for reading, for those that do not read it at once.
+///
+/// # Errors
+///
+/// [`DatasetError::Read`] and [`DatasetError::NotAFile`].
+pub fn open_file(path: &Path) -> Result<File, DatasetError> {
     refuse_no_file(path)?;
     File::open(path).map_err(|source| DatasetError::Read {
         path: path.to_owned(),

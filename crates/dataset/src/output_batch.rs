@@ -212,6 +212,20 @@ impl OutputBatch {
         Ok(name)
     }
 
+    /// An empty file beside `path`, open for writing under a temporary name, for the caller to fill before the commit;
+    /// as [`stage`](Self::stage) otherwise.
+    ///
+    /// # Errors
+    ///
+    /// As for [`stage`](Self::stage).
+    pub fn open(&mut self, path: &Path) -> Result<File, DatasetError> {
+        self.may_fill(path)?;
+        let (file, mut staged) = self.begin(path)?;
+        staged.is_reserved = true;
+        self.end(staged);
+        Ok(file)
+    }
+
     /// Opens a file beside `path`, under a temporary name; [`OutputBatch::end`] stages it once it
     /// has been written.
     ///

@@ -7,6 +7,7 @@ use starbreak_eval::EvalError;
 use starbreak_fracture::FractureError;
 use starbreak_optics::OpticsError;
 
+use crate::bag_error::BagError;
 use crate::clip_error::ClipError;
 
 /// Why a run or one of its items failed.
@@ -28,6 +29,9 @@ pub enum Error {
     /// A request for a clip that makes no sense.
     #[error(transparent)]
     Clip(#[from] ClipError),
+    /// A bag that is not read, or a request for one that makes no sense.
+    #[error(transparent)]
+    Bag(#[from] BagError),
     /// A network file that holds no network.
     #[error("{path:?} {cause}")]
     Import {

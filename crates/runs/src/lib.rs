@@ -1,9 +1,11 @@
-//! Whole runs: images, datasets, banks, clips, studies and evaluations, from files to files.
+//! Whole runs: images, datasets, banks, clips, bags, studies and evaluations, from files to files.
 //!
 //! Here the in-memory [`Chain`](starbreak::Chain) meets samples on disk and detectors, on as many threads
 //! as [`with_threads`] gives. This crate contains no formula of its own, and it never prints.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+pub mod bag;
+mod bag_error;
 pub mod bank;
 pub mod clip;
 mod clip_error;

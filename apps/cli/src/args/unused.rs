@@ -6,8 +6,8 @@ use clap::{Arg, ArgMatches, Command};
 
 /// Verbs that break glass by a recipe.
 const BREAKING: &[&str] = &[
-    "demo", "crack", "generate", "sweep", "simulate", "patterns", "video", "study", "recipe",
-    "bench",
+    "demo", "crack", "generate", "sweep", "simulate", "patterns", "video", "bag", "study",
+    "recipe", "bench",
 ];
 /// What says which recipe.
 const OF_RECIPE: [&str; 5] = ["recipe", "preset", "severity", "camera", "set"];

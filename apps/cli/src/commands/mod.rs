@@ -1,5 +1,6 @@
 //! One module per verb.
 
+mod bag;
 mod bench;
 mod bench_optics;
 mod bench_physics;
@@ -57,6 +58,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<u8, Failure> {
         Verb::Simulate(args) => simulate::run(global, &args, screen),
         Verb::Patterns(args) => bank(global, &args, screen),
         Verb::Video(args) => video::run(global, args, screen),
+        Verb::Bag(args) => bag::run(global, &args, screen),
         Verb::Evaluate(args) => evaluate::run(global, &args, screen),
         Verb::Timeline(args) => timeline::run(global, &args, screen),
         Verb::Study(args) => study::run(global, &args, screen),

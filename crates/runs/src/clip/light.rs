@@ -24,6 +24,8 @@ pub(super) struct ClipLight {
     mode: Light,
     /// Share of the way to a frame's own light that the mean goes.
     share: f32,
+    /// The first frame.
+    first_idx: u64,
     mean: Option<Environment>,
     held: Option<Environment>,
     n_changes: u64,
@@ -38,6 +40,7 @@ impl ClipLight {
         Self {
             mode,
             share,
+            first_idx: 0,
             mean: None,
             held: None,
             n_changes: 0,
@@ -45,9 +48,15 @@ impl ClipLight {
         }
     }
 
+    /// The same, where the first frame is another.
+    pub(super) fn starting_at(mut self, first_idx: u64) -> Self {
+        self.first_idx = first_idx;
+        self
+    }
+
     /// Whether the light of the next frame is asked for.
     pub(super) fn wants(&self, frame_idx: u64) -> bool {
-        self.mode == Light::Follow || frame_idx == 0
+        self.mode == Light::Follow || frame_idx == self.first_idx
     }
 
     /// The light for the crack in a frame, of which `own` is the estimate.

@@ -6,9 +6,11 @@
 
 mod light;
 mod run;
+mod show;
 mod sink;
 mod source;
 mod stage;
+pub(crate) mod stream;
 mod timeline;
 mod track;
 
@@ -28,9 +30,11 @@ pub use track::TRACK_SCHEMA;
 
 use crate::{Error, MAX_NETWORK_FILE_BYTES, Patterns, RunContext};
 use light::ClipLight;
-use run::{Finished, Show, run};
+use run::{Finished, run};
+use show::Show;
 use sink::{Sink, Target};
 use source::Source;
+use stage::Masks;
 use timeline::Timeline;
 use track::{TrackHeader, first_visible, onset, track_text};
 
@@ -196,7 +200,7 @@ impl Clip {
         let target = Target::of(&request)?;
         let ffmpeg = match target {
             Target::Clip(_) => Some(Ffmpeg::at(&request.ffmpeg).map_err(DatasetError::from)?),
-            Target::Folder => None,
+            Target::Folder | Target::Caller => None,
         };
         let frames = (target == Target::Folder).then_some(&request.output);
         if let Some(folder) = [frames, request.masks.as_ref()]
@@ -324,13 +328,16 @@ impl Clip {
         let show = Show {
             timeline: Timeline::new(&chain, impact_at_s, growth, frame_s)?,
             chain: &chain,
-            bare: &bare,
+            bare,
             bare_layer: &bare_layer,
             settings: &context.settings,
             target: self.target,
             seed: context.seed,
             name: &name,
-            with_masks: request.masks.is_some(),
+            masks: match request.masks {
+                Some(_) => Masks::Files,
+                None => Masks::No,
+            },
         };
         let input_sha256 = source.sha256()?;
         let sink = Sink::open(

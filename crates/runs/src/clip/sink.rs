@@ -20,6 +20,8 @@ use crate::images::{encoding, extension};
 pub(super) enum Target {
     Clip(ClipFormat),
     Folder,
+    /// Whoever asked for the frames writes them.
+    Caller,
 }
 
 impl Target {
@@ -59,6 +61,10 @@ impl Target {
             (Self::Clip(_), _) => Content::Pixels {
                 ticks,
                 pixels: pixels.into_rgb8(),
+            },
+            (Self::Caller, _) => Content::Bare {
+                pixels,
+                is_untouched,
             },
             (Self::Folder, Some(file)) => file_of(file, pixels, is_untouched, settings)?,
             (Self::Folder, None) => {
@@ -111,16 +117,37 @@ pub(super) struct Ready {
 }
 
 enum Content {
-    Pixels { ticks: i64, pixels: RgbImage },
-    File { name: String, bytes: Vec<u8> },
+    Pixels {
+        ticks: i64,
+        pixels: RgbImage,
+    },
+    File {
+        name: String,
+        bytes: Vec<u8>,
+    },
+    Bare {
+        pixels: DynamicImage,
+        is_untouched: bool,
+    },
 }
 
 impl Ready {
     /// Its file name in a folder.
     pub(super) fn file_name(&self) -> Option<&str> {
         match &self.content {
-            Content::Pixels { .. } => None,
+            Content::Pixels { .. } | Content::Bare { .. } => None,
             Content::File { name, .. } => Some(name),
+        }
+    }
+
+    /// The pixels for a caller who writes them, and whether they are those of the input.
+    pub(super) fn into_pixels(self) -> Option<(DynamicImage, bool)> {
+        match self.content {
+            Content::Bare {
+                pixels,
+                is_untouched,
+            } => Some((pixels, is_untouched)),
+            Content::Pixels { .. } | Content::File { .. } => None,
         }
     }
 
@@ -193,7 +220,7 @@ impl Sink {
                 .write_frame(*ticks, pixels)
                 .map_err(DatasetError::from)?,
             (Content::File { name, bytes }, _) => self.stage(&self.output.join(name), bytes)?,
-            (Content::Pixels { .. }, None) => {}
+            (Content::Pixels { .. }, None) | (Content::Bare { .. }, _) => {}
         }
         if let (Some(folder), Some([region, crack])) = (self.masks.clone(), &facts.masks) {
             let stem = ready.stem();

@@ -27,26 +27,50 @@ pub(super) struct StageFacts {
 /// What is asked of a stage.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Wanted {
-    /// Whether masks are.
-    pub(super) masks: bool,
+    /// Whether masks are, and as what.
+    pub(super) masks: Masks,
     /// Whether coats or a camera's faults come on top of the glass.
     pub(super) faults: bool,
     /// Whether regions tell how much light comes through.
     pub(super) classes: bool,
 }
 
+impl Wanted {
+    fn with_masks(self) -> bool {
+        self.masks != Masks::No
+    }
+}
+
+/// Whether masks of frames are asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Masks {
+    /// They are not.
+    No,
+    /// As pixels.
+    Pixels,
+    /// As PNG files.
+    Files,
+}
+
 /// A mask of a stage.
 #[derive(Debug)]
 pub(super) struct StageMask {
     upright: GrayImage,
-    /// As PNG, for all frames that are stored upright.
+    /// As PNG, for all frames that are stored upright; empty where no files are asked for.
     png: Vec<u8>,
 }
 
 impl StageMask {
-    fn of(upright: GrayImage) -> Result<Arc<Self>, Error> {
-        let png = encode_mask(&upright)?;
+    fn of(upright: GrayImage, masks: Masks) -> Result<Arc<Self>, Error> {
+        let png = match masks {
+            Masks::Files => encode_mask(&upright)?,
+            Masks::No | Masks::Pixels => Vec::new(),
+        };
         Ok(Arc::new(Self { upright, png }))
+    }
+
+    pub(super) fn upright(&self) -> &GrayImage {
+        &self.upright
     }
 
     pub(super) fn png(&self) -> &[u8] {
@@ -74,7 +98,10 @@ impl StageFacts {
         wanted: Wanted,
     ) -> Result<Arc<Self>, Error> {
         let region = lit.glass_region(layer.size())?;
-        let crack = wanted.masks.then(|| layer.crack_mask()).transpose()?;
+        let crack = wanted
+            .with_masks()
+            .then(|| layer.crack_mask())
+            .transpose()?;
         Self::new((lit, region), crack_length_px, crack, wanted)
     }
 
@@ -85,7 +112,7 @@ impl StageFacts {
         wanted: Wanted,
     ) -> Result<Arc<Self>, Error> {
         let region = lit.glass_region((width, height))?;
-        let crack = wanted.masks.then(|| GrayImage::new(width, height));
+        let crack = wanted.with_masks().then(|| GrayImage::new(width, height));
         Self::new((lit, region), Some(0.0), crack, wanted)
     }
 
@@ -100,7 +127,10 @@ impl StageFacts {
             lit.classify(&mut region);
         }
         let masks = match crack {
-            Some(crack) => Some([StageMask::of(region.clone())?, StageMask::of(crack)?]),
+            Some(crack) => Some([
+                StageMask::of(region.clone(), wanted.masks)?,
+                StageMask::of(crack, wanted.masks)?,
+            ]),
             None => None,
         };
         Ok(Arc::new(Self {
@@ -133,10 +163,13 @@ impl StageFacts {
         let masks = match &self.masks {
             Some([_, crack]) => {
                 let crack = match is_blank {
-                    true => StageMask::of(GrayImage::new(region.width(), region.height()))?,
+                    true => {
+                        let none = GrayImage::new(region.width(), region.height());
+                        StageMask::of(none, self.wanted.masks)?
+                    }
                     false => Arc::clone(crack),
                 };
-                Some([StageMask::of(region.clone())?, crack])
+                Some([StageMask::of(region.clone(), self.wanted.masks)?, crack])
             }
             None => None,
         };

@@ -1,0 +1,382 @@
+//! A message of a camera: what stands in it, its pixels, and the same with others.
+
+use std::ops::Range;
+
+use image::{DynamicImage, GrayImage, ImageBuffer, Rgb, Rgba};
+use starbreak_dataset::{
+    Encoding, ImageFile, ImageFormat, ImageLimits, JpegQuality, decode_image, encode_image_as,
+};
+
+use super::cdr::{Order, Walk, Written, length_of};
+use crate::bag_error::MessageFault;
+
+/// What may lie behind the last field: padding to a multiple of 4.
+const MAX_PADDING: usize = 3;
+
+/// What a topic of a camera holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CameraKind {
+    /// `sensor_msgs/msg/Image`.
+    Raw,
+    /// `sensor_msgs/msg/CompressedImage`.
+    Compressed,
+}
+
+/// What stands in a message of a camera, and where. Nothing of it is written again but `data`.
+#[derive(Debug)]
+pub struct CameraMessage {
+    order: Order,
+    /// Seconds and nanoseconds of the header.
+    stamp: (i32, u32),
+    frame_id: Range<usize>,
+    picture: Picture,
+    /// Where the bytes of `data` lie.
+    data: Range<usize>,
+}
+
+/// How a message holds its picture.
+#[derive(Debug, Clone)]
+enum Picture {
+    Raw(RawRows),
+    Compressed { format: String },
+}
+
+/// Rows of pixels.
+#[derive(Debug, Clone, Copy)]
+struct RawRows {
+    width: u32,
+    height: u32,
+    /// Bytes from row to row.
+    step: usize,
+    pixels: RawPixels,
+}
+
+/// The order of channels, of 8 bits each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum RawPixels {
+    Rgb,
+    Bgr,
+    Rgba,
+    Bgra,
+    Mono,
+}
+
+impl RawPixels {
+    const ALL: [Self; 5] = [Self::Rgb, Self::Bgr, Self::Rgba, Self::Bgra, Self::Mono];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Rgb => "rgb8",
+            Self::Bgr => "bgr8",
+            Self::Rgba => "rgba8",
+            Self::Bgra => "bgra8",
+            Self::Mono => "mono8",
+        }
+    }
+
+    fn n_bytes(self) -> usize {
+        match self {
+            Self::Rgb | Self::Bgr => 3,
+            Self::Rgba | Self::Bgra => 4,
+            Self::Mono => 1,
+        }
+    }
+
+    /// By its name in a message; the others with the reason why not.
+    fn of(encoding: &str) -> Result<Self, MessageFault> {
+        let known = Self::ALL.into_iter().find(|one| one.name() == encoding);
+        known.ok_or_else(|| MessageFault::Encoding {
+            encoding: encoding.to_owned(),
+            reason: if encoding.starts_with("bayer_") {
+                "a mosaic has one color per pixel, and glass comes before it; demosaic it first, for example with \
+                 image_proc"
+            } else if encoding.starts_with("yuv") || encoding.starts_with("nv") {
+                "luma and chroma; convert it first, for example with image_proc"
+            } else if encoding.contains("16") || encoding.contains("32") || encoding.contains("64")
+            {
+                "more than 8 bits per channel, as depth has"
+            } else if encoding.starts_with("8U") {
+                "it does not say which channel is which color"
+            } else {
+                "not known"
+            },
+        })
+    }
+}
+
+/// The pixels of a message.
+#[derive(Debug, Clone)]
+pub struct CameraPicture {
+    /// 8 bits per channel from a raw image; as in the file from a compressed one.
+    pub pixels: DynamicImage,
+    /// All but the pixels of the file that a compressed image is.
+    file: Option<ImageFile>,
+}
+
+impl CameraPicture {
+    /// Whether it comes from JPEG, which loses something whenever it is written.
+    #[must_use]
+    pub fn is_jpeg(&self) -> bool {
+        (self.file.as_ref()).is_some_and(|file| file.format == ImageFormat::Jpeg)
+    }
+}
+
+impl CameraMessage {
+    /// Finds everything in a message.
+    ///
+    /// # Errors
+    /// [`MessageFault`] for an encapsulation other than plain CDR, a message that is cut or claims more than it has,
+    /// an encoding that is not damaged, and rows that do not fit `data`.
+    pub fn read(kind: CameraKind, message: &[u8]) -> Result<Self, MessageFault> {
+        let mut walk = Walk::of(message)?;
+        let seconds = walk.u32("header.stamp.sec")?.cast_signed();
+        let nanoseconds = walk.u32("header.stamp.nanosec")?;
+        let frame_id = walk.text("header.frame_id")?;
+        let (picture, data) = match kind {
+            CameraKind::Raw => Self::raw(&mut walk, message)?,
+            CameraKind::Compressed => {
+                let format = text_of(message, walk.text("format")?);
+                let data = walk.sequence("data")?;
+                if format.contains("compressedDepth") {
+                    let reason = "depth is no light";
+                    return Err(MessageFault::Format { format, reason });
+                }
+                (Picture::Compressed { format }, data)
+            }
+        };
+        if walk.n_left() > MAX_PADDING {
+            return Err(MessageFault::Behind {
+                n_bytes: walk.n_left(),
+            });
+        }
+        Ok(Self {
+            order: walk.order(),
+            stamp: (seconds, nanoseconds),
+            frame_id,
+            picture,
+            data,
+        })
+    }
+
+    fn raw(walk: &mut Walk<'_>, message: &[u8]) -> Result<(Picture, Range<usize>), MessageFault> {
+        let height = walk.u32("height")?;
+        let width = walk.u32("width")?;
+        let encoding = text_of(message, walk.text("encoding")?);
+        // Of 8 bits there is one order of bytes.
+        let _ = walk.u8("is_bigendian")?;
+        let step = walk.u32("step")?;
+        let data = walk.sequence("data")?;
+        let pixels = RawPixels::of(&encoding)?;
+        let limits = ImageLimits::default();
+        let sides = 1..=limits.max_side_px;
+        let n_pixels = u64::from(width) * u64::from(height);
+        if !(sides.contains(&width) && sides.contains(&height) && n_pixels <= limits.max_pixels) {
+            return Err(MessageFault::Size { width, height });
+        }
+        let n_row = u64::from(width) * pixels.n_bytes() as u64;
+        if u64::from(step) < n_row {
+            return Err(MessageFault::Step {
+                step,
+                width,
+                encoding: pixels.name(),
+                n_row,
+            });
+        }
+        let least = u64::from(height - 1) * u64::from(step) + n_row;
+        let most = u64::from(height) * u64::from(step);
+        if !(least..=most).contains(&(data.len() as u64)) {
+            return Err(MessageFault::Data {
+                n_bytes: data.len(),
+                height,
+                step,
+                least,
+                most,
+            });
+        }
+        let rows = RawRows {
+            width,
+            height,
+            step: usize::try_from(step).unwrap_or(usize::MAX),
+            pixels,
+        };
+        Ok((Picture::Raw(rows), data))
+    }
+
+    /// Time of the header, ns.
+    #[must_use]
+    pub fn stamp_ns(&self) -> i64 {
+        i64::from(self.stamp.0) * 1_000_000_000 + i64::from(self.stamp.1)
+    }
+
+    /// Whether the message that this was read from holds JPEG, by its first bytes.
+    #[must_use]
+    pub fn is_jpeg(&self, message: &[u8]) -> bool {
+        let data = message.get(self.data.clone()).unwrap_or_default();
+        matches!(self.picture, Picture::Compressed { .. }) && data.starts_with(&[0xff, 0xd8])
+    }
+
+    /// The pixels of the message that this was read from.
+    ///
+    /// # Errors
+    /// [`MessageFault::Format`] and [`MessageFault::Image`] for a compressed image that is not JPEG or PNG, or broken.
+    pub fn picture(
+        &self,
+        message: &[u8],
+        limits: &ImageLimits,
+    ) -> Result<CameraPicture, MessageFault> {
+        let data = message.get(self.data.clone()).unwrap_or_default();
+        match &self.picture {
+            Picture::Raw(rows) => Ok(CameraPicture {
+                pixels: rows.pixels_of(data),
+                file: None,
+            }),
+            Picture::Compressed { format } => {
+                let mut file = decode_image("data", data, limits)?;
+                if !matches!(file.format, ImageFormat::Jpeg | ImageFormat::Png) {
+                    return Err(MessageFault::Format {
+                        format: format.clone(),
+                        reason: "the data are of another one",
+                    });
+                }
+                let pixels = std::mem::replace(&mut file.pixels, DynamicImage::new_luma8(0, 0));
+                Ok(CameraPicture {
+                    pixels,
+                    file: Some(file),
+                })
+            }
+        }
+    }
+
+    /// The message with other pixels of the same size and colors: all before `data` as it was, and of a raw image all
+    /// between the rows, too. JPEG is written with the quality, PNG without loss.
+    ///
+    /// # Errors
+    /// [`MessageFault::Image`] for pixels that the format does not hold.
+    pub fn with_picture(
+        &self,
+        message: Vec<u8>,
+        picture: CameraPicture,
+        quality: JpegQuality,
+    ) -> Result<Vec<u8>, MessageFault> {
+        let CameraPicture { pixels, file } = picture;
+        match (&self.picture, file) {
+            (Picture::Raw(rows), _) => {
+                let mut message = message;
+                if let Some(data) = message.get_mut(self.data.clone()) {
+                    rows.lay(&pixels, data);
+                }
+                Ok(message)
+            }
+            (Picture::Compressed { .. }, Some(mut file)) => {
+                let encoding = match file.format {
+                    ImageFormat::Jpeg => Encoding::Jpeg { quality },
+                    _ => Encoding::Png,
+                };
+                file.pixels = pixels;
+                self.spliced(&message, &encode_image_as(&file, &encoding)?)
+            }
+            (Picture::Compressed { .. }, None) => Ok(message),
+        }
+    }
+
+    /// The message with other bytes of `data`. Padding behind it stays padding to a multiple of 4, which the header
+    /// tells if it did before.
+    fn spliced(&self, message: &[u8], data: &[u8]) -> Result<Vec<u8>, MessageFault> {
+        let Range { start, end } = self.data;
+        let head = message.get(..start - 4).unwrap_or_default();
+        let n_padding = message.len() - end;
+        let mut spliced = Vec::with_capacity(head.len() + data.len() + 8);
+        spliced.extend_from_slice(head);
+        spliced.extend_from_slice(&self.order.bytes(length_of(data)?));
+        spliced.extend_from_slice(data);
+        if n_padding > 0 {
+            let n_bytes = spliced.len();
+            spliced.resize(n_bytes.next_multiple_of(4), 0);
+            let is_told = message
+                .get(3)
+                .is_some_and(|told| usize::from(told & 3) == n_padding);
+            if let (true, Some(told)) = (is_told, spliced.get_mut(3)) {
+                let n_new = u8::try_from(n_bytes.next_multiple_of(4) - n_bytes).unwrap_or(0);
+                *told = (*told & !3) | n_new;
+            }
+        }
+        Ok(spliced)
+    }
+
+    /// A mask as a message of its own: `sensor_msgs/msg/Image` in mono8, with the stamp and the frame of this one.
+    ///
+    /// # Errors
+    /// [`MessageFault::TooLong`] for a mask beyond 4 GiB.
+    pub fn mask(&self, message: &[u8], mask: &GrayImage) -> Result<Vec<u8>, MessageFault> {
+        let mut written = Written::new();
+        written.u32(self.stamp.0.cast_unsigned());
+        written.u32(self.stamp.1);
+        written.text(message.get(self.frame_id.clone()).unwrap_or_default())?;
+        written.u32(mask.height());
+        written.u32(mask.width());
+        written.text(RawPixels::Mono.name().as_bytes())?;
+        written.u8(0);
+        written.u32(mask.width());
+        written.sequence(mask.as_raw())?;
+        Ok(written.into_bytes())
+    }
+}
+
+impl RawRows {
+    /// Bytes of a row's pixels.
+    fn n_row(&self) -> usize {
+        self.width as usize * self.pixels.n_bytes()
+    }
+
+    fn pixels_of(&self, data: &[u8]) -> DynamicImage {
+        let mut samples = Vec::with_capacity(self.n_row() * self.height as usize);
+        for row in data.chunks(self.step).take(self.height as usize) {
+            samples.extend_from_slice(row.get(..self.n_row()).unwrap_or(row));
+        }
+        self.swap(&mut samples);
+        let (width, height) = (self.width, self.height);
+        // As many samples as pixels ask for, by the checks of the message.
+        let image = match self.pixels {
+            RawPixels::Mono => GrayImage::from_raw(width, height, samples).map(Into::into),
+            RawPixels::Rgb | RawPixels::Bgr => {
+                ImageBuffer::<Rgb<u8>, _>::from_raw(width, height, samples).map(Into::into)
+            }
+            RawPixels::Rgba | RawPixels::Bgra => {
+                ImageBuffer::<Rgba<u8>, _>::from_raw(width, height, samples).map(Into::into)
+            }
+        };
+        image.unwrap_or_else(|| DynamicImage::new_luma8(width, height))
+    }
+
+    /// Lays pixels where those of the message were.
+    fn lay(&self, pixels: &DynamicImage, data: &mut [u8]) {
+        let mut samples = pixels.as_bytes().to_vec();
+        self.swap(&mut samples);
+        let rows = samples.chunks(self.n_row());
+        for (row, from) in data.chunks_mut(self.step).zip(rows) {
+            if let Some(to) = row.get_mut(..from.len()) {
+                to.copy_from_slice(from);
+            }
+        }
+    }
+
+    /// Between red first and blue first, where the message has blue first.
+    fn swap(&self, samples: &mut [u8]) {
+        if matches!(self.pixels, RawPixels::Bgr | RawPixels::Bgra) {
+            for pixel in samples.chunks_exact_mut(self.pixels.n_bytes()) {
+                pixel.swap(0, 2);
+            }
+        }
+    }
+}
+
+/// A line of text as a message of its own: `std_msgs/msg/String`.
+pub(super) fn text_message(text: &str) -> Result<Vec<u8>, MessageFault> {
+    let mut written = Written::new();
+    written.text(text.as_bytes())?;
+    Ok(written.into_bytes())
+}
+
+fn text_of(message: &[u8], range: Range<usize>) -> String {
+    String::from_utf8_lossy(message.get(range).unwrap_or_default()).into_owned()
+}

@@ -1,0 +1,388 @@
+//! The records of an MCAP file in their order, as far as they are whole.
+//!
+//! [MCAP](https://mcap.dev/spec): magic bytes, then records of one byte (what), eight (how long) and content. Messages
+//! lie in the file itself, or in chunks, which may be compressed. Only one record and one chunk are in memory.
+
+use std::collections::VecDeque;
+use std::io::{self, Read, Seek, SeekFrom};
+
+use mcap::records::{
+    AttachmentHeader, Channel, ChunkHeader, MessageHeader, Metadata, Record, SchemaHeader, op,
+};
+use starbreak_dataset::fence;
+
+/// Longest record and longest chunk when it is unpacked, bytes: far above what recorders write (1 to 4 MB).
+pub(super) const MAX_RECORD_BYTES: u64 = 1 << 30;
+
+/// What a record begins with: one byte of its kind and eight of its length.
+const HEAD: usize = 9;
+
+/// What stands in a bag.
+#[derive(Debug)]
+pub(super) enum Event {
+    Schema {
+        header: SchemaHeader,
+        data: Vec<u8>,
+    },
+    Channel(Channel),
+    Message {
+        header: MessageHeader,
+        data: Vec<u8>,
+    },
+    Attachment {
+        header: AttachmentHeader,
+        data: Vec<u8>,
+    },
+    Metadata(Metadata),
+    /// A record of a kind that is the application's own.
+    Private {
+        opcode: u8,
+        data: Vec<u8>,
+        is_in_chunk: bool,
+    },
+    /// A chunk is at its end.
+    ChunkEnd,
+}
+
+/// How messages are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Packing {
+    /// In the file itself.
+    Bare,
+    /// In chunks, with this compression.
+    Chunks(Squeezing),
+}
+
+/// How chunks are compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Squeezing {
+    None,
+    Lz4,
+    Zstd,
+}
+
+/// Where and why a bag is not whole.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Damage {
+    /// The byte from which on nothing was read.
+    pub at_byte: u64,
+    /// What is wrong there.
+    pub reason: String,
+}
+
+/// Why the records of a file cannot be read at all.
+#[derive(Debug)]
+pub(super) enum Unreadable {
+    /// The system refused.
+    Io(io::Error),
+    /// It is no MCAP file.
+    NotMcap,
+    /// A record that no reader of ours takes.
+    Records(String),
+}
+
+impl From<io::Error> for Unreadable {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+/// A walk over the records of a file.
+pub(super) struct Records<R> {
+    from: R,
+    /// Bytes of the file, and of it those that are read.
+    n_bytes: u64,
+    at: u64,
+    record: Vec<u8>,
+    queue: VecDeque<Event>,
+    profile: String,
+    packing: Option<Packing>,
+    damage: Option<Damage>,
+    is_at_end: bool,
+}
+
+impl<R: Read + Seek> Records<R> {
+    /// At the first record behind the header.
+    pub(super) fn open(mut from: R) -> Result<Self, Unreadable> {
+        let n_bytes = from.seek(SeekFrom::End(0))?;
+        from.seek(SeekFrom::Start(0))?;
+        let mut magic = [0; mcap::MAGIC.len()];
+        match from.read_exact(&mut magic) {
+            Ok(()) if magic == *mcap::MAGIC => {}
+            Err(error) if error.kind() != io::ErrorKind::UnexpectedEof => return Err(error.into()),
+            _ => return Err(Unreadable::NotMcap),
+        }
+        let mut records = Self {
+            from,
+            n_bytes,
+            at: magic.len() as u64,
+            record: Vec::new(),
+            queue: VecDeque::new(),
+            profile: String::new(),
+            packing: None,
+            damage: None,
+            is_at_end: false,
+        };
+        if let Some(opcode) = records.next_record()? {
+            match parsed(opcode, &records.record) {
+                Ok(Record::Header(header)) => records.profile = header.profile,
+                _ => return Err(Unreadable::Records("it begins without a header".to_owned())),
+            }
+        }
+        Ok(records)
+    }
+
+    /// What kind of bag it is, `ros2` for one of ROS 2.
+    pub(super) fn profile(&self) -> &str {
+        &self.profile
+    }
+
+    /// How messages are kept, as far as any was read.
+    pub(super) fn packing(&self) -> Option<Packing> {
+        self.packing
+    }
+
+    /// Where the file is not whole, if the walk came to an end there.
+    pub(super) fn damage(&self) -> Option<&Damage> {
+        self.damage.as_ref()
+    }
+
+    /// What comes next; none at the end of the data, or where the file is not whole.
+    pub(super) fn next_event(&mut self) -> Result<Option<Event>, Unreadable> {
+        loop {
+            if let Some(event) = self.queue.pop_front() {
+                return Ok(Some(event));
+            }
+            if self.is_at_end {
+                return Ok(None);
+            }
+            let begin = self.at;
+            let Some(opcode) = self.next_record()? else {
+                if self.damage.is_none() {
+                    self.end_at(begin, "the file ends without the end of its data");
+                }
+                return Ok(None);
+            };
+            match opcode {
+                op::CHUNK => self.unpack(begin)?,
+                op::DATA_END => {
+                    self.is_at_end = true;
+                    self.walk_summary()?;
+                }
+                op::HEADER | op::FOOTER => {
+                    self.end_at(begin, "the file ends without the end of its data");
+                }
+                _ => {
+                    let event = event(opcode, &self.record, false);
+                    match event {
+                        Ok(Some(event)) => {
+                            if matches!(event, Event::Message { .. }) && self.packing.is_none() {
+                                self.packing = Some(Packing::Bare);
+                            }
+                            self.queue.push_back(event);
+                        }
+                        Ok(None) => {}
+                        Err(reason) => self.end_at(begin, &reason),
+                    }
+                }
+            }
+        }
+    }
+
+    /// The records of a chunk, all or none.
+    fn unpack(&mut self, begin: u64) -> Result<(), Unreadable> {
+        match chunk(&self.record)? {
+            Ok((squeezing, events)) => {
+                self.packing.get_or_insert(Packing::Chunks(squeezing));
+                self.queue.extend(events);
+                self.queue.push_back(Event::ChunkEnd);
+            }
+            Err(reason) => self.end_at(begin, &reason),
+        }
+        Ok(())
+    }
+
+    /// Behind the data only the summary may come, and the end.
+    fn walk_summary(&mut self) -> Result<(), Unreadable> {
+        let begin = self.at;
+        while let Some(opcode) = self.next_record()? {
+            if opcode == op::FOOTER {
+                let mut magic = [0; mcap::MAGIC.len()];
+                let is_whole = match self.from.read_exact(&mut magic) {
+                    Ok(()) => magic == *mcap::MAGIC,
+                    Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => false,
+                    Err(error) => return Err(error.into()),
+                };
+                if !is_whole {
+                    self.end_at(self.at, "the file ends without its magic bytes");
+                }
+                return Ok(());
+            }
+        }
+        if self.damage.is_none() {
+            self.end_at(begin, "the file ends without its footer");
+        }
+        Ok(())
+    }
+
+    /// Nothing from here on is read.
+    fn end_at(&mut self, at_byte: u64, reason: &str) {
+        self.is_at_end = true;
+        self.damage = Some(Damage {
+            at_byte,
+            reason: reason.to_owned(),
+        });
+    }
+
+    /// Reads the next record whole; none at the end, or where less than a record is left.
+    fn next_record(&mut self) -> Result<Option<u8>, Unreadable> {
+        let begin = self.at;
+        if begin == self.n_bytes {
+            return Ok(None);
+        }
+        let mut head = [0; HEAD];
+        let n_left = self.n_bytes - begin;
+        if n_left < head.len() as u64 {
+            self.end_at(begin, "the file ends within a record");
+            return Ok(None);
+        }
+        self.from.read_exact(&mut head)?;
+        let (opcode, length) = split(&head);
+        if length > n_left - head.len() as u64 {
+            self.end_at(begin, "the file ends within a record");
+            return Ok(None);
+        }
+        if length > MAX_RECORD_BYTES {
+            return Err(Unreadable::Records(format!(
+                "the record at byte {begin} has {length} bytes, more than the {MAX_RECORD_BYTES} that are read"
+            )));
+        }
+        self.record.clear();
+        let read = (&mut self.from)
+            .take(length)
+            .read_to_end(&mut self.record)?;
+        self.at = begin + (HEAD + read) as u64;
+        if (read as u64) < length {
+            self.end_at(begin, "the file ends within a record");
+            return Ok(None);
+        }
+        Ok(Some(opcode))
+    }
+}
+
+/// Kind and length of a record.
+pub(super) fn split(head: &[u8; HEAD]) -> (u8, u64) {
+    let [opcode, length @ ..] = *head;
+    (opcode, u64::from_le_bytes(length))
+}
+
+/// A record by its kind and its content; what no record is like is told.
+pub(super) fn parsed(opcode: u8, record: &[u8]) -> Result<Record<'_>, String> {
+    let broken = || format!("a record of kind {opcode:#04x} is broken");
+    // Its reader indexes what it has not measured.
+    match fence(|| mcap::parse_record(opcode, record)) {
+        Some(Ok(record)) => Ok(record),
+        Some(Err(_)) | None => Err(broken()),
+    }
+}
+
+/// What a record says, if it is one of those that are kept; indexes are made anew.
+fn event(opcode: u8, record: &[u8], is_in_chunk: bool) -> Result<Option<Event>, String> {
+    let is_kept = matches!(
+        opcode,
+        op::SCHEMA | op::CHANNEL | op::MESSAGE | op::ATTACHMENT | op::METADATA
+    );
+    if !is_kept {
+        let own = (opcode >= 0x80).then(|| Event::Private {
+            opcode,
+            data: record.to_vec(),
+            is_in_chunk,
+        });
+        return Ok(own);
+    }
+    Ok(match parsed(opcode, record)? {
+        Record::Schema { header, data } => Some(Event::Schema {
+            header,
+            data: data.into_owned(),
+        }),
+        Record::Channel(channel) => Some(Event::Channel(channel)),
+        Record::Message { header, data } => Some(Event::Message {
+            header,
+            data: data.into_owned(),
+        }),
+        Record::Attachment { header, data, .. } => Some(Event::Attachment {
+            header,
+            data: data.into_owned(),
+        }),
+        Record::Metadata(metadata) => Some(Event::Metadata(metadata)),
+        _ => None,
+    })
+}
+
+/// What a chunk holds and how it was compressed, or what is wrong with it: that ends the walk, an [`Unreadable`] the run.
+fn chunk(record: &[u8]) -> Result<Result<(Squeezing, Vec<Event>), String>, Unreadable> {
+    let (header, data) = match parsed(op::CHUNK, record) {
+        Ok(Record::Chunk { header, data }) => (header, data),
+        Ok(_) => return Ok(Err("a chunk is none".to_owned())),
+        Err(reason) => return Ok(Err(reason)),
+    };
+    let squeezing = squeezing(&header)?;
+    let events = unpacked(&header, squeezing, &data).and_then(|unpacked| events(&unpacked));
+    Ok(events.map(|events| (squeezing, events)))
+}
+
+/// The events of an unpacked chunk.
+fn events(mut records: &[u8]) -> Result<Vec<Event>, String> {
+    let mut events = Vec::new();
+    while let Some((head, rest)) = records.split_first_chunk() {
+        let (opcode, length) = split(head);
+        let length = usize::try_from(length).unwrap_or(usize::MAX);
+        let Some((record, rest)) = rest.split_at_checked(length) else {
+            return Err("a chunk ends within a record".to_owned());
+        };
+        events.extend(event(opcode, record, true)?);
+        records = rest;
+    }
+    match records {
+        [] => Ok(events),
+        _ => Err("a chunk ends within a record".to_owned()),
+    }
+}
+
+fn squeezing(header: &ChunkHeader) -> Result<Squeezing, Unreadable> {
+    match header.compression.as_str() {
+        "" => Ok(Squeezing::None),
+        "lz4" => Ok(Squeezing::Lz4),
+        "zstd" => Ok(Squeezing::Zstd),
+        other => Err(Unreadable::Records(format!(
+            "its chunks are compressed by {other:?}; only lz4 and zstd are read"
+        ))),
+    }
+}
+
+/// What a chunk holds, with its checksum.
+fn unpacked(header: &ChunkHeader, squeezing: Squeezing, data: &[u8]) -> Result<Vec<u8>, String> {
+    let n_bytes = header.uncompressed_size;
+    if n_bytes > MAX_RECORD_BYTES {
+        return Err(format!(
+            "a chunk claims {n_bytes} bytes, more than the {MAX_RECORD_BYTES} that are read"
+        ));
+    }
+    let mut unpacked = Vec::new();
+    // No more than it claims is unpacked, and no more is taken than it turns out to have.
+    let read = match squeezing {
+        Squeezing::None => data.take(n_bytes + 1).read_to_end(&mut unpacked),
+        Squeezing::Lz4 => lz4::Decoder::new(data)
+            .and_then(|decoder| decoder.take(n_bytes + 1).read_to_end(&mut unpacked)),
+        Squeezing::Zstd => zstd::Decoder::new(data)
+            .and_then(|decoder| decoder.take(n_bytes + 1).read_to_end(&mut unpacked)),
+    };
+    if read.is_err() || unpacked.len() as u64 != n_bytes {
+        return Err("a chunk does not unpack to what it claims".to_owned());
+    }
+    let crc = header.uncompressed_crc;
+    if crc != 0 && crc32fast::hash(&unpacked) != crc {
+        return Err("a chunk has another checksum than its bytes".to_owned());
+    }
+    Ok(unpacked)
+}

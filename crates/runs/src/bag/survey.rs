@@ -1,0 +1,219 @@
+//! A look at the beginning of a bag: its cameras, their first stamps, and how its messages are kept.
+
+use std::collections::BTreeMap;
+use std::io::{Read, Seek, SeekFrom};
+
+use super::message::{CameraKind, CameraMessage};
+use super::promise::{Promise, promise};
+use super::records::{Event, Packing, Records, Unreadable};
+use super::topics::{Content, Topics};
+use crate::bag_error::{BagError, MessageFault};
+
+/// From so many frames of a camera its rate is told.
+const N_STAMPS: usize = 10;
+
+/// What a frame lasts where a camera has one alone, s.
+const LONE_FRAME_S: f64 = 0.1;
+
+/// What was found.
+#[derive(Debug)]
+pub(super) struct Survey {
+    pub(super) profile: String,
+    pub(super) packing: Packing,
+    topics: Topics,
+    /// The cameras that were asked for, by topic.
+    pub(super) cameras: BTreeMap<String, Seen>,
+    promise: Option<Promise>,
+}
+
+/// A camera as it begins.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    stamps_ns: Vec<i64>,
+    /// Whether its first image is JPEG.
+    pub(super) is_jpeg: bool,
+}
+
+impl Seen {
+    pub(super) fn first_ns(&self) -> Option<i64> {
+        self.stamps_ns.first().copied()
+    }
+
+    /// The middle one of the times between its first frames, s.
+    #[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
+    pub(super) fn frame_s(&self) -> f64 {
+        let steps = self.stamps_ns.windows(2).map(|pair| pair[1] - pair[0]);
+        let mut steps: Vec<i64> = steps.filter(|step| *step > 0).collect();
+        steps.sort_unstable();
+        match steps.get(steps.len() / 2) {
+            Some(step) => *step as f64 / 1e9,
+            None => LONE_FRAME_S,
+        }
+    }
+}
+
+/// Why there is no survey.
+#[derive(Debug)]
+pub(super) enum SurveyFault {
+    Unreadable(Unreadable),
+    Bag(BagError),
+}
+
+impl From<Unreadable> for SurveyFault {
+    fn from(fault: Unreadable) -> Self {
+        Self::Unreadable(fault)
+    }
+}
+
+impl From<std::io::Error> for SurveyFault {
+    fn from(error: std::io::Error) -> Self {
+        Self::Unreadable(error.into())
+    }
+}
+
+impl From<BagError> for SurveyFault {
+    fn from(error: BagError) -> Self {
+        Self::Bag(error)
+    }
+}
+
+impl Survey {
+    /// Looks at a bag until each of these topics, or each camera where none is named, has shown how it is: to the end
+    /// where the bag has no summary.
+    ///
+    /// # Errors
+    /// A bag that cannot be read, a camera among those asked for that is not damaged, and a first message of one that
+    /// is not read.
+    pub(super) fn of<R: Read + Seek>(
+        from: &mut R,
+        names: Option<&[String]>,
+    ) -> Result<Self, SurveyFault> {
+        let promise = promise(from)?;
+        if let Some(promise) = &promise {
+            refuse(&promise.topics, names)?;
+        }
+        from.seek(SeekFrom::Start(0))?;
+        let mut records = Records::open(from)?;
+        let mut survey = Self {
+            profile: records.profile().to_owned(),
+            packing: Packing::Bare,
+            topics: Topics::default(),
+            cameras: BTreeMap::new(),
+            promise,
+        };
+        while let Some(event) = records.next_event()? {
+            survey.take(event, names)?;
+            if survey.has_seen_enough(names) && records.packing().is_some() {
+                break;
+            }
+        }
+        survey.packing = records.packing().unwrap_or(Packing::Bare);
+        Ok(survey)
+    }
+
+    /// How many frames these cameras have, where the bag says so.
+    pub(super) fn n_frames(&self) -> Option<u64> {
+        let promise = self.promise.as_ref()?;
+        let counts = promise.n_messages(|topic, _| self.cameras.contains_key(topic));
+        Some(counts.values().sum())
+    }
+
+    /// Whether a number of a channel or a schema is free in the whole bag, as far as it is known.
+    pub(super) fn is_free(&self, id: u16) -> bool {
+        self.known().all(|topics| !topics.is_taken(id))
+    }
+
+    /// Whether the bag has a topic, as far as it is known.
+    pub(super) fn has_topic(&self, topic: &str) -> bool {
+        self.known().any(|topics| topics.all().contains_key(topic))
+    }
+
+    /// Every topic with its content, as far as it is known.
+    pub(super) fn all_topics(&self) -> BTreeMap<&str, Content> {
+        self.known().flat_map(Topics::all).collect()
+    }
+
+    /// The refusal of a topic that the bag has.
+    pub(super) fn refusal(&self, topic: &str, reason: &'static str) -> BagError {
+        let mut known = self.known();
+        let of_topic = known.find(|topics| topics.all().contains_key(topic));
+        of_topic.unwrap_or(&self.topics).refusal(topic, reason)
+    }
+
+    fn known(&self) -> impl Iterator<Item = &Topics> {
+        let promised = self.promise.as_ref().map(|promise| &promise.topics);
+        promised.into_iter().chain([&self.topics])
+    }
+
+    fn take(&mut self, event: Event, names: Option<&[String]>) -> Result<(), BagError> {
+        match event {
+            Event::Schema { header, .. } => self.topics.add_schema(header.id, &header.name),
+            Event::Channel(channel) => {
+                self.topics.add_channel(&channel);
+                refuse(&self.topics, names)?;
+                if is_asked_for(&channel.topic, names)
+                    && let Some((topic, Content::Camera(_))) = self.topics.of(channel.id)
+                {
+                    self.cameras.entry(topic.to_owned()).or_default();
+                }
+            }
+            Event::Message { header, data } => {
+                if let Some((topic, Content::Camera(kind))) = self.topics.of(header.channel_id)
+                    && let Some(seen) = self.cameras.get_mut(topic)
+                    && seen.stamps_ns.len() < N_STAMPS
+                {
+                    let idx = seen.stamps_ns.len() as u64;
+                    look(seen, kind, &data).map_err(|fault| BagError::Message {
+                        topic: topic.to_owned(),
+                        idx,
+                        fault,
+                    })?;
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn has_seen_enough(&self, names: Option<&[String]>) -> bool {
+        let Some(promise) = &self.promise else {
+            return false;
+        };
+        let is_wanted = |topic: &str, content| {
+            matches!(content, Content::Camera(_)) && is_asked_for(topic, names)
+        };
+        let counts = promise.n_messages(is_wanted);
+        counts.into_iter().all(|(topic, n_messages)| {
+            let n_wanted = usize::try_from(n_messages).unwrap_or(usize::MAX);
+            let seen = self.cameras.get(topic);
+            let n_seen = seen.map_or(0, |seen| seen.stamps_ns.len());
+            n_seen >= n_wanted.min(N_STAMPS)
+        })
+    }
+}
+
+/// Whether a topic is one of those that are named, or none is.
+fn is_asked_for(topic: &str, names: Option<&[String]>) -> bool {
+    names.is_none_or(|names| names.iter().any(|name| name == topic))
+}
+
+/// Refuses pictures that are asked for and are not damaged.
+fn refuse(topics: &Topics, names: Option<&[String]>) -> Result<(), BagError> {
+    for (topic, content) in topics.all() {
+        if let Content::Refused(reason) = content
+            && is_asked_for(topic, names)
+        {
+            return Err(topics.refusal(topic, reason));
+        }
+    }
+    Ok(())
+}
+
+fn look(seen: &mut Seen, kind: CameraKind, data: &[u8]) -> Result<(), MessageFault> {
+    let message = CameraMessage::read(kind, data)?;
+    if seen.stamps_ns.is_empty() {
+        seen.is_jpeg = message.is_jpeg(data);
+    }
+    seen.stamps_ns.push(message.stamp_ns());
+    Ok(())
+}
