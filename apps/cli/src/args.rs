@@ -9,6 +9,7 @@ pub(crate) mod evaluate;
 pub(crate) mod generate;
 pub(crate) mod overlay;
 pub(crate) mod patterns;
+pub(crate) mod pipe;
 pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod timeline;
@@ -177,6 +178,8 @@ pub(crate) enum Verb {
     Patterns(PatternsArgs),
     /// Add a static or growing crack to a video, or to a folder of frames
     Video(video::VideoArgs),
+    /// Put a crack over raw frames as they come, from standard input to standard output
+    Pipe(pipe::PipeArgs),
     /// Evaluate detections on clean and damaged images, inside and outside the damaged region
     Evaluate(evaluate::EvaluateArgs),
     /// Follow objects through a clip, clean and damaged: when each is found, and its time to

@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use common::{Outcome, QUICK_BENCH, folder, names, raw_png, succeed};
 use serde_json::Value;
 
-const VERBS: [&str; 18] = [
+const VERBS: [&str; 19] = [
     "demo",
     "crack",
     "generate",
@@ -23,6 +23,7 @@ const VERBS: [&str; 18] = [
     "divergence",
     "patterns",
     "video",
+    "pipe",
     "sweep",
     "simulate",
     "recipe",

@@ -13,11 +13,13 @@ mod detect_labels;
 mod divergence;
 mod evaluate;
 mod generate;
+mod latencies;
 mod network_file;
 mod overlay_bank;
 mod pattern_images;
 mod pattern_statistics;
 mod patterns;
+mod pipe;
 mod plot;
 mod raster;
 mod recipe;
@@ -57,6 +59,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<u8, Failure> {
         Verb::Simulate(args) => simulate::run(global, &args, screen),
         Verb::Patterns(args) => bank(global, &args, screen),
         Verb::Video(args) => video::run(global, args, screen),
+        Verb::Pipe(args) => pipe::run(global, &args, screen),
         Verb::Evaluate(args) => evaluate::run(global, &args, screen),
         Verb::Timeline(args) => timeline::run(global, &args, screen),
         Verb::Study(args) => study::run(global, &args, screen),

@@ -7,6 +7,7 @@
 
 mod defocus;
 mod elsewhere;
+mod frames;
 mod layer;
 mod light;
 mod noise;
