@@ -175,18 +175,38 @@ pub(crate) fn over_into(
             "image and out overlap in part; give two arrays that share no memory, or the same array twice",
         ));
     }
-    let mut to = to.try_readwrite().map_err(|error| refused("out", &error))?;
-    let from = match is_same {
-        true => None,
-        false => {
-            let from = from.try_readonly();
-            Some(from.map_err(|error| refused("image", &error))?)
-        }
+    let run = |worker: &mut Worker, from: Option<ArrayView3<'_, u8>>, to: &mut _| {
+        let frame = (from, pixels_mut_of(to)?);
+        let done = py.detach(|| over_pixels(worker, frame, (size, channels), seed));
+        done.map_err(|error| raised_in_memory(&error))
     };
-    let (from, to) = (from.as_ref().map(pixels_of), pixels_mut_of(&mut to));
-    let frame = (from.transpose()?, to?);
-    let done = py.detach(|| over_pixels(worker, frame, (size, channels), seed));
-    done.map_err(|error| raised_in_memory(&error))
+    if is_same {
+        let mut to = to.try_readwrite().map_err(|error| refused("out", &error))?;
+        return run(worker, None, &mut to);
+    }
+    let image = from
+        .try_readonly()
+        .map_err(|error| refused("image", &error))?;
+    match to.try_readwrite() {
+        Ok(mut to) => run(worker, Some(pixels_of(&image)?), &mut to),
+        Err(error @ BorrowError::NotWriteable) => Err(refused("out", &error)),
+        // Of two arrays that lie within each other, as columns of one, NumPy knows that they share nothing, but what
+        // watches over borrows does not: the image is read before the other is written.
+        Err(_) => {
+            let pixels = pixels_of(&image)?;
+            let mut kept = std::mem::take(&mut worker.bytes);
+            kept.resize(pixels.len(), 0);
+            let shape = pixels.raw_dim();
+            if let Ok(mut kept) = ArrayViewMut3::from_shape(shape, &mut kept) {
+                kept.assign(&pixels);
+            }
+            drop(image);
+            let mut to = to.try_readwrite().map_err(|error| refused("out", &error))?;
+            let done = run(worker, ArrayView3::from_shape(shape, &kept).ok(), &mut to);
+            worker.bytes = kept;
+            done
+        }
+    }
 }
 
 /// Whether two pixels of an array may have the same place: its strides, from the least, do not step over what lies within.

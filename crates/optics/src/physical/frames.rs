@@ -10,6 +10,14 @@ use super::samples::Sample as _;
 use crate::maps::CHUNK;
 use crate::{Channels, FrameMut, OpticsError};
 
+/// Memory that [`Overlay::apply_to`] uses again from frame to frame.
+#[derive(Debug, Clone, Default)]
+pub struct Gathered {
+    /// Light of affected pixels from elsewhere in the frame.
+    rgb: Vec<[[f32; CHUNK]; 3]>,
+    gray: Vec<[[f32; CHUNK]; 1]>,
+}
+
 impl Overlay {
     /// Puts the crack over a frame where that lies: the same codes as [`Overlay::apply`], in any order of colors. Alpha and
     /// padding are never written.
@@ -19,7 +27,12 @@ impl Overlay {
     ///
     /// # Errors
     /// [`OpticsError::SizeMismatch`] for a frame of another size than the overlay.
-    pub fn apply_to(&self, frame: &mut FrameMut<'_>, seed: Seed) -> Result<(), OpticsError> {
+    pub fn apply_to(
+        &self,
+        frame: &mut FrameMut<'_>,
+        seed: Seed,
+        memory: &mut Gathered,
+    ) -> Result<(), OpticsError> {
         self.check_size_of(frame.size())?;
         if !self.is_local() {
             let mut image = DynamicImage::default();
@@ -30,8 +43,8 @@ impl Overlay {
         let noise = self.noise(seed);
         for layer in &self.layers {
             match frame.channels() {
-                Channels::Gray => layer.over_frame::<1>(frame, noise.as_ref()),
-                _ => layer.over_frame::<3>(frame, noise.as_ref()),
+                Channels::Gray => layer.over_frame(frame, noise.as_ref(), &mut memory.gray),
+                _ => layer.over_frame(frame, noise.as_ref(), &mut memory.rgb),
             }
         }
         Ok(())
@@ -45,18 +58,24 @@ impl Overlay {
 }
 
 impl OverlayLayer {
-    fn over_frame<const COLORS: usize>(&self, frame: &mut FrameMut<'_>, noise: Option<&Noise>) {
+    fn over_frame<const COLORS: usize>(
+        &self,
+        frame: &mut FrameMut<'_>,
+        noise: Option<&Noise>,
+        elsewhere: &mut Vec<[[f32; CHUNK]; COLORS]>,
+    ) {
         let (width, height) = frame.size();
         let size = (width as usize, height as usize);
         // All of it before anything is changed: a place may lie anywhere in the frame.
-        let elsewhere = self.gather::<COLORS>(size, |x, y| {
+        let light = |x: usize, y: usize| {
             let rgb = frame.rgb_at(x, y);
             side_by_side(&std::array::from_fn::<_, COLORS, _>(|c| rgb[c].light()))
-        });
+        };
+        self.gather(size, light, elsewhere);
         pulp::Arch::new().dispatch(OverFrame {
             layer: self,
             frame,
-            elsewhere: &elsewhere,
+            elsewhere,
             noise,
         });
     }

@@ -257,10 +257,12 @@ impl OverlayLayer {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         let height = samples.len() / (width * stride);
         // All of it before anything is changed: a place may lie anywhere in the frame.
-        let elsewhere = self.gather::<COLORS>((width, height), |x, y| {
+        let mut elsewhere = Vec::new();
+        let light = |x: usize, y: usize| {
             let pixel = &samples[(y * width + x) * stride..][..COLORS];
             side_by_side(&std::array::from_fn::<_, COLORS, _>(|c| pixel[c].light()))
-        });
+        };
+        self.gather::<COLORS>((width, height), light, &mut elsewhere);
         pulp::Arch::new().dispatch(OverRuns::<S, COLORS, EXTRA> {
             layer: self,
             samples,
@@ -274,8 +276,9 @@ impl OverlayLayer {
     fn over_light<const COLORS: usize>(&self, light: &mut [f32], width: usize) {
         let height = light.len() / (width * COLORS);
         let pixels = light.as_chunks::<COLORS>().0;
-        let elsewhere =
-            self.gather::<COLORS>((width, height), |x, y| side_by_side(&pixels[y * width + x]));
+        let mut elsewhere = Vec::new();
+        let light_at = |x: usize, y: usize| side_by_side(&pixels[y * width + x]);
+        self.gather::<COLORS>((width, height), light_at, &mut elsewhere);
         for run in &self.runs {
             let n = CHUNK.min(width - run.x);
             let first = (run.y * width + run.x) * COLORS;

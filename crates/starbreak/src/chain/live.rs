@@ -5,16 +5,19 @@ use std::sync::Arc;
 use image::DynamicImage;
 use starbreak_optics::FrameMut;
 use starbreak_optics::environment::Environment;
-use starbreak_optics::physical::Overlay;
+use starbreak_optics::physical::{Gathered, Overlay};
 use starbreak_sensor::Moment;
 
 use super::lit::{Glass, Lit};
 use super::{Chain, PaneLayer};
 use crate::{Error, OpticsSettings};
 
-/// A frame that is kept for what cannot work on a frame where it lies.
+/// Memory that is used again from frame to frame, with a frame for what cannot work on one where it lies.
 #[derive(Debug, Clone, Default)]
-pub struct KeptFrame(DynamicImage);
+pub struct KeptFrame {
+    image: DynamicImage,
+    gathered: Gathered,
+}
 
 impl Lit<'_> {
     /// As [`Lit::over`], over a frame where that lies: the same codes, in any order of colors; alpha and padding are never
@@ -33,11 +36,11 @@ impl Lit<'_> {
     ) -> Result<(), Error> {
         let at = at.into();
         if let Some(overlay) = self.overlay_alone() {
-            return Ok(overlay.apply_to(frame, at.frame)?);
+            return Ok(overlay.apply_to(frame, at.frame, &mut kept.gathered)?);
         }
-        frame.copy_to(&mut kept.0);
-        self.over(&mut kept.0, at)?;
-        Ok(frame.copy_from(&mut kept.0)?)
+        frame.copy_to(&mut kept.image);
+        self.over(&mut kept.image, at)?;
+        Ok(frame.copy_from(&mut kept.image)?)
     }
 
     /// The overlay of the glass, where that is all and leaves alone what it does not touch.
