@@ -18,7 +18,7 @@ import tempfile
 
 import pdoc
 
-MODULES = ["starbreak", "starbreak.transforms"]
+MODULES = ["starbreak", "starbreak.carla", "starbreak.transforms"]
 
 
 def runnable(stub: str) -> str:

@@ -53,6 +53,7 @@ REDUCED = [
 #: Pages whose Python a test runs.
 TESTED = {
     "README.md": "apps/python/tests/test_examples.py",
+    "docs/live.md": "apps/python/tests/test_examples.py",
     "docs/python.md": "apps/python/tests/test_examples.py",
     "docs/python-pipelines.md": "apps/python/tests/test_pipelines.py",
 }

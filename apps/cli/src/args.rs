@@ -10,6 +10,7 @@ pub(crate) mod evaluate;
 pub(crate) mod generate;
 pub(crate) mod overlay;
 pub(crate) mod patterns;
+pub(crate) mod pipe;
 pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod timeline;
@@ -180,6 +181,8 @@ pub(crate) enum Verb {
     Video(video::VideoArgs),
     /// Damage the cameras of a recording of a robot or car (MCAP); all else in it stays the same
     Bag(bag::BagArgs),
+    /// Put a crack over raw frames as they come, from standard input to standard output
+    Pipe(pipe::PipeArgs),
     /// Evaluate detections on clean and damaged images, inside and outside the damaged region
     Evaluate(evaluate::EvaluateArgs),
     /// Follow objects through a clip, clean and damaged: when each is found, and its time to

@@ -114,6 +114,13 @@ impl Screen {
         }
     }
 
+    /// The one machine-readable result, if asked for, on standard error, where standard output has frames.
+    pub(crate) fn result_beside(&self, value: impl FnOnce() -> Value) {
+        if self.json {
+            let _ = writeln!(std::io::stderr(), "{}", value());
+        }
+    }
+
     /// Data that was asked for: on standard output, always.
     ///
     /// # Errors

@@ -127,6 +127,10 @@ fn every_verb_refuses_what_takes_more_memory_than_it_may() {
             showing,
         ),
         (vec!["video", "frames", "-o", "out", "--fps", "10"], showing),
+        (
+            vec!["pipe", "--size", "800x600", "--pixels", "gray"],
+            showing,
+        ),
     ]
     .map(|(args, named)| {
         (

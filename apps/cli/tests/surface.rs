@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use common::{Outcome, QUICK_BENCH, folder, names, raw_png, succeed};
 use serde_json::Value;
 
-const VERBS: [&str; 19] = [
+const VERBS: [&str; 20] = [
     "demo",
     "crack",
     "generate",
@@ -24,6 +24,7 @@ const VERBS: [&str; 19] = [
     "patterns",
     "video",
     "bag",
+    "pipe",
     "sweep",
     "simulate",
     "recipe",

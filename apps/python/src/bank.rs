@@ -7,10 +7,10 @@ use pyo3::prelude::*;
 use starbreak::Stopwatch;
 
 use crate::arguments::{BoxesArg, Given, Kind, NameArg, SeedArg, SizeArg, Whole, seed_of};
-use crate::crack::{Origin, ReadyCrack};
 use crate::errors::{of_recipe, raised};
 use crate::images::image_of;
 use crate::network::CrackNetwork;
+use crate::ready::{Origin, ReadyCrack};
 use crate::recipe::Recipe;
 
 /// A bank of patterns made by `starbreak patterns`, open for reading: cracks that are simulated and
@@ -207,7 +207,7 @@ impl PatternBank {
         };
         let pixels = image_of(image)?;
         let size = (pixels.width(), pixels.height());
-        Self::ready(slf, idx, size)?.shown_in(slf.py(), pixels, seed, boxes, full)
+        Self::ready(slf, idx, size)?.shown_in(slf.py(), pixels, None, seed, boxes, full)
     }
 
     fn __repr__(&self) -> String {

@@ -17,7 +17,7 @@ use crate::values::python_of;
 pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
     let image = &array_of_pillow(image)?;
     let bytes = codes_of("image", image)?;
-    refuse_masked(bytes.as_untyped())?;
+    refuse_masked("image", bytes.as_untyped())?;
     let (width, height) = sides_of("image", bytes, true)?;
     let (width_px, height_px) = checked_size(width, height)?;
     let pixels = copied(bytes)?;
@@ -32,7 +32,7 @@ pub(crate) fn image_of(image: &Bound<'_, PyAny>) -> PyResult<DynamicImage> {
 }
 
 /// The array of an image of Pillow whose numbers are colors; anything else as it is.
-fn array_of_pillow<'py>(image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn array_of_pillow<'py>(image: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let is_array = image.cast::<PyUntypedArray>().is_ok();
     let mode = image
         .getattr("mode")
@@ -61,7 +61,7 @@ pub(crate) fn size_of(
 }
 
 /// The argument as an array of codes.
-fn codes_of<'a, 'py>(
+pub(crate) fn codes_of<'a, 'py>(
     name: &str,
     array: &'a Bound<'py, PyAny>,
 ) -> PyResult<&'a Bound<'py, PyArrayDyn<u8>>> {
@@ -79,7 +79,7 @@ fn codes_of<'a, 'py>(
     })
 }
 
-fn sides_of(
+pub(crate) fn sides_of(
     name: &str,
     array: &Bound<'_, PyArrayDyn<u8>>,
     has_channels: bool,
@@ -100,16 +100,16 @@ fn sides_of(
 }
 
 /// Refuses an array of `numpy.ma` with masked entries, whose codes mean nothing.
-fn refuse_masked(array: &Bound<'_, PyUntypedArray>) -> PyResult<()> {
+pub(crate) fn refuse_masked(name: &str, array: &Bound<'_, PyUntypedArray>) -> PyResult<()> {
     let py = array.py();
     if array.get_type().is(py.get_type::<PyUntypedArray>()) {
         return Ok(());
     }
     let is_masked = py.import("numpy.ma")?.call_method1("is_masked", (array,))?;
     match is_masked.is_truthy()? {
-        true => Err(PyValueError::new_err(
-            "image has masked entries, which have no code; fill them first, as with image.filled(0)",
-        )),
+        true => Err(PyValueError::new_err(format!(
+            "{name} has masked entries, which have no code; fill them first, as with {name}.filled(0)"
+        ))),
         false => Ok(()),
     }
 }

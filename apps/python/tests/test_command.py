@@ -91,6 +91,11 @@ def test_what_is_wrong_is_said_as_by_the_command(images, tmp_path):
     assert not (tmp_path / "x").exists()
 
 
+def test_frames_of_a_pipe_are_for_a_process_of_their_own():
+    with pytest.raises(ValueError, match="pipe reads standard input and writes standard output, .* ReadyCrack.over"):
+        starbreak.command("pipe", size="8x8", pixels="gray")
+
+
 def test_an_interrupt_ends_the_work_and_is_raised(images, tmp_path):
     text = (
         "import signal, sys, threading, os, starbreak\n"

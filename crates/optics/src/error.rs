@@ -66,6 +66,19 @@ pub enum OpticsError {
         /// In which way.
         why: &'static str,
     },
+    /// Memory that is no frame.
+    #[error(
+        "{what} has {n_bytes} bytes; expected {expected}, its width × {}samples of a pixel",
+        if *.what == "a row" { "" } else { "height × " }
+    )]
+    FrameBytes {
+        /// What has too many or too few.
+        what: &'static str,
+        /// How many it has.
+        n_bytes: usize,
+        /// How many it should have.
+        expected: usize,
+    },
     /// Cracks drawn for a frame of another size.
     #[error(
         "the image is {width} × {height} px, but the cracks were drawn for {drawn_width} × {drawn_height} px"

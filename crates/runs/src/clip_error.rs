@@ -40,6 +40,20 @@ pub enum ClipError {
         /// Time of the last frame, s.
         last_frame_s: f64,
     },
+    /// The impact is at no time of a clip without an end.
+    #[error("--impact-at {impact_at_s} s: expected a time from 0 on, s after the first frame")]
+    LiveImpactTime {
+        /// What was asked for, s.
+        impact_at_s: f64,
+    },
+    /// A frame that comes after a later one.
+    #[error("frame {frame_idx} comes after frame {}; frames go on in their order", .next_idx - 1)]
+    FrameBefore {
+        /// Which frame, from 0.
+        frame_idx: u64,
+        /// The first that may come.
+        next_idx: u64,
+    },
     /// A growth time that is none.
     #[error("--growth-time {growth_time_s} s: expected more than 0 s, up to 86400 s")]
     GrowthTime {

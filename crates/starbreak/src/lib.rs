@@ -37,8 +37,8 @@ mod timings;
 pub use broken::{Details, ImportedDetails, PaperDetails, PhysicsDetails, Simulated, simulate};
 pub use camera_faults::CameraFaults;
 pub use chain::{
-    CLASSES, Chain, Lit, OpticsReport, PaneLayer, SceneReport, Shown, damage_to_json,
-    region_fraction,
+    CLASSES, Chain, KeptFrame, Lit, Live, OpticsReport, PaneLayer, SceneReport, Shown,
+    damage_to_json, environment_to_json, region_fraction,
 };
 pub use cost::Cost;
 pub use error::Error;

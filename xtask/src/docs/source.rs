@@ -136,7 +136,8 @@ fn as_index(link: &str) -> String {
 fn reference(python_api: &str) -> String {
     format!(
         "# Functions and classes\n\n\
-         Made from the docstrings of the package: [`starbreak`](../{python_api}/starbreak.html) and\n\
+         Made from the docstrings of the package: [`starbreak`](../{python_api}/starbreak.html),\n\
+         [`starbreak.carla`](../{python_api}/starbreak/carla.html) and\n\
          [`starbreak.transforms`](../{python_api}/starbreak/transforms.html). The modules for frameworks\n\
          are described under [training pipelines](python-pipelines.md).\n"
     )

@@ -6,7 +6,7 @@ use clap::{Arg, ArgMatches, Command};
 
 /// Verbs that break glass by a recipe.
 const BREAKING: &[&str] = &[
-    "demo", "crack", "generate", "sweep", "simulate", "patterns", "video", "bag", "study",
+    "demo", "crack", "generate", "sweep", "simulate", "patterns", "video", "bag", "pipe", "study",
     "recipe", "bench",
 ];
 /// What says which recipe.
@@ -26,12 +26,13 @@ fn is_used(verb: &str, flag: &str) -> bool {
             "sweep",
             "simulate",
             "bench",
+            "pipe",
             "recipe",
             "merge",
             "completions",
             "man",
         ]),
-        "replace" => !is_among(&["verify", "merge", "recipe", "completions"]),
+        "replace" => !is_among(&["verify", "merge", "pipe", "recipe", "completions"]),
         "follow_links" => is_among(&["generate", "verify", "detect", "divergence", "patterns"]),
         "json" => verb != "completions",
         _ if OF_RECIPE.contains(&flag) => is_among(BREAKING),

@@ -14,11 +14,13 @@ mod detect_labels;
 mod divergence;
 mod evaluate;
 mod generate;
+mod latencies;
 mod network_file;
 mod overlay_bank;
 mod pattern_images;
 mod pattern_statistics;
 mod patterns;
+mod pipe;
 mod plot;
 mod raster;
 mod recipe;
@@ -59,6 +61,7 @@ pub(crate) fn run(args: Args, screen: &Screen) -> Result<u8, Failure> {
         Verb::Patterns(args) => bank(global, &args, screen),
         Verb::Video(args) => video::run(global, args, screen),
         Verb::Bag(args) => bag::run(global, &args, screen),
+        Verb::Pipe(args) => pipe::run(global, &args, screen),
         Verb::Evaluate(args) => evaluate::run(global, &args, screen),
         Verb::Timeline(args) => timeline::run(global, &args, screen),
         Verb::Study(args) => study::run(global, &args, screen),

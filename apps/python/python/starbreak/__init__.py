@@ -4,6 +4,7 @@ from ._command import command, detect, generate, patterns, study, sweep, video
 from ._starbreak import (
     Cracked,
     CrackNetwork,
+    LightFilter,
     PatternBank,
     ReadyCrack,
     Recipe,
@@ -26,6 +27,7 @@ from ._starbreak import (
 __all__ = [
     "CrackNetwork",
     "Cracked",
+    "LightFilter",
     "PatternBank",
     "ReadyCrack",
     "Recipe",

@@ -14,6 +14,7 @@ _Boxes: TypeAlias = Sequence[Sequence[float]] | npt.NDArray[np.floating[Any]]
 _Size: TypeAlias = Sequence[SupportsIndex] | npt.NDArray[np.integer[Any]]
 _Numbers: TypeAlias = Sequence[float] | npt.NDArray[np.floating[Any]]
 _Set: TypeAlias = Mapping[str, Any] | Sequence[str]
+_Channels: TypeAlias = Literal["rgb", "bgr", "rgba", "bgra", "gray"]
 
 class _Pillow(Protocol):
     @property
@@ -24,6 +25,7 @@ class _Pillow(Protocol):
 __all__ = [
     "CrackNetwork",
     "Cracked",
+    "LightFilter",
     "PatternBank",
     "ReadyCrack",
     "Recipe",
@@ -172,21 +174,62 @@ class ReadyCrack:
     def crack_mask(self) -> _Image: ...
     @overload
     def over(
-        self, image: _Image | _Pillow, seed: SupportsIndex = 0, *, boxes: _Boxes, full: bool = False
+        self,
+        image: _Image | _Pillow,
+        seed: SupportsIndex = 0,
+        *,
+        out: None = None,
+        channels: _Channels | None = None,
+        boxes: _Boxes,
+        full: bool = False,
     ) -> Cracked: ...
     @overload
     def over(
-        self, image: _Image | _Pillow, seed: SupportsIndex = 0, *, boxes: _Boxes | None = None, full: Literal[True]
+        self,
+        image: _Image | _Pillow,
+        seed: SupportsIndex = 0,
+        *,
+        out: None = None,
+        channels: _Channels | None = None,
+        boxes: _Boxes | None = None,
+        full: Literal[True],
     ) -> Cracked: ...
     @overload
     def over(
-        self, image: _Image | _Pillow, seed: SupportsIndex = 0, *, boxes: None = None, full: Literal[False] = False
+        self,
+        image: _Image | _Pillow,
+        seed: SupportsIndex = 0,
+        *,
+        out: _Image | None = None,
+        channels: _Channels | None = None,
+        boxes: None = None,
+        full: Literal[False] = False,
     ) -> _Image: ...
     @overload
     def over(
-        self, image: _Image | _Pillow, seed: SupportsIndex = 0, *, boxes: _Boxes | None = None, full: bool = False
+        self,
+        image: _Image | _Pillow,
+        seed: SupportsIndex = 0,
+        *,
+        out: _Image | None = None,
+        channels: _Channels | None = None,
+        boxes: _Boxes | None = None,
+        full: bool = False,
     ) -> _Image | Cracked: ...
+    def estimate_environment(
+        self, image: _Image | _Pillow, *, channels: _Channels | None = None
+    ) -> dict[str, Any] | None: ...
+    def set_environment(self, environment: Mapping[str, Any] | None = None) -> None: ...
+    @property
+    def environment(self) -> dict[str, Any] | None: ...
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]: ...
+
+@final
+class LightFilter:
+    def __new__(cls) -> LightFilter: ...
+    def next(self, environment: Mapping[str, Any] | None, elapsed_s: float) -> dict[str, Any] | None: ...
+    @property
+    def n_lights(self) -> int: ...
 
 @final
 class PatternBank:

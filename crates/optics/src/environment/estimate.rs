@@ -1,12 +1,14 @@
 //! The light around the camera from one image.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use image::{DynamicImage, GenericImageView};
 
-use super::samples::{Sample, samples};
+use super::samples::{Sample, samples, samples_of};
 use super::sun::sun_color;
 use super::{Environment, EnvironmentParams, HemisphereWeights, Horizon, Rgb, luminance};
+use crate::FrameMut;
 
 /// Share of the light that a road sends back: asphalt. FIT.
 const ROAD_ALBEDO: f64 = 0.1;
@@ -90,11 +92,41 @@ impl Environment {
     /// wall in the upper third looks like sky. Give the values if they are known.
     #[must_use]
     pub fn estimate(image: &DynamicImage, params: &EnvironmentParams, f_px: f64) -> Self {
-        let frame = Frame::new(image, params.horizon_row, f_px);
-        let seen_sky = frame.sky(image);
+        let rows = |rows| samples(image, rows);
+        Self::of_samples(image.dimensions(), &rows, params, f_px)
+    }
+
+    /// As [`Environment::estimate`], from a frame in somebody else's memory.
+    #[must_use]
+    pub fn estimate_of(frame: &FrameMut<'_>, params: &EnvironmentParams, f_px: f64) -> Self {
+        let codes = |x, y| frame.rgb_at(x as usize, y as usize);
+        Self::estimate_by(frame.size(), &codes, params, f_px)
+    }
+
+    /// As [`Environment::estimate`], from a frame of a width and height, px, of which a few pixels are asked for by column
+    /// and row: their codes of red, green and blue, 8 bits each.
+    #[must_use]
+    pub fn estimate_by(
+        size: (u32, u32),
+        codes: &dyn Fn(u32, u32) -> [u8; 3],
+        params: &EnvironmentParams,
+        f_px: f64,
+    ) -> Self {
+        let rows = |rows| samples_of(size.0, rows, codes);
+        Self::of_samples(size, &rows, params, f_px)
+    }
+
+    fn of_samples(
+        size: (u32, u32),
+        samples: &Samples<'_>,
+        params: &EnvironmentParams,
+        f_px: f64,
+    ) -> Self {
+        let frame = Frame::new(size, params.horizon_row, f_px);
+        let seen_sky = frame.sky(samples);
         let seen_ground = match params.ground_rgb {
             Some(rgb) => Some(Ground::even(rgb)),
-            None => frame.ground(image),
+            None => frame.ground(samples),
         };
         let sky = seen_sky
             .or_else(|| seen_ground.map(|ground| Sky::over(ground.rgb)))
@@ -203,6 +235,9 @@ impl Ground {
     }
 }
 
+/// Pixels of some rows of a frame.
+type Samples<'a> = dyn Fn(Range<u32>) -> Vec<Sample> + 'a;
+
 /// Where the frame shows sky and ground.
 struct Frame {
     horizon: Horizon,
@@ -214,8 +249,7 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(image: &DynamicImage, horizon_row: f64, f_px: f64) -> Self {
-        let (width, height) = image.dimensions();
+    fn new((width, height): (u32, u32), horizon_row: f64, f_px: f64) -> Self {
         // A row is above the horizon if its middle is.
         let rows = (horizon_row * f64::from(height) - 0.5)
             .ceil()
@@ -236,9 +270,9 @@ impl Frame {
     }
 
     /// The sky above the horizon; none if there are no rows of it.
-    fn sky(&self, image: &DynamicImage) -> Option<Sky> {
+    fn sky(&self, samples: &Samples<'_>) -> Option<Sky> {
         let third = self.height.div_ceil(3);
-        let samples = samples(image, 0..third.min(self.n_sky_rows));
+        let samples = samples(0..third.min(self.n_sky_rows));
         let mut ranked: Vec<f32> = samples.iter().map(|sample| luminance(sample.rgb)).collect();
         let [least, most] = percentiles(&mut ranked)?;
         let mut sky = Mean::default();
@@ -278,9 +312,9 @@ impl Frame {
     }
 
     /// The ground below the horizon; none if there are no rows of it.
-    fn ground(&self, image: &DynamicImage) -> Option<Ground> {
+    fn ground(&self, samples: &Samples<'_>) -> Option<Ground> {
         let third = (self.height - self.n_sky_rows) / 3;
-        let samples = samples(image, self.n_sky_rows + third..self.height - third);
+        let samples = samples(self.n_sky_rows + third..self.height - third);
         let ranked = |of: &dyn Fn(&Sample) -> f32, share: f64| {
             let mut values: Vec<f32> = samples.iter().map(of).collect();
             let at = rank(values.len(), share)?;

@@ -38,6 +38,15 @@ pub(super) fn samples(image: &DynamicImage, rows: Range<u32>) -> Vec<Sample> {
     }
 }
 
+/// The same of a frame of a width, px, whose pixels are asked for by column and row.
+pub(super) fn samples_of(
+    width: u32,
+    rows: Range<u32>,
+    codes: &dyn Fn(u32, u32) -> [u8; 3],
+) -> Vec<Sample> {
+    over_grid(width, rows, |x, y| codes(x, y).map(decode8))
+}
+
 fn gather<S: Copy>(
     raw: &[S],
     channels: usize,

@@ -27,20 +27,23 @@ pub(crate) const FINE_WIDTHS: [f32; 2] = [1.5, 8.0];
 const CELL_PX: usize = 16;
 
 impl OverlayLayer {
-    /// The light of all runs from elsewhere, weighted by its share.
+    /// The light of all runs from elsewhere, weighted by its share, over what was gathered before; `light` is that of a
+    /// pixel in a column and a row.
     pub(super) fn gather<const COLORS: usize>(
         &self,
         size: (usize, usize),
-        light: impl Fn(usize) -> f32x4,
-    ) -> Vec<[[f32; CHUNK]; COLORS]> {
+        light: impl Fn(usize, usize) -> f32x4,
+        gathered: &mut Vec<[[f32; CHUNK]; COLORS]>,
+    ) {
         let is_wide = |other: &Elsewhere| other.width.iter().any(|width| *width > FINE_WIDTHS[0]);
         let coarse = if self.elsewhere.iter().any(is_wide) {
             Coarse::of(size, &light)
         } else {
             Coarse { levels: Vec::new() }
         };
-        let mut gathered = vec![[[0.0; CHUNK]; COLORS]; self.elsewhere.len()];
-        for (other, pixels) in self.elsewhere.iter().zip(&mut gathered) {
+        gathered.clear();
+        gathered.resize(self.elsewhere.len(), [[0.0; CHUNK]; COLORS]);
+        for (other, pixels) in self.elsewhere.iter().zip(gathered) {
             for k in 0..CHUNK {
                 let share = other.share[k];
                 if share <= 0.0 {
@@ -52,7 +55,7 @@ impl OverlayLayer {
                     ((width - FINE_WIDTHS[0]) / (FINE_WIDTHS[1] - FINE_WIDTHS[0])).clamp(0.0, 1.0);
                 let mut sum = f32x4::ZERO;
                 if wide < 1.0 {
-                    sum += between(size, place, &light) * (share * (1.0 - wide));
+                    sum += between_pixels(size, place, &light) * (share * (1.0 - wide));
                 }
                 if wide > 0.0 {
                     sum += coarse.mean(place, width) * (share * wide);
@@ -62,7 +65,6 @@ impl OverlayLayer {
                 }
             }
         }
-        gathered
     }
 }
 
@@ -82,6 +84,16 @@ pub(super) fn side_by_side<const COLORS: usize>(colors: &[f32; COLORS]) -> f32x4
 /// Of a frame of at least a pixel and fewer than 2²⁴ per side; `light` is that of a pixel, counted
 /// row by row, its colors side by side.
 #[inline]
+pub(super) fn between(
+    size: (usize, usize),
+    place: [f32; 2],
+    light: impl Fn(usize) -> f32x4,
+) -> f32x4 {
+    between_pixels(size, place, |x, y| light(y * size.0 + x))
+}
+
+/// The same of pixels by column and row.
+#[inline]
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_possible_wrap,
@@ -89,10 +101,10 @@ pub(super) fn side_by_side<const COLORS: usize>(colors: &[f32; COLORS]) -> f32x4
     clippy::cast_precision_loss,
     reason = "px of a frame"
 )]
-pub(super) fn between(
+fn between_pixels(
     (width, height): (usize, usize),
     [u, v]: [f32; 2],
-    light: impl Fn(usize) -> f32x4,
+    light: impl Fn(usize, usize) -> f32x4,
 ) -> f32x4 {
     let last = [width as i32 - 1, height as i32 - 1];
     let border = f32x4::new([last[0] as f32, last[1] as f32, 0.0, 0.0]);
@@ -103,7 +115,7 @@ pub(super) fn between(
     let [x, y, ..] = whole.to_array();
     let [s, t, ..] = (place - f32x4::from_i32x4(whole)).to_array();
     let (right, below) = ((x + 1).min(last[0]), (y + 1).min(last[1]));
-    let at = |x: i32, y: i32| light(y as usize * width + x as usize);
+    let at = |x: i32, y: i32| light(x as usize, y as usize);
     let (top_left, top_right) = (at(x, y), at(right, y));
     let (bottom_left, bottom_right) = (at(x, below), at(right, below));
     let top = top_left + (top_right - top_left) * s;
@@ -125,7 +137,7 @@ struct Level {
 }
 
 impl Coarse {
-    fn of((width, height): (usize, usize), light: impl Fn(usize) -> f32x4) -> Self {
+    fn of((width, height): (usize, usize), light: impl Fn(usize, usize) -> f32x4) -> Self {
         let size = (width.div_ceil(CELL_PX), height.div_ceil(CELL_PX));
         let mut cells = Vec::with_capacity(size.0 * size.1);
         for y in (0..size.1).map(|y| y * CELL_PX) {
@@ -133,7 +145,7 @@ impl Coarse {
                 let mut sum = f32x4::ZERO;
                 for (dx, dy) in [(3, 5), (11, 3), (5, 13), (13, 11)] {
                     let (x, y) = ((x + dx).min(width - 1), (y + dy).min(height - 1));
-                    sum += light(y * width + x);
+                    sum += light(x, y);
                 }
                 cells.push(sum * 0.25);
             }

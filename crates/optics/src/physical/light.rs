@@ -78,17 +78,16 @@ pub(crate) struct Lighting {
 }
 
 impl Lighting {
-    /// Of so many runs.
-    pub(crate) fn new(colors: Colors, n_runs: usize) -> Self {
-        Self {
-            colors,
-            layer: OverlayLayer {
-                runs: Vec::with_capacity(n_runs),
-                // Few layers have more of them than every other run.
-                tinted: Vec::with_capacity(n_runs / 2),
-                elsewhere: Vec::with_capacity(n_runs / 2),
-            },
-        }
+    /// Of so many runs, in the memory of a layer that is no longer needed.
+    pub(crate) fn new(colors: Colors, n_runs: usize, mut layer: OverlayLayer) -> Self {
+        layer.runs.clear();
+        layer.runs.reserve(n_runs);
+        // Few layers have more of them than every other run.
+        layer.tinted.clear();
+        layer.tinted.reserve(n_runs / 2);
+        layer.elsewhere.clear();
+        layer.elsewhere.reserve(n_runs / 2);
+        Self { colors, layer }
     }
 
     /// The next run: its first pixel and row, its lanes with a bit for each that is not all zeros,
@@ -136,9 +135,9 @@ impl Lighting {
 }
 
 impl OverlayLayer {
-    /// A layer under a light.
-    pub(super) fn lit(layer: &PatternLayer, colors: Colors) -> Self {
-        let mut lighting = Lighting::new(colors, layer.light.n_runs());
+    /// A layer under a light, in the memory of another.
+    pub(super) fn lit(layer: &PatternLayer, colors: Colors, memory: Self) -> Self {
+        let mut lighting = Lighting::new(colors, layer.light.n_runs(), memory);
         for (x, y, lanes) in layer.light.iter() {
             lighting.push(
                 (x, y),

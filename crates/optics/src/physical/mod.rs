@@ -7,6 +7,7 @@
 
 mod defocus;
 mod elsewhere;
+mod frames;
 mod layer;
 mod light;
 mod noise;
@@ -20,6 +21,7 @@ mod samples;
 pub use crate::surface::{Glass, SurfaceParams};
 pub(crate) use defocus::{Beyond, defocus_rows, spread_evenly};
 pub(crate) use elsewhere::FINE_WIDTHS;
+pub use frames::Gathered;
 pub(crate) use layer::PatternLayer;
 pub(crate) use light::{Colors, Lighting};
 pub(crate) use overlay::{LEAST_ELSEWHERE, OverlayLayer};

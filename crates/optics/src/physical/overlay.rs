@@ -83,10 +83,11 @@ impl Overlay {
         pattern: &Pattern,
         environment: &Environment,
         optics: &PhysicalOptics,
+        memory: Option<Self>,
     ) -> Self {
         let colors = Colors::of(environment, &optics.glass);
-        let layers = pattern.layers().iter();
-        let layers = layers.map(|layer| OverlayLayer::lit(layer, colors));
+        let layers = pattern.layers().iter().zip(layers_of(memory));
+        let layers = layers.map(|(layer, memory)| OverlayLayer::lit(layer, colors, memory));
         let frame = (pattern.size(), pattern.f_px());
         Self::of_layers(frame, environment, optics, layers.collect())
     }
@@ -300,6 +301,12 @@ impl Overlay {
         }
         maps
     }
+}
+
+/// The layers of an overlay that is no longer needed, for their memory, then empty ones.
+pub(super) fn layers_of(memory: Option<Overlay>) -> impl Iterator<Item = OverlayLayer> {
+    let known = memory.into_iter().flat_map(|overlay| overlay.layers);
+    known.chain(std::iter::repeat_with(OverlayLayer::default))
 }
 
 impl OverlayLayer {

@@ -208,7 +208,19 @@ impl Pattern {
     /// The pattern under the light of an environment, ready to be put over images.
     #[must_use]
     pub fn light(&self, environment: &Environment, optics: &PhysicalOptics) -> Overlay {
-        Overlay::new(self, environment, optics)
+        Overlay::new(self, environment, optics, None)
+    }
+
+    /// As [`Pattern::light`], in the memory of an overlay that is no longer needed: nothing is allocated where that was
+    /// of the same pattern.
+    #[must_use]
+    pub fn light_in(
+        &self,
+        memory: Overlay,
+        environment: &Environment,
+        optics: &PhysicalOptics,
+    ) -> Overlay {
+        Overlay::new(self, environment, optics, Some(memory))
     }
 
     /// Coverage of the frame by cracks, crushed glass and chips, as if all were in focus.

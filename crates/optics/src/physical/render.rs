@@ -93,7 +93,10 @@ impl Overlay {
     /// # Errors
     /// As [`Overlay::apply`], but for the kind of samples.
     pub fn check_size(&self, image: &DynamicImage) -> Result<(), OpticsError> {
-        let (width, height) = (image.width(), image.height());
+        self.check_size_of((image.width(), image.height()))
+    }
+
+    pub(super) fn check_size_of(&self, (width, height): (u32, u32)) -> Result<(), OpticsError> {
         if width == 0 || height == 0 {
             return Err(OpticsError::EmptyImage { width, height });
         }
@@ -229,7 +232,7 @@ impl Overlay {
         }
     }
 
-    fn noise(&self, seed: Seed) -> Option<Noise> {
+    pub(super) fn noise(&self, seed: Seed) -> Option<Noise> {
         let params = self.optics.noise?;
         (params.read > 0.0 || params.shot > 0.0).then_some(Noise { params, seed })
     }
@@ -254,10 +257,12 @@ impl OverlayLayer {
         let stride = Layout::<COLORS, EXTRA>::STRIDE;
         let height = samples.len() / (width * stride);
         // All of it before anything is changed: a place may lie anywhere in the frame.
-        let elsewhere = self.gather::<COLORS>((width, height), |at| {
-            let pixel = &samples[at * stride..][..COLORS];
+        let mut elsewhere = Vec::new();
+        let light = |x: usize, y: usize| {
+            let pixel = &samples[(y * width + x) * stride..][..COLORS];
             side_by_side(&std::array::from_fn::<_, COLORS, _>(|c| pixel[c].light()))
-        });
+        };
+        self.gather::<COLORS>((width, height), light, &mut elsewhere);
         pulp::Arch::new().dispatch(OverRuns::<S, COLORS, EXTRA> {
             layer: self,
             samples,
@@ -271,7 +276,9 @@ impl OverlayLayer {
     fn over_light<const COLORS: usize>(&self, light: &mut [f32], width: usize) {
         let height = light.len() / (width * COLORS);
         let pixels = light.as_chunks::<COLORS>().0;
-        let elsewhere = self.gather::<COLORS>((width, height), |at| side_by_side(&pixels[at]));
+        let mut elsewhere = Vec::new();
+        let light_at = |x: usize, y: usize| side_by_side(&pixels[y * width + x]);
+        self.gather::<COLORS>((width, height), light_at, &mut elsewhere);
         for run in &self.runs {
             let n = CHUNK.min(width - run.x);
             let first = (run.y * width + run.x) * COLORS;
@@ -373,7 +380,7 @@ impl Run {
     /// Light is looked up pixel by pixel, computed color by color, and looked up as codes pixel by
     /// pixel again.
     #[inline(always)]
-    fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
+    pub(super) fn over<S: Sample, const COLORS: usize, const EXTRA: usize>(
         &self,
         pixels: &mut [S],
         keep: [&[f32; CHUNK]; 3],
@@ -411,7 +418,7 @@ impl Run {
         }
     }
 
-    fn over_with_noise<S: Sample, const COLORS: usize, const EXTRA: usize>(
+    pub(super) fn over_with_noise<S: Sample, const COLORS: usize, const EXTRA: usize>(
         &self,
         pixels: &mut [S],
         (keep, other): Behind<'_, COLORS>,

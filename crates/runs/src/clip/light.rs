@@ -18,12 +18,13 @@ const CUT_FACTOR: f32 = 2.0;
 /// Luminance below which a change is noise: a step of an 8-bit image in linear light.
 const DARKEST: f32 = 1.0 / 255.0 / 12.92;
 
-/// The light of a clip, frame by frame.
+/// The light of a clip, frame by frame: the exponential mean of the frames' own lights with a time constant of a second,
+/// which is held until it has visibly changed, and at once that of a new scene. It knows nothing of later frames.
 #[derive(Debug)]
-pub(super) struct ClipLight {
+pub struct ClipLight {
     mode: Light,
-    /// Share of the way to a frame's own light that the mean goes.
-    share: f32,
+    /// What a frame lasts, s.
+    frame_s: f64,
     /// The first frame.
     first_idx: u64,
     mean: Option<Environment>,
@@ -34,12 +35,12 @@ pub(super) struct ClipLight {
 }
 
 impl ClipLight {
-    pub(super) fn new(mode: Light, frame_s: f64) -> Self {
-        #[expect(clippy::cast_possible_truncation, reason = "light as f32")]
-        let share = (-libm::expm1(-frame_s / FOLLOW_S)) as f32;
+    /// Of frames that last so long, s.
+    #[must_use]
+    pub fn new(mode: Light, frame_s: f64) -> Self {
         Self {
             mode,
-            share,
+            frame_s,
             first_idx: 0,
             mean: None,
             held: None,
@@ -59,15 +60,25 @@ impl ClipLight {
         self.mode == Light::Follow || frame_idx == self.first_idx
     }
 
+    /// Whether the light of a frame that is next is asked for.
+    pub(super) fn wants_more(&self) -> bool {
+        self.mode == Light::Follow || self.mean.is_none()
+    }
+
     /// The light for the crack in a frame, of which `own` is the estimate.
     ///
     /// It is the exponential mean of all estimates since the last cut up to this frame, and is held
     /// until the mean has visibly left it, so that it does not depend on how frames are grouped.
     pub(super) fn next(&mut self, own: Option<Environment>) -> Option<Environment> {
+        self.next_in(own, self.frame_s)
+    }
+
+    /// The light for the crack in a frame that comes so many seconds after the one before, of which `own` is the estimate.
+    pub fn next_in(&mut self, own: Option<Environment>, elapsed_s: f64) -> Option<Environment> {
         let is_cut = own.is_some_and(|own| self.is_cut(&own));
         let mean = match (self.mean, own) {
             (Some(_), Some(own)) if is_cut => Some(own),
-            (Some(mean), Some(own)) => Some(moved(&mean, &own, self.share)),
+            (Some(mean), Some(own)) => Some(moved(&mean, &own, share_after(elapsed_s))),
             (mean, own) => mean.or(own),
         };
         self.mean = mean;
@@ -92,9 +103,17 @@ impl ClipLight {
     }
 
     /// How many lights there were.
-    pub(super) fn n_lights(&self) -> u64 {
+    #[must_use]
+    pub fn n_lights(&self) -> u64 {
         self.n_changes
     }
+}
+
+/// Share of the way to a frame's own light that the mean goes in so many seconds.
+fn share_after(elapsed_s: f64) -> f32 {
+    #[expect(clippy::cast_possible_truncation, reason = "light as f32")]
+    let share = (-libm::expm1(-elapsed_s / FOLLOW_S)) as f32;
+    share
 }
 
 fn colors(environment: &Environment) -> [Rgb; 6] {

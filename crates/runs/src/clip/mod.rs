@@ -5,6 +5,7 @@
 //! the scene. Beside the clip lies a track, which says for each frame what the glass is like.
 
 mod light;
+mod live;
 mod run;
 mod show;
 mod sink;
@@ -25,11 +26,12 @@ use starbreak_dataset::{
 };
 
 pub use crate::clip_error::ClipError;
+pub use light::ClipLight;
+pub use live::{LiveClip, LiveFrames, LiveRequest};
 pub use timeline::GlassState;
 pub use track::TRACK_SCHEMA;
 
 use crate::{Error, MAX_NETWORK_FILE_BYTES, Patterns, RunContext};
-use light::ClipLight;
 use run::{Finished, run};
 use show::Show;
 use sink::{Sink, Target};
@@ -171,14 +173,21 @@ impl ClipRequest {
                 output: output.clone(),
             }));
         }
-        if let Growth::Stretched { time_s } = self.growth
-            && !(time_s > 0.0 && time_s <= MAX_GROWTH_S)
-        {
-            return Err(Error::from(ClipError::GrowthTime {
-                growth_time_s: time_s,
-            }));
+        Ok(self.growth.check()?)
+    }
+}
+
+impl Growth {
+    /// Refuses a time that is none.
+    fn check(self) -> Result<(), ClipError> {
+        match self {
+            Self::Stretched { time_s } if !(time_s > 0.0 && time_s <= MAX_GROWTH_S) => {
+                Err(ClipError::GrowthTime {
+                    growth_time_s: time_s,
+                })
+            }
+            _ => Ok(()),
         }
-        Ok(())
     }
 }
 

@@ -7,6 +7,7 @@
 mod deposits;
 mod layer;
 mod lit;
+mod live;
 mod origin;
 mod report;
 mod sense;
@@ -19,7 +20,7 @@ use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::Environment;
 use starbreak_optics::screens::Screen;
 use starbreak_seed::Seed;
-use starbreak_sensor::{FrameState, Frames, Moment};
+use starbreak_sensor::Moment;
 
 use crate::photo::PlacedPhoto;
 use crate::{
@@ -32,8 +33,11 @@ pub use layer::PaneLayer;
 use layer::{OnPane, deposit_of};
 use lit::Glass;
 pub use lit::{CLASSES, Lit};
+pub use live::{KeptFrame, Live};
 use origin::{Cracks, Origin};
-pub use report::{OpticsReport, SceneReport, Shown, damage_to_json, region_fraction};
+pub use report::{
+    OpticsReport, SceneReport, Shown, damage_to_json, environment_to_json, region_fraction,
+};
 use sense::Behind;
 
 /// Broken glass before one camera, ready to be put over any image of its size.
@@ -426,66 +430,5 @@ impl Chain {
     /// [`Chain::layer_under`].
     pub fn over(&self, image: &mut DynamicImage, at: impl Into<Moment>) -> Result<(), Error> {
         self.under(self.light_of(image).as_ref())?.over(image, at)
-    }
-
-    /// Puts the glass over an image as [`Chain::over`] does, and says what that did to it and to boxes
-    /// in it, `[x₀, y₀, x₁, y₁]` in px.
-    ///
-    /// # Errors
-    /// As for [`Chain::over`].
-    pub fn over_and_report(
-        &self,
-        image: &mut DynamicImage,
-        seed: Seed,
-        boxes_px: &[[f64; 4]],
-        watch: &mut Stopwatch,
-    ) -> Result<Shown, Error> {
-        let light = self.light_of(image);
-        let lit = self.under(light.as_ref())?;
-        if light.is_some() {
-            watch.lap("light");
-        }
-        let before = lit.before(image);
-        watch.lap("copy");
-        let regions = lit.over_region(image, seed.into(), watch)?;
-        let contrast = before.contrast(image, regions.all())?;
-        watch.lap("contrast");
-        let reader = lit.damage_reader((&before, image), &regions);
-        let damage = boxes_px.iter().map(|at| reader.in_box(*at)).collect();
-        if !boxes_px.is_empty() {
-            watch.lap("damage");
-        }
-        let maps = (self.settings.output.maps).then(|| lit.maps()).flatten();
-        let mut region = regions.into_all();
-        let faults = self.settings.faults.as_ref();
-        let frames = faults.and_then(|faults| faults.sensor.get::<Frames>());
-        let arrival = frames.map(|frames| frames.of_picture(seed));
-        // A frame that is blank is opaque.
-        if self.settings.output.classes && !arrival.is_some_and(FrameState::is_blank) {
-            lit.classify(&mut region);
-        }
-        Ok(Shown {
-            arrival,
-            region_fraction: region_fraction(&region),
-            optics: OpticsReport {
-                contrast,
-                scene: self.scene_report(light),
-            },
-            region,
-            damage,
-            maps,
-        })
-    }
-
-    /// Lens and light of a picture, by the physical optics.
-    fn scene_report(&self, light: Option<Environment>) -> Option<SceneReport> {
-        let (environment, f_px) = (light?, self.layer.f_px()?);
-        let [glass_disc_px, scene_disc_px] = Scene::of(&self.settings, self.size()).discs_px(f_px);
-        Some(SceneReport {
-            f_px,
-            glass_disc_px,
-            scene_disc_px,
-            environment,
-        })
     }
 }

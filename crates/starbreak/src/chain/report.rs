@@ -1,6 +1,6 @@
 //! What a chain says of what it did to an image.
 
-use image::GrayImage;
+use image::{DynamicImage, GrayImage};
 use serde_json::{Map, Value, json};
 use starbreak_deposit::{Area, Coat, Deposit, Rain};
 use starbreak_optics::environment::{Environment, Rgb};
@@ -9,9 +9,10 @@ use starbreak_optics::physical::OpticalMaps;
 use starbreak_optics::screens::Screen;
 use starbreak_optics::{Contrast, Damage};
 use starbreak_seed::Seed;
-use starbreak_sensor::{Fault, FrameState, Pulse, Sensor};
+use starbreak_sensor::{Fault, FrameState, Frames, Pulse, Sensor};
 
-use crate::CameraFaults;
+use super::Chain;
+use crate::{CameraFaults, Error, Scene, Stopwatch};
 
 /// What the glass did to an image.
 #[derive(Debug, Clone)]
@@ -52,23 +53,106 @@ pub struct SceneReport {
     pub environment: Environment,
 }
 
+impl Chain {
+    /// Puts the glass over an image as [`Chain::over`] does, and says what that did to it and to boxes
+    /// in it, `[x₀, y₀, x₁, y₁]` in px.
+    ///
+    /// # Errors
+    /// As for [`Chain::over`].
+    pub fn over_and_report(
+        &self,
+        image: &mut DynamicImage,
+        seed: Seed,
+        boxes_px: &[[f64; 4]],
+        watch: &mut Stopwatch,
+    ) -> Result<Shown, Error> {
+        let light = self.light_of(image);
+        self.over_and_report_under(light, image, seed, boxes_px, watch)
+    }
+
+    /// The same under a light that is given, which the physical optics need.
+    ///
+    /// # Errors
+    /// As for [`Chain::over`].
+    pub fn over_and_report_under(
+        &self,
+        light: Option<Environment>,
+        image: &mut DynamicImage,
+        seed: Seed,
+        boxes_px: &[[f64; 4]],
+        watch: &mut Stopwatch,
+    ) -> Result<Shown, Error> {
+        let lit = self.under(light.as_ref())?;
+        if light.is_some() {
+            watch.lap("light");
+        }
+        let before = lit.before(image);
+        watch.lap("copy");
+        let regions = lit.over_region(image, seed.into(), watch)?;
+        let contrast = before.contrast(image, regions.all())?;
+        watch.lap("contrast");
+        let reader = lit.damage_reader((&before, image), &regions);
+        let damage = boxes_px.iter().map(|at| reader.in_box(*at)).collect();
+        if !boxes_px.is_empty() {
+            watch.lap("damage");
+        }
+        let maps = (self.settings.output.maps).then(|| lit.maps()).flatten();
+        let mut region = regions.into_all();
+        let faults = self.settings.faults.as_ref();
+        let frames = faults.and_then(|faults| faults.sensor.get::<Frames>());
+        let arrival = frames.map(|frames| frames.of_picture(seed));
+        // A frame that is blank is opaque.
+        if self.settings.output.classes && !arrival.is_some_and(FrameState::is_blank) {
+            lit.classify(&mut region);
+        }
+        Ok(Shown {
+            arrival,
+            region_fraction: region_fraction(&region),
+            optics: OpticsReport {
+                contrast,
+                scene: self.scene_report(light),
+            },
+            region,
+            damage,
+            maps,
+        })
+    }
+
+    /// Lens and light of a picture, by the physical optics.
+    fn scene_report(&self, light: Option<Environment>) -> Option<SceneReport> {
+        let (environment, f_px) = (light?, self.layer.f_px()?);
+        let [glass_disc_px, scene_disc_px] = Scene::of(&self.settings, self.size()).discs_px(f_px);
+        Some(SceneReport {
+            f_px,
+            glass_disc_px,
+            scene_disc_px,
+            environment,
+        })
+    }
+}
+
 impl OpticsReport {
     /// `{contrast: {…}, environment: {…}}`, the second by the physical optics.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let mut report = json!({ "contrast": contrast(&self.contrast) });
         if let Some(scene) = &self.scene {
-            let light = &scene.environment;
-            report["environment"] = json!({
-                "sky_horizon": rgb(light.horizon_rgb),
-                "sky_zenith": rgb(light.zenith_rgb),
-                "ground": rgb(light.ground_rgb),
-                "cabin": [rgb(light.cabin_low_rgb), rgb(light.cabin_high_rgb)],
-                "sun_irradiance": rgb(light.sun_rgb),
-            });
+            report["environment"] = environment_to_json(&scene.environment);
         }
         report
     }
+}
+
+/// A light as a record has it: `{sky_horizon, sky_zenith, ground, cabin, sun_irradiance}`, linear, 1 is white.
+#[must_use]
+pub fn environment_to_json(light: &Environment) -> Value {
+    json!({
+        "sky_horizon": rgb(light.horizon_rgb),
+        "sky_zenith": rgb(light.zenith_rgb),
+        "ground": rgb(light.ground_rgb),
+        "cabin": [rgb(light.cabin_low_rgb), rgb(light.cabin_high_rgb)],
+        "sun_irradiance": rgb(light.sun_rgb),
+    })
 }
 
 fn contrast(contrast: &Contrast) -> Value {

@@ -181,7 +181,7 @@ impl PackedPattern {
     ) -> Result<OverlayLayer, OpticsError> {
         let mut runs = self.runs::<LANES>(&layer.light)?;
         let mut tints = self.runs::<3>(&layer.tint)?;
-        let mut lighting = Lighting::new(*colors, runs.n_left());
+        let mut lighting = Lighting::new(*colors, runs.n_left(), OverlayLayer::default());
         let (mut lanes, mut colors) = ([[0.0; CHUNK]; LANES], [[0.0; CHUNK]; 3]);
         while let Some(run) = runs.next(reader)? {
             let BlockRun { at, present, .. } = run;
