@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use starbreak_runs::bag::ImpactAt;
 
-use super::video::LightWord;
+use super::video::{GrowthArgs, LightWord};
 
 /// Flags of `starbreak bag`.
 #[derive(Debug, Args)]
@@ -24,18 +24,8 @@ pub(crate) struct BagArgs {
     /// seconds; earlier images stay unchanged
     #[arg(long, value_name = "S|@STAMP", default_value = "0", value_parser = parse_impact, allow_hyphen_values = true)]
     pub(crate) impact_at: ImpactAt,
-    /// Let the cracks grow after the impact at their physical speed, which is mostly less than
-    /// one image
-    #[arg(long)]
-    pub(crate) grow: bool,
-    /// Slow the growth down to this many seconds from the first to the last arrival of a crack
-    #[arg(
-        long,
-        value_name = "S",
-        requires = "grow",
-        allow_negative_numbers = true
-    )]
-    pub(crate) growth_time: Option<f64>,
+    #[command(flatten)]
+    pub(crate) growth: GrowthArgs,
     /// Add to each camera TOPIC/starbreak/region, a mask of affected pixels for each image, and
     /// TOPIC/starbreak/track, a line of JSON on the state of its glass
     #[arg(long)]

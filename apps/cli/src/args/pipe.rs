@@ -7,7 +7,7 @@ use starbreak::optics::Channels;
 
 use super::overlay::OverlayArgs;
 use super::parse_size;
-use super::video::LightWord;
+use super::video::{GrowthArgs, LightWord};
 
 /// Flags of `starbreak pipe`.
 #[derive(Debug, Args)]
@@ -46,18 +46,8 @@ pub(crate) struct PipeArgs {
         allow_negative_numbers = true
     )]
     pub(crate) impact_at: f64,
-    /// Let the crack grow after the impact at its physical speed, which is mostly less than one
-    /// frame
-    #[arg(long)]
-    pub(crate) grow: bool,
-    /// Slow the growth down to this many seconds from the first to the last arrival of a crack
-    #[arg(
-        long,
-        value_name = "S",
-        requires = "grow",
-        allow_negative_numbers = true
-    )]
-    pub(crate) growth_time: Option<f64>,
+    #[command(flatten)]
+    pub(crate) growth: GrowthArgs,
     /// Take a crack from a bank made by `starbreak patterns`, chosen by the seed, with the
     /// bank's recipe; only output.… and faults of the camera can then be set
     #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera"])]

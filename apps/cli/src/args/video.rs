@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use starbreak_runs::clip::{Growth, Light};
 
 use super::overlay::OverlayArgs;
 
@@ -24,18 +25,8 @@ pub(crate) struct VideoArgs {
         allow_negative_numbers = true
     )]
     pub(crate) impact_at: f64,
-    /// Let the crack grow after the impact at its physical speed, which is mostly less than one
-    /// frame
-    #[arg(long)]
-    pub(crate) grow: bool,
-    /// Slow the growth down to this many seconds from the first to the last arrival of a crack
-    #[arg(
-        long,
-        value_name = "S",
-        requires = "grow",
-        allow_negative_numbers = true
-    )]
-    pub(crate) growth_time: Option<f64>,
+    #[command(flatten)]
+    pub(crate) growth: GrowthArgs,
     /// New or empty folder for a region mask and a crack mask of each frame
     #[arg(long, value_name = "DIR")]
     pub(crate) masks: Option<PathBuf>,
@@ -67,6 +58,34 @@ pub(crate) struct VideoArgs {
     pub(crate) reader: FfmpegArgs,
 }
 
+/// How cracks grow.
+#[derive(Debug, Args)]
+pub(crate) struct GrowthArgs {
+    /// Let the cracks grow after the impact at their physical speed, which is mostly less than
+    /// one frame
+    #[arg(long)]
+    grow: bool,
+    /// Slow the growth down to this many seconds from the first to the last arrival of a crack
+    #[arg(
+        long,
+        value_name = "S",
+        requires = "grow",
+        allow_negative_numbers = true
+    )]
+    growth_time: Option<f64>,
+}
+
+impl GrowthArgs {
+    /// What is asked for.
+    pub(crate) fn growth(&self) -> Growth {
+        match (self.grow, self.growth_time) {
+            (false, _) => Growth::Whole,
+            (true, None) => Growth::OwnSpeed,
+            (true, Some(time_s)) => Growth::Stretched { time_s },
+        }
+    }
+}
+
 /// What reads and writes clips.
 #[derive(Debug, Args)]
 pub(crate) struct FfmpegArgs {
@@ -87,4 +106,14 @@ pub(crate) enum LightWord {
     First,
     /// The mean of about the last second
     Follow,
+}
+
+impl LightWord {
+    /// What it says.
+    pub(crate) fn light(self) -> Light {
+        match self {
+            Self::First => Light::First,
+            Self::Follow => Light::Follow,
+        }
+    }
 }

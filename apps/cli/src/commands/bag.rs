@@ -6,12 +6,10 @@ use std::time::Instant;
 use serde_json::{Value, json};
 use starbreak::{Recipe, presets};
 use starbreak_runs::bag::{Added, Bag, BagReport, BagRequest, CameraReport, CameraRequest};
-use starbreak_runs::clip::{Growth, Light};
 use starbreak_runs::{RunContext, with_threads};
 
 use crate::args::Global;
 use crate::args::bag::BagArgs;
-use crate::args::video::LightWord;
 use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
@@ -80,15 +78,8 @@ fn request_of(global: &Global, args: &BagArgs) -> Result<BagRequest, Failure> {
         cameras,
         all,
         impact_at: args.impact_at,
-        growth: match (args.grow, args.growth_time) {
-            (false, _) => Growth::Whole,
-            (true, None) => Growth::OwnSpeed,
-            (true, Some(time_s)) => Growth::Stretched { time_s },
-        },
-        light: match args.light {
-            LightWord::First => Light::First,
-            LightWord::Follow => Light::Follow,
-        },
+        growth: args.growth.growth(),
+        light: args.light.light(),
         added: masks.into_iter().flatten().chain(control).collect(),
         replaces: global.replace,
     })

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use starbreak::optics::FrameMut;
 use starbreak_dataset::video::Fraction;
 use starbreak_dataset::{DatasetError, ImageLimits};
-use starbreak_runs::clip::{GlassState, Growth, Light, LiveClip, LiveFrames, LiveRequest};
+use starbreak_runs::clip::{GlassState, LiveClip, LiveFrames, LiveRequest};
 use starbreak_runs::{Patterns, RunContext};
 
 use super::generate::{patterns, recipe_of_bank};
@@ -17,7 +17,6 @@ use super::latencies::Latencies;
 use super::simulate::{radius_hint, why_no_damage};
 use crate::args::Global;
 use crate::args::pipe::{LateWord, PipeArgs};
-use crate::args::video::LightWord;
 use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::Screen;
@@ -143,15 +142,8 @@ fn request_of(args: &PipeArgs, rate: Fraction) -> LiveRequest {
         size_px: args.size,
         rate,
         impact_at_s: args.impact_at,
-        growth: match (args.grow, args.growth_time) {
-            (false, _) => Growth::Whole,
-            (true, None) => Growth::OwnSpeed,
-            (true, Some(time_s)) => Growth::Stretched { time_s },
-        },
-        light: match args.light {
-            LightWord::First => Light::First,
-            LightWord::Follow => Light::Follow,
-        },
+        growth: args.growth.growth(),
+        light: args.light.light(),
     }
 }
 

@@ -4,13 +4,13 @@ use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 use starbreak_dataset::DatasetError;
-use starbreak_runs::clip::{Clip, ClipReport, ClipRequest, Growth, Light};
+use starbreak_runs::clip::{Clip, ClipReport, ClipRequest};
 use starbreak_runs::{Patterns, RunContext, with_threads};
 
 use super::generate::{patterns, recipe_of_bank};
 use super::simulate::{radius_hint, why_no_damage};
 use crate::args::Global;
-use crate::args::video::{LightWord, VideoArgs};
+use crate::args::video::VideoArgs;
 use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
@@ -93,18 +93,11 @@ fn request_of(args: &VideoArgs) -> Result<ClipRequest, Failure> {
         input: args.input.clone(),
         output: args.output.clone(),
         impact_at_s: args.impact_at,
-        growth: match (args.grow, args.growth_time) {
-            (false, _) => Growth::Whole,
-            (true, None) => Growth::OwnSpeed,
-            (true, Some(time_s)) => Growth::Stretched { time_s },
-        },
+        growth: args.growth.growth(),
         masks: args.masks.clone(),
         fps: fps.map_err(|error| Failure::from(DatasetError::Video(error)))?,
         is_lossless: args.lossless,
-        light: match args.light {
-            LightWord::First => Light::First,
-            LightWord::Follow => Light::Follow,
-        },
+        light: args.light.light(),
         ffmpeg: args.reader.ffmpeg.clone(),
     })
 }
