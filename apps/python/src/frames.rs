@@ -280,6 +280,8 @@ fn over_pixels(
     (size, mut channels): ((u32, u32), Channels),
     seed: Seed,
 ) -> Result<(), Error> {
+    // Before anything is written.
+    worker.live.check_size(size)?;
     // Colors in the other order, as `bgr[..., ::-1]` has them.
     let is_turned = to.strides()[2] == -1 && channels.n_samples() == 3;
     let has_rows = {

@@ -131,8 +131,12 @@ impl LightFilter {
         let own = environment
             .map(|given| environment_of(&given))
             .transpose()?;
-        let mut filter = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        python_light(py, filter.next_in(own, elapsed.0).as_ref())
+        // Free before Python runs again: another thread may wait for it.
+        let light = {
+            let mut filter = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            filter.next_in(own, elapsed.0)
+        };
+        python_light(py, light.as_ref())
     }
 
     /// How many lights there were: each new one is computed once for all affected pixels.

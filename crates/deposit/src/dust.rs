@@ -41,10 +41,10 @@ const FORWARDS: f64 = 0.8;
 /// Angle by which grains turn it, rad. FIT.
 const TURNED_RAD: f64 = 0.35;
 
-/// What grains absorb of red, green and blue over what they absorb of green: the imaginary part of the refractive index of
-/// mineral dust, which falls by 0.55 from 370 to 520 nm and by 0.45 from there to 950 nm \[DiBiagio2019\], over the
-/// wavelength, at 610, 550 and 450 nm. It is why dust is ochre.
-const ABSORBS: [f64; 3] = [0.78, 1.0, 1.75];
+/// What grains absorb of red, green and blue over what they absorb of green, at 610, 550 and 450 nm: the imaginary part of
+/// the refractive index of mineral dust, which falls to 0.55 of itself from 370 to 520 nm and to 0.45 from there to
+/// 950 nm \[DiBiagio2019\], as powers of the wavelength, over the wavelength. It is why dust is ochre.
+const ABSORBS: [f64; 3] = [0.79, 1.0, 1.70];
 
 /// Grains of more than a size on a square meter.
 fn n_per_m2(level_um: f64, size_um: f64) -> f64 {
@@ -126,11 +126,7 @@ impl Dust {
         let small = (all - covered_by(level_um, from_um).0).max(0.0);
         DustyPane {
             albedo: self.albedo,
-            // Where all is absorbed there is no color.
-            rgb: ABSORBS.map(|times| match self.albedo > 0.0 {
-                true => libm::pow(self.albedo, times - 1.0),
-                false => 1.0,
-            }),
+            rgb: ABSORBS.map(|times| libm::pow(self.albedo.max(1e-6), times - 1.0)),
             large,
             small,
             field,

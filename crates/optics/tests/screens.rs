@@ -404,3 +404,33 @@ fn it_reaches_where_it_is() {
         all.mean_covered()
     );
 }
+
+/// Frames whose last cells are cut off by their border, with a lamp there.
+#[test]
+fn no_streak_makes_light_at_the_border() {
+    let size = (601, 402);
+    let optic = Optic {
+        size: (601, 402),
+        ..OPTIC
+    };
+    let camera = Camera {
+        f_px: 300.0,
+        distance_m: 0.1,
+        rake_rad: 0.0,
+        axis_at_mm: [0.0; 2],
+    };
+    let scratches = Coat::Scratches(Scratches {
+        haze: 0.4,
+        wiped: 1.0,
+        pivot_mm: [-150.0, 300.0],
+    });
+    let coating = scratches.on_pane(&AREA, 0.3, Seed(1));
+    let screen = Screen::of(&*coating, &View::through(&camera, size).unwrap(), &optic);
+    for at in [(600, 200), (300, 401), (600, 401), (300, 200)] {
+        let mut light = vec![0.0_f32; 601 * 402];
+        light[at.1 * 601 + at.0] = 1e4;
+        over(&screen, &mut light, 1, &even(0.0));
+        let all = light.iter().map(|it| f64::from(*it)).sum::<f64>() / 1e4;
+        assert!((0.6..1.001).contains(&all), "{all} of a lamp at {at:?}");
+    }
+}

@@ -86,10 +86,11 @@ pub(crate) fn run(global: &Global, args: &PipeArgs, screen: &Screen) -> Result<u
         ))),
         End::Truncated { n_came } => Err(Failure::wrong_input(format!(
             "standard input ended within frame {}: {n_came} of its {n_bytes} bytes came, {} are missing, after {} whole \
-             frames, which are written; compare --size {}x{} and --pixels {} with what is sent",
+             frames, of which {} are written; compare --size {}x{} and --pixels {} with what is sent",
             told.n_read,
             n_bytes - n_came,
             told.n_read,
+            told.n_written,
             args.size.0,
             args.size.1,
             args.pixels.name(),

@@ -92,14 +92,17 @@ class Listening:
             own = crack.estimate_environment(pixels, channels="bgra")
             if own is not None:
                 crack.set_environment(self._filter.next(own, elapsed_s))
-        elif self._light == "first" and self.n_frames == 0:
-            crack.set_environment(crack.estimate_environment(pixels, channels="bgra"))
+        elif self.n_frames == 0:
+            first = crack.estimate_environment(pixels, channels="bgra") if self._light == "first" else None
+            crack.set_environment(first)
         # The simulator's view ends with the call, and is read-only: one pass to memory of the image's own.
         array = np.empty((height, width, 4), np.uint8)
         frame = int(image.frame)
         crack.over(pixels, item_seed(self._seed, self._name, frame), out=array, channels="bgra")
         array.flags.writeable = False
         cracked = Image(frame, float(image.timestamp), image.transform, width, height, float(image.fov), array)
+        # Nothing of ours holds on to the simulator's memory, not even a traceback of the callback.
+        del pixels
         self._latencies_s.append(time.perf_counter() - began_s)
         self.n_frames += 1
         self._callback(cracked)
@@ -120,7 +123,7 @@ def listen(
     sensor: a `carla.Sensor` of the type `sensor.camera.rgb`.
     callback: gets an `Image` for each `carla.Image`, in the simulator's thread.
     glass: a recipe, which gets the camera's focal length (`recipe_for`), or a `ReadyCrack` of the camera's
-    size; default `windshield-spiderweb`.
+    size, which no other sensor may share, since its light is set; default `windshield-spiderweb`.
     seed, name: determine everything random; give each camera its own name.
     light: "follow": the mean light of about the last second of simulated time, without flicker
     (`LightFilter`); "first": that of the first image; "own": that of each image.
@@ -170,6 +173,8 @@ def recipe_for(
     >>> round(recipe.to_dict()["camera"]["f_px"], 1)
     727.1
     """
+    if weather is not None and transform is None:
+        raise ValueError("weather without transform; expected the camera's transform, for the sun stands in the world")
     if not 0.0 < fov_deg < 180.0:
         raise ValueError(f"fov_deg = {fov_deg}; expected more than 0 and less than 180 degrees")
     if isinstance(recipe, dict):

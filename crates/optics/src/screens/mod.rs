@@ -407,7 +407,7 @@ impl LitScreen<'_> {
                 *light = std::array::from_fn(|c| tint[c] * light[c]);
             }
         }
-        let streaks = (screen.streaks.as_ref()).map(|it| it.over(&mut pyramid));
+        let streaks = (screen.streaks.as_ref()).map(|it| it.over(&mut pyramid, screen.size));
         if let Some(moved) = &screen.moved {
             moved.over::<COLORS>(light, screen.size);
         }

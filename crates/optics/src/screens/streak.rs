@@ -15,8 +15,8 @@ const BROAD_PX: u32 = 8;
 const PIECES: u32 = 8;
 const LEVELS: usize = 5;
 
-/// Light above which a cell is a lamp, of which its own streak is drawn.
-const LAMP: f32 = 1.0;
+/// Light above which a cell is a lamp, of which its own streak is drawn: brighter than what is only clipped.
+const LAMP: f32 = 2.0;
 
 /// Where grooves lie before a frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,14 +74,22 @@ impl Streaks {
     pub(super) fn over<const COLORS: usize>(
         &self,
         pyramid: &mut Pyramid<'_, COLORS>,
+        (width, height): (usize, usize),
     ) -> Cells<COLORS> {
         let mut rest = pyramid.no_wider(f64::from(CELL_PX));
+        let (columns, per_cell) = (rest.size.0, rest.per_cell as usize);
+        // Of a cell that the frame cuts off: what it has of its light is what it has of its area.
+        let part_of = |cell: usize| {
+            let [x, y] = [cell % columns, cell / columns].map(|k| k * per_cell);
+            let px = per_cell.min(width - x) * per_cell.min(height - y);
+            to_f32(px) / to_f32(per_cell * per_cell)
+        };
         let mut streaks = rest.clone();
         let mut lamps = Vec::new();
         for (cell, light) in rest.values_mut().enumerate() {
             let more = light.map(|value| (value - LAMP).max(0.0));
             if more.iter().any(|value| *value > 0.0) {
-                lamps.push((cell, more));
+                lamps.push((cell, more.map(|value| part_of(cell) * value)));
                 *light = light.map(|value| value.min(LAMP));
             }
         }

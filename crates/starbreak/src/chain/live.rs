@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use image::DynamicImage;
-use starbreak_optics::FrameMut;
+use starbreak_optics::{FrameMut, OpticsError};
 use starbreak_optics::environment::Environment;
 use starbreak_optics::physical::{Gathered, Overlay};
 use starbreak_sensor::Moment;
@@ -154,6 +154,24 @@ impl Live {
             overlay: None,
             kept: KeptFrame::default(),
         }
+    }
+
+    /// Refuses a frame of another size than the chain's, px.
+    ///
+    /// # Errors
+    /// [`Error::Optics`] with both sizes.
+    pub fn check_size(&self, (width, height): (u32, u32)) -> Result<(), Error> {
+        let (own_width, own_height) = self.chain.size();
+        if (width, height) == (own_width, own_height) {
+            return Ok(());
+        }
+        Err(OpticsError::SizeMismatch {
+            width,
+            height,
+            drawn_width: own_width as usize,
+            drawn_height: own_height as usize,
+        }
+        .into())
     }
 
     /// Puts all further frames under one light, or each under its own again. The paper's optics know no light.
