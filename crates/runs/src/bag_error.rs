@@ -231,13 +231,26 @@ pub enum MessageFault {
         /// Bytes of all rows.
         most: u64,
     },
-    /// A compressed image that is neither JPEG nor PNG.
-    #[error("format {format:?}: {reason}; expected JPEG or PNG")]
+    /// A compressed image that is neither JPEG nor PNG, or no picture of 8 bits per channel.
+    #[error("format {format:?}: {reason}; expected JPEG or PNG of 8 bits per channel")]
     Format {
         /// What the message says.
         format: String,
         /// Why not.
         reason: &'static str,
+    },
+    /// Images of more sizes than a topic of a camera has.
+    #[error(
+        "{width} x {height} px, after images of {n_most} other sizes; each size has a pane in memory, and one topic has \
+         at most {n_most}"
+    )]
+    Sizes {
+        /// Width, px.
+        width: u32,
+        /// Height, px.
+        height: u32,
+        /// The most.
+        n_most: usize,
     },
     /// Data that are no image, or one that cannot be written again.
     #[error("{0}")]

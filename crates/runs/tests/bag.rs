@@ -7,9 +7,11 @@ use std::fs;
 use std::sync::atomic::AtomicBool;
 
 use bag_file::suite;
-use bag_file::{Content, Folder, Kept, MASKS, data_at, drive, nothing, packings, small};
+use bag_file::{
+    Content, Folder, IMAGE, Kept, MASKS, context, data_at, drive, nothing, packings, silent, small,
+};
 use mcap::WriteOptions;
-use starbreak_runs::bag::{BagRequest, ImpactAt};
+use starbreak_runs::bag::{Added, BagRequest, ImpactAt};
 use starbreak_runs::clip::Growth;
 
 #[test]
@@ -64,6 +66,75 @@ fn bags_with_every_choice_of_the_conformance_suite_stay_as_they_are() {
     }
     // As many as the suite has, some of which are without meaning.
     assert!(n_bags >= 416, "{n_bags} bags");
+}
+
+#[test]
+fn topics_that_stand_in_the_summary_alone_stay() {
+    for (name, options) in packings().into_iter().take(4) {
+        let bag = drive(options.emit_summary_offsets(false), 2);
+        let bag = silent(&bag, 40, "/late/image_raw", IMAGE);
+        let bag = silent(&bag, 41, "/tf", "tf2_msgs/msg/TFMessage");
+        let before = Content::of(&bag);
+        assert_eq!(before.topic(41), "/tf", "{name}");
+        let folder = Folder::with(&bag);
+        let report = folder.run(folder.request(nothing()), 1).unwrap();
+        assert_eq!(folder.output().without_provenance(), before, "{name}");
+        let n: Vec<_> = report.cameras.iter().map(|it| it.n_frames).collect();
+        assert_eq!(n, [2, 0, 2, 2, 2], "{name}");
+        // It may be named, too, and has its topics of masks then.
+        let request = BagRequest {
+            added: MASKS.to_vec(),
+            ..folder.request_of("/late/image_raw", small(3))
+        };
+        let report = folder.run(request, 1).unwrap();
+        assert_eq!(report.cameras[0].n_frames, 0, "{name}");
+        let after = folder.output().without_provenance();
+        assert_eq!(after.records, before.records, "{name}");
+        let region = Added::Region.topic("/late/image_raw");
+        assert!(
+            after.channels.values().any(|it| it.0 == region),
+            "{name}: no channel of masks"
+        );
+        fs::remove_file(folder.at("out.mcap")).unwrap();
+        let refusal = folder.refusal(folder.request_of("/tf", small(3)));
+        assert!(
+            refusal.contains("topic /tf is tf2_msgs/msg/TFMessage in cdr: it holds no images"),
+            "{name}: {refusal}"
+        );
+    }
+}
+
+#[test]
+fn what_an_earlier_run_added_is_no_camera() {
+    let folder = Folder::with(&drive(WriteOptions::new(), 2));
+    let request = BagRequest {
+        added: Added::ALL.to_vec(),
+        ..folder.request(small(3))
+    };
+    folder.run(request, 1).unwrap();
+    let first = fs::read(folder.at("out.mcap")).unwrap();
+    let before = Content::of(&first);
+    // With a summary and without.
+    for bag in [&first[..], &first[..first.len() - 20]] {
+        let folder = Folder::with(bag);
+        let report = folder.run(folder.request(small(4)), 1).unwrap();
+        assert_eq!(report.cameras.len(), 4, "{report:?}");
+        let after = folder.output();
+        for camera in &report.cameras {
+            assert_eq!(camera.n_altered, 2, "{camera:?}");
+            for added in Added::ALL {
+                let topic = added.topic(&camera.topic);
+                assert_eq!(after.messages(&topic), before.messages(&topic), "{topic}");
+            }
+        }
+    }
+    let folder = Folder::with(&first);
+    let region = Added::Region.topic("/front/image_raw");
+    let refusal = folder.refusal(folder.request_of(&region, small(4)));
+    assert!(
+        refusal.contains("an earlier run of starbreak added it"),
+        "{refusal}"
+    );
 }
 
 #[test]
@@ -142,6 +213,36 @@ fn the_bytes_do_not_depend_on_the_number_of_threads() {
         outputs[0] == outputs[1] && outputs[0] == outputs[2],
         "other bytes"
     );
+}
+
+#[test]
+fn masks_do_not_depend_on_the_number_of_threads_where_deposits_age() {
+    let folder = Folder::with(&drive(WriteOptions::new(), 9));
+    let dewy = context(
+        "windshield-star",
+        &[
+            "fracture.mesh=fast",
+            "condensation.age_s=20.0",
+            "condensation.growth_um_s=0.5",
+            "dust.coverage_percent=2.0",
+        ],
+        1,
+    );
+    let mut outputs = Vec::new();
+    for n_threads in [1, 8] {
+        let request = BagRequest {
+            added: MASKS.to_vec(),
+            impact_at: ImpactAt::AfterFirst(0.5),
+            ..folder.request_of("/front/image_raw", dewy.clone())
+        };
+        folder.run(request, n_threads).unwrap();
+        outputs.push(folder.output());
+    }
+    for topic in MASKS.map(|it| it.topic("/front/image_raw")) {
+        let [few, many] = [0, 1].map(|k: usize| outputs[k].messages(&topic));
+        assert_eq!(few.len(), 9, "{topic}");
+        assert!(few == many, "{topic}: other bytes");
+    }
 }
 
 #[test]

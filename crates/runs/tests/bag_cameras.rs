@@ -322,6 +322,13 @@ fn masks_and_tracks_lie_right_behind_the_image_with_its_times() {
         }
     }
     assert_eq!(n_ours, 2 * 9, "added messages");
+    let topics = after.channels.values().map(|it| it.0.as_str());
+    let controls: Vec<&str> = topics.filter(|it| it.ends_with("/control")).collect();
+    assert_eq!(
+        controls,
+        ["/left/compressed/starbreak/control"],
+        "of JPEG alone"
+    );
     assert!(messages.next().is_none(), "more messages");
     // What was written has these topics already.
     fs::copy(folder.at("out.mcap"), folder.at("in.mcap")).unwrap();
@@ -376,4 +383,89 @@ fn images_of_several_sizes_have_a_pane_each() {
         (data(4), data(5)),
         "the same pane again"
     );
+}
+
+#[test]
+fn a_topic_of_more_sizes_than_panes_are_kept_of_is_refused() {
+    let mut bag = BagFile::new(WriteOptions::new());
+    let id = bag.topic("/a", IMAGE);
+    for k in 0..17 {
+        let (width, time) = (WIDTH - 8 + k, u64::from(k) * 1000);
+        let data = vec![100; (width * HEIGHT) as usize];
+        let head = Cdr::new(false)
+            .header(time, "camera")
+            .u32(HEIGHT)
+            .u32(width);
+        let message = head.text("mono8").u8(0).u32(width).data(&data).bytes;
+        bag.message(id, time, &message);
+    }
+    let folder = Folder::with(&bag.finish());
+    let refusal = folder.refusal(folder.request(small(3)));
+    let expected = "topic /a, message 16: 56 x 32 px, after images of 16 other sizes";
+    assert!(refusal.starts_with(expected), "{refusal}");
+}
+
+#[test]
+fn cameras_without_images_are_reported_with_none() {
+    let time = 1_700_000_000_000_000_000;
+    let bag = |n_images: u64| {
+        let mut bag = BagFile::new(WriteOptions::new().chunk_size(Some(4000)));
+        let imu = bag.topic("/imu", "sensor_msgs/msg/Imu");
+        bag.message(imu, time, &[1, 2, 3]);
+        let front = bag.topic("/front", IMAGE);
+        for k in 0..n_images {
+            bag.message(front, time + k, &raw(false, time + k, "rgb8", 0));
+        }
+        // Long after the first messages.
+        let _ = bag.topic("/rear", IMAGE);
+        bag.message(imu, time + 100, &[4, 5, 6]);
+        bag.finish()
+    };
+    for n_images in [0, 20] {
+        let folder = Folder::with(&bag(n_images));
+        let report = folder.run(folder.request(small(3)), 1).unwrap();
+        let n: Vec<_> = (report.cameras.iter())
+            .map(|it| (it.topic.as_str(), it.n_frames))
+            .collect();
+        assert_eq!(n, [("/front", n_images), ("/rear", 0)], "all");
+        let request = BagRequest {
+            added: MASKS.to_vec(),
+            ..folder.request_of("/rear", small(3))
+        };
+        let report = folder.run(request, 1).unwrap();
+        assert_eq!(report.cameras[0].n_frames, 0, "{report:?}");
+        let n_messages = folder.output().messages("/front").len() as u64;
+        assert_eq!(n_messages, n_images, "the others stay");
+    }
+}
+
+#[test]
+fn images_stamped_before_the_hit_keep_their_bytes_wherever_they_come() {
+    let time = 1_700_000_000_000_000_000;
+    let mut bag = BagFile::new(WriteOptions::new());
+    let id = bag.topic("/a", IMAGE);
+    // The third was taken before the first.
+    let stamps = [0, 100, -200, 200].map(|it: i64| time + it * 1_000_000);
+    for stamp in stamps.map(i64::cast_unsigned) {
+        bag.message(id, stamp, &raw(false, stamp, "rgb8", 0));
+    }
+    let bag = bag.finish();
+    let before = Content::of(&bag).messages("/a");
+    let folder = Folder::with(&bag);
+    for impact_at in [
+        ImpactAt::AfterFirst(0.0),
+        ImpactAt::Stamp(time - 100_000_000),
+    ] {
+        let request = BagRequest {
+            impact_at,
+            ..folder.request(small(3))
+        };
+        let report = folder.run(request, 1).unwrap();
+        assert_eq!(report.cameras[0].n_altered, 3, "{impact_at:?}: {report:?}");
+        let after = folder.output().messages("/a");
+        let is_altered: Vec<bool> = (before.iter().zip(&after))
+            .map(|(old, new)| old != new)
+            .collect();
+        assert_eq!(is_altered, [true, true, false, true], "{impact_at:?}");
+    }
 }

@@ -4,10 +4,11 @@
 mod bag_file;
 
 use std::fs;
+use std::io::{Seek, SeekFrom, Write};
 
 use bag_file::{
     BagFile, COMPRESSED, Cdr, Content, Folder, HEIGHT, IMAGE, Kept, WIDTH, compressed, context,
-    drive, file, nothing, packings, raw, rows, small,
+    drive, file, nothing, packings, places, raw, rows, small,
 };
 use mcap::WriteOptions;
 use starbreak_runs::bag::{Added, BagRequest, CameraRequest, ImpactAt};
@@ -86,6 +87,64 @@ fn a_chunk_that_is_broken_ends_the_bag_before_it() {
 }
 
 #[test]
+fn a_length_that_is_broken_ends_the_bag_before_it() {
+    let bag = drive(WriteOptions::new().use_chunks(false), 2);
+    let whole = Content::of(&bag).records;
+    let mut messages = places(&bag).into_iter().filter(|(kind, _)| *kind == 0x05);
+    let (_, at) = messages.nth(7).unwrap();
+    let folder = Folder::with(&bag);
+    let path = folder.at("in.mcap");
+    let mut file = fs::OpenOptions::new().write(true).open(path).unwrap();
+    // So much that it is refused, and that still fits the file, which is a hole from there on.
+    file.seek(SeekFrom::Start(at as u64 + 1)).unwrap();
+    file.write_all(&(2_u64 << 30).to_le_bytes()).unwrap();
+    file.set_len(3 << 30).unwrap();
+    drop(file);
+    let report = folder.run(folder.request(nothing()), 1).unwrap();
+    let damage = report.damage.unwrap();
+    assert_eq!(damage.at_byte, at as u64, "{damage:?}");
+    assert!(damage.reason.contains("has 2147483648 bytes"), "{damage:?}");
+    let records = folder.output().without_provenance().records;
+    assert_eq!(report.n_messages, 7, "messages");
+    assert_eq!(records, whole[..records.len()], "those before");
+}
+
+#[test]
+fn a_name_of_a_compression_that_is_broken_ends_the_bag_before_it() {
+    let options = || {
+        let options = WriteOptions::new().chunk_size(Some(4000));
+        options.compression(Some(mcap::Compression::Lz4))
+    };
+    let bag = drive(options(), 4);
+    let whole = Content::of(&bag).records;
+    let chunks: Vec<usize> = (places(&bag).into_iter())
+        .filter_map(|(kind, at)| (kind == 0x06).then_some(at))
+        .collect();
+    let broken = |at: usize| {
+        let mut broken = bag.clone();
+        let name = at + 9 + 28 + 4;
+        assert_eq!(&bag[name..name + 3], b"lz4", "where the name stands");
+        broken[name] ^= 1;
+        Folder::with(&broken)
+    };
+    let folder = broken(chunks[2]);
+    let report = folder.run(folder.request(nothing()), 1).unwrap();
+    let damage = report.damage.unwrap();
+    assert_eq!(damage.at_byte, chunks[2] as u64, "{damage:?}");
+    assert!(
+        damage.reason.contains("compressed by \"mz4\""),
+        "{damage:?}"
+    );
+    let records = folder.output().without_provenance().records;
+    assert!(!records.is_empty(), "none");
+    assert_eq!(records, whole[..records.len()], "those before");
+    // Nothing of a bag whose chunks are all compressed otherwise is read.
+    let folder = broken(chunks[0]);
+    let refusal = folder.refusal(folder.request(nothing()));
+    assert!(refusal.contains("compressed by \"mz4\""), "{refusal}");
+}
+
+#[test]
 fn other_files_are_refused_with_the_way_out() {
     for (bytes, expected) in [
         (
@@ -137,6 +196,47 @@ fn topics_that_are_not_damaged_are_named() {
                         other; decode it to images first; leave this topic out by naming the others with --topic";
         assert_eq!(message, expected, "a video");
     }
+    for schema in [
+        "foxglove_msgs/msg/RawImage",
+        "foxglove_msgs/msg/CompressedImage",
+        "foxglove.RawImage",
+    ] {
+        let folder = lone(schema, b"x");
+        let message = folder.refusal(folder.request(small(0)));
+        assert!(
+            message.contains("only messages of sensor_msgs are read"),
+            "{message}"
+        );
+    }
+    // Others of Foxglove are no pictures.
+    for schema in ["ImageAnnotations", "SceneUpdate", "Log"] {
+        let folder = lone(&format!("foxglove_msgs/msg/{schema}"), b"x");
+        let report = folder.run(folder.request(small(0)), 1).unwrap();
+        assert_eq!(report.cameras.len(), 1, "{schema}");
+    }
+    // Nor is a video hidden by a camera of its name.
+    for schemas in [
+        [IMAGE, "foxglove_msgs/msg/CompressedVideo"],
+        ["foxglove_msgs/msg/CompressedVideo", IMAGE],
+    ] {
+        let mut bag = BagFile::new(WriteOptions::new());
+        for schema in schemas {
+            let id = bag.topic("/cam", schema);
+            bag.message(id, TIME, &raw(false, TIME, "rgb8", 0));
+        }
+        let folder = Folder::with(&bag.finish());
+        for request in [
+            folder.request(small(0)),
+            folder.request_of("/cam", small(0)),
+        ] {
+            let message = folder.refusal(request);
+            assert!(
+                message.starts_with("topic /cam is foxglove_msgs/msg/CompressedVideo in cdr: "),
+                "{message}"
+            );
+        }
+    }
+    let folder = lone("foxglove_msgs/msg/CompressedVideo", b"x");
     // Another topic is damaged all the same.
     folder.run(folder.request_of("/good", small(0)), 1).unwrap();
     let folder = lone("sensor_msgs/msg/Imu", b"x");
@@ -194,7 +294,26 @@ fn encodings_that_are_not_damaged_are_named_with_their_topic() {
         let expected = format!("topic /cam, message 0: encoding {encoding:?}: {reason}");
         assert!(message.starts_with(&expected), "{message}");
     }
+    let deep = image::ImageBuffer::<image::Luma<u16>, _>::from_pixel(8, 8, image::Luma([999]));
+    let deep = starbreak_dataset::encode_image(
+        &image::DynamicImage::from(deep),
+        &starbreak_dataset::Encoding::Png,
+        None,
+    )
+    .unwrap();
     for (format, data, reason) in [
+        (
+            "16UC1; png compressed ",
+            deep.clone(),
+            "encoding \"16UC1\": more than 8 bits per channel",
+        ),
+        ("mono16; jpeg compressed ", file(true), "more than 8 bits"),
+        (
+            "bayer_rggb8; jpeg compressed ",
+            file(true),
+            "encoding \"bayer_rggb8\": a mosaic has one color per pixel",
+        ),
+        ("png", deep, "the data have more than 8 bits per channel"),
         (
             "32FC1; compressedDepth png",
             file(false),
@@ -208,6 +327,19 @@ fn encodings_that_are_not_damaged_are_named_with_their_topic() {
         let message = folder.refusal(folder.request(small(0)));
         let is_named = message.starts_with("topic /cam, message 0: ") && message.contains(reason);
         assert!(is_named, "{format}: {message}");
+    }
+    for format in [
+        "",
+        "jpeg",
+        "jpg",
+        "rgb8; jpeg compressed bgr8",
+        "mono8; jpeg compressed ",
+        "yuv422; jpeg compressed bgr8",
+        "rgb16; jpeg compressed bgr8",
+    ] {
+        let folder = lone(COMPRESSED, &compressed(false, TIME, format, &file(true)));
+        let report = folder.run(folder.request(small(0)), 1).unwrap();
+        assert_eq!(report.cameras[0].n_altered, 1, "{format}");
     }
 }
 

@@ -16,6 +16,9 @@ use crate::clip::stream::{Pane, Stream, StreamFrame, StreamParams, StreamShown};
 use crate::clip::{Growth, Light};
 use crate::{Error, RunContext};
 
+/// Most sizes of images on a topic. Each has a pane of its own, which stays in memory.
+const N_SIZES: usize = 16;
+
 /// A camera that is damaged.
 #[derive(Debug)]
 pub(super) struct Camera {
@@ -204,7 +207,7 @@ impl<'a> CameraRun<'a> {
         let first_idx = frames.first().map_or(0, |frame| frame.incoming.idx);
         let first_ns = self.camera.first_ns;
         let times: Vec<f64> = (frames.iter())
-            .map(|frame| seconds_between(first_ns, frame.message.stamp_ns()).max(0.0))
+            .map(|frame| seconds_between(first_ns, frame.message.stamp_ns()))
             .collect();
         let pixels = (frames.iter_mut().zip(&times)).map(|(frame, time_s)| {
             let pixels = &mut frame.picture.pixels;
@@ -230,6 +233,15 @@ impl<'a> CameraRun<'a> {
         let known = self.streams.iter().position(|(of, _)| *of == size);
         let idx = match known {
             Some(idx) => idx,
+            None if self.streams.len() >= N_SIZES => {
+                let (width, height) = size;
+                let fault = MessageFault::Sizes {
+                    width,
+                    height,
+                    n_most: N_SIZES,
+                };
+                return Err(self.camera.of_message(first_idx, fault));
+            }
             None => {
                 let Camera { context, .. } = self.camera;
                 let pane = Pane::of(&context.settings, size, self.camera.seed())?;

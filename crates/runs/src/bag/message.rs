@@ -87,20 +87,48 @@ impl RawPixels {
         let known = Self::ALL.into_iter().find(|one| one.name() == encoding);
         known.ok_or_else(|| MessageFault::Encoding {
             encoding: encoding.to_owned(),
-            reason: if encoding.starts_with("bayer_") {
-                "a mosaic has one color per pixel, and glass comes before it; demosaic it first, for example with \
-                 image_proc"
-            } else if encoding.starts_with("yuv") || encoding.starts_with("nv") {
-                "luma and chroma; convert it first, for example with image_proc"
-            } else if encoding.contains("16") || encoding.contains("32") || encoding.contains("64")
-            {
-                "more than 8 bits per channel, as depth has"
-            } else if encoding.starts_with("8U") {
-                "it does not say which channel is which color"
-            } else {
-                "not known"
+            reason: match Self::no_picture(encoding) {
+                Some(reason) => reason,
+                None if encoding.starts_with("8U") => {
+                    "it does not say which channel is which color"
+                }
+                None => "not known",
             },
         })
+    }
+
+    /// Why the pixels of an encoding are no picture of 8 bits, where it says that they are none.
+    fn no_picture(encoding: &str) -> Option<&'static str> {
+        if encoding.starts_with("bayer_") {
+            Some(
+                "a mosaic has one color per pixel, and glass comes before it; demosaic it first, for example with \
+                 image_proc",
+            )
+        } else if encoding.starts_with("yuv") || encoding.starts_with("nv") {
+            Some("luma and chroma; convert it first, for example with image_proc")
+        } else if ["16", "32", "64"].iter().any(|it| encoding.contains(it)) {
+            Some("more than 8 bits per channel, as depth has")
+        } else {
+            None
+        }
+    }
+
+    /// Refuses a compressed image whose `format` says that its pixels are no picture: `image_transport` writes
+    /// `ENCODING; jpeg compressed TARGET`, where `TARGET` is what colors were converted to, and nothing for pixels that
+    /// were compressed as they are.
+    fn check_format(format: &str) -> Result<(), MessageFault> {
+        let (encoding, packed) = format.split_once(';').unwrap_or((format, ""));
+        let (encoding, target) = match packed.split_once("compressed") {
+            Some((_, target)) if !target.trim().is_empty() => (encoding.trim(), target.trim()),
+            _ => (encoding.trim(), encoding.trim()),
+        };
+        match Self::no_picture(target) {
+            Some(reason) => Err(MessageFault::Encoding {
+                encoding: encoding.to_owned(),
+                reason,
+            }),
+            None => Ok(()),
+        }
     }
 }
 
@@ -141,6 +169,7 @@ impl CameraMessage {
                     let reason = "depth is no light";
                     return Err(MessageFault::Format { format, reason });
                 }
+                RawPixels::check_format(&format)?;
                 (Picture::Compressed { format }, data)
             }
         };
@@ -218,7 +247,8 @@ impl CameraMessage {
     /// The pixels of the message that this was read from.
     ///
     /// # Errors
-    /// [`MessageFault::Format`] and [`MessageFault::Image`] for a compressed image that is not JPEG or PNG, or broken.
+    /// [`MessageFault::Format`] and [`MessageFault::Image`] for a compressed image that is not JPEG or PNG, has
+    /// more than 8 bits per channel, or is broken.
     pub fn picture(
         &self,
         message: &[u8],
@@ -236,6 +266,13 @@ impl CameraMessage {
                     return Err(MessageFault::Format {
                         format: format.clone(),
                         reason: "the data are of another one",
+                    });
+                }
+                let color = file.pixels.color();
+                if color.bytes_per_pixel() > color.channel_count() {
+                    return Err(MessageFault::Format {
+                        format: format.clone(),
+                        reason: "the data have more than 8 bits per channel, as depth has",
                     });
                 }
                 let pixels = std::mem::replace(&mut file.pixels, DynamicImage::new_luma8(0, 0));

@@ -36,7 +36,7 @@ use provenance::provenance;
 use records::{Records, Unreadable};
 use run::{Finished, run};
 use survey::{Survey, SurveyFault};
-use topics::Content;
+use topics::{Content, camera_of};
 use write::BagWriter;
 
 /// Bytes that are read at once.
@@ -95,6 +95,9 @@ pub enum Added {
 }
 
 impl Added {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Region, Self::Track, Self::Control];
+
     /// The name of the topic of a camera.
     #[must_use]
     pub fn topic(self, camera: &str) -> String {
@@ -216,6 +219,7 @@ impl Bag {
             damage,
         } = finished;
         self.check_impact(&cameras)?;
+        writer.silent(&self.survey)?;
         writer.metadata(provenance(self, &cameras, damage.as_ref()))?;
         writer.finish()?;
         batch.commit()?;
@@ -284,7 +288,9 @@ fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> 
                 Growth::Whole
             },
             light: request.light,
-            added: request.added.clone(),
+            added: (request.added.iter().copied())
+                .filter(|added| *added != Added::Control || seen.is_jpeg)
+                .collect(),
         });
     }
     let breaks =
@@ -301,7 +307,10 @@ fn refuse_taken(request: &BagRequest, survey: &Survey) -> Result<(), BagError> {
         if *added == Added::Control && !survey.cameras.values().any(|seen| seen.is_jpeg) {
             return Err(BagError::NoJpeg);
         }
-        for camera in survey.cameras.keys() {
+        for (camera, seen) in &survey.cameras {
+            if *added == Added::Control && !seen.is_jpeg {
+                continue;
+            }
             let topic = added.topic(camera);
             if survey.has_topic(&topic) {
                 return Err(BagError::TopicTaken { topic });
@@ -315,6 +324,11 @@ fn refuse_taken(request: &BagRequest, survey: &Survey) -> Result<(), BagError> {
 fn not_a_camera(path: &Path, survey: &Survey, topic: &str) -> BagError {
     let all = survey.all_topics();
     match all.get(topic) {
+        Some(Content::Other) if camera_of(topic).is_some_and(|it| survey.has_topic(it)) => survey
+            .refusal(
+                topic,
+                "an earlier run of starbreak added it, and it is no camera",
+            ),
         Some(Content::Other) => survey.refusal(topic, "it holds no images"),
         _ => BagError::NoTopic {
             path: path.to_owned(),

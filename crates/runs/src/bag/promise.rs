@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 
-use mcap::records::{Record, op};
+use mcap::records::{Channel, Record, SchemaHeader, op};
 
 use super::records::{Unreadable, parsed, split};
 use super::topics::{Content, Topics};
@@ -18,6 +18,8 @@ const MAX_SUMMARY_BYTES: u64 = 1 << 28;
 #[derive(Debug)]
 pub(super) struct Promise {
     pub(super) topics: Topics,
+    pub(super) schemas: Vec<(SchemaHeader, Vec<u8>)>,
+    pub(super) channels: Vec<Channel>,
     n_messages: BTreeMap<u16, u64>,
 }
 
@@ -38,7 +40,8 @@ impl Promise {
     }
 }
 
-/// What a file promises; none where it has no summary or one that says less. What it says serves to stop looking and to count: nothing is left out because of it.
+/// What a file promises; none where it has no summary or one that says less. What it says serves to stop looking and to
+/// count, and channels that stand nowhere else are kept: nothing is left out because of it.
 pub(super) fn promise<R: Read + Seek>(from: &mut R) -> Result<Option<Promise>, Unreadable> {
     let n_bytes = from.seek(SeekFrom::End(0))?;
     let tail = (FOOTER_BYTES + mcap::MAGIC.len()) as u64;
@@ -68,6 +71,7 @@ pub(super) fn promise<R: Read + Seek>(from: &mut R) -> Result<Option<Promise>, U
 
 fn promised(mut summary: &[u8]) -> Option<Promise> {
     let mut topics = Topics::default();
+    let mut schemas = Vec::new();
     let mut channels = Vec::new();
     let mut statistics = None;
     while let Some((head, rest)) = summary.split_first_chunk() {
@@ -75,7 +79,10 @@ fn promised(mut summary: &[u8]) -> Option<Promise> {
         let (record, rest) = rest.split_at_checked(usize::try_from(length).ok()?)?;
         if matches!(opcode, op::SCHEMA | op::CHANNEL | op::STATISTICS) {
             match parsed(opcode, record).ok()? {
-                Record::Schema { header, .. } => topics.add_schema(header.id, &header.name),
+                Record::Schema { header, data } => {
+                    topics.add_schema(header.id, &header.name);
+                    schemas.push((header, data.into_owned()));
+                }
                 Record::Channel(channel) => channels.push(channel),
                 Record::Statistics(found) => statistics = Some(found),
                 _ => {}
@@ -86,7 +93,8 @@ fn promised(mut summary: &[u8]) -> Option<Promise> {
     let statistics = statistics?;
     // Schemas may come behind the channels that have them.
     let has_schema = |id| id == 0 || topics.has_schema(id);
-    if channels.len() as u64 != u64::from(statistics.channel_count)
+    // The writer of rosbag2 counts only channels with messages; those without stand in the summary alone.
+    if (channels.len() as u64) < u64::from(statistics.channel_count)
         || !channels.iter().all(|channel| has_schema(channel.schema_id))
     {
         return None;
@@ -96,6 +104,8 @@ fn promised(mut summary: &[u8]) -> Option<Promise> {
     }
     Some(Promise {
         topics,
+        schemas,
+        channels,
         n_messages: statistics.channel_message_counts,
     })
 }

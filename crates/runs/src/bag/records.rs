@@ -3,7 +3,7 @@
 //! [MCAP](https://mcap.dev/spec): magic bytes, then records of one byte (what), eight (how long) and content. Messages
 //! lie in the file itself, or in chunks, which may be compressed. Only one record and one chunk are in memory.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::io::{self, Read, Seek, SeekFrom};
 
 use mcap::records::{
@@ -42,6 +42,30 @@ pub(super) enum Event {
     },
     /// A chunk is at its end.
     ChunkEnd,
+}
+
+impl Event {
+    /// Bytes in memory.
+    pub(super) fn n_bytes(&self) -> usize {
+        let map = |map: &BTreeMap<String, String>| -> usize {
+            let texts = map.iter().map(|(key, value)| key.len() + value.len());
+            texts.sum::<usize>() + map.len() * size_of::<(String, String)>()
+        };
+        let owned = match self {
+            Self::Schema { header, data } => header.name.len() + header.encoding.len() + data.len(),
+            Self::Channel(channel) => {
+                let texts = channel.topic.len() + channel.message_encoding.len();
+                texts + map(&channel.metadata)
+            }
+            Self::Message { data, .. } | Self::Private { data, .. } => data.len(),
+            Self::Attachment { header, data } => {
+                header.name.len() + header.media_type.len() + data.len()
+            }
+            Self::Metadata(metadata) => metadata.name.len() + map(&metadata.metadata),
+            Self::ChunkEnd => 0,
+        };
+        size_of::<Self>() + owned
+    }
 }
 
 /// How messages are kept.
@@ -99,6 +123,8 @@ pub(super) struct Records<R> {
     packing: Option<Packing>,
     damage: Option<Damage>,
     is_at_end: bool,
+    /// Whether anything behind the header was read.
+    has_records: bool,
 }
 
 impl<R: Read + Seek> Records<R> {
@@ -122,6 +148,7 @@ impl<R: Read + Seek> Records<R> {
             packing: None,
             damage: None,
             is_at_end: false,
+            has_records: false,
         };
         if let Some(opcode) = records.next_record()? {
             match parsed(opcode, &records.record) {
@@ -176,6 +203,7 @@ impl<R: Read + Seek> Records<R> {
                     let event = event(opcode, &self.record, false);
                     match event {
                         Ok(Some(event)) => {
+                            self.has_records = true;
                             if matches!(event, Event::Message { .. }) && self.packing.is_none() {
                                 self.packing = Some(Packing::Bare);
                             }
@@ -191,8 +219,14 @@ impl<R: Read + Seek> Records<R> {
 
     /// The records of a chunk, all or none.
     fn unpack(&mut self, begin: u64) -> Result<(), Unreadable> {
-        match chunk(&self.record)? {
+        let read = match chunk(&self.record) {
+            // Its name may be broken, where others before it are known.
+            Err(Unreadable::Records(reason)) if self.packing.is_some() => Err(reason),
+            read => read?,
+        };
+        match read {
             Ok((squeezing, events)) => {
+                self.has_records = true;
                 self.packing.get_or_insert(Packing::Chunks(squeezing));
                 self.queue.extend(events);
                 self.queue.push_back(Event::ChunkEnd);
@@ -253,9 +287,14 @@ impl<R: Read + Seek> Records<R> {
             return Ok(None);
         }
         if length > MAX_RECORD_BYTES {
-            return Err(Unreadable::Records(format!(
+            let reason = format!(
                 "the record at byte {begin} has {length} bytes, more than the {MAX_RECORD_BYTES} that are read"
-            )));
+            );
+            if !self.has_records {
+                return Err(Unreadable::Records(reason));
+            }
+            self.end_at(begin, &reason);
+            return Ok(None);
         }
         self.record.clear();
         let read = (&mut self.from)
@@ -385,4 +424,45 @@ fn unpacked(header: &ChunkHeader, squeezing: Squeezing, data: &[u8]) -> Result<V
         return Err("a chunk has another checksum than its bytes".to_owned());
     }
     Ok(unpacked)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_event_counts_with_all_that_it_owns() {
+        let text = || "x".repeat(1000);
+        let metadata = BTreeMap::from([(text(), text())]);
+        let channel = Channel {
+            id: 1,
+            schema_id: 1,
+            topic: text(),
+            message_encoding: text(),
+            metadata: metadata.clone(),
+        };
+        let header = SchemaHeader {
+            id: 1,
+            name: text(),
+            encoding: text(),
+        };
+        let data = vec![0; 1000];
+        let name = text();
+        let private = Event::Private {
+            opcode: 0x91,
+            data: data.clone(),
+            is_in_chunk: false,
+        };
+        for (event, n_owned) in [
+            (Event::Schema { header, data }, 3000),
+            (Event::Channel(channel), 4000),
+            (Event::Metadata(Metadata { name, metadata }), 3000),
+            (private, 1000),
+            (Event::ChunkEnd, 0),
+        ] {
+            let least = n_owned + size_of::<Event>();
+            let n_bytes = event.n_bytes();
+            assert!((least..least + 100).contains(&n_bytes), "{n_bytes} bytes");
+        }
+    }
 }

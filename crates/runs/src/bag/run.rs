@@ -178,7 +178,7 @@ impl<'a> Reader<'a> {
                 .collect(),
             is_all: bag.request.all.is_some(),
             n_batch,
-            topics: Topics::default(),
+            topics: Topics::knowing(bag.survey.all_topics().into_keys()),
             n_frames: vec![0; bag.cameras.len()],
             n_messages: 0,
         }
@@ -221,10 +221,10 @@ impl<'a> Reader<'a> {
     }
 
     fn take(&mut self, event: Event, batch: &mut Batch) -> Result<(), BagError> {
+        batch.n_bytes += event.n_bytes();
         match event {
             Event::Message { header, data } => {
                 self.n_messages += 1;
-                batch.n_bytes += data.len();
                 let camera = self.topics.of(header.channel_id);
                 if let Some((topic, Content::Camera(kind))) = camera
                     && let Some(camera) = self.cameras.get(topic).copied()
@@ -247,18 +247,24 @@ impl<'a> Reader<'a> {
             Event::Schema { ref header, .. } => self.topics.add_schema(header.id, &header.name),
             Event::Channel(ref channel) => {
                 self.topics.add_channel(channel);
-                let is_camera = matches!(self.topics.of(channel.id), Some((_, Content::Camera(_))));
-                if self.is_all && is_camera && !self.cameras.contains_key(channel.topic.as_str()) {
+                let is_damaged = self.cameras.contains_key(channel.topic.as_str());
+                let is_unannounced = match self.topics.of(channel.id) {
+                    Some((_, Content::Camera(_))) => self.is_all && !is_damaged,
+                    // Such a channel was refused if it was known.
+                    Some((_, Content::Refused(_))) => self.is_all || is_damaged,
+                    _ => false,
+                };
+                if is_unannounced {
                     return Err(BagError::Unannounced {
                         path: self.path.to_owned(),
                         topic: channel.topic.clone(),
                     });
                 }
             }
-            Event::Attachment { ref data, .. } | Event::Private { ref data, .. } => {
-                batch.n_bytes += data.len();
-            }
-            Event::Metadata(_) | Event::ChunkEnd => {}
+            Event::Attachment { .. }
+            | Event::Private { .. }
+            | Event::Metadata(_)
+            | Event::ChunkEnd => {}
         }
         batch.events.push(Some(event));
         Ok(())

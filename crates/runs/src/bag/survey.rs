@@ -23,7 +23,7 @@ pub(super) struct Survey {
     topics: Topics,
     /// The cameras that were asked for, by topic.
     pub(super) cameras: BTreeMap<String, Seen>,
-    promise: Option<Promise>,
+    pub(super) promise: Option<Promise>,
 }
 
 /// A camera as it begins.
@@ -94,11 +94,20 @@ impl Survey {
         }
         from.seek(SeekFrom::Start(0))?;
         let mut records = Records::open(from)?;
+        let promised: BTreeMap<&str, Content> = (promise.iter())
+            .flat_map(|promise| promise.topics.all())
+            .collect();
+        // A camera may have no images, and then perhaps no channel in the data.
+        let cameras = promised.iter().filter(|(topic, content)| {
+            matches!(content, Content::Camera(_)) && is_asked_for(topic, names)
+        });
         let mut survey = Self {
             profile: records.profile().to_owned(),
             packing: Packing::Bare,
-            topics: Topics::default(),
-            cameras: BTreeMap::new(),
+            topics: Topics::knowing(promised.keys().copied()),
+            cameras: cameras
+                .map(|(topic, _)| ((*topic).to_owned(), Seen::default()))
+                .collect(),
             promise,
         };
         while let Some(event) = records.next_event()? {
@@ -108,6 +117,11 @@ impl Survey {
             }
         }
         survey.packing = records.packing().unwrap_or(Packing::Bare);
+        // What an earlier run added may stand before its camera.
+        let Self {
+            topics, cameras, ..
+        } = &mut survey;
+        cameras.retain(|topic, _| !topics.is_ours(topic));
         Ok(survey)
     }
 

@@ -1,7 +1,7 @@
 //! The bag that is written: records as they were, with their numbers, and the topics that are added.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufWriter, Seek, Write};
 use std::path::PathBuf;
 
@@ -11,6 +11,7 @@ use mcap::{Attachment, Compression, McapError, WriteOptions, Writer};
 use starbreak_dataset::DatasetError;
 
 use super::records::{Event, Packing, Squeezing};
+use super::survey::Survey;
 use super::{Added, Bag};
 use crate::Error;
 use crate::bag_error::BagError;
@@ -57,6 +58,8 @@ pub(super) struct BagWriter<W: Write + Seek> {
     schemas: BTreeMap<&'static str, u16>,
     /// Numbers that no channel and no schema of the bag has, the largest last.
     free: Vec<u16>,
+    /// Numbers of the channels and of the schemas that were written.
+    written: [BTreeSet<u16>; 2],
 }
 
 impl<W: Write + Seek> BagWriter<W> {
@@ -98,6 +101,7 @@ impl<W: Write + Seek> BagWriter<W> {
             channels: BTreeMap::new(),
             schemas: BTreeMap::new(),
             free,
+            written: Default::default(),
         })
     }
 
@@ -116,6 +120,27 @@ impl<W: Write + Seek> BagWriter<W> {
             },
         };
         written.map_err(|error| self.failed(error))
+    }
+
+    /// Schemas and channels that only the summary has: those of topics without messages, as rosbag2 writes them.
+    pub(super) fn silent(&mut self, survey: &Survey) -> Result<(), Error> {
+        let Some(promise) = &survey.promise else {
+            return Ok(());
+        };
+        for (header, data) in &promise.schemas {
+            if header.id != 0 && !self.written[1].contains(&header.id) {
+                self.write(Outgoing::Kept(Event::Schema {
+                    header: header.clone(),
+                    data: data.clone(),
+                }))?;
+            }
+        }
+        for channel in &promise.channels {
+            if !self.written[0].contains(&channel.id) {
+                self.write(Outgoing::Kept(Event::Channel(channel.clone())))?;
+            }
+        }
+        Ok(())
     }
 
     /// A metadata record behind everything so far.
@@ -144,9 +169,11 @@ impl<W: Write + Seek> BagWriter<W> {
             Event::Schema { header, data } => {
                 self.writer
                     .add_schema_with_id(header.id, &header.name, &header.encoding, &data)?;
+                self.written[1].insert(header.id);
             }
             Event::Channel(channel) => {
                 self.add(&channel, channel.id)?;
+                self.written[0].insert(channel.id);
                 self.add_ours(&channel)?;
             }
             Event::Message { header, data } => {

@@ -62,6 +62,9 @@ struct Plan<'a> {
     state: GlassState,
     grown: f64,
     light: Option<Environment>,
+    /// The light by which regions are told, as far as it was known then: the frames of a batch that come later do not
+    /// count.
+    onset_light: Option<Environment>,
     /// For still cracks.
     lit: Option<Arc<Lit<'a>>>,
 }
@@ -138,7 +141,8 @@ impl<'a> Show<'a> {
             frame: self.seed.of_item(self.name, frame.idx),
             clip: self.seed.of_item(self.name, 0),
             frame_idx: frame.idx,
-            time_s: frame.time_s,
+            // Clocks of what lies on the glass and of faults do not run backwards; the hit may come later.
+            time_s: frame.time_s.max(0.0),
         };
         // The light goes on, whatever arrives.
         let light = kept.light.next(own_light);
@@ -168,6 +172,7 @@ impl<'a> Show<'a> {
             state,
             grown,
             light,
+            onset_light: kept.onset_light,
             lit: lit.transpose()?,
         };
         // Before any good one the first frame is repeated, whatever it is.
@@ -203,7 +208,7 @@ impl<'a> Show<'a> {
         match self.chain.is_glass_intact() {
             true => {
                 self.has_deposit()
-                    || (self.faults()).is_some_and(|faults| !faults.at(time_s).is_empty())
+                    || (self.faults()).is_some_and(|faults| !faults.at(time_s.max(0.0)).is_empty())
             }
             false => self.timeline.at(time_s).0 != GlassState::Intact,
         }
@@ -247,7 +252,7 @@ impl<'a> Show<'a> {
     fn one(&self, kept: &Kept<'a>, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {
         let at = plan.at;
         if self.chain.ages() {
-            return self.one_of_its_age(kept, frame, plan);
+            return self.one_of_its_age(frame, plan);
         }
         match (plan.state, &plan.lit, &kept.still) {
             (GlassState::Still, Some(lit), Some(facts)) => {
@@ -282,12 +287,7 @@ impl<'a> Show<'a> {
     }
 
     /// The same where what lies on the glass changes from frame to frame.
-    fn one_of_its_age(
-        &self,
-        kept: &Kept<'a>,
-        mut frame: Frame,
-        plan: &Plan<'a>,
-    ) -> Result<Shown, Error> {
+    fn one_of_its_age(&self, mut frame: Frame, plan: &Plan<'a>) -> Result<Shown, Error> {
         let growth = match plan.state {
             GlassState::Intact => None,
             GlassState::Growing => Some(plan.grown),
@@ -303,10 +303,10 @@ impl<'a> Show<'a> {
             Some(time) => self.chain.crack_length_px(time)?,
             None => Some(0.0),
         };
-        let told = if plan.light == kept.onset_light {
+        let told = if plan.light == plan.onset_light {
             lit
         } else {
-            chain.under(kept.onset_light.as_ref())?
+            chain.under(plan.onset_light.as_ref())?
         };
         let facts = StageFacts::of(chain.layer(), &told, length_px, self.wanted())?;
         let on_glass = chain.facts().clone();

@@ -264,6 +264,43 @@ pub(crate) fn drive(options: WriteOptions, n_rounds: u64) -> Vec<u8> {
     bag.finish()
 }
 
+/// The kinds and places of the records of a bag that lie in the file itself.
+pub(crate) fn places(bag: &[u8]) -> Vec<(u8, usize)> {
+    let mut places = Vec::new();
+    let mut at = mcap::MAGIC.len();
+    while at + 9 < bag.len() {
+        places.push((bag[at], at));
+        let length = u64::from_le_bytes(bag[at + 1..at + 9].try_into().unwrap());
+        at += 9 + usize::try_from(length).unwrap();
+    }
+    places
+}
+
+/// A bag whose summary has one more channel that neither its data nor its statistics have, as the writer of rosbag2
+/// leaves topics without messages. The bag has no offsets in its summary.
+pub(crate) fn silent(bag: &[u8], id: u16, topic: &str, schema: &str) -> Vec<u8> {
+    let text = |text: &str| {
+        let length = u32::try_from(text.len()).unwrap();
+        [&length.to_le_bytes()[..], text.as_bytes()].concat()
+    };
+    let record = |opcode: u8, content: Vec<u8>| {
+        let length = content.len() as u64;
+        [&[opcode][..], &length.to_le_bytes(), &content].concat()
+    };
+    let id = id.to_le_bytes();
+    let schema = [&id[..], &text(schema), &text("ros2msg"), &text("# none")].concat();
+    let channel = [&id[..], &id, &text(topic), &text("cdr"), &text("")].concat();
+    let more = [record(0x03, schema), record(0x04, channel)].concat();
+    let footer = bag.len() - mcap::MAGIC.len() - 20;
+    let begin = u64::from_le_bytes(bag[footer..footer + 8].try_into().unwrap());
+    let begin = usize::try_from(begin).unwrap();
+    let mut bag = bag.to_vec();
+    // Without a checksum.
+    bag[footer + 16..footer + 20].fill(0);
+    bag.splice(begin..begin, more);
+    bag
+}
+
 /// What stands in a bag: records in their order, but those that say where others are; and its schemas and channels.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Content {
