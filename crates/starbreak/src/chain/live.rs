@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use image::DynamicImage;
-use starbreak_optics::{FrameMut, OpticsError};
 use starbreak_optics::environment::Environment;
 use starbreak_optics::physical::{Gathered, Overlay};
+use starbreak_optics::{FrameMut, OpticsError};
 use starbreak_sensor::Moment;
 
 use super::lit::{Glass, Lit};
