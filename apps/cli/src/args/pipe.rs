@@ -1,13 +1,10 @@
 //! `pipe` as it is typed.
 
-use std::path::PathBuf;
-
 use clap::{Args, ValueEnum};
 use starbreak::optics::Channels;
 
-use super::overlay::OverlayArgs;
 use super::parse_size;
-use super::video::{GrowthArgs, LightWord};
+use super::video::{DamageArgs, LightWord};
 
 /// Flags of `starbreak pipe`.
 #[derive(Debug, Args)]
@@ -38,31 +35,8 @@ pub(crate) struct PipeArgs {
     /// or photo's file the damage is the one that `video` and `crack` give that
     #[arg(long, value_name = "NAME", default_value = "pipe")]
     pub(crate) name: String,
-    /// Time of the impact, s after the first frame; earlier frames stay unchanged
-    #[arg(
-        long,
-        value_name = "S",
-        default_value_t = 0.0,
-        allow_negative_numbers = true
-    )]
-    pub(crate) impact_at: f64,
     #[command(flatten)]
-    pub(crate) growth: GrowthArgs,
-    /// Take a crack from a bank made by `starbreak patterns`, chosen by the seed, with the
-    /// bank's recipe; only output.… and faults of the camera can then be set
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera"])]
-    pub(crate) bank: Option<PathBuf>,
-    /// Use this crack network (JSON or SVG) instead of simulating one
-    #[arg(long, value_name = "FILE", conflicts_with = "bank")]
-    pub(crate) network: Option<PathBuf>,
-    /// Use this photo of broken glass (PNG or JPEG) instead of simulated cracks
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["network", "bank", "grow", "growth_time"])]
-    pub(crate) overlay: Option<PathBuf>,
-    /// Take a random part of the photo, by the seed, instead of all of it
-    #[arg(long, requires = "overlay")]
-    pub(crate) overlay_random: bool,
-    #[command(flatten)]
-    pub(crate) overlay_args: OverlayArgs,
+    pub(crate) damage: DamageArgs,
     /// Light around the camera: the mean of about the last second, or that of the first frame
     #[arg(long, value_enum, default_value_t = LightWord::Follow)]
     pub(crate) light: LightWord,

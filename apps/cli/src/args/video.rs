@@ -17,6 +17,27 @@ pub(crate) struct VideoArgs {
     /// folder. OUT.track.json and OUT.network.json are written beside it
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) damage: DamageArgs,
+    /// New or empty folder for a region mask and a crack mask of each frame
+    #[arg(long, value_name = "DIR")]
+    pub(crate) masks: Option<PathBuf>,
+    /// Frame rate of a folder of frames, e.g. 10, 29.97 or 30000/1001
+    #[arg(long, value_name = "N")]
+    pub(crate) fps: Option<String>,
+    /// Write FFV1 in .mkv: 8-bit RGB frames without further loss
+    #[arg(long)]
+    pub(crate) lossless: bool,
+    /// Light around the camera: the mean of about the last second, or that of the first frame
+    #[arg(long, value_enum, default_value_t = LightWord::Follow)]
+    pub(crate) light: LightWord,
+    #[command(flatten)]
+    pub(crate) reader: FfmpegArgs,
+}
+
+/// The damage of frames that follow each other, and its time.
+#[derive(Debug, Args)]
+pub(crate) struct DamageArgs {
     /// Time of the impact, s after the first frame; earlier frames stay unchanged
     #[arg(
         long,
@@ -27,9 +48,6 @@ pub(crate) struct VideoArgs {
     pub(crate) impact_at: f64,
     #[command(flatten)]
     pub(crate) growth: GrowthArgs,
-    /// New or empty folder for a region mask and a crack mask of each frame
-    #[arg(long, value_name = "DIR")]
-    pub(crate) masks: Option<PathBuf>,
     /// Take a crack from a bank made by `starbreak patterns`, chosen by the seed, with the
     /// bank's recipe; only output.… and faults of the camera can then be set
     #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera"])]
@@ -45,17 +63,6 @@ pub(crate) struct VideoArgs {
     pub(crate) overlay_random: bool,
     #[command(flatten)]
     pub(crate) overlay_args: OverlayArgs,
-    /// Frame rate of a folder of frames, e.g. 10, 29.97 or 30000/1001
-    #[arg(long, value_name = "N")]
-    pub(crate) fps: Option<String>,
-    /// Write FFV1 in .mkv: 8-bit RGB frames without further loss
-    #[arg(long)]
-    pub(crate) lossless: bool,
-    /// Light around the camera: the mean of about the last second, or that of the first frame
-    #[arg(long, value_enum, default_value_t = LightWord::Follow)]
-    pub(crate) light: LightWord,
-    #[command(flatten)]
-    pub(crate) reader: FfmpegArgs,
 }
 
 /// How cracks grow.

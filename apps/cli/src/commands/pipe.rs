@@ -12,9 +12,9 @@ use starbreak_dataset::{DatasetError, ImageLimits};
 use starbreak_runs::clip::{GlassState, LiveClip, LiveFrames, LiveRequest};
 use starbreak_runs::{Patterns, RunContext};
 
-use super::generate::{patterns, recipe_of_bank};
 use super::latencies::Latencies;
 use super::simulate::{radius_hint, why_no_damage};
+use super::video::damage_of;
 use crate::args::Global;
 use crate::args::pipe::{LateWord, PipeArgs};
 use crate::failure::{DONE, Failure};
@@ -35,19 +35,11 @@ pub(crate) fn run(global: &Global, args: &PipeArgs, screen: &Screen) -> Result<u
     let n_bytes = frame_bytes(args)?;
     let rate = args.fps.parse::<Fraction>();
     let rate = rate.map_err(|error| Failure::from(DatasetError::Video(error)))?;
-    let patterns = patterns(
-        args.overlay_args
-            .read_one(args.overlay.as_deref(), args.overlay_random, &[])?,
-        (args.bank.as_deref(), global.max_memory),
-        args.network.as_deref(),
-        &[],
-    )?;
-    let recipe = match &patterns {
-        Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
-        _ => global.recipe()?,
-    };
+    let (patterns, recipe) = damage_of(global, &args.damage, &[])?;
     let context = RunContext::new(&recipe, global.seed(), Path::new("-"))?;
-    args.overlay_args.refuse_idle_gain(&context.settings)?;
+    args.damage
+        .overlay_args
+        .refuse_idle_gain(&context.settings)?;
     let interrupt = Interrupt::listen(screen);
     let clip = LiveClip::open(request_of(args, rate), &context, &patterns)?;
     if matches!(patterns, Patterns::Fresh)
@@ -142,8 +134,8 @@ fn request_of(args: &PipeArgs, rate: Fraction) -> LiveRequest {
         name: args.name.clone(),
         size_px: args.size,
         rate,
-        impact_at_s: args.impact_at,
-        growth: args.growth.growth(),
+        impact_at_s: args.damage.impact_at,
+        growth: args.damage.growth.growth(),
         light: args.light.light(),
     }
 }

@@ -1,8 +1,10 @@
 //! `starbreak video`: a clip or a folder of frames to the same behind broken glass.
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
+use starbreak::Recipe;
 use starbreak_dataset::DatasetError;
 use starbreak_runs::clip::{Clip, ClipReport, ClipRequest};
 use starbreak_runs::{Patterns, RunContext, with_threads};
@@ -10,7 +12,7 @@ use starbreak_runs::{Patterns, RunContext, with_threads};
 use super::generate::{patterns, recipe_of_bank};
 use super::simulate::{radius_hint, why_no_damage};
 use crate::args::Global;
-use crate::args::video::VideoArgs;
+use crate::args::video::{DamageArgs, VideoArgs};
 use crate::failure::{DONE, Failure};
 use crate::interrupt::Interrupt;
 use crate::screen::{Screen, path_text};
@@ -19,20 +21,12 @@ pub(crate) fn run(global: &Global, args: VideoArgs, screen: &Screen) -> Result<u
     let request = request_of(&args)?;
     let outputs = [request.output.clone(), request.track(), request.network()];
     global.refuse_recipe_among(&outputs)?;
-    let patterns = patterns(
-        args.overlay_args
-            .read_one(args.overlay.as_deref(), args.overlay_random, &outputs)?,
-        (args.bank.as_deref(), global.max_memory),
-        args.network.as_deref(),
-        &outputs,
-    )?;
-    let recipe = match &patterns {
-        Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
-        _ => global.recipe()?,
-    };
+    let (patterns, recipe) = damage_of(global, &args.damage, &outputs)?;
     let mut context = RunContext::new(&recipe, global.seed(), &request.output)?;
     context.replaces = global.replace;
-    args.overlay_args.refuse_idle_gain(&context.settings)?;
+    args.damage
+        .overlay_args
+        .refuse_idle_gain(&context.settings)?;
     let interrupt = Interrupt::listen(screen);
     let clip = Clip::open(request.clone())?;
     if clip.has_rare_pixels() {
@@ -87,13 +81,33 @@ fn notes(clip: &Clip) -> Vec<String> {
     notes
 }
 
+/// What is put over the frames, and its recipe. None of the outputs is what that is read from.
+pub(super) fn damage_of(
+    global: &Global,
+    args: &DamageArgs,
+    outputs: &[PathBuf],
+) -> Result<(Patterns, Recipe), Failure> {
+    let patterns = patterns(
+        args.overlay_args
+            .read_one(args.overlay.as_deref(), args.overlay_random, outputs)?,
+        (args.bank.as_deref(), global.max_memory),
+        args.network.as_deref(),
+        outputs,
+    )?;
+    let recipe = match &patterns {
+        Patterns::Bank(bank) => recipe_of_bank(bank, global)?,
+        _ => global.recipe()?,
+    };
+    Ok((patterns, recipe))
+}
+
 fn request_of(args: &VideoArgs) -> Result<ClipRequest, Failure> {
     let fps = args.fps.as_deref().map(str::parse).transpose();
     Ok(ClipRequest {
         input: args.input.clone(),
         output: args.output.clone(),
-        impact_at_s: args.impact_at,
-        growth: args.growth.growth(),
+        impact_at_s: args.damage.impact_at,
+        growth: args.damage.growth.growth(),
         masks: args.masks.clone(),
         fps: fps.map_err(|error| Failure::from(DatasetError::Video(error)))?,
         is_lossless: args.lossless,
