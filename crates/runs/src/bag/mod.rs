@@ -9,6 +9,7 @@ mod cdr;
 mod message;
 mod promise;
 mod provenance;
+mod record;
 mod records;
 mod run;
 mod survey;

@@ -5,7 +5,8 @@ use std::io::{Read, Seek, SeekFrom};
 
 use mcap::records::{Channel, Record, SchemaHeader, op};
 
-use super::records::{Unreadable, parsed, split};
+use super::record::{parsed, split};
+use super::records::Unreadable;
 use super::topics::{Content, Topics};
 
 /// The footer: what it is, its length, two places and a checksum.

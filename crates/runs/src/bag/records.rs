@@ -9,13 +9,11 @@ use std::io::{self, Read, Seek, SeekFrom};
 use mcap::records::{
     AttachmentHeader, Channel, ChunkHeader, MessageHeader, Metadata, Record, SchemaHeader, op,
 };
-use starbreak_dataset::fence;
+
+use super::record::{HEAD, parsed, split};
 
 /// Longest record and longest chunk when it is unpacked, bytes: far above what recorders write (1 to 4 MB).
 pub(super) const MAX_RECORD_BYTES: u64 = 1 << 30;
-
-/// What a record begins with: one byte of its kind and eight of its length.
-const HEAD: usize = 9;
 
 /// What stands in a bag.
 #[derive(Debug)]
@@ -306,22 +304,6 @@ impl<R: Read + Seek> Records<R> {
             return Ok(None);
         }
         Ok(Some(opcode))
-    }
-}
-
-/// Kind and length of a record.
-pub(super) fn split(head: &[u8; HEAD]) -> (u8, u64) {
-    let [opcode, length @ ..] = *head;
-    (opcode, u64::from_le_bytes(length))
-}
-
-/// A record by its kind and its content; what no record is like is told.
-pub(super) fn parsed(opcode: u8, record: &[u8]) -> Result<Record<'_>, String> {
-    let broken = || format!("a record of kind {opcode:#04x} is broken");
-    // Its reader indexes what it has not measured.
-    match fence(|| mcap::parse_record(opcode, record)) {
-        Some(Ok(record)) => Ok(record),
-        Some(Err(_)) | None => Err(broken()),
     }
 }
 
