@@ -84,13 +84,11 @@ impl Frost {
         let mut ice = Ice {
             from_mm: area.from_mm,
             sides_mm,
-            arrives_mm: Raster::over(&tile, cell_mm, NEVER),
-            ridge: Raster::over(&tile, cell_mm, BETWEEN),
+            cells: Raster::over(&tile, cell_mm, Cell::BARE),
         };
         let most_mm = self.front_mm_s * self.age_s;
         if most_mm > 0.0 {
             Growing::over(self, &tile, seed).run(&mut ice, most_mm);
-            close_in(&mut ice.arrives_mm);
         }
         FrostedPane {
             thickness_mm: ice.thickness_mm(most_mm),
@@ -104,10 +102,23 @@ impl Frost {
 struct Ice {
     from_mm: [f64; 2],
     sides_mm: [f64; 2],
+    cells: Raster<Cell>,
+}
+
+/// Ice in a cell.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
     /// Way of the front when it comes, mm.
-    arrives_mm: Raster,
+    arrives_mm: f32,
     /// How much thicker it is than in the mean.
-    ridge: Raster,
+    ridge: f32,
+}
+
+impl Cell {
+    const BARE: Self = Self {
+        arrives_mm: NEVER,
+        ridge: BETWEEN,
+    };
 }
 
 /// Tips of ice on their way.
@@ -172,7 +183,7 @@ impl Growing {
 
     /// Lets all tips grow side by side until the front has gone a way.
     fn run(&mut self, ice: &mut Ice, most_mm: f64) {
-        let step_mm = 0.7 * ice.arrives_mm.cell_mm;
+        let step_mm = 0.7 * ice.cells.cell_mm;
         let mut way_mm = 0.0;
         while way_mm < most_mm {
             way_mm += step_mm;
@@ -189,20 +200,17 @@ impl Growing {
     fn grow(&mut self, k: usize, ice: &mut Ice, (way_mm, step_mm): (f64, f64)) {
         let tip = &mut self.tips[k];
         tip.owed_mm += step_mm * tip.speed;
-        if tip.owed_mm < 0.5 * ice.arrives_mm.cell_mm {
+        if tip.owed_mm < 0.5 * ice.cells.cell_mm {
             return;
         }
         let step_mm = std::mem::take(&mut tip.owed_mm);
         let (sin, cos) = libm::sincos(tip.angle);
         let is_clear = |ahead_mm: f64| {
             let ahead = [tip.at_mm[0] + ahead_mm * cos, tip.at_mm[1] + ahead_mm * sin];
-            let arrives = &ice.arrives_mm;
-            let there = arrives
-                .cell(ice.inside(ahead))
-                .map(|cell| arrives.values[cell]);
-            there.is_some_and(|arrived| arrived >= NEVER)
+            let there = ice.cells.cell(ice.inside(ahead));
+            there.is_some_and(|cell| ice.cells.values[cell].arrives_mm >= NEVER)
         };
-        let ahead_mm = HALF_WIDTHS_MM[tip.kind] + 1.5 * ice.arrives_mm.cell_mm;
+        let ahead_mm = HALF_WIDTHS_MM[tip.kind] + 1.5 * ice.cells.cell_mm;
         let is_young = way_mm - tip.from_mm < 2.0 * ahead_mm / tip.speed;
         if !is_young && !is_clear(ahead_mm) {
             tip.is_stopped = true;
@@ -242,24 +250,23 @@ impl Ice {
         inside(at_mm, self.from_mm, self.sides_mm)
     }
 
-    /// How thick it is when the front has gone a way, mm.
+    /// How thick it is when the front has gone a way and ice has closed in between branches, mm.
     fn thickness_mm(&self, front_mm: f64) -> Raster {
-        let mut thickness_mm = self.ridge.clone();
-        let cells = thickness_mm.values.iter_mut().zip(&self.arrives_mm.values);
-        for (ridge, arrives_mm) in cells {
-            #[expect(clippy::cast_possible_truncation, reason = "a length")]
-            let since_mm = (front_mm - f64::from(*arrives_mm)).max(0.0) as f32;
-            #[expect(clippy::cast_possible_truncation, reason = "a length")]
-            let per_ridge = THICKNESS_MM as f32;
-            *ridge *= per_ridge * since_mm.sqrt();
+        let mut thickness_mm = self.cells.map(|cell| cell.arrives_mm);
+        close_in(&mut thickness_mm);
+        #[expect(clippy::cast_possible_truncation, reason = "lengths")]
+        let (front_mm, per_ridge_mm) = (front_mm as f32, THICKNESS_MM as f32);
+        for (value, cell) in thickness_mm.values.iter_mut().zip(&self.cells.values) {
+            let since_mm = (front_mm - *value).max(0.0);
+            *value = cell.ridge * per_ridge_mm * since_mm.sqrt();
         }
         thickness_mm
     }
 
     /// Ice comes to the cells of a disc, where none is, on both sides of an edge of the tile.
     fn mark(&mut self, at_mm: [f64; 2], kind: usize, way_mm: f64) {
-        let radius_mm = HALF_WIDTHS_MM[kind].max(0.5 * self.arrives_mm.cell_mm);
-        let reach_mm = radius_mm + 0.5 * self.arrives_mm.cell_mm;
+        let radius_mm = HALF_WIDTHS_MM[kind].max(0.5 * self.cells.cell_mm);
+        let reach_mm = radius_mm + 0.5 * self.cells.cell_mm;
         let copies = [0, 1].map(|k| {
             let within = at_mm[k] - self.from_mm[k];
             let side = self.sides_mm[k];
@@ -280,28 +287,25 @@ impl Ice {
     }
 
     fn mark_disc(&mut self, at_mm: [f64; 2], (radius_mm, kind): (f64, usize), way_mm: f64) {
-        let [columns, rows] =
-            (self.arrives_mm).around(at_mm, radius_mm + 0.5 * self.arrives_mm.cell_mm);
-        let width = self.arrives_mm.size[0];
+        let [columns, rows] = (self.cells).around(at_mm, radius_mm + 0.5 * self.cells.cell_mm);
+        let width = self.cells.size[0];
         #[expect(clippy::cast_possible_truncation, reason = "a length")]
         let way = way_mm as f32;
         for y in rows {
             for x in columns.clone() {
-                let [mx, my] = self.arrives_mm.middle_mm(x, y);
+                let [mx, my] = self.cells.middle_mm(x, y);
                 // As far as the disc covers it.
                 let [dx, dy] = [mx - at_mm[0], my - at_mm[1]];
                 let away_mm = (dx * dx + dy * dy).sqrt();
-                let part = ((radius_mm - away_mm) / self.arrives_mm.cell_mm + 0.5).min(1.0);
+                let part = ((radius_mm - away_mm) / self.cells.cell_mm + 0.5).min(1.0);
                 if part > 0.0 {
-                    let cell = y * width + x;
+                    let cell = &mut self.cells.values[y * width + x];
                     if away_mm <= radius_mm {
-                        let arrives = &mut self.arrives_mm.values[cell];
-                        *arrives = arrives.min(way);
+                        cell.arrives_mm = cell.arrives_mm.min(way);
                     }
                     #[expect(clippy::cast_possible_truncation, reason = "a ratio")]
                     let higher = BETWEEN + (RIDGES[kind] - BETWEEN) * part as f32;
-                    let ridge = &mut self.ridge.values[cell];
-                    *ridge = ridge.max(higher);
+                    cell.ridge = cell.ridge.max(higher);
                 }
             }
         }
@@ -313,31 +317,36 @@ impl Ice {
 fn close_in(arrives_mm: &mut Raster) {
     let [width, height] = arrives_mm.size;
     #[expect(clippy::cast_possible_truncation, reason = "a length")]
-    let straight = (arrives_mm.cell_mm / SIDEWAYS) as f32;
-    let across = straight * std::f32::consts::SQRT_2;
-    let values = &mut arrives_mm.values;
-    let mut reach = |x: usize, y: usize, [left, right, above]: [usize; 3]| {
-        let at = y * width + x;
-        let first = values[at]
-            .min(values[y * width + left] + straight)
-            .min(values[above * width + x] + straight)
-            .min(values[above * width + left] + across)
-            .min(values[above * width + right] + across);
-        values[at] = first;
+    let straight_mm = (arrives_mm.cell_mm / SIDEWAYS) as f32;
+    let across_mm = straight_mm * std::f32::consts::SQRT_2;
+    let mut beside = vec![0.0; width + 2];
+    let mut sweep = |y: usize, before: usize, is_back: bool| {
+        // The row before, with what lies beyond its ends.
+        let row_of = |y: usize| y * width..(y + 1) * width;
+        beside[1..=width].copy_from_slice(&arrives_mm.values[row_of(before)]);
+        (beside[0], beside[width + 1]) = (beside[width], beside[1]);
+        let row = &mut arrives_mm.values[row_of(y)];
+        for (value, near) in row.iter_mut().zip(beside.windows(3)) {
+            let diagonal_mm = near[0].min(near[2]) + across_mm;
+            *value = value.min(near[1] + straight_mm).min(diagonal_mm);
+        }
+        let close = |last: f32, value: &mut f32| {
+            *value = value.min(last + straight_mm);
+            *value
+        };
+        if is_back {
+            let first = row[0];
+            row.iter_mut().rev().fold(first, close);
+        } else {
+            let last = row[width - 1];
+            row.iter_mut().fold(last, close);
+        }
     };
     for _ in 0..2 {
-        for y in 0..height {
-            let above = (y + height - 1) % height;
-            for x in 0..width {
-                reach(x, y, [(x + width - 1) % width, (x + 1) % width, above]);
-            }
-        }
-        for y in (0..height).rev() {
-            let below = (y + 1) % height;
-            for x in (0..width).rev() {
-                reach(x, y, [(x + 1) % width, (x + width - 1) % width, below]);
-            }
-        }
+        (0..height).for_each(|y| sweep(y, (y + height - 1) % height, false));
+        (0..height)
+            .rev()
+            .for_each(|y| sweep(y, (y + 1) % height, true));
     }
 }
 

@@ -81,6 +81,7 @@ impl Mud {
         )]
         let wanted = (self.coverage.clamp(0.0, 0.95) * thickness.values.len() as f64) as usize;
         let mut covered = 0;
+        let waves = wave_sizes();
         let sides = area.sides_mm();
         for k in 0..MOST_SPLATS {
             if covered >= wanted {
@@ -93,7 +94,7 @@ impl Mud {
             let middle_mm = [0, 1].map(|k| {
                 area.from_mm[k] + (sides[k] + 2.0 * radius_mm) * uniform(&mut rng) - radius_mm
             });
-            let splat = Splat::new(middle_mm, radius_mm, &mut rng);
+            let splat = Splat::new(middle_mm, radius_mm, (&waves, &mut rng));
             let thickness_mm = self.thickness_mm * libm::exp(THICKNESSES * normal(&mut rng));
             covered += splat.add(&mut thickness, thickness_mm);
             // Spray around it.
@@ -108,7 +109,7 @@ impl Mud {
                 let away = radius_mm * (1.1 - 1.2 * libm::log(1.0 - 0.95 * uniform(&mut rng)));
                 let at = [middle_mm[0] + away * cos, middle_mm[1] + away * sin];
                 let radius = radius_mm * 0.04 * (1.0 + 3.0 * uniform(&mut rng));
-                let drop = Splat::new(at, radius, &mut rng);
+                let drop = Splat::new(at, radius, (&waves, &mut rng));
                 covered += drop.add(&mut thickness, 0.4 * thickness_mm);
             }
         }
@@ -122,6 +123,15 @@ impl Mud {
 
 /// Waves around the outline of a splat.
 const N_LOBES: usize = 14;
+
+/// Standard deviations of the shares of these waves: 0.2/k^1.1 of that of k times around, from k = 2 on. FIT.
+fn wave_sizes() -> [f64; N_LOBES] {
+    let mut sizes = [0.0; N_LOBES];
+    for (order, size) in (2_u32..).zip(&mut sizes) {
+        *size = 0.2 / libm::pow(f64::from(order), 1.1);
+    }
+    sizes
+}
 
 /// Directions in which splats are longer: upwards, as wheels throw them, with a standard deviation, rad. FIT.
 const LEANS_RAD: f64 = 0.5;
@@ -138,12 +148,16 @@ struct Splat {
 }
 
 impl Splat {
-    fn new(middle_mm: [f64; 2], radius_mm: f64, rng: &mut ChaCha8Rng) -> Self {
+    fn new(
+        middle_mm: [f64; 2],
+        radius_mm: f64,
+        (waves, rng): (&[f64; N_LOBES], &mut ChaCha8Rng),
+    ) -> Self {
         let (sin, cos) = libm::sincos(0.25 * TAU + LEANS_RAD * normal(rng));
         let longer = 1.0 + 0.7 * uniform(rng) * uniform(rng);
         let mut lobes = [[0.0; 2]; N_LOBES];
-        for (order, lobe) in (2_u32..).zip(&mut lobes) {
-            let size = 0.2 * normal(rng) / libm::pow(f64::from(order), 1.1);
+        for (wave, lobe) in waves.iter().zip(&mut lobes) {
+            let size = wave * normal(rng);
             let (sin, cos) = libm::sincos(TAU * uniform(rng));
             *lobe = [size * cos, -size * sin];
         }

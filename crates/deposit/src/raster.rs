@@ -5,18 +5,18 @@ use crate::Area;
 /// Most cells of an area: larger ones are taken where there would be more.
 const MOST_CELLS: f64 = 4e6;
 
-/// Numbers in square cells of an area, in rows from the top.
+/// Values in square cells of an area, in rows from the top.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Raster {
+pub(crate) struct Raster<T = f32> {
     from_mm: [f64; 2],
     pub(crate) cell_mm: f64,
     pub(crate) size: [usize; 2],
-    pub(crate) values: Vec<f32>,
+    pub(crate) values: Vec<T>,
 }
 
-impl Raster {
+impl<T: Copy> Raster<T> {
     /// Of one value in cells of a width, mm, or wider ones where those would be too many.
-    pub(crate) fn over(area: &Area, cell_mm: f64, value: f32) -> Self {
+    pub(crate) fn over(area: &Area, cell_mm: f64, value: T) -> Self {
         let least_mm = (area.area_m2() * 1e6 / MOST_CELLS).sqrt();
         let cell_mm = cell_mm.max(least_mm).max(1e-3);
         let size = area.cells(cell_mm);
@@ -71,6 +71,18 @@ impl Raster {
         })
     }
 
+    /// A raster of a number for each cell.
+    pub(crate) fn map(&self, of: impl FnMut(&T) -> f32) -> Raster {
+        Raster {
+            from_mm: self.from_mm,
+            cell_mm: self.cell_mm,
+            size: self.size,
+            values: self.values.iter().map(of).collect(),
+        }
+    }
+}
+
+impl Raster {
     /// The value at a place, on straight lines between the middles of cells; beyond the area that of its border.
     #[expect(
         clippy::cast_possible_truncation,

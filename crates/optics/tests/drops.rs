@@ -35,6 +35,8 @@ struct Close {
     distance_m: f64,
     rake_deg: f64,
     rim_reflectance: f64,
+    /// Radius of the disc that a point of the pane becomes, px; the scene is sharp.
+    blur_px: f64,
 }
 
 impl Close {
@@ -52,12 +54,17 @@ impl Close {
             rake_rad: self.rake_deg.to_radians(),
             axis_at_mm: [0.0; 2],
         };
+        // On the pane, or so far beyond it that the pupil's image on it is its disc.
+        let (focus_m, focal_length_m, pupil_m) = match self.blur_px {
+            px if px > 0.0 => (1e6, 4e-3, 2.0 * px * self.distance_m / self.f_px),
+            _ => (self.distance_m, 1e-3, 1e-5),
+        };
         let optics = PhysicalOptics {
             lens: Lens {
-                focal_length_m: 1e-3,
-                f_number: 100.0,
-                focus_m: self.distance_m,
-                scene_m: self.distance_m,
+                focal_length_m,
+                f_number: focal_length_m / pupil_m,
+                focus_m,
+                scene_m: focus_m,
                 ..Lens::default()
             },
             glass: Glass {
@@ -125,6 +132,7 @@ fn a_drop_shows_the_scene_where_angles_say() {
         distance_m: 0.02,
         rake_deg: 0.0,
         rim_reflectance: 0.0,
+        blur_px: 0.0,
     };
     // Light that says where it is from.
     let scene = |x: f64, y: f64| [0.1 + 0.8 * x / 800.0, 0.1 + 0.8 * y / 600.0, 0.5];
@@ -166,6 +174,7 @@ fn the_rim_is_dark_from_where_it_reflects_totally() {
         distance_m: 1.0,
         rake_deg: 0.0,
         rim_reflectance: 0.0,
+        blur_px: 0.0,
     };
     for degrees in [55.0_f64, 60.0, 75.0, 89.0] {
         let shown = camera.behind(vec![cap(2.0, degrees)], &light(1.0, 0.0), |_, _| [1.0; 3]);
@@ -203,6 +212,7 @@ fn a_drop_loses_what_its_faces_reflect_and_not_what_bare_glass_has_lost() {
         distance_m: 1.0,
         rake_deg: 0.0,
         rim_reflectance: 0.0,
+        blur_px: 0.0,
     };
     let shown = camera.behind(vec![cap(2.0, 40.0)], &light(0.5, 0.0), |_, _| [0.5; 3]);
     let of_face = |n: f64| ((n - 1.0) / (n + 1.0)).powi(2);
@@ -220,6 +230,7 @@ fn drops_neither_make_nor_lose_light() {
             distance_m: 0.02,
             rake_deg,
             rim_reflectance: 1.0,
+            blur_px: 0.0,
         };
         let caps = (0..40).map(|k| {
             let [x, y] = [f64::from(k % 8), f64::from(k / 8)].map(|place| 3.1 * (place - 3.0));
@@ -236,5 +247,59 @@ fn drops_neither_make_nor_lose_light() {
             .map(|light| (light - 0.5).abs())
             .fold(0.0, f64::max);
         assert!(worst < 2e-3, "rake {rake_deg}, contact {degrees}: {worst}");
+    }
+}
+
+#[test]
+fn a_drop_out_of_focus_is_the_sharp_one_spread_by_the_disc() {
+    let camera = |blur_px: f64| Close {
+        size: (400, 300),
+        f_px: 240.0,
+        distance_m: 0.02,
+        rake_deg: 0.0,
+        rim_reflectance: 0.0,
+        blur_px,
+    };
+    // Of which a drop shows some fields.
+    let scene = |x: f64, y: f64| {
+        let is_light = ((x / 50.0).floor() + (y / 50.0).floor()) as i32 % 2 == 0;
+        [if is_light { 0.8 } else { 0.1 }; 3]
+    };
+    for (radius_mm, blur_px) in [(1.0, 12.0), (2.5, 12.0), (0.5, 12.0), (2.0, 4.0)] {
+        let caps = || vec![cap(radius_mm, 60.0)];
+        let sharp = camera(0.0).behind(caps(), &light(0.4, 0.1), scene);
+        let found = camera(blur_px).behind(caps(), &light(0.4, 0.1), scene);
+        let radius_px = radius_mm * 12.0;
+        let is_drop = |x: f64, y: f64| (x - 200.0).hypot(y - 150.0) < radius_px;
+        let (mut square, mut worst, mut n) = (0.0, 0.0_f64, 0.0);
+        for (x, y) in (150..250).flat_map(|x| (100..200).map(move |y| (x, y))) {
+            let (mut sum, mut all, mut shown) = (0.0, 0.0, 0.0);
+            let reach = blur_px.ceil() as i32;
+            for (dx, dy) in (-reach..=reach).flat_map(|dx| (-reach..=reach).map(move |dy| (dx, dy)))
+            {
+                if f64::from(dx).hypot(f64::from(dy)) <= blur_px {
+                    let at = [x + dx, y + dy];
+                    all += 1.0;
+                    if is_drop(f64::from(at[0]) + 0.5, f64::from(at[1]) + 0.5) {
+                        shown += 1.0;
+                        sum += sharp[(at[1] * 400 + at[0]) as usize][0];
+                    }
+                }
+            }
+            if shown > 0.0 {
+                let own = scene(f64::from(x) + 0.5, f64::from(y) + 0.5)[0];
+                let expected = (sum + (all - shown) * own) / all;
+                let off = (found[(y * 400 + x) as usize][0] - expected).abs();
+                square += off * off;
+                worst = worst.max(off);
+                n += 1.0;
+            }
+        }
+        let rms = f64::sqrt(square / n);
+        println!("radius {radius_mm} mm, blur {blur_px} px: rms {rms:.4}, at most {worst:.3}");
+        assert!(
+            rms < 0.07 && worst < 0.3,
+            "radius {radius_mm} mm, blur {blur_px} px: {rms}, {worst}"
+        );
     }
 }

@@ -10,7 +10,7 @@ use crate::{Error, FractureSettings, Mount, OpticsSettings, Settings};
 const MM_PER_M: f64 = 1e3;
 
 /// Beyond the frame, mm of the pane.
-const WET_MARGIN_MM: f64 = 10.0;
+const MARGIN_MM: f64 = 10.0;
 
 /// A windscreen about the optical axis.
 const WINDSCREEN: Area = Area {
@@ -92,9 +92,9 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The part of the pane that frames show, with what may reach into them, and from where drops may run into it; a pane
-    /// without a size is as large as a windscreen.
-    pub(crate) fn wet_area(&self, view: &View) -> Area {
+    /// The part of the pane that frames show and a margin, above it of the share `above` of its height; a pane without a
+    /// size is as large as a windscreen.
+    pub(crate) fn seen_area(&self, view: &View, above: f64) -> Area {
         let (width, height) = (f64::from(self.size_px.0), f64::from(self.size_px.1));
         let pane = match &self.settings.fracture {
             FractureSettings::Physics(physics) => Area {
@@ -126,9 +126,9 @@ impl<'a> Scene<'a> {
             }
         }
         let [wide, high] = seen.sides_mm();
-        // Discs out of focus reach into the frame, and drops run down from above.
-        let beyond_mm = [0.1 * wide, 0.1 * high].map(|part| part + WET_MARGIN_MM);
-        let above_mm = 0.4 * high + WET_MARGIN_MM;
+        // Discs out of focus reach into the frame.
+        let beyond_mm = [0.1 * wide, 0.1 * high].map(|part| part + MARGIN_MM);
+        let above_mm = above * high + MARGIN_MM;
         let [x, y] = seen.from_mm;
         let from_mm = [x - beyond_mm[0], y - above_mm];
         Area {

@@ -1,6 +1,6 @@
 //! Cells of a row, of which few are touched.
 
-/// What a grid cell holds of the facets of one row.
+/// What a grid cell of one row holds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cell<const L: usize> {
     pub(super) lanes: [f32; L],

@@ -1,16 +1,17 @@
-//! Facets of a frame, covered and blurred: the scattering half of the maps.
+//! Facets and drawn cells of a frame, blurred: the scattering half of the maps.
 //!
 //! Cracks are thin and their blur is wide, so each *covered* cell is scattered over the image of
 //! the pupil that its own depth has; a running sum along each row turns the few steps per row of
 //! a disc into the disc. Cells are of the size that suits the disc: three to twelve of them per
 //! radius, four of them per pixel at most; of large discs 24 to 48, so that neither time
-//! nor room grows with the disc. Coverage is found on cells of half that size, which are then shared
+//! nor room grows with the disc. Coverage of facets is found on cells of half that size, which are then shared
 //! among the four nearest cells, so that a facet keeps its place to a fraction of a cell.
 
 use std::collections::BTreeMap;
 
 use super::active::{Active, Coverage};
 use super::cells::Row;
+use super::drawn::{Drawing, Drawn};
 use super::emit::Emitter;
 use super::kernel::{Kernel, Pupil};
 use super::lane_runs::{CHUNK, LaneRuns};
@@ -36,23 +37,30 @@ const RADIUS_RATIO: f64 = 1.005;
 /// Cells of a row that are summed up, or left out, together.
 const BLOCK: usize = 16;
 
-/// The sum of all facets over the frame, each spread by its disc.
+/// The sum of all facets over the frame and of what is drawn, each spread by its disc.
 ///
 /// The first `n_shares` lanes are shares of coverage: where facets overlap they are scaled, with
 /// all other lanes, to sum to at most 1.
 pub(crate) fn spread<const L: usize>(
     facets: &[Facet<L>],
+    drawn: &[&dyn Drawn<L>],
     n_shares: usize,
     pupil: Pupil,
     size: (usize, usize),
 ) -> LaneRuns<L> {
-    spread_on(Level::of, facets, n_shares, pupil, size)
+    spread_on(
+        [Level::of, Level::of_drawn],
+        (facets, drawn),
+        n_shares,
+        pupil,
+        size,
+    )
 }
 
-/// The same on the cells that `level_of` chooses for a radius, px.
+/// The same on the cells that are chosen for a radius, px: those of facets, and of what is drawn.
 fn spread_on<const L: usize>(
-    level_of: impl Fn(f64) -> Level,
-    facets: &[Facet<L>],
+    [of_facet, of_drawn]: [impl Fn(f64) -> Level; 2],
+    (facets, drawn): (&[Facet<L>], &[&dyn Drawn<L>]),
     n_shares: usize,
     pupil: Pupil,
     (width, height): (usize, usize),
@@ -60,16 +68,20 @@ fn spread_on<const L: usize>(
     // Room that is not used is not touched either.
     let n_runs = width.div_ceil(CHUNK) * height / 8;
     let mut frame = LaneRuns::with_room(width, height, n_runs);
-    let mut levels: BTreeMap<Level, Vec<&Facet<L>>> = BTreeMap::new();
+    let mut levels: BTreeMap<Level, Things<'_, L>> = BTreeMap::new();
     for facet in facets {
-        let level = level_of(facet.radius_px);
-        levels.entry(level).or_default().push(facet);
+        let level = of_facet(facet.radius_px);
+        levels.entry(level).or_default().0.push(facet);
     }
-    for (level, facets) in levels {
-        let layer = Layer::new(level, &facets, n_shares, pupil, (width, height));
+    for drawn in drawn {
+        let level = of_drawn(drawn.radius_px());
+        levels.entry(level).or_default().1.push(*drawn);
+    }
+    for (level, things) in levels {
+        let layer = Layer::new(level, &things, n_shares, pupil, (width, height));
         pulp::Arch::new().dispatch(RunLayer {
             layer,
-            facets: &facets,
+            things: &things,
             frame: &mut frame,
         });
     }
@@ -77,11 +89,14 @@ fn spread_on<const L: usize>(
     frame
 }
 
+/// Facets, and what is drawn.
+type Things<'a, const L: usize> = (Vec<&'a Facet<L>>, Vec<&'a dyn Drawn<L>>);
+
 /// All rows of a layer, compiled once more for processors with AVX2, as far as it is inlined. No
 /// result depends on it: nothing is fused.
 struct RunLayer<'a, const L: usize> {
     layer: Layer<L>,
-    facets: &'a [&'a Facet<L>],
+    things: &'a Things<'a, L>,
     frame: &'a mut LaneRuns<L>,
 }
 
@@ -90,7 +105,7 @@ impl<const L: usize> pulp::WithSimd for RunLayer<'_, L> {
 
     #[inline(always)]
     fn with_simd<V: pulp::Simd>(self, _: V) {
-        self.layer.run(self.facets, self.frame);
+        self.layer.run(self.things, self.frame);
     }
 }
 
@@ -130,7 +145,7 @@ pub(super) struct Layer<const L: usize> {
     pub(super) columns: usize,
     rows: usize,
     kernels: Vec<Kernel>,
-    /// Kernel of each facet.
+    /// Kernel of each facet, then of each thing that is drawn.
     kernel_of: Vec<u32>,
     /// Steps of the rows that discs now reach, a power of two of them, each with room on both
     /// sides for discs that reach out of the margin.
@@ -148,14 +163,16 @@ pub(super) struct Layer<const L: usize> {
 impl<const L: usize> Layer<L> {
     fn new(
         level: Level,
-        facets: &[&Facet<L>],
+        (facets, drawn): &Things<'_, L>,
         n_shares: usize,
         pupil: Pupil,
         (width, height): (usize, usize),
     ) -> Self {
         let exponent = level.exponent;
         let scale = libm::scalbn(1.0, exponent);
-        let (kernels, kernel_of) = kernels_of(scale, facets, pupil);
+        let radii = facets.iter().map(|facet| facet.radius_px);
+        let radii = radii.chain(drawn.iter().map(|drawn| drawn.radius_px()));
+        let (kernels, kernel_of) = kernels_of(scale, radii, pupil);
         let reach = kernels.iter().map(Kernel::reach).max().unwrap_or(0);
         // A whole number of px, and of cells.
         let step = 1_usize << exponent.max(0);
@@ -190,7 +207,7 @@ impl<const L: usize> Layer<L> {
     }
 
     #[inline(always)]
-    fn run(mut self, facets: &[&Facet<L>], frame: &mut LaneRuns<L>) {
+    fn run(mut self, (facets, drawn): &Things<'_, L>, frame: &mut LaneRuns<L>) {
         let per_cell = if self.level.is_halved { 2 } else { 1 };
         let fine_rows = self.rows * per_cell;
         let mut waiting = placed(
@@ -201,6 +218,8 @@ impl<const L: usize> Layer<L> {
         )
         .into_iter()
         .peekable();
+        let kernels = self.kernel_of[facets.len()..].iter().copied();
+        let mut drawing = Drawing::new(drawn.iter().copied().zip(kernels));
         let mut active: Vec<Active<L>> = Vec::new();
         let mut spare: Vec<Vec<f32>> = Vec::new();
         let mut coverage = Coverage::new(self.columns * per_cell);
@@ -239,6 +258,7 @@ impl<const L: usize> Layer<L> {
                     }
                     stays
                 });
+                drawing.hand_on(row, &self, &mut cells);
                 self.finish(row, &mut cells, &mut emitter, frame);
             }
         }
@@ -246,6 +266,7 @@ impl<const L: usize> Layer<L> {
             for facet in &mut active {
                 facet.hand_on(row, &self, &mut cells);
             }
+            drawing.hand_on(row, &self, &mut cells);
             self.finish(row, &mut cells, &mut emitter, frame);
         }
     }
@@ -429,18 +450,17 @@ pub(super) fn placed(
     all
 }
 
-/// The kernels that facets need, and which each needs.
-fn kernels_of<const L: usize>(
+/// The kernels that discs of some radii, px, need, and which each needs.
+fn kernels_of(
     scale: f64,
-    facets: &[&Facet<L>],
+    radii: impl Iterator<Item = f64>,
     pupil: Pupil,
 ) -> (Vec<Kernel>, Vec<u32>) {
     let mut kernels = Vec::new();
     let mut known: BTreeMap<i32, u32> = BTreeMap::new();
-    let kernel_of = facets
-        .iter()
-        .map(|facet| {
-            let radius = facet.radius_px.clamp(-MOST_RADIUS_PX, MOST_RADIUS_PX) * scale;
+    let kernel_of = radii
+        .map(|radius_px| {
+            let radius = radius_px.clamp(-MOST_RADIUS_PX, MOST_RADIUS_PX) * scale;
             #[expect(clippy::cast_possible_truncation, reason = "logarithms")]
             let key = (libm::log(radius.abs().max(1e-3)) / libm::log(RADIUS_RATIO)).round() as i32;
             *known

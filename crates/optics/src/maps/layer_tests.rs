@@ -1,5 +1,6 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
+use super::super::drawn::cells_per_px;
 use super::*;
 
 /// Share of a disc of radius ρ left of x.
@@ -45,6 +46,7 @@ fn profile_error(width_px: f64, radius_px: f64, angle: f64) -> (f64, f64) {
             ],
             radius_px,
         )],
+        &[],
         1,
         Pupil::Round,
         (256, 256),
@@ -101,6 +103,7 @@ fn light_is_neither_made_nor_lost_and_discs_move_with_their_facets() {
             );
             let frame = spread(
                 &[facet],
+                &[],
                 1,
                 Pupil::Polygon {
                     n: 7,
@@ -135,7 +138,7 @@ fn light_is_neither_made_nor_lost_and_discs_move_with_their_facets() {
 fn overlapping_facets_cover_a_place_once() {
     let square = [[20.0, 20.0], [60.0, 20.0], [60.0, 60.0], [20.0, 60.0]];
     for radius in [0.0, 3.0, 15.0] {
-        let frame = spread(&[strip(square, radius); 5], 1, Pupil::Round, (80, 80));
+        let frame = spread(&[strip(square, radius); 5], &[], 1, Pupil::Round, (80, 80));
         let middle = pixel(&frame, 40, 40);
         assert!((middle - 1.0).abs() < 1e-4, "R {radius}: {middle}");
     }
@@ -145,10 +148,10 @@ fn overlapping_facets_cover_a_place_once() {
 fn facets_beyond_the_frame_are_seen_by_their_blur_only() {
     let outside = [[-12.0, 10.0], [-4.0, 10.0], [-4.0, 30.0], [-12.0, 30.0]];
     assert!(
-        spread(&[strip(outside, 1.0)], 1, Pupil::Round, (40, 40)).is_empty(),
+        spread(&[strip(outside, 1.0)], &[], 1, Pupil::Round, (40, 40)).is_empty(),
         "out of reach"
     );
-    let frame = spread(&[strip(outside, 10.0)], 1, Pupil::Round, (40, 40));
+    let frame = spread(&[strip(outside, 10.0)], &[], 1, Pupil::Round, (40, 40));
     let expected = disc_cdf(-4.5, 10.0) - disc_cdf(-12.5, 10.0);
     assert!(
         (pixel(&frame, 0, 20) - expected).abs() < 0.02,
@@ -156,7 +159,7 @@ fn facets_beyond_the_frame_are_seen_by_their_blur_only() {
         pixel(&frame, 0, 20)
     );
     let far = [[-1e9, -1e9], [1e9, -1e9], [1e9, 1e9], [-1e9, 1e9]];
-    let frame = spread(&[strip(far, 6.0)], 1, Pupil::Round, (50, 40));
+    let frame = spread(&[strip(far, 6.0)], &[], 1, Pupil::Round, (50, 40));
     assert!(
         (pixel(&frame, 25, 20) - 1.0).abs() < 1e-4,
         "a pane of crack covers all"
@@ -175,8 +178,8 @@ fn the_order_of_facets_of_one_place_does_not_reach_the_bytes_twice() {
             6.0,
         ),
     ];
-    let one = spread(&facets, 1, Pupil::Round, (80, 80));
-    let other = spread(&facets, 1, Pupil::Round, (80, 80));
+    let one = spread(&facets, &[], 1, Pupil::Round, (80, 80));
+    let other = spread(&facets, &[], 1, Pupil::Round, (80, 80));
     assert_eq!(one, other, "same facets, same bits");
 }
 
@@ -272,8 +275,8 @@ fn coarse_cells_show_a_large_disc_as_those_of_usual_discs_do() {
         let facets = star(1000.0, radius);
         for pupil in [Pupil::Round, pentagon] {
             let size = (1000, 800);
-            let own = spread(&facets, 1, pupil, size);
-            let fine = spread_on(|_| Level::of(finer), &facets, 1, pupil, size);
+            let own = spread(&facets, &[], 1, pupil, size);
+            let fine = spread_on([|_| Level::of(finer); 2], (&facets, &[]), 1, pupil, size);
             for lane in 0..3 {
                 let found = difference(&own, &fine, lane);
                 assert!(
@@ -290,7 +293,8 @@ fn neither_room_nor_time_of_a_disc_grows_with_it() {
     let steps = |radius: f64| {
         let facets = star(1000.0, radius);
         let facets: Vec<&Facet<3>> = facets.iter().collect();
-        let layer = Layer::new(Level::of(radius), &facets, 1, Pupil::Round, (1000, 800));
+        let things = (facets, Vec::new());
+        let layer = Layer::new(Level::of(radius), &things, 1, Pupil::Round, (1000, 800));
         let per_cell = layer.kernels.iter().map(|kernel| kernel.stretches().len());
         [layer.ring.len(), per_cell.max().unwrap_or(0)]
     };
@@ -310,7 +314,7 @@ fn a_disc_far_larger_than_the_frame_is_even_light() {
     for radius in [3e3, 1e5, 1e7] {
         let side = 0.3 * radius;
         let square = [[-side, -side], [side, -side], [side, side], [-side, side]];
-        let frame = spread(&[strip(square, radius)], 1, Pupil::Round, (60, 40));
+        let frame = spread(&[strip(square, radius)], &[], 1, Pupil::Round, (60, 40));
         let expected = 4.0 * side * side / (std::f64::consts::PI * radius * radius);
         for (x, y) in [(0, 0), (31, 20), (59, 39)] {
             let found = pixel(&frame, x, y);
@@ -319,5 +323,73 @@ fn a_disc_far_larger_than_the_frame_is_even_light() {
                 "R {radius}, ({x}, {y}): {found}, not {expected}"
             );
         }
+    }
+}
+
+/// Cells of a rectangle.
+struct Cells {
+    radius_px: f64,
+    columns: std::ops::Range<i32>,
+    rows: std::ops::Range<i32>,
+}
+
+impl Drawn<3> for Cells {
+    fn radius_px(&self) -> f64 {
+        self.radius_px
+    }
+
+    fn rows(&self) -> std::ops::Range<i32> {
+        self.rows.clone()
+    }
+
+    fn row(&self, _: i32, add: &mut dyn FnMut(i32, [f32; 3])) {
+        self.columns.clone().for_each(|x| add(x, [1.0, 0.0, 0.0]));
+    }
+}
+
+#[test]
+fn cells_that_are_drawn_spread_as_the_facet_that_covers_them() {
+    let triangle = Pupil::Polygon {
+        n: 3,
+        angle_rad: 0.3,
+    };
+    for radius_px in [0.0, 0.4, 1.8, -6.0, 30.0] {
+        // Whole cells of all sizes, some of them beyond the frame.
+        let corners = [[-8.0, 8.0], [24.0, 8.0], [24.0, 32.0], [-8.0, 32.0]];
+        let cells = |px: f64| (px * cells_per_px(radius_px)) as i32;
+        let drawn = Cells {
+            radius_px,
+            columns: cells(-8.0)..cells(24.0),
+            rows: cells(8.0)..cells(32.0),
+        };
+        // Beside it something of another blur.
+        let beside = strip([[40.0, 4.0], [44.0, 4.0], [44.0, 36.0], [40.0, 36.0]], 1.0);
+        let size = (60, 40);
+        let one = spread(&[strip(corners, radius_px), beside], &[], 1, triangle, size);
+        let other = spread(&[beside], &[&drawn], 1, triangle, size);
+        let pixels = || (0..60).flat_map(|x| (0..40).map(move |y| (x, y)));
+        let most = pixels().map(|(x, y)| pixel(&one, x, y)).fold(0.0, f64::max);
+        for (x, y) in pixels() {
+            let [one, other] = [&one, &other].map(|frame| pixel(frame, x, y));
+            assert!(
+                (one - other).abs() < 0.06 * most,
+                "R {radius_px}, {x}, {y}: {one}, {other}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_drawn_twice_covers_no_more_than_once() {
+    for radius_px in [0.0, 1.8, 12.0] {
+        let cells = |px: f64| (px * cells_per_px(radius_px)) as i32;
+        let drawn = Cells {
+            radius_px,
+            columns: cells(16.0)..cells(24.0),
+            rows: cells(16.0)..cells(24.0),
+        };
+        let once = spread(&[], &[&drawn], 1, Pupil::Round, (40, 40));
+        let twice = spread(&[], &[&drawn, &drawn], 1, Pupil::Round, (40, 40));
+        assert_eq!(once, twice, "R {radius_px}");
     }
 }

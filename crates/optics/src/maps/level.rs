@@ -63,6 +63,15 @@ impl Level {
         }
     }
 
+    /// The same of what is drawn cell by cell, each of which takes a ray: 4 of a px at most.
+    pub(super) fn of_drawn(radius_px: f64) -> Self {
+        let level = Self::of(radius_px);
+        Self {
+            exponent: level.exponent.min(1),
+            ..level
+        }
+    }
+
     /// Weights by which a half of a cell, a quarter of a cell off its middle, is shared along one
     /// axis: with the cell on its far side, its own, the one on its near side.
     ///

@@ -2,10 +2,12 @@
 //!
 //! A [`Facet`] is a polygon of the frame with what it sends along each of a few *lanes*: shares
 //! of the light of the sky, of the ground and so on. [`spread`] covers the frame with them and
-//! blurs each by the disc that its own depth has.
+//! blurs each by the disc that its own depth has. What shows much in few pixels is [`Drawn`], cell by
+//! cell.
 
 mod active;
 mod cells;
+mod drawn;
 mod emit;
 mod kernel;
 mod lane_runs;
@@ -14,6 +16,7 @@ mod level;
 mod raster;
 mod sharp;
 
+pub(crate) use drawn::{Drawn, cells_per_px};
 pub(crate) use kernel::{Kernel, Pupil};
 pub(crate) use lane_runs::{CHUNK, LaneRun, LaneRuns};
 pub(crate) use layer::{Facet, spread};

@@ -168,16 +168,25 @@ impl Coarse {
 
     /// Mean light about a place, px, over about `width` px to each side.
     fn mean(&self, [u, v]: [f32; 2], width: f32) -> f32x4 {
-        // Of the first level whose cells are at least twice as wide: each has cells twice as wide
-        // as the one before.
+        // Of the first level whose cells are at least twice as wide, and of the one before it, whose cells are half as wide.
         #[expect(clippy::cast_precision_loss, reason = "16 px")]
         let cells = (2.0 * width / CELL_PX as f32).max(1.0);
-        let doublings = ((cells.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1)) as usize - 126;
-        let level = self.levels.get(doublings).or(self.levels.last());
-        level.map_or(f32x4::ZERO, |level| {
-            let place = [u, v].map(|place| place * level.per_px);
-            between(level.size, place, |at| level.light[at])
-        })
+        let exponent = (cells.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1);
+        let doublings = exponent as usize - 126;
+        let of_level = |doublings: usize| {
+            let level = self.levels.get(doublings).or(self.levels.last());
+            level.map_or(f32x4::ZERO, |level| {
+                let place = [u, v].map(|place| place * level.per_px);
+                between(level.size, place, |at| level.light[at])
+            })
+        };
+        let wide = of_level(doublings);
+        let halves = cells / f32::from_bits(exponent << (f32::MANTISSA_DIGITS - 1));
+        if doublings == 0 || halves >= 2.0 {
+            return wide;
+        }
+        let narrow = of_level(doublings - 1);
+        narrow + (wide - narrow) * (halves - 1.0)
     }
 }
 

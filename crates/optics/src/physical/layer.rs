@@ -1,9 +1,9 @@
 //! What a layer of facets shows, as far as it does not depend on the light.
 
-use super::elsewhere::ONE_MIRROR;
+use super::elsewhere::{FINE_WIDTHS, ONE_MIRROR};
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE};
 use crate::maps::{CHUNK, LaneRun, LaneRuns};
-use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN, WIDTH};
+use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SQUARE, SUN, WIDTH};
 
 /// By how much more than the mean red, green and blue are reflected, over that mean: −1 where none
 /// of a color is, 2 where all is of this color.
@@ -17,18 +17,23 @@ pub(crate) struct PatternLayer {
     pub(crate) tint: LaneRuns<3>,
 }
 
+/// From what is told how far apart the places are that a pixel mixes.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Spread {
+    /// From how fast they run away from those of its neighbors, in a blur of this mean radius, px: of mirrors.
+    Neighbors(f32),
+    /// From their squares: of drops, each of which shows much of the frame.
+    Squares,
+}
+
 impl PatternLayer {
     /// Of sums over facets, of which the places are weighted by their share and the tints by the
-    /// light that is tinted; the blur is the mean radius of the discs in a row, px.
-    pub(super) fn of_sums(
-        mut light: LaneRuns<LANES>,
-        tint: &LaneRuns<4>,
-        blur_px: impl Fn(usize) -> f32,
-    ) -> Self {
+    /// light that is tinted.
+    pub(super) fn of_sums(mut light: LaneRuns<LANES>, tint: &LaneRuns<4>, spread: Spread) -> Self {
         let (width, height) = light.size();
         let mut tints = LaneRuns::with_room(width, height, tint.n_runs());
         for k in 0..light.n_runs() {
-            find_places(&mut light, k, &blur_px);
+            find_places(&mut light, k, spread);
             let ((x, y), run) = light.nth_mut(k);
             let shares = shares_of(run);
             let over = shares.map(|share| if share > 1.0 { share } else { 1.0 });
@@ -47,9 +52,10 @@ impl PatternLayer {
 }
 
 /// Places and widths of the k-th run, whose neighbors to the right and below are sums as yet.
-fn find_places(light: &mut LaneRuns<LANES>, k: usize, blur_px: &impl Fn(usize) -> f32) {
-    let (width, _) = light.size();
+fn find_places(light: &mut LaneRuns<LANES>, k: usize, spread: Spread) {
+    let (width, height) = light.size();
     let ((x, y), run) = light.nth_mut(k);
+    let squares = std::mem::replace(&mut run[SQUARE], [0.0; CHUNK]);
     if !run[FRAME].iter().any(|share| *share > LEAST_ELSEWHERE) {
         [run[FRAME_U], run[FRAME_V]] = [[0.0; CHUNK]; 2];
         return;
@@ -60,10 +66,35 @@ fn find_places(light: &mut LaneRuns<LANES>, k: usize, blur_px: &impl Fn(usize) -
     right.shift_left(next, width - x);
     let below = light.run_at(x, y + 1).map_or(Places::NONE, Places::of);
     let (_, run) = light.nth_mut(k);
+    let blur_px = match spread {
+        Spread::Neighbors(blur_px) => blur_px,
+        Spread::Squares => {
+            #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+            let middle = [width, height].map(|n| 0.5 * n as f32);
+            run[WIDTH] = own.widths(&squares, &run[FRAME], middle);
+            // A pixel of what is sharp is as wide as that.
+            1.0
+        }
+    };
     for beside in [right, below] {
-        own.widen(&beside, blur_px(y), &mut run[WIDTH]);
+        own.widen(&beside, blur_px, &mut run[WIDTH]);
+    }
+    if matches!(spread, Spread::Neighbors(_)) {
+        run[WIDTH] = run[WIDTH].map(doubled_up);
     }
     [run[FRAME_U], run[FRAME_V]] = own.or_zero();
+}
+
+/// A width from which on the mean is of coarse cells alone: the next power of two, as banks keep it.
+fn doubled_up(width: f32) -> f32 {
+    if width > FINE_WIDTHS[1] {
+        f32::from_bits(
+            (((width.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1)) + 1)
+                << (f32::MANTISSA_DIGITS - 1),
+        )
+    } else {
+        width
+    }
 }
 
 /// Sum of the shares of each pixel.
@@ -77,8 +108,8 @@ fn shares_of(lanes: &LaneRun<LANES>) -> [f32; CHUNK] {
     shares
 }
 
-/// All light over the sum of the shares where that is more than 1 (facets of different blur over
-/// each other).
+/// All light over the sum of the shares where that is more than 1, as where facets of different blur lie over each
+/// other.
 fn at_most_one(run: &mut LaneRun<LANES>, over: &[f32; CHUNK]) {
     for lane in (0..N_SHARES).chain([SUN]) {
         for (light, over) in run[lane].iter_mut().zip(over) {
@@ -161,6 +192,21 @@ impl Places {
         }
     }
 
+    /// Averages pixels over so much of the frame as the places that they mix spread over: σ/√2 of their standard deviation
+    /// σ. Of double that are the cells, lines between which have σ.
+    fn widths(
+        &self,
+        squares: &[f32; CHUNK],
+        shares: &[f32; CHUNK],
+        [x, y]: [f32; 2],
+    ) -> [f32; CHUNK] {
+        std::array::from_fn(|k| {
+            let (u, v) = (self.u[k] - x, self.v[k] - y);
+            // What is not a number is not more.
+            (0.5 * (squares[k] / shares[k] - u * u - v * v).max(0.0)).sqrt()
+        })
+    }
+
     /// Averages pixels over more of the frame the faster their place runs away from that of a
     /// neighbor: mirrors mix over about a blur's radius.
     fn widen(&self, beside: &Self, blur_px: f32, width: &mut [f32; CHUNK]) {
@@ -195,7 +241,7 @@ mod tests {
         lanes[FRAME] = frame;
         lanes[FRAME_U] = 40.0 * frame;
         lanes[FRAME_V] = 8.0 * frame;
-        PatternLayer::of_sums(run_of(lanes), &run_of(tint), |_| 3.0)
+        PatternLayer::of_sums(run_of(lanes), &run_of(tint), Spread::Neighbors(3.0))
     }
 
     fn first<const L: usize>(runs: &LaneRuns<L>) -> Option<[f32; L]> {
@@ -234,13 +280,35 @@ mod tests {
     }
 
     #[test]
+    fn drops_are_averaged_over_what_they_mix() {
+        // Half of the share from either end of 40 px, about a place off the middle of the frame.
+        let mut sums = run_of([0.0; LANES]);
+        let (_, run) = sums.nth_mut(0);
+        run[FRAME] = [0.5; CHUNK];
+        run[FRAME_U] = [0.5 * 60.0; CHUNK];
+        run[FRAME_V] = [0.5 * 10.0; CHUNK];
+        let [middle_u, middle_v] = [0.5 * CHUNK as f32, 0.5];
+        let square = |u: f32| (u - middle_u).powi(2) + (10.0 - middle_v).powi(2);
+        run[SQUARE] = [0.25 * (square(40.0) + square(80.0)); CHUNK];
+        let none = LaneRuns::with_room(CHUNK, 1, 0);
+        let layer = PatternLayer::of_sums(sums, &none, Spread::Squares);
+        let lanes = first(&layer.light).unwrap_or([0.0; LANES]);
+        assert!((lanes[WIDTH] - 200.0_f32.sqrt()).abs() < 0.01, "{lanes:?}");
+        assert_eq!(lanes[SQUARE], 0.0, "layers leave none");
+    }
+
+    #[test]
     fn mirrors_that_show_places_far_apart_are_averaged() {
         // From pixel 3 to 4 the place jumps by 10 px to the right.
         let mut sums = run_of([0.0; LANES]);
         let (_, run) = sums.nth_mut(0);
         run[FRAME] = [0.5; CHUNK];
         run[FRAME_U] = std::array::from_fn(|k| if k > 3 { 0.5 * 30.0 } else { 0.5 * 20.0 });
-        let layer = PatternLayer::of_sums(sums, &LaneRuns::with_room(CHUNK, 1, 0), |_| 4.0);
+        let layer = PatternLayer::of_sums(
+            sums,
+            &LaneRuns::with_room(CHUNK, 1, 0),
+            Spread::Neighbors(4.0),
+        );
         let width = layer.light.run_at(0, 0).map(|run| run[WIDTH]);
         let expected: [f32; CHUNK] = std::array::from_fn(|k| {
             if k == 3 {

@@ -7,14 +7,13 @@ use starbreak_deposit::Deposit;
 use starbreak_glass::CrackNetwork;
 use starbreak_seed::Seed;
 
-use super::layer::PatternLayer;
+use super::layer::{PatternLayer, Spread};
 use super::{Overlay, PhysicalOptics};
 use crate::environment::{Environment, HemisphereWeights};
 use crate::interface::gap::GapTable;
-use crate::maps::{CHUNK, Facet, LaneRuns, Pupil, cover, spread};
+use crate::maps::{CHUNK, Drawn, Facet, LaneRuns, Pupil, cover, spread};
 use crate::surface::{
-    Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, drop_facets, fragment_facets,
-    hit_facets,
+    Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, drops, fragment_facets, hit_facets,
 };
 use crate::{OpticsError, View};
 
@@ -78,8 +77,8 @@ pub fn bake(
     hit_facets(&from, network, time, &optics.surface, seed, &mut cracks);
     pattern.outline = Outline::Corners(std::mem::take(&mut cracks.outlines));
     for facets in [fragments, cracks] {
-        let blur_px = mean_blur_px(&facets.light);
-        let layer = pattern.layer_of(&facets, Pupil::of(&optics.lens), |_| blur_px);
+        let places = Spread::Neighbors(mean_blur_px(&facets.light));
+        let layer = pattern.layer_of((&facets, &[]), Pupil::of(&optics.lens), places);
         pattern.layers.extend(layer);
     }
     Ok(pattern)
@@ -144,20 +143,9 @@ impl Pattern {
         }
         let gaps = gap_table(optics.glass.refractive_index);
         let from = light_from(&sheet, optics, &gaps);
-        let mut drops = Facets::default();
-        drop_facets(&from, &deposit.caps, reach_px(&sheet), &mut drops);
-        // A drop shows much of the scene in few pixels, so that its blur, which a pane that leans has more of in some
-        // rows, spreads it far; and a pixel of one that is sharp is as wide as that.
-        let (width, height) = view.size();
-        let of_row = |y: u32| {
-            let at = view.unproject([0.5 * f64::from(width), f64::from(y) + 0.5]);
-            let radius = at.and_then(|at| sheet.blur_radius_px(at, sheet.outer_mm()));
-            #[expect(clippy::cast_possible_truncation, reason = "px of a disc")]
-            let radius = radius.unwrap_or(0.0).abs() as f32;
-            radius.max(1.0)
-        };
-        let blur_px: Vec<f32> = (0..height).map(of_row).collect();
-        let layer = self.layer_of(&drops, Pupil::of(&optics.lens), |y| blur_px[y]);
+        let (drawn, facets) = drops(&from, &deposit.caps, reach_px(&sheet));
+        let drawn: Vec<&dyn Drawn<LANES>> = drawn.iter().map(|drop| drop as _).collect();
+        let layer = self.layer_of((&facets, &drawn), Pupil::of(&optics.lens), Spread::Squares);
         self.layers.splice(0..0, layer);
         Ok(self)
     }
@@ -169,17 +157,17 @@ impl Pattern {
     /// The layer of some facets; none where nothing of them is in the frame.
     fn layer_of(
         &self,
-        facets: &Facets,
+        (facets, drawn): (&Facets, &[&dyn Drawn<LANES>]),
         pupil: Pupil,
-        blur_px: impl Fn(usize) -> f32,
+        places: Spread,
     ) -> Option<PatternLayer> {
         let size = (self.size.0 as usize, self.size.1 as usize);
-        let light = spread(&facets.light, N_SHARES, pupil, size);
+        let light = spread(&facets.light, drawn, N_SHARES, pupil, size);
         if light.is_empty() {
             return None;
         }
-        let tint = spread(&facets.tint, 1, pupil, size);
-        Some(PatternLayer::of_sums(light, &tint, blur_px))
+        let tint = spread(&facets.tint, &[], 1, pupil, size);
+        Some(PatternLayer::of_sums(light, &tint, places))
     }
 
     /// A pattern from what it was taken apart to.

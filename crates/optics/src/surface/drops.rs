@@ -1,12 +1,14 @@
 //! Drops of water on the outer face: lenses that show the scene small and upside down.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use starbreak_deposit::Cap;
 
 use super::cracks::Facets;
-use super::lobe::{FRAME, FRAME_U, FRAME_V, HELD, LightFrom, Sent};
+use super::lobe::{HELD, LANES, LightFrom, Sent};
 use crate::interface::fresnel::reflectance;
+use crate::maps::{Drawn, cells_per_px};
 use crate::vector::{Vector, dot};
 
 /// Refractive index of water in visible light.
@@ -15,31 +17,37 @@ const WATER: f64 = 1.333;
 /// Times that light is followed within a drop; what is left then is lost.
 const MOST_BOUNCES: u32 = 5;
 
+/// Least radius of a drop along its shorter side, in cells, for which it is drawn cell by cell: where it is smaller, and
+/// where its blur is so wide that cells are coarse, it is made of facets, each of which shows one place.
+const DRAWN_CELLS: f64 = 3.0;
+
 /// Rings of facets per px of a drop's radius, and how many there are.
 const RINGS_PER_PX: f64 = 0.7;
 const RINGS: [f64; 2] = [1.0, 32.0];
 
-/// Least radius of a drop, px, whose facets show the scene as it moves across them, not one place each.
-const SHOWN_PX: f64 = 2.5;
+/// Farthest from the middle, of the radius, that a cell at the rim looks.
+const RIM: f64 = 0.995;
 
 /// Least radius of a drop, px.
 const LEAST_PX: f64 = 0.12;
 
-/// Most facets of all drops together: of more drops each has fewer.
+/// Most facets of all drops that are made of them: of more drops each has fewer.
 const MOST_FACETS: f64 = 1e6;
 
-/// The facets of all drops that reach into the frame.
-pub(crate) fn drop_facets(from: &LightFrom<'_>, caps: &[Cap], reach_px: f64, facets: &mut Facets) {
+/// All drops that reach into the frame: those that are drawn, and facets of the others.
+pub(crate) fn drops<'a>(
+    from: &'a LightFrom<'a>,
+    caps: &[Cap],
+    reach_px: f64,
+) -> (Vec<DrawnDrop<'a>>, Facets) {
     let (width, height) = from.sheet.view().size();
     let frame = [f64::from(width), f64::from(height)];
-    let seen: Vec<(Cap, [f64; 2], f64)> = caps
+    let seen: Vec<(Drop<'_>, [f64; 2], f64)> = caps
         .iter()
         .filter_map(|cap| {
-            let middle = from
-                .sheet
-                .project(cap.at_mm, from.sheet.outer_mm(), [0.0; 2])?;
-            let rim = [cap.at_mm[0] + cap.radius_mm, cap.at_mm[1]];
-            let rim = from.sheet.project(rim, from.sheet.outer_mm(), [0.0; 2])?;
+            let drop = Drop::of(*cap, from)?;
+            let middle = drop.appears(cap.at_mm)?;
+            let rim = drop.appears([cap.at_mm[0] + cap.radius_mm, cap.at_mm[1]])?;
             let radius_px = libm::hypot(rim[0] - middle[0], rim[1] - middle[1]);
             let beyond = reach_px + radius_px;
             // Of a smaller one nothing is seen.
@@ -47,45 +55,85 @@ pub(crate) fn drop_facets(from: &LightFrom<'_>, caps: &[Cap], reach_px: f64, fac
                 return None;
             }
             let is_near = (0..2).all(|k| (-beyond..frame[k] + beyond).contains(&middle[k]));
-            is_near.then_some((*cap, middle, radius_px))
+            is_near.then_some((drop, middle, radius_px))
         })
         .collect();
-    let rings = |radius_px: f64| (RINGS_PER_PX * radius_px).clamp(RINGS[0], RINGS[1]);
-    let n_facets: f64 = seen
-        .iter()
-        .map(|(_, _, radius_px)| 4.0 * rings(*radius_px) * rings(*radius_px))
-        .sum();
-    let fewer = (MOST_FACETS / n_facets.max(1.0)).sqrt().min(1.0);
-    for (cap, middle, radius_px) in seen {
-        let Some(blur_px) = from.sheet.blur_radius_px(cap.at_mm, from.sheet.outer_mm()) else {
+    let blur_px = |drop: &Drop<'_>| {
+        let outer_mm = from.sheet.outer_mm();
+        from.sheet.blur_radius_px(drop.cap.at_mm, outer_mm)
+    };
+    let (mut drawn, mut faceted) = (Vec::new(), Vec::new());
+    for (drop, middle, radius_px) in seen {
+        let Some(blur_px) = blur_px(&drop) else {
             continue;
         };
+        match DrawnDrop::of(drop, blur_px) {
+            Some(drop) if drop.least_cells() >= DRAWN_CELLS => drawn.push(drop),
+            _ => faceted.push((drop, (middle, blur_px), radius_px)),
+        }
+    }
+    let rings = |radius_px: f64| (RINGS_PER_PX * radius_px).clamp(RINGS[0], RINGS[1]);
+    let n_facets: f64 = faceted
+        .iter()
+        .map(|(.., radius_px)| 4.0 * rings(*radius_px) * rings(*radius_px))
+        .sum();
+    let fewer = (MOST_FACETS / n_facets.max(1.0)).sqrt().min(1.0);
+    let mut facets = Facets::default();
+    for (drop, place, radius_px) in faceted {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "some rings"
         )]
         let n_rings = (fewer * rings(radius_px)).ceil().max(1.0) as u32;
-        let drop = Drop { cap, from };
-        let is_shown = radius_px >= SHOWN_PX;
-        drop.add((middle, blur_px), (n_rings, is_shown), facets);
+        drop.add(place, n_rings, &mut facets);
     }
+    (drawn, facets)
 }
 
 /// A drop before a camera.
+#[derive(Clone, Copy)]
 struct Drop<'a> {
     cap: Cap,
     from: &'a LightFrom<'a>,
+    /// Where the ray of sight to its middle enters the pane, mm, and how this moves across it, mm per mm.
+    enters_mm: [f64; 2],
+    moves: [[f64; 2]; 2],
 }
 
-impl Drop<'_> {
+impl<'a> Drop<'a> {
+    /// None where it is not before the camera.
+    fn of(cap: Cap, from: &'a LightFrom<'a>) -> Option<Self> {
+        let enters = |right_mm: f64, down_mm: f64| {
+            let at = [cap.at_mm[0] + right_mm, cap.at_mm[1] + down_mm];
+            from.sheet.entry(at, from.sheet.outer_mm(), [0.0; 2])
+        };
+        let enters_mm = enters(0.0, 0.0)?;
+        let by = |other: [f64; 2]| [0, 1].map(|k| (other[k] - enters_mm[k]) / cap.radius_mm);
+        Some(Self {
+            cap,
+            from,
+            enters_mm,
+            moves: [
+                by(enters(cap.radius_mm, 0.0)?),
+                by(enters(0.0, cap.radius_mm)?),
+            ],
+        })
+    }
+
+    /// Where the ray of sight to a place of the outer face enters the pane: a drop is so small that this is linear.
+    fn enters_mm(&self, at_mm: [f64; 2]) -> [f64; 2] {
+        let [x, y] = [0, 1].map(|k| at_mm[k] - self.cap.at_mm[k]);
+        [0, 1].map(|k| self.enters_mm[k] + x * self.moves[0][k] + y * self.moves[1][k])
+    }
+
+    /// Where a place of the outer face appears in the frame, px.
+    fn appears(&self, at_mm: [f64; 2]) -> Option<[f64; 2]> {
+        self.from.sheet.appears(self.enters_mm(at_mm), [0.0; 2])
+    }
+
     /// Rings of facets about the middle, of which each sees what its own middle sees.
-    fn add(
-        &self,
-        (middle, blur_px): ([f64; 2], f64),
-        (n_rings, is_shown): (u32, bool),
-        facets: &mut Facets,
-    ) {
+    fn add(&self, (middle, blur_px): ([f64; 2], f64), n_rings: u32, facets: &mut Facets) {
         let n_sectors = (4 * n_rings).max(6);
         let around: Vec<[f64; 2]> = (0..n_sectors)
             .map(|k| {
@@ -100,8 +148,6 @@ impl Drop<'_> {
                 self.cap.at_mm[1] + share * self.cap.radius_mm * y,
             ]
         };
-        let outer_mm = self.from.sheet.outer_mm();
-        let project = |point| self.from.sheet.project(point, outer_mm, [0.0; 2]);
         // Thinner rings towards the rim, where light bends most; one ends where light along the normal of the glass begins
         // to be reflected totally.
         let total = (1.0 / (WATER * libm::sin(self.cap.contact_rad))).min(1.0);
@@ -118,7 +164,7 @@ impl Drop<'_> {
         for ring in 1..=n_rings {
             let [low, high] = [ring_at(ring - 1), ring_at(ring)];
             let outer: Vec<Option<[f64; 2]>> =
-                around.iter().map(|to| project(place(high, *to))).collect();
+                (around.iter().map(|to| self.appears(place(high, *to)))).collect();
             for k in 0..around.len() {
                 let next = (k + 1) % around.len();
                 let (Some(a), Some(b), Some(c), Some(d)) =
@@ -131,63 +177,21 @@ impl Drop<'_> {
                     x * half_step.1 - y * half_step.0,
                     x * half_step.0 + y * half_step.1,
                 ];
-                let at = |share: f64, to: [f64; 2]| self.seen(place(share, to));
-                // A facet that shows more than one place starts from the mean of its corners, of which
-                // the innermost has two in the middle.
-                let share = if ring == 1 && is_shown {
-                    0.5 * high
-                } else {
-                    (0.5 * (low * low + high * high)).sqrt()
-                };
-                let Some(sent) = at(share, between) else {
-                    continue;
-                };
-                // How the place that is seen moves across the facet.
-                let within = [low.max(0.15 * high), 0.98 * high + 0.02 * low];
-                let moves = is_shown.then(|| self.moves(within, between)).flatten();
-                facets.add([a, b, c, d], blur_px, &sent, moves.unwrap_or_default());
+                let share = (0.5 * (low * low + high * high)).sqrt();
+                let at_mm = place(share, between);
+                let sight = self.from.sheet.sight(self.enters_mm(at_mm), [0.0; 2]);
+                if let Some(sight) = sight {
+                    let sent = self.seen(at_mm, sight);
+                    facets.add([a, b, c, d], blur_px, &sent, [[0.0; 2]; 2]);
+                }
             }
             inner = outer;
         }
     }
 
-    /// How the place of the frame that is seen moves with the place of the frame where it is seen, from four places about
-    /// the middle of a facet between two shares of the radius; none where any of them sees nothing of the frame.
-    fn moves(&self, [low, high]: [f64; 2], along: [f64; 2]) -> Option<[[f64; 2]; 2]> {
-        let middle = 0.5 * (low + high);
-        let step = 0.25 * (high - low);
-        let at = |right: f64, down: f64| {
-            let point = [
-                self.cap.at_mm[0] + self.cap.radius_mm * (middle * along[0] + right),
-                self.cap.at_mm[1] + self.cap.radius_mm * (middle * along[1] + down),
-            ];
-            let sent = self.seen(point)?;
-            let share = sent.lanes[FRAME];
-            let own = self
-                .from
-                .sheet
-                .project(point, self.from.sheet.outer_mm(), [0.0; 2])?;
-            (share > 0.5).then(|| {
-                (
-                    own,
-                    [sent.lanes[FRAME_U] / share, sent.lanes[FRAME_V] / share],
-                )
-            })
-        };
-        let [left, right] = [at(-step, 0.0)?, at(step, 0.0)?];
-        let [up, down] = [at(0.0, -step)?, at(0.0, step)?];
-        let slope = |a: ([f64; 2], [f64; 2]), b: ([f64; 2], [f64; 2]), axis: usize, k: usize| {
-            (b.1[k] - a.1[k]) / (b.0[axis] - a.0[axis])
-        };
-        Some([0, 1].map(|k| [slope(left, right, 0, k), slope(up, down, 1, k)]))
-    }
-
-    /// What is seen through the drop at a place of the outer face, as a share of what bare glass would show there; the
-    /// shares sum to 1. None where the place is not before the camera.
-    fn seen(&self, at_mm: [f64; 2]) -> Option<Sent> {
-        let sheet = self.from.sheet;
-        let entry = sheet.entry(at_mm, sheet.outer_mm(), [0.0; 2])?;
-        let sight = sheet.sight(entry, [0.0; 2])?;
+    /// What is seen through the drop at a place of the outer face along a direction of sight before the glass, as a share
+    /// of what bare glass would show there; the shares sum to 1.
+    fn seen(&self, at_mm: [f64; 2], sight: Vector) -> Sent {
         let [x, y] = [sight[0] / WATER, sight[1] / WATER];
         let mut ray = [x, y, (1.0 - x * x - y * y).sqrt()];
         let sphere = self.cap.sphere_mm();
@@ -214,7 +218,7 @@ impl Drop<'_> {
             };
             if to_glass < to_sphere {
                 self.enters_cabin(&mut sent, sight, ray, share);
-                return Some(sent);
+                return sent;
             }
             at = std::array::from_fn(|k| at[k] + to_sphere * ray[k]);
             let normal: Vector = std::array::from_fn(|k| (at[k] - center[k]) / sphere);
@@ -233,7 +237,7 @@ impl Drop<'_> {
             ray = std::array::from_fn(|k| ray[k] - 2.0 * cos * normal[k]);
         }
         sent.lanes[HELD] += share;
-        Some(sent)
+        sent
     }
 
     /// Light from outside, seen along a direction in the air. Bare glass has taken its outer face's share of what an image
@@ -266,6 +270,113 @@ impl Drop<'_> {
             self.from.cabin(sent, [x, y, -z], share * (1.0 - face));
             self.leaves(sent, sight, [x, y, z], share * face * (1.0 - face));
             self.from.cabin(sent, [x, y, -z], share * face * face);
+        }
+    }
+}
+
+/// A drop that is drawn cell by cell, each of which shows what its middle shows.
+pub(crate) struct DrawnDrop<'a> {
+    drop: Drop<'a>,
+    blur_px: f64,
+    per_px: f64,
+    columns: Range<i32>,
+    rows: Range<i32>,
+    /// Change of the place on the pane, of the drop's radius, per cell along x and along y.
+    per_cell: [[f64; 2]; 2],
+}
+
+impl<'a> DrawnDrop<'a> {
+    /// As far as it lies in the frame or its blur reaches into it.
+    fn of(drop: Drop<'a>, blur_px: f64) -> Option<Self> {
+        const AROUND: u32 = 16;
+        let per_px = cells_per_px(blur_px);
+        let view = drop.from.sheet.view();
+        let outline = (0..AROUND).map(|k| {
+            let (sin, cos) = libm::sincos(TAU * f64::from(k) / f64::from(AROUND));
+            // Beyond the sides between these places.
+            let radius_mm = 1.1 * drop.cap.radius_mm;
+            drop.appears([0, 1].map(|k| drop.cap.at_mm[k] + radius_mm * [cos, sin][k]))
+        });
+        let none = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        let everywhere = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
+        let spans = outline.fold(none, |spans, at| match at {
+            Some(at) => [0, 1].map(|k| [spans[k][0].min(at[k]), spans[k][1].max(at[k])]),
+            // Some of it lies beside the camera.
+            None => everywhere,
+        });
+        let beyond_px = blur_px.abs() + 2.0 / per_px;
+        let (width, height) = view.size();
+        let [columns, rows] = [(0, width), (1, height)].map(|(k, n)| {
+            let most = f64::from(n) + beyond_px;
+            let [low, high] = spans[k].map(|px| per_px * px.clamp(-beyond_px, most));
+            #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
+            let cells = (low.floor() as i32)..(high.ceil() as i32);
+            cells
+        });
+        let [[a, b], [c, d]] = view.jacobian(drop.cap.at_mm)?;
+        let per_px_of_pane = 1.0 / ((a * d - b * c) * per_px * drop.cap.radius_mm);
+        let per_cell = [[d, -c], [-b, a]].map(|row| row.map(|part| part * per_px_of_pane));
+        Some(Self {
+            drop,
+            blur_px,
+            per_px,
+            columns,
+            rows,
+            per_cell,
+        })
+    }
+
+    /// Radius along its shorter side, in cells.
+    fn least_cells(&self) -> f64 {
+        let [[a, b], [c, d]] = self.per_cell;
+        // The inverse of the larger singular value.
+        let (sum, determinant) = (a * a + b * b + c * c + d * d, a * d - b * c);
+        let root = (sum * sum - 4.0 * determinant * determinant)
+            .max(0.0)
+            .sqrt();
+        1.0 / (0.5 * (sum + root)).sqrt()
+    }
+
+    /// What a cell shows; none where it covers nothing of it.
+    fn cell(&self, at: [i32; 2]) -> Option<[f32; LANES]> {
+        let (sheet, cap) = (self.drop.from.sheet, &self.drop.cap);
+        let px = at.map(|k| (f64::from(k) + 0.5) / self.per_px);
+        let (at_mm, sight) = sheet.behind(px, sheet.outer_mm())?;
+        let [right, down] = [0, 1].map(|k| (at_mm[k] - cap.at_mm[k]) / cap.radius_mm);
+        let away = (right * right + down * down).sqrt();
+        // The rim is as many cells away as it takes to come there by the fastest way; in the very middle the quotient is no
+        // number, and all is covered.
+        let [x, y] = self.per_cell.map(|[a, b]| (a * right + b * down) / away);
+        let part = match (1.0 - away) / (x * x + y * y).sqrt() + 0.5 {
+            part if part <= 0.0 => return None,
+            part => part.min(1.0),
+        };
+        let inside_mm = (RIM / away).min(1.0) * cap.radius_mm;
+        let at_mm = [
+            cap.at_mm[0] + inside_mm * right,
+            cap.at_mm[1] + inside_mm * down,
+        ];
+        let sent = self.drop.seen(at_mm, sight);
+        #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
+        let lanes = sent.lanes.map(|lane| (part * lane) as f32);
+        Some(lanes)
+    }
+}
+
+impl Drawn<LANES> for DrawnDrop<'_> {
+    fn radius_px(&self) -> f64 {
+        self.blur_px
+    }
+
+    fn rows(&self) -> Range<i32> {
+        self.rows.clone()
+    }
+
+    fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {
+        for column in self.columns.clone() {
+            if let Some(lanes) = self.cell([column, row]) {
+                add(column, lanes);
+            }
         }
     }
 }

@@ -12,8 +12,8 @@ use crate::vector::{Vector, dot};
 
 /// Lanes of a facet: shares of the light of the horizon, the zenith, the ground, the cabin as it
 /// is straight down and straight up, of light that the sheet holds, and of another place of the
-/// frame; the sun's; and that other place, weighted by its share. [`WIDTH`] is for what the layer
-/// makes of it. Processors add four at once: one is not used.
+/// frame; the sun's; and that other place, weighted by its share, with how far it is from the middle.
+/// [`WIDTH`] is for what the layer makes of it. Processors add four at once.
 pub(crate) const LANES: usize = 12;
 /// Lanes that are shares of coverage: all but the sun and the place.
 pub(crate) const N_SHARES: usize = 7;
@@ -27,6 +27,8 @@ pub(crate) const HELD: usize = 5;
 pub(crate) const FRAME: usize = 6;
 /// Radiance over the sun's irradiance.
 pub(crate) const SUN: usize = 7;
+/// Square of how far that other place is from the middle of the frame, px², weighted by its share. Layers leave none.
+pub(crate) const SQUARE: usize = 8;
 /// Over how much of the frame about that other place, px, its light is averaged: where the blur
 /// mixes two mirrors that show places far apart, the mean place is the middle of much, not a
 /// picture of its own. No facet has one.
@@ -254,6 +256,9 @@ impl LightFrom<'_> {
             sent.lanes[FRAME] += share;
             sent.lanes[FRAME_U] += share * u;
             sent.lanes[FRAME_V] += share * v;
+            let (width, height) = self.sheet.view().size();
+            let (x, y) = (u - 0.5 * f64::from(width), v - 0.5 * f64::from(height));
+            sent.lanes[SQUARE] += share * (x * x + y * y);
             return;
         }
         let sine = self.horizon.sin_elevation(direction);

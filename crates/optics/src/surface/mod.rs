@@ -22,11 +22,11 @@ mod walls;
 mod wedge;
 
 pub(crate) use cracks::{Facets, crack_facets};
-pub(crate) use drops::drop_facets;
+pub(crate) use drops::drops;
 pub(crate) use hit::hit_facets;
 pub(crate) use lobe::{
     CABIN_HIGH, CABIN_LOW, FRAME, FRAME_U, FRAME_V, GROUND, HELD, HORIZON, LANES, LightFrom,
-    N_SHARES, SUN, WIDTH, ZENITH,
+    N_SHARES, SQUARE, SUN, WIDTH, ZENITH,
 };
 pub use params::{Glass, SurfaceParams};
 pub(crate) use sheet::SheetView;

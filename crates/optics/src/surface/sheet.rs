@@ -98,14 +98,21 @@ impl SheetView {
             LengthUnit::Mm => Some(point),
             LengthUnit::Px => {
                 let (width, height) = self.view.size();
-                let entry = self.view.unproject([
+                let px = [
                     point[0] / pane[0] * f64::from(width),
                     point[1] / pane[1] * f64::from(height),
-                ])?;
-                let [dx, dy] = self.sideways_mm(self.sight(entry, [0.0; 2])?, self.ply_mm(0)[0]);
-                Some([entry[0] + dx, entry[1] + dy - self.moved_mm])
+                ];
+                Some(self.behind(px, self.ply_mm(0)[0])?.0)
             }
         }
+    }
+
+    /// The point at a depth that is seen at a point of the frame, px, and the direction of sight to it before the glass.
+    pub(crate) fn behind(&self, px: [f64; 2], depth_mm: f64) -> Option<([f64; 2], [f64; 3])> {
+        let entry = self.view.unproject(px)?;
+        let sight = self.sight(entry, [0.0; 2])?;
+        let [dx, dy] = self.sideways_mm(sight, depth_mm);
+        Some(([entry[0] + dx, entry[1] + dy - self.moved_mm], sight))
     }
 
     /// A point of the face towards the camera, in camera coordinates, mm.
@@ -181,7 +188,11 @@ impl SheetView {
         depth_mm: f64,
         pupil: [f64; 2],
     ) -> Option<[f64; 2]> {
-        let entry = self.entry(point, depth_mm, pupil)?;
+        self.appears(self.entry(point, depth_mm, pupil)?, pupil)
+    }
+
+    /// Where a point of the face towards the camera appears in the frame, px, through one point of the pupil, mm.
+    pub(crate) fn appears(&self, entry: [f64; 2], pupil: [f64; 2]) -> Option<[f64; 2]> {
         let at = self.in_camera(entry);
         if at[2] <= 1e-3 * self.pinhole.distance_mm {
             return None;

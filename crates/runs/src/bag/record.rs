@@ -59,14 +59,18 @@ fn behind_text(record: &[u8]) -> Option<&[u8]> {
     rest.get(u32::from_le_bytes(*n_bytes) as usize..)
 }
 
-/// What follows a map: four bytes say how long it is, then its keys and values.
+/// Most keys of a map; each takes many times the memory that it takes in the record.
+const MOST_KEYS: usize = 100_000;
+
+/// What follows a map: four bytes say how long it is, then its keys and values. None where those are too many.
 fn behind_map(record: &[u8]) -> Option<&[u8]> {
     let (n_bytes, map) = record.split_first_chunk()?;
-    let mut rest = map;
+    let (mut rest, mut n_keys) = (map, 0);
     while map.len() - rest.len() < u32::from_le_bytes(*n_bytes) as usize {
         rest = behind_text(behind_text(rest)?)?;
+        n_keys += 1;
     }
-    Some(rest)
+    (n_keys <= MOST_KEYS).then_some(rest)
 }
 
 #[cfg(test)]
@@ -80,7 +84,7 @@ mod tests {
         (
             op::CHANNEL,
             b"\0\0\0\0\x01\0\0\0a\0\0\0\0\x09\0\0\0\x01\0\0\0a\0\0\0\0",
-            &[4, 9, 17, 22],
+            &[4, 9, 13, 17, 22],
         ),
         (
             op::CHUNK,
@@ -95,7 +99,7 @@ mod tests {
         (
             op::METADATA,
             b"\x01\0\0\0a\x09\0\0\0\x01\0\0\0a\0\0\0\0",
-            &[0, 9, 14],
+            &[0, 5, 9, 14],
         ),
     ];
 
@@ -107,9 +111,26 @@ mod tests {
             for &at in texts {
                 let mut broken = record.to_vec();
                 broken[at + 3] = 0x70;
+                assert!(parsed(opcode, &broken).is_err(), "{opcode:#04x} at {at}");
                 assert!(!texts_fit(opcode, &broken), "{opcode:#04x} at {at}");
             }
         }
         assert!(parsed(op::METADATA_INDEX, &[0; 20]).is_err());
+    }
+
+    #[test]
+    fn a_map_of_too_many_keys_is_refused() {
+        let map_of = |n: u32| {
+            let mut record = vec![0; 4];
+            record.extend((14 * n).to_le_bytes());
+            for k in 0..n {
+                record.extend([6, 0, 0, 0]);
+                record.extend(format!("{k:06}").bytes());
+                record.extend([0; 4]);
+            }
+            record
+        };
+        assert!(parsed(op::METADATA, &map_of(100_000)).is_ok());
+        assert!(parsed(op::METADATA, &map_of(100_001)).is_err());
     }
 }

@@ -226,7 +226,8 @@ impl<R: Read + Seek> Records<R> {
             Ok((squeezing, events)) => {
                 self.has_records = true;
                 self.packing.get_or_insert(Packing::Chunks(squeezing));
-                self.queue.extend(events);
+                // Nothing waits when a chunk is read.
+                self.queue = events.into();
                 self.queue.push_back(Event::ChunkEnd);
             }
             Err(reason) => self.end_at(begin, &reason),
@@ -354,14 +355,22 @@ fn chunk(record: &[u8]) -> Result<Result<(Squeezing, Vec<Event>), String>, Unrea
 
 /// The events of an unpacked chunk.
 fn events(mut records: &[u8]) -> Result<Vec<Event>, String> {
-    let mut events = Vec::new();
+    let (mut events, mut n_bytes) = (Vec::new(), 0);
     while let Some((head, rest)) = records.split_first_chunk() {
         let (opcode, length) = split(head);
         let length = usize::try_from(length).unwrap_or(usize::MAX);
         let Some((record, rest)) = rest.split_at_checked(length) else {
             return Err("a chunk ends within a record".to_owned());
         };
-        events.extend(event(opcode, record, true)?);
+        if let Some(event) = event(opcode, record, true)? {
+            n_bytes += event.n_bytes() as u64;
+            events.push(event);
+        }
+        if n_bytes > MAX_RECORD_BYTES {
+            return Err(format!(
+                "a chunk has records that take more than {MAX_RECORD_BYTES} bytes of memory"
+            ));
+        }
         records = rest;
     }
     match records {

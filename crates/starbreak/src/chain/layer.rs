@@ -63,7 +63,8 @@ pub(super) fn deposit_of(
     };
     let scene = Scene::of(settings, size_px);
     let view = scene.sheet()?;
-    let area = scene.wet_area(&view);
+    // Drops run down from above.
+    let area = scene.seen_area(&view, 0.4);
     let n_drops = rain.n_landing(&area);
     if n_drops > MOST_DROPS {
         let most = MOST_DROPS;
@@ -96,7 +97,7 @@ pub(super) fn screens_of(
     let Some(optic) = scene.optic() else {
         return Ok(Vec::new());
     };
-    let area = scene.wet_area(&view);
+    let area = scene.seen_area(&view, 0.1);
     let finest_mm = scene.finest_mm(&view);
     let [width, height] = [size_px.0, size_px.1].map(f64::from);
     // Where the wiper turns is told from where the optical axis meets the pane.
