@@ -562,6 +562,23 @@ fn what_is_clipped_amid_light_is_no_lamp() {
     assert!((sky - 1.0).abs() < 1e-6, "{sky}");
 }
 
+/// A gap between branches before a bright sky, which is a region of its own, is no lamp.
+#[test]
+fn what_is_clipped_beside_what_is_nearly_clipped_is_no_lamp() {
+    let lens = LensFaults::with_headroom(300.0);
+    let brightest = |sky: f32| {
+        let mut light = disc(12.0);
+        for (light, branches) in light.iter_mut().zip(disc(PI * 8.0 * 8.0)) {
+            *light = if branches > 0.0 { light.max(0.02) } else { sky };
+        }
+        lens.unclip(&mut light, 1, 400);
+        light.iter().fold(0.0_f32, |most, value| most.max(*value))
+    };
+    let [sky, night] = [0.95, 0.02].map(brightest);
+    assert!(sky < 2.0, "hardly brighter than white: {sky}");
+    assert!(night > 250.0, "{night}");
+}
+
 #[test]
 fn a_lamp_is_brightest_in_its_middle_and_has_no_holes() {
     let lens = LensFaults::with_headroom(300.0);

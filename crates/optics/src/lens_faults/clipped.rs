@@ -45,7 +45,7 @@ struct Region {
     /// Farthest from its border, in steps.
     depth: u32,
     is_clipped: bool,
-    /// Sum of the light of some places around it, and how many these are.
+    /// Sum of the light of some places around it that are not its own, and how many these are.
     around: (f32, u32),
 }
 
@@ -231,7 +231,6 @@ fn regions(
     brightest: impl Fn(usize) -> f32,
 ) -> (Vec<u32>, Vec<Region>) {
     let mut labels = vec![0_u32; n_pixels];
-    let around = places_around(n_pixels, width);
     let mut regions: Vec<Region> = Vec::new();
     for at in bright.iter().copied() {
         let x = at % width;
@@ -261,27 +260,53 @@ fn regions(
         region.n_pixels += 1;
         region.depth = region.depth.max(depths[at]);
         region.is_clipped |= brightest(at) >= CLIPPED;
-        // Around its border; in its depth that lies within itself.
+    }
+    let whole: Vec<usize> = (0..regions.len()).map(|k| whole(&mut regions, k)).collect();
+    look_around(
+        (bright, depths, &labels),
+        width,
+        &whole,
+        &mut regions,
+        brightest,
+    );
+    let regions = whole.iter().map(|of| regions[*of]).collect();
+    (labels, regions)
+}
+
+/// Adds up the light around regions that are clipped: of places around their border that are not their own.
+fn look_around(
+    (bright, depths, labels): (&[usize], &[u32], &[u32]),
+    width: usize,
+    whole: &[usize],
+    regions: &mut [Region],
+    brightest: impl Fn(usize) -> f32,
+) {
+    let around = places_around(labels.len(), width);
+    let region_at = |at: usize| {
+        let region = (labels[at] as usize).checked_sub(1)?;
+        Some(whole[region])
+    };
+    for at in bright.iter().copied() {
+        let Some(own) = region_at(at).filter(|own| regions[*own].is_clipped) else {
+            continue;
+        };
         if depths[at] > STEPS[0] {
             continue;
         }
+        let x = at % width;
         for [right, down] in around {
             let is_inside = x
                 .checked_add_signed(right)
                 .is_some_and(|there| there < width);
             let there = at.checked_add_signed(down * width.cast_signed() + right);
-            let there = there.filter(|there| is_inside && *there < n_pixels && depths[*there] == 0);
-            if let Some(there) = there {
+            let there = there.filter(|there| is_inside && *there < labels.len());
+            if let Some(there) = there.filter(|there| region_at(*there) != Some(own)) {
+                let region = &mut regions[own];
                 region.around.0 += brightest(there);
                 region.around.1 += 1;
             }
         }
     }
-    for k in 0..regions.len() {
-        let of = whole(&mut regions, k);
-        regions[k] = regions[of];
-    }
-    (labels, regions)
 }
 
 /// The region that one is part of in the end.
@@ -305,8 +330,6 @@ fn join(regions: &mut [Region], one: usize, other: usize) -> usize {
         region.n_pixels += joined.n_pixels;
         region.depth = region.depth.max(joined.depth);
         region.is_clipped |= joined.is_clipped;
-        region.around.0 += joined.around.0;
-        region.around.1 += joined.around.1;
     }
     first
 }

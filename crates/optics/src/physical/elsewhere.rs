@@ -37,7 +37,7 @@ impl OverlayLayer {
     ) {
         let is_wide = |other: &Elsewhere| other.width.iter().any(|width| *width > FINE_WIDTHS[0]);
         let coarse = if self.elsewhere.iter().any(is_wide) {
-            Coarse::of(size, &light)
+            Coarse::of(size, &light, self.has_drops)
         } else {
             Coarse { levels: Vec::new() }
         };
@@ -123,7 +123,7 @@ fn between_pixels(
     top + (bottom - top) * t
 }
 
-/// The scene in large cells: means of a few pixels of each, then of ever more cells.
+/// The scene in large cells: means of pixels of each, then of ever more cells.
 struct Coarse {
     levels: Vec<Level>,
 }
@@ -137,17 +137,26 @@ struct Level {
 }
 
 impl Coarse {
-    fn of((width, height): (usize, usize), light: impl Fn(usize, usize) -> f32x4) -> Self {
+    /// Of all pixels, or of four of each cell.
+    fn of(
+        (width, height): (usize, usize),
+        light: impl Fn(usize, usize) -> f32x4,
+        has_all: bool,
+    ) -> Self {
         let size = (width.div_ceil(CELL_PX), height.div_ceil(CELL_PX));
+        let some = [(3, 5), (11, 3), (5, 13), (13, 11)];
         let mut cells = Vec::with_capacity(size.0 * size.1);
         for y in (0..size.1).map(|y| y * CELL_PX) {
             for x in (0..size.0).map(|x| x * CELL_PX) {
-                let mut sum = f32x4::ZERO;
-                for (dx, dy) in [(3, 5), (11, 3), (5, 13), (13, 11)] {
-                    let (x, y) = ((x + dx).min(width - 1), (y + dy).min(height - 1));
-                    sum += light(x, y);
-                }
-                cells.push(sum * 0.25);
+                cells.push(if has_all {
+                    mean_light([x, y], [width, height], &light)
+                } else {
+                    let mut sum = f32x4::ZERO;
+                    for (dx, dy) in some {
+                        sum += light((x + dx).min(width - 1), (y + dy).min(height - 1));
+                    }
+                    sum * 0.25
+                });
             }
         }
         #[expect(clippy::cast_precision_loss, reason = "16 px")]
@@ -188,6 +197,24 @@ impl Coarse {
         let narrow = of_level(doublings - 1);
         narrow + (wide - narrow) * (halves - 1.0)
     }
+}
+
+/// Mean light of the pixels of a cell from its first on, as far as it lies in the frame.
+fn mean_light(
+    [x, y]: [usize; 2],
+    [width, height]: [usize; 2],
+    light: impl Fn(usize, usize) -> f32x4,
+) -> f32x4 {
+    let (columns, rows) = (x..(x + CELL_PX).min(width), y..(y + CELL_PX).min(height));
+    #[expect(clippy::cast_precision_loss, reason = "some hundred px")]
+    let n = (columns.len() * rows.len()) as f32;
+    let mut sum = f32x4::ZERO;
+    for y in rows {
+        for x in columns.clone() {
+            sum += light(x, y);
+        }
+    }
+    sum * (1.0 / n)
 }
 
 impl Level {

@@ -15,6 +15,8 @@ pub(crate) struct PatternLayer {
     /// Shares come to 1 together at most.
     pub(crate) light: LaneRuns<LANES>,
     pub(crate) tint: LaneRuns<3>,
+    /// Whether it shows much of the frame at once, so that each lamp counts where that is averaged.
+    pub(crate) has_drops: bool,
 }
 
 /// From what is told how far apart the places are that a pixel mixes.
@@ -47,7 +49,11 @@ impl PatternLayer {
                 }
             }
         }
-        Self { light, tint: tints }
+        Self {
+            light,
+            tint: tints,
+            has_drops: matches!(spread, Spread::Squares),
+        }
     }
 }
 

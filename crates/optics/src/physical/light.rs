@@ -145,7 +145,10 @@ impl OverlayLayer {
                 layer.tint.run_at(x, y),
             );
         }
-        lighting.into_layer()
+        Self {
+            has_drops: layer.has_drops,
+            ..lighting.into_layer()
+        }
     }
 }
 

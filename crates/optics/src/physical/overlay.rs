@@ -33,6 +33,8 @@ pub(crate) struct OverlayLayer {
     /// What some runs keep of each color.
     pub(super) tinted: Vec<[[f32; CHUNK]; 3]>,
     pub(super) elsewhere: Vec<Elsewhere>,
+    /// Whether each lamp counts where light from elsewhere is averaged: that of drops.
+    pub(super) has_drops: bool,
 }
 
 /// [`CHUNK`] pixels of a row.

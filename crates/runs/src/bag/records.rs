@@ -349,12 +349,13 @@ fn chunk(record: &[u8]) -> Result<Result<(Squeezing, Vec<Event>), String>, Unrea
         Err(reason) => return Ok(Err(reason)),
     };
     let squeezing = squeezing(&header)?;
-    let events = unpacked(&header, squeezing, &data).and_then(|unpacked| events(&unpacked));
+    let events = unpacked(&header, squeezing, &data)
+        .and_then(|unpacked| events(&unpacked, MAX_RECORD_BYTES));
     Ok(events.map(|events| (squeezing, events)))
 }
 
-/// The events of an unpacked chunk.
-fn events(mut records: &[u8]) -> Result<Vec<Event>, String> {
+/// The events of an unpacked chunk, as far as they take no more memory than some bytes: records may be short.
+fn events(mut records: &[u8], most_bytes: u64) -> Result<Vec<Event>, String> {
     let (mut events, mut n_bytes) = (Vec::new(), 0);
     while let Some((head, rest)) = records.split_first_chunk() {
         let (opcode, length) = split(head);
@@ -366,9 +367,9 @@ fn events(mut records: &[u8]) -> Result<Vec<Event>, String> {
             n_bytes += event.n_bytes() as u64;
             events.push(event);
         }
-        if n_bytes > MAX_RECORD_BYTES {
+        if n_bytes > most_bytes {
             return Err(format!(
-                "a chunk has records that take more than {MAX_RECORD_BYTES} bytes of memory"
+                "a chunk has records that take more than {most_bytes} bytes of memory"
             ));
         }
         records = rest;
@@ -455,5 +456,16 @@ mod tests {
             let n_bytes = event.n_bytes();
             assert!((least..least + 100).contains(&n_bytes), "{n_bytes} bytes");
         }
+    }
+
+    #[test]
+    fn many_short_records_take_no_more_memory_than_is_allowed() {
+        let private = [0x80, 0, 0, 0, 0, 0, 0, 0, 0].repeat(1000);
+        let n_bytes = 1000 * size_of::<Event>() as u64;
+        assert_eq!(
+            events(&private, n_bytes).map(|events| events.len()),
+            Ok(1000)
+        );
+        assert!(events(&private, n_bytes - 1).is_err());
     }
 }

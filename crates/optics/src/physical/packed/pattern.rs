@@ -221,6 +221,7 @@ impl PackedPattern {
             Ok(PatternLayer {
                 light: self.lane_runs(&layer.light, light_pixels)?,
                 tint: self.lane_runs(&layer.tint, tint_pixels)?,
+                has_drops: false,
             })
         });
         Ok(Pattern::from_parts(
