@@ -296,7 +296,6 @@ fn a_drop_out_of_focus_is_the_sharp_one_spread_by_the_disc() {
             }
         }
         let rms = f64::sqrt(square / n);
-        println!("radius {radius_mm} mm, blur {blur_px} px: rms {rms:.4}, at most {worst:.3}");
         assert!(
             rms < 0.07 && worst < 0.3,
             "radius {radius_mm} mm, blur {blur_px} px: {rms}, {worst}"

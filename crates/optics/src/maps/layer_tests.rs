@@ -326,6 +326,11 @@ fn a_disc_far_larger_than_the_frame_is_even_light() {
     }
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "some cells")]
+fn whole(cells: f64) -> i32 {
+    cells as i32
+}
+
 /// Cells of a rectangle.
 struct Cells {
     radius_px: f64,
@@ -356,7 +361,7 @@ fn cells_that_are_drawn_spread_as_the_facet_that_covers_them() {
     for radius_px in [0.0, 0.4, 1.8, -6.0, 30.0] {
         // Whole cells of all sizes, some of them beyond the frame.
         let corners = [[-8.0, 8.0], [24.0, 8.0], [24.0, 32.0], [-8.0, 32.0]];
-        let cells = |px: f64| (px * cells_per_px(radius_px)) as i32;
+        let cells = |px: f64| whole(px * cells_per_px(radius_px));
         let drawn = Cells {
             radius_px,
             columns: cells(-8.0)..cells(24.0),
@@ -382,7 +387,7 @@ fn cells_that_are_drawn_spread_as_the_facet_that_covers_them() {
 #[test]
 fn what_is_drawn_twice_covers_no_more_than_once() {
     for radius_px in [0.0, 1.8, 12.0] {
-        let cells = |px: f64| (px * cells_per_px(radius_px)) as i32;
+        let cells = |px: f64| whole(px * cells_per_px(radius_px));
         let drawn = Cells {
             radius_px,
             columns: cells(16.0)..cells(24.0),
