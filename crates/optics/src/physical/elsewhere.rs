@@ -68,6 +68,16 @@ impl OverlayLayer {
     }
 }
 
+/// The exponent, as an `f32` has it, of the least power of two that is no less than a number above 0.
+pub(crate) fn exponent_up(value: f32) -> u32 {
+    ((value.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1)) + 1
+}
+
+/// The power of two of an exponent, as an `f32` has it.
+pub(super) fn power_of(exponent: u32) -> f32 {
+    f32::from_bits(exponent << (f32::MANTISSA_DIGITS - 1))
+}
+
 /// Colors as one vector, of which what they leave is 0.
 #[inline(always)]
 pub(super) fn side_by_side<const COLORS: usize>(colors: &[f32; COLORS]) -> f32x4 {
@@ -180,8 +190,8 @@ impl Coarse {
         // Of the first level whose cells are at least twice as wide, and of the one before it, whose cells are half as wide.
         #[expect(clippy::cast_precision_loss, reason = "16 px")]
         let cells = (2.0 * width / CELL_PX as f32).max(1.0);
-        let exponent = (cells.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1);
-        let doublings = exponent as usize - 126;
+        let exponent = exponent_up(cells);
+        let doublings = exponent as usize - 127;
         let of_level = |doublings: usize| {
             let level = self.levels.get(doublings).or(self.levels.last());
             level.map_or(f32x4::ZERO, |level| {
@@ -190,7 +200,7 @@ impl Coarse {
             })
         };
         let wide = of_level(doublings);
-        let halves = cells / f32::from_bits(exponent << (f32::MANTISSA_DIGITS - 1));
+        let halves = cells / power_of(exponent - 1);
         if doublings == 0 || halves >= 2.0 {
             return wide;
         }

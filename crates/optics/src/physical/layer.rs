@@ -1,6 +1,6 @@
 //! What a layer of facets shows, as far as it does not depend on the light.
 
-use super::elsewhere::{FINE_WIDTHS, ONE_MIRROR};
+use super::elsewhere::{FINE_WIDTHS, ONE_MIRROR, exponent_up, power_of};
 use super::overlay::{LEAST_ELSEWHERE, LEAST_INFLUENCE};
 use crate::maps::{CHUNK, LaneRun, LaneRuns};
 use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SQUARE, SUN, WIDTH};
@@ -94,10 +94,7 @@ fn find_places(light: &mut LaneRuns<LANES>, k: usize, spread: Spread) {
 /// A width from which on the mean is of coarse cells alone: the next power of two, as banks keep it.
 fn doubled_up(width: f32) -> f32 {
     if width > FINE_WIDTHS[1] {
-        f32::from_bits(
-            (((width.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1)) + 1)
-                << (f32::MANTISSA_DIGITS - 1),
-        )
+        power_of(exponent_up(width))
     } else {
         width
     }

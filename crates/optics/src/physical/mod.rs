@@ -20,7 +20,7 @@ mod samples;
 
 pub use crate::surface::{Glass, SurfaceParams};
 pub(crate) use defocus::{Beyond, defocus_rows, spread_evenly};
-pub(crate) use elsewhere::FINE_WIDTHS;
+pub(crate) use elsewhere::{FINE_WIDTHS, exponent_up};
 pub use frames::Gathered;
 pub(crate) use layer::PatternLayer;
 pub(crate) use light::{Colors, Lighting};

@@ -58,17 +58,16 @@ pub(crate) fn drops<'a>(
             is_near.then_some((drop, middle, radius_px))
         })
         .collect();
-    let blur_px = |drop: &Drop<'_>| {
-        let outer_mm = from.sheet.outer_mm();
-        from.sheet.blur_radius_px(drop.cap.at_mm, outer_mm)
-    };
     let (mut drawn, mut faceted) = (Vec::new(), Vec::new());
     for (drop, middle, radius_px) in seen {
-        let Some(blur_px) = blur_px(&drop) else {
+        let outer_mm = from.sheet.outer_mm();
+        let Some(blur_px) = from.sheet.blur_radius_px(drop.cap.at_mm, outer_mm) else {
             continue;
         };
-        match DrawnDrop::of(drop, blur_px) {
-            Some(drop) if drop.least_cells() >= DRAWN_CELLS => drawn.push(drop),
+        match drop.per_cell(cells_per_px(blur_px)) {
+            Some(per_cell) if least_cells(per_cell) >= DRAWN_CELLS => {
+                drawn.push(DrawnDrop::of(drop, blur_px, per_cell));
+            }
             _ => faceted.push((drop, (middle, blur_px), radius_px)),
         }
     }
@@ -91,8 +90,17 @@ pub(crate) fn drops<'a>(
     (drawn, facets)
 }
 
+/// Radius of a drop along its shorter side, in cells, by [`Drop::per_cell`].
+fn least_cells([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
+    // The inverse of the larger singular value.
+    let (sum, determinant) = (a * a + b * b + c * c + d * d, a * d - b * c);
+    let root = (sum * sum - 4.0 * determinant * determinant)
+        .max(0.0)
+        .sqrt();
+    1.0 / (0.5 * (sum + root)).sqrt()
+}
+
 /// A drop before a camera.
-#[derive(Clone, Copy)]
 struct Drop<'a> {
     cap: Cap,
     from: &'a LightFrom<'a>,
@@ -125,6 +133,13 @@ impl<'a> Drop<'a> {
     fn enters_mm(&self, at_mm: [f64; 2]) -> [f64; 2] {
         let [x, y] = [0, 1].map(|k| at_mm[k] - self.cap.at_mm[k]);
         [0, 1].map(|k| self.enters_mm[k] + x * self.moves[0][k] + y * self.moves[1][k])
+    }
+
+    /// Change of the place on the pane, of its radius, per cell along x and along y; none beside the camera.
+    fn per_cell(&self, per_px: f64) -> Option<[[f64; 2]; 2]> {
+        let [[a, b], [c, d]] = self.from.sheet.view().jacobian(self.cap.at_mm)?;
+        let per_px_of_pane = 1.0 / ((a * d - b * c) * per_px * self.cap.radius_mm);
+        Some([[d, -c], [-b, a]].map(|row| row.map(|part| part * per_px_of_pane)))
     }
 
     /// Where a place of the outer face appears in the frame, px.
@@ -281,13 +296,13 @@ pub(crate) struct DrawnDrop<'a> {
     per_px: f64,
     columns: Range<i32>,
     rows: Range<i32>,
-    /// Change of the place on the pane, of the drop's radius, per cell along x and along y.
+    /// As [`Drop::per_cell`].
     per_cell: [[f64; 2]; 2],
 }
 
 impl<'a> DrawnDrop<'a> {
     /// As far as it lies in the frame or its blur reaches into it.
-    fn of(drop: Drop<'a>, blur_px: f64) -> Option<Self> {
+    fn of(drop: Drop<'a>, blur_px: f64, per_cell: [[f64; 2]; 2]) -> Self {
         const AROUND: u32 = 16;
         let per_px = cells_per_px(blur_px);
         let view = drop.from.sheet.view();
@@ -313,28 +328,14 @@ impl<'a> DrawnDrop<'a> {
             let cells = (low.floor() as i32)..(high.ceil() as i32);
             cells
         });
-        let [[a, b], [c, d]] = view.jacobian(drop.cap.at_mm)?;
-        let per_px_of_pane = 1.0 / ((a * d - b * c) * per_px * drop.cap.radius_mm);
-        let per_cell = [[d, -c], [-b, a]].map(|row| row.map(|part| part * per_px_of_pane));
-        Some(Self {
+        Self {
             drop,
             blur_px,
             per_px,
             columns,
             rows,
             per_cell,
-        })
-    }
-
-    /// Radius along its shorter side, in cells.
-    fn least_cells(&self) -> f64 {
-        let [[a, b], [c, d]] = self.per_cell;
-        // The inverse of the larger singular value.
-        let (sum, determinant) = (a * a + b * b + c * c + d * d, a * d - b * c);
-        let root = (sum * sum - 4.0 * determinant * determinant)
-            .max(0.0)
-            .sqrt();
-        1.0 / (0.5 * (sum + root)).sqrt()
+        }
     }
 
     /// What a cell shows; none where it covers nothing of it.

@@ -198,7 +198,7 @@ impl Bag {
     /// [`Error`]; nothing is written then. A bag that is not whole is no error: [`BagReport::damage`].
     ///
     /// # Limits
-    /// A record, and a chunk when it is unpacked, has at most 1 GiB.
+    /// A record, and a chunk when it is unpacked, has at most 1 GiB, also in memory, and a map at most 100,000 keys.
     pub fn run(
         &self,
         stop: &AtomicBool,

@@ -14,7 +14,7 @@ use wide::{f32x8, i32x8};
 use super::block::Block;
 use super::runs::{BlockRun, from_steps, steps};
 use crate::maps::{CHUNK, LaneRun};
-use crate::physical::{FINE_WIDTHS, LEAST_ELSEWHERE};
+use crate::physical::{FINE_WIDTHS, LEAST_ELSEWHERE, exponent_up};
 use crate::surface::{FRAME, FRAME_U, FRAME_V, LANES, N_SHARES, SUN, WIDTH};
 
 /// Steps of a share of light in 1.
@@ -84,7 +84,7 @@ fn width_steps(width: f32) -> i32 {
         return if is_any { fine } else { 0 };
     }
     #[expect(clippy::cast_possible_wrap, reason = "an exponent")]
-    let exponent = ((width.to_bits() - 1) >> (f32::MANTISSA_DIGITS - 1)) as i32 + 1;
+    let exponent = exponent_up(width) as i32;
     WIDTH_FINE + exponent - WIDTH_FIRST
 }
 
