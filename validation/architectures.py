@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The paper's three architectures with random weights: `detect` beside each framework's own pipeline.
 
-architectures.py STARBREAK [Yolo | FasterRcnn | Retina ...], STARBREAK built with the feature `ort`. Needs
+architectures.py STARBREAK [Yolo | FasterRcnn | Retina ...], STARBREAK the command. Needs
 requirements-torch.txt, requirements-architectures.txt and requirements-mmdeploy.txt.
 
 - YOLOv8n by Ultralytics, Faster R-CNN (ResNet-50, FPN) by torchvision, RetinaNet-PVTv2-B0 by MMDetection, each

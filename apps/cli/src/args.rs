@@ -11,6 +11,7 @@ pub(crate) mod generate;
 pub(crate) mod overlay;
 pub(crate) mod patterns;
 pub(crate) mod pipe;
+pub(crate) mod runtime;
 pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod timeline;

@@ -6,7 +6,7 @@ mod common;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::{all_refused, folder, json, skipped, starbreak, succeed, write_photo};
+use common::{all_refused, command, folder, json, skipped, starbreak, succeed, write_photo};
 use serde_json::Value;
 
 /// A file or folder of the shared data, or `None` with a note on the error output.
@@ -205,8 +205,27 @@ fn what_cannot_work_is_refused_before_anything_is_written() {
                 "0 to 1",
             ),
             (
-                detect(&["--model", "text.onnx", "-o", "a", "--cuda"]),
-                "--onnxruntime",
+                detect(&[
+                    "--model",
+                    "text.onnx",
+                    "-o",
+                    "a",
+                    "--cuda",
+                    "--runtime",
+                    "rten",
+                ]),
+                "--runtime rten asks for rten",
+            ),
+            (
+                detect(&[
+                    "--model",
+                    "text.onnx",
+                    "-o",
+                    "a",
+                    "--onnxruntime",
+                    "text.onnx",
+                ]),
+                "pip install onnxruntime",
             ),
         ],
     );
@@ -215,4 +234,68 @@ fn what_cannot_work_is_refused_before_anything_is_written() {
         listed.stdout.contains("torchvision-fasterrcnn"),
         "{listed:?}"
     );
+}
+
+/// Runs `detect` on four images with a variable for the library, and gives exit code, result and remarks.
+fn detect_with(library: &Path, more: &[&str]) -> Option<(Option<i32>, Value, String)> {
+    let (model, data) = (shared("onnx/FastestDet.onnx")?, shared("coco96")?);
+    let dir = folder();
+    let source = format!("coco:{}", data.display());
+    let model = model.to_string_lossy().into_owned();
+    let args = [
+        "detect", "--json", "--model", &model, &source, "--limit", "4", "-o", "dt.json",
+    ];
+    let mut command = command(dir.path(), &[&args, more].concat());
+    let done = command.env("ORT_DYLIB_PATH", library).output().unwrap();
+    let result = serde_json::from_slice(&done.stdout).unwrap_or_default();
+    Some((
+        done.status.code(),
+        result,
+        String::from_utf8(done.stderr).unwrap(),
+    ))
+}
+
+#[test]
+fn onnx_runtime_is_taken_where_it_is_found_and_rten_where_it_is_not() {
+    let dir = folder();
+    let none = dir.path().join("none.so");
+    let Some((code, result, said)) = detect_with(&none, &["--runtime", "auto"]) else {
+        return;
+    };
+    assert_eq!(
+        (code, &result["runtime"]),
+        (Some(0), &"rten".into()),
+        "{said}"
+    );
+    assert!(
+        said.contains("none.so") && said.contains("rten runs the detectors"),
+        "{said}"
+    );
+    let of_rten = result["n_detections"].as_i64().unwrap();
+    let (code, _, said) = detect_with(&none, &["--runtime", "onnxruntime"]).unwrap();
+    assert_eq!(code, Some(2), "{said}");
+    assert!(
+        said.contains("none.so") && said.contains("--runtime rten"),
+        "{said}"
+    );
+    // Who asks for nothing gets what all have.
+    let (_, result, said) = detect_with(&none, &[]).unwrap();
+    assert_eq!(result["runtime"], "rten", "{said}");
+    let Some(library) = std::env::var_os("STARBREAK_TEST_ONNXRUNTIME").map(PathBuf::from) else {
+        return skipped("no ONNX Runtime is named by STARBREAK_TEST_ONNXRUNTIME");
+    };
+    let named = library.to_string_lossy().into_owned();
+    for (in_variable, more) in [
+        (&library, &["--runtime", "auto"][..]),
+        (&library, &["--runtime", "onnxruntime"]),
+        (&none, &["--onnxruntime", &named]),
+    ] {
+        let (code, result, said) = detect_with(in_variable, more).unwrap();
+        assert_eq!(code, Some(0), "{said}");
+        let runtime = result["runtime"].as_str().unwrap();
+        assert!(runtime.starts_with("ONNX Runtime of commit "), "{runtime}");
+        assert!(said.contains(runtime), "{said}");
+        let n = result["n_detections"].as_i64().unwrap();
+        assert!((n - of_rten).abs() <= 1, "{n} boxes, {of_rten} by rten");
+    }
 }

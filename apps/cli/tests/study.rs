@@ -305,6 +305,17 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
         );
         assert!(snapshot(dir.path()) == before, "{named}: nothing written");
     }
+    // Detections by another runtime would be mixed with these.
+    let file = dir.path().join("out/study.json");
+    let own = fs::read_to_string(&file).unwrap();
+    let mut other = json(&file);
+    other["detectors"]["FastestDet"]["runtime"] = "ONNX Runtime of commit 1234567".into();
+    fs::write(&file, other.to_string()).unwrap();
+    let refused = starbreak(dir.path(), &small(&data, "1", &[]));
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    let named = "detector FastestDet was run by ONNX Runtime of commit 1234567, not by rten";
+    assert!(refused.stderr.contains(named), "{}", refused.stderr);
+    fs::write(&file, own).unwrap();
     let more = starbreak(dir.path(), &small(&data, "1,2", &[]));
     assert_eq!(more.code, Some(0), "{}", more.stderr);
     let study = json(&dir.path().join("out/evaluation.json"));

@@ -91,6 +91,36 @@ def test_what_is_wrong_is_said_as_by_the_command(images, tmp_path):
     assert not (tmp_path / "x").exists()
 
 
+def test_onnx_runtime_is_that_of_this_python(images, tmp_path, monkeypatch, caplog):
+    onnx = pytest.importorskip("onnx", reason="onnx is not installed; run `cargo xtask test`")
+    pytest.importorskip("onnxruntime", reason="onnxruntime is not installed; run `cargo xtask test`")
+    # A detector in the form of YOLOX that always sees the same thing.
+    found = np.zeros((1, 21, 85), np.float32)
+    found[0, 3, :6] = 0.5, 0.5, 1, 1, 0.9, 0.8
+    floats = onnx.TensorProto.FLOAT
+    graph = onnx.helper.make_graph(
+        [onnx.helper.make_node("Identity", ["found"], ["output"])],
+        "detector",
+        [onnx.helper.make_tensor_value_info("images", floats, [1, 3, 32, 32])],
+        [onnx.helper.make_tensor_value_info("output", floats, [1, 21, 85])],
+        [onnx.numpy_helper.from_array(found, "found")],
+    )
+    model = tmp_path / "yolox.onnx"
+    onnx.save(onnx.helper.make_model(graph, opset_imports=[onnx.helper.make_opsetid("", 13)], ir_version=8), model)
+    # No other Python is there to ask.
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.delenv("ORT_DYLIB_PATH", raising=False)
+    said = {
+        name: starbreak.detect(f"folder:{images}", model, tmp_path / f"{name}.json", runtime=name)
+        for name in ("rten", "onnxruntime", "auto")
+    }
+    assert said["rten"]["runtime"] == "rten"
+    for name in ("onnxruntime", "auto"):
+        assert said[name]["runtime"].startswith("ONNX Runtime of commit ")
+        assert said[name]["n_detections"] == said["rten"]["n_detections"] > 0
+        assert (tmp_path / f"{name}.json").read_bytes() == (tmp_path / "rten.json").read_bytes()
+
+
 def test_frames_of_a_pipe_are_for_a_process_of_their_own():
     with pytest.raises(ValueError, match="pipe reads standard input and writes standard output, .* ReadyCrack.over"):
         starbreak.command("pipe", size="8x8", pixels="gray")

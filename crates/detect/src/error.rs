@@ -35,6 +35,9 @@ pub enum DetectError {
         /// What is wrong, and the way out.
         reason: String,
     },
+    /// What runs models cannot be loaded.
+    #[error("ONNX Runtime: {0}")]
+    Runtime(String),
     /// Names of classes which do not fit.
     #[error("label map {map:?}: {reason}")]
     LabelMap {

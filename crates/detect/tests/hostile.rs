@@ -88,7 +88,7 @@ fn an_operator_that_is_not_known_or_wrong_is_named_with_the_way_out() {
     for name in ["RoiAlign", "NonMaxSuppression"] {
         let graph = yolox().operator(name, "images", "found");
         let error = refusal(&graph.bytes(), None);
-        assert_says(&error, &[name, "--onnxruntime"]);
+        assert_says(&error, &[name, "--runtime onnxruntime"]);
     }
 }
 

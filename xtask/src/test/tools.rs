@@ -12,6 +12,15 @@ use crate::metadata::Metadata;
 /// The packages, with their versions.
 const REQUIREMENTS: &str = "xtask/test-requirements.txt";
 
+/// Python that prints the library in the package onnxruntime, or nothing.
+const LIBRARY_OF_ONNX_RUNTIME: &str = "\
+import importlib.util, pathlib
+spec = importlib.util.find_spec('onnxruntime')
+names = ('libonnxruntime.', 'onnxruntime.dll')
+paths = sorted(pathlib.Path(spec.submodule_search_locations[0], 'capi').iterdir()) if spec else []
+print(next((path for path in paths if path.name.startswith(names)), ''))
+";
+
 /// Copy of the requirements that the environment was made for, written last.
 const MADE_FOR: &str = "made-for.txt";
 
@@ -20,6 +29,8 @@ const MADE_FOR: &str = "made-for.txt";
 pub(super) struct Tools {
     python: PathBuf,
     ffmpeg: PathBuf,
+    /// The library of ONNX Runtime; its package has none for old Pythons.
+    onnx_runtime: Option<PathBuf>,
     target: PathBuf,
 }
 
@@ -39,9 +50,13 @@ impl Tools {
         ]);
         // It would name another ffmpeg.
         let said = answer(ask.env_remove("IMAGEIO_FFMPEG_EXE"))?;
+        let mut ask = Command::new(&python);
+        let library = answer(ask.args(["-c", LIBRARY_OF_ONNX_RUNTIME]))?;
+        let library = library.trim();
         Ok(Self {
             python,
             ffmpeg: PathBuf::from(said.trim()),
+            onnx_runtime: (!library.is_empty()).then(|| PathBuf::from(library)),
             target,
         })
     }
@@ -65,6 +80,9 @@ impl Tools {
     pub(super) fn name_to(&self, command: &mut Command) {
         command.env("STARBREAK_TEST_PYTHON", &self.python);
         command.env("STARBREAK_TEST_FFMPEG", &self.ffmpeg);
+        if let Some(library) = &self.onnx_runtime {
+            command.env("STARBREAK_TEST_ONNXRUNTIME", library);
+        }
         if let Some(chromium) = browser::prepare(&self.target) {
             command.env("STARBREAK_TEST_CHROMIUM", chromium);
         }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::runtime::RuntimeArgs;
 use super::video::FfmpegArgs;
 
 /// `starbreak detect`.
@@ -50,13 +51,8 @@ pub(crate) struct DetectArgs {
     /// Only the first N images
     #[arg(long, value_name = "N")]
     pub(crate) limit: Option<usize>,
-    /// Run the model with this ONNX Runtime library, such as
-    /// onnxruntime/capi/libonnxruntime.so.1.31.1 of the Python package
-    #[arg(long, value_name = "PATH")]
-    pub(crate) onnxruntime: Option<PathBuf>,
-    /// Run the model on an NVIDIA GPU
-    #[arg(long, requires = "onnxruntime")]
-    pub(crate) cuda: bool,
+    #[command(flatten)]
+    pub(crate) runtime: RuntimeArgs,
     /// Write the clip with the boxes of scores from 0.3 on, too (clip:FILE only)
     #[arg(long, value_name = "FILE")]
     pub(crate) video: Option<PathBuf>,

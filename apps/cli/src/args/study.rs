@@ -9,6 +9,7 @@ use starbreak::{FAULTS, PRESETS, SCENARIOS};
 use super::evaluate::ProtocolWord;
 use super::generate::OnError;
 use super::overlay::OverlayArgs;
+use super::runtime::RuntimeArgs;
 
 /// `starbreak study`.
 #[derive(Debug, Args)]
@@ -27,6 +28,8 @@ pub(crate) struct StudyArgs {
     /// from its inputs and outputs; repeatable
     #[arg(long, value_name = "PRESET|FILE")]
     pub(crate) contract: Vec<String>,
+    #[command(flatten)]
+    pub(crate) runtime: RuntimeArgs,
     /// Presets to damage the images with
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with_all = ["preset", "recipe"])]
     pub(crate) presets: Vec<String>,

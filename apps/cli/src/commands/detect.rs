@@ -9,8 +9,8 @@ use starbreak_dataset::{
     DatasetError, ObjectKind, OutputBatch, Source, files_in, is_inside, read_text, same_file,
 };
 use starbreak_detect::{
-    Backend, Contract, DetectError, Detector, DetectorOptions, Device, ImageDetections, ImageToSee,
-    LabelMap, LabelRules, preset_names,
+    Contract, DetectError, Detector, DetectorOptions, ImageDetections, ImageToSee, LabelMap,
+    LabelRules, preset_names,
 };
 use starbreak_eval::{BoxPx, Detection, Detections, LabelSet};
 
@@ -82,7 +82,10 @@ pub(super) struct Run<'a> {
 
 impl Run<'_> {
     pub(super) fn detector(&self) -> Result<Detector, Failure> {
-        Ok(Detector::open(self.model, &options_of(self.args)?)?)
+        Ok(Detector::open(
+            self.model,
+            &options_of(self.args, self.screen)?,
+        )?)
     }
 
     /// The batch that the detections go into. A folder of KITTI's form holds those of one run.
@@ -281,19 +284,12 @@ pub(super) fn label_rules(path: &Path) -> Result<LabelRules, Failure> {
     Ok(LabelRules::parse(&path.to_string_lossy(), &text.text)?)
 }
 
-fn options_of(args: &DetectArgs) -> Result<DetectorOptions, Failure> {
+fn options_of(args: &DetectArgs, screen: &Screen) -> Result<DetectorOptions, Failure> {
     let contract = args.contract.as_deref().map(contract_of).transpose()?;
-    let backend = match &args.onnxruntime {
-        None => Backend::PureRust,
-        Some(library) => Backend::OnnxRuntime {
-            library: library.clone(),
-            device: if args.cuda { Device::Cuda } else { Device::Cpu },
-        },
-    };
     Ok(DetectorOptions {
         contract,
         score_threshold: args.score_threshold,
-        backend,
+        backend: args.runtime.backend(screen)?,
         ..DetectorOptions::default()
     })
 }
@@ -342,11 +338,12 @@ pub(super) fn say_contract(detector: &Detector, screen: &Screen) {
         contract.about
     ));
     screen.note(&format!(
-        "{} classes by {}; scores from {} on, at most {} detections per image",
+        "{} classes by {}; scores from {} on, at most {} detections per image; run by {}",
         contract.classes.names.iter().flatten().count(),
         contract.classes.origin,
         contract.score_threshold,
-        contract.max_detections
+        contract.max_detections,
+        detector.runtime()
     ));
 }
 
@@ -476,6 +473,7 @@ fn result_json(looked: &Looked, output: &Path, results: &Results) -> Value {
         "output": path_text(output),
         "contract": contract.name,
         "reason": detector.reason(),
+        "runtime": detector.runtime(),
         "score_threshold": contract.score_threshold,
         "n_classes": contract.classes.names.iter().flatten().count(),
         "unmapped_classes": map.unmapped_classes(),

@@ -243,6 +243,7 @@ fn detectors_of(
         Some(path) => super::detect::label_rules(path)?,
         None => LabelRules::of_dataset(source.format().name())?,
     };
+    let backend = args.runtime.backend(screen)?;
     let mut detectors: Vec<StudyDetector> = Vec::new();
     for (place, path) in args.model.iter().enumerate() {
         let contract = match args.contract.get(place).map(String::as_str) {
@@ -251,6 +252,7 @@ fn detectors_of(
         };
         let options = DetectorOptions {
             contract,
+            backend: backend.clone(),
             ..DetectorOptions::default()
         };
         let detector = Detector::open(path, &options)?;

@@ -146,8 +146,11 @@ impl StudyReport<'_> {
         for (path, detector) in self.args.model.iter().zip(self.plan.detectors) {
             let contract = detector.detector.contract();
             let role = format!(
-                "model {}, contract {}: score threshold {}",
-                detector.name, contract.name, contract.score_threshold
+                "model {}, contract {}: score threshold {}; run by {}",
+                detector.name,
+                contract.name,
+                contract.score_threshold,
+                detector.detector.runtime()
             );
             let file = std::slice::from_ref(path);
             inputs.push(InputFile::of(&role, &path_text(path), file)?);

@@ -23,7 +23,11 @@ def main() -> None:
     """The command `starbreak`, as the wheel installs it."""
     # Python's own handler waits for Python code, of which none runs until the command ends.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    sys.exit(_run(["starbreak", *sys.argv[1:]]))
+    words = sys.argv[1:]
+    # Behind two dashes flags are inputs.
+    n_flags = words.index("--") if "--" in words else len(words)
+    library = _library_of_onnxruntime(words[:n_flags])
+    sys.exit(_run(["starbreak", *words[:n_flags], *library, *words[n_flags:]]))
 
 
 def command(
@@ -60,11 +64,12 @@ def command(
     """
     begin = ["starbreak", verb, "--json"]
     end = [word for name, value in options.items() for word in _flag(name, value)]
+    library = _library_of_onnxruntime(end)
     if inputs:
         # What begins with a dash is an input here, too.
         end += ["--", *(os.fspath(word) for word in inputs)]
     with _recipe_flags(recipe) as (flags, recorded), _listener(progress) as listener:
-        return _call([*begin, *flags, *end], [*begin, *recorded, *end], listener)
+        return _call([*begin, *library, *flags, *end], [*begin, *recorded, *end], listener)
 
 
 def generate(source: _Path, output: _Path, recipe: _RecipeLike = None, **options: Any) -> Any:
@@ -103,6 +108,23 @@ def sweep(
 ) -> Any:
     """One crack over the values of a parameter: `starbreak sweep IMAGE -o OUTPUT --over OVER`."""
     return command("sweep", image, output=output, over=over, recipe=recipe, **options)
+
+
+def _library_of_onnxruntime(flags: Sequence[str]) -> list[str]:
+    """The flag for the package onnxruntime of this Python, where flags ask for ONNX Runtime and name no library."""
+    asked = [word.partition("=")[2] for word in flags if word.startswith("--runtime=")]
+    asked += [value for word, value in zip(flags, flags[1:]) if word == "--runtime"]
+    is_named = any(word.partition("=")[0] == "--onnxruntime" for word in flags)
+    if asked[-1:] not in (["auto"], ["onnxruntime"]) or is_named or os.environ.get("ORT_DYLIB_PATH"):
+        return []
+    from importlib.util import find_spec
+    from pathlib import Path
+
+    spec = find_spec("onnxruntime")
+    folders = spec.submodule_search_locations if spec else None
+    files = sorted(Path(folders[0], "capi").iterdir()) if folders else []
+    names = ("libonnxruntime.", "onnxruntime.dll")
+    return [f"--onnxruntime={file}" for file in files if file.name.startswith(names)][:1]
 
 
 def _flag(name: str, value: Any) -> list[str]:

@@ -40,6 +40,7 @@ pub struct Detector {
     reason: String,
     plan: InputPlan,
     outputs: Vec<String>,
+    runtime_name: String,
     runtime: Box<dyn Runtime>,
 }
 
@@ -84,7 +85,7 @@ impl Detector {
     /// [`DetectError::Dataset`] where it cannot be read; [`DetectError::Model`] where it is no ONNX
     /// model, needs an operator that the backend does not have, lacks its file of weights, asks
     /// for more memory than the limits allow, or does not take and give what its contract says;
-    /// [`DetectError::Contract`].
+    /// [`DetectError::Contract`]; [`DetectError::Runtime`].
     pub fn open(path: &Path, options: &DetectorOptions) -> Result<Self, DetectError> {
         let name = path.to_string_lossy().into_owned();
         let bytes = read_bytes(path, options.limits.max_file_bytes)?;
@@ -151,23 +152,22 @@ impl Detector {
         }
         let plan = InputPlan::new(&contract, &facts).map_err(wrong)?;
         let outputs = outputs_of(&contract, &facts).map_err(wrong)?;
+        let runtime_name = options.backend.name()?;
         let runtime: Box<dyn Runtime> = match &options.backend {
             Backend::PureRust => Box::new(
                 PureRust::load(bytes, external, &facts, options.limits.max_tensor_bytes)
                     .map_err(wrong)?,
             ),
-            #[cfg(feature = "ort")]
+            #[cfg(not(target_family = "wasm"))]
             Backend::OnnxRuntime { library, device } => Box::new(
                 crate::runtime::OnnxRuntime::load(library, *device, path, &facts).map_err(wrong)?,
             ),
-            #[cfg(not(feature = "ort"))]
+            #[cfg(target_family = "wasm")]
             Backend::OnnxRuntime { .. } => {
-                let _ = path;
-                return Err(wrong(
-                    "cannot be run by ONNX Runtime: this program was built without it; build it with \
-                     --features ort"
-                        .to_owned(),
-                ));
+                return Err(wrong(format!(
+                    "{} cannot be run by ONNX Runtime",
+                    path.display()
+                )));
             }
         };
         Ok(Self {
@@ -177,6 +177,7 @@ impl Detector {
             reason,
             plan,
             outputs,
+            runtime_name,
             runtime,
         })
     }
@@ -191,6 +192,12 @@ impl Detector {
     #[must_use]
     pub fn reason(&self) -> &str {
         &self.reason
+    }
+
+    /// What runs it, as [`Backend::name`] says it.
+    #[must_use]
+    pub fn runtime(&self) -> &str {
+        &self.runtime_name
     }
 
     /// What the file says of itself.

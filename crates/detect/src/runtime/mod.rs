@@ -1,20 +1,22 @@
 //! Running a model: numbers in, numbers out.
 
-#[cfg(feature = "ort")]
+#[cfg(not(target_family = "wasm"))]
 mod onnx_runtime;
 mod pure_rust;
 
-#[cfg(feature = "ort")]
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use onnx_runtime::OnnxRuntime;
 pub(crate) use pure_rust::PureRust;
 
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::DetectError;
+
 /// What runs a model.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// Code that is compiled in, for the processor.
+    /// rten, which is compiled in, for the processor.
     #[default]
     PureRust,
     /// ONNX Runtime: faster, for all operators, and for NVIDIA's GPUs.
@@ -24,6 +26,33 @@ pub enum Backend {
         /// Where it runs.
         device: Device,
     },
+}
+
+impl Backend {
+    /// What it is, for a record: `rten`, or `ONNX Runtime of commit 6af1a93`, with
+    /// ` on a GPU` where it runs there. Loads its library.
+    ///
+    /// # Errors
+    ///
+    /// [`DetectError::Runtime`] where the library cannot be loaded, or another one is loaded already: there is one
+    /// for a process.
+    pub fn name(&self) -> Result<String, DetectError> {
+        match self {
+            Self::PureRust => Ok("rten".to_owned()),
+            #[cfg(not(target_family = "wasm"))]
+            Self::OnnxRuntime { library, device } => {
+                let name = onnx_runtime::name(library).map_err(DetectError::Runtime)?;
+                Ok(match device {
+                    Device::Cpu => name,
+                    Device::Cuda => format!("{name} on a GPU"),
+                })
+            }
+            #[cfg(target_family = "wasm")]
+            Self::OnnxRuntime { .. } => Err(DetectError::Runtime(
+                "ONNX Runtime cannot be loaded in a browser".to_owned(),
+            )),
+        }
+    }
 }
 
 /// Where ONNX Runtime runs a model.

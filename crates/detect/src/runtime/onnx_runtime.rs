@@ -51,7 +51,7 @@ impl OnnxRuntime {
         if let Some(input) = halves {
             return Err(format!(
                 "takes 16-bit floating point ({input}), which is not given to ONNX Runtime; export it with 32 bits \
-                 (half=False), or leave out --onnxruntime"
+                 (half=False), or run it with --runtime rten"
             ));
         }
         let runtime = Self {
@@ -135,11 +135,22 @@ impl Runtime for OnnxRuntime {
     }
 }
 
+/// What the library at a path is. It tells its version to nobody but who loads it; the commit says more.
+pub(super) fn name(library: &Path) -> Result<String, String> {
+    environment(library)?;
+    let build = ort::info();
+    let commit = (build.split(", ")).find_map(|part| part.strip_prefix("git-commit-id="));
+    Ok(match commit {
+        Some(commit) => format!("ONNX Runtime of commit {commit}"),
+        None => format!("ONNX Runtime ({})", one_line(build)),
+    })
+}
+
 /// The environment of the library at a path.
 fn environment(library: &Path) -> Result<Environment, String> {
     let wrong = |cause: String| {
         format!(
-            "cannot be run: {library:?} is no library of ONNX Runtime that can be loaded ({}); give the path of \
+            "{library:?} is no library of ONNX Runtime that can be loaded ({}); give the path of \
              libonnxruntime.so.* (Linux), libonnxruntime.*.dylib (macOS) or onnxruntime.dll (Windows) in the folder \
              onnxruntime/capi of the Python package",
             one_line(&cause)

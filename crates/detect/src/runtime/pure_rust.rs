@@ -36,8 +36,8 @@ impl PureRust {
     ) -> Result<Self, String> {
         if facts.has_operator("NonMaxSuppression") {
             return Err(
-                "has the operator NonMaxSuppression, by which rten loses and gains boxes; run it with ONNX \
-                 Runtime: --onnxruntime PATH (docs/detectors.md), or export it without suppression"
+                "has the operator NonMaxSuppression, by which rten loses and gains boxes; run it with \
+                 --runtime onnxruntime (docs/detectors.md), or export it without suppression"
                     .to_owned(),
             );
         }
@@ -55,20 +55,18 @@ impl PureRust {
                 let text = one_line(&error.to_string());
                 let way_out = match error.kind() {
                     LoadErrorKind::OperatorInvalid => {
-                        "; run it with ONNX Runtime, which knows all operators: --onnxruntime PATH \
-                         (docs/detectors.md)"
+                        "; ONNX Runtime knows all operators: --runtime onnxruntime (docs/detectors.md)"
                     }
                     LoadErrorKind::ExternalDataError => {
                         "; put the files of weights beside the model again, unchanged"
                     }
-                    _ => "; export it again, or run it with ONNX Runtime: --onnxruntime PATH",
+                    _ => "; export it again, or run it with --runtime onnxruntime",
                 };
                 return Err(format!("cannot be loaded: {text}{way_out}"));
             }
             None => {
                 return Err(
-                    "cannot be loaded: its graph breaks the runtime; run it with ONNX Runtime: \
-                     --onnxruntime PATH"
+                    "cannot be loaded: its graph breaks the runtime; run it with --runtime onnxruntime"
                         .to_owned(),
                 );
             }
@@ -126,10 +124,7 @@ impl Runtime for PureRust {
             idle.push(pool);
         }
         ran.unwrap_or_else(|| {
-            Err(
-                "its graph breaks the runtime; run it with ONNX Runtime: --onnxruntime PATH"
-                    .to_owned(),
-            )
+            Err("its graph breaks the runtime; run it with --runtime onnxruntime".to_owned())
         })
     }
 }

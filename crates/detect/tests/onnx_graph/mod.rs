@@ -157,6 +157,33 @@ impl Builder {
         self
     }
 
+    /// A node of its own with weights or several inputs.
+    pub(crate) fn operation(mut self, operator: &str, inputs: &[&str], output: &str) -> Self {
+        self.node(operator, inputs, output);
+        self
+    }
+
+    /// Weights of a node.
+    pub(crate) fn weights(mut self, name: &str, dims: &[i64], values: &[f32]) -> Self {
+        self.floats(name, dims, values.iter().copied());
+        self
+    }
+
+    /// Whole numbers that a node takes.
+    pub(crate) fn whole_numbers(mut self, name: &str, dims: &[i64], values: &[i64]) -> Self {
+        self.whole(name, dims, values);
+        self
+    }
+
+    /// Declares what a node gives as an output.
+    pub(crate) fn declare(mut self, name: &str, dims: &[i64]) -> Self {
+        let dims: Vec<Dim> = dims.iter().map(|&side| Dim::Is(side)).collect();
+        self.graph
+            .output
+            .push(value_info(name, DataType::FLOAT, &dims));
+        self
+    }
+
     fn node(&mut self, operator: &str, inputs: &[&str], output: &str) {
         self.graph.node.push(NodeProto {
             name: Some(format!("{operator} of {output}")),

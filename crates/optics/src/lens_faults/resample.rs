@@ -62,13 +62,11 @@ fn resample_of<const COLORS: usize>(
                     || {
                         for y in top..bottom {
                             let t = part_of_square(y - top);
-                            let [first, last] = [[a, c], [b, d]]
-                                .map(|[a, c]| [0, 1].map(|k| a[k] + t * (c[k] - a[k])));
+                            let across = Taps::between(t, 0, [a, b, c, d]);
+                            let down = Taps::between(t, 1, [a, b, c, d]);
                             let row = &mut rows[y * width + left..y * width + right];
                             for (x, pixel) in row.iter_mut().enumerate() {
-                                let s = part_of_square(x);
-                                let place = [0, 1].map(|k| first[k] + s * (last[k] - first[k]));
-                                *pixel = sample(light, (width, height), place);
+                                *pixel = sample(light, (width, height), across.at(x), down.at(x));
                             }
                         }
                     },
@@ -80,7 +78,8 @@ fn resample_of<const COLORS: usize>(
                     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
                     let place = from(x as f64 + 0.5, y as f64 + 0.5);
                     if let Some(place) = place {
-                        rows[y * width + x] = sample(light, (width, height), place);
+                        let [across, down] = place.map(|place| Taps::of([place]).at(0));
+                        rows[y * width + x] = sample(light, (width, height), across, down);
                     }
                 }
             }
@@ -97,44 +96,18 @@ fn part_of_square(k: usize) -> f64 {
     (k as f64 + 0.5) / SQUARE as f64
 }
 
-/// The light at a place.
+/// The light at a place, by four columns and four rows: the first of them, and their shares.
 #[inline(always)]
 fn sample<const COLORS: usize>(
     light: &[[f32; COLORS]],
     (width, height): (usize, usize),
-    [u, v]: [f64; 2],
+    (left, across): (isize, [f32; 4]),
+    (top, down): (isize, [f32; 4]),
 ) -> [f32; COLORS] {
-    let (left, across) = taps(u);
-    let (top, down) = taps(v);
     let is_inside =
-        left >= 0 && top >= 0 && left + 5 <= width.cast_signed() && top + 4 <= height.cast_signed();
-    if is_inside && COLORS == 3 {
-        // Of each of four columns, with some of the next pixel at the end.
-        let mut columns = [f32x4::ZERO; 4];
-        let first = top.cast_unsigned() * width + left.cast_unsigned();
-        for (row, down) in down.into_iter().enumerate() {
-            let five = light[first + row * width..][..5].as_flattened();
-            let down = f32x4::splat(down);
-            for (k, to) in columns.iter_mut().enumerate() {
-                if let Some(from) = five[k * COLORS..].first_chunk() {
-                    *to += down * f32x4::new(*from);
-                }
-            }
-        }
-        let [a, b, d, e] = [0, 1, 2, 3].map(|k| f32x4::splat(across[k]) * columns[k]);
-        let sum = ((a + b) + (d + e)).fast_max(f32x4::ZERO).to_array();
-        return std::array::from_fn(|c| sum[c]);
-    }
-    let mut columns = [[0.0; COLORS]; 4];
-    if is_inside {
-        let first = top.cast_unsigned() * width + left.cast_unsigned();
-        for (row, down) in down.into_iter().enumerate() {
-            let four = light[first + row * width..][..4].as_flattened();
-            for (to, from) in columns.as_flattened_mut().iter_mut().zip(four) {
-                *to += down * from;
-            }
-        }
-    } else {
+        left >= 0 && top >= 0 && left + 4 <= width.cast_signed() && top + 4 <= height.cast_signed();
+    if !is_inside {
+        let mut columns = [[0.0; COLORS]; 4];
         for (k, down) in (top..).zip(down) {
             let row = clamped(k, height) * width;
             for (k, to) in (left..).zip(&mut columns) {
@@ -144,32 +117,102 @@ fn sample<const COLORS: usize>(
                 }
             }
         }
+        return std::array::from_fn(|c| {
+            let [a, b, d, e] = columns.map(|column| column[c]);
+            let sum = (across[0] * a + across[1] * b) + (across[2] * d + across[3] * e);
+            sum.max(0.0)
+        });
     }
-    std::array::from_fn(|c| {
-        let [a, b, d, e] = columns.map(|column| column[c]);
-        let sum = (across[0] * a + across[1] * b) + (across[2] * d + across[3] * e);
-        sum.max(0.0)
-    })
+    let first = top.cast_unsigned() * width + left.cast_unsigned();
+    let [a, b, d, e] = across;
+    if COLORS == 1 {
+        let mut columns = f32x4::ZERO;
+        for (row, down) in down.into_iter().enumerate() {
+            let four = light[first + row * width..][..4].as_flattened();
+            if let ([four], []) = four.as_chunks::<4>() {
+                columns += f32x4::splat(down) * f32x4::new(*four);
+            }
+        }
+        let [i, j, k, l] = (f32x4::new(across) * columns).to_array();
+        return [((i + j) + (k + l)).max(0.0); COLORS];
+    }
+    let [mut start, mut middle, mut end] = [f32x4::ZERO; 3];
+    for (row, down) in down.into_iter().enumerate() {
+        let four = light[first + row * width..][..4].as_flattened();
+        let down = f32x4::splat(down);
+        if let ([i, j, k], []) = four.as_chunks::<4>() {
+            start += down * f32x4::new(*i);
+            middle += down * f32x4::new(*j);
+            end += down * f32x4::new(*k);
+        }
+    }
+    let [r0, g0, b0, r1] = (start * f32x4::new([a, a, a, b])).to_array();
+    let [g1, b1, r2, g2] = (middle * f32x4::new([b, b, d, d])).to_array();
+    let [b2, r3, g3, b3] = (end * f32x4::new([d, e, e, e])).to_array();
+    let sum = (f32x4::new([r0, g0, b0, 0.0]) + f32x4::new([r1, g1, b1, 0.0]))
+        + (f32x4::new([r2, g2, b2, 0.0]) + f32x4::new([r3, g3, b3, 0.0]));
+    let sum = sum.fast_max(f32x4::ZERO).to_array();
+    std::array::from_fn(|c| sum[c])
 }
 
-/// The first of four pixels around a place, px, and their shares.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "px of a frame; shares of light"
-)]
+/// For places side by side, px, the first of the four pixels around each, and their shares.
+struct Taps<const N: usize> {
+    first: [i32; N],
+    shares: [[f32; N]; 4],
+}
+
+impl Taps<SQUARE> {
+    /// For the columns of a square, in a row between its upper corners and its lower ones.
+    // Loops and no `map`: what that calls is not compiled for the processor.
+    #[inline(always)]
+    fn between(t: f64, axis: usize, [a, b, c, d]: [[f64; 2]; 4]) -> Self {
+        let first = a[axis] + t * (c[axis] - a[axis]);
+        let last = b[axis] + t * (d[axis] - b[axis]);
+        let mut places = [0.0; SQUARE];
+        for (x, place) in places.iter_mut().enumerate() {
+            *place = first + part_of_square(x) * (last - first);
+        }
+        Self::of(places)
+    }
+}
+
+impl<const N: usize> Taps<N> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "px of a frame; shares of light"
+    )]
+    #[inline(always)]
+    fn of(places: [f64; N]) -> Self {
+        let mut first = [0; N];
+        let mut shares = [[0.0; N]; 4];
+        for x in 0..N {
+            let place = places[x] - 0.5;
+            let whole = place.floor();
+            let t = (place - whole) as f32;
+            let (t2, t3) = (t * t, t * t * t);
+            first[x] = lowest_bits(whole.clamp(-1e9, 1e9) - 1.0);
+            shares[0][x] = 0.5 * (-t + 2.0 * t2 - t3);
+            shares[1][x] = 0.5 * (2.0 - 5.0 * t2 + 3.0 * t3);
+            shares[2][x] = 0.5 * (t + 4.0 * t2 - 3.0 * t3);
+            shares[3][x] = 0.5 * (t3 - t2);
+        }
+        Self { first, shares }
+    }
+
+    /// Those of one place.
+    #[inline(always)]
+    fn at(&self, x: usize) -> (isize, [f32; 4]) {
+        let [a, b, c, d] = &self.shares;
+        (self.first[x] as isize, [a[x], b[x], c[x], d[x]])
+    }
+}
+
+/// A whole number of less than 2³¹ as it is added to a number of which the last bit is 1.
+#[expect(clippy::cast_possible_truncation, reason = "that is the point")]
 #[inline(always)]
-fn taps(place: f64) -> (isize, [f32; 4]) {
-    let place = place - 0.5;
-    let whole = place.floor();
-    let t = (place - whole) as f32;
-    let (t2, t3) = (t * t, t * t * t);
-    let shares = [
-        0.5 * (-t + 2.0 * t2 - t3),
-        0.5 * (2.0 - 5.0 * t2 + 3.0 * t3),
-        0.5 * (t + 4.0 * t2 - 3.0 * t3),
-        0.5 * (t3 - t2),
-    ];
-    (whole as isize - 1, shares)
+fn lowest_bits(whole: f64) -> i32 {
+    // As a cast, which saturates and is not done for several at once.
+    (whole + 6_755_399_441_055_744.0).to_bits() as i32
 }
 
 fn clamped(k: isize, n: usize) -> usize {

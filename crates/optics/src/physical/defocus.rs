@@ -3,7 +3,7 @@
 use super::elsewhere::{between, side_by_side};
 use crate::lit_runs::lit_runs;
 use crate::maps::{Kernel, Pupil};
-use crate::pyramid::mirrored;
+use crate::pyramid::{mirrored, vectorized};
 
 /// Most cells per radius: larger discs are spread over a smaller frame.
 const MOST_CELLS: f64 = 12.0;
@@ -199,17 +199,18 @@ fn spread<const LANES: usize>(
                 continue;
             }
             let line = &mut ring[y.cast_unsigned() % slots * stride..][..stride];
-            let ends = stretch.ends.iter();
-            for (dx, step) in ends.flat_map(|end| (end.dx..).zip(end.steps)) {
-                let first = (reach_signed + dx as isize).cast_unsigned();
-                for run in &lit {
-                    let to = &mut line[first + run.start..first + run.end];
-                    for (to, light) in to.iter_mut().zip(&sources[run.clone()]) {
-                        let sum = *to;
-                        *to = std::array::from_fn(|l| sum[l] + step * light[l]);
+            let firsts = (stretch.ends).map(|end| (reach_signed + end.dx as isize).cast_unsigned());
+            vectorized(
+                #[inline(always)]
+                || {
+                    for (end, first) in stretch.ends.iter().zip(firsts) {
+                        for run in &lit {
+                            let line = &mut line[first + run.start..first + run.end + 1];
+                            add_steps(line, &sources[run.clone()], end.steps);
+                        }
                     }
-                }
-            }
+                },
+            );
         }
         let Some(done) = (row - reach_signed)
             .try_into()
@@ -231,6 +232,22 @@ fn spread<const LANES: usize>(
         }
     }
     out
+}
+
+/// Adds light times a step to the cells of a line from each on, and times another to the next ones.
+#[inline(always)]
+fn add_steps<const LANES: usize>(
+    line: &mut [[f32; LANES]],
+    light: &[[f32; LANES]],
+    steps: [f32; 2],
+) {
+    // Flat, or three colors are shuffled about.
+    for (k, step) in steps.into_iter().enumerate() {
+        let to = line[k..].as_flattened_mut();
+        for (to, light) in to.iter_mut().zip(light.as_flattened()) {
+            *to += step * light;
+        }
+    }
 }
 
 #[cfg(test)]

@@ -44,6 +44,13 @@ pub(super) struct DetectorIdentity {
     /// What the contract says, but for its name.
     contract: Value,
     label_map: Value,
+    /// What runs it; studies from before there was a choice do not say it.
+    #[serde(default = "rten")]
+    runtime: String,
+}
+
+fn rten() -> String {
+    "rten".to_owned()
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,6 +68,7 @@ impl DetectorIdentity {
             model_sha256: detector.sha256.clone(),
             contract: json!(detector.detector.contract()),
             label_map: json!(detector.map),
+            runtime: detector.detector.runtime().to_owned(),
         }
     }
 }
@@ -172,6 +180,12 @@ impl Identity {
                 if !is_same {
                     return Some(format!("its detector {name} has another {what}"));
                 }
+            }
+            if own.runtime != theirs.runtime {
+                return Some(format!(
+                    "its detector {name} was run by {}, not by {}; see --runtime",
+                    theirs.runtime, own.runtime
+                ));
             }
         }
         for (name, theirs) in &earlier.conditions {
