@@ -188,7 +188,9 @@ fn both_runtimes_give_the_same_numbers_but_for_the_last_digits() {
     };
     let folder = tempfile::tempdir().unwrap();
     let made = convolutions().write(folder.path(), "convolutions.onnx");
+    // Fifty layers add up what three do not.
     let mut pairs = vec![(
+        1e-5,
         made,
         image::RgbImage::from_fn(32, 32, |x, y| {
             image::Rgb([7 * x, 5 * y, 3 * (x + y)].map(|code| u8::try_from(code % 256).unwrap()))
@@ -198,11 +200,15 @@ fn both_runtimes_give_the_same_numbers_but_for_the_last_digits() {
         let model = shared(&format!("onnx/{file}.onnx"));
         if let (Some(model), Some(images)) = (model, images(2)) {
             for image in images {
-                pairs.push((model.clone(), image::open(&image.path).unwrap().to_rgb8()));
+                pairs.push((
+                    1e-3,
+                    model.clone(),
+                    image::open(&image.path).unwrap().to_rgb8(),
+                ));
             }
         }
     }
-    for (model, pixels) in pairs {
+    for (tolerance, model, pixels) in pairs {
         let rten = Detector::open(&model, &DetectorOptions::default()).unwrap();
         let other = Detector::open(&model, &options).unwrap();
         assert_eq!(rten.runtime(), "rten");
@@ -226,7 +232,7 @@ fn both_runtimes_give_the_same_numbers_but_for_the_last_digits() {
             );
             for (a, b) in ours.values.iter().zip(&theirs.values) {
                 assert!(
-                    (a - b).abs() <= 1e-4 * largest,
+                    (a - b).abs() <= tolerance * largest,
                     "{}: {a} and {b}",
                     model.display()
                 );
