@@ -12,17 +12,18 @@ use crate::screen::Screen;
 /// The variable that names the library, as other programs with ONNX Runtime read it.
 const LIBRARY_VARIABLE: &str = "ORT_DYLIB_PATH";
 
-/// The library's name where the system looks for it.
-const SYSTEM_LIBRARY: &str = if cfg!(windows) {
-    "onnxruntime.dll"
-} else if cfg!(target_os = "macos") {
-    "libonnxruntime.dylib"
+/// The library's name where the system looks for it: on Linux alone, for others look into the present folder, too.
+const SYSTEM_LIBRARY: Option<&str> = if cfg!(target_os = "linux") {
+    Some("libonnxruntime.so")
 } else {
-    "libonnxruntime.so"
+    None
 };
 
-/// Python that prints the library in the package onnxruntime, without importing it.
+/// Python that prints the library in the package onnxruntime, without importing it. What lies in the present folder is
+/// no package: a dataset could bring one along.
 const OF_PACKAGE: &str = "\
+import sys
+sys.path[:] = [path for path in sys.path if path]
 import importlib.util, pathlib
 package = importlib.util.find_spec('onnxruntime').submodule_search_locations[0]
 names = ('libonnxruntime.', 'onnxruntime.dll')
@@ -76,12 +77,12 @@ impl RuntimeArgs {
         }
         match (self.library(), word) {
             (Ok(backend), _) => Ok(backend),
-            (Err(why), RuntimeWord::Auto) => {
-                screen.note(&format!("{why}; rten runs the detectors"));
+            (Err(why), RuntimeWord::Auto) if !self.cuda => {
+                screen.note(&format!("warning: {why}; rten runs the detectors"));
                 Ok(Backend::PureRust)
             }
             (Err(why), _) => Err(Failure::wrong_input(format!(
-                "{why}; install it (pip install onnxruntime), name its library with --onnxruntime PATH, or use \
+                "{why}; install it (pip install onnxruntime, or onnxruntime-gpu for --cuda), name its library with --onnxruntime PATH, or use \
                  --runtime rten"
             ))),
         }
@@ -99,7 +100,10 @@ impl RuntimeArgs {
                 Err(error) => reasons.push(error.to_string()),
             }
         }
-        Err(format!("ONNX Runtime is not found: {}", reasons.join("; ")))
+        Err(format!(
+            "ONNX Runtime cannot be loaded: {}",
+            reasons.join("; ")
+        ))
     }
 
     /// Libraries to try. One that is named is the only one.
@@ -115,7 +119,7 @@ impl RuntimeArgs {
             .find_map(|name| of_python(name));
         of_python
             .into_iter()
-            .chain([PathBuf::from(SYSTEM_LIBRARY)])
+            .chain(SYSTEM_LIBRARY.map(PathBuf::from))
             .collect()
     }
 }
@@ -123,8 +127,10 @@ impl RuntimeArgs {
 /// The library in the package onnxruntime of a Python.
 fn of_python(program: &str) -> Option<PathBuf> {
     let mut command = Command::new(program);
-    let command = command.args(["-c", OF_PACKAGE]).stdin(Stdio::null());
+    let command = command
+        .args(["-X", "utf8", "-c", OF_PACKAGE])
+        .stdin(Stdio::null());
     let said = command.output().ok().filter(|said| said.status.success())?;
     let library = String::from_utf8(said.stdout).ok()?;
-    Some(PathBuf::from(library.trim_end()))
+    library.lines().last().map(PathBuf::from)
 }

@@ -115,14 +115,18 @@ def _library_of_onnxruntime(flags: Sequence[str]) -> list[str]:
     asked = [word.partition("=")[2] for word in flags if word.startswith("--runtime=")]
     asked += [value for word, value in zip(flags, flags[1:]) if word == "--runtime"]
     is_named = any(word.partition("=")[0] == "--onnxruntime" for word in flags)
-    if asked[-1:] not in (["auto"], ["onnxruntime"]) or is_named or os.environ.get("ORT_DYLIB_PATH"):
+    wants_it = asked[-1:] in (["auto"], ["onnxruntime"]) or (not asked and "--cuda" in flags)
+    if not wants_it or is_named or os.environ.get("ORT_DYLIB_PATH"):
         return []
     from importlib.util import find_spec
     from pathlib import Path
 
-    spec = find_spec("onnxruntime")
-    folders = spec.submodule_search_locations if spec else None
-    files = sorted(Path(folders[0], "capi").iterdir()) if folders else []
+    try:
+        spec = find_spec("onnxruntime")
+        folders = spec.submodule_search_locations if spec else None
+        files = sorted(Path(folders[0], "capi").iterdir()) if folders else []
+    except (OSError, ValueError):
+        return []
     names = ("libonnxruntime.", "onnxruntime.dll")
     return [f"--onnxruntime={file}" for file in files if file.name.startswith(names)][:1]
 

@@ -163,7 +163,10 @@ fn environment(library: &Path) -> Result<Environment, String> {
         if path == library {
             return Ok(environment.clone());
         }
-        return Err(wrong(format!("this process has already loaded {path:?}")));
+        return Err(format!(
+            "this process has already loaded {path:?}, and cannot load {library:?}, too; take the same, or a process of \
+             its own"
+        ));
     }
     let environment = ort::init_from(library)
         .map_err(|error| wrong(error.to_string()))?
