@@ -13,13 +13,8 @@ use crate::metadata::Metadata;
 const REQUIREMENTS: &str = "xtask/test-requirements.txt";
 
 /// Python that prints the library in the package onnxruntime, or nothing.
-const LIBRARY_OF_ONNX_RUNTIME: &str = "\
-import importlib.util, pathlib
-spec = importlib.util.find_spec('onnxruntime')
-names = ('libonnxruntime.', 'onnxruntime.dll')
-paths = sorted(pathlib.Path(spec.submodule_search_locations[0], 'capi').iterdir()) if spec else []
-print(next((path for path in paths if path.name.startswith(names)), ''))
-";
+const LIBRARY_OF_ONNX_RUNTIME: &str =
+    include_str!("../../../apps/cli/src/args/library_of_onnxruntime.py");
 
 /// Copy of the requirements that the environment was made for, written last.
 const MADE_FOR: &str = "made-for.txt";

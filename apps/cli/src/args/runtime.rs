@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use clap::{Args as ClapArgs, ValueEnum};
-use starbreak_detect::{Backend, DetectError, Device};
+use starbreak_detect::{Backend, Device};
 
 use crate::failure::Failure;
 use crate::screen::Screen;
@@ -19,16 +19,8 @@ const SYSTEM_LIBRARY: Option<&str> = if cfg!(target_os = "linux") {
     None
 };
 
-/// Python that prints the library in the package onnxruntime, without importing it. What lies in the present folder is
-/// no package: a dataset could bring one along.
-const OF_PACKAGE: &str = "\
-import sys
-sys.path[:] = [path for path in sys.path if path]
-import importlib.util, pathlib
-package = importlib.util.find_spec('onnxruntime').submodule_search_locations[0]
-names = ('libonnxruntime.', 'onnxruntime.dll')
-print(next(path for path in sorted(pathlib.Path(package, 'capi').iterdir()) if path.name.startswith(names)))
-";
+/// Python that prints the library in the package onnxruntime.
+const OF_PACKAGE: &str = include_str!("library_of_onnxruntime.py");
 
 /// What runs a detector.
 #[derive(Debug, ClapArgs)]
@@ -82,8 +74,8 @@ impl RuntimeArgs {
                 Ok(Backend::PureRust)
             }
             (Err(why), _) => Err(Failure::wrong_input(format!(
-                "{why}; install it (pip install onnxruntime, or onnxruntime-gpu for --cuda), name its library with --onnxruntime PATH, or use \
-                 --runtime rten"
+                "{why}; install it (pip install onnxruntime, or onnxruntime-gpu for --cuda), name its library with \
+                 --onnxruntime PATH, or use --runtime rten"
             ))),
         }
     }
@@ -96,14 +88,13 @@ impl RuntimeArgs {
             let backend = Backend::OnnxRuntime { library, device };
             match backend.name() {
                 Ok(_) => return Ok(backend),
-                Err(DetectError::Runtime(reason)) => reasons.push(reason),
                 Err(error) => reasons.push(error.to_string()),
             }
         }
-        Err(format!(
-            "ONNX Runtime cannot be loaded: {}",
-            reasons.join("; ")
-        ))
+        if reasons.is_empty() {
+            reasons.push("ONNX Runtime is not found".to_owned());
+        }
+        Err(reasons.join("; "))
     }
 
     /// Libraries to try. One that is named is the only one.
@@ -114,13 +105,9 @@ impl RuntimeArgs {
             // A relative path is seen from here, not from where the program lies.
             return vec![std::path::absolute(&library).unwrap_or(library)];
         }
-        let of_python = ["python3", "python"]
-            .iter()
-            .find_map(|name| of_python(name));
-        of_python
-            .into_iter()
-            .chain(SYSTEM_LIBRARY.map(PathBuf::from))
-            .collect()
+        let of_python = of_python("python3").or_else(|| of_python("python"));
+        let of_system = SYSTEM_LIBRARY.map(PathBuf::from);
+        of_python.into_iter().chain(of_system).collect()
     }
 }
 
@@ -132,5 +119,6 @@ fn of_python(program: &str) -> Option<PathBuf> {
         .stdin(Stdio::null());
     let said = command.output().ok().filter(|said| said.status.success())?;
     let library = String::from_utf8(said.stdout).ok()?;
-    library.lines().last().map(PathBuf::from)
+    let library = library.lines().last().filter(|path| !path.is_empty());
+    library.map(PathBuf::from)
 }

@@ -153,6 +153,8 @@ impl Detector {
         let plan = InputPlan::new(&contract, &facts).map_err(wrong)?;
         let outputs = outputs_of(&contract, &facts).map_err(wrong)?;
         let runtime_name = options.backend.name()?;
+        #[cfg(target_family = "wasm")]
+        let _ = path;
         let runtime: Box<dyn Runtime> = match &options.backend {
             Backend::PureRust => Box::new(
                 PureRust::load(bytes, external, &facts, options.limits.max_tensor_bytes)
@@ -162,13 +164,6 @@ impl Detector {
             Backend::OnnxRuntime { library, device } => Box::new(
                 crate::runtime::OnnxRuntime::load(library, *device, path, &facts).map_err(wrong)?,
             ),
-            #[cfg(target_family = "wasm")]
-            Backend::OnnxRuntime { .. } => {
-                return Err(wrong(format!(
-                    "{} cannot be run by ONNX Runtime",
-                    path.display()
-                )));
-            }
         };
         Ok(Self {
             name: name.to_owned(),

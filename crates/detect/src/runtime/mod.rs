@@ -9,6 +9,7 @@ pub(crate) use onnx_runtime::OnnxRuntime;
 pub(crate) use pure_rust::PureRust;
 
 use std::fmt;
+#[cfg(not(target_family = "wasm"))]
 use std::path::PathBuf;
 
 use crate::DetectError;
@@ -19,7 +20,8 @@ pub enum Backend {
     /// rten, which is compiled in, for the processor.
     #[default]
     PureRust,
-    /// ONNX Runtime: faster, for all operators, and for NVIDIA's GPUs.
+    /// ONNX Runtime: faster, for all operators, and for NVIDIA's GPUs; not in a browser.
+    #[cfg(not(target_family = "wasm"))]
     OnnxRuntime {
         /// Its library, such as `onnxruntime/capi/libonnxruntime.so.1.31.1` of the Python package.
         library: PathBuf,
@@ -47,10 +49,6 @@ impl Backend {
                     Device::Cuda => format!("{name} on a GPU"),
                 })
             }
-            #[cfg(target_family = "wasm")]
-            Self::OnnxRuntime { .. } => Err(DetectError::Runtime(
-                "ONNX Runtime cannot be loaded in a browser".to_owned(),
-            )),
         }
     }
 }

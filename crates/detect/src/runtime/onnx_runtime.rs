@@ -135,7 +135,7 @@ impl Runtime for OnnxRuntime {
     }
 }
 
-/// What the library at a path is. It tells its version to nobody but who loads it; the commit says more.
+/// What the library at a path is. `ort` does not give its version; the text of its build has the commit.
 pub(super) fn name(library: &Path) -> Result<String, String> {
     environment(library)?;
     let build = ort::info();

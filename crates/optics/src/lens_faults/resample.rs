@@ -163,7 +163,7 @@ struct Taps<const N: usize> {
 
 impl Taps<SQUARE> {
     /// For the columns of a square, in a row between its upper corners and its lower ones.
-    // Loops and no `map`: what that calls is not compiled for the processor.
+    // Loops and no `map`: its closures are not inlined, and so are compiled for the oldest processor.
     #[inline(always)]
     fn between(t: f64, axis: usize, [a, b, c, d]: [[f64; 2]; 4]) -> Self {
         let first = a[axis] + t * (c[axis] - a[axis]);
@@ -190,7 +190,9 @@ impl<const N: usize> Taps<N> {
             let whole = place.floor();
             let t = (place - whole) as f32;
             let (t2, t3) = (t * t, t * t * t);
-            first[x] = lowest_bits(whole.clamp(-1e9, 1e9) - 1.0);
+            // What is no number is beyond the border, too: there all processors make 0 of it.
+            let bounded = if whole > -1e9 { whole } else { -1e9 }.min(1e9);
+            first[x] = lowest_bits(bounded - 1.0);
             shares[0][x] = 0.5 * (-t + 2.0 * t2 - t3);
             shares[1][x] = 0.5 * (2.0 - 5.0 * t2 + 3.0 * t3);
             shares[2][x] = 0.5 * (t + 4.0 * t2 - 3.0 * t3);
@@ -207,14 +209,108 @@ impl<const N: usize> Taps<N> {
     }
 }
 
-/// A whole number of less than 2³¹ as it is added to a number of which the last bit is 1.
+/// A whole number below 2³¹ as an integer: added to 1.5 · 2⁵², whose last bit counts 1, it lies in the lowest bits.
 #[expect(clippy::cast_possible_truncation, reason = "that is the point")]
 #[inline(always)]
 fn lowest_bits(whole: f64) -> i32 {
-    // As a cast, which saturates and is not done for several at once.
+    // A cast would saturate, and is not done for several at once.
     (whole + 6_755_399_441_055_744.0).to_bits() as i32
 }
 
 fn clamped(k: isize, n: usize) -> usize {
     k.clamp(0, n.cast_signed() - 1).cast_unsigned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same without squares in vectors: each pixel alone, by the rule for the border.
+    fn plain<const COLORS: usize>(
+        light: &[f32],
+        (width, height): (usize, usize),
+        from: impl Fn(f64, f64) -> Option<[f64; 2]>,
+    ) -> Vec<f32> {
+        let mut out = Vec::new();
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let corner = |right: usize, down: usize| {
+                let [x, y] = [x, y].map(|k| k / SQUARE * SQUARE);
+                from((x + right * SQUARE) as f64, (y + down * SQUARE) as f64)
+            };
+            let [s, t] = [x, y].map(|k| part_of_square(k % SQUARE));
+            let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+            let place = match corners {
+                [Some(a), Some(b), Some(c), Some(d)] => Some([0, 1].map(|k| {
+                    let (first, last) = (a[k] + t * (c[k] - a[k]), b[k] + t * (d[k] - b[k]));
+                    first + s * (last - first)
+                })),
+                _ => from(x as f64 + 0.5, y as f64 + 0.5),
+            };
+            let Some(place) = place else {
+                out.extend([0.0; COLORS]);
+                continue;
+            };
+            let taps = place.map(|place| {
+                let whole = (place - 0.5).floor();
+                let t = (place - 0.5 - whole) as f32;
+                let (t2, t3) = (t * t, t * t * t);
+                let shares = [
+                    0.5 * (-t + 2.0 * t2 - t3),
+                    0.5 * (2.0 - 5.0 * t2 + 3.0 * t3),
+                    0.5 * (t + 4.0 * t2 - 3.0 * t3),
+                    0.5 * (t3 - t2),
+                ];
+                ((whole as isize).saturating_sub(1), shares)
+            });
+            let [(left, across), (top, down)] = taps;
+            for color in 0..COLORS {
+                let columns: [f32; 4] = std::array::from_fn(|i| {
+                    let column = clamped(left.saturating_add_unsigned(i), width);
+                    let at = |j| clamped(top.saturating_add_unsigned(j), height) * width + column;
+                    (0..4).fold(0.0, |sum, j| sum + down[j] * light[at(j) * COLORS + color])
+                });
+                let [a, b, d, e] = std::array::from_fn(|i| across[i] * columns[i]);
+                out.push(((a + b) + (d + e)).max(0.0));
+            }
+        }
+        out
+    }
+
+    #[test]
+    fn the_bits_are_those_of_each_pixel_alone_in_frames_of_any_size_and_at_any_place() {
+        type Place = fn(f64, f64) -> Option<[f64; 2]>;
+        let places: [Place; 7] = [
+            |u, v| Some([u, v]),
+            |u, v| Some([1.03 * u - 0.4, 0.95 * v + 0.7]),
+            |u, v| Some([v - 3.0, 2.0 * u]),
+            |u, v| (u > 4.0).then_some([u - 0.3, v]),
+            |u, v| Some([u + 1e12, v - 1e300]),
+            |u, v| Some([f64::NAN, v + u]),
+            |u, v| Some([u, f64::INFINITY * (v - 2.0)]),
+        ];
+        for (width, height) in
+            (1..=19).flat_map(|width| (1..=11).map(move |height| (width, height)))
+        {
+            let value = |k: usize| ((k * 7919 + 13) % 257) as f32 / 256.0;
+            let light: Vec<f32> = (0..3 * width * height).map(value).collect();
+            for (k, from) in places.iter().enumerate() {
+                let size = (width, height);
+                let bits =
+                    |light: Vec<f32>| light.into_iter().map(f32::to_bits).collect::<Vec<_>>();
+                let three = bits(resample(&light, Channel { n: 3, size }, from));
+                assert_eq!(
+                    three,
+                    bits(plain::<3>(&light, size, from)),
+                    "place {k} of {size:?}, colors"
+                );
+                let gray = &light[..width * height];
+                let one = bits(resample(gray, Channel { n: 1, size }, from));
+                assert_eq!(
+                    one,
+                    bits(plain::<1>(gray, size, from)),
+                    "place {k} of {size:?}, gray"
+                );
+            }
+        }
+    }
 }

@@ -234,7 +234,7 @@ fn spread<const LANES: usize>(
     out
 }
 
-/// Adds light times a step to the cells of a line from each on, and times another to the next ones.
+/// Adds light times the first step to the cells of a line, and light times the second to the cells one further.
 #[inline(always)]
 fn add_steps<const LANES: usize>(
     line: &mut [[f32; LANES]],

@@ -183,7 +183,7 @@ impl Identity {
             }
             if own.runtime != theirs.runtime {
                 return Some(format!(
-                    "its detector {name} was run by {}, not by {}; see --runtime",
+                    "its detector {name} was run by {}, not by {}; name the same with --runtime and --onnxruntime",
                     theirs.runtime, own.runtime
                 ));
             }
