@@ -226,6 +226,10 @@ mod tests {
     use super::*;
 
     /// The same without squares in vectors: each pixel alone, by the rule for the border.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "px of a frame; shares of light"
+    )]
     fn plain<const COLORS: usize>(
         light: &[f32],
         (width, height): (usize, usize),
