@@ -791,7 +791,7 @@ mod each_rule_can_fail {
             0,
         );
         for bad in ["rand::thread_rng()", "rand::random()", "SystemTime::now()"] {
-            check(ambient, "apps/cli/tests/demo.rs", bad, 1);
+            check(ambient, "apps/cli/tests/command/demo.rs", bad, 1);
         }
         check(
             serializing_solvers,
@@ -801,7 +801,7 @@ mod each_rule_can_fail {
         );
         check(empty_names, "crates/glass/src/utils.rs", "", 1);
         check(empty_names, "apps/cli/src/common/paint.rs", "", 1);
-        check(empty_names, "apps/cli/tests/common/mod.rs", "", 0);
+        check(empty_names, "apps/cli/tests/common.rs", "", 0);
         check(long_files, library, &"\n".repeat(MAX_LINES + 1), 1);
         check(long_files, library, &"\n".repeat(MAX_LINES), 0);
     }
