@@ -1,6 +1,7 @@
 //! One hit, from contact to report.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use starbreak_glass::SegmentKind;
 use starbreak_seed::Seed;
@@ -37,7 +38,7 @@ pub(super) struct Breaking<'a> {
     pub(super) inner: Option<Web>,
     pub(super) plates: Plates,
     /// Stress in the plane, once it is known.
-    pub(super) in_plane: Option<PaneStress>,
+    pub(super) in_plane: Option<Arc<PaneStress>>,
     /// What it has done.
     pub(super) driven: Option<Driven>,
     /// Whether a crack anywhere sends the whole pane to pieces.
@@ -311,8 +312,8 @@ impl Breaking<'_> {
         let Some(load) = load.filter(|_| !self.is_diced) else {
             return Ok(());
         };
-        let field = match self.in_plane.take() {
-            Some(field) => field,
+        let field = match &self.in_plane {
+            Some(field) => Arc::clone(field),
             None => PaneStress::of(self.pane, &load.load, self.params.mesh)?,
         };
         let n_older = self.n_older;

@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use starbreak_glass::SegmentKind;
 use starbreak_seed::{Seed, Stream, normal};
 
+use super::kept::Kept;
 use super::outcome::LongCrackReport;
 use super::shadow::Relieved;
 use crate::FractureError;
@@ -25,6 +27,9 @@ const FLAW_SCATTER: f64 = 0.05;
 
 /// Places along the rim that are looked at for the most stressed one.
 const RIM_SAMPLES: u32 = 400;
+
+/// The stress of the last panes, by outline, Young's modulus, Poisson's ratio, load and mesh.
+static LAST: Kept<(Outline, [f64; 2], MembraneLoad, MeshResolution), PaneStress> = Kept::new();
 
 /// Thermal stress with uniform tension of the frame over it.
 pub(super) struct PaneStress {
@@ -48,27 +53,35 @@ impl StressField for PaneStress {
 }
 
 impl PaneStress {
+    /// That of a pane, which all panes of its shape and glass share.
     pub(super) fn of(
         pane: &GlassPane,
         load: &MembraneLoad,
         resolution: MeshResolution,
+    ) -> Result<Arc<Self>, FractureError> {
+        let material = &pane.material;
+        let elastic = [&material.young_modulus_pa, &material.poisson_ratio].map(|of| of.value);
+        LAST.of((pane.outline, elastic, *load, resolution), || {
+            Self::new(&pane.outline, elastic, load, resolution)
+        })
+    }
+
+    fn new(
+        outline: &Outline,
+        [young_modulus_pa, poisson_ratio]: [f64; 2],
+        load: &MembraneLoad,
+        resolution: MeshResolution,
     ) -> Result<Self, FractureError> {
-        let [width, height] = pane.outline.size_m();
+        let [width, height] = outline.size_m();
         let center = [load.spot[0] * width, load.spot[1] * height];
         let sigma = load.spot_size * width.min(height);
         let middle = [0.5 * width, 0.5 * height];
         // An even mesh: the temperature has no peak that is sharper than the spot.
-        let mesh = PlateMesh::graded(
-            &pane.outline,
-            middle,
-            0.02 * width.min(height),
-            None,
-            resolution,
-        )?;
+        let mesh = PlateMesh::graded(outline, middle, 0.02 * width.min(height), None, resolution)?;
         let thermal = membrane_stress(
             &mesh,
-            pane.material.young_modulus_pa.value,
-            pane.material.poisson_ratio.value,
+            young_modulus_pa,
+            poisson_ratio,
             EXPANSION_PER_K,
             |[x, y]| {
                 let (dx, dy) = ((x - center[0]) / sigma, (y - center[1]) / sigma);
@@ -85,7 +98,7 @@ impl PaneStress {
                 yy_pa: tension * sin * sin,
                 xy_pa: tension * sin * cos,
             },
-            outline: pane.outline,
+            outline: *outline,
         })
     }
 

@@ -5,6 +5,7 @@ mod fallen;
 mod front;
 mod heavy;
 mod impact;
+mod kept;
 mod legs;
 mod long_crack;
 mod network;

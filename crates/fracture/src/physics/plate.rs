@@ -2,12 +2,13 @@
 //!
 //! Away from rims and cracks the plate's stress depends on one length alone (the reach of the
 //! bending wave, or that of the foundation), so one factorization of a disc of unit radius serves
-//! every hit, every moment of it, and every pane. Where a rim or a crack is in reach, a mesh of its
+//! every hit, every moment of it, and every pane of one kind. Where a rim or a crack is in reach, a mesh of its
 //! own is made.
 
 use std::f64::consts::PI;
-use std::rc::Rc;
+use std::sync::Arc;
 
+use super::kept::Kept;
 use crate::FractureError;
 use crate::mesh::MeshResolution;
 use crate::mesh::{Outline, PlateMesh};
@@ -140,11 +141,8 @@ impl GlassPane {
     }
 }
 
-/// A plate with the mesh that its fields are read from.
-struct Solved {
-    mesh: Rc<PlateMesh>,
-    solver: PlateSolver,
-}
+/// The discs of the last panes, by their radius, properties and mesh.
+static DISCS: Kept<(f64, PlateProperties, MeshResolution), PlateSolver> = Kept::new();
 
 /// The solvers of one pane.
 pub(super) struct Plates {
@@ -152,8 +150,6 @@ pub(super) struct Plates {
     outline: Outline,
     support: Support,
     resolution: MeshResolution,
-    /// A factorization of a disc of unit radius that serves every hit.
-    kept: Option<Rc<Solved>>,
     pub(super) n_solutions: usize,
     pub(super) n_mesh_nodes: usize,
 }
@@ -169,7 +165,7 @@ pub(super) struct Load {
 
 /// The bending of a pane, at its own place and size.
 pub(super) struct Bending {
-    mesh: Rc<PlateMesh>,
+    mesh: Arc<PlateMesh>,
     field: PlateField,
     /// Metres per unit of the mesh.
     scale: f64,
@@ -243,7 +239,6 @@ impl Plates {
             outline: pane.outline,
             support: pane.support,
             resolution,
-            kept: None,
             n_solutions: 0,
             n_mesh_nodes: 0,
         }
@@ -289,38 +284,31 @@ impl Plates {
         }
     }
 
-    /// The factorization of the disc, made on the first call.
-    fn kept(&mut self, radius: f64) -> Result<Rc<Solved>, FractureError> {
-        if let Some(kept) = &self.kept {
-            return Ok(Rc::clone(kept));
-        }
-        let outline = Outline::Disc {
-            diameter_m: 2.0 * radius,
-        };
-        // Fine enough for the smallest patch over the longest wave.
-        let inner = KEPT_INNER_SIZE * radius;
-        let mesh = PlateMesh::graded(&outline, [radius; 2], inner, None, self.resolution)?;
+    /// The factorization of a disc, which all panes like this one share.
+    fn disc(&mut self, radius: f64) -> Result<Arc<PlateSolver>, FractureError> {
         let mut properties = self.stiffness.properties;
         if properties.foundation_pa_m > 0.0 {
             // In lengths of the foundation: ℓ = 1.
             properties.foundation_pa_m = self.stiffness.bending_n_m;
         }
-        let kept = Rc::new(self.solved(mesh, properties, Support::Clamped)?);
-        self.kept = Some(Rc::clone(&kept));
-        Ok(kept)
+        let resolution = self.resolution;
+        let disc = DISCS.of((radius, properties, resolution), || {
+            let outline = Outline::Disc {
+                diameter_m: 2.0 * radius,
+            };
+            // Fine enough for the smallest patch over the longest wave.
+            let inner = KEPT_INNER_SIZE * radius;
+            let mesh = PlateMesh::graded(&outline, [radius; 2], inner, None, resolution)?;
+            PlateSolver::new(mesh, properties, Support::Clamped)
+        })?;
+        self.note(&disc);
+        Ok(disc)
     }
 
-    fn solved(
-        &mut self,
-        mesh: PlateMesh,
-        properties: PlateProperties,
-        support: Support,
-    ) -> Result<Solved, FractureError> {
-        self.n_mesh_nodes = self.n_mesh_nodes.max(mesh.nodes().len());
-        Ok(Solved {
-            mesh: Rc::new(mesh.clone()),
-            solver: PlateSolver::new(mesh, properties, support)?,
-        })
+    /// Counts a solution, and notes the largest mesh.
+    fn note(&mut self, solver: &PlateSolver) {
+        self.n_solutions += 1;
+        self.n_mesh_nodes = self.n_mesh_nodes.max(solver.mesh().nodes().len());
     }
 
     fn bend_kept(
@@ -329,15 +317,14 @@ impl Plates {
         unit_m: f64,
         radius: f64,
     ) -> Result<Bending, FractureError> {
-        let kept = self.kept(radius)?;
-        self.n_solutions += 1;
-        let field = kept.solver.solve(&PatchLoad {
+        let disc = self.disc(radius)?;
+        let field = disc.solve(&PatchLoad {
             center_m: [radius; 2],
             radius_m: load.patch_radius_m / unit_m,
             force_n: load.force_n,
         })?;
         Ok(Bending {
-            mesh: Rc::clone(&kept.mesh),
+            mesh: disc.shared_mesh(),
             field,
             scale: unit_m,
             gain: 1.0,
@@ -370,15 +357,15 @@ impl Plates {
             let outline = &self.outline;
             PlateMesh::graded_around_cracks(outline, center_m, inner_m, domain_m, n_nodes, cracks)?
         };
-        let solved = self.solved(mesh, self.stiffness.properties, self.support)?;
-        self.n_solutions += 1;
-        let field = solved.solver.solve(&PatchLoad {
+        let solver = PlateSolver::new(mesh, self.stiffness.properties, self.support)?;
+        self.note(&solver);
+        let field = solver.solve(&PatchLoad {
             center_m,
             radius_m: load.patch_radius_m,
             force_n: load.force_n,
         })?;
         Ok(Bending {
-            mesh: solved.mesh,
+            mesh: solver.shared_mesh(),
             field,
             scale: 1.0,
             gain: 1.0,

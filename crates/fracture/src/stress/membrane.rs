@@ -95,8 +95,7 @@ pub fn membrane_stress(
     let packed: Vec<_> = elements.iter().map(|e| e.stiffness(&compliance)).collect();
     let mut is_fixed = vec![[false; 3]; n];
     is_fixed[..mesh.n_border_nodes()].fill([true; 3]);
-    let mut system = System::new(mesh)?;
-    system.factor(packed.iter(), &[], &is_fixed)?;
+    let system = System::factored(mesh, packed.iter(), &[], &is_fixed)?;
 
     let mut load = vec![[0.0; 3]; n];
     for ((t, nodes), element) in (0_u32..).zip(mesh.triangles()).zip(&elements) {

@@ -2,6 +2,7 @@
 
 mod cholesky;
 mod dkt;
+mod elimination;
 mod load;
 mod membrane;
 mod plate;

@@ -1,5 +1,7 @@
 //! A thin plate under a load across it.
 
+use std::sync::Arc;
+
 use super::dkt::{AXES, Element, Frame, N_LOCAL, deflection, isotropic};
 use super::recovery::NodalStress;
 use super::sparse::System;
@@ -106,7 +108,7 @@ pub enum Face {
 
 /// A plate with its mesh: factored once, then solved for as many loads as there are.
 pub struct PlateSolver {
-    mesh: PlateMesh,
+    mesh: Arc<PlateMesh>,
     plate: PlateProperties,
     frames: Vec<Frame>,
     elements: Vec<Element>,
@@ -157,10 +159,9 @@ impl PlateSolver {
                 foundation[node as usize] += pressure_pa_m * element.area_m2 / 3.0;
             }
         }
-        let mut system = System::new(&mesh)?;
-        system.factor(stiffness.iter(), &foundation, &is_held)?;
+        let system = System::factored(&mesh, stiffness.iter(), &foundation, &is_held)?;
         Ok(Self {
-            mesh,
+            mesh: Arc::new(mesh),
             plate,
             frames,
             elements,
@@ -173,6 +174,11 @@ impl PlateSolver {
     #[must_use]
     pub fn mesh(&self) -> &PlateMesh {
         &self.mesh
+    }
+
+    /// The mesh, for a field that outlives the solver.
+    pub(crate) fn shared_mesh(&self) -> Arc<PlateMesh> {
+        Arc::clone(&self.mesh)
     }
 
     /// The plate's properties.

@@ -4,30 +4,19 @@
 //! The sides of a node share its deflection, which is the first unknown of its first side. That of
 //! the others is held and stands for nothing.
 
-use faer::Side;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::linalg::{SupernodalThreshold, amd};
-
 use super::cholesky::{Cholesky, Lower};
 use super::dkt::{N_LOCAL, N_PACKED};
+use super::elimination::{Lists, PER_NODE, supernodes};
 use crate::FractureError;
 use crate::mesh::{PlateMesh, to_u32};
 
-/// A symmetric positive definite matrix (its lower triangle, column by column) and its factor.
-///
-/// Nodes are numbered in the order of elimination from the start, and where each entry of each
-/// element goes is known, so that a new factor costs assembly and numbers only.
+/// A symmetric positive definite matrix (its lower triangle, column by column) and its factor. Nodes
+/// are numbered in the order of elimination.
 pub(super) struct System {
     /// Place of each node in the order of elimination.
     place: Vec<u32>,
     columns: Vec<u32>,
     rows: Vec<u32>,
-    /// Where the packed entries of each element are added.
-    scatter: Vec<[u32; N_PACKED]>,
     values: Vec<f64>,
     factor: Cholesky,
 }
@@ -35,101 +24,88 @@ pub(super) struct System {
 /// The nodes of a triangle, then their sides.
 type Stencil = [u32; 6];
 
-fn failed(cause: impl std::fmt::Debug) -> FractureError {
-    FractureError::Solver {
-        cause: format!("{cause:?}"),
-    }
-}
-
 impl System {
-    /// The pattern of a mesh with its ordering and symbolic factor.
-    pub(super) fn new(mesh: &PlateMesh) -> Result<Self, FractureError> {
-        let n_nodes = mesh.nodes_of_sides().len();
-        let corners = || mesh.triangles().iter().zip(mesh.sides());
-        let stencil = |[a, b, c]: [u32; 3], [d, e, f]: [u32; 3]| [a, b, c, d, e, f];
-        let stencils: Vec<Stencil> = corners()
-            .map(|(nodes, sides)| stencil(*nodes, *sides))
-            .chain(
-                corners()
-                    .filter(|(nodes, sides)| nodes != sides)
-                    .map(|(nodes, _)| stencil(*nodes, *nodes)),
-            )
-            .collect();
-        let place = elimination_order(n_nodes, &stencils)?;
-        let placed: Vec<Stencil> = stencils
-            .iter()
-            .map(|stencil| stencil.map(|node| place[node as usize]))
-            .collect();
-        let later = later_neighbors(n_nodes, &placed);
-        let mut columns = vec![0];
-        let mut rows = Vec::new();
-        for (node, later) in (0..).zip(&later) {
-            for c in 0..3 {
-                rows.extend((c..3).map(|r| 3 * node + r));
-                rows.extend(
-                    later
-                        .iter()
-                        .flat_map(|other| [0, 1, 2].map(|r| 3 * other + r)),
-                );
-                columns.push(to_u32(rows.len()));
-            }
-        }
-        let n = 3 * n_nodes;
-        let (upper_columns, upper_rows) = upper(&later);
-        // In the given order faer reads the upper triangle, whatever it is told.
-        let symbolic = factorize_symbolic_cholesky(
-            SymbolicSparseColMatRef::new_checked(n, n, &upper_columns, None, &upper_rows),
-            Side::Upper,
-            SymmetricOrdering::Identity,
-            CholeskySymbolicParams {
-                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-                ..CholeskySymbolicParams::default()
-            },
-        )
-        .map_err(failed)?;
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else {
-            return Err(failed("no supernodes"));
-        };
-        let scatter = placed
-            .iter()
-            .map(|triangle| scatter(triangle, &columns, &later))
-            .collect();
-        Ok(Self {
-            values: vec![0.0; rows.len()],
-            factor: Cholesky::new(symbolic),
-            place,
-            columns,
-            rows,
-            scatter,
-        })
-    }
-
     /// Assembles the elements' packed matrices and a diagonal for the first unknown of each node,
     /// holds the unknowns in `is_fixed`, and factors.
     ///
     /// Elements are those of the triangles, then once more those of the triangles with a side that
     /// is not the first of its node, for unknowns of the first sides.
-    pub(super) fn factor<'a>(
-        &mut self,
+    pub(super) fn factored<'a>(
+        mesh: &PlateMesh,
         elements: impl Iterator<Item = &'a [f64; N_PACKED]>,
         diagonal: &[f64],
         is_fixed: &[[bool; 3]],
-    ) -> Result<(), FractureError> {
-        self.values.fill(0.0);
-        for (packed, scatter) in elements.zip(&self.scatter) {
-            for (value, &at) in packed.iter().zip(scatter) {
-                self.values[at as usize] += value;
+    ) -> Result<Self, FractureError> {
+        let stencils = stencils(mesh);
+        let pairs = stencils.iter().flat_map(|stencil| {
+            let nodes = distinct(stencil);
+            (0..nodes.len()).flat_map(move |k| (0..k).map(move |j| [nodes[j], nodes[k]]))
+        });
+        let pairs = pairs.filter(|[a, b]| a != b);
+        let later = Lists::later(mesh.nodes_of_sides().len(), pairs);
+        let place = later.elimination_places()?;
+        let later = later.renumbered(&place);
+        let (columns, rows) = lower(&later);
+        let mut system = Self {
+            values: vec![0.0; rows.len()],
+            factor: Cholesky::new(columns.len() - 1, &supernodes(&later)),
+            place,
+            columns,
+            rows,
+        };
+        for (packed, stencil) in elements.zip(&stencils) {
+            let stencil = stencil.map(|node| system.place[node as usize]);
+            system.add(packed, &stencil, &later);
+        }
+        for (value, &place) in diagonal.iter().zip(&system.place) {
+            system.values[system.columns[PER_NODE * place as usize] as usize] += value;
+        }
+        system.hold(is_fixed);
+        system.factor.factor(&Lower {
+            columns: &system.columns,
+            rows: &system.rows,
+            values: &system.values,
+        })?;
+        Ok(system)
+    }
+
+    /// Adds an element's packed matrix.
+    fn add(&mut self, packed: &[f64; N_PACKED], stencil: &Stencil, later: &Lists) {
+        let n = distinct(stencil).len();
+        // Of each two nodes, which of the later neighbors of the earlier one the other is.
+        let mut nth = [[0; 6]; 6];
+        for a in 0..n {
+            for b in 0..a {
+                let (low, high) = (stencil[a].min(stencil[b]), stencil[a].max(stencil[b]));
+                let at = later.of(low).iter().position(|&other| other == high);
+                nth[a][b] = to_u32(at.unwrap_or(0));
+                nth[b][a] = nth[a][b];
             }
         }
-        for (value, &place) in diagonal.iter().zip(&self.place) {
-            self.values[self.columns[3 * place as usize] as usize] += value;
+        // The first unknown of a corner is that of its node, the others those of its side.
+        let unknown = |local: usize| {
+            let side = if local.is_multiple_of(PER_NODE) { 0 } else { 3 };
+            ((local / PER_NODE + side) % n, to_u32(local % PER_NODE))
+        };
+        let mut packed = packed.iter();
+        for i in 0..N_LOCAL {
+            for j in 0..=i {
+                let ((a, of_a), (b, of_b)) = (unknown(i), unknown(j));
+                let (node_a, node_b) = (stencil[a], stencil[b]);
+                let start = |node: u32, of: u32| self.columns[(3 * node + of) as usize];
+                let at = if node_a == node_b {
+                    start(node_a, of_a.min(of_b)) + of_a.abs_diff(of_b)
+                } else {
+                    let (low, column, row) = if node_a < node_b {
+                        (node_a, of_a, of_b)
+                    } else {
+                        (node_b, of_b, of_a)
+                    };
+                    start(low, column) + 3 - column + 3 * nth[a][b] + row
+                };
+                self.values[at as usize] += packed.next().copied().unwrap_or_default();
+            }
         }
-        self.hold(is_fixed);
-        self.factor.factor(&Lower {
-            columns: &self.columns,
-            rows: &self.rows,
-            values: &self.values,
-        })
     }
 
     /// Replaces rows and columns of held unknowns by those of the unit matrix.
@@ -210,102 +186,38 @@ pub(super) struct Solution {
     pub(super) relative_residual: f64,
 }
 
-/// Place of each node in an order that keeps the factor sparse (approximate minimum degree of
-/// the graph of nodes, a third of the work of that of unknowns) \[Amestoy1996\].
-fn elimination_order(n_nodes: usize, stencils: &[Stencil]) -> Result<Vec<u32>, FractureError> {
-    let later = later_neighbors(n_nodes, stencils);
-    let mut columns = vec![0];
-    let mut rows = Vec::new();
-    for (node, later) in (0..).zip(&later) {
-        rows.push(node);
-        rows.extend(later);
-        columns.push(to_u32(rows.len()));
-    }
-    let graph = SymbolicSparseColMatRef::new_checked(n_nodes, n_nodes, &columns, None, &rows);
-    let mut order = vec![0_u32; n_nodes];
-    let mut place = vec![0_u32; n_nodes];
-    let mut scratch = MemBuffer::try_new(amd::order_maybe_unsorted_scratch::<u32>(
-        n_nodes,
-        rows.len(),
-    ))
-    .map_err(failed)?;
-    amd::order_maybe_unsorted(
-        &mut order,
-        &mut place,
-        graph,
-        amd::Control::default(),
-        MemStack::new(&mut scratch),
-    )
-    .map_err(failed)?;
-    Ok(place)
+/// The nodes and sides of the triangles, in the order of their elements.
+fn stencils(mesh: &PlateMesh) -> Vec<Stencil> {
+    let corners = || mesh.triangles().iter().zip(mesh.sides());
+    let stencil = |[a, b, c]: [u32; 3], [d, e, f]: [u32; 3]| [a, b, c, d, e, f];
+    corners()
+        .map(|(nodes, sides)| stencil(*nodes, *sides))
+        .chain(
+            corners()
+                .filter(|(nodes, sides)| nodes != sides)
+                .map(|(nodes, _)| stencil(*nodes, *nodes)),
+        )
+        .collect()
 }
 
-/// For each node its neighbors of higher number, in order.
-fn later_neighbors(n_nodes: usize, stencils: &[Stencil]) -> Vec<Vec<u32>> {
-    let mut later: Vec<Vec<u32>> = vec![Vec::with_capacity(8); n_nodes];
-    for stencil in stencils {
-        for (k, &a) in stencil.iter().enumerate() {
-            for &b in stencil[..k].iter().filter(|&&b| b != a) {
-                later[a.min(b) as usize].push(a.max(b));
+/// Nodes once where they are their own sides.
+fn distinct(stencil: &Stencil) -> &[u32] {
+    let (nodes, sides) = stencil.split_at(3);
+    if nodes == sides { nodes } else { stencil }
+}
+
+/// Columns and rows of the lower triangle.
+fn lower(later: &Lists) -> (Vec<u32>, Vec<u32>) {
+    let mut columns = vec![0];
+    let mut rows = Vec::new();
+    for node in 0..to_u32(later.n()) {
+        for own in 0..3 {
+            rows.extend((own..3).map(|row| 3 * node + row));
+            for other in later.of(node) {
+                rows.extend([0, 1, 2].map(|row| 3 * other + row));
             }
-        }
-    }
-    for neighbors in &mut later {
-        neighbors.sort_unstable();
-        neighbors.dedup();
-    }
-    later
-}
-
-/// Columns and rows of the upper triangle.
-fn upper(later: &[Vec<u32>]) -> (Vec<u32>, Vec<u32>) {
-    let mut earlier: Vec<Vec<u32>> = vec![Vec::with_capacity(8); later.len()];
-    for (node, later) in (0..).zip(later) {
-        for &other in later {
-            earlier[other as usize].push(node);
-        }
-    }
-    let mut columns = vec![0];
-    let mut rows = Vec::new();
-    for (node, earlier) in (0..).zip(&earlier) {
-        for c in 0..3 {
-            rows.extend(
-                earlier
-                    .iter()
-                    .flat_map(|other| [0, 1, 2].map(|r| 3 * other + r)),
-            );
-            rows.extend((0..=c).map(|r| 3 * node + r));
             columns.push(to_u32(rows.len()));
         }
     }
     (columns, rows)
-}
-
-/// Where the packed entries of an element go.
-fn scatter(stencil: &Stencil, columns: &[u32], later: &[Vec<u32>]) -> [u32; N_PACKED] {
-    let place = |high: u32, row: u32, low: u32, column: u32| {
-        let start = columns[(3 * low + column) as usize];
-        if high == low {
-            start + row - column
-        } else {
-            let nth = later[low as usize].partition_point(|&other| other < high);
-            start + 3 - column + 3 * to_u32(nth) + row
-        }
-    };
-    let mut out = [0; N_PACKED];
-    let mut at = 0;
-    let unknown = |local: usize| {
-        let corner = local / 3;
-        let of_side = if local.is_multiple_of(3) { 0 } else { 3 };
-        (stencil[corner + of_side], to_u32(local % 3))
-    };
-    for i in 0..N_LOCAL {
-        for j in 0..=i {
-            let (a, b) = (unknown(i), unknown(j));
-            let (high, low) = if a > b { (a, b) } else { (b, a) };
-            out[at] = place(high.0, high.1, low.0, low.1);
-            at += 1;
-        }
-    }
-    out
 }

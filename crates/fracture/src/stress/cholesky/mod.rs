@@ -6,8 +6,7 @@
 //! rows are tiled, and that no product is fused with its sum leave every bit as it is. The libraries
 //! choose their kernels, and with them the rounding, by the processor.
 
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
-
+use super::elimination::{PER_NODE, Supernode};
 use crate::FractureError;
 use crate::mesh::to_u32;
 
@@ -56,15 +55,16 @@ pub(super) struct Lower<'a> {
 }
 
 impl Cholesky {
-    /// Room for a factor of this pattern.
-    pub(super) fn new(symbolic: &SymbolicSupernodalCholesky<u32>) -> Self {
-        let mut blocks: Vec<Block> = Vec::with_capacity(symbolic.n_supernodes());
-        let mut block_of_column = Vec::with_capacity(symbolic.nrows());
-        for (idx, end) in symbolic.supernode_end().iter().enumerate() {
+    /// Room for a factor of `n` columns.
+    pub(super) fn new(n: usize, supernodes: &[Supernode]) -> Self {
+        let mut blocks: Vec<Block> = Vec::with_capacity(supernodes.len());
+        let mut block_of_column = Vec::with_capacity(n);
+        for (idx, supernode) in supernodes.iter().enumerate() {
             let first_column = block_of_column.len();
-            block_of_column.resize(*end as usize, idx);
-            let rows_below = symbolic.supernode(idx).pattern().to_vec();
-            let n_columns = block_of_column.len() - first_column;
+            let n_columns = PER_NODE * supernode.n;
+            block_of_column.resize(first_column + n_columns, idx);
+            let unknowns = |&node: &u32| [0, 1, 2].map(|own| 3 * node + own);
+            let rows_below: Vec<u32> = supernode.below.iter().flat_map(unknowns).collect();
             blocks.push(Block {
                 first_column,
                 n_columns,
@@ -82,11 +82,7 @@ impl Cholesky {
                 first += n;
             }
         }
-        Self {
-            n: symbolic.nrows(),
-            blocks,
-            updates,
-        }
+        Self { n, blocks, updates }
     }
 
     /// The factor of a matrix.

@@ -1,11 +1,6 @@
-use faer::Side;
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
-};
 use pulp::WithSimd as _;
 
+use super::super::elimination::{Lists, supernodes};
 use super::*;
 
 const SIDE: u32 = 13;
@@ -33,21 +28,14 @@ fn pattern(reaches: impl Fn(u32, u32) -> bool) -> (Vec<u32>, Vec<u32>) {
     (columns, rows)
 }
 
-fn factor_of(upper: &(Vec<u32>, Vec<u32>)) -> Result<Cholesky, FractureError> {
-    let n = N as usize;
-    let symbolic = factorize_symbolic_cholesky(
-        SymbolicSparseColMatRef::new_checked(n, n, &upper.0, None, &upper.1),
-        Side::Upper,
-        SymmetricOrdering::Identity,
-        CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-            ..CholeskySymbolicParams::default()
-        },
-    );
-    match symbolic.as_ref().map(|symbolic| symbolic.raw()) {
-        Ok(SymbolicCholeskyRaw::Supernodal(symbolic)) => Ok(Cholesky::new(symbolic)),
-        other => panic!("{other:?}"),
-    }
+fn room() -> Cholesky {
+    let [beside, above] = [1, SIDE].map(|step| {
+        (step..SIDE * SIDE)
+            .filter(move |k| step > 1 || k % SIDE > 0)
+            .map(move |k| [k - step, k])
+    });
+    let later = Lists::later((SIDE * SIDE) as usize, beside.chain(above));
+    Cholesky::new(N as usize, &supernodes(&later))
 }
 
 fn bits(of: &[f64]) -> Vec<u64> {
@@ -56,7 +44,6 @@ fn bits(of: &[f64]) -> Vec<u64> {
 
 #[test]
 fn wide_instructions_leave_every_bit_and_the_system_is_solved() -> Result<(), FractureError> {
-    let upper = pattern(|row, column| row <= column);
     let (columns, rows) = pattern(|row, column| row >= column);
     let of_rows = (0..N).zip(columns.windows(2));
     let values: Vec<f64> = of_rows
@@ -75,7 +62,7 @@ fn wide_instructions_leave_every_bit_and_the_system_is_solved() -> Result<(), Fr
         .map(|row| (0..N).map(|c| value(row, c) * wanted[c as usize]).sum())
         .collect();
 
-    let mut wide = factor_of(&upper)?;
+    let mut wide = room();
     wide.factor(&matrix)?;
     let mut solved = right.clone();
     wide.solve(&mut solved);
@@ -83,7 +70,7 @@ fn wide_instructions_leave_every_bit_and_the_system_is_solved() -> Result<(), Fr
         assert!((solved - wanted).abs() < 1e-12, "{solved}, not {wanted}");
     }
 
-    let mut narrow = factor_of(&upper)?;
+    let mut narrow = room();
     let factoring = Factoring {
         cholesky: &mut narrow,
         matrix: &matrix,
@@ -104,15 +91,13 @@ fn wide_instructions_leave_every_bit_and_the_system_is_solved() -> Result<(), Fr
 
 #[test]
 fn a_matrix_that_is_not_positive_is_told() {
-    let upper = pattern(|row, column| row <= column);
     let (columns, rows) = pattern(|row, column| row >= column);
     let matrix = Lower {
         columns: &columns,
         rows: &rows,
         values: &vec![0.0; rows.len()],
     };
-    let factored = factor_of(&upper).and_then(|mut factor| factor.factor(&matrix));
-    let told = factored.map_err(|error| error.to_string());
+    let told = room().factor(&matrix).map_err(|error| error.to_string());
     assert!(
         matches!(&told, Err(text) if text.contains("pivot 0 is 0, not positive")),
         "{told:?}"
