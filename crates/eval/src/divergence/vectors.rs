@@ -1,6 +1,6 @@
 //! Two sets of feature vectors compared: Fréchet distance and kernel distance.
 
-use faer::{Mat, Side};
+use nalgebra::{Cholesky, DMatrix};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -116,26 +116,43 @@ pub fn compare_vectors(
     })
 }
 
-/// [`VectorComparison::frechet`], by two symmetric eigenvalue problems in double precision, so that nothing
-/// complex comes up; eigenvalues that rounding made negative count as 0.
+/// [`VectorComparison::frechet`], in double precision: for `S_a = F Fᵀ`, whatever F is, the root's trace is the
+/// sum of the roots of the eigenvalues of `Fᵀ S_b F`, which is symmetric, so that nothing complex comes up;
+/// eigenvalues that rounding made negative count as 0.
 fn frechet_squared(a: &[&[f64]], b: &[&[f64]], d: usize) -> Result<f64, EvalError> {
     let ((mean_a, of_a), (mean_b, of_b)) = (moments(a, d), moments(b, d));
-    let eigen = of_a.self_adjoint_eigen(Side::Lower);
-    let eigen = eigen.map_err(|_| EvalError::Eigenvalues)?;
-    let (vectors, values) = (eigen.U(), eigen.S().column_vector());
-    let scaled = Mat::from_fn(d, d, |i, j| vectors[(i, j)] * values[j].max(0.0).sqrt());
-    let root = &scaled * vectors.transpose();
-    let product = &root * &of_b * &root;
-    let values = symmetric(&product).self_adjoint_eigenvalues(Side::Lower);
-    let values = values.map_err(|_| EvalError::Eigenvalues)?;
+    let trace = of_a.trace() + of_b.trace();
+    // What is not finite has no eigenvalues, and looking for them would not end.
+    if !trace.is_finite() {
+        return Err(EvalError::Eigenvalues);
+    }
+    let half = half_of(of_a);
+    let product = symmetric(half.tr_mul(&(of_b * &half)));
+    if !product.iter().all(|entry| entry.is_finite()) {
+        return Err(EvalError::Eigenvalues);
+    }
+    let values = product.symmetric_eigenvalues();
     let cross: f64 = values.iter().map(|value| value.max(0.0).sqrt()).sum();
     let gaps = mean_a.iter().zip(&mean_b).map(|(a, b)| (a - b).powi(2));
-    let trace = |m: &Mat<f64>| (0..d).map(|i| m[(i, i)]).sum::<f64>();
-    Ok((gaps.sum::<f64>() + trace(&of_a) + trace(&of_b) - 2.0 * cross).max(0.0))
+    Ok((gaps.sum::<f64>() + trace - 2.0 * cross).max(0.0))
+}
+
+/// F with F Fᵀ = S: Cholesky's, or, of a covariance that has none because it is of lower rank, the eigenvectors
+/// times the roots of their values.
+fn half_of(covariance: DMatrix<f64>) -> DMatrix<f64> {
+    if let Some(cholesky) = Cholesky::new(covariance.clone()) {
+        return cholesky.unpack();
+    }
+    let eigen = covariance.symmetric_eigen();
+    let mut half = eigen.eigenvectors;
+    for (mut column, value) in half.column_iter_mut().zip(eigen.eigenvalues.iter()) {
+        column *= value.max(0.0).sqrt();
+    }
+    half
 }
 
 /// Mean and sample covariance.
-fn moments(rows: &[&[f64]], d: usize) -> (Vec<f64>, Mat<f64>) {
+fn moments(rows: &[&[f64]], d: usize) -> (Vec<f64>, DMatrix<f64>) {
     let mut mean = vec![0.0; d];
     for row in rows {
         for (sum, value) in mean.iter_mut().zip(*row) {
@@ -146,17 +163,21 @@ fn moments(rows: &[&[f64]], d: usize) -> (Vec<f64>, Mat<f64>) {
     for value in &mut mean {
         *value /= n;
     }
-    let centered = Mat::from_fn(rows.len(), d, |i, j| rows[i][j] - mean[j]);
-    let product = symmetric(&(centered.transpose() * &centered));
-    let covariance = Mat::from_fn(d, d, |i, j| product[(i, j)] / (n - 1.0));
-    (mean, covariance)
+    // One vector per column, as they lie in memory.
+    let centered = DMatrix::from_fn(d, rows.len(), |i, j| rows[j][i] - mean[i]);
+    let product = &centered * centered.transpose();
+    (mean, symmetric(product) / (n - 1.0))
 }
 
 /// A matrix that rounding made not quite symmetric.
-fn symmetric(m: &Mat<f64>) -> Mat<f64> {
-    Mat::from_fn(m.nrows(), m.ncols(), |i, j| {
-        f64::midpoint(m[(i, j)], m[(j, i)])
-    })
+fn symmetric(mut m: DMatrix<f64>) -> DMatrix<f64> {
+    for i in 0..m.nrows() {
+        for j in 0..i {
+            m[(i, j)] = f64::midpoint(m[(i, j)], m[(j, i)]);
+            m[(j, i)] = m[(i, j)];
+        }
+    }
+    m
 }
 
 /// [`VectorComparison::kid`].
