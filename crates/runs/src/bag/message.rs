@@ -387,12 +387,11 @@ impl RawRows {
 
     /// Lays pixels where those of the message were.
     fn lay(&self, pixels: &DynamicImage, data: &mut [u8]) {
-        let mut samples = pixels.as_bytes().to_vec();
-        self.swap(&mut samples);
-        let rows = samples.chunks(self.n_row());
+        let rows = pixels.as_bytes().chunks(self.n_row());
         for (row, from) in data.chunks_mut(self.step).zip(rows) {
             if let Some(to) = row.get_mut(..from.len()) {
                 to.copy_from_slice(from);
+                self.swap(to);
             }
         }
     }
