@@ -141,8 +141,35 @@ impl GlassPane {
     }
 }
 
-/// The discs of the last panes, by their radius, properties and mesh.
-static DISCS: Kept<(f64, PlateProperties, MeshResolution), PlateSolver> = Kept::new();
+/// The discs of the last panes.
+static DISCS: Kept<Disc, PlateSolver> = Kept::new();
+
+/// How they were bent last, by the patch and force of the load in their middle: all stones of a recipe may be
+/// alike.
+static BENT: Kept<(Disc, [f64; 2]), PlateField> = Kept::new();
+
+/// A disc that serves every hit of a pane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Disc {
+    radius: f64,
+    properties: PlateProperties,
+    resolution: MeshResolution,
+}
+
+impl Disc {
+    fn solver(&self) -> Result<Arc<PlateSolver>, FractureError> {
+        DISCS.of(*self, || {
+            let radius = self.radius;
+            let outline = Outline::Disc {
+                diameter_m: 2.0 * radius,
+            };
+            // Fine enough for the smallest patch over the longest wave.
+            let inner = KEPT_INNER_SIZE * radius;
+            let mesh = PlateMesh::graded(&outline, [radius; 2], inner, None, self.resolution)?;
+            PlateSolver::new(mesh, self.properties, Support::Clamped)
+        })
+    }
+}
 
 /// The solvers of one pane.
 pub(super) struct Plates {
@@ -166,7 +193,7 @@ pub(super) struct Load {
 /// The bending of a pane, at its own place and size.
 pub(super) struct Bending {
     mesh: Arc<PlateMesh>,
-    field: PlateField,
+    field: Arc<PlateField>,
     /// Metres per unit of the mesh.
     scale: f64,
     /// Stress over that of the solution, which is linear in the force.
@@ -284,27 +311,6 @@ impl Plates {
         }
     }
 
-    /// The factorization of a disc, which all panes like this one share.
-    fn disc(&mut self, radius: f64) -> Result<Arc<PlateSolver>, FractureError> {
-        let mut properties = self.stiffness.properties;
-        if properties.foundation_pa_m > 0.0 {
-            // In lengths of the foundation: ℓ = 1.
-            properties.foundation_pa_m = self.stiffness.bending_n_m;
-        }
-        let resolution = self.resolution;
-        let disc = DISCS.of((radius, properties, resolution), || {
-            let outline = Outline::Disc {
-                diameter_m: 2.0 * radius,
-            };
-            // Fine enough for the smallest patch over the longest wave.
-            let inner = KEPT_INNER_SIZE * radius;
-            let mesh = PlateMesh::graded(&outline, [radius; 2], inner, None, resolution)?;
-            PlateSolver::new(mesh, properties, Support::Clamped)
-        })?;
-        self.note(&disc);
-        Ok(disc)
-    }
-
     /// Counts a solution, and notes the largest mesh.
     fn note(&mut self, solver: &PlateSolver) {
         self.n_solutions += 1;
@@ -317,14 +323,28 @@ impl Plates {
         unit_m: f64,
         radius: f64,
     ) -> Result<Bending, FractureError> {
-        let disc = self.disc(radius)?;
-        let field = disc.solve(&PatchLoad {
+        let mut properties = self.stiffness.properties;
+        if properties.foundation_pa_m > 0.0 {
+            // In lengths of the foundation: ℓ = 1.
+            properties.foundation_pa_m = self.stiffness.bending_n_m;
+        }
+        let disc = Disc {
+            radius,
+            properties,
+            resolution: self.resolution,
+        };
+        let solver = disc.solver()?;
+        self.note(&solver);
+        let patch = PatchLoad {
             center_m: [radius; 2],
             radius_m: load.patch_radius_m / unit_m,
             force_n: load.force_n,
+        };
+        let field = BENT.of((disc, [patch.radius_m, patch.force_n]), || {
+            solver.solve(&patch)
         })?;
         Ok(Bending {
-            mesh: disc.shared_mesh(),
+            mesh: solver.shared_mesh(),
             field,
             scale: unit_m,
             gain: 1.0,
@@ -366,7 +386,7 @@ impl Plates {
         })?;
         Ok(Bending {
             mesh: solver.shared_mesh(),
-            field,
+            field: Arc::new(field),
             scale: 1.0,
             gain: 1.0,
             load: *load,

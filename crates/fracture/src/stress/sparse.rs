@@ -83,14 +83,14 @@ impl System {
             }
         }
         // The first unknown of a corner is that of its node, the others those of its side.
-        let unknown = |local: usize| {
+        let unknowns: [(usize, u32); N_LOCAL] = std::array::from_fn(|local| {
             let side = if local.is_multiple_of(PER_NODE) { 0 } else { 3 };
             ((local / PER_NODE + side) % n, to_u32(local % PER_NODE))
-        };
+        });
         let mut packed = packed.iter();
         for i in 0..N_LOCAL {
             for j in 0..=i {
-                let ((a, of_a), (b, of_b)) = (unknown(i), unknown(j));
+                let ((a, of_a), (b, of_b)) = (unknowns[i], unknowns[j]);
                 let (node_a, node_b) = (stencil[a], stencil[b]);
                 let start = |node: u32, of: u32| self.columns[(3 * node + of) as usize];
                 let at = if node_a == node_b {

@@ -3,6 +3,7 @@
 //! [MCAP](https://mcap.dev/spec): magic bytes, then records of one byte (what), eight (how long) and content. Messages
 //! lie in the file itself, or in chunks, which may be compressed. Only one record and one chunk are in memory.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, VecDeque};
 use std::io::{self, Read, Seek, SeekFrom};
 
@@ -14,6 +15,9 @@ use super::record::{HEAD, parsed, split};
 
 /// Longest record and longest chunk when it is unpacked, bytes: far above what recorders write (1 to 4 MB).
 pub(super) const MAX_RECORD_BYTES: u64 = 1 << 30;
+
+/// Memory for a chunk before it is unpacked, bytes; recorders write 1 to 4 MB.
+const USUAL_BYTES: usize = 8 << 20;
 
 /// What stands in a bag.
 #[derive(Debug)]
@@ -392,30 +396,40 @@ fn squeezing(header: &ChunkHeader) -> Result<Squeezing, Unreadable> {
 }
 
 /// What a chunk holds, with its checksum.
-fn unpacked(header: &ChunkHeader, squeezing: Squeezing, data: &[u8]) -> Result<Vec<u8>, String> {
+fn unpacked<'a>(
+    header: &ChunkHeader,
+    squeezing: Squeezing,
+    data: &'a [u8],
+) -> Result<Cow<'a, [u8]>, String> {
     let n_bytes = header.uncompressed_size;
     if n_bytes > MAX_RECORD_BYTES {
         return Err(format!(
             "a chunk claims {n_bytes} bytes, more than the {MAX_RECORD_BYTES} that are read"
         ));
     }
-    let mut unpacked = Vec::new();
-    // No more than it claims is unpacked, and no more is taken than it turns out to have.
-    let read = match squeezing {
-        Squeezing::None => data.take(n_bytes + 1).read_to_end(&mut unpacked),
-        Squeezing::Lz4 => lz4::Decoder::new(data)
-            .and_then(|decoder| decoder.take(n_bytes + 1).read_to_end(&mut unpacked)),
-        Squeezing::Zstd => zstd::Decoder::new(data)
-            .and_then(|decoder| decoder.take(n_bytes + 1).read_to_end(&mut unpacked)),
+    let unpacked = match squeezing {
+        Squeezing::None => Ok(Cow::Borrowed(data)),
+        Squeezing::Lz4 => read_all(lz4::Decoder::new(data), n_bytes),
+        Squeezing::Zstd => read_all(zstd::Decoder::new(data), n_bytes),
     };
-    if read.is_err() || unpacked.len() as u64 != n_bytes {
-        return Err("a chunk does not unpack to what it claims".to_owned());
-    }
+    let unpacked = unpacked
+        .ok()
+        .filter(|unpacked| unpacked.len() as u64 == n_bytes)
+        .ok_or("a chunk does not unpack to what it claims")?;
     let crc = header.uncompressed_crc;
     if crc != 0 && crc32fast::hash(&unpacked) != crc {
         return Err("a chunk has another checksum than its bytes".to_owned());
     }
     Ok(unpacked)
+}
+
+/// What a decoder gives, one byte more than is claimed at most; no more memory is taken than for what it turns out to
+/// be, or for a chunk of usual size.
+fn read_all(decoder: io::Result<impl Read>, claimed: u64) -> io::Result<Cow<'static, [u8]>> {
+    let usual = usize::try_from(claimed).map_or(USUAL_BYTES, |claimed| claimed.min(USUAL_BYTES));
+    let mut unpacked = Vec::with_capacity(usual + 1);
+    decoder?.take(claimed + 1).read_to_end(&mut unpacked)?;
+    Ok(Cow::Owned(unpacked))
 }
 
 #[cfg(test)]
