@@ -1,6 +1,6 @@
 //! Two sets of feature vectors compared: Fréchet distance and kernel distance.
 
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::{Cholesky, DMatrix, SVD, SymmetricEigen};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -116,39 +116,53 @@ pub fn compare_vectors(
     })
 }
 
-/// [`VectorComparison::frechet`], in double precision: for `S_a = F Fᵀ`, whatever F is, the root's trace is the
-/// sum of the roots of the eigenvalues of `Fᵀ S_b F`, which is symmetric, so that nothing complex comes up;
-/// eigenvalues that rounding made negative count as 0.
+/// Most steps in search of the eigenvalues or singular values of a matrix, per row; two or three are usual.
+const STEPS_PER_ROW: usize = 100;
+
+/// [`VectorComparison::frechet`], in double precision: for `S_a = F Fᵀ` and `S_b = G Gᵀ`, whatever F and G are, the
+/// root's trace is the sum of the singular values of `Fᵀ G`, so that nothing complex comes up and no root is taken of
+/// what rounding left of 0.
 fn frechet_squared(a: &[&[f64]], b: &[&[f64]], d: usize) -> Result<f64, EvalError> {
     let ((mean_a, of_a), (mean_b, of_b)) = (moments(a, d), moments(b, d));
     let trace = of_a.trace() + of_b.trace();
-    // What is not finite has no eigenvalues, and looking for them would not end.
-    if !trace.is_finite() {
-        return Err(EvalError::Eigenvalues);
-    }
-    let half = half_of(of_a);
-    let product = symmetric(half.tr_mul(&(of_b * &half)));
-    if !product.iter().all(|entry| entry.is_finite()) {
-        return Err(EvalError::Eigenvalues);
-    }
-    let values = product.symmetric_eigenvalues();
-    let cross: f64 = values.iter().map(|value| value.max(0.0).sqrt()).sum();
+    let halves = half_of(of_a).zip(half_of(of_b));
+    let cross = halves.and_then(|(a, b)| singular_sum(a.transpose() * b));
+    let cross = cross.ok_or(EvalError::Eigenvalues)?;
     let gaps = mean_a.iter().zip(&mean_b).map(|(a, b)| (a - b).powi(2));
-    Ok((gaps.sum::<f64>() + trace - 2.0 * cross).max(0.0))
+    let squared = gaps.sum::<f64>() + trace - 2.0 * cross;
+    // Infinite where covariances overflow.
+    match squared.is_finite() {
+        true => Ok(squared.max(0.0)),
+        false => Err(EvalError::Eigenvalues),
+    }
 }
 
 /// F with F Fᵀ = S: Cholesky's, or, of a covariance that has none because it is of lower rank, the eigenvectors
-/// times the roots of their values.
-fn half_of(covariance: DMatrix<f64>) -> DMatrix<f64> {
-    if let Some(cholesky) = Cholesky::new(covariance.clone()) {
-        return cholesky.unpack();
+/// times the roots of their values, of which rounding made some negative. None where they are not found.
+fn half_of(covariance: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    if !covariance.iter().all(|entry| entry.is_finite()) {
+        return None;
     }
-    let eigen = covariance.symmetric_eigen();
+    if let Some(cholesky) = Cholesky::new(covariance.clone()) {
+        return Some(cholesky.unpack());
+    }
+    let n_most = STEPS_PER_ROW * covariance.nrows();
+    let eigen = SymmetricEigen::try_new(covariance, f64::EPSILON, n_most)?;
     let mut half = eigen.eigenvectors;
     for (mut column, value) in half.column_iter_mut().zip(eigen.eigenvalues.iter()) {
         column *= value.max(0.0).sqrt();
     }
-    half
+    Some(half)
+}
+
+/// Sum of the singular values, if they are found.
+fn singular_sum(m: DMatrix<f64>) -> Option<f64> {
+    if !m.iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let n_most = STEPS_PER_ROW * m.nrows();
+    let svd = SVD::try_new(m, false, false, f64::EPSILON, n_most)?;
+    Some(svd.singular_values.iter().sum())
 }
 
 /// Mean and sample covariance.
@@ -203,4 +217,59 @@ fn kernel_inception_distance(a: &[&[f64]], b: &[&[f64]]) -> f64 {
 #[expect(clippy::cast_precision_loss, reason = "a number of images or values")]
 fn real(n: usize) -> f64 {
     n as f64
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may panic")]
+mod tests {
+    use super::*;
+
+    /// The distance of two sets of vectors.
+    fn frechet(a: &[&[f64]], b: &[&[f64]]) -> Result<f64, EvalError> {
+        frechet_squared(a, b, a[0].len())
+    }
+
+    #[test]
+    fn of_one_value_it_is_that_of_means_and_deviations() {
+        // Deviations 1 and 3, means 0 and 5.
+        let root = 0.5_f64.sqrt();
+        let (a, b) = ([[-root], [root]], [[5.0 - 3.0 * root], [5.0 + 3.0 * root]]);
+        let squared = frechet(&[&a[0], &a[1]], &[&b[0], &b[1]]).unwrap();
+        assert!((squared - (25.0 + 4.0)).abs() < 1e-12, "{squared}");
+    }
+
+    #[test]
+    fn of_lower_rank_it_is_that_within_the_line() {
+        // Along one direction of space, with values that are always 0 beside it, and equal ones.
+        let line = |t: f64| [t, 2.0 * t, 2.0 * t, 0.0, 0.0];
+        let (a, b) = ([-1.0, 0.0, 1.0].map(line), [-3.0, 0.0, 3.0].map(line));
+        let (a, b): (Vec<_>, Vec<_>) = (
+            a.iter().map(<[f64; 5]>::as_slice).collect(),
+            b.iter().map(<[f64; 5]>::as_slice).collect(),
+        );
+        // Deviations 3 and 9 along it.
+        let squared = frechet(&a, &b).unwrap();
+        assert!((squared - 36.0).abs() < 1e-9, "{squared}");
+        assert!(frechet(&a, &a).unwrap() < 1e-9, "none from itself");
+        let still = [&[1.0; 5][..], &[1.0; 5]];
+        let squared = frechet(&a, &still).unwrap();
+        assert!((squared - 9.0 - 5.0).abs() < 1e-9, "{squared}");
+    }
+
+    #[test]
+    fn zeros_and_ones_and_what_overflows_come_to_an_end() {
+        let bits = |k: u32| {
+            (0..12)
+                .map(|bit| f64::from(k * 37 >> (bit % 6) & 1))
+                .collect()
+        };
+        let rows: Vec<Vec<f64>> = (0..30).map(bits).collect();
+        let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+        assert!(frechet(&rows, &rows).unwrap() < 1e-9);
+        let huge = [&[1e99, 1.0][..], &[-1e99, 2.0], &[0.0, 3.0]];
+        let squared = frechet(&huge, &huge).unwrap();
+        assert!(squared < 1e190, "{squared}, of 1e198");
+        let beyond = [&[1e200, 1.0][..], &[-1e200, 2.0], &[0.0, 3.0]];
+        assert!(frechet(&beyond, &beyond).is_err());
+    }
 }

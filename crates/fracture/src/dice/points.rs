@@ -42,11 +42,15 @@ pub(super) fn draw(
             break;
         }
         let even = [uniform(rng) * width - reach, uniform(rng) * height - reach];
+        if !grid.has_room(even, &middles.even) {
+            continue;
+        }
         let on_pane = map.to_pane(even);
         let room = RIM * spacing_m * map.shrink(on_pane);
         // A pane thinner than two such distances keeps its middle.
         let room = room.min(0.2 * outline.size_m()[0].min(outline.size_m()[1]));
-        if outline.depth_m(on_pane) >= room && grid.insert(even, &middles.even) {
+        if outline.depth_m(on_pane) >= room {
+            grid.insert(even, middles.even.len());
             middles.even.push(even);
             middles.on_pane.push(on_pane);
         }
@@ -80,10 +84,14 @@ impl Grid {
         }
     }
 
-    /// Adds the next point if it has room.
-    fn insert(&mut self, point: [f64; 2], points: &[[f64; 2]]) -> bool {
+    fn square(&self, point: [f64; 2]) -> (usize, usize) {
         let [column, row] = point.map(|at| to_index((at + self.origin) / self.side));
-        let (column, row) = (column.min(self.n_columns - 1), row.min(self.n_rows - 1));
+        (column.min(self.n_columns - 1), row.min(self.n_rows - 1))
+    }
+
+    /// Whether a point has room beside others.
+    fn has_room(&self, point: [f64; 2], points: &[[f64; 2]]) -> bool {
+        let (column, row) = self.square(point);
         for y in row.saturating_sub(2)..(row + 3).min(self.n_rows) {
             for x in column.saturating_sub(2)..(column + 3).min(self.n_columns) {
                 let other = self.squares[y * self.n_columns + x];
@@ -96,8 +104,13 @@ impl Grid {
                 }
             }
         }
-        self.squares[row * self.n_columns + column] = crate::mesh::to_u32(points.len());
         true
+    }
+
+    /// Adds the next point, which has room.
+    fn insert(&mut self, point: [f64; 2], idx: usize) {
+        let (column, row) = self.square(point);
+        self.squares[row * self.n_columns + column] = crate::mesh::to_u32(idx);
     }
 }
 

@@ -51,6 +51,51 @@ fn slope(r: f64) -> f64 {
     }
 }
 
+/// Part of a radius within which a map of it must be computed to know whether it is too large.
+const CLOSE: f64 = 1e-14;
+
+/// The radius whose map is `u`, to the last bit that halving the interval from 0 to `u` gives: Newton's steps
+/// tell most of the halves.
+fn radius_of(u: f64) -> f64 {
+    let is_too_small = |r: f64| r * libm::exp(log_ratio(r)) < u;
+    let near = newton(u);
+    let sure = [near * (1.0 - CLOSE), near * (1.0 + CLOSE)];
+    let is_found = is_too_small(sure[0]) && !is_too_small(sure[1]);
+    let (mut low, mut high) = (0.0, u);
+    for _ in 0..56 {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        let goes_up = match is_found {
+            true if middle < sure[0] => true,
+            true if middle > sure[1] => false,
+            _ => is_too_small(middle),
+        };
+        if goes_up {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+/// The same to some last bits, as a rule, by Newton's steps on ln r: ln u grows with it by 1/elongation to 1.
+fn newton(u: f64) -> f64 {
+    let ln_u = libm::log(u);
+    let mut r = u;
+    for _ in 0..12 {
+        let step = (libm::log(r) + log_ratio(r) - ln_u) / slope(r);
+        r *= libm::exp(-step);
+        // The error after a step is about the square of the step.
+        if step.abs() < 1e-8 {
+            break;
+        }
+    }
+    r
+}
+
 impl RadialMap {
     pub(super) fn new(impacts_m: &[[f64; 2]]) -> Self {
         let distance = |a: [f64; 2], b: [f64; 2]| libm::hypot(a[0] - b[0], a[1] - b[1]);
@@ -103,19 +148,11 @@ impl RadialMap {
         let Some((hit, u)) = self.at(even) else {
             return even;
         };
-        let (mut low, mut high) = (0.0, u);
-        for _ in 0..56 {
-            let middle = 0.5 * (low + high);
-            if middle * libm::exp(log_ratio(middle)) < u {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
         if u <= 0.0 {
             return even;
         }
-        [0, 1].map(|k| hit.center[k] + high / u * (even[k] - hit.center[k]))
+        let r = radius_of(u);
+        [0, 1].map(|k| hit.center[k] + r / u * (even[k] - hit.center[k]))
     }
 
     /// How many times smaller than far away a die is across the radius: r/u.
@@ -173,6 +210,26 @@ mod tests {
             let off = libm::hypot(back[0] - point[0], back[1] - point[1]);
             assert!(off < 1e-15, "{point:?} {off}");
         }
+    }
+
+    #[test]
+    fn a_radius_is_that_of_halving_to_the_bit() {
+        let mut n_steps = 0;
+        for k in 1..20_000 {
+            let u = REACH_M * f64::from(k) / 20_000.0;
+            let (mut low, mut high) = (0.0, u);
+            for _ in 0..56 {
+                let middle = 0.5 * (low + high);
+                if middle * libm::exp(log_ratio(middle)) < u {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
+            }
+            assert_eq!(radius_of(u).to_bits(), high.to_bits(), "{u}");
+            n_steps += u32::from((newton(u) / high - 1.0).abs() < CLOSE);
+        }
+        assert!(n_steps > 19_900, "Newton's steps found {n_steps} of 19999");
     }
 
     #[test]

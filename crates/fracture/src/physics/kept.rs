@@ -1,62 +1,65 @@
 //! What does not depend on where a pane is hit, kept from pane to pane.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::fmt::Debug;
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
 use crate::FractureError;
 
-/// Most values of a kind that are kept: those of some recipes at a time, of 10 to 20 MB each.
-const MOST: usize = 4;
-
-/// Values that follow from their keys alone, so that no result depends on whether one is kept. The
-/// ones that were asked for last stay for the life of the program: a set of images is broken by one
-/// recipe.
-pub(super) struct Kept<K, V> {
-    last_first: Mutex<Vec<(K, Slot<V>)>>,
+/// Values that follow from their keys alone, so that no result depends on whether one is kept. Those
+/// that were asked for last stay for the life of the program: a set of images is broken by one recipe.
+///
+/// Nobody waits: where another thread is at the list at this very moment, or was when the process
+/// was forked, a value is made and not kept; threads that begin together make their own.
+pub(super) struct Kept<V> {
+    most: usize,
+    last_first: Mutex<Vec<(String, Arc<V>)>>,
 }
 
-/// A value, once it is made.
-type Slot<V> = Arc<Mutex<Option<Arc<V>>>>;
-
-impl<K: PartialEq, V> Kept<K, V> {
-    pub(super) const fn new() -> Self {
+impl<V> Kept<V> {
+    /// Room for so many values.
+    pub(super) const fn new(most: usize) -> Self {
         Self {
+            most,
             last_first: Mutex::new(Vec::new()),
         }
     }
 
-    /// The value of a key, which is made where it is not kept. Who asks for it meanwhile waits.
+    /// The value of a key, which is made where it is not kept. Keys are one if they are written
+    /// alike, which tells every number from every other, and 0 from -0.
     ///
     /// # Errors
     /// That of `make`, after which nothing is kept.
     pub(super) fn of(
         &self,
-        key: K,
+        key: &impl Debug,
         make: impl FnOnce() -> Result<V, FractureError>,
     ) -> Result<Arc<V>, FractureError> {
-        let slot = self.slot(key);
-        let mut value = locked(&slot);
-        if let Some(value) = &*value {
-            return Ok(Arc::clone(value));
+        let key = format!("{key:?}");
+        let place = |all: &[(String, Arc<V>)]| all.iter().position(|(known, _)| *known == key);
+        if let Some(mut all) = self.list()
+            && let Some(at) = place(&all)
+        {
+            all[..=at].rotate_right(1);
+            return Ok(Arc::clone(&all[0].1));
         }
         let made = Arc::new(make()?);
-        *value = Some(Arc::clone(&made));
+        if let Some(mut all) = self.list()
+            && place(&all).is_none()
+        {
+            all.truncate(self.most - 1);
+            all.insert(0, (key, Arc::clone(&made)));
+        }
         Ok(made)
     }
 
-    fn slot(&self, key: K) -> Slot<V> {
-        let mut all = locked(&self.last_first);
-        let known = all.iter().position(|(known, _)| *known == key);
-        let entry = known.map_or_else(|| (key, Slot::default()), |at| all.remove(at));
-        let slot = Arc::clone(&entry.1);
-        all.truncate(MOST - 1);
-        all.insert(0, entry);
-        slot
+    /// The list, unless another thread has it. Nothing in it is ever half done.
+    fn list(&self) -> Option<MutexGuard<'_, Vec<(String, Arc<V>)>>> {
+        match self.last_first.try_lock() {
+            Ok(list) => Some(list),
+            Err(TryLockError::Poisoned(list)) => Some(list.into_inner()),
+            Err(TryLockError::WouldBlock) => None,
+        }
     }
-}
-
-/// A lock under which nothing is ever left half done.
-fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
-    of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
@@ -66,10 +69,10 @@ mod tests {
 
     #[test]
     fn a_value_is_made_once_until_others_take_its_place() {
-        let kept = Kept::<u8, u8>::new();
+        let kept = Kept::<u8>::new(4);
         let mut n_made = 0;
         let mut ask = |key: u8| {
-            let value = kept.of(key, || {
+            let value = kept.of(&key, || {
                 n_made += 1;
                 Ok(10 * key)
             });
@@ -86,14 +89,35 @@ mod tests {
     }
 
     #[test]
-    fn what_fails_is_made_again() {
-        let kept = Kept::<u8, u8>::new();
-        let failed = kept.of(1, || {
+    fn a_sign_of_zero_is_told() {
+        let kept = Kept::<f64>::new(4);
+        for zero in [0.0_f64, -0.0, 0.0] {
+            let value = kept.of(&[zero], || Ok(zero)).unwrap();
+            assert_eq!(value.to_bits(), zero.to_bits());
+        }
+    }
+
+    #[test]
+    fn what_fails_is_made_again_and_takes_no_place() {
+        let kept = Kept::<u8>::new(1);
+        assert_eq!(*kept.of(&2, || Ok(20)).unwrap(), 20);
+        let failed = kept.of(&1, || {
             Err(FractureError::Solver {
                 cause: "made up".to_owned(),
             })
         });
         assert!(failed.is_err());
-        assert_eq!(*kept.of(1, || Ok(7)).unwrap(), 7);
+        assert_eq!(*kept.of(&2, || Ok(0)).unwrap(), 20, "still kept");
+        assert_eq!(*kept.of(&1, || Ok(7)).unwrap(), 7);
+    }
+
+    #[test]
+    fn nobody_waits_for_a_list_that_another_has() {
+        let kept = Kept::<u8>::new(4);
+        assert_eq!(*kept.of(&1, || Ok(10)).unwrap(), 10);
+        let held = kept.last_first.lock().unwrap();
+        assert_eq!(*kept.of(&1, || Ok(11)).unwrap(), 11, "made, not kept");
+        drop(held);
+        assert_eq!(*kept.of(&1, || Ok(12)).unwrap(), 10);
     }
 }

@@ -29,7 +29,7 @@ const FLAW_SCATTER: f64 = 0.05;
 const RIM_SAMPLES: u32 = 400;
 
 /// The stress of the last panes, by outline, Young's modulus, Poisson's ratio, load and mesh.
-static LAST: Kept<(Outline, [f64; 2], MembraneLoad, MeshResolution), PaneStress> = Kept::new();
+static LAST: Kept<PaneStress> = Kept::new(4);
 
 /// Thermal stress with uniform tension of the frame over it.
 pub(super) struct PaneStress {
@@ -61,7 +61,7 @@ impl PaneStress {
     ) -> Result<Arc<Self>, FractureError> {
         let material = &pane.material;
         let elastic = [&material.young_modulus_pa, &material.poisson_ratio].map(|of| of.value);
-        LAST.of((pane.outline, elastic, *load, resolution), || {
+        LAST.of(&(pane.outline, elastic, load, resolution), || {
             Self::new(&pane.outline, elastic, load, resolution)
         })
     }

@@ -148,7 +148,7 @@ pub struct Broken {
     pub impacts: Vec<ImpactReport>,
     /// The long crack, if one was asked for.
     pub long_crack: Option<LongCrackReport>,
-    /// How often the plate's stress was solved.
+    /// How often the plate's stress was needed under a load; it may be known from a pane before.
     pub n_solutions: usize,
     /// Nodes of the largest mesh.
     pub n_mesh_nodes: usize,

@@ -141,15 +141,15 @@ impl GlassPane {
     }
 }
 
-/// The discs of the last panes.
-static DISCS: Kept<Disc, PlateSolver> = Kept::new();
+/// The discs of the last panes, of some 10 MB each.
+static DISCS: Kept<PlateSolver> = Kept::new(4);
 
 /// How they were bent last, by the patch and force of the load in their middle: all stones of a recipe may be
 /// alike.
-static BENT: Kept<(Disc, [f64; 2]), PlateField> = Kept::new();
+static BENT: Kept<PlateField> = Kept::new(8);
 
 /// A disc that serves every hit of a pane.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 struct Disc {
     radius: f64,
     properties: PlateProperties,
@@ -158,7 +158,7 @@ struct Disc {
 
 impl Disc {
     fn solver(&self) -> Result<Arc<PlateSolver>, FractureError> {
-        DISCS.of(*self, || {
+        DISCS.of(self, || {
             let radius = self.radius;
             let outline = Outline::Disc {
                 diameter_m: 2.0 * radius,
@@ -177,6 +177,8 @@ pub(super) struct Plates {
     outline: Outline,
     support: Support,
     resolution: MeshResolution,
+    /// The disc of this pane, once a hit needs it.
+    disc: Option<Arc<PlateSolver>>,
     pub(super) n_solutions: usize,
     pub(super) n_mesh_nodes: usize,
 }
@@ -266,6 +268,7 @@ impl Plates {
             outline: pane.outline,
             support: pane.support,
             resolution,
+            disc: None,
             n_solutions: 0,
             n_mesh_nodes: 0,
         }
@@ -311,7 +314,7 @@ impl Plates {
         }
     }
 
-    /// Counts a solution, and notes the largest mesh.
+    /// Counts a bending, and notes the largest mesh.
     fn note(&mut self, solver: &PlateSolver) {
         self.n_solutions += 1;
         self.n_mesh_nodes = self.n_mesh_nodes.max(solver.mesh().nodes().len());
@@ -333,16 +336,17 @@ impl Plates {
             properties,
             resolution: self.resolution,
         };
-        let solver = disc.solver()?;
+        let solver = match &self.disc {
+            Some(solver) => Arc::clone(solver),
+            None => Arc::clone(self.disc.insert(disc.solver()?)),
+        };
         self.note(&solver);
         let patch = PatchLoad {
             center_m: [radius; 2],
             radius_m: load.patch_radius_m / unit_m,
             force_n: load.force_n,
         };
-        let field = BENT.of((disc, [patch.radius_m, patch.force_n]), || {
-            solver.solve(&patch)
-        })?;
+        let field = BENT.of(&(disc, patch), || solver.solve(&patch))?;
         Ok(Bending {
             mesh: solver.shared_mesh(),
             field,
