@@ -313,6 +313,10 @@ impl pulp::WithSimd for Solving<'_> {
             let columns = block.first_column..block.first_column + block.n_columns;
             own.clear();
             own.extend_from_slice(&right[columns.clone()]);
+            // Most blocks are not above a load in the order of elimination, and pass nothing on.
+            if own.iter().all(|value| *value == 0.0) {
+                continue;
+            }
             own.resize(n_rows, 0.0);
             for (k, column) in block.values.chunks_exact(n_rows).enumerate() {
                 own[k] /= column[k];
