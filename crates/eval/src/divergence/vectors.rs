@@ -260,7 +260,7 @@ mod tests {
     fn zeros_and_ones_and_what_overflows_come_to_an_end() {
         let bits = |k: u32| {
             (0..12)
-                .map(|bit| f64::from(k * 37 >> (bit % 6) & 1))
+                .map(|bit| f64::from(((k * 37) >> (bit % 6)) & 1))
                 .collect()
         };
         let rows: Vec<Vec<f64>> = (0..30).map(bits).collect();

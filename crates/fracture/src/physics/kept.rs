@@ -12,8 +12,11 @@ use crate::FractureError;
 /// was forked, a value is made and not kept; threads that begin together make their own.
 pub(super) struct Kept<V> {
     most: usize,
-    last_first: Mutex<Vec<(String, Arc<V>)>>,
+    last_first: Mutex<Values<V>>,
 }
+
+/// Values by their keys, as they are written.
+type Values<V> = Vec<(String, Arc<V>)>;
 
 impl<V> Kept<V> {
     /// Room for so many values.
@@ -53,7 +56,7 @@ impl<V> Kept<V> {
     }
 
     /// The list, unless another thread has it. Nothing in it is ever half done.
-    fn list(&self) -> Option<MutexGuard<'_, Vec<(String, Arc<V>)>>> {
+    fn list(&self) -> Option<MutexGuard<'_, Values<V>>> {
         match self.last_first.try_lock() {
             Ok(list) => Some(list),
             Err(TryLockError::Poisoned(list)) => Some(list.into_inner()),
