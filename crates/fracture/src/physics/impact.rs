@@ -314,12 +314,14 @@ impl Breaking<'_> {
         };
         let field = match &self.in_plane {
             Some(field) => Arc::clone(field),
-            None => PaneStress::of(self.pane, &load.load, self.params.mesh)?,
+            None => {
+                let field = PaneStress::of(self.pane, &load.load, self.params.mesh)?;
+                Arc::clone(self.in_plane.insert(field))
+            }
         };
         let n_older = self.n_older;
         let web = &mut self.web;
         let more = grow_long_crack(web, self.pane, (load, &field), n_older, self.seed, after_s);
-        self.in_plane = Some(field);
         self.driven = Some(self.driven.map_or(more, |before| before.and(more)));
         Ok(())
     }

@@ -2,8 +2,8 @@
 //!
 //! Away from rims and cracks the plate's stress depends on one length alone (the reach of the
 //! bending wave, or that of the foundation), so one factorization of a disc of unit radius serves
-//! every hit, every moment of it, and every pane of one kind. Where a rim or a crack is in reach, a mesh of its
-//! own is made.
+//! every hit, every moment of it, and every pane of one kind. Where a rim or a crack is in reach, a
+//! mesh of its own is made.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

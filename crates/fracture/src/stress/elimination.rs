@@ -12,7 +12,7 @@ pub(super) const PER_NODE: usize = 3;
 const MERGES: [(usize, f64); 3] = [(16, 0.8), (48, 0.1), (usize::MAX, 0.05)];
 
 /// Lists of nodes, one behind the other.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug)]
 pub(super) struct Lists {
     starts: Vec<u32>,
     items: Vec<u32>,
@@ -91,7 +91,7 @@ impl Lists {
 }
 
 /// Nodes that are eliminated together.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug)]
 pub(super) struct Supernode {
     pub(super) first: u32,
     pub(super) n: usize,
@@ -104,10 +104,10 @@ pub(super) struct Supernode {
 pub(super) fn supernodes(later: &Lists) -> Vec<Supernode> {
     let n = later.n();
     const NONE: u32 = u32::MAX;
-    // The nodes that are first eliminated into each node, as a chain through `next`.
+    // Of each node, the last of those whose first later neighbor it is; `next` leads to the others.
     let mut last_child = vec![NONE; n];
     let mut next = vec![NONE; n];
-    // Of each node, the start of its run and where the run's list has what is behind the node.
+    // Of each node, which run it is in.
     let mut run_of = vec![0_u32; n];
     let mut runs: Vec<Supernode> = Vec::new();
     let mut seen_by = vec![NONE; n];

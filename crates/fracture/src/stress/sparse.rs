@@ -87,7 +87,7 @@ impl System {
             let side = if local.is_multiple_of(PER_NODE) { 0 } else { 3 };
             ((local / PER_NODE + side) % n, to_u32(local % PER_NODE))
         });
-        let mut packed = packed.iter();
+        let mut entry = 0;
         for i in 0..N_LOCAL {
             for j in 0..=i {
                 let ((a, of_a), (b, of_b)) = (unknowns[i], unknowns[j]);
@@ -103,7 +103,8 @@ impl System {
                     };
                     start(low, column) + 3 - column + 3 * nth[a][b] + row
                 };
-                self.values[at as usize] += packed.next().copied().unwrap_or_default();
+                self.values[at as usize] += packed[entry];
+                entry += 1;
             }
         }
     }
