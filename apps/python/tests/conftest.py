@@ -1,6 +1,7 @@
 """What the tests share: a street, a small crack, and the command."""
 
 import os
+import pathlib
 import shutil
 import subprocess
 
@@ -54,3 +55,17 @@ def command(program):
         return done
 
     return run
+
+
+@pytest.fixture(scope="session")
+def cluster():
+    """A Ray of this machine with two workers."""
+    import ray
+
+    # Workers find the modules of the tests.
+    words = {"env_vars": {"PYTHONPATH": str(pathlib.Path(__file__).parent)}}
+    ray.init(num_cpus=2, include_dashboard=False, logging_level="ERROR", log_to_driver=False, runtime_env=words)
+    context = ray.data.DataContext.get_current()
+    context.enable_progress_bars = context.print_on_execution_start = False
+    yield
+    ray.shutdown()

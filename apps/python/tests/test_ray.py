@@ -8,7 +8,6 @@ import signal
 
 import numpy as np
 import pytest
-import ray
 import starbreak
 import starbreak.ray
 from conftest import SMALL, picture
@@ -21,15 +20,7 @@ RECIPE = starbreak.Recipe("paper", set={**SMALL, "noise.white_e": 300, "pixels.h
 N_IMAGES = 12
 
 
-@pytest.fixture(scope="session", autouse=True)
-def cluster():
-    # Workers find this module, for the file system below.
-    words = {"env_vars": {"PYTHONPATH": str(pathlib.Path(__file__).parent)}}
-    ray.init(num_cpus=2, include_dashboard=False, logging_level="ERROR", log_to_driver=False, runtime_env=words)
-    context = ray.data.DataContext.get_current()
-    context.enable_progress_bars = context.print_on_execution_start = False
-    yield
-    ray.shutdown()
+pytestmark = pytest.mark.usefixtures("cluster")
 
 
 @pytest.fixture(scope="session")

@@ -127,6 +127,48 @@ pub enum Error {
         /// What differs.
         what: String,
     },
+    /// An image that detectors cannot look at, since it could not be damaged.
+    #[error("there is no image of the condition {condition}")]
+    StudyUnbroken {
+        /// The condition.
+        condition: String,
+    },
+    /// A folder that is not the shard of a study that it should be.
+    #[error("{folder:?} cannot be joined: {what}")]
+    StudyShard {
+        /// The folder.
+        folder: PathBuf,
+        /// Why, and what to do.
+        what: String,
+    },
+    /// A shard of a study that was not given.
+    #[error("shard {number} of {of} is missing; give the folder of each shard once")]
+    StudyShardMissing {
+        /// Which one, from 1.
+        number: u32,
+        /// Of how many.
+        of: u32,
+    },
+    /// A shard of a study that was interrupted.
+    #[error(
+        "step {step:?}: {detector} has not looked at {image:?} yet; run its shard again, then join"
+    )]
+    StudyShardUnfinished {
+        /// The detector.
+        detector: String,
+        /// The step.
+        step: String,
+        /// The first image that it has not looked at.
+        image: String,
+    },
+    /// A step that a study does not have.
+    #[error("the study has no step {step:?}; its steps are {}", .steps.join(", "))]
+    StudyStep {
+        /// The step.
+        step: String,
+        /// Those that there are.
+        steps: Vec<String>,
+    },
     /// Labels that give an image another size than its file has.
     #[error(
         "image {id}, {name:?}, is {} x {} px by the labels, its file {path:?} {} x {} px; mend the labels, or give the \

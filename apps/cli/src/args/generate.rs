@@ -146,7 +146,7 @@ fn parse_how_many(text: &str) -> Result<HowMany, String> {
     }
 }
 
-fn parse_shard(text: &str) -> Result<Shard, String> {
+pub(crate) fn parse_shard(text: &str) -> Result<Shard, String> {
     let wrong = || "expected I/N with 1 <= I <= N, e.g. 2/8".to_owned();
     let (number, of) = text.split_once('/').ok_or_else(wrong)?;
     let number: u32 = number.trim().parse().map_err(|_| wrong())?;

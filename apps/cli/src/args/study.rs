@@ -5,9 +5,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use starbreak::{FAULTS, PRESETS, SCENARIOS};
+use starbreak_runs::generate::Shard;
 
 use super::evaluate::ProtocolWord;
-use super::generate::OnError;
+use super::generate::{OnError, parse_shard};
 use super::overlay::OverlayArgs;
 use super::runtime::RuntimeArgs;
 
@@ -90,6 +91,20 @@ pub(crate) struct StudyArgs {
     /// report shows no pictures
     #[arg(long)]
     pub(crate) no_store: bool,
+    /// Only the images of the i-th of n shards, e.g. 2/8, in a folder of its own and without a
+    /// report; --join joins them
+    #[arg(long, value_name = "I/N", value_parser = parse_shard, conflicts_with_all = ["join", "dry_run"])]
+    pub(crate) shard: Option<Shard>,
+    /// Of a shard only one step, as --dry-run names them: `clean`, or a condition. Steps of one shard may run side by
+    /// side
+    #[arg(long, value_name = "NAME", requires = "shard")]
+    pub(crate) step: Option<String>,
+    /// Join the finished folders of all shards, made by the same command with --shard, and report; repeatable
+    #[arg(long, value_name = "DIR", conflicts_with = "dry_run")]
+    pub(crate) join: Vec<PathBuf>,
+    /// Check everything and name the steps, and write nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
     /// What to do with records that break the format of the dataset: stop before anything is
     /// written, or leave these images out; labels must be good either way
     #[arg(long, value_enum, default_value_t = OnError::Stop)]

@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Mutex;
 
+use serde_json::json;
 use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
 use starbreak_dataset::{Source, sha256_file};
 use starbreak_detect::{Detector, DetectorOptions, ImageToSee, LabelMap, LabelRules};
 use starbreak_eval::GroundTruth;
-use starbreak_runs::generate::{Selection, Survey, refuse_outputs, survey};
+use starbreak_runs::generate::{Selection, Shard, Survey, refuse_outputs, survey};
 use starbreak_runs::study::{
-    Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns, conditions,
+    CLEAN_STEP, Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, UnseenImage,
+    conditions,
 };
 use starbreak_runs::{Patterns, with_threads};
 
@@ -21,7 +23,7 @@ use crate::args::study::{DivergenceWord, StudyArgs, SuiteWord};
 use crate::args::{Global, read_recipe};
 use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
-use crate::screen::{Progress, Screen};
+use crate::screen::{Progress, Screen, path_text};
 
 /// Family of the condition of photographs, and the start of its folder's name.
 const PHOTOS: &str = "photos";
@@ -49,12 +51,9 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
     }
     let detectors = detectors_of(args, &source, &truth, screen)?;
 
-    let interrupt = Interrupt::listen(screen);
-    let compares = !args.no_store && args.divergence != Some(DivergenceWord::Off);
     let plan = StudyPlan {
         source: &source,
         survey: &survey,
-        selection,
         images: &images,
         detectors: &detectors,
         conditions: &conditions,
@@ -63,15 +62,34 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
         n_threads: n_threads(global),
         keeps_images: !args.no_store,
     };
-    let steps = Steps {
-        screen,
-        n_steps: conditions.len() * (1 + detectors.len()) + detectors.len() + usize::from(compares),
-        now: Mutex::new((0, None)),
+    if args.dry_run {
+        plan.check(&truth)?;
+        return dry_run(&plan, screen);
+    }
+    match args.shard {
+        Some(shard) => run_shard(global, args, (&plan, &truth), shard, screen),
+        None => run_whole(global, args, (&plan, &truth), screen),
+    }
+}
+
+/// Runs or joins the whole study, and reports.
+fn run_whole(
+    global: &Global,
+    args: &StudyArgs,
+    (plan, truth): (&StudyPlan<'_>, &GroundTruth),
+    screen: &Screen,
+) -> Result<u8, Failure> {
+    let interrupt = Interrupt::listen(screen);
+    let compares = !args.no_store && args.divergence != Some(DivergenceWord::Off);
+    let n_lines = match args.join.is_empty() {
+        true => n_lines(plan, None),
+        false => 0,
     };
-    let runs = with_threads(usize::from(global.threads), || {
-        plan.run(&truth, interrupt.flag(), &|event| steps.tell(event))
+    let steps = Steps::new(screen, n_lines + usize::from(compares));
+    let runs = with_threads(usize::from(global.threads), || match args.join.is_empty() {
+        true => plan.run(truth, interrupt.flag(), &|event| steps.tell(event)),
+        false => plan.join(truth, &args.join).map(Some),
     })??;
-    let interrupted = || Failure::interrupted("interrupted; the same command goes on where it was");
     let runs = runs.ok_or_else(interrupted)?;
     let divergence = match compares {
         false => None,
@@ -85,12 +103,12 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
         }
     };
     steps.finish();
-    say_unseen(&runs, screen);
+    say_unseen(&runs.unseen, screen);
     let report = StudyReport {
         args,
-        plan: &plan,
+        plan,
         runs: &runs,
-        truth: &truth,
+        truth,
         divergence,
         global,
     };
@@ -105,6 +123,91 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
             ),
             code: SOME_FAILED,
         }),
+    }
+}
+
+/// Does the images of one shard.
+fn run_shard(
+    global: &Global,
+    args: &StudyArgs,
+    (plan, truth): (&StudyPlan<'_>, &GroundTruth),
+    shard: Shard,
+    screen: &Screen,
+) -> Result<u8, Failure> {
+    let selection = Selection {
+        shard: Some(shard),
+        ..plan.survey.selection()
+    };
+    let of_shard = survey(plan.source, selection, global.seed());
+    let interrupt = Interrupt::listen(screen);
+    let steps = Steps::new(screen, n_lines(plan, args.step.as_deref()));
+    let unseen = with_threads(usize::from(global.threads), || {
+        plan.run_shard(
+            truth,
+            &of_shard,
+            args.step.as_deref(),
+            interrupt.flag(),
+            &|event| steps.tell(event),
+        )
+    })??;
+    let unseen = unseen.ok_or_else(interrupted)?;
+    steps.finish();
+    say_unseen(&unseen, screen);
+    screen.say(&format!(
+        "{}: {} images of shard {}/{}",
+        args.output.display(),
+        of_shard.n_selected,
+        shard.number,
+        shard.of
+    ));
+    screen.result(|| {
+        json!({
+            "output": path_text(&args.output),
+            "shard": shard,
+            "step": args.step,
+            "n_images": of_shard.n_selected,
+            "n_unseen": unseen.len(),
+        })
+    })?;
+    Ok(DONE)
+}
+
+/// Says what the study would do.
+fn dry_run(plan: &StudyPlan<'_>, screen: &Screen) -> Result<u8, Failure> {
+    let names = plan.steps();
+    screen.say(&format!(
+        "dry run: {} images with {} labeled objects, {} detectors, {} steps:",
+        plan.images.len(),
+        plan.survey.n_objects,
+        plan.detectors.len(),
+        names.len()
+    ));
+    for name in &names {
+        screen.say(&format!("  {name}"));
+    }
+    screen.result(|| {
+        json!({
+            "dry_run": true,
+            "n_images": plan.images.len(),
+            "n_objects": plan.survey.n_objects,
+            "detectors": plan.detectors.iter().map(|one| &one.name).collect::<Vec<_>>(),
+            "steps": names,
+        })
+    })?;
+    Ok(DONE)
+}
+
+fn interrupted() -> Failure {
+    Failure::interrupted("interrupted; the same command goes on where it was")
+}
+
+/// Lines of all steps, or of one, on the screen: one for each detector, and one for breaking.
+fn n_lines(plan: &StudyPlan<'_>, step: Option<&str>) -> usize {
+    let n_detectors = plan.detectors.len();
+    match step {
+        None => plan.conditions.len() * (1 + n_detectors) + n_detectors,
+        Some(CLEAN_STEP) => n_detectors,
+        Some(_) => 1 + n_detectors,
     }
 }
 
@@ -278,12 +381,20 @@ fn detectors_of(
 /// What a study does now, on the screen.
 struct Steps<'a> {
     screen: &'a Screen,
-    n_steps: usize,
-    /// Number of the step, and its progress.
+    n_lines: usize,
+    /// Number of the line, and its progress.
     now: Mutex<(usize, Option<Progress>)>,
 }
 
-impl Steps<'_> {
+impl<'a> Steps<'a> {
+    fn new(screen: &'a Screen, n_lines: usize) -> Self {
+        Self {
+            screen,
+            n_lines,
+            now: Mutex::new((0, None)),
+        }
+    }
+
     fn tell(&self, event: StudyEvent<'_>) {
         let Ok(mut now) = self.now.lock() else {
             return;
@@ -303,7 +414,7 @@ impl Steps<'_> {
                     }
                 };
                 self.screen
-                    .note(&format!("[{}/{}] {what}", now.0, self.n_steps));
+                    .note(&format!("[{}/{}] {what}", now.0, self.n_lines));
                 now.1 = Some(self.screen.progress(n_images, "images"));
             }
             StudyEvent::Image => {
@@ -328,14 +439,14 @@ impl Steps<'_> {
     }
 }
 
-fn say_unseen(runs: &StudyRuns, screen: &Screen) {
-    for unseen in runs.unseen.iter().take(10) {
+fn say_unseen(unseen: &[UnseenImage], screen: &Screen) {
+    for one in unseen.iter().take(10) {
         screen.note(&format!(
             "left out of all numbers: {:?}: {}",
-            unseen.name, unseen.reason
+            one.name, one.reason
         ));
     }
-    if runs.unseen.len() > 10 {
-        screen.note(&format!("and {} more", runs.unseen.len() - 10));
+    if unseen.len() > 10 {
+        screen.note(&format!("and {} more", unseen.len() - 10));
     }
 }

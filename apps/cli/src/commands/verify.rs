@@ -137,7 +137,7 @@ fn mends(global: &Global, args: &VerifyArgs, checked: &VerifyReport) -> Vec<Stri
 }
 
 pub(crate) fn merge(args: &MergeArgs, screen: &Screen) -> Result<u8, Failure> {
-    let report = merge_sets(&args.parts, &args.output)?;
+    let report = merge_sets(&args.parts, &args.output, true)?;
     let manifest = &report.manifest;
     screen.say(&format!(
         "{}: {} shards with {} images, and {} labels and other files",

@@ -55,6 +55,7 @@ mod simulate;
 mod simulate_output;
 mod study;
 mod study_photos;
+mod study_shards;
 mod surface;
 mod sweep;
 mod timeline;

@@ -10,7 +10,7 @@ use serde_json::json;
 
 /// Images of 64 x 64 px, each with one person in its middle; a network that finds each person, as
 /// sure as the middle pixel is red; photographs of broken glass on black.
-fn world(dir: &Path) {
+pub(crate) fn world(dir: &Path) {
     let root = dir.join("coco");
     fs::create_dir_all(root.join("val2017")).unwrap();
     fs::create_dir_all(root.join("annotations")).unwrap();
@@ -49,7 +49,7 @@ fn world(dir: &Path) {
     }
 }
 
-const STUDY: [&str; 15] = [
+pub(crate) const STUDY: [&str; 15] = [
     "study",
     "--quiet",
     "coco:coco",

@@ -62,14 +62,28 @@ def command(
         ...
     ValueError: unknown preset `papr`; did you mean `paper`?
     """
+    return call(verb, inputs, recipe, progress, options, {})
+
+
+def call(
+    verb: str,
+    inputs: Sequence[_Path],
+    recipe: _RecipeLike,
+    progress: _Progress,
+    options: Mapping[str, Any],
+    unrecorded: Mapping[str, Any],
+) -> Any:
+    """Runs a verb as `command` does, with options beside those that records show."""
     begin = ["starbreak", verb, "--json"]
-    end = [word for name, value in options.items() for word in _flag(name, value)]
+    end, more = (
+        [word for name, value in some.items() for word in _flag(name, value)] for some in (options, unrecorded)
+    )
     library = _library_of_onnxruntime(end)
     if inputs:
         # What begins with a dash is an input here, too.
         end += ["--", *(os.fspath(word) for word in inputs)]
     with _recipe_flags(recipe) as (flags, recorded), _listener(progress) as listener:
-        return _call([*begin, *library, *flags, *end], [*begin, *recorded, *end], listener)
+        return _call([*begin, *library, *flags, *more, *end], [*begin, *recorded, *end], listener)
 
 
 def generate(source: _Path, output: _Path, recipe: _RecipeLike = None, **options: Any) -> Any:

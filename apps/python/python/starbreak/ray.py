@@ -1,8 +1,8 @@
-"""Cracked images at the scale of a cluster, with Ray Data.
+"""Cracked images and studies of detectors at the scale of a cluster, with Ray.
 
-The files equal those of ``starbreak generate folder:SOURCE`` with the same recipe and seed to the
-byte, for any number of workers and even if workers die: each image's crack depends only on its name
-and the seed, and an image is complete when its record exists, which is written last.
+Files and numbers equal those of ``starbreak generate`` and ``starbreak study`` on one machine to the byte, for any
+number of workers and even if workers die: each image's crack depends only on its name and the seed, and what is
+complete is not made again.
 """
 
 from __future__ import annotations
@@ -12,21 +12,25 @@ import functools
 import json
 import os
 import posixpath
+import shutil
 import uuid
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 try:
+    import ray
     import ray.data
     from pyarrow import fs as arrow_fs
 except ImportError as error:
     raise ImportError('starbreak.ray needs Ray Data: pip install "ray[data]"') from error
 
 from . import PatternBank, Recipe, blake3_hex, crack_file, item_seed
+from ._command import call, command
 from ._drawing import RecipeLike, recipe_of, whole
 
-__all__ = ["crack_dataset"]
+__all__ = ["crack_dataset", "study"]
 
 _EXTENSIONS = (".png", ".jpg", ".jpeg")
 
@@ -105,6 +109,84 @@ def crack_dataset(
             failed.append({key: row[key] for key in ("name", "sample", "error")})
     failed.sort(key=lambda entry: (entry["name"], entry["sample"]))
     return {**{f"n_{state}": n for state, n in counts.items()}, "failed": failed}
+
+
+def study(
+    source: str | os.PathLike[str],
+    model: str | os.PathLike[str] | Sequence[str | os.PathLike[str]],
+    output: str | os.PathLike[str],
+    recipe: RecipeLike | os.PathLike[str] | None = None,
+    *,
+    n_shards: int | None = None,
+    threads: int = 1,
+    **options: Any,
+) -> Any:
+    """Damage a dataset, detect and report, on all workers of a Ray cluster.
+
+    Each task is one step of one shard: the clean images, or those of one condition, broken and looked at by each
+    detector. A worker that dies costs what its task had not written down yet; another one goes on with it. At the
+    end this process joins the shards and makes the report. The same call resumes an interrupted one.
+
+    Args:
+        source: the dataset, as for ``starbreak study``: ``coco:DIR``, …
+        model: ONNX file, or several.
+        output: folder of the study. Until it is joined, shards lie beside it in ``OUTPUT-shards``.
+        recipe: as for ``starbreak.command``.
+        n_shards: number of shards, of about equal size; default: one for each 100 images.
+        threads: threads of each task, for which Ray sets aside as many processors.
+        options: flags of ``starbreak study``, as for ``starbreak.command``: ``presets=["windshield-star"]``.
+
+    All machines need the source, the models and the output under the same paths, relative ones from the same
+    working folder.
+
+    Returns:
+        What ``starbreak study --json`` prints: the study, equal to that of one machine to the byte.
+
+    Raises:
+        ValueError: as ``starbreak.study``.
+        ray.exceptions.RayError: if a task fails for another reason, or its worker dies four times.
+    """
+    for name in ("shard", "step", "join", "dry_run"):
+        if options.get(name):
+            raise ValueError(f"{name}: a study on a cluster chooses that itself; leave it out")
+    threads = whole("threads", threads, 1, 2**16)
+    options = {"model": model, "output": output, **options}
+    plan = command("study", source, recipe=recipe, dry_run=True, threads=threads, **options)
+    if n_shards is None:
+        n_shards = max(1, plan["n_images"] // 100)
+    n_shards = whole("n_shards", n_shards, 1, 2**32 - 1)
+    parts = Path(f"{os.fspath(output)}-shards")
+    shards = {f"{k}/{n_shards}": parts / f"{k}-of-{n_shards}" for k in range(1, n_shards + 1)}
+    tasks = [
+        _study_step.options(num_cpus=threads, name=f"study {step} {shard}").remote(
+            os.getcwd(), source, recipe, {**options, "output": part, "shard": shard, "step": step, "threads": threads}
+        )
+        for shard, part in shards.items()
+        for step in plan["steps"]
+    ]
+    try:
+        while waiting := tasks:
+            done, tasks = ray.wait(waiting)
+            ray.get(done)
+    except ray.exceptions.RayTaskError as error:
+        # What the command has refused is raised as it is.
+        raise (error.cause if isinstance(error.cause, ValueError) else error) from None
+    finally:
+        for task in tasks:
+            ray.cancel(task)
+    found = call("study", [source], recipe, False, options, {"join": list(shards.values())})
+    for part in shards.values():
+        shutil.rmtree(part)
+    with contextlib.suppress(OSError):  # another run has shards there
+        parts.rmdir()
+    return found
+
+
+@ray.remote
+def _study_step(folder: str, source: Any, recipe: Any, options: dict[str, Any]) -> None:
+    """One step of one shard, in the working folder of the caller."""
+    os.chdir(folder)
+    command("study", source, recipe=recipe, **options)
 
 
 @dataclass(frozen=True)

@@ -30,13 +30,18 @@ struct Part {
 }
 
 /// Joins the shards of one run in `out`. Files get a second name there where the disk gives one,
-/// else they are copied; the parts stay as they are.
+/// else they are copied; the parts stay as they are. Without `has_images` the images have been removed
+/// from the parts: masks, records and lists are joined.
 ///
 /// # Errors
 /// [`DatasetError::NotASet`] for a part that is no finished shard, [`DatasetError::OtherSet`] for
 /// parts of different runs, [`DatasetError::Shards`] for shards that are missing or there twice,
 /// and for a file that is not what the lists of its shard say.
-pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetError> {
+pub fn merge_sets(
+    parts: &[PathBuf],
+    out: &Path,
+    has_images: bool,
+) -> Result<MergeReport, DatasetError> {
     let (parts, identity) = shards(parts)?;
     let n_samples = identity["samples"].as_u64().unwrap_or(1);
     let n_samples = u32::try_from(n_samples).unwrap_or(1);
@@ -50,9 +55,9 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
     }
     let files = other_files(&parts)?;
     // Before anything is written: a file that is not as it was made ends the merge.
-    each_file(&parts, &files, &mut Part::check)?;
+    each_file(&parts, &files, has_images, &mut Part::check)?;
     let set = GeneratedSet::begin(out, n_samples, &identity)?;
-    each_file(&parts, &files, &mut |part, name, blake3| {
+    each_file(&parts, &files, has_images, &mut |part, name, blake3| {
         part.give(&set, name, blake3)
     })?;
     let (mut n_taken, mut n_failed, mut n_skipped) = (0, 0, 0);
@@ -84,6 +89,7 @@ pub fn merge_sets(parts: &[PathBuf], out: &Path) -> Result<MergeReport, DatasetE
 fn each_file(
     parts: &BTreeMap<u64, Part>,
     others: &BTreeMap<String, (&Part, CarriedFile)>,
+    has_images: bool,
     take: &mut dyn FnMut(&Part, &str, &str) -> Result<(), DatasetError>,
 ) -> Result<(), DatasetError> {
     for (name, (part, file)) in others {
@@ -94,7 +100,7 @@ fn each_file(
             let item = item?;
             let named = part.layout.files_of(&item.name, item.sample);
             let images = [
-                (&named.image, Some(&item.image_blake3)),
+                (&named.image, has_images.then_some(&item.image_blake3)),
                 (&named.region, item.region_blake3.as_ref()),
                 (&named.crack, item.crack_blake3.as_ref()),
                 (&named.provenance, Some(&item.provenance_blake3)),

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeSet, BinaryHeap};
 
+use serde::{Deserialize, Serialize};
 use starbreak_dataset::{
     BadRecord, FileRole, STATE_FOLDER, SetLayout, Source, SourceFile, SourceImage, sha256_hex,
 };
@@ -10,7 +11,7 @@ use starbreak_seed::Seed;
 use super::Selection;
 
 /// One part of many, by number from 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
     /// Which one, from 1.
     pub number: u32,
@@ -99,6 +100,12 @@ pub fn survey(source: &Source, selection: Selection, seed: Seed) -> Survey {
 }
 
 impl Survey {
+    /// Which images were to be taken.
+    #[must_use]
+    pub const fn selection(&self) -> Selection {
+        self.selection
+    }
+
     /// Whether an image belongs to the set that all shards make.
     #[must_use]
     pub fn is_of_set(&self, name: &str) -> bool {

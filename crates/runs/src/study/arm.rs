@@ -15,9 +15,9 @@ use crate::Error;
 
 /// What a detector found in one image, as a line of the log of its arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct FoundInImage {
+pub(super) struct FoundInImage {
     /// Name of the image in the source.
-    image: String,
+    pub(super) image: String,
     /// BLAKE3 of the file that was looked at, hexadecimal; empty where it could not be read.
     #[serde(default)]
     blake3: String,
@@ -51,6 +51,13 @@ impl FoundInImage {
         })
     }
 
+    fn to_log_line(&self) -> Result<String, Error> {
+        self.to_line().map_err(|error| Error::StudyLine {
+            image: self.image.clone(),
+            reason: error.to_string(),
+        })
+    }
+
     fn check(&self) -> serde_json::Result<String> {
         let hash = blake3_hex(serde_json::to_string(self)?.as_bytes());
         Ok(hash.chars().take(16).collect())
@@ -69,6 +76,29 @@ pub(super) fn seen_files(log: &Path) -> Result<BTreeMap<String, String>, Error> 
         }
     })?;
     Ok(seen)
+}
+
+/// What the log of an arm with this identity has, image by image; none where there is no such log.
+pub(super) fn found_by(log: &Path, identity: &str) -> Result<Option<Vec<FoundInImage>>, Error> {
+    if !LineLog::is_of(log, identity)? {
+        return Ok(None);
+    }
+    let mut all = Vec::new();
+    LineLog::read(log, &mut |line| all.extend(FoundInImage::of_line(line)))?;
+    Ok(Some(all))
+}
+
+/// Writes the log of an arm that is whole, in the order of the images, in place of any that is there.
+pub(super) fn write_whole(
+    log: &Path,
+    identity: &str,
+    found: Vec<FoundInImage>,
+) -> Result<Arm, Error> {
+    let mut log = LineLog::open(log, identity, &mut |_| false)?;
+    for one in &found {
+        log.append(&one.to_log_line()?)?;
+    }
+    Ok(collected(found))
 }
 
 /// An image that no detector could look at.
@@ -204,11 +234,7 @@ impl Shared {
     fn write_those_in_turn(&mut self) -> Result<(), Error> {
         let turn = |done: &Vec<FoundInImage>| u32::try_from(done.len()).unwrap_or(u32::MAX);
         while let Some(found) = self.waiting.remove(&turn(&self.done)) {
-            let line = found.to_line().map_err(|error| Error::StudyLine {
-                image: found.image.clone(),
-                reason: error.to_string(),
-            })?;
-            self.log.append(&line)?;
+            self.log.append(&found.to_log_line()?)?;
             self.done.push(found);
         }
         Ok(())

@@ -11,6 +11,7 @@ use starbreak_eval::GroundTruth;
 
 use super::{StudyDetector, StudyPlan};
 use crate::Error;
+use crate::generate::Shard;
 
 /// The file in the folder of a study that says which one it is.
 const FILE: &str = "study.json";
@@ -36,6 +37,9 @@ pub(super) struct Identity {
     /// Whether the images of its sets are removed.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     removes_images: bool,
+    /// Which of its shards the folder holds, where it is not the whole study.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) shard: Option<Shard>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -103,6 +107,7 @@ impl Identity {
             detectors: detectors.collect(),
             conditions,
             removes_images: !plan.keeps_images,
+            shard: None,
         })
     }
 
@@ -129,14 +134,43 @@ impl Identity {
             }
             Err(error) => return Err(error.into()),
         };
-        let earlier: Self = serde_json::from_str(&text).map_err(|cause| {
-            let cause = cause.to_string().replace('\n', " ");
-            refuse(format!("its {FILE} is not that of a study: {cause}"))
-        })?;
+        let earlier = Self::parse(&text).map_err(refuse)?;
         match self.difference(&earlier) {
             Some(what) => Err(refuse(what)),
             None => Ok(()),
         }
+    }
+
+    /// The shard of this study that a folder holds.
+    pub(super) fn shard_in(&self, folder: &Path) -> Result<Shard, Error> {
+        let refuse = |what: String| Error::StudyShard {
+            folder: folder.to_owned(),
+            what,
+        };
+        let text = read_text(&folder.join(FILE), MAX_BYTES)?.text;
+        let found = Self::parse(&text).map_err(refuse)?;
+        let Some(shard) = found.shard else {
+            return Err(refuse(
+                "it is a whole study; give folders made with --shard".to_owned(),
+            ));
+        };
+        let as_this = Self {
+            shard: Some(shard),
+            ..self.clone()
+        };
+        match as_this.difference(&found) {
+            Some(what) => Err(refuse(format!(
+                "it is of another study: {what}; name all that it has"
+            ))),
+            None => Ok(shard),
+        }
+    }
+
+    fn parse(text: &str) -> Result<Self, String> {
+        serde_json::from_str(text).map_err(|cause| {
+            let cause = cause.to_string().replace('\n', " ");
+            format!("its {FILE} is not that of a study: {cause}")
+        })
     }
 
     /// What an earlier study has otherwise, or what it has and this one leaves out. More is no difference.
@@ -159,6 +193,12 @@ impl Identity {
                 "its protocol is {}, not {}",
                 earlier.protocol, self.protocol
             ));
+        }
+        if self.shard != earlier.shard {
+            return Some(match earlier.shard {
+                Some(shard) => format!("it is the shard {}/{}", shard.number, shard.of),
+                None => "it is not a shard".to_owned(),
+            });
         }
         if self.removes_images != earlier.removes_images {
             let is_with = if earlier.removes_images {

@@ -57,7 +57,14 @@ impl StudyPlan<'_> {
     /// Refuses labels that give an image another size than its file has, upright: their boxes are of
     /// other pixels.
     pub(super) fn check_sizes(&self, truth: &GroundTruth) -> Result<(), Error> {
-        let sizes = truth.labels.images.par_iter().zip(self.images);
+        // Those of a shard are not all that have labels.
+        let labels: Vec<&LabeledImage> = truth
+            .labels
+            .images
+            .iter()
+            .filter(|label| self.survey.is_selected(&label.name))
+            .collect();
+        let sizes = labels.into_par_iter().zip(self.images);
         let wrong = sizes.find_map_first(|(label, image)| wrong_size(label, &image.path));
         wrong.map_or(Ok(()), Err)
     }

@@ -8,7 +8,8 @@
 //!                                               evaluate ──► report
 //! ```
 //!
-//! Each step goes on where an interrupted run was, and comes to the same.
+//! Each step goes on where an interrupted run was, and comes to the same. Shards of a study do their images in folders of
+//! their own, on any number of machines, and are joined.
 
 mod arm;
 mod condition;
@@ -18,7 +19,9 @@ mod images;
 mod numbers;
 mod run;
 mod set;
+mod shards;
 
 pub use arm::UnseenImage;
 pub use condition::{Condition, Family, conditions, folder_name};
 pub use run::{DetectorRuns, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns};
+pub use shards::CLEAN_STEP;

@@ -17,7 +17,7 @@ use super::Condition;
 use super::arm::{Arm, ArmRun, UnseenImage, seen_files};
 use super::identity::{DetectorIdentity, Identity};
 use super::set::make_set;
-use crate::generate::{Event, GenerateReport, Selection, Survey};
+use crate::generate::{Event, GenerateReport, Survey};
 use crate::{Error, Patterns};
 
 /// A detector of a study.
@@ -40,8 +40,6 @@ pub struct StudyPlan<'a> {
     pub source: &'a Source,
     /// Which images there are.
     pub survey: &'a Survey,
-    /// Which of them are taken.
-    pub selection: Selection,
     /// The images in the order of the labels, to which detections refer.
     pub images: &'a [ImageToSee],
     /// The detectors.
@@ -131,24 +129,11 @@ impl StudyPlan<'_> {
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
     ) -> Result<Option<StudyRuns>, Error> {
-        refuse_inside_set(self.out)?;
-        self.source.refuse_output_at(self.out)?;
-        let identity = Identity::of(self, truth)?;
-        identity.check(self.out)?;
-        self.check_files()?;
-        self.check_sizes(truth)?;
-        self.refuse_moved_labels()?;
-        let quality = self.quality()?;
-        self.try_detectors(quality)?;
-        identity.write(self.out)?;
+        self.begin(&Identity::of(self, truth)?, truth)?;
         let mut unseen: Vec<UnseenImage> = Vec::new();
         let mut detectors = Vec::new();
         for detector in self.detectors {
-            let of_source = |image: &ImageToSee| image.path.clone();
-            let clean = |path: &Path| clean_image(path, quality);
-            let hash = |image: &ImageToSee| Ok(blake3_file(&image.path)?);
-            let images = (&of_source as &PathOf<'_>, &clean as &Read<'_>);
-            let Some(arm) = self.look(detector, None, (images, &hash), stop, tell)? else {
+            let Some(arm) = self.look_at_clean(detector, stop, tell)? else {
                 return Ok(None);
             };
             unseen.extend(arm.unseen);
@@ -168,18 +153,55 @@ impl StudyPlan<'_> {
                 runs.cracked.push(arm.detections);
             }
         }
-        unseen.sort_by(|a, b| a.name.cmp(&b.name));
-        unseen.dedup_by(|a, b| a.name == b.name);
         Ok(Some(StudyRuns {
             detectors,
             sets,
-            unseen,
+            unseen: each_once(unseen),
         }))
+    }
+
+    /// Refuses what [`StudyPlan::run`] would refuse before it writes anything.
+    ///
+    /// # Errors
+    /// As [`StudyPlan::run`].
+    pub fn check(&self, truth: &GroundTruth) -> Result<(), Error> {
+        self.check_as(&Identity::of(self, truth)?, truth)
+    }
+
+    fn check_as(&self, identity: &Identity, truth: &GroundTruth) -> Result<(), Error> {
+        refuse_inside_set(self.out)?;
+        self.source.refuse_output_at(self.out)?;
+        identity.check(self.out)?;
+        self.check_files()?;
+        self.check_sizes(truth)?;
+        self.refuse_moved_labels()?;
+        self.try_detectors(self.quality()?)
+    }
+
+    /// Refuses what cannot be studied, and makes the folder that of the study.
+    pub(super) fn begin(&self, identity: &Identity, truth: &GroundTruth) -> Result<(), Error> {
+        self.check_as(identity, truth)?;
+        identity.write(self.out)
+    }
+
+    /// Lets a detector look at the clean images.
+    pub(super) fn look_at_clean(
+        &self,
+        detector: &StudyDetector,
+        stop: &AtomicBool,
+        tell: &(dyn Fn(StudyEvent<'_>) + Sync),
+    ) -> Result<Option<Arm>, Error> {
+        let quality = self.quality()?;
+        let of_source = |image: &ImageToSee| image.path.clone();
+        let clean = |path: &Path| clean_image(path, quality);
+        let hash = |image: &ImageToSee| Ok(blake3_file(&image.path)?);
+        let images = (&of_source as &PathOf<'_>, &clean as &Read<'_>);
+        self.look(detector, None, (images, &hash), stop, tell)
     }
 
     /// Breaks all images under a condition, and lets each detector look at them. Of a study that keeps no images, those of
     /// this condition are removed at the end; where all have been looked at before, none is made.
-    fn under(
+    pub(super) fn under(
         &self,
         condition: &Condition,
         unseen: &mut Vec<UnseenImage>,
@@ -209,6 +231,9 @@ impl StudyPlan<'_> {
         let of_set = |image: &ImageToSee| layout.path(&image.name);
         let hash = |image: &ImageToSee| match seen.as_ref().and_then(|it| it.get(&image.name)) {
             Some(blake3) => Ok(blake3.clone()),
+            None if !of_set(image).is_file() => Err(Error::StudyUnbroken {
+                condition: condition.name.clone(),
+            }),
             None => Ok(blake3_file(&of_set(image))?),
         };
         let mut arms = Vec::new();
@@ -288,7 +313,6 @@ impl StudyPlan<'_> {
     ) -> Result<GenerateReport, Error> {
         make_set(
             (self.source, self.survey),
-            self.selection,
             (condition, self.patterns(condition)?),
             folder,
             stop,
@@ -348,7 +372,7 @@ impl StudyPlan<'_> {
     }
 
     /// What the lines of a log are made from.
-    fn log_identity(
+    pub(super) fn log_identity(
         &self,
         detector: &StudyDetector,
         condition: Option<&Condition>,
@@ -369,7 +393,7 @@ impl StudyPlan<'_> {
     }
 
     /// Refuses a condition that moves what the labels name, which are those of the clean images.
-    fn refuse_moved_labels(&self) -> Result<(), Error> {
+    pub(super) fn refuse_moved_labels(&self) -> Result<(), Error> {
         for condition in self.conditions {
             let faults = condition.recipe.settings()?.faults;
             if faults.is_some_and(|faults| faults.lens.moves_labels()) {
@@ -398,6 +422,13 @@ impl StudyPlan<'_> {
             }),
         }
     }
+}
+
+/// Images by their names in order, each with the first reason.
+pub(super) fn each_once(mut unseen: Vec<UnseenImage>) -> Vec<UnseenImage> {
+    unseen.sort_by(|a, b| a.name.cmp(&b.name));
+    unseen.dedup_by(|a, b| a.name == b.name);
+    unseen
 }
 
 /// The pixels of a source's image after the codec that its cracked twins pass.

@@ -7,13 +7,12 @@ use starbreak_dataset::Source;
 
 use super::Condition;
 use crate::RunContext;
-use crate::generate::{Event, GenerateOptions, GenerateReport, Plan, Selection, Survey, generate};
+use crate::generate::{Event, GenerateOptions, GenerateReport, Plan, Survey, generate};
 use crate::{Error, Patterns};
 
 /// Makes the set of a condition in a folder, or goes on with it.
 pub(super) fn make_set(
     (source, survey): (&Source, &Survey),
-    selection: Selection,
     (condition, patterns): (&Condition, &Patterns),
     folder: &Path,
     stop: &AtomicBool,
@@ -21,7 +20,7 @@ pub(super) fn make_set(
 ) -> Result<GenerateReport, Error> {
     let context = RunContext::new(&condition.recipe, condition.seed, folder)?;
     let options = GenerateOptions {
-        selection,
+        selection: survey.selection(),
         other_files: None,
         ..GenerateOptions::default()
     };
@@ -46,7 +45,7 @@ mod tests {
     use starbreak_seed::Seed;
 
     use super::*;
-    use crate::generate::survey;
+    use crate::generate::{Selection, survey};
     use starbreak::Recipe;
 
     #[test]
@@ -75,10 +74,8 @@ mod tests {
         let set = dir.path().join("set");
         let run = || {
             let go = AtomicBool::new(false);
-            let selection = Selection::default();
             make_set(
                 (&source, &survey),
-                selection,
                 (&condition, &Patterns::Fresh),
                 &set,
                 &go,

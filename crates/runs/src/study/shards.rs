@@ -1,0 +1,240 @@
+//! A study in shards: each does its images in a folder of its own, step by step; one call joins what they
+//! found.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use serde::Deserialize;
+use starbreak_dataset::{SetLayout, merge_sets, read_text, refuse_inside_set};
+use starbreak_detect::ImageToSee;
+use starbreak_eval::GroundTruth;
+
+use super::arm::{FoundInImage, UnseenImage, found_by, write_whole};
+use super::identity::Identity;
+use super::run::each_once;
+use super::{Condition, DetectorRuns, StudyDetector, StudyEvent, StudyPlan, StudyRuns};
+use crate::Error;
+use crate::generate::Survey;
+
+/// The step in which detectors look at the clean images; the others have the names of the conditions.
+pub const CLEAN_STEP: &str = "clean";
+
+/// Longest list of failures that is read, bytes.
+const MAX_BYTES: u64 = 1 << 30;
+
+impl StudyPlan<'_> {
+    /// The names of the steps that a shard has: the clean images, then each condition. They do not depend on each
+    /// other and may run side by side, in several processes too.
+    #[must_use]
+    pub fn steps(&self) -> Vec<String> {
+        let conditions = self.conditions.iter().map(|one| one.name.clone());
+        std::iter::once(CLEAN_STEP.to_owned())
+            .chain(conditions)
+            .collect()
+    }
+
+    /// Does the images of a shard in the plan's folder: all steps, or the one that is named. What there is of an
+    /// interrupted run stays. Comes to the images that some detector could not look at, in order; none where `stop`
+    /// was set on the way.
+    ///
+    /// `shard` is a survey of the same source with a [`Selection::shard`](crate::generate::Selection::shard); plan and
+    /// `truth` have all images.
+    ///
+    /// # Errors
+    /// As [`StudyPlan::run`], and [`Error::StudyStep`].
+    pub fn run_shard(
+        &self,
+        truth: &GroundTruth,
+        shard: &Survey,
+        step: Option<&str>,
+        stop: &AtomicBool,
+        tell: &(dyn Fn(StudyEvent<'_>) + Sync),
+    ) -> Result<Option<Vec<UnseenImage>>, Error> {
+        let steps = self.steps();
+        if let Some(step) = step.filter(|step| !steps.iter().any(|one| one == step)) {
+            let step = step.to_owned();
+            return Err(Error::StudyStep { step, steps });
+        }
+        let is_taken = |image: &&ImageToSee| shard.is_selected(&image.name);
+        let images: Vec<ImageToSee> = self.images.iter().filter(is_taken).cloned().collect();
+        let part = StudyPlan {
+            survey: shard,
+            images: &images,
+            ..*self
+        };
+        let mut identity = Identity::of(self, truth)?;
+        identity.shard = shard.selection().shard;
+        part.begin(&identity, truth)?;
+        let is_asked = |name: &str| step.is_none_or(|step| step == name);
+        let mut unseen = Vec::new();
+        for detector in self.detectors.iter().filter(|_| is_asked(CLEAN_STEP)) {
+            let Some(arm) = part.look_at_clean(detector, stop, tell)? else {
+                return Ok(None);
+            };
+            unseen.extend(arm.unseen);
+        }
+        for condition in self.conditions.iter().filter(|one| is_asked(&one.name)) {
+            let Some((_, arms)) = part.under(condition, &mut unseen, stop, tell)? else {
+                return Ok(None);
+            };
+            unseen.extend(arms.into_iter().flat_map(|arm| arm.unseen));
+        }
+        Ok(Some(each_once(unseen)))
+    }
+
+    /// Joins finished shards in the plan's folder to what one run would have made and found. Files get a second
+    /// name there where the disk gives one, else they are copied.
+    ///
+    /// # Errors
+    /// [`Error::StudyShard`], [`Error::StudyShardMissing`] and [`Error::StudyShardUnfinished`] for folders that are not
+    /// each shard of this study once, whole;
+    /// [`Error::AnotherStudy`] for a folder of another study; [`Error::Dataset`] for files that are not as they were
+    /// made.
+    pub fn join(&self, truth: &GroundTruth, shards: &[PathBuf]) -> Result<StudyRuns, Error> {
+        refuse_inside_set(self.out)?;
+        self.source.refuse_output_at(self.out)?;
+        let identity = Identity::of(self, truth)?;
+        identity.check(self.out)?;
+        self.refuse_moved_labels()?;
+        let shards = in_order(&identity, shards)?;
+        // Before anything is written: what is not whole ends it.
+        let mut steps = Vec::new();
+        for step in std::iter::once(None).chain(self.conditions.iter().map(Some)) {
+            let detectors = self.detectors.iter();
+            let found = detectors.map(|one| self.found_in_shards(one, step, &shards));
+            steps.push((step, found.collect::<Result<Vec<_>, Error>>()?));
+        }
+        identity.write(self.out)?;
+        let mut unseen = Vec::new();
+        let mut sets = Vec::new();
+        let mut arms = vec![Vec::new(); self.detectors.len()];
+        for (step, found) in steps {
+            if let Some(condition) = step {
+                let layout = self.join_set(condition, &shards)?;
+                unseen.extend(failures_of(&layout, condition)?);
+                sets.push(layout);
+            }
+            for ((detector, found), arms) in self.detectors.iter().zip(found).zip(&mut arms) {
+                let identity = self.log_identity(detector, step)?.to_string();
+                let arm = write_whole(&self.log(detector, step), &identity, found)?;
+                unseen.extend(arm.unseen);
+                arms.push(arm.detections);
+            }
+        }
+        let detectors = arms.into_iter().map(|mut arms| DetectorRuns {
+            clean: arms.remove(0),
+            cracked: arms,
+        });
+        Ok(StudyRuns {
+            detectors: detectors.collect(),
+            sets,
+            unseen: each_once(unseen),
+        })
+    }
+
+    /// Joins the sets of a condition.
+    fn join_set(&self, condition: &Condition, shards: &[PathBuf]) -> Result<SetLayout, Error> {
+        let set_of = |shard: &PathBuf| self.in_shard(shard).set_folder(condition);
+        let parts: Vec<PathBuf> = shards.iter().map(set_of).collect();
+        let folder = self.set_folder(condition);
+        merge_sets(&parts, &folder, self.keeps_images)?;
+        Ok(SetLayout::new(&folder, 1))
+    }
+
+    /// The plan in the folder of a shard.
+    fn in_shard<'a>(&'a self, shard: &'a Path) -> StudyPlan<'a> {
+        StudyPlan {
+            out: shard,
+            ..*self
+        }
+    }
+
+    /// What a detector found in the images of all shards, in the order of the images.
+    fn found_in_shards(
+        &self,
+        detector: &StudyDetector,
+        condition: Option<&Condition>,
+        shards: &[PathBuf],
+    ) -> Result<Vec<FoundInImage>, Error> {
+        let identity = self.log_identity(detector, condition)?.to_string();
+        let mut by_name: BTreeMap<String, FoundInImage> = BTreeMap::new();
+        for shard in shards {
+            let part = self.in_shard(shard).log(detector, condition);
+            let found = found_by(&part, &identity)?.ok_or_else(|| Error::StudyShard {
+                folder: shard.clone(),
+                what: format!("{part:?} is not there or of another study; run this shard again"),
+            })?;
+            by_name.extend(found.into_iter().map(|one| (one.image.clone(), one)));
+        }
+        let of_image = |image: &ImageToSee| {
+            by_name
+                .remove(&image.name)
+                .ok_or_else(|| Error::StudyShardUnfinished {
+                    detector: detector.name.clone(),
+                    step: condition.map_or(CLEAN_STEP, |one| &one.name).to_owned(),
+                    image: image.name.clone(),
+                })
+        };
+        self.images.iter().map(of_image).collect()
+    }
+}
+
+/// The folders of all shards by their number.
+fn in_order(identity: &Identity, folders: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let mut by_number = BTreeMap::new();
+    let mut all = None;
+    for folder in folders {
+        let shard = identity.shard_in(folder)?;
+        let of = *all.get_or_insert(shard.of);
+        let refuse = |what: String| Error::StudyShard {
+            folder: folder.clone(),
+            what,
+        };
+        if shard.of != of {
+            let (number, other) = (shard.number, shard.of);
+            return Err(refuse(format!(
+                "it is the shard {number}/{other}, and the first is one of {of}; give the shards of one run"
+            )));
+        }
+        if by_number.insert(shard.number, folder.clone()).is_some() {
+            let number = shard.number;
+            return Err(refuse(format!(
+                "shard {number}/{of} is there twice; give each once"
+            )));
+        }
+    }
+    let of = all.unwrap_or(0);
+    match (1..=of).find(|number| !by_number.contains_key(number)) {
+        Some(number) => Err(Error::StudyShardMissing { number, of }),
+        None => Ok(by_number.into_values().collect()),
+    }
+}
+
+/// A line of the list of images that could not be broken.
+#[derive(Deserialize)]
+struct FailedImage {
+    name: String,
+    error: String,
+}
+
+/// What a set could not break.
+fn failures_of(layout: &SetLayout, condition: &Condition) -> Result<Vec<UnseenImage>, Error> {
+    let list = layout.state("failures.jsonl");
+    if !list.is_file() {
+        return Ok(Vec::new());
+    }
+    let text = read_text(&list, MAX_BYTES)?.text;
+    let unseen = text.lines().map(|line| {
+        let failed: FailedImage =
+            serde_json::from_str(line).map_err(|cause| Error::StudyShard {
+                folder: list.clone(),
+                what: format!("a line of it is damaged: {cause}; join the shards again"),
+            })?;
+        Ok(UnseenImage {
+            name: failed.name,
+            reason: format!("{}: {}", condition.name, failed.error),
+        })
+    });
+    unseen.collect()
+}
