@@ -54,14 +54,17 @@ pub(crate) struct Arranged {
 /// stroke by less than a lattice step; the splitting is repeated until nothing meets any more.
 /// Of two strokes between the same nodes the one of the lower kind, then the earlier, stays.
 ///
+/// There are `n_nodes` places for nodes, at `position`; few of them may be used.
+///
 /// # Errors
 /// [`MAX_CONTACTS`] if the strokes meet more often than that.
 pub(crate) fn arrange(
     pane: &Pane,
-    positions: Vec<[f64; 2]>,
+    n_nodes: usize,
+    position: impl Fn(u32) -> [f64; 2],
     strokes: Vec<Stroke>,
 ) -> Result<Arranged, usize> {
-    let (mut nodes, mut strokes) = keep_used(&positions, strokes);
+    let (mut nodes, mut strokes) = keep_used(n_nodes, position, strokes);
     remove_duplicates(&mut strokes);
     let mut places = Places::new(pane, &nodes);
     for round in 0.. {
@@ -122,18 +125,23 @@ pub(crate) fn arrange(
 }
 
 /// Only the nodes that some stroke uses, renumbered in their old order.
-fn keep_used(positions: &[[f64; 2]], mut strokes: Vec<Stroke>) -> (Nodes, Vec<Stroke>) {
-    let mut new_id = vec![u32::MAX; positions.len()];
+fn keep_used(
+    n_nodes: usize,
+    position: impl Fn(u32) -> [f64; 2],
+    mut strokes: Vec<Stroke>,
+) -> (Nodes, Vec<Stroke>) {
+    let mut new_id = vec![0; n_nodes];
     for stroke in &strokes {
-        new_id[stroke.a as usize] = 0;
-        new_id[stroke.b as usize] = 0;
+        new_id[stroke.a as usize] = 1;
+        new_id[stroke.b as usize] = 1;
     }
     let mut nodes = Nodes::default();
-    for (id, [x, y]) in new_id.iter_mut().zip(positions) {
-        if *id == 0 {
+    for (node, id) in (0_u32..).zip(&mut new_id) {
+        if *id == 1 {
+            let [x, y] = position(node);
             *id = to_u32(nodes.x.len());
-            nodes.x.push(*x);
-            nodes.y.push(*y);
+            nodes.x.push(x);
+            nodes.y.push(y);
         }
     }
     for stroke in &mut strokes {

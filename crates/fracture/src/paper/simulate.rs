@@ -110,14 +110,15 @@ pub fn simulate(
     strokes.extend(tree_strokes(&mesh, &propagation, &stressed, params)?);
     done(Stage::SpanningTree);
 
-    let positions: Vec<[f64; 2]> = mesh_positions(&mesh);
-    let arranged =
-        arrange(pane, positions, strokes).map_err(|limit| FractureError::TooManyCrossings {
+    let position = |node: u32| mesh.particles().position(node);
+    let arranged = arrange(pane, mesh.particles().len(), position, strokes).map_err(|limit| {
+        FractureError::TooManyCrossings {
             limit,
             radius: params.neighbor_radius,
             particles: params.particles,
             suggested: params.customary_radius(pane),
-        })?;
+        }
+    })?;
     let (nodes, segments) = grow(arranged, &places);
     let network = CrackNetwork::from_planar(NetworkData {
         schema: NETWORK_SCHEMA.to_owned(),
@@ -172,13 +173,6 @@ fn draw_impact(pane: &Pane, impact: &PaperImpact, seed: Seed, k: u64) -> Impact 
         direction_deg: Some(direction_deg),
         ..Impact::default()
     }
-}
-
-fn mesh_positions(mesh: &PaneMesh) -> Vec<[f64; 2]> {
-    (0_u32..)
-        .take(mesh.particles().len())
-        .map(|node| mesh.particles().position(node))
-        .collect()
 }
 
 /// The propagated edges, each from one step to the next.
