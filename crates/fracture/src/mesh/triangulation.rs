@@ -199,11 +199,18 @@ mod tests {
         for (width, height, count) in [(1242, 375, 2000), (1, 1, 10), (3, 700, 1)] {
             let pane = Pane::from_frame_px(width, height);
             let on_rim = [pane.width * 0.5, 0.0];
-            let mesh = mesh_pane(&pane, count, &[on_rim], Seed(4));
+            let inside = [pane.width * 0.5, pane.height * 0.5];
+            // Twice the same, and a corner, are no nodes of their own.
+            let fixed = [on_rim, inside, on_rim, [0.0, pane.height]];
+            let mesh = mesh_pane(&pane, count, &fixed, Seed(4));
             let n = mesh.particles().len();
             assert_eq!(mesh.n_triangles(), 2 * n - 2 - 5, "{width}×{height}");
             let triangulation = &mesh.edges().unwrap().triangulation;
-            assert_eq!(triangulation.num_inner_faces(), mesh.n_triangles());
+            assert_eq!(
+                triangulation.num_inner_faces(),
+                mesh.n_triangles(),
+                "{width}×{height}, counted"
+            );
         }
     }
 
