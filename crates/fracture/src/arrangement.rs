@@ -254,24 +254,20 @@ fn between([from, to]: [f64; 2], t: f64) -> f64 {
 
 /// Keeps one stroke per pair of nodes, and none from a node to itself.
 pub(crate) fn remove_duplicates(strokes: &mut Vec<Stroke>) {
-    let rank = |stroke: &Stroke| {
-        (
-            stroke.a.min(stroke.b),
-            stroke.a.max(stroke.b),
-            stroke.kind,
-            stroke.arrival[1].to_bits(),
-        )
-    };
-    let mut order: Vec<u32> = (0..to_u32(strokes.len())).collect();
-    order.sort_unstable_by_key(|&idx| (rank(&strokes[idx as usize]), idx));
+    let pair = |a: u32, b: u32| (u64::from(a.min(b)) << 32) | u64::from(a.max(b));
+    let mut order: Vec<(u64, SegmentKind, u64, u32)> = (0_u32..)
+        .zip(strokes.iter())
+        .filter(|(_, stroke)| stroke.a != stroke.b)
+        .map(|(idx, stroke)| {
+            let arrival = stroke.arrival[1].to_bits();
+            (pair(stroke.a, stroke.b), stroke.kind, arrival, idx)
+        })
+        .collect();
+    order.sort_unstable();
+    order.dedup_by_key(|(pair, ..)| *pair);
     let mut keep = vec![false; strokes.len()];
-    let mut last = None;
-    for idx in order {
-        let (low, high, ..) = rank(&strokes[idx as usize]);
-        if low != high && last != Some((low, high)) {
-            keep[idx as usize] = true;
-            last = Some((low, high));
-        }
+    for (.., idx) in order {
+        keep[idx as usize] = true;
     }
     let mut flags = keep.into_iter();
     strokes.retain(|_| flags.next().unwrap_or(false));
