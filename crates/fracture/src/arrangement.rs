@@ -54,14 +54,17 @@ pub(crate) struct Arranged {
 /// stroke by less than a lattice step; the splitting is repeated until nothing meets any more.
 /// Of two strokes between the same nodes the one of the lower kind, then the earlier, stays.
 ///
+/// There are `n_nodes` places for nodes, at `position`; few of them may be used.
+///
 /// # Errors
 /// [`MAX_CONTACTS`] if the strokes meet more often than that.
 pub(crate) fn arrange(
     pane: &Pane,
-    positions: Vec<[f64; 2]>,
+    n_nodes: usize,
+    position: impl Fn(u32) -> [f64; 2],
     strokes: Vec<Stroke>,
 ) -> Result<Arranged, usize> {
-    let (mut nodes, mut strokes) = keep_used(&positions, strokes);
+    let (mut nodes, mut strokes) = keep_used(n_nodes, position, strokes);
     remove_duplicates(&mut strokes);
     let mut places = Places::new(pane, &nodes);
     for round in 0.. {
@@ -122,18 +125,23 @@ pub(crate) fn arrange(
 }
 
 /// Only the nodes that some stroke uses, renumbered in their old order.
-fn keep_used(positions: &[[f64; 2]], mut strokes: Vec<Stroke>) -> (Nodes, Vec<Stroke>) {
-    let mut new_id = vec![u32::MAX; positions.len()];
+fn keep_used(
+    n_nodes: usize,
+    position: impl Fn(u32) -> [f64; 2],
+    mut strokes: Vec<Stroke>,
+) -> (Nodes, Vec<Stroke>) {
+    let mut new_id = vec![0; n_nodes];
     for stroke in &strokes {
-        new_id[stroke.a as usize] = 0;
-        new_id[stroke.b as usize] = 0;
+        new_id[stroke.a as usize] = 1;
+        new_id[stroke.b as usize] = 1;
     }
     let mut nodes = Nodes::default();
-    for (id, [x, y]) in new_id.iter_mut().zip(positions) {
-        if *id == 0 {
+    for (node, id) in (0_u32..).zip(&mut new_id) {
+        if *id == 1 {
+            let [x, y] = position(node);
             *id = to_u32(nodes.x.len());
-            nodes.x.push(*x);
-            nodes.y.push(*y);
+            nodes.x.push(x);
+            nodes.y.push(y);
         }
     }
     for stroke in &mut strokes {
@@ -246,24 +254,20 @@ fn between([from, to]: [f64; 2], t: f64) -> f64 {
 
 /// Keeps one stroke per pair of nodes, and none from a node to itself.
 pub(crate) fn remove_duplicates(strokes: &mut Vec<Stroke>) {
-    let rank = |stroke: &Stroke| {
-        (
-            stroke.a.min(stroke.b),
-            stroke.a.max(stroke.b),
-            stroke.kind,
-            stroke.arrival[1].to_bits(),
-        )
-    };
-    let mut order: Vec<u32> = (0..to_u32(strokes.len())).collect();
-    order.sort_unstable_by_key(|&idx| (rank(&strokes[idx as usize]), idx));
+    let pair = |a: u32, b: u32| (u64::from(a.min(b)) << 32) | u64::from(a.max(b));
+    let mut order: Vec<(u64, SegmentKind, u64, u32)> = (0_u32..)
+        .zip(strokes.iter())
+        .filter(|(_, stroke)| stroke.a != stroke.b)
+        .map(|(idx, stroke)| {
+            let arrival = stroke.arrival[1].to_bits();
+            (pair(stroke.a, stroke.b), stroke.kind, arrival, idx)
+        })
+        .collect();
+    order.sort_unstable();
+    order.dedup_by_key(|(pair, ..)| *pair);
     let mut keep = vec![false; strokes.len()];
-    let mut last = None;
-    for idx in order {
-        let (low, high, ..) = rank(&strokes[idx as usize]);
-        if low != high && last != Some((low, high)) {
-            keep[idx as usize] = true;
-            last = Some((low, high));
-        }
+    for (.., idx) in order {
+        keep[idx as usize] = true;
     }
     let mut flags = keep.into_iter();
     strokes.retain(|_| flags.next().unwrap_or(false));

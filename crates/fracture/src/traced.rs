@@ -99,8 +99,13 @@ pub fn network(
             ..stroke
         })
         .collect();
-    let arranged = arrange(pane, positions, strokes)
-        .map_err(|limit| FractureError::TooManyContacts { limit })?;
+    let arranged = arrange(
+        pane,
+        positions.len(),
+        |node| positions[node as usize],
+        strokes,
+    )
+    .map_err(|limit| FractureError::TooManyContacts { limit })?;
     let data = NetworkData {
         schema: NETWORK_SCHEMA.to_owned(),
         generator: Generator {

@@ -16,4 +16,4 @@ pub use particles::Particles;
 pub(crate) use particles::to_u32;
 pub use plate_mesh::{MeshResolution, PlateMesh};
 pub(crate) use triangulation::Indexed;
-pub use triangulation::{PaneMesh, mesh_pane};
+pub use triangulation::{MeshEdges, PaneMesh, mesh_pane};

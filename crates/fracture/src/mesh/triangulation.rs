@@ -1,5 +1,7 @@
 //! Constrained Delaunay triangulation of the particles inside the outline of the pane.
 
+use std::sync::OnceLock;
+
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
 use starbreak_glass::Pane;
@@ -32,9 +34,17 @@ impl HasPosition for Indexed {
     }
 }
 
-/// A triangulated pane. Node ids are those of its [`Particles`].
+/// The nodes of a pane, and their triangulation once it has been asked for. Node ids are those of
+/// its [`Particles`].
 pub struct PaneMesh {
     particles: Particles,
+    /// The nodes on the rim, in order around the pane.
+    rim: Vec<u32>,
+    edges: OnceLock<MeshEdges>,
+}
+
+/// The edges of a mesh: constrained Delaunay triangulation of its nodes.
+pub struct MeshEdges {
     triangulation: ConstrainedDelaunayTriangulation<Indexed>,
     /// The triangulation's number of each node; it numbers them as they are inserted.
     vertex_of: Vec<u32>,
@@ -44,59 +54,23 @@ pub struct PaneMesh {
 /// outline as constraints. Fixed points may lie on the rim, which they then divide.
 ///
 /// The first ids of [`Particles::fixed_node`] are those of `fixed`, the four after them the
-/// corners.
-///
-/// # Errors
-/// [`FractureError::Triangulation`] if the triangulation library refuses the points.
-pub fn mesh_pane(
-    pane: &Pane,
-    count: u32,
-    fixed: &[[f64; 2]],
-    seed: Seed,
-) -> Result<PaneMesh, FractureError> {
+/// corners. The nodes are made at once; their edges, which take most of the time and which few
+/// readings of the paper walk along, by the first call of [`PaneMesh::edges`].
+#[must_use]
+pub fn mesh_pane(pane: &Pane, count: u32, fixed: &[[f64; 2]], seed: Seed) -> PaneMesh {
     let (width, height) = (pane.width, pane.height);
     let mut points = fixed.to_vec();
     points.extend([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]);
     let particles = Particles::scatter(pane, count, &points, seed);
-    let outline = outline(&particles, &points, pane);
-    let n = particles.len();
-    let mut triangulation =
-        ConstrainedDelaunayTriangulation::<Indexed>::with_capacity(n, 3 * n, 2 * n);
-    let mut vertex_of = vec![0; particles.len()];
-    let mut is_inserted = vec![false; particles.len()];
-    let mut last = None;
-    // The rim first: what follows then lies inside the hull, which never has to grow.
-    let rim = outline.iter().map(|[from, _]| to_u32(*from));
-    for node in rim.chain(particles.insertion_order()) {
-        if std::mem::replace(&mut is_inserted[node as usize], true) {
-            continue;
-        }
-        let vertex = Indexed::new(node, particles.position(node));
-        let inserted = match last {
-            Some(near) => triangulation.insert_with_hint(vertex, near),
-            None => triangulation.insert(vertex),
-        };
-        let handle = inserted.map_err(|cause| FractureError::Triangulation {
-            n_nodes: particles.len(),
-            cause: cause.to_string(),
-        })?;
-        vertex_of[node as usize] = to_u32(handle.index());
-        last = Some(handle);
-    }
-    let handle = |node: usize| FixedVertexHandle::from_index(vertex_of[node] as usize);
-    for [from, to] in outline {
-        // The rim of a rectangle is its convex hull, so these edges exist and only get their mark.
-        triangulation.add_constraint(handle(from), handle(to));
-    }
-    Ok(PaneMesh {
+    PaneMesh {
+        rim: rim(&particles, &points, pane),
         particles,
-        triangulation,
-        vertex_of,
-    })
+        edges: OnceLock::new(),
+    }
 }
 
-/// The rim as constraint edges from node to node: fixed points on it in order around the pane.
-fn outline(particles: &Particles, points: &[[f64; 2]], pane: &Pane) -> Vec<[usize; 2]> {
+/// The nodes on the rim, which are fixed points, in order around the pane.
+fn rim(particles: &Particles, points: &[[f64; 2]], pane: &Pane) -> Vec<u32> {
     let (width, height) = (pane.width, pane.height);
     // Distance along the rim from the origin, clockwise on the screen; `None` inside the pane.
     #[expect(clippy::float_cmp, reason = "on the rim means exactly on it")]
@@ -113,16 +87,14 @@ fn outline(particles: &Particles, points: &[[f64; 2]], pane: &Pane) -> Vec<[usiz
             None
         }
     };
-    let mut rim: Vec<(f64, usize)> = points
+    let mut rim: Vec<(f64, u32)> = points
         .iter()
         .enumerate()
-        .filter_map(|(idx, point)| along(point).map(|at| (at, particles.fixed_node(idx) as usize)))
+        .filter_map(|(idx, point)| along(point).map(|at| (at, particles.fixed_node(idx))))
         .collect();
     rim.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     rim.dedup_by_key(|(_, node)| *node);
-    (0..rim.len())
-        .map(|k| [rim[k].1, rim[(k + 1) % rim.len()].1])
-        .collect()
+    rim.into_iter().map(|(_, node)| node).collect()
 }
 
 impl PaneMesh {
@@ -132,28 +104,81 @@ impl PaneMesh {
         &self.particles
     }
 
-    /// Number of triangles.
+    /// Number of triangles, by Euler's formula: 2V − 2 − B for V nodes, of which B are on the rim.
     #[must_use]
     pub fn n_triangles(&self) -> usize {
-        self.triangulation.num_inner_faces()
+        2 * self.particles.len() - 2 - self.rim.len()
     }
 
-    /// The nodes that share a mesh edge with `node`, in the order around it.
-    pub fn mesh_neighbors(&self, node: u32) -> impl Iterator<Item = u32> + '_ {
-        let handle = FixedVertexHandle::from_index(self.vertex_of[node as usize] as usize);
-        self.triangulation
-            .vertex(handle)
-            .out_edges()
-            .map(|edge| edge.to().data().idx)
+    /// The edges, triangulated by the first call.
+    ///
+    /// # Errors
+    /// [`FractureError::Triangulation`] if the triangulation library refuses the points.
+    pub fn edges(&self) -> Result<&MeshEdges, FractureError> {
+        if let Some(edges) = self.edges.get() {
+            return Ok(edges);
+        }
+        let edges = MeshEdges::of(&self.particles, &self.rim)?;
+        Ok(self.edges.get_or_init(|| edges))
+    }
+}
+
+impl MeshEdges {
+    fn of(particles: &Particles, rim: &[u32]) -> Result<Self, FractureError> {
+        let n = particles.len();
+        let mut triangulation =
+            ConstrainedDelaunayTriangulation::<Indexed>::with_capacity(n, 3 * n, 2 * n);
+        let mut vertex_of = vec![0; n];
+        let mut is_inserted = vec![false; n];
+        let mut last = None;
+        // The rim first: what follows then lies inside the hull, which never has to grow.
+        for node in rim.iter().copied().chain(particles.insertion_order()) {
+            if std::mem::replace(&mut is_inserted[node as usize], true) {
+                continue;
+            }
+            let vertex = Indexed::new(node, particles.position(node));
+            let inserted = match last {
+                Some(near) => triangulation.insert_with_hint(vertex, near),
+                None => triangulation.insert(vertex),
+            };
+            let handle = inserted.map_err(|cause| FractureError::Triangulation {
+                n_nodes: n,
+                cause: cause.to_string(),
+            })?;
+            vertex_of[node as usize] = to_u32(handle.index());
+            last = Some(handle);
+        }
+        let mut edges = Self {
+            triangulation,
+            vertex_of,
+        };
+        for (&from, &to) in rim.iter().zip(rim.iter().cycle().skip(1)) {
+            // The rim of a rectangle is its convex hull, so these edges exist and only get their mark.
+            let (from, to) = (edges.vertex(from), edges.vertex(to));
+            edges.triangulation.add_constraint(from, to);
+        }
+        Ok(edges)
+    }
+
+    fn vertex(&self, node: u32) -> FixedVertexHandle {
+        FixedVertexHandle::from_index(self.vertex_of[node as usize] as usize)
+    }
+
+    /// The nodes that share a mesh edge with `node`, and their positions, in the order around it.
+    pub(crate) fn neighbors(&self, node: u32) -> impl Iterator<Item = (u32, [f64; 2])> + '_ {
+        let vertex = self.triangulation.vertex(self.vertex(node));
+        vertex.out_edges().map(|edge| {
+            let &Indexed { position, idx } = edge.to().data();
+            (idx, [position.x, position.y])
+        })
     }
 
     /// The node that is reached from `from` on the way to `to` along one mesh edge: the one
     /// nearest to `to`. On a Delaunay mesh this greedy walk always arrives \[BoseMorin2004\].
     pub(crate) fn next_towards(&self, from: u32, to: u32) -> u32 {
-        let [x, y] = self.particles.position(to);
-        self.mesh_neighbors(from)
-            .map(|node| {
-                let [other_x, other_y] = self.particles.position(node);
+        let Point2 { x, y } = self.triangulation.vertex(self.vertex(to)).position();
+        self.neighbors(from)
+            .map(|(node, [other_x, other_y])| {
                 let (dx, dy) = (other_x - x, other_y - y);
                 (node, dx * dx + dy * dy)
             })
@@ -174,23 +199,33 @@ mod tests {
         for (width, height, count) in [(1242, 375, 2000), (1, 1, 10), (3, 700, 1)] {
             let pane = Pane::from_frame_px(width, height);
             let on_rim = [pane.width * 0.5, 0.0];
-            let mesh = mesh_pane(&pane, count, &[on_rim], Seed(4)).unwrap();
+            let inside = [pane.width * 0.5, pane.height * 0.5];
+            // Twice the same, and a corner, are no nodes of their own.
+            let fixed = [on_rim, inside, on_rim, [0.0, pane.height]];
+            let mesh = mesh_pane(&pane, count, &fixed, Seed(4));
             let n = mesh.particles().len();
             assert_eq!(mesh.n_triangles(), 2 * n - 2 - 5, "{width}×{height}");
+            let triangulation = &mesh.edges().unwrap().triangulation;
+            assert_eq!(
+                triangulation.num_inner_faces(),
+                mesh.n_triangles(),
+                "{width}×{height}, counted"
+            );
         }
     }
 
     #[test]
     fn a_greedy_walk_arrives() {
         let pane = Pane::from_frame_px(300, 100);
-        let mesh = mesh_pane(&pane, 500, &[], Seed(2)).unwrap();
+        let mesh = mesh_pane(&pane, 500, &[], Seed(2));
+        let edges = mesh.edges().unwrap();
         let last = to_u32(mesh.particles().len()) - 1;
         let mut at = 0;
         for _ in 0..500 {
             if at == last {
                 return;
             }
-            at = mesh.next_towards(at, last);
+            at = edges.next_towards(at, last);
         }
         panic!("the walk did not arrive");
     }

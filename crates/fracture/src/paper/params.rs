@@ -143,6 +143,11 @@ impl PaperParams {
         self.critical_stress / self.safety_factor
     }
 
+    /// Whether anything depends on the edges of the mesh; else only its nodes matter.
+    pub(crate) fn walks_along_edges(&self) -> bool {
+        self.neighborhood == Neighborhood::MeshEdges || self.snap_to_mesh
+    }
+
     /// The radius that keeps the number of neighbors of the paper's N = 10⁴ and R = 65 for
     /// another number of particles: R = 65·√(10⁴/N), in px.
     #[must_use]

@@ -1,6 +1,7 @@
 //! Stress handed from node to node (eqs. 2 to 5, Algorithm 1).
 
-use crate::mesh::PaneMesh;
+use crate::FractureError;
+use crate::mesh::{MeshEdges, PaneMesh, Particles};
 
 use super::params::{Neighborhood, PaperParams, Rule};
 
@@ -137,8 +138,14 @@ struct Candidate {
 }
 
 /// Hands the stress of every impact on, one impact after the other over the same nodes.
-#[must_use]
-pub fn propagate(mesh: &PaneMesh, impacts: &[ResolvedImpact], params: &PaperParams) -> Propagation {
+///
+/// # Errors
+/// As for [`PaneMesh::edges`], if stress passes along these.
+pub fn propagate(
+    mesh: &PaneMesh,
+    impacts: &[ResolvedImpact],
+    params: &PaperParams,
+) -> Result<Propagation, FractureError> {
     let n = mesh.particles().len();
     let state = Propagation {
         hops: Vec::new(),
@@ -147,8 +154,13 @@ pub fn propagate(mesh: &PaneMesh, impacts: &[ResolvedImpact], params: &PaperPara
         visited: vec![false; n],
         convergence: ConvergenceReport::default(),
     };
+    let edges = match params.neighborhood {
+        Neighborhood::Radius => None,
+        Neighborhood::MeshEdges => Some(mesh.edges()?),
+    };
     let mut run = Run {
-        mesh,
+        particles: mesh.particles(),
+        edges,
         params,
         state,
         fronts: Vec::new(),
@@ -158,12 +170,14 @@ pub fn propagate(mesh: &PaneMesh, impacts: &[ResolvedImpact], params: &PaperPara
         run.strike(impact);
     }
     run.state.convergence.fronts_left = run.fronts.len();
-    run.state
+    Ok(run.state)
 }
 
 /// A propagation on its way.
 struct Run<'a> {
-    mesh: &'a PaneMesh,
+    particles: &'a Particles,
+    /// What neighbors must share one of, besides being near.
+    edges: Option<&'a MeshEdges>,
     params: &'a PaperParams,
     state: Propagation,
     fronts: Vec<Front>,
@@ -202,7 +216,7 @@ impl Run<'_> {
     /// The neighbors of the impact: each one stressed above the threshold starts a crack of its
     /// own.
     fn first_ring(&mut self, front: Front) {
-        gather(self.mesh, front, self.params, &mut self.candidates);
+        self.gather(front);
         for candidate in &mut self.candidates {
             // Behind the impact no stress arrives, unless the fan opens both ways.
             let stress = candidate.stress;
@@ -228,7 +242,7 @@ impl Run<'_> {
 
     /// One front: every neighbor is stressed, the best `branches` of them break.
     fn advance(&mut self, front: Front) {
-        gather(self.mesh, front, self.params, &mut self.candidates);
+        self.gather(front);
         self.hand_on(front.step);
         choose_side(self.params.rule, front.direction, &mut self.candidates);
         let mut advanced = false;
@@ -255,6 +269,40 @@ impl Run<'_> {
         if !advanced {
             self.state.convergence.record_stop(reason);
         }
+    }
+
+    /// All neighbors of a front with the stress they get, in ascending order of nodes.
+    fn gather(&mut self, front: Front) {
+        self.candidates.clear();
+        let Front {
+            node,
+            stress,
+            direction: [vx, vy],
+            ..
+        } = front;
+        let radius = self.params.neighbor_radius;
+        let mut visit = |other: u32, dx: f64, dy: f64, distance2: f64| {
+            let cos_theta = (vx * dx + vy * dy) / distance2.sqrt();
+            self.candidates.push(Candidate {
+                node: other,
+                stress: stress * cos_theta,
+                way: [dx, dy],
+            });
+        };
+        let Some(edges) = self.edges else {
+            self.particles.for_each_within(node, radius, visit);
+            return;
+        };
+        let [x, y] = self.particles.position(node);
+        for (other, [other_x, other_y]) in edges.neighbors(node) {
+            let (dx, dy) = (other_x - x, other_y - y);
+            let distance2 = dx * dx + dy * dy;
+            if distance2 <= radius * radius {
+                visit(other, dx, dy, distance2);
+            }
+        }
+        self.candidates
+            .sort_unstable_by_key(|candidate| candidate.node);
     }
 
     /// Adds stress to every neighbor, whether the crack goes there or not.
@@ -303,44 +351,6 @@ fn highest(candidates: &[Candidate]) -> Option<usize> {
         }
     }
     best
-}
-
-/// All neighbors of a front with the stress they get, in ascending order of nodes.
-fn gather(mesh: &PaneMesh, front: Front, params: &PaperParams, candidates: &mut Vec<Candidate>) {
-    candidates.clear();
-    let Front {
-        node,
-        stress,
-        direction: [vx, vy],
-        ..
-    } = front;
-    let mut visit = |other: u32, dx: f64, dy: f64, distance2: f64| {
-        let cos_theta = (vx * dx + vy * dy) / distance2.sqrt();
-        candidates.push(Candidate {
-            node: other,
-            stress: stress * cos_theta,
-            way: [dx, dy],
-        });
-    };
-    match params.neighborhood {
-        Neighborhood::Radius => {
-            mesh.particles()
-                .for_each_within(node, params.neighbor_radius, visit)
-        }
-        Neighborhood::MeshEdges => {
-            let radius2 = params.neighbor_radius * params.neighbor_radius;
-            let [x, y] = mesh.particles().position(node);
-            for other in mesh.mesh_neighbors(node) {
-                let [other_x, other_y] = mesh.particles().position(other);
-                let (dx, dy) = (other_x - x, other_y - y);
-                let distance2 = dx * dx + dy * dy;
-                if distance2 <= radius2 {
-                    visit(other, dx, dy, distance2);
-                }
-            }
-            candidates.sort_unstable_by_key(|candidate| candidate.node);
-        }
-    }
 }
 
 /// Leaves only the candidates that the rule lets compete, with the stress by which they do.

@@ -18,7 +18,7 @@ use crate::mesh::{PaneMesh, mesh_pane};
 /// A part of the work, reported when it is done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Particles and triangulation.
+    /// Particles, and their triangulation where cracks walk along its edges.
     Mesh,
     /// Stress from node to node.
     Propagation,
@@ -82,7 +82,11 @@ pub fn simulate(
         .map(|(k, impact)| draw_impact(pane, impact, seed, k))
         .collect();
     let places: Vec<[f64; 2]> = hits.iter().map(|hit| [hit.x, hit.y]).collect();
-    let mesh = mesh_pane(pane, params.particles, &places, seed)?;
+    let mesh = mesh_pane(pane, params.particles, &places, seed);
+    if params.walks_along_edges() {
+        // Now, so that this stage takes the time.
+        mesh.edges()?;
+    }
     done(Stage::Mesh);
 
     let resolved: Vec<ResolvedImpact> = hits
@@ -98,22 +102,23 @@ pub fn simulate(
             }
         })
         .collect();
-    let propagation = propagate(&mesh, &resolved, params);
+    let propagation = propagate(&mesh, &resolved, params)?;
     done(Stage::Propagation);
 
     let stressed = propagation.stressed_nodes(params.threshold());
-    let mut strokes = propagated_strokes(&mesh, &propagation, params);
+    let mut strokes = propagated_strokes(&mesh, &propagation, params)?;
     strokes.extend(tree_strokes(&mesh, &propagation, &stressed, params)?);
     done(Stage::SpanningTree);
 
-    let positions: Vec<[f64; 2]> = mesh_positions(&mesh);
-    let arranged =
-        arrange(pane, positions, strokes).map_err(|limit| FractureError::TooManyCrossings {
+    let position = |node: u32| mesh.particles().position(node);
+    let arranged = arrange(pane, mesh.particles().len(), position, strokes).map_err(|limit| {
+        FractureError::TooManyCrossings {
             limit,
             radius: params.neighbor_radius,
             particles: params.particles,
             suggested: params.customary_radius(pane),
-        })?;
+        }
+    })?;
     let (nodes, segments) = grow(arranged, &places);
     let network = CrackNetwork::from_planar(NetworkData {
         schema: NETWORK_SCHEMA.to_owned(),
@@ -170,19 +175,12 @@ fn draw_impact(pane: &Pane, impact: &PaperImpact, seed: Seed, k: u64) -> Impact 
     }
 }
 
-fn mesh_positions(mesh: &PaneMesh) -> Vec<[f64; 2]> {
-    (0_u32..)
-        .take(mesh.particles().len())
-        .map(|node| mesh.particles().position(node))
-        .collect()
-}
-
 /// The propagated edges, each from one step to the next.
 fn propagated_strokes(
     mesh: &PaneMesh,
     propagation: &Propagation,
     params: &PaperParams,
-) -> Vec<Stroke> {
+) -> Result<Vec<Stroke>, FractureError> {
     let mut strokes = Vec::with_capacity(propagation.hops.len());
     for hop in &propagation.hops {
         let end = f64::from(hop.step);
@@ -196,21 +194,22 @@ fn propagated_strokes(
             source: 0,
         };
         if params.snap_to_mesh {
-            walk(mesh, stroke, &mut strokes);
+            walk(mesh, stroke, &mut strokes)?;
         } else {
             strokes.push(stroke);
         }
     }
-    strokes
+    Ok(strokes)
 }
 
 /// Replaces a jump by the mesh edges of a greedy walk, its step shared among them by length.
-fn walk(mesh: &PaneMesh, jump: Stroke, strokes: &mut Vec<Stroke>) {
+fn walk(mesh: &PaneMesh, jump: Stroke, strokes: &mut Vec<Stroke>) -> Result<(), FractureError> {
+    let edges = mesh.edges()?;
     let first = strokes.len();
     let mut lengths = vec![0.0];
     let mut at = jump.a;
     while at != jump.b {
-        let next = mesh.next_towards(at, jump.b);
+        let next = edges.next_towards(at, jump.b);
         let ([x, y], [next_x, next_y]) = (
             mesh.particles().position(at),
             mesh.particles().position(next),
@@ -230,6 +229,7 @@ fn walk(mesh: &PaneMesh, jump: Stroke, strokes: &mut Vec<Stroke>) {
             |k: usize| jump.arrival[0] + (jump.arrival[1] - jump.arrival[0]) * (lengths[k] / total);
         stroke.arrival = [at(k), at(k + 1)];
     }
+    Ok(())
 }
 
 /// The spanning tree of the stressed nodes; edges longer than the neighborhood are left out,

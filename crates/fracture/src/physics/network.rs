@@ -135,8 +135,8 @@ pub(super) fn network(
         })
         .filter(|stroke| stroke.a != stroke.b)
         .collect();
-    let arranged =
-        arrange(&sheet, places, strokes).map_err(|limit| FractureError::TooManyCracks { limit })?;
+    let arranged = arrange(&sheet, places.len(), |node| places[node as usize], strokes)
+        .map_err(|limit| FractureError::TooManyCracks { limit })?;
     let segments = segments(pane, web, &arranged.nodes, arranged.strokes);
     let impacts = history
         .stones
