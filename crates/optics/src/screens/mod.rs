@@ -11,8 +11,6 @@
 mod streak;
 mod turned;
 
-use std::rc::Rc;
-
 use starbreak_deposit::{Coating, Passage};
 
 use crate::View;
@@ -87,26 +85,35 @@ impl Samples {
         let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
         let middle = |k: u32| (f64::from(k) + 0.5) * f64::from(per_cell);
         let middle_px = 0.5 * f64::from(width);
-        let passages = (0..size.1)
-            .flat_map(|y| {
-                let around_mm = footprint(view, [middle_px, middle(y)], per_cell);
-                (0..size.0).map(move |x| ([middle(x), middle(y)], around_mm.clone()))
-            })
-            .map(|(place, around_mm)| match view.unproject(place) {
-                Some([x, y]) => {
-                    let there = |[dx, dy]: &[f64; 2]| coating.passage([x + dx, y + dy]);
-                    let mut passage = match &around_mm[..] {
-                        [one] => there(one),
-                        all => Passage::mean(all.iter().map(there)),
-                    };
-                    if passage.streak > 0.0 {
-                        passage.across = across_in_frame(passage.across, [x, y], view);
+        let mut passages = Vec::with_capacity(size.0 as usize * size.1 as usize);
+        let (mut seen, mut places_mm, mut there) = (Vec::new(), Vec::new(), Vec::new());
+        for y in 0..size.1 {
+            let around_mm = footprint(view, [middle_px, middle(y)], per_cell);
+            seen.clear();
+            seen.extend((0..size.0).map(|x| view.unproject([middle(x), middle(y)])));
+            places_mm.clear();
+            for [x, y] in seen.iter().flatten() {
+                places_mm.extend(around_mm.iter().map(|[dx, dy]| [x + dx, y + dy]));
+            }
+            there.clear();
+            coating.passages(&places_mm, &mut there);
+            let mut there = there.chunks_exact(around_mm.len());
+            passages.extend(seen.iter().map(|seen| {
+                match (seen, seen.and_then(|_| there.next())) {
+                    (Some(at_mm), Some(all)) => {
+                        let mut passage = match all {
+                            [one] => *one,
+                            all => Passage::mean(all.iter().copied()),
+                        };
+                        if passage.streak > 0.0 {
+                            passage.across = across_in_frame(passage.across, *at_mm, view);
+                        }
+                        passage
                     }
-                    passage
+                    _ => Passage::CLEAN,
                 }
-                None => Passage::CLEAN,
-            })
-            .collect();
+            }));
+        }
         Self {
             size: (size.0 as usize, size.1 as usize),
             per_cell,
@@ -124,25 +131,22 @@ impl Samples {
     /// Three numbers of each, spread by the pupil with a radius for each row of cells.
     fn map(&self, (pupil, radii): (Pupil, &[f64]), of: impl Fn(&Passage) -> [f64; 3]) -> Map {
         #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
-        let values: Vec<f32> = self
-            .passages
-            .iter()
-            .flat_map(|passage| of(passage).map(|value| value as f32))
+        let values: Vec<[f32; 3]> = (self.passages.iter())
+            .map(|passage| of(passage).map(|value| value as f32))
             .collect();
-        let first = &values[..3.min(values.len())];
-        let is_even = values.chunks_exact(3).all(|three| three == first);
-        let spread = if is_even {
-            values
-        } else {
-            defocus_rows::<3>(&values, self.size, pupil, radii, Beyond::Mirrored)
-        };
+        let is_even = values.iter().all(|three| *three == values[0]);
+        let values = values.as_flattened();
+        if is_even {
+            return Cells::of_cells(values, self.size, self.per_cell);
+        }
+        let spread = defocus_rows::<3>(values, self.size, pupil, radii, Beyond::Mirrored);
         Cells::of_cells(&spread, self.size, self.per_cell)
     }
 }
 
 /// Places on the pane around that in the middle of a cell of a frame, mm, of which the cell shows the mean: along the longer
 /// way over the pane that it is, where that is long, as of glass seen at a grazing angle.
-fn footprint(view: &View, middle_px: [f64; 2], per_cell: u32) -> Rc<[[f64; 2]]> {
+fn footprint(view: &View, middle_px: [f64; 2], per_cell: u32) -> Vec<[f64; 2]> {
     let half = 0.5 * f64::from(per_cell);
     let ways = [[half, 0.0], [0.0, half]].into_iter().filter_map(|[x, y]| {
         let from = view.unproject(middle_px)?;
@@ -151,7 +155,7 @@ fn footprint(view: &View, middle_px: [f64; 2], per_cell: u32) -> Rc<[[f64; 2]]> 
     });
     let length = |[x, y]: &[f64; 2]| libm::hypot(*x, *y);
     let Some(way) = ways.max_by(|one, other| length(one).total_cmp(&length(other))) else {
-        return Rc::new([[0.0; 2]]);
+        return vec![[0.0; 2]];
     };
     #[expect(
         clippy::cast_possible_truncation,
