@@ -215,3 +215,26 @@ fn sines<const N: usize>(phases: [f32; N]) -> [[f64; N]; 2] {
     }
     [sines, cosines]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sines_are_those_of_the_library_to_the_last_bit() {
+        // All of both signs up to the largest, in steps that share no factor with powers of two, and one of the few for which
+        // it matters how quarters are taken off.
+        let steps = (0..MOST_PHASE.to_bits()).step_by(4099);
+        for phase in steps.chain([0x4040_6406, 0x40e2_31d5, 0x40e2_31d6]) {
+            for phase in [1.0, -1.0].map(|sign| sign * f32::from_bits(phase)) {
+                let [[sine], [cosine]] = sines([phase]);
+                let (one, other) = libm::sincosf(phase);
+                let expected = [one, other].map(|it| f64::from(it).abs().to_bits());
+                let found = [sine, cosine].map(|it| it.abs().to_bits());
+                assert_eq!(found, expected, "size at {phase}");
+                let is_same = |a: f64, b: f32| (a - f64::from(b)).abs() <= 0.0;
+                assert!(is_same(sine, one) && is_same(cosine, other), "at {phase}");
+            }
+        }
+    }
+}

@@ -21,6 +21,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod cap;
+mod closing;
 mod coat;
 mod coating;
 mod condensation;

@@ -303,3 +303,19 @@ impl Coating for MuddyPane {
         [0.0; 2]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_beyond_an_outline_is_no_nearer_than_it() {
+        for k in -2000..=2000 {
+            let outline = f64::from(k) * 1e-3;
+            let radius = libm::exp(outline).max(LEAST_OUTLINE);
+            assert!(!is_beyond(radius * radius, outline), "on it at {outline}");
+            assert!(!is_beyond(0.99 * radius * radius, outline), "within it");
+            assert!(is_beyond(1.2 * radius * radius, outline), "far from it");
+        }
+    }
+}
