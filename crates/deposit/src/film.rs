@@ -1,6 +1,6 @@
 //! A film of grease or water: glass that is no longer even.
 
-use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, SQRT_2, TAU};
 
 use starbreak_seed::{Seed, Stream, uniform};
 
@@ -113,7 +113,7 @@ impl FilmedPane {
             let [sin, cos] = if phases.iter().all(|phase| phase.abs() <= MOST_PHASE) {
                 sines(phases)
             } else {
-                let both = phases.map(|phase| libm::sincosf(phase));
+                let both = phases.map(libm::sincosf);
                 [
                     both.map(|it| f64::from(it.0)),
                     both.map(|it| f64::from(it.1)),
@@ -180,14 +180,13 @@ const NEAR: f64 = 7.068_583_011_627_197;
 /// Sines and cosines, to the last bit those of [`libm::sincosf`], of which this is the part that most phases come to.
 #[inline(always)]
 fn sines<const N: usize>(phases: [f32; N]) -> [[f64; N]; 2] {
-    // 2/π; the first 25 bits of π/2, and the rest; 3·2⁵¹, beyond which numbers are whole.
-    const PER_QUARTER: f64 = 0.636_619_772_367_581_4;
+    // The first 25 bits of π/2, and the rest; 3·2⁵¹, beyond which numbers are whole.
     const QUARTER: [f64; 2] = [1.570_796_310_901_641_8, 1.589_325_477_352_819_6e-8];
     const WHOLE: f64 = 6_755_399_441_055_744.0;
     let [mut sines, mut cosines] = [[0.0; N]; 2];
     for (k, phase) in phases.into_iter().enumerate() {
         let phase = f64::from(phase);
-        let shifted = phase * PER_QUARTER + WHOLE;
+        let shifted = phase * FRAC_2_PI + WHOLE;
         let quarters = shifted - WHOLE;
         let x = if phase.abs() <= NEAR {
             phase - quarters * FRAC_PI_2
@@ -201,7 +200,7 @@ fn sines<const N: usize>(phases: [f32; N]) -> [[f64; N]; 2] {
             + cubed * w * rest;
         let rest = -0.001_388_676_377_460_993 + z * 0.000_024_390_448_796_277_41;
         let cosine =
-            ((1.0 + z * -0.499_999_997_251_031) + w * 0.041_666_623_323_739_063) + (w * z) * rest;
+            ((1.0 + z * -0.499_999_997_251_031) + w * 0.041_666_623_323_739_06) + (w * z) * rest;
         #[expect(clippy::cast_possible_truncation, reason = "of single precision")]
         let [sine, cosine] = [sine, cosine].map(|it| f64::from(it as f32));
         // The last bits of a number that large are those of a whole one.
