@@ -30,7 +30,7 @@ impl Coat {
             Self::Dust(it) => Box::new(it.on_pane(area, finest_mm, seed)),
             Self::Film(it) => Box::new(it.on_pane(area, seed)),
             Self::Frost(it) => Box::new(it.on_pane(area, finest_mm, seed)),
-            Self::Scratches(it) => Box::new(*it),
+            Self::Scratches(it) => Box::new(it.on_pane()),
             Self::Fog(it) => Box::new(it.on_pane(area, seed)),
         }
     }

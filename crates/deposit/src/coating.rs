@@ -80,6 +80,11 @@ pub trait Coating {
     /// What it does to light at a place, mm.
     fn passage(&self, at_mm: [f64; 2]) -> Passage;
 
+    /// The same at some places, added in their order.
+    fn passages(&self, at_mm: &[[f64; 2]], to: &mut Vec<Passage>) {
+        to.extend(at_mm.iter().map(|at| self.passage(*at)));
+    }
+
     /// Standard deviations per axis of its smaller and its larger angle, rad.
     fn turns_by_rad(&self) -> [f64; 2];
 

@@ -45,8 +45,12 @@ impl Condensation {
     /// grow: c stays, and r = hπ/(c k) ∝ t, with h the film and k r³ the volume of a drop.
     #[must_use]
     pub fn drops(&self, times: f64) -> Dew {
+        self.drops_of(volume_per_cubed_radius(self.contact_rad), times)
+    }
+
+    /// The same where a drop of radius 1 has a volume.
+    fn drops_of(&self, volume: f64, times: f64) -> Dew {
         let film_m = (self.growth_m_s * self.age_s * times).max(0.0);
-        let volume = volume_per_cubed_radius(self.contact_rad);
         let alone_m = libm::cbrt(film_m / (self.nuclei_per_m2 * volume));
         let covered = self.nuclei_per_m2 * PI * alone_m * alone_m;
         if covered <= MOST_COVERED {
@@ -85,6 +89,7 @@ impl Fog {
     pub(crate) fn on_pane(&self, area: &Area, seed: Seed) -> FoggedPane {
         FoggedPane {
             mean: self.mean,
+            volume: volume_per_cubed_radius(self.mean.contact_rad),
             times: Field::over(
                 area,
                 (self.scale_mm, self.unevenness),
@@ -97,6 +102,8 @@ impl Fog {
 /// Dew on one pane.
 pub(crate) struct FoggedPane {
     mean: Condensation,
+    /// Of a drop of radius 1.
+    volume: f64,
     times: Field,
 }
 
@@ -104,7 +111,7 @@ impl Coating for FoggedPane {
     /// Of light that a share c of drops meets, drops without order leave (1 − c)² as it is; c(1 − c) is diffracted by the
     /// gaps between them, and c refracted, which come from about the place that is seen (Babinet). The sum is 1.
     fn passage(&self, at_mm: [f64; 2]) -> Passage {
-        let c = self.mean.drops(self.times.at(at_mm)).covered;
+        let c = (self.mean.drops_of(self.volume, self.times.at(at_mm))).covered;
         Passage {
             covered: c,
             direct: [(1.0 - c) * (1.0 - c); 3],

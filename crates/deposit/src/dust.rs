@@ -105,6 +105,7 @@ impl Dust {
         let level = libm::log10(level_um);
         let n = n_of(from_um);
         let mut place = 0.0;
+        let mut grains = Vec::new();
         while {
             // Places of a Poisson process along the number of larger ones.
             place -= libm::log(1.0 - uniform(&mut rng));
@@ -120,7 +121,11 @@ impl Dust {
                     break at;
                 }
             };
-            add_grain(&mut large, at, 0.5 * size_mm);
+            grains.push((at, 0.5 * size_mm));
+        }
+        // One after another, so that none waits for the cell of another.
+        for (at, radius_mm) in grains {
+            add_grain(&mut large, at, radius_mm);
         }
         let (all, mean_lg) = covered_by(level_um, SIZES_UM[0]);
         let small = (all - covered_by(level_um, from_um).0).max(0.0);

@@ -88,7 +88,8 @@ impl Octave {
         let (left, top) = (x as usize, y as usize);
         // Smoothly: 3t² − 2t³.
         let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
-        let (s, t) = (smooth(x - x.floor()), smooth(y - y.floor()));
+        #[expect(clippy::cast_precision_loss, reason = "cells of a pane")]
+        let (s, t) = (smooth(x - left as f64), smooth(y - top as f64));
         let value = |dx: usize, dy: usize| self.values[(top + dy) * self.size[0] + left + dx];
         let high = value(0, 0) + s * (value(1, 0) - value(0, 0));
         let low = value(0, 1) + s * (value(1, 1) - value(0, 1));

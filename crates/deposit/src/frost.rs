@@ -4,8 +4,9 @@ use std::f64::consts::{FRAC_PI_3, TAU};
 
 use starbreak_seed::{Seed, Stream, normal, uniform};
 
+use crate::closing::close_in;
 use crate::raster::Raster;
-use crate::{Area, Coating, Passage};
+use crate::{Area, Coating, Passage, vectorized};
 
 /// Ice on a pane.
 ///
@@ -47,9 +48,6 @@ const HALF_WIDTHS_MM: [f64; 3] = [0.3, 0.16, 0.1];
 /// From one branch to the next, mm. FIT.
 const BRANCHES_EACH_MM: [f64; 2] = [2.2, 1.4];
 
-/// Speed at which ice closes in between branches, over that of the front. FIT.
-const SIDEWAYS: f64 = 0.02;
-
 /// Standard deviation of the curvature of stems, mm⁻¹, and of what chance turns a tip by on a millimeter, rad. FIT.
 const CURVES_PER_MM: f64 = 0.012;
 const WANDERS_RAD: f64 = 0.05;
@@ -66,6 +64,9 @@ const MOST_NUCLEI: f64 = 2e4;
 
 /// Largest side that grows, mm: a larger pane has it again and again, without a seam.
 const TILE_MM: f64 = 400.0;
+
+/// Cells of a row that are worked out side by side.
+const TOGETHER: usize = 4;
 
 /// A cell that no ice has come to.
 const NEVER: f32 = f32::INFINITY;
@@ -253,9 +254,9 @@ impl Ice {
     /// How thick it is when the front has gone a way and ice has closed in between branches, mm.
     fn thickness_mm(&self, front_mm: f64) -> Raster {
         let mut thickness_mm = self.cells.map(|cell| cell.arrives_mm);
-        close_in(&mut thickness_mm);
         #[expect(clippy::cast_possible_truncation, reason = "lengths")]
         let (front_mm, per_ridge_mm) = (front_mm as f32, THICKNESS_MM as f32);
+        close_in(&mut thickness_mm, front_mm);
         for (value, cell) in thickness_mm.values.iter_mut().zip(&self.cells.values) {
             let since_mm = (front_mm - *value).max(0.0);
             *value = cell.ridge * per_ridge_mm * since_mm.sqrt();
@@ -281,72 +282,44 @@ impl Ice {
         });
         for x in copies[0].into_iter().flatten() {
             for y in copies[1].into_iter().flatten() {
-                self.mark_disc([x, y], (radius_mm, kind), way_mm);
+                vectorized(
+                    #[inline(always)]
+                    || self.mark_disc([x, y], (radius_mm, kind), way_mm),
+                );
             }
         }
     }
 
+    #[inline(always)]
     fn mark_disc(&mut self, at_mm: [f64; 2], (radius_mm, kind): (f64, usize), way_mm: f64) {
-        let [columns, rows] = (self.cells).around(at_mm, radius_mm + 0.5 * self.cells.cell_mm);
-        let width = self.cells.size[0];
+        let cell_mm = self.cells.cell_mm;
+        let [columns, rows] = (self.cells).around(at_mm, radius_mm + 0.5 * cell_mm);
         #[expect(clippy::cast_possible_truncation, reason = "a length")]
         let way = way_mm as f32;
-        for y in rows {
-            for x in columns.clone() {
-                let [mx, my] = self.cells.middle_mm(x, y);
-                // As far as the disc covers it.
-                let [dx, dy] = [mx - at_mm[0], my - at_mm[1]];
-                let away_mm = (dx * dx + dy * dy).sqrt();
-                let part = ((radius_mm - away_mm) / self.cells.cell_mm + 0.5).min(1.0);
-                if part > 0.0 {
-                    let cell = &mut self.cells.values[y * width + x];
+        for left in columns.clone().step_by(TOGETHER) {
+            let right = (left + TOGETHER).min(columns.end);
+            let across: [f64; TOGETHER] = std::array::from_fn(|k| {
+                let dx = self.cells.middle_mm(left + k, 0)[0] - at_mm[0];
+                dx * dx
+            });
+            for y in rows.clone() {
+                let dy = self.cells.middle_mm(0, y)[1] - at_mm[1];
+                let down = dy * dy;
+                // As far as the disc covers each.
+                let away_mm = across.map(|across| (across + down).sqrt());
+                let parts = away_mm.map(|away| ((radius_mm - away) / cell_mm + 0.5).min(1.0));
+                let row = &mut self.cells.values[y * self.cells.size[0]..][left..right];
+                for ((cell, away_mm), part) in row.iter_mut().zip(away_mm).zip(parts) {
                     if away_mm <= radius_mm {
                         cell.arrives_mm = cell.arrives_mm.min(way);
                     }
                     #[expect(clippy::cast_possible_truncation, reason = "a ratio")]
                     let higher = BETWEEN + (RIDGES[kind] - BETWEEN) * part as f32;
+                    // No lower than between branches where it covers nothing.
                     cell.ridge = cell.ridge.max(higher);
                 }
             }
         }
-    }
-}
-
-/// Lets ice close in from all cells that have some: each next cell is reached later by its distance over the speed. Sweeps
-/// go down and right, then up and left, twice, so that they come around the edges of the tile.
-fn close_in(arrives_mm: &mut Raster) {
-    let [width, height] = arrives_mm.size;
-    #[expect(clippy::cast_possible_truncation, reason = "a length")]
-    let straight_mm = (arrives_mm.cell_mm / SIDEWAYS) as f32;
-    let across_mm = straight_mm * std::f32::consts::SQRT_2;
-    let mut beside = vec![0.0; width + 2];
-    let mut sweep = |y: usize, before: usize, is_back: bool| {
-        // The row before, with what lies beyond its ends.
-        let row_of = |y: usize| y * width..(y + 1) * width;
-        beside[1..=width].copy_from_slice(&arrives_mm.values[row_of(before)]);
-        (beside[0], beside[width + 1]) = (beside[width], beside[1]);
-        let row = &mut arrives_mm.values[row_of(y)];
-        for (value, near) in row.iter_mut().zip(beside.windows(3)) {
-            let diagonal_mm = near[0].min(near[2]) + across_mm;
-            *value = value.min(near[1] + straight_mm).min(diagonal_mm);
-        }
-        let close = |last: f32, value: &mut f32| {
-            *value = value.min(last + straight_mm);
-            *value
-        };
-        if is_back {
-            let first = row[0];
-            row.iter_mut().rev().fold(first, close);
-        } else {
-            let last = row[width - 1];
-            row.iter_mut().fold(last, close);
-        }
-    };
-    for _ in 0..2 {
-        (0..height).for_each(|y| sweep(y, (y + height - 1) % height, false));
-        (0..height)
-            .rev()
-            .for_each(|y| sweep(y, (y + 1) % height, true));
     }
 }
 
@@ -392,6 +365,11 @@ impl Coating for FrostedPane {
 fn inside(at_mm: [f64; 2], from_mm: [f64; 2], sides_mm: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|k| {
         let within = at_mm[k] - from_mm[k];
-        from_mm[k] + (within - (within / sides_mm[k]).floor() * sides_mm[k])
+        // Most places are in the tile itself.
+        let sides = match (0.0..0.999 * sides_mm[k]).contains(&within) {
+            true => 0.0,
+            false => (within / sides_mm[k]).floor(),
+        };
+        from_mm[k] + (within - sides * sides_mm[k])
     })
 }

@@ -21,6 +21,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod cap;
+mod closing;
 mod coat;
 mod coating;
 mod condensation;
@@ -110,4 +111,10 @@ impl Deposit {
         let volume: f64 = self.caps.iter().map(Cap::volume_mm3).sum();
         volume * 1e-9 / area.area_m2().max(f64::MIN_POSITIVE)
     }
+}
+
+/// Runs what is inlined in it compiled for the processor that there is. No result depends on it: nothing is fused.
+#[inline(always)]
+fn vectorized<R>(run: impl FnOnce() -> R) -> R {
+    pulp::Arch::new().dispatch(run)
 }

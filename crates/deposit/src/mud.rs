@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use starbreak_seed::{Seed, Stream, normal, uniform};
 
 use crate::raster::Raster;
-use crate::{Area, Coating, Field, Passage};
+use crate::{Area, Coating, Field, Passage, vectorized};
 
 /// Mud on a pane.
 ///
@@ -32,6 +32,12 @@ const SIZES: f64 = 0.9;
 
 /// Farthest that a splat's outline is from its middle, in radii.
 const MOST_OUTLINE: f64 = 2.0;
+
+/// Nearest that it is.
+const LEAST_OUTLINE: f64 = 0.4;
+
+/// Cells that are worked out side by side.
+const TOGETHER: usize = 8;
 
 /// How much thicker and thinner it is in places, and how large those are, mm. FIT.
 const GRAIN: (f64, f64) = (1.6, 0.35);
@@ -176,56 +182,97 @@ impl Splat {
         libm::exp(most).min(MOST_OUTLINE)
     }
 
-    /// Square of the distance from the middle over that of the outline in this direction; 1 or more outside.
-    fn part_square(&self, [x, y]: [f64; 2], farthest: f64) -> f64 {
-        let [cos, sin] = self.along;
-        let (x, y) = (
-            (x * cos + y * sin) / self.longer,
-            (y * cos - x * sin) * self.longer,
-        );
-        let length_square = x * x + y * y;
-        let away_square = length_square / (self.radius_mm * self.radius_mm);
-        if away_square >= farthest * farthest {
-            return 1.0;
+    /// Of some places from the middle, mm, the squares of their distances from it in radii, and by how many powers of e the
+    /// outline is farther than a radius in their directions. None where all are farther than it is anywhere.
+    #[inline(always)]
+    fn outlines(
+        &self,
+        from_middle_mm: [[f64; TOGETHER]; 2],
+        farthest: f64,
+    ) -> Option<[[f64; TOGETHER]; 2]> {
+        let [along, across] = self.along;
+        let [[mut cos, mut sin], [mut away_square, mut outline]] = [[[0.0; TOGETHER]; 2]; 2];
+        for k in 0..TOGETHER {
+            let [x, y] = from_middle_mm.map(|it| it[k]);
+            let (x, y) = (
+                (x * along + y * across) / self.longer,
+                (y * along - x * across) * self.longer,
+            );
+            let length_square = x * x + y * y;
+            away_square[k] = length_square / (self.radius_mm * self.radius_mm);
+            let length = length_square.sqrt().max(1e-12);
+            (cos[k], sin[k]) = (x / length, y / length);
+        }
+        if away_square.iter().all(|it| *it >= farthest * farthest) {
+            return None;
         }
         // Cosines and sines of multiples of the angle, each from the one before.
-        let length = length_square.sqrt().max(1e-12);
-        let (cos, sin) = (x / length, y / length);
         let (mut c, mut s) = (cos, sin);
-        let mut outline = 0.0;
         for [of_cos, of_sin] in &self.lobes {
-            (c, s) = (c * cos - s * sin, s * cos + c * sin);
-            outline += of_cos * c + of_sin * s;
+            for k in 0..TOGETHER {
+                (c[k], s[k]) = (c[k] * cos[k] - s[k] * sin[k], s[k] * cos[k] + c[k] * sin[k]);
+                outline[k] += of_cos * c[k] + of_sin * s[k];
+            }
         }
-        let outline = libm::exp(outline).clamp(0.4, MOST_OUTLINE);
-        away_square / (outline * outline)
+        Some([away_square, outline])
     }
 
     /// Adds its thickness, which falls to its edge as (1 − r²)^¾ (FIT); returns how many cells it covers that were clean.
     fn add(&self, thickness: &mut Raster, most_mm: f64) -> usize {
+        vectorized(
+            #[inline(always)]
+            || self.add_rows(thickness, most_mm),
+        )
+    }
+
+    #[inline(always)]
+    fn add_rows(&self, thickness: &mut Raster, most_mm: f64) -> usize {
         let farthest = self.farthest();
         let reach_mm = farthest * self.longer * self.radius_mm;
         let [columns, rows] = thickness.around(self.middle_mm, reach_mm);
         let mut n_new = 0;
         for y in rows {
-            for x in columns.clone() {
-                let [mx, my] = thickness.middle_mm(x, y);
-                let from_middle = [mx - self.middle_mm[0], my - self.middle_mm[1]];
-                let part_square = self.part_square(from_middle, farthest);
-                if part_square >= 1.0 {
+            for left in columns.clone().step_by(TOGETHER) {
+                let places = std::array::from_fn(|k| thickness.middle_mm(left + k, y));
+                let from_middle_mm =
+                    [0, 1].map(|axis| places.map(|at: [f64; 2]| at[axis] - self.middle_mm[axis]));
+                let Some([away_square, outline]) = self.outlines(from_middle_mm, farthest) else {
                     continue;
+                };
+                let right = (left + TOGETHER).min(columns.end);
+                let cells = &mut thickness.values[y * thickness.size[0]..][left..right];
+                for ((cell, away_square), outline) in cells.iter_mut().zip(away_square).zip(outline)
+                {
+                    if away_square >= farthest * farthest || is_beyond(away_square, outline) {
+                        continue;
+                    }
+                    let outline = libm::exp(outline).clamp(LEAST_OUTLINE, MOST_OUTLINE);
+                    let part_square = away_square / (outline * outline);
+                    if part_square >= 1.0 {
+                        continue;
+                    }
+                    let root = (1.0 - part_square).sqrt();
+                    let dome = root * root.sqrt();
+                    n_new += usize::from(*cell <= 0.0);
+                    #[expect(clippy::cast_possible_truncation, reason = "a length")]
+                    let more = (most_mm * dome) as f32;
+                    *cell = cell.max(more) + 0.3 * cell.min(more);
                 }
-                let root = (1.0 - part_square).sqrt();
-                let dome = root * root.sqrt();
-                let cell = &mut thickness.values[y * thickness.size[0] + x];
-                n_new += usize::from(*cell <= 0.0);
-                #[expect(clippy::cast_possible_truncation, reason = "a length")]
-                let more = (most_mm * dome) as f32;
-                *cell = cell.max(more) + 0.3 * cell.min(more);
             }
         }
         n_new
     }
+}
+
+/// Whether a place is surely beyond an outline of so many powers of e, without taking them: e^x < (1 − x/64)⁻⁶⁴ of x below 64.
+#[inline(always)]
+fn is_beyond(away_square: f64, outline: f64) -> bool {
+    let mut less = 1.0 - outline / 64.0;
+    for _ in 0..7 {
+        less *= less;
+    }
+    let least_square = LEAST_OUTLINE * LEAST_OUTLINE;
+    outline < 64.0 && away_square * less.min(1.0 / least_square) > 1.0 + 1e-9
 }
 
 /// Mud on one pane.
@@ -254,5 +301,21 @@ impl Coating for MuddyPane {
 
     fn turns_by_rad(&self) -> [f64; 2] {
         [0.0; 2]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_beyond_an_outline_is_no_nearer_than_it() {
+        for k in -2000..=2000 {
+            let outline = f64::from(k) * 1e-3;
+            let radius = libm::exp(outline).max(LEAST_OUTLINE);
+            assert!(!is_beyond(radius * radius, outline), "on it at {outline}");
+            assert!(!is_beyond(0.99 * radius * radius, outline), "within it");
+            assert!(is_beyond(1.2 * radius * radius, outline), "far from it");
+        }
     }
 }

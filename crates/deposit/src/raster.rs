@@ -59,14 +59,17 @@ impl<T: Copy> Raster<T> {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
         reason = "cells of a pane; below 0 is 0"
     )]
     pub(crate) fn around(&self, at_mm: [f64; 2], radius_mm: f64) -> [std::ops::Range<usize>; 2] {
         let at = self.in_cells(at_mm);
         let radius = radius_mm / self.cell_mm;
         [0, 1].map(|k| {
-            let from = (at[k] - radius).floor().max(0.0) as usize;
-            let to = (at[k] + radius).ceil().max(0.0) as usize;
+            // What is not negative is rounded down as it becomes whole.
+            let from = (at[k] - radius).max(0.0) as usize;
+            let to = (at[k] + radius).max(0.0);
+            let to = to as usize + usize::from(to > to as usize as f64);
             from.min(self.size[k])..to.min(self.size[k])
         })
     }

@@ -40,11 +40,25 @@ impl Scratches {
             self.haze * self.wiped / of_wiper,
         ]
     }
+
+    pub(crate) fn on_pane(&self) -> ScratchedPane {
+        ScratchedPane {
+            turned: self.turned(),
+            pivot_mm: self.pivot_mm,
+        }
+    }
 }
 
-impl Coating for Scratches {
+/// Scratches of one pane.
+pub(crate) struct ScratchedPane {
+    /// As [`Scratches::turned`] says.
+    turned: [f64; 2],
+    pivot_mm: [f64; 2],
+}
+
+impl Coating for ScratchedPane {
     fn passage(&self, at_mm: [f64; 2]) -> Passage {
-        let [sand, wiper] = self.turned();
+        let [sand, wiper] = self.turned;
         // Light is turned across a groove: towards the pivot and away.
         let [x, y] = [0, 1].map(|k| at_mm[k] - self.pivot_mm[k]);
         let far = libm::hypot(x, y).max(1e-6);

@@ -249,7 +249,8 @@ fn scratches_turn_as_much_as_their_haze_says_and_across_the_wipers_way() {
         let haze = sand * of_sand + wiper * beyond / all;
         assert!((haze / 0.04 - 1.0).abs() < 0.01, "{haze} at {wiped}");
     }
-    let it = SCRATCHES.passage([-250.0, 50.0]);
+    let scratched = Coat::Scratches(SCRATCHES).on_pane(&AREA, 0.3, Seed(1));
+    let it = scratched.passage([-250.0, 50.0]);
     assert!(
         it.across[1] < -0.999,
         "above the pivot light is turned up and down: {it:?}"

@@ -405,6 +405,7 @@ fn run_of_blocks(words: &[u64], start: usize) -> Option<[usize; 2]> {
 }
 
 /// A facet in cells: the rows from `first` to before `last`.
+#[derive(Clone, Copy)]
 pub(super) struct Placed {
     pub(super) polygon: Polygon,
     pub(super) first: usize,
@@ -445,9 +446,10 @@ pub(super) fn placed(
             facet: k,
         });
     }
-    // Stable: facets of one row keep their order.
-    all.sort_by_key(|placed| placed.first);
-    all
+    // Facets of one row keep their order.
+    let mut order: Vec<(usize, usize)> = all.iter().map(|placed| placed.first).zip(0..).collect();
+    order.sort_unstable();
+    order.into_iter().map(|(_, k)| all[k]).collect()
 }
 
 /// The kernels that discs of some radii, px, need, and which each needs.

@@ -8,12 +8,11 @@
 //! with shares D of what goes straight on, N and W of what is turned a little, S of what grooves turn across them, and A the
 //! light of all that is around, of which the coat sends some on and some back.
 
+mod samples;
 mod streak;
 mod turned;
 
-use std::rc::Rc;
-
-use starbreak_deposit::{Coating, Passage};
+use starbreak_deposit::Coating;
 
 use crate::View;
 use crate::environment::{
@@ -21,10 +20,10 @@ use crate::environment::{
 };
 use crate::lens_faults::Optic;
 use crate::maps::Pupil;
-use crate::physical::{Beyond, defocus_rows};
 use crate::pyramid::{Cells, Pyramid, vectorized};
 use crate::vector::dot;
 
+use samples::Samples;
 use streak::Streaks;
 use turned::Turned;
 
@@ -33,10 +32,6 @@ const CELLS_PER_RADIUS: f64 = 1.2;
 
 /// Widest cell of a map, px.
 const WIDEST_PX: f64 = 4.0;
-
-/// A way over the pane on which a coat does not change, mm, and most places of a cell.
-const LONGEST_MM: f64 = 0.7;
-const MOST_PLACES: u32 = 32;
 
 /// What is moved or blurred by more than this, px, is no longer where it was.
 const MOVED_PX: f32 = 0.5;
@@ -73,109 +68,6 @@ struct Sights {
     normal: [f64; 3],
 }
 
-/// How a coat changes where light goes, beside a map of its shares.
-struct Samples {
-    size: (usize, usize),
-    per_cell: u32,
-    passages: Vec<Passage>,
-}
-
-impl Samples {
-    /// What a coat does in each cell of a frame.
-    fn of(coating: &dyn Coating, view: &View, per_cell: u32) -> Self {
-        let (width, height) = view.size();
-        let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
-        let middle = |k: u32| (f64::from(k) + 0.5) * f64::from(per_cell);
-        let middle_px = 0.5 * f64::from(width);
-        let passages = (0..size.1)
-            .flat_map(|y| {
-                let around_mm = footprint(view, [middle_px, middle(y)], per_cell);
-                (0..size.0).map(move |x| ([middle(x), middle(y)], around_mm.clone()))
-            })
-            .map(|(place, around_mm)| match view.unproject(place) {
-                Some([x, y]) => {
-                    let there = |[dx, dy]: &[f64; 2]| coating.passage([x + dx, y + dy]);
-                    let mut passage = match &around_mm[..] {
-                        [one] => there(one),
-                        all => Passage::mean(all.iter().map(there)),
-                    };
-                    if passage.streak > 0.0 {
-                        passage.across = across_in_frame(passage.across, [x, y], view);
-                    }
-                    passage
-                }
-                None => Passage::CLEAN,
-            })
-            .collect();
-        Self {
-            size: (size.0 as usize, size.1 as usize),
-            per_cell,
-            passages,
-        }
-    }
-
-    /// The same where any is above 0.
-    fn map_of_any(&self, pupil: (Pupil, &[f64]), of: impl Fn(&Passage) -> [f64; 3]) -> Option<Map> {
-        let mut passages = self.passages.iter();
-        let has_any = passages.any(|it| of(it).iter().any(|share| *share > 0.0));
-        has_any.then(|| self.map(pupil, of))
-    }
-
-    /// Three numbers of each, spread by the pupil with a radius for each row of cells.
-    fn map(&self, (pupil, radii): (Pupil, &[f64]), of: impl Fn(&Passage) -> [f64; 3]) -> Map {
-        #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
-        let values: Vec<f32> = self
-            .passages
-            .iter()
-            .flat_map(|passage| of(passage).map(|value| value as f32))
-            .collect();
-        let first = &values[..3.min(values.len())];
-        let is_even = values.chunks_exact(3).all(|three| three == first);
-        let spread = if is_even {
-            values
-        } else {
-            defocus_rows::<3>(&values, self.size, pupil, radii, Beyond::Mirrored)
-        };
-        Cells::of_cells(&spread, self.size, self.per_cell)
-    }
-}
-
-/// Places on the pane around that in the middle of a cell of a frame, mm, of which the cell shows the mean: along the longer
-/// way over the pane that it is, where that is long, as of glass seen at a grazing angle.
-fn footprint(view: &View, middle_px: [f64; 2], per_cell: u32) -> Rc<[[f64; 2]]> {
-    let half = 0.5 * f64::from(per_cell);
-    let ways = [[half, 0.0], [0.0, half]].into_iter().filter_map(|[x, y]| {
-        let from = view.unproject(middle_px)?;
-        let to = view.unproject([middle_px[0] + x, middle_px[1] + y])?;
-        Some([2.0 * (to[0] - from[0]), 2.0 * (to[1] - from[1])])
-    });
-    let length = |[x, y]: &[f64; 2]| libm::hypot(*x, *y);
-    let Some(way) = ways.max_by(|one, other| length(one).total_cmp(&length(other))) else {
-        return Rc::new([[0.0; 2]]);
-    };
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "some places"
-    )]
-    let n = ((length(&way) / LONGEST_MM).ceil() as u32).clamp(1, MOST_PLACES);
-    (0..n)
-        .map(|k| (f64::from(k) + 0.5) / f64::from(n) - 0.5)
-        .map(|part| way.map(|mm| part * mm))
-        .collect()
-}
-
-/// Direction across a groove in the frame, by that on the pane.
-fn across_in_frame([x, y]: [f64; 2], at_mm: [f64; 2], view: &View) -> [f64; 2] {
-    let Some([[a, b], [c, d]]) = view.jacobian(at_mm) else {
-        return [x, y];
-    };
-    // The groove itself is moved to the frame, and light turned across it there.
-    let (along_x, along_y) = (-a * y + b * x, -c * y + d * x);
-    let length = libm::hypot(along_x, along_y).max(f64::MIN_POSITIVE);
-    [along_y / length, -along_x / length]
-}
-
 impl Screen {
     /// Of a coat on the pane that a view sees through a lens.
     #[must_use]
@@ -191,7 +83,7 @@ impl Screen {
             reason = "some px"
         )]
         let per_cell = (middle_px / CELLS_PER_RADIUS).clamp(1.0, WIDEST_PX) as u32;
-        let samples = Samples::of(coating, view, per_cell);
+        let samples = Samples::of(coating, (view, optic.f_px), per_cell);
         let radii: Vec<f64> = (0_u32..)
             .take(samples.size.1)
             .map(|y| {
@@ -203,16 +95,13 @@ impl Screen {
             })
             .collect();
         let pupil = (Pupil::of(&optic.lens), radii.as_slice());
-        #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
-        let n = samples.passages.len().max(1) as f64;
-        let covered = samples.passages.iter().map(|it| it.covered).sum::<f64>() / n;
         let [narrow_rad, wide_rad] = coating.turns_by_rad();
         let (width, height) = view.size();
         #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
         let wide_rgb = coating.wide_rgb().map(|color| color as f32);
-        let direct = samples.map(pupil, |it| it.direct);
-        let turned = samples.map(pupil, |it| [it.narrow, it.wide, it.streak]);
-        let moved = Turned::of(&samples, pupil, optic.f_px);
+        let direct = samples.map(pupil, &samples.direct);
+        let turned = samples.map(pupil, &samples.turned);
+        let moved = Turned::of(&samples, pupil);
         let is_whole = |it: &Rgb| it.iter().all(|share| *share >= 1.0);
         Self {
             size: (width as usize, height as usize),
@@ -221,13 +110,13 @@ impl Screen {
             direct,
             turned,
             moved,
-            diffuse: samples.map_of_any(pupil, |it| it.diffuse),
-            back: samples.map_of_any(pupil, |it| it.back),
+            diffuse: samples.map_of_any(pupil, &samples.diffuse),
+            back: samples.map_of_any(pupil, &samples.back),
             streaks: Streaks::of(&samples, optic.f_px),
             spreads_px: [narrow_rad, wide_rad].map(|rad| rad * optic.f_px),
             wide_rad,
             wide_rgb,
-            covered,
+            covered: samples.covered,
             sights: Sights {
                 f_px: optic.f_px,
                 normal: view.outer_normal(),

@@ -3,7 +3,7 @@
 use starbreak_deposit::Scratches;
 use wide::f32x4;
 
-use super::Samples;
+use super::samples::Samples;
 use crate::pyramid::{Cells, Pyramid, between, mirrored, vectorized};
 
 /// Width of the cells in which streaks of lamps are, px: grooves of a pupil have more than one direction.
@@ -45,13 +45,9 @@ struct Piece {
 impl Streaks {
     /// Of what a coat does; none where it has no grooves.
     pub(super) fn of(samples: &Samples, f_px: f64) -> Option<Self> {
-        if samples.passages.iter().all(|it| it.streak <= 0.0) {
+        if !samples.has_grooves {
             return None;
         }
-        #[expect(clippy::cast_possible_truncation, reason = "a direction")]
-        let across = (samples.passages.iter())
-            .map(|it| it.across.map(|along| along as f32))
-            .collect();
         // The share within an angle, of k ∝ 1/(θ₀² + θ²).
         let whole = libm::atan(Scratches::MOST_ACROSS_RAD / Scratches::ACROSS_RAD);
         let within = |px: f64| {
@@ -62,7 +58,7 @@ impl Streaks {
         let most = 2.0 * to_f64(samples.size.0.max(samples.size.1)) * f64::from(samples.per_cell);
         let reach_px = (libm::tan(Scratches::MOST_ACROSS_RAD) * f_px).min(most);
         Some(Self {
-            across,
+            across: samples.across.clone(),
             columns: samples.size.0,
             per_cell: samples.per_cell,
             pieces: pieces(reach_px, within),

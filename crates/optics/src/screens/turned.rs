@@ -1,8 +1,6 @@
 //! Glass that is not even: what is seen through it is moved, and blurred where the pupil sees several slopes.
 
-use starbreak_deposit::Passage;
-
-use super::Samples;
+use super::samples::Samples;
 use crate::maps::Pupil;
 use crate::pyramid::{Cells, Pyramid, vectorized};
 
@@ -18,15 +16,8 @@ pub(super) struct Turned {
 
 impl Turned {
     /// Of what a coat does; none where nothing is turned.
-    pub(super) fn of(samples: &Samples, pupil: (Pupil, &[f64]), f_px: f64) -> Option<Self> {
-        let is_even = |it: &Passage| it.turned_rad.iter().all(|rad| rad.abs() <= 0.0);
-        if samples.passages.iter().all(is_even) {
-            return None;
-        }
-        let mean = samples.map(pupil, |it| {
-            let [x, y] = it.turned_rad.map(|rad| rad * f_px);
-            [x, y, x * x + y * y]
-        });
+    pub(super) fn of(samples: &Samples, pupil: (Pupil, &[f64])) -> Option<Self> {
+        let mean = samples.map_of_any(pupil, &samples.moved)?;
         // Of what the pupil sees the mean is moved, and the rest of the squares is blur.
         let values: Vec<f32> = mean
             .values()

@@ -107,6 +107,17 @@ struct Drop<'a> {
     /// Where the ray of sight to its middle enters the pane, mm, and how this moves across it, mm per mm.
     enters_mm: [f64; 2],
     moves: [[f64; 2]; 2],
+    /// Radius of its sphere, and the middle of that, mm.
+    sphere_mm: f64,
+    center_mm: Vector,
+}
+
+/// What is the same for all light that is seen along a direction of sight before the glass.
+struct Sight {
+    /// Of light from outside, what bare glass would not show besides, and what passes from glass to water.
+    passes: [f64; 2],
+    /// Share of the cabin's upper end in what the face towards the camera mirrors.
+    high: f64,
 }
 
 impl<'a> Drop<'a> {
@@ -118,10 +129,14 @@ impl<'a> Drop<'a> {
         };
         let enters_mm = enters(0.0, 0.0)?;
         let by = |other: [f64; 2]| [0, 1].map(|k| (other[k] - enters_mm[k]) / cap.radius_mm);
+        let sphere_mm = cap.sphere_mm();
+        let [x, y] = cap.at_mm;
         Some(Self {
             cap,
             from,
             enters_mm,
+            sphere_mm,
+            center_mm: [x, y, -sphere_mm * libm::cos(cap.contact_rad)],
             moves: [
                 by(enters(cap.radius_mm, 0.0)?),
                 by(enters(0.0, cap.radius_mm)?),
@@ -209,12 +224,8 @@ impl<'a> Drop<'a> {
     fn seen(&self, at_mm: [f64; 2], sight: Vector) -> Sent {
         let [x, y] = [sight[0] / WATER, sight[1] / WATER];
         let mut ray = [x, y, (1.0 - x * x - y * y).sqrt()];
-        let sphere = self.cap.sphere_mm();
-        let center = [
-            self.cap.at_mm[0],
-            self.cap.at_mm[1],
-            -sphere * libm::cos(self.cap.contact_rad),
-        ];
+        let (sphere, center) = (self.sphere_mm, self.center_mm);
+        let sight = self.sight(sight);
         let mut at = [at_mm[0], at_mm[1], 0.0];
         let mut share = 1.0;
         let mut sent = Sent::default();
@@ -232,7 +243,7 @@ impl<'a> Drop<'a> {
                 f64::INFINITY
             };
             if to_glass < to_sphere {
-                self.enters_cabin(&mut sent, sight, ray, share);
+                self.enters_cabin(&mut sent, &sight, ray, share);
                 return sent;
             }
             at = std::array::from_fn(|k| at[k] + to_sphere * ray[k]);
@@ -243,7 +254,7 @@ impl<'a> Drop<'a> {
                 let cos_out = (1.0 - WATER * WATER * (1.0 - cos * cos)).max(0.0).sqrt();
                 let leaves =
                     std::array::from_fn(|k| WATER * ray[k] + (cos_out - WATER * cos) * normal[k]);
-                self.leaves(&mut sent, sight, leaves, share * (1.0 - mirrored));
+                self.leaves(&mut sent, &sight, leaves, share * (1.0 - mirrored));
             }
             share *= mirrored;
             if share < 1e-3 {
@@ -255,25 +266,34 @@ impl<'a> Drop<'a> {
         sent
     }
 
+    fn sight(&self, [x, y, z]: Vector) -> Sight {
+        let n = self.from.sheet.index;
+        let in_glass = (1.0 - (1.0 - z * z) / (n * n)).sqrt();
+        Sight {
+            passes: [
+                1.0 + reflectance(z, n),
+                1.0 - reflectance(in_glass, WATER / n),
+            ],
+            high: self.from.high([x, y, -z]),
+        }
+    }
+
     /// Light from outside, seen along a direction in the air. Bare glass has taken its outer face's share of what an image
     /// shows, and given the cabin's light for it.
-    fn leaves(&self, sent: &mut Sent, sight: Vector, direction: Vector, share: f64) {
+    fn leaves(&self, sent: &mut Sent, sight: &Sight, direction: Vector, share: f64) {
         if direction[2] <= 0.0 {
             // Through the glass beside the drop.
             self.from.cabin(sent, direction, share);
         } else {
-            let n = self.from.sheet.index;
-            let in_glass = (1.0 - (1.0 - sight[2] * sight[2]) / (n * n)).sqrt();
-            let seen =
-                share * (1.0 + reflectance(sight[2], n)) * (1.0 - reflectance(in_glass, WATER / n));
+            let seen = share * sight.passes[0] * sight.passes[1];
             let direction = self.from.sheet.camera_from_sheet(direction);
             self.from.seen(sent, direction, seen);
-            self.from.mirrored_cabin(sent, sight, share - seen);
+            sent.add_cabin(sight.high, share - seen);
         }
     }
 
     /// Light that comes through the glass, seen along a direction in the water.
-    fn enters_cabin(&self, sent: &mut Sent, sight: Vector, [x, y, _]: Vector, share: f64) {
+    fn enters_cabin(&self, sent: &mut Sent, sight: &Sight, [x, y, _]: Vector, share: f64) {
         let [x, y] = [WATER * x, WATER * y];
         let square = x * x + y * y;
         if square >= 1.0 {

@@ -82,6 +82,13 @@ impl Sent {
         }
     }
 
+    /// Adds the cabin's light, with a share of it that is that of its upper end.
+    pub(super) fn add_cabin(&mut self, high: f64, share: f64) {
+        let high = high * share;
+        self.lanes[CABIN_HIGH] += high;
+        self.lanes[CABIN_LOW] += share - high;
+    }
+
     pub(super) fn scaled(&self, by: f64) -> Self {
         Self {
             lanes: self.lanes.map(|lane| by * lane),
@@ -237,12 +244,13 @@ impl LightFrom<'_> {
 
     /// Adds the cabin's light from a direction, in the sheet's coordinates.
     pub(super) fn cabin(&self, sent: &mut Sent, direction: Vector, share: f64) {
-        let sine = self
-            .horizon
-            .sin_elevation(self.sheet.camera_from_sheet(direction));
-        let high = 0.5 * (1.0 + sine) * share;
-        sent.lanes[CABIN_HIGH] += high;
-        sent.lanes[CABIN_LOW] += share - high;
+        sent.add_cabin(self.high(direction), share);
+    }
+
+    /// How much of the cabin's light from a direction, in the sheet's coordinates, is that of its upper end.
+    pub(super) fn high(&self, direction: Vector) -> f64 {
+        let direction = self.sheet.camera_from_sheet(direction);
+        0.5 * (1.0 + self.horizon.sin_elevation(direction))
     }
 
     /// Adds the cabin's light as the face towards the camera mirrors it.
