@@ -264,11 +264,11 @@ impl<'a> Drop<'a> {
         } else {
             let n = self.from.sheet.index;
             let in_glass = (1.0 - (1.0 - sight[2] * sight[2]) / (n * n)).sqrt();
-            let seen =
-                share * (1.0 + reflectance(sight[2], n)) * (1.0 - reflectance(in_glass, WATER / n));
+            let before = self.from.before(sight);
+            let seen = share * (1.0 + before.reflects) * (1.0 - reflectance(in_glass, WATER / n));
             let direction = self.from.sheet.camera_from_sheet(direction);
             self.from.seen(sent, direction, seen);
-            self.from.mirrored_cabin(sent, sight, share - seen);
+            before.mirror_cabin(sent, share - seen);
         }
     }
 
