@@ -41,9 +41,8 @@ struct Incidence {
 
 impl Incidence {
     fn new(cos_in_glass: f64, n: f64) -> Self {
-        let cos = cos_in_glass.abs().clamp(1e-9, 1.0);
-        let n2 = n * n;
-        let cos2_air = 1.0 - n2 * (1.0 - cos * cos);
+        let (cos, n2) = (clamped(cos_in_glass), n * n);
+        let cos2_air = cos2_air(cos_in_glass, n);
         let factor = |a2: f64, b2: f64, g: f64| (a2 - b2) * (a2 - b2) / (4.0 * a2 * g);
         Self {
             cos2_air,
@@ -68,6 +67,16 @@ impl Incidence {
         let [across, within] = self.factors.map(|f| 1.0 / (1.0 + 1.0 / (f * s * s)));
         0.5 * (across + within)
     }
+}
+
+fn clamped(cos_in_glass: f64) -> f64 {
+    cos_in_glass.abs().clamp(1e-9, 1.0)
+}
+
+/// cos² θ_t in the air; negative above the critical angle.
+fn cos2_air(cos_in_glass: f64, n: f64) -> f64 {
+    let cos = clamped(cos_in_glass);
+    1.0 - n * n * (1.0 - cos * cos)
 }
 
 /// sinh x of x from 0 to 40; relative error below 10⁻¹⁰.
@@ -170,13 +179,15 @@ impl GapTable {
         if gap_um <= 0.0 {
             return [0.0; 3];
         }
-        let incidence = Incidence::new(cos_in_glass, self.n);
-        let path_um = gap_um * incidence.cos2_air.abs().sqrt();
+        let cos2_air = cos2_air(cos_in_glass, self.n);
+        let cos_air = cos2_air.abs().sqrt();
+        let path_um = gap_um * cos_air;
         let phase = 2.0 * PI / MIDDLE_UM * path_um;
-        let rgb = if incidence.cos2_air <= 0.0 && phase > 16.0 {
+        let rgb = if cos2_air <= 0.0 && phase > 16.0 {
             // e^(−2·16·0.7) of the longest wavelength: nothing crosses.
             return [1.0; 3];
-        } else if incidence.cos2_air <= 0.0 || phase < RESONANCE_PHASE {
+        } else if cos2_air <= 0.0 || phase < RESONANCE_PHASE {
+            let incidence = Incidence::new(cos_in_glass, self.n);
             let mut sum = [0.0; 3];
             for (k, weights) in &self.coarse {
                 let r = incidence.reflectance(k * gap_um);
@@ -186,7 +197,7 @@ impl GapTable {
             }
             sum
         } else {
-            self.airy(cos_in_glass.abs(), incidence.cos2_air.sqrt(), path_um)
+            self.airy(cos_in_glass.abs(), cos_air, path_um)
         };
         rgb.map(|r| r.clamp(0.0, 1.0))
     }

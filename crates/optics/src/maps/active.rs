@@ -1,8 +1,9 @@
 //! Facets that reach the present rows, and how much of their cells they cover.
 
 use super::cells::Row;
-use super::layer::{Facet, Layer, Placed, add_scaled};
+use super::layer::{Facet, Layer, add_scaled};
 use super::level::Level;
+use super::placed::Placed;
 use super::raster::{Edge, cover_row};
 
 /// Cells covered by less are not covered.
@@ -42,17 +43,14 @@ impl Coverage {
             if facet.last <= row {
                 continue;
             }
-            let mut first = None;
-            cover_row(&facet.edges, row, &mut self.scratch, |column, area| {
-                first.get_or_insert(column);
-                self.areas.push(area);
-                let share = &mut self.shares[column];
-                *share += area * facet.weight;
-                self.is_over |= *share > 1.0;
-            });
-            if let Some(first) = first {
+            cover_row(&facet.edges, row, &mut self.scratch, |first, areas| {
+                self.areas.extend_from_slice(areas);
                 self.runs.push((k, first, self.areas.len()));
-            }
+                for (share, area) in self.shares[first..].iter_mut().zip(areas) {
+                    *share += area * facet.weight;
+                    self.is_over |= *share > 1.0;
+                }
+            });
         }
     }
 
@@ -112,7 +110,7 @@ pub(super) struct Active<const L: usize> {
 
 impl<const L: usize> Active<L> {
     pub(super) fn new(
-        placed: Placed,
+        placed: &Placed,
         facet: &Facet<L>,
         kernel: u32,
         layer: &Layer<L>,

@@ -30,7 +30,7 @@ impl<const L: usize> Emitter<L> {
             row: vec![[0.0; L]; columns],
             span: [0, 0],
             earlier: [0; 3].map(|_| Earlier {
-                cells: vec![[0.0; L]; columns],
+                cells: vec![[0.0; L]; if level < 0 { columns } else { 0 }],
                 span: [0, 0],
             }),
             blended: Vec::new(),

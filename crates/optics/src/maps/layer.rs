@@ -16,7 +16,7 @@ use super::emit::Emitter;
 use super::kernel::{Kernel, Pupil};
 use super::lane_runs::{CHUNK, LaneRuns};
 use super::level::{Level, MOST_RADIUS_PX};
-use super::raster::Polygon;
+use super::placed::{columns_of, placed};
 
 /// A flat piece of something, as it lies in the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,9 +148,12 @@ pub(super) struct Layer<const L: usize> {
     /// Kernel of each facet, then of each thing that is drawn.
     kernel_of: Vec<u32>,
     /// Steps of the rows that discs now reach, a power of two of them, each with room on both
-    /// sides for discs that reach out of the margin.
+    /// sides for discs that reach out of the margin; of `stride` columns from that of `offset` on,
+    /// as far as there is something.
     ring: Vec<[f32; L]>,
     ring_mask: usize,
+    stride: usize,
+    offset: usize,
     /// Which blocks of each row of the ring are touched, and how many words hold those of a row.
     touched: Vec<u64>,
     n_words: usize,
@@ -186,7 +189,18 @@ impl<const L: usize> Layer<L> {
         };
         let (columns, rows) = (cells(width) + 2 * margin, cells(height) + 2 * margin);
         let ring_rows = (2 * reach + 1).next_power_of_two();
-        let n_words = (columns + 2 * reach).div_ceil(64 * BLOCK);
+        // Whole blocks, so that it does not show where they begin.
+        let [first, end] = if drawn.is_empty() {
+            columns_of(facets, scale, (margin, columns))
+        } else {
+            [0, columns]
+        };
+        let offset = first / BLOCK * BLOCK;
+        let stride = (end + 2 * reach)
+            .next_multiple_of(BLOCK)
+            .min(columns + 2 * reach)
+            - offset;
+        let n_words = stride.div_ceil(64 * BLOCK);
         Self {
             level,
             n_shares,
@@ -196,8 +210,10 @@ impl<const L: usize> Layer<L> {
             rows,
             kernels,
             kernel_of,
-            ring: vec![[0.0; L]; ring_rows * (columns + 2 * reach)],
+            ring: vec![[0.0; L]; ring_rows * stride],
             ring_mask: ring_rows - 1,
+            stride,
+            offset,
             touched: vec![0; ring_rows * n_words],
             n_words,
             scattered: vec![0; n_words],
@@ -210,14 +226,13 @@ impl<const L: usize> Layer<L> {
     fn run(mut self, (facets, drawn): &Things<'_, L>, frame: &mut LaneRuns<L>) {
         let per_cell = if self.level.is_halved { 2 } else { 1 };
         let fine_rows = self.rows * per_cell;
-        let mut waiting = placed(
+        let waiting = placed(
             facets.iter().map(|facet| facet.corners),
             self.scale * if self.level.is_halved { 2.0 } else { 1.0 },
             self.margin * per_cell,
             (self.columns * per_cell, fine_rows),
-        )
-        .into_iter()
-        .peekable();
+        );
+        let mut waiting = waiting.iter().peekable();
         let kernels = self.kernel_of[facets.len()..].iter().copied();
         let mut drawing = Drawing::new(drawn.iter().copied().zip(kernels));
         let mut active: Vec<Active<L>> = Vec::new();
@@ -290,16 +305,15 @@ impl<const L: usize> Layer<L> {
     /// `reach` before those of the cells.
     #[inline(always)]
     fn scatter(&mut self, row: usize, cells: &mut Row<L>) {
-        let stride = self.columns + 2 * self.reach;
         let mut touched = std::mem::take(&mut self.scattered);
         let (mut next, mut lanes) = (0, std::mem::take(&mut self.run_lanes));
         while let Some((column, kernel)) = cells.take_run(next, &mut lanes) {
             next += lanes.len();
-            let (left, row) = (column + self.reach, row + self.reach);
+            let (left, row) = (column + self.reach - self.offset, row + self.reach);
             let kernel = &self.kernels[kernel as usize];
             for stretch in kernel.stretches() {
                 let slot = row.wrapping_add_signed(stretch.dy as isize) & self.ring_mask;
-                let line = slot * stride + left;
+                let line = slot * self.stride + left;
                 for end in &stretch.ends {
                     let at = line.wrapping_add_signed(end.dx as isize);
                     if let Some(steps) = self.ring.get_mut(at..=at + lanes.len()) {
@@ -333,7 +347,7 @@ impl<const L: usize> Layer<L> {
     #[inline(always)]
     fn finish_row(&mut self, ring_row: usize, emitter: &mut Emitter<L>, frame: &mut LaneRuns<L>) {
         let slot = ring_row & self.ring_mask;
-        let stride = self.columns + 2 * self.reach;
+        let (stride, offset) = (self.stride, self.offset);
         emitter.begin_row();
         let line = &mut self.ring[slot * stride..][..stride];
         let words = &mut self.touched[slot * self.n_words..][..self.n_words];
@@ -343,8 +357,10 @@ impl<const L: usize> Layer<L> {
             next = end;
             let [first, end] = [first * BLOCK, (end * BLOCK).min(stride)];
             // The columns of cells among them.
-            let within = [first, end].map(|at| at.clamp(self.reach, self.reach + self.columns));
+            let within =
+                [first, end].map(|at| (at + offset).clamp(self.reach, self.reach + self.columns));
             let cells = within.map(|at| at - self.reach);
+            let within = within.map(|at| at - offset);
             let mut sum = [0.0_f32; L];
             for step in &line[first..within[0]] {
                 sum = add_arrays(sum, *step);
@@ -369,15 +385,17 @@ impl<const L: usize> Layer<L> {
 /// has its first.
 #[inline(always)]
 fn add_run<const L: usize>(to: &mut [[f32; L]], [one, two]: [f32; 2], cells: &[[f32; L]]) {
-    let mut before = [0.0; L];
-    let Some((last, to)) = to.split_last_mut() else {
+    let ([first, between @ .., last], Some(first_cell), Some(last_cell)) =
+        (to, cells.first(), cells.last())
+    else {
         return;
     };
-    for (step, cell) in to.iter_mut().zip(cells) {
-        *step = add_scaled(add_scaled(*step, two, before), one, *cell);
-        before = *cell;
+    // A sum that began with 0 is never −0, so that there is nothing to add of no cell.
+    *first = add_scaled(*first, one, *first_cell);
+    for (step, beside) in between.iter_mut().zip(cells.windows(2)) {
+        *step = add_scaled(add_scaled(*step, two, beside[0]), one, beside[1]);
     }
-    *last = add_scaled(*last, two, before);
+    *last = add_scaled(*last, two, *last_cell);
 }
 
 /// The next blocks from `start` on of which the bits are set: the first of them and the one after
@@ -404,71 +422,24 @@ fn run_of_blocks(words: &[u64], start: usize) -> Option<[usize; 2]> {
     (first < n).then(|| [first, next(first, false)])
 }
 
-/// A facet in cells: the rows from `first` to before `last`.
-#[derive(Clone, Copy)]
-pub(super) struct Placed {
-    pub(super) polygon: Polygon,
-    pub(super) first: usize,
-    pub(super) last: usize,
-    facet: usize,
-}
-
-/// The facets that reach the grid, by the rows in which they begin.
-#[expect(clippy::cast_precision_loss, reason = "cells of a grid")]
-pub(super) fn placed(
-    outlines: impl ExactSizeIterator<Item = [[f64; 2]; 4]>,
-    scale: f64,
-    margin: usize,
-    (columns, rows): (usize, usize),
-) -> Vec<Placed> {
-    let mut all: Vec<Placed> = Vec::with_capacity(outlines.len());
-    for (k, corners) in outlines.enumerate() {
-        let corners =
-            corners.map(|corner| corner.map(|coordinate| coordinate * scale + margin as f64));
-        let polygon = Polygon::new(&corners).within(columns as f64);
-        let [top, bottom] = polygon.span(1);
-        if !(top < rows as f64 && bottom > 0.0) {
-            continue;
-        }
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "rows of the grid"
-        )]
-        let (first, last) = (
-            top.max(0.0) as usize,
-            bottom.min(rows as f64).ceil() as usize,
-        );
-        all.push(Placed {
-            polygon,
-            first,
-            last,
-            facet: k,
-        });
-    }
-    // Facets of one row keep their order.
-    let mut order: Vec<(usize, usize)> = all.iter().map(|placed| placed.first).zip(0..).collect();
-    order.sort_unstable();
-    order.into_iter().map(|(_, k)| all[k]).collect()
-}
-
 /// The kernels that discs of some radii, px, need, and which each needs.
 fn kernels_of(
     scale: f64,
     radii: impl Iterator<Item = f64>,
     pupil: Pupil,
 ) -> (Vec<Kernel>, Vec<u32>) {
+    let ratio = libm::log(RADIUS_RATIO);
     let mut kernels = Vec::new();
     let mut known: BTreeMap<i32, u32> = BTreeMap::new();
     let kernel_of = radii
         .map(|radius_px| {
             let radius = radius_px.clamp(-MOST_RADIUS_PX, MOST_RADIUS_PX) * scale;
             #[expect(clippy::cast_possible_truncation, reason = "logarithms")]
-            let key = (libm::log(radius.abs().max(1e-3)) / libm::log(RADIUS_RATIO)).round() as i32;
+            let key = (libm::log(radius.abs().max(1e-3)) / ratio).round() as i32;
             *known
                 .entry(2 * key + i32::from(radius < 0.0))
                 .or_insert_with(|| {
-                    let rounded = libm::exp(f64::from(key) * libm::log(RADIUS_RATIO));
+                    let rounded = libm::exp(f64::from(key) * ratio);
                     kernels.push(Kernel::new(pupil, rounded.copysign(radius)));
                     #[expect(clippy::cast_possible_truncation, reason = "some hundreds")]
                     let place = (kernels.len() - 1) as u32;

@@ -13,6 +13,7 @@ mod kernel;
 mod lane_runs;
 mod layer;
 mod level;
+mod placed;
 mod raster;
 mod sharp;
 

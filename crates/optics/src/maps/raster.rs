@@ -104,16 +104,16 @@ pub(crate) struct Edge {
     slope: f64,
 }
 
-/// Calls `cover(cell, area)` for the cells of a row from the first to the last that a simple
-/// polygon of these edges covers; `area` is the exact common area. `scratch` holds zeros, at least
-/// two more than the row has cells, and does so again afterwards.
+/// Calls `cover(cell, areas)` once for the cells of a row from the first to the last that a simple
+/// polygon of these edges covers, if any; areas are the exact common ones. `scratch` holds zeros,
+/// at least two more than the row has cells, and does so again afterwards.
 ///
 /// Signed areas under the edges, summed along the row, as in font rendering.
 pub(crate) fn cover_row(
     edges: &[Edge],
     row: usize,
     scratch: &mut [f32],
-    mut cover: impl FnMut(usize, f32),
+    cover: impl FnOnce(usize, &[f32]),
 ) {
     #[expect(clippy::cast_precision_loss, reason = "row numbers")]
     let top = row as f64;
@@ -130,12 +130,14 @@ pub(crate) fn cover_row(
     if first > last {
         return;
     }
-    let mut sum = 0.0;
-    for (k, step) in scratch[first..=last].iter_mut().enumerate() {
-        sum += *step;
-        *step = 0.0;
-        cover(first + k, sum.abs().min(1.0));
+    let cells = &mut scratch[first..=last];
+    let mut sum = 0.0_f32;
+    for cell in &mut *cells {
+        sum += *cell;
+        *cell = sum.abs().min(1.0);
     }
+    cover(first, cells);
+    cells.fill(0.0);
 }
 
 impl Edge {
@@ -204,9 +206,10 @@ mod tests {
         let mut cells = vec![0.0; width * height];
         let edges: Vec<Edge> = polygon.edges().collect();
         for y in 0..height {
-            cover_row(&edges, y, &mut scratch, |x, area| {
-                if x < width {
-                    cells[y * width + x] += area;
+            cover_row(&edges, y, &mut scratch, |first, areas| {
+                let row = &mut cells[y * width..(y + 1) * width];
+                for (cell, area) in row.iter_mut().skip(first).zip(areas) {
+                    *cell += area;
                 }
             });
             assert!(

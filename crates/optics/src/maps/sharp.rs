@@ -1,6 +1,6 @@
 //! Facets in focus: coverage of the pixels themselves.
 
-use super::layer::placed;
+use super::placed::placed;
 use super::raster::{Edge, cover_row};
 
 /// Calls `row(y, x, shares)` for each row that the outlines of convex facets cover, with the part
@@ -10,9 +10,8 @@ pub(crate) fn cover(
     (width, height): (usize, usize),
     mut row: impl FnMut(usize, usize, &[f32]),
 ) {
-    let mut waiting = placed(outlines.iter().copied(), 1.0, 0, (width, height))
-        .into_iter()
-        .peekable();
+    let waiting = placed(outlines.iter().copied(), 1.0, 0, (width, height));
+    let mut waiting = waiting.iter().peekable();
     // The row after the last one of a facet, and its sides.
     let mut active: Vec<(usize, Vec<Edge>)> = Vec::new();
     let mut scratch = vec![0.0; width + 3];
@@ -24,11 +23,13 @@ pub(crate) fn cover(
         active.retain(|(last, _)| *last > y);
         let [mut first, mut end] = [width, 0];
         for (_, edges) in &active {
-            cover_row(edges, y, &mut scratch, |x, area| {
-                if let Some(share) = shares.get_mut(x) {
+            cover_row(edges, y, &mut scratch, |x, areas| {
+                for (share, area) in shares.iter_mut().skip(x).zip(areas) {
                     *share += area;
+                }
+                if x < width {
                     first = first.min(x);
-                    end = end.max(x + 1);
+                    end = end.max((x + areas.len()).min(width));
                 }
             });
         }

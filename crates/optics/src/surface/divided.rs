@@ -3,9 +3,10 @@
 use starbreak_glass::Face;
 
 use super::SheetView;
-use super::chains::distance;
+use super::chains::{End, distance};
 use super::cracks::{Facets, Look, RunSurface, normal_of};
 use super::lobe::{LightFrom, Mirror, Sent};
+use super::runs::Run;
 use super::strip::Strip;
 use super::walk::Among;
 use crate::vector::Vector;
@@ -38,6 +39,35 @@ struct Cell {
     visible: f64,
     /// What it shows that the whole does not.
     own: Option<Sent>,
+}
+
+/// Corners of the cells of a column, each of which up to four of them share.
+struct Corners {
+    /// The run where the column begins and ends.
+    ends: [End; 2],
+    /// Places there, as far as they were asked for.
+    places: [Vec<Option<Vector>>; 2],
+}
+
+impl Corners {
+    fn of(run: &Run, n_across: f64) -> Self {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some thousand cells"
+        )]
+        let n = n_across as usize + 1;
+        Self {
+            ends: [run.first(), run.last()],
+            places: [vec![None; n], vec![None; n]],
+        }
+    }
+
+    /// To the next column, which begins where this one ends.
+    fn go_on(&mut self) {
+        self.places.swap(0, 1);
+        self.places[1].fill(None);
+    }
 }
 
 impl Cell {
@@ -89,20 +119,24 @@ impl<'a> Divided<'a> {
         // Where columns that show what the whole does began, and what that is.
         let mut plain: Option<(f64, usize)> = None;
         let mut column = Vec::new();
+        let mut corners = Corners::of(run, n_across);
         let mut i = 0.0;
         while i <= n_along {
             let group = run.group_at((i + 0.5) / n_along);
             let is_last = i >= n_along;
             column.clear();
             if !is_last && let Some(look) = &looks[group] {
-                let along = [i / n_along, (i + 1.0) / n_along];
+                corners.ends = [i, i + 1.0].map(|i| self.end_at(i / n_along));
+                let middle = self.end_at(0.5 * (i / n_along + (i + 1.0) / n_along));
                 let mut j = 0.0;
                 while j < n_across {
                     let across = [j / n_across, (j + 1.0) / n_across];
-                    column.push(self.cell(from, look, [along, across]));
+                    let row = column.len();
+                    column.push(self.cell(from, look, (&middle, across), (&mut corners, row)));
                     j += 1.0;
                 }
             }
+            corners.go_on();
             let is_plain = !is_last && column.iter().all(Cell::is_plain);
             if let Some((first, of)) = plain
                 && (!is_plain || of != group)
@@ -137,17 +171,28 @@ impl<'a> Divided<'a> {
         Some(())
     }
 
-    /// The cell between two fractions of the run along it, and two across it.
-    fn cell(&self, from: &LightFrom<'_>, look: &Look, [along, across]: [[f64; 2]; 2]) -> Cell {
-        let RunSurface { chain, run, .. } = self.surface;
-        let middle = |[low, high]: [f64; 2]| 0.5 * (low + high);
+    /// The run at a fraction of it.
+    fn end_at(&self, along: f64) -> End {
+        let run = self.surface.run;
+        run.first().to(&run.last(), along)
+    }
+
+    /// The cell about the middle of its column, between two fractions of the run across it, and its
+    /// place among those of the column.
+    fn cell(
+        &self,
+        from: &LightFrom<'_>,
+        look: &Look,
+        (middle, across): (&End, [f64; 2]),
+        (corners, row): (&mut Corners, usize),
+    ) -> Cell {
+        let chain = self.surface.chain;
         let from_face = |across: f64| match chain.face {
             Face::Outer => across,
             Face::Inner => 1.0 - across,
         };
-        let (first, last) = (run.first(), run.last());
-        let place = |along, across| chain.place(&first.to(&last, along), from_face(across));
-        let at = place(middle(along), middle(across));
+        let half_way = from_face(0.5 * (across[0] + across[1]));
+        let at = chain.place(middle, half_way);
         let visible =
             (self.among.walls).passes(&self.among.near, at, look.inside, |cos, gap_um| {
                 from.mean_reflectance(cos, gap_um)
@@ -158,12 +203,16 @@ impl<'a> Divided<'a> {
             return cell;
         }
         let mut mirror = Mirror {
-            gap_um: look.mirror.gap_um * chain.closes(from_face(middle(across))),
+            gap_um: look.mirror.gap_um * chain.closes(half_way),
             ..look.mirror
         };
         let has_relief = self.has_relief && chain.has_relief(mirror.alpha);
         if has_relief {
-            let corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[i, j]| place(along[i], across[j]));
+            let corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[i, j]| {
+                let end = &corners.ends[i];
+                *corners.places[i][row + j]
+                    .get_or_insert_with(|| chain.place(end, from_face(across[j])))
+            });
             mirror.normal = normal_of(&corners).unwrap_or(mirror.normal);
         }
         cell.own = (from.mirror_among(&mirror, (at, &self.among)))

@@ -6,7 +6,7 @@ use std::ops::Range;
 use starbreak_deposit::Cap;
 
 use super::cracks::Facets;
-use super::lobe::{HELD, LANES, LightFrom, Sent};
+use super::lobe::{Before, HELD, LANES, LightFrom, Sent};
 use crate::interface::fresnel::reflectance;
 use crate::maps::{Drawn, cells_per_px};
 use crate::vector::{Vector, dot};
@@ -114,10 +114,10 @@ struct Drop<'a> {
 
 /// What is the same for all light that is seen along a direction of sight before the glass.
 struct Sight {
-    /// Of light from outside, what bare glass would not show besides, and what passes from glass to water.
-    passes: [f64; 2],
-    /// Share of the cabin's upper end in what the face towards the camera mirrors.
-    high: f64,
+    /// The face towards the camera.
+    before: Before,
+    /// What passes from glass to water.
+    passes: f64,
 }
 
 impl<'a> Drop<'a> {
@@ -266,15 +266,12 @@ impl<'a> Drop<'a> {
         sent
     }
 
-    fn sight(&self, [x, y, z]: Vector) -> Sight {
+    fn sight(&self, sight: Vector) -> Sight {
         let n = self.from.sheet.index;
-        let in_glass = (1.0 - (1.0 - z * z) / (n * n)).sqrt();
+        let in_glass = (1.0 - (1.0 - sight[2] * sight[2]) / (n * n)).sqrt();
         Sight {
-            passes: [
-                1.0 + reflectance(z, n),
-                1.0 - reflectance(in_glass, WATER / n),
-            ],
-            high: self.from.high([x, y, -z]),
+            before: self.from.before(sight),
+            passes: 1.0 - reflectance(in_glass, WATER / n),
         }
     }
 
@@ -285,10 +282,10 @@ impl<'a> Drop<'a> {
             // Through the glass beside the drop.
             self.from.cabin(sent, direction, share);
         } else {
-            let seen = share * sight.passes[0] * sight.passes[1];
+            let seen = share * (1.0 + sight.before.reflects) * sight.passes;
             let direction = self.from.sheet.camera_from_sheet(direction);
             self.from.seen(sent, direction, seen);
-            sent.add_cabin(sight.high, share - seen);
+            sight.before.mirror_cabin(sent, share - seen);
         }
     }
 

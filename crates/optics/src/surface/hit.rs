@@ -135,6 +135,9 @@ struct PolarCell {
     angles: [f64; 2],
 }
 
+/// A corner of grains, mm from the middle of a hit, and where it appears in the frame, px.
+type Corner = ([f64; 2], Option<[f64; 2]>);
+
 /// The surroundings of one hit.
 struct Patch<'a, 'b> {
     from: &'a LightFrom<'b>,
@@ -168,7 +171,7 @@ impl Patch<'_, '_> {
         // narrow.
         let long = self.foreshortening();
         let (sin, cos) = libm::sincos(TAU * self.uniform());
-        let row = |patch: &mut Self, i: f64| -> Vec<[f64; 2]> {
+        let row = |patch: &mut Self, i: f64| -> Vec<Corner> {
             let mut corners = Vec::new();
             let mut k = 0.0;
             while k <= n {
@@ -176,7 +179,9 @@ impl Patch<'_, '_> {
                     let jitter = JITTER * (2.0 * patch.uniform() - 1.0);
                     (at + jitter - 0.5 * n) * size
                 });
-                corners.push([x * cos - y * sin, (x * sin + y * cos) * long]);
+                let at = [x * cos - y * sin, (x * sin + y * cos) * long];
+                let place = [patch.middle[0] + at[0], patch.middle[1] + at[1]];
+                corners.push((at, sheet.project(place, sheet.outer_mm(), [0.0; 2])));
                 k += 1.0;
             }
             corners
@@ -187,11 +192,14 @@ impl Patch<'_, '_> {
             let below = row(self, i);
             for k in 1..above.len() {
                 let corners = [above[k - 1], above[k], below[k], below[k - 1]];
-                let middle = [0, 1].map(|axis| corners.iter().map(|c| 0.25 * c[axis]).sum::<f64>());
+                let middle =
+                    [0, 1].map(|axis| corners.iter().map(|(c, _)| 0.25 * c[axis]).sum::<f64>());
                 let far = (middle[0] * middle[0] + middle[1] * middle[1]).sqrt();
                 let way = far / (radius * rim.at(libm::atan2(middle[1], middle[0])));
-                if way < 1.0 {
-                    self.grain(corners, middle, way, n_drawn);
+                if way < 1.0
+                    && let [Some(a), Some(b), Some(c), Some(d)] = corners.map(|(_, seen)| seen)
+                {
+                    self.grain([a, b, c, d], middle, way, n_drawn);
                 }
             }
             above = below;
@@ -214,13 +222,12 @@ impl Patch<'_, '_> {
         }
     }
 
-    /// A cell of the crushed zone, a part of the way from its middle to its rim: the mean of some
-    /// grains.
+    /// A cell of the crushed zone, with its corners in the frame, a part of the way from its middle
+    /// to its rim: the mean of some grains.
     fn grain(&mut self, corners: [[f64; 2]; 4], middle: [f64; 2], way: f64, n_drawn: f64) {
         let sheet = self.from.sheet;
         let depth = sheet.outer_mm();
-        let moved = |[x, y]: [f64; 2]| [self.middle[0] + x, self.middle[1] + y];
-        let place = moved(middle);
+        let place = [self.middle[0] + middle[0], self.middle[1] + middle[1]];
         if self.fallen.is_at(place) {
             return;
         }
@@ -228,10 +235,6 @@ impl Patch<'_, '_> {
             sheet.sight(place, [0.0; 2]),
             sheet.blur_radius_px(place, depth),
         ) else {
-            return;
-        };
-        let project = |corner: [f64; 2]| sheet.project(moved(corner), depth, [0.0; 2]);
-        let [Some(a), Some(b), Some(c), Some(d)] = corners.map(project) else {
             return;
         };
         let mut sent = Sent::default();
@@ -245,9 +248,9 @@ impl Patch<'_, '_> {
         if all <= 0.0 {
             return;
         }
-        self.facets.outlines.push([a, b, c, d]);
+        self.facets.outlines.push(corners);
         self.facets
-            .add([a, b, c, d], radius_px, &sent, [[1.0, 0.0], [0.0, 1.0]]);
+            .add(corners, radius_px, &sent, [[1.0, 0.0], [0.0, 1.0]]);
     }
 
     /// What one grain sends.
@@ -279,8 +282,8 @@ impl Patch<'_, '_> {
         }
         // All of them have some faces that may send the sun's light.
         for _ in 0..N_SPARKS {
-            let spark = self.from.mirror(&self.face(sight)).lanes[SUN];
-            sent.lanes[SUN] += SPARK_SHARE * spark;
+            let spark = self.face(sight);
+            sent.lanes[SUN] += SPARK_SHARE * self.from.sun_in(&spark);
         }
         sent
     }
@@ -323,11 +326,12 @@ impl Patch<'_, '_> {
                     let way = [ring, ring + 1].map(|k| f64::from(k) / f64::from(n_rings));
                     let radii = bow.map(|far| way.map(|t| 0.7 * inner + (far - 0.7 * inner) * t));
                     let cell = PolarCell { radii, angles };
-                    let Some(sight) = sheet.sight(self.place(cell.middle()), [0.0; 2]) else {
+                    let (sin, cos) = libm::sincos(0.5 * (angles[0] + angles[1]));
+                    let middle = self.place(cell.middle_mm(), (sin, cos));
+                    let Some(sight) = sheet.sight(middle, [0.0; 2]) else {
                         continue;
                     };
                     let slope = slope_rad * (0.4 + 1.2 * 0.5 * (way[0] + way[1]));
-                    let (sin, cos) = libm::sincos(0.5 * (angles[0] + angles[1]));
                     let (across, up) = libm::sincos(slope);
                     // The surface falls towards the middle: its normal leans inward.
                     let normal = [-across * cos, -across * sin, up];
@@ -336,7 +340,7 @@ impl Patch<'_, '_> {
                     };
                     let mut sent = Sent::default();
                     self.from.seen(&mut sent, sheet.camera_from_sheet(out), 1.0);
-                    self.add(cell, depth, &sent);
+                    self.add(cell, middle, depth, &sent);
                 }
             }
         }
@@ -355,13 +359,15 @@ impl Patch<'_, '_> {
         let [n_sectors, n_rings] = FILM_CELLS;
         for sector in 0..n_sectors {
             let angles = [sector, sector + 1].map(|k| TAU * f64::from(k) / f64::from(n_sectors));
+            let way_out = libm::sincos(0.5 * (angles[0] + angles[1]));
             let extents = angles
                 .map(|angle| inner + (outer - inner) * (2.0 * rim.at(angle) - 1.2).clamp(0.0, 1.0));
             for ring in 0..n_rings {
                 let way = [ring, ring + 1].map(|k| f64::from(k) / f64::from(n_rings));
                 let radii = extents.map(|far| way.map(|t| inner + (far - inner) * t));
                 let cell = PolarCell { radii, angles };
-                let Some(sight) = self.from.sheet.sight(self.place(cell.middle()), [0.0; 2]) else {
+                let middle = self.place(cell.middle_mm(), way_out);
+                let Some(sight) = self.from.sheet.sight(middle, [0.0; 2]) else {
                     continue;
                 };
                 let left = 1.0 - 0.5 * (way[0] + way[1]);
@@ -372,9 +378,9 @@ impl Patch<'_, '_> {
                     .rgb(inside[2], thickest_um * left * left.sqrt());
                 let mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
                 let mut sent = Sent::default();
-                self.from.mirrored_cabin(&mut sent, sight, mean);
+                self.from.before(sight).mirror_cabin(&mut sent, mean);
                 sent.tint = rgb.map(|color| color - mean);
-                self.add(cell, depth, &sent);
+                self.add(cell, middle, depth, &sent);
             }
         }
     }
@@ -390,22 +396,24 @@ impl Patch<'_, '_> {
         Ragged(waves)
     }
 
-    fn place(&self, [radius, angle]: [f64; 2]) -> [f64; 2] {
-        let (sin, cos) = libm::sincos(angle);
+    /// A place so far from the middle, by the sine and the cosine of its direction.
+    fn place(&self, radius: f64, (sin, cos): (f64, f64)) -> [f64; 2] {
         [self.middle[0] + radius * cos, self.middle[1] + radius * sin]
     }
 
-    fn add(&mut self, cell: PolarCell, depth_mm: f64, sent: &Sent) -> Option<()> {
-        if self.fallen.is_at(self.place(cell.middle())) {
+    /// Adds a cell about a middle.
+    fn add(&mut self, cell: PolarCell, middle: [f64; 2], depth_mm: f64, sent: &Sent) -> Option<()> {
+        if self.fallen.is_at(middle) {
             return None;
         }
         let sheet = self.from.sheet;
+        let ways = cell.angles.map(libm::sincos);
         let corner = |ring: usize, side: usize| {
-            let place = self.place([cell.radii[side][ring], cell.angles[side]]);
+            let place = self.place(cell.radii[side][ring], ways[side]);
             sheet.project(place, depth_mm, [0.0; 2])
         };
         let corners = [corner(0, 0)?, corner(1, 0)?, corner(1, 1)?, corner(0, 1)?];
-        let radius_px = sheet.blur_radius_px(self.place(cell.middle()), depth_mm)?;
+        let radius_px = sheet.blur_radius_px(middle, depth_mm)?;
         self.facets.outlines.push(corners);
         // What is seen through a chip moves along with the place.
         self.facets
@@ -420,11 +428,9 @@ impl Patch<'_, '_> {
 }
 
 impl PolarCell {
-    fn middle(&self) -> [f64; 2] {
-        [
-            0.25 * self.radii.iter().flatten().sum::<f64>(),
-            0.5 * (self.angles[0] + self.angles[1]),
-        ]
+    /// Mean of its radii, mm.
+    fn middle_mm(&self) -> f64 {
+        0.25 * self.radii.iter().flatten().sum::<f64>()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_1_PI;
 
 use super::SheetView;
-use super::roughness::{MIRROR_ALPHA, N_SAMPLES_OF_CELL, NARROW_ALPHA, n_samples};
+use super::roughness::{MIRROR_ALPHA, N_SAMPLES_OF_CELL, NARROW_ALPHA, Way, n_samples};
 use crate::environment::{HemisphereWeights, Horizon};
 use crate::interface::fresnel::reflectance;
 use crate::interface::gap::GapTable;
@@ -63,6 +63,15 @@ pub(crate) struct Mirror {
     pub(crate) gap_um: f64,
 }
 
+/// The face towards the camera along a direction of sight.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Before {
+    /// What it reflects.
+    pub(super) reflects: f64,
+    /// How much of the cabin's light in it is that of the upper end.
+    cabin_high: f64,
+}
+
 /// What a surface sends to the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Sent {
@@ -80,13 +89,6 @@ impl Sent {
         for (tint, more) in self.tint.iter_mut().zip(other.tint) {
             *tint += weight * more;
         }
-    }
-
-    /// Adds the cabin's light, with a share of it that is that of its upper end.
-    pub(super) fn add_cabin(&mut self, high: f64, share: f64) {
-        let high = high * share;
-        self.lanes[CABIN_HIGH] += high;
-        self.lanes[CABIN_LOW] += share - high;
     }
 
     pub(super) fn scaled(&self, by: f64) -> Self {
@@ -116,6 +118,25 @@ impl LightFrom<'_> {
         self.reflected(mirror, sight, (mirror.alpha, N_SAMPLES_OF_CELL))
     }
 
+    /// The sun's light alone of what [`LightFrom::mirror`] finds.
+    pub(super) fn sun_in(&self, mirror: &Mirror) -> f64 {
+        let sight = into_glass(mirror.sight, self.sheet.index);
+        let Some((_, normal)) = towards(sight, mirror.normal) else {
+            return 0.0;
+        };
+        let mut sun = 0.0;
+        if mirror.alpha >= NARROW_ALPHA && self.sun[2] > 0.0 {
+            let n_samples = n_samples(mirror.alpha);
+            self.each_way(mirror, (sight, normal), n_samples, |way, share| {
+                if matches!(way, Way::Evenly) {
+                    sun += self.diffuse_sun(share);
+                }
+            });
+        }
+        let before = self.before(mirror.sight);
+        sun + self.glint(mirror, &before, sight.map(|part| -part), normal)
+    }
+
     /// What is seen in the back of a surface by way of the outer face, which reflects R of the
     /// light of sight. It takes the place of what that shows of the intact sheet: light of the
     /// cabin, and a little of what is behind the sheet. A surface across the sheet has hardly a
@@ -125,11 +146,12 @@ impl LightFrom<'_> {
         let [x, y, z] = into_glass(mirror.sight, n);
         // It is faint: but for the sun, a rough surface's is that of a smooth one.
         let mut sent = self.reflected(mirror, [x, y, -z], (0.0, 0));
-        let face = reflectance(mirror.sight[2], n);
+        let before = self.before(mirror.sight);
+        let face = before.reflects;
         sent.lanes = sent.lanes.map(|lane| face * lane);
         let all = sent.lanes[..N_SHARES].iter().sum::<f64>();
         let behind = face * (1.0 - face) / (1.0 + face);
-        self.mirrored_cabin(&mut sent, mirror.sight, -all * (1.0 - behind));
+        before.mirror_cabin(&mut sent, -all * (1.0 - behind));
         sent
     }
 
@@ -141,26 +163,26 @@ impl LightFrom<'_> {
         sight: [f64; 3],
         (alpha, n_samples): (f64, usize),
     ) -> Sent {
-        let facing = dot(sight, mirror.normal);
-        let normal = mirror
-            .normal
-            .map(|part| if facing > 0.0 { -part } else { part });
         let view = sight.map(|part| -part);
         let mut sent = Sent::default();
-        if facing.abs() < 1e-9 {
+        let Some((facing, normal)) = towards(sight, mirror.normal) else {
             return sent;
-        }
-        let rgb = self.gaps.rgb(facing.abs(), mirror.gap_um);
+        };
+        let before = self.before(mirror.sight);
+        let rgb = self.gaps.rgb(facing, mirror.gap_um);
         let mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
         if alpha < MIRROR_ALPHA {
-            let direction = reflected(sight, normal, facing.abs());
-            self.follow(&mut sent, mirror.sight, direction, mean);
+            let direction = reflected(sight, normal, facing);
+            self.follow(&mut sent, &before, direction, mean);
         } else if alpha < NARROW_ALPHA {
-            self.narrow(&mut sent, mirror, (sight, normal), mean);
+            self.narrow(&mut sent, (mirror, &before), (sight, normal), mean);
         } else {
-            self.rough(&mut sent, mirror, (sight, normal), n_samples);
+            self.each_way(mirror, (sight, normal), n_samples, |way, share| match way {
+                Way::Along(direction) => self.follow(&mut sent, &before, direction, share),
+                Way::Evenly => self.diffuse(&mut sent, share),
+            });
         }
-        sent.lanes[SUN] += self.glint(mirror, view, normal);
+        sent.lanes[SUN] += self.glint(mirror, &before, view, normal);
         sent.tint = rgb.map(|color| color - mean);
         sent
     }
@@ -172,7 +194,7 @@ impl LightFrom<'_> {
 
     /// The sun in a surface: radiance over irradiance. T₂ is that over the transmittance that the
     /// image already has.
-    fn glint(&self, mirror: &Mirror, view: [f64; 3], normal: [f64; 3]) -> f64 {
+    fn glint(&self, mirror: &Mirror, before: &Before, view: [f64; 3], normal: [f64; 3]) -> f64 {
         let n = self.sheet.index;
         if self.sun[2] <= 0.0 {
             return 0.0;
@@ -181,7 +203,7 @@ impl LightFrom<'_> {
         // The sun's own width, in the glass, as a width of the lobe.
         let width = SUN_RADIUS_RAD / n;
         let enters = 1.0 - reflectance(self.sun[2], n);
-        let leaves = 1.0 + reflectance(mirror.sight[2], n);
+        let leaves = 1.0 + before.reflects;
         let glint = Glint {
             normal,
             alpha: (mirror.alpha * mirror.alpha + width * width).sqrt(),
@@ -192,26 +214,33 @@ impl LightFrom<'_> {
         glint.radiance(view, sun, |cos| self.mean_reflectance(cos, mirror.gap_um))
     }
 
+    /// What the face towards the camera does to light along a direction of sight.
+    pub(super) fn before(&self, [x, y, z]: Vector) -> Before {
+        Before {
+            reflects: reflectance(z, self.sheet.index),
+            cabin_high: self.cabin_high([x, y, -z]),
+        }
+    }
+
     /// Follows a share of sight from a surface on, against the way of light. The face towards the
     /// camera reflects R_s of it before it comes to the surface.
-    pub(super) fn follow(&self, sent: &mut Sent, sight: Vector, direction: Vector, share: f64) {
-        let leaves = reflectance(sight[2], self.sheet.index);
-        self.mirrored_cabin(sent, sight, share * leaves);
-        self.leave(sent, sight, direction, share * (1.0 - leaves));
+    pub(super) fn follow(&self, sent: &mut Sent, before: &Before, direction: Vector, share: f64) {
+        before.mirror_cabin(sent, share * before.reflects);
+        self.leave(sent, before, direction, share * (1.0 - before.reflects));
     }
 
     /// Light on its way to the faces of a sheet without other walls: the face where it comes in
     /// passes (1 − R_e), and both throw what is left to and fro between them, and out.
-    fn leave(&self, sent: &mut Sent, sight: Vector, direction: Vector, share: f64) {
-        if self.is_held(direction) {
+    fn leave(&self, sent: &mut Sent, before: &Before, direction: Vector, share: f64) {
+        let enters = self.face_reflects(direction);
+        if enters >= 1.0 {
             sent.lanes[HELD] += share;
             return;
         }
-        let enters = self.face_reflects(direction);
-        let through = (1.0 - enters) / (1.0 - enters * reflectance(sight[2], self.sheet.index));
-        self.exit(sent, sight, direction, share * through);
+        let through = (1.0 - enters) / (1.0 - enters * before.reflects);
+        self.exit(sent, before, direction, share * through);
         let [x, y, z] = direction;
-        self.exit(sent, sight, [x, y, -z], share * (1.0 - through));
+        self.exit(sent, before, [x, y, -z], share * (1.0 - through));
     }
 
     /// Whether the faces reflect a direction in the sheet totally.
@@ -228,7 +257,8 @@ impl LightFrom<'_> {
     /// came. Light from outside is that of the environment over the sheet's transmittance at the
     /// angle of sight, which the image has already: the rest is what the image then has too much of
     /// the cabin, or too little.
-    pub(super) fn exit(&self, sent: &mut Sent, sight: Vector, direction: Vector, share: f64) {
+    #[inline]
+    pub(super) fn exit(&self, sent: &mut Sent, before: &Before, direction: Vector, share: f64) {
         let n = self.sheet.index;
         let [x, y, z] = direction;
         let cos = (1.0 - n * n * (x * x + y * y)).max(0.0).sqrt();
@@ -236,26 +266,20 @@ impl LightFrom<'_> {
         if z <= 0.0 {
             return self.cabin(sent, out, share);
         }
-        let leaves = reflectance(sight[2], n);
-        let seen = share * (1.0 + leaves) / (1.0 - leaves);
-        self.mirrored_cabin(sent, sight, share - seen);
+        let seen = share * (1.0 + before.reflects) / (1.0 - before.reflects);
+        before.mirror_cabin(sent, share - seen);
         self.seen(sent, self.sheet.camera_from_sheet(out), seen);
     }
 
     /// Adds the cabin's light from a direction, in the sheet's coordinates.
     pub(super) fn cabin(&self, sent: &mut Sent, direction: Vector, share: f64) {
-        sent.add_cabin(self.high(direction), share);
+        add_cabin(sent, self.cabin_high(direction), share);
     }
 
-    /// How much of the cabin's light from a direction, in the sheet's coordinates, is that of its upper end.
-    pub(super) fn high(&self, direction: Vector) -> f64 {
+    /// How much of the cabin's light from a direction is that of its upper end.
+    fn cabin_high(&self, direction: Vector) -> f64 {
         let direction = self.sheet.camera_from_sheet(direction);
         0.5 * (1.0 + self.horizon.sin_elevation(direction))
-    }
-
-    /// Adds the cabin's light as the face towards the camera mirrors it.
-    pub(super) fn mirrored_cabin(&self, sent: &mut Sent, [x, y, z]: Vector, share: f64) {
-        self.cabin(sent, [x, y, -z], share);
     }
 
     /// Adds the light of one direction, in camera coordinates.
@@ -286,8 +310,34 @@ impl LightFrom<'_> {
         sent.lanes[HORIZON] += half * self.outside.horizon;
         sent.lanes[ZENITH] += half * self.outside.zenith;
         sent.lanes[GROUND] += half * self.outside.ground;
-        sent.lanes[SUN] += half * self.sun[2].max(0.0) * FRAC_1_PI;
+        sent.lanes[SUN] += self.diffuse_sun(share);
     }
+
+    /// The sun's light of such a share.
+    fn diffuse_sun(&self, share: f64) -> f64 {
+        0.5 * share * self.sun[2].max(0.0) * FRAC_1_PI
+    }
+}
+
+impl Before {
+    /// Adds the cabin's light as the face towards the camera mirrors it.
+    pub(super) fn mirror_cabin(&self, sent: &mut Sent, share: f64) {
+        add_cabin(sent, self.cabin_high, share);
+    }
+}
+
+/// Adds the cabin's light, so much of which is that of its upper end.
+fn add_cabin(sent: &mut Sent, part_high: f64, share: f64) {
+    let high = part_high * share;
+    sent.lanes[CABIN_HIGH] += high;
+    sent.lanes[CABIN_LOW] += share - high;
+}
+
+/// The cosine at which sight meets a surface, and its normal on the side of sight; none along it.
+fn towards(sight: Vector, normal: Vector) -> Option<(f64, Vector)> {
+    let facing = dot(sight, normal);
+    let normal = normal.map(|part| if facing > 0.0 { -part } else { part });
+    (facing.abs() >= 1e-9).then_some((facing.abs(), normal))
 }
 
 /// A direction of the air on its way in the glass.

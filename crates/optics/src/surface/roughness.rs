@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::lobe::{LightFrom, Mirror, Sent, reflected};
+use super::lobe::{Before, LightFrom, Mirror, Sent, reflected};
 use crate::interface::fresnel::refract;
 use crate::interface::ggx::{VisibleNormals, g1, on_disc};
 use crate::vector::{Vector, cross, dot, unit};
@@ -39,13 +39,19 @@ pub(super) fn n_samples(alpha: f64) -> usize {
     N_SAMPLES[usize::from(alpha >= WIDE_ALPHA)]
 }
 
+/// Where light goes on to from a facet: along a direction in the sheet, or evenly to both sides.
+pub(super) enum Way {
+    Along(Vector),
+    Evenly,
+}
+
 impl LightFrom<'_> {
     /// What a nearly smooth surface shows of a share of sight: its facets reflect as the whole does,
     /// and hide nothing from each other.
     pub(super) fn narrow(
         &self,
         sent: &mut Sent,
-        mirror: &Mirror,
+        (mirror, before): (&Mirror, &Before),
         (sight, normal): (Vector, Vector),
         share: f64,
     ) {
@@ -54,18 +60,19 @@ impl LightFrom<'_> {
             let (p, q) = (mirror.alpha * p, mirror.alpha * q);
             let facet = unit(std::array::from_fn(|k| normal[k] + p * x[k] + q * y[k]));
             let direction = reflected(sight, facet, -dot(sight, facet));
-            self.follow(sent, mirror.sight, direction, 0.25 * share);
+            self.follow(sent, before, direction, 0.25 * share);
         }
     }
 
-    /// What a rough surface shows: its facets are drawn as sight sees them \[Heitz2018\],
-    /// 96 at most.
-    pub(super) fn rough(
+    /// Calls with each way on from a rough surface, and with which share of sight goes it: its
+    /// facets are drawn as sight sees them \[Heitz2018\], 96 at most.
+    #[inline]
+    pub(super) fn each_way(
         &self,
-        sent: &mut Sent,
         mirror: &Mirror,
         (sight, normal): (Vector, Vector),
         n_samples: usize,
+        mut each: impl FnMut(Way, f64),
     ) {
         let samples = &SAMPLES[..n_samples];
         #[expect(clippy::cast_precision_loss, reason = "few")]
@@ -84,8 +91,8 @@ impl LightFrom<'_> {
             } else {
                 0.0
             };
-            self.follow(sent, mirror.sight, direction, share * r * seen);
-            self.diffuse(sent, share * r * (1.0 - seen));
+            each(Way::Along(direction), share * r * seen);
+            each(Way::Evenly, share * r * (1.0 - seen));
             if r >= 1.0 {
                 continue;
             }
@@ -97,10 +104,10 @@ impl LightFrom<'_> {
             };
             match across.refracted(mirror.alpha, self.sheet.index, far) {
                 Some((onward, seen)) => {
-                    self.follow(sent, mirror.sight, onward, passes * seen);
-                    self.diffuse(sent, passes * (1.0 - seen));
+                    each(Way::Along(onward), passes * seen);
+                    each(Way::Evenly, passes * (1.0 - seen));
                 }
-                None => self.diffuse(sent, passes),
+                None => each(Way::Evenly, passes),
             }
         }
     }

@@ -1,8 +1,7 @@
 //! Light on its way among several surfaces in the sheet.
 
-use super::lobe::{HELD, LightFrom, Mirror, Sent, into_glass};
+use super::lobe::{Before, HELD, LightFrom, Mirror, Sent, into_glass};
 use super::walls::Walls;
-use crate::interface::fresnel::reflectance;
 use crate::vector::{Vector, dot};
 
 /// The walls around one of them.
@@ -45,10 +44,10 @@ impl LightFrom<'_> {
             tint: rgb.map(|color| color - mean),
             ..Sent::default()
         };
-        let leaves = reflectance(mirror.sight[2], self.sheet.index);
-        self.mirrored_cabin(&mut sent, mirror.sight, mean * leaves);
-        let share = mean * (1.0 - leaves);
-        self.trace(&mut sent, mirror.sight, (at, among), direction, share);
+        let before = self.before(mirror.sight);
+        before.mirror_cabin(&mut sent, mean * before.reflects);
+        let share = mean * (1.0 - before.reflects);
+        self.trace(&mut sent, &before, (at, among), direction, share);
         Some(sent)
     }
 
@@ -83,7 +82,7 @@ impl LightFrom<'_> {
     fn trace(
         &self,
         sent: &mut Sent,
-        sight: Vector,
+        before: &Before,
         (at, among): (Vector, &Among<'_>),
         direction: Vector,
         share: f64,
@@ -130,7 +129,7 @@ impl LightFrom<'_> {
             } else {
                 let reflects = self.face_reflects(ray.direction);
                 if reflects < 1.0 {
-                    self.exit(sent, sight, ray.direction, (1.0 - reflects) * ray.share);
+                    self.exit(sent, before, ray.direction, (1.0 - reflects) * ray.share);
                 }
                 ray.go(to_face_mm);
                 ray.own = None;
@@ -147,7 +146,7 @@ impl LightFrom<'_> {
             } else if self.is_held(turned) {
                 sent.lanes[HELD] += share;
             } else {
-                self.exit(sent, sight, turned, share);
+                self.exit(sent, before, turned, share);
             }
         }
     }
