@@ -272,3 +272,24 @@ impl Rings<'_> {
 fn at([x, y]: [f64; 2], direction: [f64; 2], distance: f64) -> [f64; 2] {
     [x + direction[0] * distance, y + direction[1] * distance]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sector_has_room_until_its_rings_relieve_all_of_it() {
+        let sector = |radii_m: [f64; 2], span_rad: f64| Sector {
+            center_m: [0.0; 2],
+            angles_rad: [3.0, 3.0 + span_rad],
+            cracks: [0, 1],
+            radii_m,
+        };
+        let room = |of: Sector, taken_m: &[f64]| of.has_room(taken_m, 2e-3);
+        assert!(room(sector([3e-3, 8e-3], 1.0), &[]));
+        assert!(!room(sector([3e-3, 3e-3], 1.0), &[]), "no length");
+        assert!(!room(sector([3e-3, 8e-3], 4.0), &[]), "more than a half");
+        assert!(room(sector([3e-3, 8e-3], 1.0), &[4e-3]));
+        assert!(!room(sector([3e-3, 8e-3], 1.0), &[4e-3, 7e-3]), "two rings");
+    }
+}
