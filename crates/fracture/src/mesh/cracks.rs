@@ -22,6 +22,9 @@ const CLEAR: f64 = 0.5;
 /// Distance over the local size at which a crack is drawn to a node of another one.
 const DRAWN: f64 = 0.3;
 
+/// Points that are looked at together.
+const GROUP: usize = 8;
+
 /// How often a piece that is drawn to others may be divided.
 const MAX_DETOURS: u32 = 16;
 
@@ -94,7 +97,7 @@ pub(super) fn chains(
 
 /// Keeps the points that are not too near to a crack.
 pub(super) fn clear_of(
-    points: Vec<[f64; 2]>,
+    points: &[[f64; 2]],
     chains: &Chains,
     border: &[BorderNode],
     grading: &Grading,
@@ -104,20 +107,42 @@ pub(super) fn clear_of(
         None => chains.nodes_m[node as usize - border.len()],
     };
     let pieces: Vec<[[f64; 2]; 2]> = chains.edges.iter().map(|edge| edge.map(position)).collect();
-    let is_clear = |point: &[f64; 2]| {
-        let least = CLEAR * grading.size_at_m(*point);
-        pieces
-            .iter()
-            .all(|[a, b]| !is_near_piece(*point, *a, *b, least))
-            && chains
-                .nodes_m
+    let nodes = border.iter().map(|node| (node.position_m, 0.3));
+    let nodes = nodes.chain(chains.nodes_m.iter().map(|&node| (node, 1.0)));
+    let mut kept = Vec::with_capacity(points.len());
+    // Points that follow each other lie on an arc of a ring: what is far from all of them is seen at once.
+    for group in points.chunks(GROUP) {
+        let least = |point: &[f64; 2]| CLEAR * grading.size_at_m(*point);
+        let most = group.iter().map(least).fold(0.0, f64::max);
+        let ends = |axis: usize| {
+            let places = group.iter().map(move |point| point[axis]);
+            places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                [low.min(x), high.max(x)]
+            })
+        };
+        let bounds = [ends(0), ends(1)];
+        let may_be_near = |[a, b]: [[f64; 2]; 2]| {
+            (0..2).all(|axis| {
+                let [low, high] = bounds[axis];
+                a[axis].min(b[axis]) - most <= high && a[axis].max(b[axis]) + most >= low
+            })
+        };
+        let pieces: Vec<_> = pieces.iter().filter(|piece| may_be_near(**piece)).collect();
+        let nodes: Vec<_> = nodes
+            .clone()
+            .filter(|&(node, _)| may_be_near([node; 2]))
+            .collect();
+        kept.extend(group.iter().filter(|&point| {
+            let least = least(point);
+            !pieces
                 .iter()
-                .all(|node| !is_near(*node, *point, least))
-            && border
-                .iter()
-                .all(|node| !is_near(node.position_m, *point, 0.3 * least))
-    };
-    points.into_iter().filter(is_clear).collect()
+                .any(|[a, b]| is_near_piece(*point, *a, *b, least))
+                && !nodes
+                    .iter()
+                    .any(|&(node, part)| is_near(node, *point, part * least))
+        }));
+    }
+    kept
 }
 
 /// The nodes of cracks so far.

@@ -130,7 +130,7 @@ impl PlateMesh {
         let (mut border, mut interior, grading) = place(domain, inner_size_m, target);
         let chains = chains(cracks, &grading, &mut border);
         if !chains.edges.is_empty() {
-            interior = clear_of(interior, &chains, &border, &grading);
+            interior = clear_of(&interior, &chains, &border, &grading);
         }
         let nodes_m: Vec<[f64; 2]> = border
             .iter()

@@ -358,6 +358,22 @@ impl Plates {
         })
     }
 
+    /// Nodes of a mesh around cracks, about.
+    fn nodes_around_cracks(&self) -> u32 {
+        match self.resolution {
+            MeshResolution::Fast => 900,
+            MeshResolution::Default => 2000,
+        }
+    }
+
+    /// Counts a bending around cracks that nothing is asked of, so that it need not be found; unless
+    /// its mesh might be the largest, which is told.
+    pub(super) fn passes_over(&mut self) -> bool {
+        let is_small = 2 * self.n_mesh_nodes > 3 * self.nodes_around_cracks() as usize;
+        self.n_solutions += usize::from(is_small);
+        is_small
+    }
+
     /// The bending on a mesh of its own around a hit, with cracks as hinges.
     pub(super) fn bend_around(
         &mut self,
@@ -374,11 +390,7 @@ impl Plates {
         let mesh = if cracks.is_empty() {
             PlateMesh::graded(&self.outline, center_m, inner_m, domain_m, self.resolution)?
         } else {
-            let n_nodes = match self.resolution {
-                MeshResolution::Fast => 900,
-                MeshResolution::Default => 2000,
-            };
-            let outline = &self.outline;
+            let (outline, n_nodes) = (&self.outline, self.nodes_around_cracks());
             PlateMesh::graded_around_cracks(outline, center_m, inner_m, domain_m, n_nodes, cracks)?
         };
         let solver = PlateSolver::new(mesh, self.stiffness.properties, self.support)?;

@@ -22,6 +22,39 @@ pub(super) struct Sector {
     pub(super) radii_m: [f64; 2],
 }
 
+impl Sector {
+    /// By how much it turns from its first side to its second, rad.
+    fn span_rad(&self) -> f64 {
+        (self.angles_rad[1] - self.angles_rad[0]).rem_euclid(2.0 * PI)
+    }
+
+    /// Radii at which it may break beside its rings so far, m.
+    fn free_radii_m<'a>(
+        &self,
+        taken_m: &'a [f64],
+        thickness_m: f64,
+    ) -> impl Iterator<Item = f64> + use<'a> {
+        let [low, high] = self.radii_m;
+        let n = if high > low && self.span_rad() < PI {
+            SAMPLES + 1
+        } else {
+            0
+        };
+        (0..n)
+            .map(move |k| low + (high - low) * f64::from(k) / f64::from(SAMPLES))
+            .filter(move |radius| {
+                taken_m.iter().all(|taken| {
+                    (taken - radius).abs() >= (LEAST_SPACING * radius).max(thickness_m)
+                })
+            })
+    }
+
+    /// Whether a ring has room in it beside those that there are.
+    pub(super) fn has_room(&self, taken_m: &[f64], thickness_m: f64) -> bool {
+        self.free_radii_m(taken_m, thickness_m).next().is_some()
+    }
+}
+
 /// Samples along the axis of a sector.
 const SAMPLES: u32 = 64;
 
@@ -61,24 +94,13 @@ impl Rings<'_> {
         taken_m: &mut Vec<f64>,
         rng: &mut ChaCha8Rng,
     ) -> bool {
-        let [low, high] = sector.radii_m;
-        let span = (sector.angles_rad[1] - sector.angles_rad[0]).rem_euclid(2.0 * PI);
         // The weakest flaw is not on the axis of the sector.
-        let axis = sector.angles_rad[0] + span * (0.3 + 0.4 * uniform(rng));
+        let axis = sector.angles_rad[0] + sector.span_rad() * (0.3 + 0.4 * uniform(rng));
         let strength_pa = self.strength_pa * weibull_factor(self.weibull_modulus, rng);
-        if !(high > low && span < PI) {
-            return false;
-        }
         let direction = unit(axis);
         let mut hint = 0;
         let mut best: Option<(f64, f64)> = None;
-        for k in 0..=SAMPLES {
-            let radius = low + (high - low) * f64::from(k) / f64::from(SAMPLES);
-            if taken_m.iter().any(|&taken| {
-                (taken - radius).abs() < (LEAST_SPACING * radius).max(self.law.thickness_m)
-            }) {
-                continue;
-            }
+        for radius in sector.free_radii_m(taken_m, self.law.thickness_m) {
             let point = at(sector.center_m, direction, radius);
             let Some(stress) = self.front.stress_at(point, &mut hint) else {
                 continue;
@@ -166,7 +188,7 @@ impl Rings<'_> {
         let law = self.law;
         let [x, y] = self.web.nodes[start as usize];
         let radius = libm::hypot(x - sector.center_m[0], y - sector.center_m[1]);
-        let span = (sector.angles_rad[1] - sector.angles_rad[0]).rem_euclid(2.0 * PI);
+        let span = sector.span_rad();
         let step = (0.5 * law.thickness_m).min(0.05 * radius).max(5e-5);
         let (mut node, mut at_m, mut running) = (start, [x, y], heading);
         let (mut along, mut time, mut hint) = (0.0, start_s, 0);
@@ -249,4 +271,25 @@ impl Rings<'_> {
 
 fn at([x, y]: [f64; 2], direction: [f64; 2], distance: f64) -> [f64; 2] {
     [x + direction[0] * distance, y + direction[1] * distance]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sector_has_room_until_its_rings_relieve_all_of_it() {
+        let sector = |radii_m: [f64; 2], span_rad: f64| Sector {
+            center_m: [0.0; 2],
+            angles_rad: [3.0, 3.0 + span_rad],
+            cracks: [0, 1],
+            radii_m,
+        };
+        let room = |of: Sector, taken_m: &[f64]| of.has_room(taken_m, 2e-3);
+        assert!(room(sector([3e-3, 8e-3], 1.0), &[]));
+        assert!(!room(sector([3e-3, 3e-3], 1.0), &[]), "no length");
+        assert!(!room(sector([3e-3, 8e-3], 4.0), &[]), "more than a half");
+        assert!(room(sector([3e-3, 8e-3], 1.0), &[4e-3]));
+        assert!(!room(sector([3e-3, 8e-3], 1.0), &[4e-3, 7e-3]), "two rings");
+    }
 }

@@ -154,29 +154,48 @@ impl System {
     /// so that forces and moments can be compared. Against ‖f‖ alone even a rigid motion rounded
     /// to 53 bits is 1e-9 on a mesh from 1 mm to 1 m.
     fn relative_residual(&self, unknowns: &[f64], right: &[f64]) -> f64 {
-        let mut rest: Vec<f64> = right.iter().map(|f| -f).collect();
-        let mut whole: Vec<f64> = right.iter().map(|f| f.abs()).collect();
-        for (column, range) in self.columns.windows(2).enumerate() {
-            for at in range[0] as usize..range[1] as usize {
-                let (row, value) = (self.rows[at] as usize, self.values[at]);
-                let below = value * unknowns[column];
-                rest[row] += below;
-                whole[row] += below.abs();
-                if row != column {
-                    let above = value * unknowns[row];
-                    rest[column] += above;
-                    whole[column] += above.abs();
+        // Of each unknown, the sum and the sum of magnitudes.
+        let mut sums: Vec<[f64; 2]> = right.iter().map(|f| [-f, f.abs()]).collect();
+        let add = |[sum, whole]: &mut [f64; 2], term: f64| {
+            *sum += term;
+            *whole += term.abs();
+        };
+        // The columns of a node together, for they have their rows in common.
+        for first in (0..sums.len()).step_by(PER_NODE) {
+            let mut own: [_; PER_NODE] = std::array::from_fn(|k| sums[first + k]);
+            let u: [_; PER_NODE] = std::array::from_fn(|k| unknowns[first + k]);
+            let of_column = |k: usize| self.columns[k] as usize..self.columns[k + 1] as usize;
+            let columns: [_; PER_NODE] =
+                std::array::from_fn(|k| &self.values[of_column(first + k)]);
+            for column in 0..PER_NODE {
+                for row in column..PER_NODE {
+                    let value = columns[column][row - column];
+                    add(&mut own[row], value * u[column]);
+                    if row != column {
+                        add(&mut own[column], value * u[row]);
+                    }
                 }
             }
+            let rows = &self.rows[of_column(first)][PER_NODE..];
+            let below: [_; PER_NODE] =
+                std::array::from_fn(|k| &columns[k][PER_NODE - k..][..rows.len()]);
+            for (at, &row) in rows.iter().enumerate() {
+                let row = row as usize;
+                for k in 0..PER_NODE {
+                    let value = below[k][at];
+                    add(&mut sums[row], value * u[k]);
+                    add(&mut own[k], value * unknowns[row]);
+                }
+            }
+            sums[first..first + PER_NODE].copy_from_slice(&own);
         }
-        let norm = |vector: &[f64]| {
-            let squares = vector.iter().zip(&self.columns);
+        let [rest, whole] = [0, 1].map(|which| {
+            let squares = sums.iter().zip(&self.columns);
             let sum: f64 = squares
-                .map(|(x, &start)| x * x / self.values[start as usize])
+                .map(|(sum, &start)| sum[which] * sum[which] / self.values[start as usize])
                 .sum();
             sum.sqrt()
-        };
-        let (rest, whole) = (norm(&rest), norm(&whole));
+        });
         if whole > 0.0 { rest / whole } else { rest }
     }
 }

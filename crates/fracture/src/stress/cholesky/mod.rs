@@ -35,7 +35,7 @@ struct Block {
     /// Rows below those of the block's own columns.
     rows_below: Vec<u32>,
     /// Column by column: the triangle of its own rows (what is above the diagonal is not read), then
-    /// those below.
+    /// those below. Empty until the block is factored.
     values: Vec<f64>,
 }
 
@@ -55,7 +55,7 @@ pub(super) struct Lower<'a> {
 }
 
 impl Cholesky {
-    /// Room for a factor of `n` columns.
+    /// The pattern of a factor of `n` columns.
     pub(super) fn new(n: usize, supernodes: &[Supernode]) -> Self {
         let mut blocks: Vec<Block> = Vec::with_capacity(supernodes.len());
         let mut block_of_column = Vec::with_capacity(n);
@@ -68,7 +68,7 @@ impl Cholesky {
             blocks.push(Block {
                 first_column,
                 n_columns,
-                values: vec![0.0; n_columns * (n_columns + rows_below.len())],
+                values: Vec::new(),
                 rows_below,
             });
         }
@@ -146,7 +146,7 @@ impl Block {
     /// The matrix's own entries.
     fn fill(&mut self, matrix: &Lower<'_>, own_row: &[u32]) {
         let n_rows = self.n_rows();
-        self.values.fill(0.0);
+        self.values = vec![0.0; self.n_columns * n_rows];
         let columns = &matrix.columns[self.first_column..];
         for (range, column) in columns.windows(2).zip(self.values.chunks_exact_mut(n_rows)) {
             let range = range[0] as usize..range[1] as usize;
