@@ -36,7 +36,7 @@ pub struct PhysicsDetails {
     pub impacts: Vec<ImpactReport>,
     /// The long crack, if one was asked for.
     pub long_crack: Option<LongCrackReport>,
-    /// How often the plate's stress was solved.
+    /// How often the plate's stress was asked for.
     pub n_solutions: usize,
     /// Nodes of the largest mesh.
     pub n_mesh_nodes: usize,
