@@ -84,6 +84,9 @@ def main():
     n_rounds, words = (int(last), words) if last.isdigit() else (3, [*words, last])
     source, models = words[0], words[1:]
     print(f"ray {ray.__version__}, {len(models)} detectors, two conditions, 4 shards; seconds: the steps, joining and report")
+    for n_images in (10_000, 100_000):
+        seconds, mib = many_images(models[0], n_images)
+        print(f"a task begins after {seconds:.1f} s with {mib:.0f} MiB, of {n_images} images with 7 labels each")
     best, files = {}, {}
     for _ in range(n_rounds):
         for name in ("Ray, 1 worker", "Ray, 2 workers", "1 thread", "2 threads"):
@@ -104,9 +107,6 @@ def main():
     print(f"steps of two workers: {one / two:.2f} times as fast as one")
     same = all(found == files["1 thread"] for found in files.values())
     print(f"{len(files['1 thread'])} files of sets and detections: {'the same bytes' if same else 'DIFFERENT'}")
-    for n_images in (10_000, 100_000):
-        seconds, mib = many_images(models[0], n_images)
-        print(f"a task begins after {seconds:.1f} s with {mib:.0f} MiB, of {n_images} images with 7 labels each")
     return 0 if same else 1
 
 

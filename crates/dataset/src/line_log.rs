@@ -23,7 +23,8 @@ impl LineLog {
     /// the lines that are there. The first that `is_good` refuses is cut off with all after it.
     ///
     /// # Errors
-    /// [`DatasetError::Read`], [`DatasetError::Write`], [`DatasetError::NotAFile`].
+    /// [`DatasetError::Read`], [`DatasetError::Write`], [`DatasetError::NotAFile`], and
+    /// [`DatasetError::FolderInUse`] while another process has it open.
     pub fn open(
         path: &Path,
         identity: &str,
@@ -43,6 +44,13 @@ impl LineLog {
             .create(true)
             .open(path)
             .map_err(write_error)?;
+        // Some file systems have no locks; that is no reason to refuse them. On Windows a lock would keep others from
+        // reading.
+        if cfg!(unix) && matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)) {
+            return Err(DatasetError::FolderInUse {
+                path: path.to_owned(),
+            });
+        }
         let n_good =
             n_good_bytes(&file, Some(identity), is_good).map_err(|source| DatasetError::Read {
                 path: path.to_owned(),

@@ -77,6 +77,10 @@ impl Along {
                 4 => self.least::<4>(is_back),
                 _ => self.least::<8>(is_back),
             }
+            if step == 8 && self.row == self.from {
+                // Nor will it change once more.
+                break;
+            }
             n += step;
             for _ in 0..step {
                 way_mm += self.straight_mm;

@@ -123,7 +123,7 @@ impl Dust {
             };
             grains.push((at, 0.5 * size_mm));
         }
-        // One after another, so that none waits for the cell of another.
+        // Together, so that the processor fetches the cells of several at once.
         for (at, radius_mm) in grains {
             add_grain(&mut large, at, radius_mm);
         }

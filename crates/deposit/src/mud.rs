@@ -264,7 +264,7 @@ impl Splat {
     }
 }
 
-/// Whether a place is surely beyond an outline of so many powers of e, without taking them: e^x < (1 − x/64)⁻⁶⁴ of x below 64.
+/// Whether a place is surely beyond an outline of so many powers of e, without taking them: e^x ≤ (1 − x/64)⁻⁶⁴ for x below 64.
 #[inline(always)]
 fn is_beyond(away_square: f64, outline: f64) -> bool {
     let mut less = 1.0 - outline / 64.0;

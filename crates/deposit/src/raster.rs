@@ -69,7 +69,7 @@ impl<T: Copy> Raster<T> {
             // What is not negative is rounded down as it becomes whole.
             let from = (at[k] - radius).max(0.0) as usize;
             let to = (at[k] + radius).max(0.0);
-            let to = to as usize + usize::from(to > to as usize as f64);
+            let to = (to as usize).saturating_add(usize::from(to > to as usize as f64));
             from.min(self.size[k])..to.min(self.size[k])
         })
     }

@@ -169,7 +169,15 @@ fn run_shard(
             "n_unseen": unseen.len(),
         })
     })?;
-    Ok(DONE)
+    match unseen.len() {
+        0 => Ok(DONE),
+        n => Err(Failure {
+            message: format!(
+                "{n} images could not be used; the same command tries them again, and joined they count nowhere"
+            ),
+            code: SOME_FAILED,
+        }),
+    }
 }
 
 /// Says what the study would do.

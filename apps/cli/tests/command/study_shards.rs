@@ -55,7 +55,14 @@ fn shards_come_to_the_same_bytes_as_one_run() {
         assert_eq!(outcome.code, Some(1), "one image fails: {}", outcome.stderr);
 
         let dir = parts.path();
-        succeed(dir, &words(&["-o", SHARDS[0], "--shard", "1/3"]));
+        let part = |number: &'static str, out: &'static str| words(&["-o", out, "--shard", number]);
+        let codes = [("1/3", SHARDS[0]), ("3/3", SHARDS[2])]
+            .map(|(number, out)| starbreak(dir, &part(number, out)).code);
+        // Whichever has that image says so.
+        assert!(
+            codes.iter().all(|code| matches!(code, Some(0 | 1))),
+            "{codes:?}"
+        );
         // The steps of one shard side by side.
         let steps = succeed(dir, &words(&["-o", "study", "--dry-run", "--json"]));
         let steps: serde_json::Value = serde_json::from_str(&steps.stdout).unwrap();
@@ -70,9 +77,9 @@ fn shards_come_to_the_same_bytes_as_one_run() {
             })
             .collect();
         for mut step in running {
-            assert!(step.wait().unwrap().success(), "each of them");
+            let code = step.wait().unwrap().code();
+            assert!(matches!(code, Some(0 | 1)), "{code:?}");
         }
-        succeed(dir, &words(&["-o", SHARDS[2], "--shard", "3/3"]));
         let shards = SHARDS.iter().flat_map(|shard| ["--join", shard]);
         let joining = [words(&["-o", "study"]), shards.collect()].concat();
         let outcome = starbreak(dir, &joining);
@@ -90,7 +97,7 @@ fn shards_come_to_the_same_bytes_as_one_run() {
 }
 
 #[test]
-fn what_cannot_be_joined_is_refused_and_nothing_is_written() {
+fn what_cannot_be_joined_is_refused() {
     let dir = folder();
     world(dir.path());
     let dir = dir.path();
@@ -165,7 +172,61 @@ fn what_cannot_be_joined_is_refused_and_nothing_is_written() {
             "{named}: no report"
         );
     }
+    // A mask that was altered, a line in another place, and another image in the source.
+    let mask = dir.join("two/sets/paper-severity-5-seed-0/starbreak/regions/val2017");
+    let mask = fs::read_dir(mask).unwrap().next().unwrap().unwrap().path();
+    let clean = dir.join("one/detections/model/clean.jsonl");
+    let lines = fs::read_to_string(&clean).unwrap();
+    let mut turned: Vec<&str> = lines.lines().collect();
+    turned[1..].reverse();
+    let source = dir.join("coco/val2017/000000000003.png");
+    let other = fs::read(dir.join("coco/val2017/000000000004.png")).unwrap();
+    for (path, bytes, named) in [
+        (
+            mask,
+            b"no mask".to_vec(),
+            "is not what the lists of its shard say",
+        ),
+        (clean, turned.join("\n").into_bytes(), "has not looked at"),
+        (source, other, "have changed since"),
+    ] {
+        let good = fs::read(&path).unwrap();
+        fs::write(&path, bytes).unwrap();
+        let refused = starbreak(dir, &join(&["one", "two"]));
+        assert_eq!(refused.code, Some(2), "{named}: {}", refused.stderr);
+        assert!(
+            refused.stderr.contains(named),
+            "{named}: {}",
+            refused.stderr
+        );
+        fs::write(&path, good).unwrap();
+    }
     // With the shard mended the same folder is joined after all.
     succeed(dir, &study(&["-o", "half", "--shard", "2/2"]));
     succeed(dir, &join(&["one", "half"]));
+}
+
+/// What only breaking could not use is told of as one run would.
+#[test]
+fn an_image_that_goes_between_two_steps_is_told_of() {
+    let dir = folder();
+    world(dir.path());
+    let dir = dir.path();
+    let step = |name: &'static str| study(&["-o", "part", "--shard", "1/1", "--step", name]);
+    succeed(dir, &step("clean"));
+    succeed(dir, &step("photos-seed-0"));
+    let image = dir.join("coco/val2017/000000000003.png");
+    fs::write(&image, "none").unwrap();
+    let refused = starbreak(dir, &step("paper-severity-1-seed-0"));
+    assert_eq!(refused.code, Some(2), "it has changed: {}", refused.stderr);
+    fs::remove_file(&image).unwrap();
+    for name in ["paper-severity-1-seed-0", "paper-severity-5-seed-0"] {
+        let outcome = starbreak(dir, &step(name));
+        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    }
+    let outcome = starbreak(dir, &study(&["-o", "study", "--join", "part"]));
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    let unseen = fs::read_to_string(dir.join("study/unseen.jsonl")).unwrap();
+    assert_eq!(unseen.lines().count(), 1, "{unseen}");
+    assert!(unseen.contains("paper-severity-1-seed-0: "), "{unseen}");
 }

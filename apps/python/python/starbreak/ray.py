@@ -125,19 +125,22 @@ def study(
 
     Each task is one step of one shard: the clean images, or those of one condition, broken and looked at by each
     detector. A worker that dies costs what its task had not written down yet; another one goes on with it. At the
-    end this process joins the shards and makes the report. The same call resumes an interrupted one.
+    end this process joins the shards and makes the report. The same call resumes an interrupted one; an output that
+    is joined, or was begun by ``starbreak study``, is gone on with in this process alone.
 
     Args:
         source: the dataset, as for ``starbreak study``: ``coco:DIR``, …
         model: ONNX file, or several.
-        output: folder of the study. Until it is joined, shards lie beside it in ``OUTPUT-shards``.
+        output: folder of the study. Until it is joined, shards lie beside it in ``OUTPUT-shards``; they stay there
+            if images could not be used, and the same call tries these again.
         recipe: as for ``starbreak.command``.
         n_shards: number of shards, of about equal size; default: one for each 100 images.
         threads: threads of each task, for which Ray sets aside as many processors.
-        options: flags of ``starbreak study``, as for ``starbreak.command``: ``presets=["windshield-star"]``.
+        options: flags of ``starbreak study``, as for ``starbreak.command``: ``presets=["windshield-star"]``. With
+            ``cuda=True`` Ray sets aside a GPU for each task.
 
-    All machines need the source, the models and the output under the same paths, relative ones from the same
-    working folder.
+    All machines need the source, the models and the output under the same paths, relative ones from a working folder
+    that all have.
 
     Returns:
         What ``starbreak study --json`` prints: the study, equal to that of one machine to the byte.
@@ -146,47 +149,69 @@ def study(
         ValueError: as ``starbreak.study``.
         ray.exceptions.RayError: if a task fails for another reason, or its worker dies four times.
     """
-    for name in ("shard", "step", "join", "dry_run"):
-        if options.get(name):
-            raise ValueError(f"{name}: a study on a cluster chooses that itself; leave it out")
+    for name in ("shard", "step", "join", "dry_run", "progress"):
+        if name in options:
+            raise ValueError(f"{name}: a study on a cluster has no such option; leave it out")
     threads = whole("threads", threads, 1, 2**16)
     options = {"model": model, "output": output, **options}
-    plan = command("study", source, recipe=recipe, dry_run=True, threads=threads, **options)
+    plan = command("study", source, recipe=recipe, dry_run=True, **options)
     if n_shards is None:
         n_shards = max(1, plan["n_images"] // 100)
     n_shards = whole("n_shards", n_shards, 1, 2**32 - 1)
-    parts = Path(f"{os.fspath(output)}-shards")
+    folder = Path(os.path.abspath(output))
+    parts = folder.with_name(f"{folder.name}-shards")
+    if (folder / "study.json").exists() and not parts.exists():
+        return call("study", [source], recipe, False, options, {})
     shards = {f"{k}/{n_shards}": parts / f"{k}-of-{n_shards}" for k in range(1, n_shards + 1)}
+    step_on = _study_step.options(num_cpus=threads, num_gpus=1 if options.get("cuda") else 0, name="study step")
     tasks = [
-        _study_step.options(num_cpus=threads, name=f"study {step} {shard}").remote(
+        step_on.remote(
             os.getcwd(), source, recipe, {**options, "output": part, "shard": shard, "step": step, "threads": threads}
         )
         for shard, part in shards.items()
         for step in plan["steps"]
     ]
+    n_unseen = 0
     try:
         while waiting := tasks:
             done, tasks = ray.wait(waiting)
-            ray.get(done)
+            n_unseen += sum(ray.get(done))
     except ray.exceptions.RayTaskError as error:
         # What the command has refused is raised as it is.
         raise (error.cause if isinstance(error.cause, ValueError) else error) from None
     finally:
         for task in tasks:
             ray.cancel(task)
+        if tasks:
+            # They finish the image that they are at.
+            ray.wait(tasks, num_returns=len(tasks), timeout=60)
     found = call("study", [source], recipe, False, options, {"join": list(shards.values())})
-    for part in shards.values():
-        shutil.rmtree(part)
-    with contextlib.suppress(OSError):  # another run has shards there
-        parts.rmdir()
+    if n_unseen == 0:
+        for part in shards.values():
+            _remove(part)
+        with contextlib.suppress(OSError):  # another run has shards there
+            parts.rmdir()
     return found
 
 
 @ray.remote
-def _study_step(folder: str, source: Any, recipe: Any, options: dict[str, Any]) -> None:
-    """One step of one shard, in the working folder of the caller."""
-    os.chdir(folder)
-    command("study", source, recipe=recipe, **options)
+def _study_step(folder: str, source: Any, recipe: Any, options: dict[str, Any]) -> int:
+    """One step of one shard, in the working folder of the caller; the number of images that could not be used."""
+    before = os.getcwd()
+    with contextlib.suppress(OSError):  # absolute paths do without
+        os.chdir(folder)
+    try:
+        return int(command("study", source, recipe=recipe, **options)["n_unseen"])
+    finally:
+        os.chdir(before)
+
+
+def _remove(shard: Path) -> None:
+    """Removes a shard, last what says what it is: an interrupted removal leaves one that can be gone on with."""
+    for path in shard.iterdir():
+        if path.is_dir():
+            shutil.rmtree(path, ignore_errors=True)
+    shutil.rmtree(shard, ignore_errors=True)
 
 
 @dataclass(frozen=True)

@@ -136,7 +136,7 @@ fn expect_listed(from: &Path, found: &str, listed: &str) -> Result<(), DatasetEr
     }
     Err(DatasetError::Shards {
         reason: format!(
-            "{from:?} is not what the lists of its shard say; run its generate again, then merge"
+            "{from:?} is not what the lists of its shard say; make this shard again by its own command, then join all"
         ),
     })
 }
@@ -206,7 +206,7 @@ fn shards(paths: &[PathBuf]) -> Result<(BTreeMap<u64, Part>, Value), DatasetErro
         if let Some(finding) = checker.check_lists()?.first() {
             return Err(DatasetError::NotASet {
                 path: path.clone(),
-                reason: format!("{finding}; run its generate again"),
+                reason: format!("{finding}; make this shard again by its own command"),
             });
         }
         let part = Part {

@@ -19,6 +19,15 @@ pub struct Shard {
     pub of: u32,
 }
 
+impl Shard {
+    /// Whether an image of this name is one of its.
+    #[must_use]
+    pub fn takes(self, name: &str) -> bool {
+        let place = digest(Seed(0), "shard", name) % u64::from(self.of.max(1));
+        place + 1 == u64::from(self.number)
+    }
+}
+
 /// What a first walk over a source has found.
 #[derive(Debug, Clone)]
 pub struct Survey {
@@ -124,10 +133,7 @@ impl Survey {
     /// Whether an image is taken by this run.
     #[must_use]
     pub fn is_selected(&self, name: &str) -> bool {
-        let in_shard = self.selection.shard.is_none_or(|shard| {
-            let place = digest(Seed(0), "shard", name) % u64::from(shard.of.max(1));
-            place + 1 == u64::from(shard.number)
-        });
+        let in_shard = self.selection.shard.is_none_or(|shard| shard.takes(name));
         in_shard && self.is_of_set(name)
     }
 
@@ -162,7 +168,7 @@ impl Survey {
 
     /// The names of the images that this run takes, in the order of the source, without a look at
     /// their labels.
-    pub(super) fn selected_names<'a>(
+    pub(crate) fn selected_names<'a>(
         &'a self,
         source: &'a Source,
     ) -> impl Iterator<Item = String> + Send + 'a {

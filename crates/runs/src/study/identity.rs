@@ -117,7 +117,12 @@ impl Identity {
             folder: folder.to_owned(),
             what,
         };
-        let text = match read_text(&folder.join(FILE), MAX_BYTES) {
+        let mut found = read_text(&folder.join(FILE), MAX_BYTES);
+        if found.is_err() && holds_anything(folder) {
+            // Another step of the same shard may have begun it just now.
+            found = read_text(&folder.join(FILE), MAX_BYTES);
+        }
+        let text = match found {
             Ok(file) => file.text,
             Err(DatasetError::Read { source, .. })
                 if source.kind() == std::io::ErrorKind::NotFound =>
@@ -159,9 +164,7 @@ impl Identity {
             ..self.clone()
         };
         match as_this.difference(&found) {
-            Some(what) => Err(refuse(format!(
-                "it is of another study: {what}; name all that it has"
-            ))),
+            Some(what) => Err(refuse(format!("it is of another study: {what}"))),
             None => Ok(shard),
         }
     }

@@ -246,11 +246,17 @@ impl StudyPlan<'_> {
             arms.push(arm);
         }
         if !self.keeps_images {
-            for image in self.images {
-                layout.remove_image(&image.name)?;
-            }
+            self.remove_images(&layout)?;
         }
         Ok(Some((layout, arms)))
+    }
+
+    /// Removes the images of a set, those without labels too.
+    pub(super) fn remove_images(&self, layout: &SetLayout) -> Result<(), Error> {
+        for name in self.survey.selected_names(self.source) {
+            layout.remove_image(&name)?;
+        }
+        Ok(())
     }
 
     /// BLAKE3 of each image of a condition by its set's records, where each detector has looked at all of them.

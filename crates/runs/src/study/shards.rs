@@ -15,7 +15,7 @@ use super::identity::Identity;
 use super::run::each_once;
 use super::{Condition, DetectorRuns, StudyDetector, StudyEvent, StudyPlan, StudyRuns};
 use crate::Error;
-use crate::generate::Survey;
+use crate::generate::{Shard, Survey};
 
 /// The step in which detectors look at the clean images; the others have the names of the conditions.
 pub const CLEAN_STEP: &str = "clean";
@@ -56,8 +56,7 @@ impl StudyPlan<'_> {
             let step = step.to_owned();
             return Err(Error::StudyStep { step, steps });
         }
-        let is_taken = |image: &&ImageToSee| shard.is_selected(&image.name);
-        let images: Vec<ImageToSee> = self.images.iter().filter(is_taken).cloned().collect();
+        let images = self.images_of(|name| shard.is_selected(name));
         let part = StudyPlan {
             survey: shard,
             images: &images,
@@ -97,8 +96,17 @@ impl StudyPlan<'_> {
         let identity = Identity::of(self, truth)?;
         identity.check(self.out)?;
         self.refuse_moved_labels()?;
+        self.check_sizes(truth)?;
         let shards = in_order(&identity, shards)?;
-        // Before anything is written: what is not whole ends it.
+        for (shard, folder) in &shards {
+            let images = self.images_of(|name| shard.takes(name));
+            let part = StudyPlan {
+                images: &images,
+                ..self.in_shard(folder)
+            };
+            part.check_files()?;
+        }
+        // What detectors have not looked at ends it before anything is written.
         let mut steps = Vec::new();
         for step in std::iter::once(None).chain(self.conditions.iter().map(Some)) {
             let detectors = self.detectors.iter();
@@ -134,12 +142,26 @@ impl StudyPlan<'_> {
     }
 
     /// Joins the sets of a condition.
-    fn join_set(&self, condition: &Condition, shards: &[PathBuf]) -> Result<SetLayout, Error> {
-        let set_of = |shard: &PathBuf| self.in_shard(shard).set_folder(condition);
+    fn join_set(
+        &self,
+        condition: &Condition,
+        shards: &[(Shard, PathBuf)],
+    ) -> Result<SetLayout, Error> {
+        let set_of = |(_, folder): &(Shard, PathBuf)| self.in_shard(folder).set_folder(condition);
         let parts: Vec<PathBuf> = shards.iter().map(set_of).collect();
         let folder = self.set_folder(condition);
         merge_sets(&parts, &folder, self.keeps_images)?;
-        Ok(SetLayout::new(&folder, 1))
+        let layout = SetLayout::new(&folder, 1);
+        if !self.keeps_images {
+            // A run that was interrupted here may have left some.
+            self.remove_images(&layout)?;
+        }
+        Ok(layout)
+    }
+
+    fn images_of(&self, is_taken: impl Fn(&str) -> bool) -> Vec<ImageToSee> {
+        let images = self.images.iter();
+        images.filter(|one| is_taken(&one.name)).cloned().collect()
     }
 
     /// The plan in the folder of a shard.
@@ -150,26 +172,30 @@ impl StudyPlan<'_> {
         }
     }
 
-    /// What a detector found in the images of all shards, in the order of the images.
+    /// What a detector found in the images of all shards, in the order of the images. A log counts as far as it has the
+    /// images of its shard in their order.
     fn found_in_shards(
         &self,
         detector: &StudyDetector,
         condition: Option<&Condition>,
-        shards: &[PathBuf],
+        shards: &[(Shard, PathBuf)],
     ) -> Result<Vec<FoundInImage>, Error> {
         let identity = self.log_identity(detector, condition)?.to_string();
-        let mut by_name: BTreeMap<String, FoundInImage> = BTreeMap::new();
-        for shard in shards {
-            let part = self.in_shard(shard).log(detector, condition);
-            let found = found_by(&part, &identity)?.ok_or_else(|| Error::StudyShard {
-                folder: shard.clone(),
-                what: format!("{part:?} is not there or of another study; run this shard again"),
+        let mut logs = Vec::new();
+        for (shard, folder) in shards {
+            let log = self.in_shard(folder).log(detector, condition);
+            let found = found_by(&log, &identity)?.ok_or_else(|| Error::StudyShard {
+                folder: folder.clone(),
+                what: format!(
+                    "{log:?} is not there, or of another study or version; run this shard again"
+                ),
             })?;
-            by_name.extend(found.into_iter().map(|one| (one.image.clone(), one)));
+            logs.push((*shard, found.into_iter()));
         }
         let of_image = |image: &ImageToSee| {
-            by_name
-                .remove(&image.name)
+            let log = logs.iter_mut().find(|(shard, _)| shard.takes(&image.name));
+            let next = log.and_then(|(_, found)| found.next());
+            next.filter(|found| found.image == image.name)
                 .ok_or_else(|| Error::StudyShardUnfinished {
                     detector: detector.name.clone(),
                     step: condition.map_or(CLEAN_STEP, |one| &one.name).to_owned(),
@@ -181,7 +207,7 @@ impl StudyPlan<'_> {
 }
 
 /// The folders of all shards by their number.
-fn in_order(identity: &Identity, folders: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+fn in_order(identity: &Identity, folders: &[PathBuf]) -> Result<Vec<(Shard, PathBuf)>, Error> {
     let mut by_number = BTreeMap::new();
     let mut all = None;
     for folder in folders {
@@ -197,7 +223,8 @@ fn in_order(identity: &Identity, folders: &[PathBuf]) -> Result<Vec<PathBuf>, Er
                 "it is the shard {number}/{other}, and the first is one of {of}; give the shards of one run"
             )));
         }
-        if by_number.insert(shard.number, folder.clone()).is_some() {
+        let entry = (shard, folder.clone());
+        if by_number.insert(shard.number, entry).is_some() {
             let number = shard.number;
             return Err(refuse(format!(
                 "shard {number}/{of} is there twice; give each once"
