@@ -98,7 +98,9 @@ fn a_picture_takes_no_more_than_is_said_and_no_less_than_a_third_of_it() {
         "windshield-gravel 4000x3000 optics.veiling_glare=0.1",
         "paper 4000x3000 fracture.neighbour_radius_px=330",
         "paper 4000x3000 fracture.neighbour_radius_px=330 optics.model=physical",
-        "paper 1242x375 fracture.particles=1000000 fracture.neighbour_radius_px=6.5",
+        "paper 1242x375 fracture.particles=1000000 fracture.neighbour_radius_px=6.5 fracture.two_sided=true fracture.critical_stress=1",
+        "paper 1242x375 fracture.particles=1000000 fracture.neighbour_radius_px=3 fracture.branches=2 fracture.critical_stress=0.001",
+        "paper 1242x375 fracture.particles=1000000 fracture.neighbour_radius_px=6.5 fracture.neighbourhood=\"mesh-edges\"",
     ];
     let mut wrong = Vec::new();
     for recipe in recipes {
@@ -135,6 +137,7 @@ fn what_takes_too_much_is_refused_with_the_key_to_change() {
                 &[
                     "fracture.particles=10000000",
                     "fracture.neighbour_radius_px=2",
+                    "fracture.branches=2",
                 ],
                 (1242, 375),
                 1 << 30,

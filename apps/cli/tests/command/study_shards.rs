@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::program::{all_refused, command, folder, snapshot, starbreak, succeed};
 use crate::study_photos::{STUDY, world};
+use image::{Rgb, RgbImage};
 
 const SHARDS: [&str; 3] = ["shard-1", "shard-2", "shard-3"];
 
@@ -206,27 +207,58 @@ fn what_cannot_be_joined_is_refused() {
     succeed(dir, &join(&["one", "half"]));
 }
 
-/// What only breaking could not use is told of as one run would.
+/// What only breaking cannot use, since it takes more memory than is allowed, is told of as one run does.
 #[test]
-fn an_image_that_goes_between_two_steps_is_told_of() {
+fn an_image_that_cannot_be_broken_is_told_of_as_by_one_run() {
     let dir = folder();
     world(dir.path());
     let dir = dir.path();
-    let step = |name: &'static str| study(&["-o", "part", "--shard", "1/1", "--step", name]);
-    succeed(dir, &step("clean"));
-    succeed(dir, &step("photos-seed-0"));
-    let image = dir.join("coco/val2017/000000000003.png");
-    fs::write(&image, "none").unwrap();
-    let refused = starbreak(dir, &step("paper-severity-1-seed-0"));
-    assert_eq!(refused.code, Some(2), "it has changed: {}", refused.stderr);
-    fs::remove_file(&image).unwrap();
-    for name in ["paper-severity-1-seed-0", "paper-severity-5-seed-0"] {
-        let outcome = starbreak(dir, &step(name));
-        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    let large = RgbImage::from_pixel(6000, 6000, Rgb([90, 90, 90]));
+    let name = "coco/val2017/000000000003.png";
+    large.save(dir.join(name)).unwrap();
+    let labels = dir.join("coco/annotations/instances_val2017.json");
+    let text = fs::read_to_string(&labels).unwrap();
+    let at = text.find("000000000003.png").unwrap();
+    let (before, image) = text.split_at(text[..at].rfind('{').unwrap());
+    let image = image.replacen(":64", ":6000", 2);
+    fs::write(&labels, format!("{before}{image}")).unwrap();
+    let study = |more: &[&'static str]| {
+        let words = [
+            "--max-memory",
+            "300MB",
+            "--replicates",
+            "20",
+            "--divergence",
+            "off",
+        ];
+        let words = [
+            &["study", "--quiet", "coco:coco", "--model", "model.onnx"][..],
+            &words,
+        ]
+        .concat();
+        [
+            &words[..],
+            &["--presets", "paper", "--set", "fracture.particles=800"],
+            more,
+        ]
+        .concat()
+    };
+    for (out, more) in [
+        ("whole", &[][..]),
+        ("part", &["--shard", "1/1"]),
+        ("joined", &["--join", "part"]),
+    ] {
+        let outcome = starbreak(dir, &study(&[&["-o", out], more].concat()));
+        assert_eq!(outcome.code, Some(1), "{out}: {}", outcome.stderr);
     }
-    let outcome = starbreak(dir, &study(&["-o", "study", "--join", "part"]));
-    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
-    let unseen = fs::read_to_string(dir.join("study/unseen.jsonl")).unwrap();
-    assert_eq!(unseen.lines().count(), 1, "{unseen}");
-    assert!(unseen.contains("paper-severity-1-seed-0: "), "{unseen}");
+    let unseen = |of: &str| fs::read_to_string(dir.join(of).join("unseen.jsonl")).unwrap();
+    assert_eq!(unseen("joined"), unseen("whole"), "the same reason");
+    let log =
+        |of: &str| fs::read(dir.join(of).join("detections/model/paper-seed-0.jsonl")).unwrap();
+    assert!(log("joined") == log("whole"), "the same lines");
+    assert!(
+        unseen("whole").contains("paper-seed-0: "),
+        "{}",
+        unseen("whole")
+    );
 }

@@ -144,7 +144,8 @@ impl PaperParams {
     }
 
     /// Whether anything depends on the edges of the mesh; else only its nodes matter.
-    pub(crate) fn walks_along_edges(&self) -> bool {
+    #[must_use]
+    pub fn walks_along_edges(&self) -> bool {
         self.neighborhood == Neighborhood::MeshEdges || self.snap_to_mesh
     }
 

@@ -1,14 +1,15 @@
 //! All arms of a study: each detector over the clean images and over each condition's.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use serde_json::{Value, json};
 use starbreak::{DEFAULT_PRESET, Recipe};
 use starbreak_dataset::{
-    Encoding, ImageFormat, ImageLimits, JpegQuality, LineLog, SetLayout, Source, blake3_file,
-    decode_image, encode_image_as, read_image, refuse_inside_set,
+    DatasetError, Encoding, ImageFormat, ImageLimits, JpegQuality, LineLog, SetLayout, Source,
+    blake3_file, decode_image, encode_image_as, read_image, refuse_inside_set,
 };
 use starbreak_detect::{Detector, ImageToSee, LabelMap};
 use starbreak_eval::{BoxPx, Detection, Detections, GroundTruth};
@@ -231,10 +232,14 @@ impl StudyPlan<'_> {
         let of_set = |image: &ImageToSee| layout.path(&image.name);
         let hash = |image: &ImageToSee| match seen.as_ref().and_then(|it| it.get(&image.name)) {
             Some(blake3) => Ok(blake3.clone()),
-            None if !of_set(image).is_file() => Err(Error::StudyUnbroken {
-                condition: condition.name.clone(),
+            None => blake3_file(&of_set(image)).map_err(|error| match error {
+                DatasetError::Read { source, .. } if source.kind() == ErrorKind::NotFound => {
+                    Error::StudyUnbroken {
+                        condition: condition.name.clone(),
+                    }
+                }
+                error => error.into(),
             }),
-            None => Ok(blake3_file(&of_set(image))?),
         };
         let mut arms = Vec::new();
         for detector in self.detectors {

@@ -2,11 +2,12 @@
 //! found.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use serde::Deserialize;
-use starbreak_dataset::{SetLayout, merge_sets, read_text, refuse_inside_set};
+use starbreak_dataset::{DatasetError, SetLayout, merge_sets, read_text, refuse_inside_set};
 use starbreak_detect::ImageToSee;
 use starbreak_eval::GroundTruth;
 
@@ -248,10 +249,13 @@ struct FailedImage {
 /// What a set could not break.
 fn failures_of(layout: &SetLayout, condition: &Condition) -> Result<Vec<UnseenImage>, Error> {
     let list = layout.state("failures.jsonl");
-    if !list.is_file() {
-        return Ok(Vec::new());
-    }
-    let text = read_text(&list, MAX_BYTES)?.text;
+    let text = match read_text(&list, MAX_BYTES) {
+        Ok(file) => file.text,
+        Err(DatasetError::Read { source, .. }) if source.kind() == ErrorKind::NotFound => {
+            return Ok(Vec::new());
+        }
+        Err(error) => return Err(error.into()),
+    };
     let unseen = text.lines().map(|line| {
         let failed: FailedImage =
             serde_json::from_str(line).map_err(|cause| Error::StudyShard {

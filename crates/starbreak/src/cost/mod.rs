@@ -18,7 +18,8 @@ use crate::{Error, FractureSettings, PaperSettings, PhysicsSettings, Settings};
 /// What the program holds besides.
 const BASE_BYTES: f64 = 1e7;
 
-/// What one picture takes at most, about: more than is measured, up to some three times as much.
+/// What one picture takes at most, about: more than is measured, up to some three times as much; by the paper's model
+/// more than that where cracks do not reach everywhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// What is done.
@@ -99,14 +100,16 @@ impl Settings {
     }
 }
 
-/// Bytes of a particle in its mesh, and of a piece of crack on its way into the network.
-const PARTICLE_BYTES: f64 = 240.0;
+/// Bytes of a particle, of one whose cracks fork or walk along the edges of its mesh, and of a piece of crack on its way
+/// into the network.
+const PARTICLE_BYTES: f64 = 60.0;
+const JOINED_PARTICLE_BYTES: f64 = 240.0;
 const SEGMENT_BYTES: f64 = 200.0;
 
-/// Pieces per particle where none cross, how many more per neighbor where they do, and the most that
-/// the model takes.
-const PIECES: f64 = 3.0;
-const CROSSINGS: f64 = 0.004;
+/// Pieces per particle where none cross, and how many more there are per neighbor where they do: of cracks that do not
+/// fork, and of those that do. The most that the model takes.
+const PIECES: [f64; 2] = [0.3, 3.0];
+const CROSSINGS: [f64; 2] = [0.0012, 0.004];
 const MOST_PIECES: f64 = 2e6;
 
 fn of_particles(paper: &PaperSettings, area_px: f64) -> Part {
@@ -114,9 +117,15 @@ fn of_particles(paper: &PaperSettings, area_px: f64) -> Part {
     let particles = f64::from(params.particles);
     let around = std::f64::consts::PI * params.neighbor_radius * params.neighbor_radius;
     let neighbors = particles * (around / area_px).min(1.0);
-    let pieces = (particles * (PIECES + CROSSINGS * neighbors)).min(MOST_PIECES);
+    let forks = params.branches > 1;
+    let [pieces, crossings] = [PIECES, CROSSINGS].map(|of| of[usize::from(forks)]);
+    let pieces = (particles * (pieces + crossings * neighbors)).min(MOST_PIECES);
+    let particle_bytes = match forks || params.walks_along_edges() {
+        true => JOINED_PARTICLE_BYTES,
+        false => PARTICLE_BYTES,
+    };
     (
-        PARTICLE_BYTES * particles + SEGMENT_BYTES * pieces,
+        particle_bytes * particles + SEGMENT_BYTES * pieces,
         "lower fracture.particles",
     )
 }
