@@ -18,7 +18,7 @@ import starbreak
 import starbreak.ray
 from PIL import Image
 
-STUDY = {"presets": ["windshield-star"], "severities": [3, 5], "replicates": 100, "divergence": "off", "worst": 1}
+STUDY = {"presets": ["windshield-star"], "severities": [3, 5], "limit": 32, "replicates": 100, "divergence": "off", "worst": 1}
 
 
 def files_in(folder):
@@ -83,7 +83,7 @@ def main():
     *words, last = sys.argv[1:]
     n_rounds, words = (int(last), words) if last.isdigit() else (3, [*words, last])
     source, models = words[0], words[1:]
-    print(f"ray {ray.__version__}, {len(models)} detectors, two conditions, 4 shards; seconds: the steps, joining and report")
+    print(f"ray {ray.__version__}, {len(models)} detectors, 32 images, two conditions, 4 shards; seconds: the steps, joining and report")
     for n_images in (10_000, 100_000):
         seconds, mib = many_images(models[0], n_images)
         print(f"a task begins after {seconds:.1f} s with {mib:.0f} MiB, of {n_images} images with 7 labels each")

@@ -158,6 +158,7 @@ def test_what_makes_no_sense_is_refused_before_a_task_begins(world):
         ("shard", {"shard": "1/2"}),
         ("join", {"join": ["x"]}),
         ("progress", {"progress": True}),
+        ("share", {"output": "s3://bucket/study"}),
         ("dry_run", {"dry_run": False}),
         ("n_shards", {"n_shards": 0}),
         ("threads", {"threads": 0}),

@@ -135,7 +135,7 @@ def study(
             if images could not be used, and the same call tries these again.
         recipe: as for ``starbreak.command``.
         n_shards: number of shards, of about equal size; default: one for each 100 images.
-        threads: threads of each task, for which Ray sets aside as many processors.
+        threads: threads of each task, for which Ray sets aside as many processors: it waits for a machine that has them.
         options: flags of ``starbreak study``, as for ``starbreak.command``: ``presets=["windshield-star"]``. With
             ``cuda=True`` Ray sets aside a GPU for each task.
 
@@ -152,6 +152,8 @@ def study(
     for name in ("shard", "step", "join", "dry_run", "progress"):
         if name in options:
             raise ValueError(f"{name}: a study on a cluster has no such option; leave it out")
+    if "://" in os.fspath(output):
+        raise ValueError(f"{output}: a study writes files; give a folder of a file system that all machines share")
     threads = whole("threads", threads, 1, 2**16)
     options = {"model": model, "output": output, **options}
     plan = command("study", source, recipe=recipe, dry_run=True, **options)
@@ -160,9 +162,9 @@ def study(
     n_shards = whole("n_shards", n_shards, 1, 2**32 - 1)
     folder = Path(os.path.abspath(output))
     parts = folder.with_name(f"{folder.name}-shards")
-    if (folder / "study.json").exists() and not parts.exists():
-        return call("study", [source], recipe, False, options, {})
     shards = {f"{k}/{n_shards}": parts / f"{k}-of-{n_shards}" for k in range(1, n_shards + 1)}
+    if (folder / "study.json").exists() and not any(part.exists() for part in shards.values()):
+        return call("study", [source], recipe, False, options, {})
     step_on = _study_step.options(num_cpus=threads, num_gpus=1 if options.get("cuda") else 0, name="study step")
     tasks = [
         step_on.remote(
