@@ -102,7 +102,7 @@ def peer_ms(seed, image):
 def main():
     starbreak, runs = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 15
     with tempfile.TemporaryDirectory() as folder:
-        bench = [starbreak, "bench", "--model", "paper", "--particles", str(PARTICLES), "--runs", str(runs), "--json", "--quiet", "-o", folder]
+        bench = [starbreak, "bench", "--model", "paper", "--particles", str(PARTICLES), "--runs", str(runs), "--json", "--quiet", "--replace", "-o", folder]
         before = json.loads(subprocess.run(bench, check=True, capture_output=True).stdout)
         image = np.full((HEIGHT, WIDTH, 3), 120, np.uint8)
         peer_ms(0, image)
