@@ -177,7 +177,8 @@ const MOST_PHASE: f32 = 4.2e8;
 /// Phases up to which quarters of a turn are taken off in one piece: nine eighths of a turn.
 const NEAR: f64 = 7.068_583_011_627_197;
 
-/// Sines and cosines, to the last bit those of [`libm::sincosf`] but for the sign of 0, of which this is the part that most phases come to.
+/// Sines and cosines, to the last bit those of [`libm::sincosf`] but for the sign of 0. This is the part of it that most
+/// phases come to.
 #[inline(always)]
 fn sines<const N: usize>(phases: [f32; N]) -> [[f64; N]; 2] {
     // The first 25 bits of π/2, and the rest; 3·2⁵¹, beyond which numbers are whole.

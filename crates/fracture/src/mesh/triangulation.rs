@@ -54,8 +54,8 @@ pub struct MeshEdges {
 /// outline as constraints. Fixed points may lie on the rim, which they then divide.
 ///
 /// The first ids of [`Particles::fixed_node`] are those of `fixed`, the four after them the
-/// corners. The nodes are made at once; their edges, which take most of the time and which few
-/// readings of the paper walk along, by the first call of [`PaneMesh::edges`].
+/// corners. The nodes are made at once; their edges, which take most of the time, by the first call
+/// of [`PaneMesh::edges`]: only `mesh-edges` and `snap_to_mesh` need them.
 #[must_use]
 pub fn mesh_pane(pane: &Pane, count: u32, fixed: &[[f64; 2]], seed: Seed) -> PaneMesh {
     let (width, height) = (pane.width, pane.height);
@@ -104,7 +104,8 @@ impl PaneMesh {
         &self.particles
     }
 
-    /// Number of triangles, by Euler's formula: 2V − 2 − B for V nodes, of which B are on the rim.
+    /// Number of triangles, by Euler's formula: 2V − 2 − B for V nodes, of which B are on the rim. Of a pane with room for
+    /// two steps of its lattice in width and height, as any frame has; in a narrower one nodes lie beyond the rim.
     #[must_use]
     pub fn n_triangles(&self) -> usize {
         2 * self.particles.len() - 2 - self.rim.len()
