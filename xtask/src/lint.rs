@@ -23,9 +23,15 @@ pub fn run(root: &Path) -> Result<(), Failure> {
         &["fmt", "--manifest-path", "fuzz/libfuzzer/Cargo.toml"],
         &["--check"],
     );
+    // Fails where the lock file of that workspace is not that of its crates.
+    let fuzz_lock = with(
+        &["tree", "--manifest-path", "fuzz/libfuzzer/Cargo.toml"],
+        &["--locked", "--depth", "0"],
+    );
     let results = [
         run_command(with(&["fmt", "--all"], &["--check"])),
         run_command(fuzz_fmt),
+        run_command(fuzz_lock),
         run_command(with(
             &["clippy", "--workspace"],
             &[&clippy[..], &deny].concat(),

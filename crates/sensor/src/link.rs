@@ -105,7 +105,21 @@ impl Link {
 
 /// Encodes and decodes the colors; of 16-bit codes the upper 8 bits pass.
 fn through_jpeg<C: Code>(codes: &mut Codes<'_, C>, quality: u8) -> Result<(), SensorError> {
-    let (width, height) = codes.size;
+    let samples: Vec<u8> = codes.colors().map(|code| code.upper_byte()).collect();
+    let decoded = samples_through_jpeg(&samples, codes.size, codes.n_colors, quality)?;
+    for (code, byte) in codes.colors_mut().zip(decoded) {
+        *code = C::of_byte(byte);
+    }
+    Ok(())
+}
+
+/// Apart from the kind of codes, for each of which the whole codec would be compiled.
+fn samples_through_jpeg(
+    samples: &[u8],
+    (width, height): (usize, usize),
+    n_colors: usize,
+    quality: u8,
+) -> Result<Vec<u8>, SensorError> {
     let error = |reason: String| SensorError::Jpeg {
         width,
         height,
@@ -114,11 +128,10 @@ fn through_jpeg<C: Code>(codes: &mut Codes<'_, C>, quality: u8) -> Result<(), Se
     let [Ok(w), Ok(h)] = [width, height].map(u16::try_from) else {
         return Err(error("its sides are at most 65535 px".to_owned()));
     };
-    let (color, space) = match codes.n_colors {
+    let (color, space) = match n_colors {
         1 => (ColorType::Luma, ColorSpace::Luma),
         _ => (ColorType::Rgb, ColorSpace::RGB),
     };
-    let samples: Vec<u8> = codes.colors().map(|code| code.upper_byte()).collect();
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, quality);
     encoder.set_sampling_factor(if quality >= 90 {
@@ -127,16 +140,12 @@ fn through_jpeg<C: Code>(codes: &mut Codes<'_, C>, quality: u8) -> Result<(), Se
         SamplingFactor::F_2_2
     });
     encoder
-        .encode(&samples, w, h, color)
+        .encode(samples, w, h, color)
         .map_err(|it| error(it.to_string()))?;
     let options = DecoderOptions::default()
         .set_max_width(usize::MAX)
         .set_max_height(usize::MAX)
         .jpeg_set_out_colorspace(space);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(&bytes), options);
-    let decoded = decoder.decode().map_err(|it| error(it.to_string()))?;
-    for (code, byte) in codes.colors_mut().zip(decoded) {
-        *code = C::of_byte(byte);
-    }
-    Ok(())
+    decoder.decode().map_err(|it| error(it.to_string()))
 }
