@@ -2,8 +2,9 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use image::DynamicImage;
 use starbreak::{Recipe, Seed};
-use starbreak_dataset::{ImageLimits, JpegQuality};
+use starbreak_dataset::{ImageFile, ImageFormat, ImageLimits, JpegQuality};
 use starbreak_runs::RunContext;
 use starbreak_runs::bag::{Bag, BagReport, BagRequest, CameraKind, CameraMessage, ImpactAt};
 use starbreak_runs::clip::{Growth, Light};
@@ -60,31 +61,36 @@ pub fn message(bytes: &[u8]) {
         Ok(message) => message,
         Err(fault) => return is_one_line(&fault.to_string()),
     };
-    let picture = match message.picture(bytes, &LIMITS) {
-        Ok(picture) => picture,
+    let mut raw = bytes.to_vec();
+    if let Some(mut frame) = message.frame(&mut raw) {
+        let mut image = DynamicImage::default();
+        frame.copy_to(&mut image);
+        let copied = frame.copy_from(&mut image);
+        assert!(copied.is_ok(), "its own pixels: {copied:?}");
+    }
+    assert_eq!(raw, bytes, "a raw image with its own pixels");
+    let file = match message.file(bytes, &LIMITS) {
+        Ok(Some(file)) => file,
+        Ok(None) => return,
         Err(fault) => return is_one_line(&fault.to_string()),
     };
-    let is_jpeg = picture.is_jpeg();
-    let pixels = picture.pixels.clone();
     let Ok(quality) = JpegQuality::new(95) else {
         return;
     };
-    let written = match message.with_picture(bytes.to_vec(), picture, quality) {
+    let written = match message.with_file(bytes, &file, quality) {
         Ok(written) => written,
         Err(fault) => return is_one_line(&fault.to_string()),
     };
-    if kind == CameraKind::Raw {
-        assert_eq!(written, bytes, "a raw image with its own pixels");
-    }
     match CameraMessage::read(kind, &written) {
         Ok(again) => {
             assert_eq!(again.stamp_ns(), message.stamp_ns(), "the stamp");
-            match again.picture(&written, &LIMITS) {
-                Ok(picture) if is_jpeg => {
-                    let size = (picture.pixels.width(), picture.pixels.height());
-                    assert_eq!(size, (pixels.width(), pixels.height()), "the size");
+            match again.file(&written, &LIMITS) {
+                Ok(Some(read)) if file.format == ImageFormat::Jpeg => {
+                    let size = |file: &ImageFile| (file.pixels.width(), file.pixels.height());
+                    assert_eq!(size(&read), size(&file), "the size");
                 }
-                Ok(picture) => assert_eq!(picture.pixels, pixels, "written and read again"),
+                Ok(Some(read)) => assert_eq!(read.pixels, file.pixels, "written and read again"),
+                Ok(None) => panic!("a compressed image that is none when it is read again"),
                 Err(fault) => panic!("does not read what it wrote: {fault}"),
             }
         }

@@ -110,11 +110,14 @@ fn write(writer: &mut Writer<BufWriter<File>>, batch: Vec<Message>) -> Result<()
                 return Ok((header, data));
             };
             let message = CameraMessage::read(kind, &data)?;
-            let picture = message.picture(&data, &ImageLimits::default())?;
-            Ok((
-                header,
-                message.with_picture(data, picture, JpegQuality::new(95)?)?,
-            ))
+            Ok(match message.file(&data, &ImageLimits::default())? {
+                Some(file) => {
+                    let data = message.with_file(&data, &file, JpegQuality::new(95)?)?;
+                    (header, data)
+                }
+                // Pixels of a raw image are as they are in memory.
+                None => (header, data),
+            })
         })
         .collect::<Result<_, Failure>>()?;
     for (header, data) in again {

@@ -2,16 +2,18 @@
 
 use std::sync::OnceLock;
 
+use image::DynamicImage;
 use mcap::records::MessageHeader;
 use rayon::prelude::*;
-use starbreak_dataset::{ImageLimits, JpegQuality};
+use starbreak_dataset::{ImageFile, ImageFormat, ImageLimits, JpegQuality};
 use starbreak_seed::Seed;
 
 use super::Added;
-use super::message::{CameraKind, CameraMessage, CameraPicture, text_message};
+use super::message::{CameraKind, CameraMessage, text_message};
 use super::records::Event;
 use super::write::Outgoing;
 use crate::bag_error::{BagError, MessageFault};
+use crate::clip::pixels::Pixels;
 use crate::clip::stream::{Pane, Stream, StreamFrame, StreamParams, StreamShown};
 use crate::clip::{Growth, Light};
 use crate::{Error, RunContext};
@@ -115,34 +117,49 @@ pub(super) struct Incoming {
 
 /// The same with its pixels.
 pub(super) struct Decoded {
+    /// Without its bytes where the pixels lie in them.
     incoming: Incoming,
     message: CameraMessage,
-    picture: CameraPicture,
+    pixels: Pixels,
+    /// All but the pixels of the file that a compressed image is.
+    file: Option<ImageFile>,
     /// The message with the pixels as they are, written again.
     control: Option<Vec<u8>>,
 }
 
 impl Incoming {
     /// Reads the pixels, and writes them again where a control is asked for.
-    pub(super) fn decoded(self, camera: &Camera) -> Result<Decoded, Error> {
+    pub(super) fn decoded(mut self, camera: &Camera) -> Result<Decoded, Error> {
         let of_message = |fault| camera.of_message(self.idx, fault);
         let message = CameraMessage::read(self.kind, &self.data).map_err(of_message)?;
-        let picture = message
-            .picture(&self.data, &ImageLimits::default())
+        let mut file = message
+            .file(&self.data, &ImageLimits::default())
             .map_err(of_message)?;
-        let has_control = camera.added.contains(&Added::Control) && picture.is_jpeg();
-        let control = match has_control {
-            true => Some(
-                message
-                    .with_picture(self.data.clone(), picture.clone(), camera.quality()?)
-                    .map_err(of_message)?,
-            ),
-            false => None,
+        let control = match &file {
+            // JPEG loses something whenever it is written.
+            Some(file)
+                if camera.added.contains(&Added::Control) && file.format == ImageFormat::Jpeg =>
+            {
+                let written = message.with_file(&self.data, file, camera.quality()?);
+                Some(written.map_err(of_message)?)
+            }
+            _ => None,
+        };
+        let pixels = match (message.layout(), &mut file) {
+            (Some(layout), _) => Pixels::Rows {
+                bytes: std::mem::take(&mut self.data),
+                layout,
+            },
+            (None, file) => {
+                let pixels = file.as_mut().map(|file| std::mem::take(&mut file.pixels));
+                Pixels::Image(pixels.unwrap_or_default())
+            }
         };
         Ok(Decoded {
             incoming: self,
             message,
-            picture,
+            pixels,
+            file,
             control,
         })
     }
@@ -182,10 +199,7 @@ impl<'a> CameraRun<'a> {
 
     /// The next frames behind the glass, in their order.
     pub(super) fn show(&mut self, frames: Vec<Decoded>) -> Result<Vec<Damaged>, Error> {
-        let size_of = |frame: &Decoded| {
-            let pixels = &frame.picture.pixels;
-            (pixels.width(), pixels.height())
-        };
+        let size_of = |frame: &Decoded| frame.pixels.size();
         let mut all = Vec::with_capacity(frames.len());
         let mut frames = frames.into_iter().peekable();
         while let Some(size) = frames.peek().map(size_of) {
@@ -209,13 +223,11 @@ impl<'a> CameraRun<'a> {
         let times: Vec<f64> = (frames.iter())
             .map(|frame| seconds_between(first_ns, frame.message.stamp_ns()))
             .collect();
-        let pixels = (frames.iter_mut().zip(&times)).map(|(frame, time_s)| {
-            let pixels = &mut frame.picture.pixels;
-            StreamFrame {
-                idx: frame.incoming.idx,
-                time_s: *time_s,
-                pixels: std::mem::take(pixels),
-            }
+        let nothing = || Pixels::Image(DynamicImage::default());
+        let pixels = (frames.iter_mut().zip(&times)).map(|(frame, time_s)| StreamFrame {
+            idx: frame.incoming.idx,
+            time_s: *time_s,
+            pixels: std::mem::replace(&mut frame.pixels, nothing()),
         });
         let pixels = pixels.collect();
         let shown = self.stream(size, first_idx)?.batch(pixels)?;
@@ -288,15 +300,20 @@ impl Damaged {
         let Decoded {
             incoming,
             message,
-            mut picture,
+            file,
             control,
+            ..
         } = decoded;
         let of_message = |fault| camera.of_message(incoming.idx, fault);
+        let bytes = match &shown.pixels {
+            Pixels::Rows { bytes, .. } => bytes,
+            Pixels::Image(_) => &incoming.data,
+        };
         let mut added = Vec::new();
         for one in &camera.added {
             let data = match one {
-                Added::Region => match &shown.region {
-                    Some(region) => Some(message.mask(&incoming.data, region).map_err(of_message)?),
+                Added::Region => match shown.region() {
+                    Some(region) => Some(message.mask(bytes, region).map_err(of_message)?),
                     None => None,
                 },
                 Added::Track => Some(text_message(&shown.line.to_string()).map_err(of_message)?),
@@ -306,14 +323,15 @@ impl Damaged {
         }
         added.extend(control.map(|data| (Added::Control, data)));
         let header = incoming.header;
-        let data = match shown.is_untouched {
-            true => incoming.data,
-            false => {
-                picture.pixels = shown.pixels;
+        let data = match (shown.pixels, file) {
+            (Pixels::Rows { bytes, .. }, _) => bytes,
+            (Pixels::Image(pixels), Some(mut file)) if !shown.is_untouched => {
+                file.pixels = pixels;
                 message
-                    .with_picture(incoming.data, picture, camera.quality()?)
-                    .map_err(|fault| camera.of_message(incoming.idx, fault))?
+                    .with_file(&incoming.data, &file, camera.quality()?)
+                    .map_err(of_message)?
             }
+            (Pixels::Image(_), _) => incoming.data,
         };
         let mut all = vec![Outgoing::Kept(Event::Message { header, data })];
         all.extend(added.into_iter().map(|(added, data)| Outgoing::Added {

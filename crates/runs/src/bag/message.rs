@@ -2,13 +2,15 @@
 
 use std::ops::Range;
 
-use image::{DynamicImage, GrayImage, ImageBuffer, Rgb, Rgba};
+use image::GrayImage;
+use starbreak::optics::{Channels, FrameMut};
 use starbreak_dataset::{
     Encoding, ImageFile, ImageFormat, ImageLimits, JpegQuality, decode_image, encode_image_as,
 };
 
 use super::cdr::{Order, Walk, Written, length_of};
 use crate::bag_error::MessageFault;
+use crate::clip::pixels::RowLayout;
 
 /// What may lie behind the last field: padding to a multiple of 4.
 const MAX_PADDING: usize = 3;
@@ -37,115 +39,65 @@ pub struct CameraMessage {
 /// How a message holds its picture.
 #[derive(Debug, Clone)]
 enum Picture {
-    Raw(RawRows),
+    Raw(RowLayout),
     Compressed { format: String },
 }
 
-/// Rows of pixels.
-#[derive(Debug, Clone, Copy)]
-struct RawRows {
-    width: u32,
-    height: u32,
-    /// Bytes from row to row.
-    step: usize,
-    pixels: RawPixels,
+/// Encodings of raw images that are damaged, of 8 bits per channel.
+const ENCODINGS: [(&str, Channels); 5] = [
+    ("rgb8", Channels::Rgb),
+    ("bgr8", Channels::Bgr),
+    ("rgba8", Channels::Rgba),
+    ("bgra8", Channels::Bgra),
+    (MASK_ENCODING, Channels::Gray),
+];
+
+/// The encoding of masks.
+const MASK_ENCODING: &str = "mono8";
+
+/// The name and the channels of an encoding; of the others the reason why not.
+fn encoding_of(encoding: &str) -> Result<(&'static str, Channels), MessageFault> {
+    let known = ENCODINGS.into_iter().find(|(name, _)| *name == encoding);
+    known.ok_or_else(|| MessageFault::Encoding {
+        encoding: encoding.to_owned(),
+        reason: match no_picture(encoding) {
+            Some(reason) => reason,
+            None if encoding.starts_with("8U") => "it does not say which channel is which color",
+            None => "not known",
+        },
+    })
 }
 
-/// The order of channels, of 8 bits each.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum RawPixels {
-    Rgb,
-    Bgr,
-    Rgba,
-    Bgra,
-    Mono,
+/// Why the pixels of an encoding are no picture of 8 bits, where it says that they are none.
+fn no_picture(encoding: &str) -> Option<&'static str> {
+    if encoding.starts_with("bayer_") {
+        Some(
+            "a mosaic has one color per pixel, and glass comes before it; demosaic it first, for example with image_proc",
+        )
+    } else if encoding.starts_with("yuv") || encoding.starts_with("nv") {
+        Some("luma and chroma; convert it first, for example with image_proc")
+    } else if ["16", "32", "64"].iter().any(|it| encoding.contains(it)) {
+        Some("more than 8 bits per channel, as depth has")
+    } else {
+        None
+    }
 }
 
-impl RawPixels {
-    const ALL: [Self; 5] = [Self::Rgb, Self::Bgr, Self::Rgba, Self::Bgra, Self::Mono];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Rgb => "rgb8",
-            Self::Bgr => "bgr8",
-            Self::Rgba => "rgba8",
-            Self::Bgra => "bgra8",
-            Self::Mono => "mono8",
-        }
-    }
-
-    fn n_bytes(self) -> usize {
-        match self {
-            Self::Rgb | Self::Bgr => 3,
-            Self::Rgba | Self::Bgra => 4,
-            Self::Mono => 1,
-        }
-    }
-
-    /// By its name in a message; the others with the reason why not.
-    fn of(encoding: &str) -> Result<Self, MessageFault> {
-        let known = Self::ALL.into_iter().find(|one| one.name() == encoding);
-        known.ok_or_else(|| MessageFault::Encoding {
+/// Refuses a compressed image whose `format` says that its pixels are no picture: `image_transport` writes
+/// `ENCODING; jpeg compressed TARGET`, where `TARGET` is what colors were converted to, and nothing for pixels that
+/// were compressed as they are.
+fn check_format(format: &str) -> Result<(), MessageFault> {
+    let (encoding, packed) = format.split_once(';').unwrap_or((format, ""));
+    let (encoding, target) = match packed.split_once("compressed") {
+        Some((_, target)) if !target.trim().is_empty() => (encoding.trim(), target.trim()),
+        _ => (encoding.trim(), encoding.trim()),
+    };
+    match no_picture(target) {
+        Some(reason) => Err(MessageFault::Encoding {
             encoding: encoding.to_owned(),
-            reason: match Self::no_picture(encoding) {
-                Some(reason) => reason,
-                None if encoding.starts_with("8U") => {
-                    "it does not say which channel is which color"
-                }
-                None => "not known",
-            },
-        })
-    }
-
-    /// Why the pixels of an encoding are no picture of 8 bits, where it says that they are none.
-    fn no_picture(encoding: &str) -> Option<&'static str> {
-        if encoding.starts_with("bayer_") {
-            Some(
-                "a mosaic has one color per pixel, and glass comes before it; demosaic it first, for example with \
-                 image_proc",
-            )
-        } else if encoding.starts_with("yuv") || encoding.starts_with("nv") {
-            Some("luma and chroma; convert it first, for example with image_proc")
-        } else if ["16", "32", "64"].iter().any(|it| encoding.contains(it)) {
-            Some("more than 8 bits per channel, as depth has")
-        } else {
-            None
-        }
-    }
-
-    /// Refuses a compressed image whose `format` says that its pixels are no picture: `image_transport` writes
-    /// `ENCODING; jpeg compressed TARGET`, where `TARGET` is what colors were converted to, and nothing for pixels that
-    /// were compressed as they are.
-    fn check_format(format: &str) -> Result<(), MessageFault> {
-        let (encoding, packed) = format.split_once(';').unwrap_or((format, ""));
-        let (encoding, target) = match packed.split_once("compressed") {
-            Some((_, target)) if !target.trim().is_empty() => (encoding.trim(), target.trim()),
-            _ => (encoding.trim(), encoding.trim()),
-        };
-        match Self::no_picture(target) {
-            Some(reason) => Err(MessageFault::Encoding {
-                encoding: encoding.to_owned(),
-                reason,
-            }),
-            None => Ok(()),
-        }
-    }
-}
-
-/// The pixels of a message.
-#[derive(Debug, Clone)]
-pub struct CameraPicture {
-    /// 8 bits per channel from a raw image; as in the file from a compressed one.
-    pub pixels: DynamicImage,
-    /// All but the pixels of the file that a compressed image is.
-    file: Option<ImageFile>,
-}
-
-impl CameraPicture {
-    /// Whether it comes from JPEG, which loses something whenever it is written.
-    #[must_use]
-    pub fn is_jpeg(&self) -> bool {
-        (self.file.as_ref()).is_some_and(|file| file.format == ImageFormat::Jpeg)
+            reason,
+        }),
+        None => Ok(()),
     }
 }
 
@@ -169,7 +121,7 @@ impl CameraMessage {
                     let reason = "depth is no light";
                     return Err(MessageFault::Format { format, reason });
                 }
-                RawPixels::check_format(&format)?;
+                check_format(&format)?;
                 (Picture::Compressed { format }, data)
             }
         };
@@ -195,19 +147,19 @@ impl CameraMessage {
         let _ = walk.u8("is_bigendian")?;
         let step = walk.u32("step")?;
         let data = walk.sequence("data")?;
-        let pixels = RawPixels::of(&encoding)?;
+        let (encoding, channels) = encoding_of(&encoding)?;
         let limits = ImageLimits::default();
         let sides = 1..=limits.max_side_px;
         let n_pixels = u64::from(width) * u64::from(height);
         if !(sides.contains(&width) && sides.contains(&height) && n_pixels <= limits.max_pixels) {
             return Err(MessageFault::Size { width, height });
         }
-        let n_row = u64::from(width) * pixels.n_bytes() as u64;
+        let n_row = u64::from(width) * channels.n_samples() as u64;
         if u64::from(step) < n_row {
             return Err(MessageFault::Step {
                 step,
                 width,
-                encoding: pixels.name(),
+                encoding,
                 n_row,
             });
         }
@@ -222,13 +174,13 @@ impl CameraMessage {
                 most,
             });
         }
-        let rows = RawRows {
-            width,
-            height,
+        let layout = RowLayout {
+            start: data.start,
             step: usize::try_from(step).unwrap_or(usize::MAX),
-            pixels,
+            size: (width, height),
+            channels,
         };
-        Ok((Picture::Raw(rows), data))
+        Ok((Picture::Raw(layout), data))
     }
 
     /// Time of the header, ns.
@@ -244,76 +196,67 @@ impl CameraMessage {
         matches!(self.picture, Picture::Compressed { .. }) && data.starts_with(&[0xff, 0xd8])
     }
 
-    /// The pixels of the message that this was read from.
+    /// Where the pixels of a raw image lie in the message that this was read from.
+    pub(super) fn layout(&self) -> Option<RowLayout> {
+        match self.picture {
+            Picture::Raw(layout) => Some(layout),
+            Picture::Compressed { .. } => None,
+        }
+    }
+
+    /// The pixels of a raw image, where they lie in the message that this was read from; none of a compressed one.
+    #[must_use]
+    pub fn frame<'a>(&self, message: &'a mut [u8]) -> Option<FrameMut<'a>> {
+        self.layout()?.frame(message).ok()
+    }
+
+    /// The file of a compressed image in the message that this was read from; none of a raw one.
     ///
     /// # Errors
     /// [`MessageFault::Format`] and [`MessageFault::Image`] for a compressed image that is not JPEG or PNG, has
     /// more than 8 bits per channel, or is broken.
-    pub fn picture(
+    pub fn file(
         &self,
         message: &[u8],
         limits: &ImageLimits,
-    ) -> Result<CameraPicture, MessageFault> {
+    ) -> Result<Option<ImageFile>, MessageFault> {
+        let Picture::Compressed { format } = &self.picture else {
+            return Ok(None);
+        };
         let data = message.get(self.data.clone()).unwrap_or_default();
-        match &self.picture {
-            Picture::Raw(rows) => Ok(CameraPicture {
-                pixels: rows.pixels_of(data),
-                file: None,
-            }),
-            Picture::Compressed { format } => {
-                let mut file = decode_image("data", data, limits)?;
-                if !matches!(file.format, ImageFormat::Jpeg | ImageFormat::Png) {
-                    return Err(MessageFault::Format {
-                        format: format.clone(),
-                        reason: "the data are of another one",
-                    });
-                }
-                let color = file.pixels.color();
-                if color.bytes_per_pixel() > color.channel_count() {
-                    return Err(MessageFault::Format {
-                        format: format.clone(),
-                        reason: "the data have more than 8 bits per channel, as depth has",
-                    });
-                }
-                let pixels = std::mem::replace(&mut file.pixels, DynamicImage::new_luma8(0, 0));
-                Ok(CameraPicture {
-                    pixels,
-                    file: Some(file),
-                })
-            }
+        let file = decode_image("data", data, limits)?;
+        if !matches!(file.format, ImageFormat::Jpeg | ImageFormat::Png) {
+            return Err(MessageFault::Format {
+                format: format.clone(),
+                reason: "the data are of another one",
+            });
         }
+        let color = file.pixels.color();
+        if color.bytes_per_pixel() > color.channel_count() {
+            return Err(MessageFault::Format {
+                format: format.clone(),
+                reason: "the data have more than 8 bits per channel, as depth has",
+            });
+        }
+        Ok(Some(file))
     }
 
-    /// The message with other pixels of the same size and colors: all before `data` as it was, and of a raw image all
-    /// between the rows, too. JPEG is written with the quality, PNG without loss.
+    /// The message of a compressed image with the file in its place, whose pixels may be others of the same size and
+    /// colors: all before `data` as it was. JPEG is written with the quality, PNG without loss.
     ///
     /// # Errors
     /// [`MessageFault::Image`] for pixels that the format does not hold.
-    pub fn with_picture(
+    pub fn with_file(
         &self,
-        message: Vec<u8>,
-        picture: CameraPicture,
+        message: &[u8],
+        file: &ImageFile,
         quality: JpegQuality,
     ) -> Result<Vec<u8>, MessageFault> {
-        let CameraPicture { pixels, file } = picture;
-        match (&self.picture, file) {
-            (Picture::Raw(rows), _) => {
-                let mut message = message;
-                if let Some(data) = message.get_mut(self.data.clone()) {
-                    rows.lay(&pixels, data);
-                }
-                Ok(message)
-            }
-            (Picture::Compressed { .. }, Some(mut file)) => {
-                let encoding = match file.format {
-                    ImageFormat::Jpeg => Encoding::Jpeg { quality },
-                    _ => Encoding::Png,
-                };
-                file.pixels = pixels;
-                self.spliced(&message, &encode_image_as(&file, &encoding)?)
-            }
-            (Picture::Compressed { .. }, None) => Ok(message),
-        }
+        let encoding = match file.format {
+            ImageFormat::Jpeg => Encoding::Jpeg { quality },
+            _ => Encoding::Png,
+        };
+        self.spliced(message, &encode_image_as(file, &encoding)?)
     }
 
     /// The message with other bytes of `data`. Padding behind it stays padding to a multiple of 4, which the header
@@ -351,58 +294,11 @@ impl CameraMessage {
         written.text(message.get(self.frame_id.clone()).unwrap_or_default())?;
         written.u32(mask.height());
         written.u32(mask.width());
-        written.text(RawPixels::Mono.name().as_bytes())?;
+        written.text(MASK_ENCODING.as_bytes())?;
         written.u8(0);
         written.u32(mask.width());
         written.sequence(mask.as_raw())?;
         Ok(written.into_bytes())
-    }
-}
-
-impl RawRows {
-    /// Bytes of a row's pixels.
-    fn n_row(&self) -> usize {
-        self.width as usize * self.pixels.n_bytes()
-    }
-
-    fn pixels_of(&self, data: &[u8]) -> DynamicImage {
-        let mut samples = Vec::with_capacity(self.n_row() * self.height as usize);
-        for row in data.chunks(self.step).take(self.height as usize) {
-            samples.extend_from_slice(row.get(..self.n_row()).unwrap_or(row));
-        }
-        self.swap(&mut samples);
-        let (width, height) = (self.width, self.height);
-        // As many samples as pixels ask for, by the checks of the message.
-        let image = match self.pixels {
-            RawPixels::Mono => GrayImage::from_raw(width, height, samples).map(Into::into),
-            RawPixels::Rgb | RawPixels::Bgr => {
-                ImageBuffer::<Rgb<u8>, _>::from_raw(width, height, samples).map(Into::into)
-            }
-            RawPixels::Rgba | RawPixels::Bgra => {
-                ImageBuffer::<Rgba<u8>, _>::from_raw(width, height, samples).map(Into::into)
-            }
-        };
-        image.unwrap_or_else(|| DynamicImage::new_luma8(width, height))
-    }
-
-    /// Lays pixels where those of the message were.
-    fn lay(&self, pixels: &DynamicImage, data: &mut [u8]) {
-        let rows = pixels.as_bytes().chunks(self.n_row());
-        for (row, from) in data.chunks_mut(self.step).zip(rows) {
-            if let Some(to) = row.get_mut(..from.len()) {
-                to.copy_from_slice(from);
-                self.swap(to);
-            }
-        }
-    }
-
-    /// Between red first and blue first, where the message has blue first.
-    fn swap(&self, samples: &mut [u8]) {
-        if matches!(self.pixels, RawPixels::Bgr | RawPixels::Bgra) {
-            for pixel in samples.chunks_exact_mut(self.pixels.n_bytes()) {
-                pixel.swap(0, 2);
-            }
-        }
     }
 }
 

@@ -26,7 +26,7 @@ use starbreak_dataset::{DatasetError, OutputBatch, open_file, refuse_inside_set,
 
 pub use crate::bag_error::{BagError, MessageFault};
 pub use camera::CameraReport;
-pub use message::{CameraKind, CameraMessage, CameraPicture};
+pub use message::{CameraKind, CameraMessage};
 pub use provenance::BAG_SCHEMA;
 pub use records::Damage;
 

@@ -6,6 +6,7 @@
 
 mod light;
 mod live;
+pub(crate) mod pixels;
 mod run;
 mod show;
 mod sink;

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use image::{ColorType, DynamicImage};
+use image::DynamicImage;
 use rayon::prelude::*;
 use serde_json::{Map, Value};
 use starbreak::sensor::{FrameState, Frames, Moment, Sensor};
@@ -102,15 +102,15 @@ impl<'a> Show<'a> {
         kept: &mut Kept<'a>,
         mut batch: Vec<Frame>,
     ) -> Result<Vec<Shown>, Error> {
-        let own_light: Vec<Option<Environment>> = batch
-            .par_iter()
+        let own_light: Result<Vec<Option<Environment>>, Error> = batch
+            .par_iter_mut()
             .map(|frame| match kept.light.wants(frame.idx) {
-                true => self.chain.light_of(&frame.pixels),
-                false => None,
+                true => frame.pixels.light(self.chain),
+                false => Ok(None),
             })
             .collect();
         let mut plans = Vec::with_capacity(batch.len());
-        for (frame, own) in batch.iter_mut().zip(own_light) {
+        for (frame, own) in batch.iter_mut().zip(own_light?) {
             plans.push(self.plan(kept, frame, own)?);
         }
         if kept.still.is_none()
@@ -152,7 +152,7 @@ impl<'a> Show<'a> {
         if arrives.repeats()
             && let Some((pixels, plan)) = &kept.last_good
         {
-            frame.pixels = as_color(pixels, frame.pixels.color());
+            frame.pixels.show(pixels)?;
             return Ok(Plan {
                 arrives,
                 ..plan.clone()
@@ -177,7 +177,7 @@ impl<'a> Show<'a> {
         };
         // Before any good one the first frame is repeated, whatever it is.
         if (arrives == FrameState::Good || is_first) && self.may_repeat() {
-            kept.last_good = Some((frame.pixels.clone(), plan.clone()));
+            kept.last_good = Some((frame.pixels.copied()?, plan.clone()));
         }
         Ok(plan)
     }
@@ -256,13 +256,13 @@ impl<'a> Show<'a> {
         }
         match (plan.state, &plan.lit, &kept.still) {
             (GlassState::Still, Some(lit), Some(facts)) => {
-                lit.over(&mut frame.pixels, at)?;
+                frame.pixels.put_behind(lit, at)?;
                 self.shown(frame, plan, (Arc::clone(facts), lit), (false, None))
             }
             (GlassState::Growing, ..) => {
                 let grown = self.chain.grown_at(plan.grown)?;
                 let lit = self.chain.layer_under(&grown, plan.light.as_ref())?;
-                lit.over(&mut frame.pixels, at)?;
+                frame.pixels.put_behind(&lit, at)?;
                 let facts = if plan.light == kept.onset_light {
                     self.facts(&grown, &lit, plan.grown)?
                 } else {
@@ -280,7 +280,7 @@ impl<'a> Show<'a> {
                 }
                 // Coats and ghosts shine with the light around the camera.
                 let bare = (self.chain).layer_under(self.bare_layer, plan.light.as_ref())?;
-                bare.over(&mut frame.pixels, at)?;
+                frame.pixels.put_behind(&bare, at)?;
                 self.shown(frame, plan, (facts, &bare), (false, None))
             }
         }
@@ -297,7 +297,7 @@ impl<'a> Show<'a> {
         let lit = chain.under(plan.light.as_ref())?;
         let is_untouched = lit.changes_nothing(plan.at.time_s) && plan.at.frame_idx == frame.idx;
         if !is_untouched {
-            lit.over(&mut frame.pixels, plan.at)?;
+            frame.pixels.put_behind(&lit, plan.at)?;
         }
         let length_px = match growth {
             Some(time) => self.chain.crack_length_px(time)?,
@@ -352,20 +352,5 @@ impl<'a> Show<'a> {
             file: ready.file_name().map(str::to_owned),
         };
         Ok(Shown { ready, facts, line })
-    }
-}
-
-/// The same picture in the colors of a file.
-fn as_color(pixels: &DynamicImage, color: ColorType) -> DynamicImage {
-    match color {
-        ColorType::L8 => pixels.to_luma8().into(),
-        ColorType::La8 => pixels.to_luma_alpha8().into(),
-        ColorType::Rgb8 => pixels.to_rgb8().into(),
-        ColorType::Rgba8 => pixels.to_rgba8().into(),
-        ColorType::L16 => pixels.to_luma16().into(),
-        ColorType::La16 => pixels.to_luma_alpha16().into(),
-        ColorType::Rgb16 => pixels.to_rgb16().into(),
-        ColorType::Rgba16 => pixels.to_rgba16().into(),
-        _ => pixels.clone(),
     }
 }

@@ -9,6 +9,7 @@ use starbreak_dataset::{
     DatasetError, Encoding, JpegQuality, OutputBatch, encode_image, encode_image_as, same_file,
 };
 
+use super::pixels::Pixels;
 use super::source::{Frame, FrameFile, Source};
 use super::stage::StageFacts;
 use super::{ClipError, ClipRequest};
@@ -60,13 +61,15 @@ impl Target {
         let content = match (self, file) {
             (Self::Clip(_), _) => Content::Pixels {
                 ticks,
-                pixels: pixels.into_rgb8(),
+                pixels: pixels.into_image()?.into_rgb8(),
             },
             (Self::Caller, _) => Content::Bare {
                 pixels,
                 is_untouched,
             },
-            (Self::Folder, Some(file)) => file_of(file, pixels, is_untouched, settings)?,
+            (Self::Folder, Some(file)) => {
+                file_of(file, pixels.into_image()?, is_untouched, settings)?
+            }
             (Self::Folder, None) => {
                 let quality = JpegQuality::new(settings.output.quality)?;
                 let (encoding, extension) = match settings.output.format {
@@ -75,7 +78,7 @@ impl Target {
                 };
                 Content::File {
                     name: format!("frame_{idx:06}.{extension}"),
-                    bytes: encode_image(&pixels, &encoding, None)?,
+                    bytes: encode_image(&pixels.into_image()?, &encoding, None)?,
                 }
             }
         };
@@ -117,18 +120,9 @@ pub(super) struct Ready {
 }
 
 enum Content {
-    Pixels {
-        ticks: i64,
-        pixels: RgbImage,
-    },
-    File {
-        name: String,
-        bytes: Vec<u8>,
-    },
-    Bare {
-        pixels: DynamicImage,
-        is_untouched: bool,
-    },
+    Pixels { ticks: i64, pixels: RgbImage },
+    File { name: String, bytes: Vec<u8> },
+    Bare { pixels: Pixels, is_untouched: bool },
 }
 
 impl Ready {
@@ -141,7 +135,7 @@ impl Ready {
     }
 
     /// The pixels for a caller who writes them, and whether they are those of the input.
-    pub(super) fn into_pixels(self) -> Option<(DynamicImage, bool)> {
+    pub(super) fn into_pixels(self) -> Option<(Pixels, bool)> {
         match self.content {
             Content::Bare {
                 pixels,

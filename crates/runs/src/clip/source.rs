@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use image::DynamicImage;
 use starbreak_dataset::video::{
     ClipInfo, ClipReader, Ffmpeg, Fraction, VideoError, check_frame_sizes, frame_files, is_folder,
 };
@@ -11,6 +10,7 @@ use starbreak_dataset::{
     sha256_hex,
 };
 
+use super::pixels::Pixels;
 use super::{ClipError, ClipRequest};
 use crate::Error;
 
@@ -42,7 +42,7 @@ pub(super) struct Frame {
     pub(super) time_s: f64,
     /// The timestamp in a clip, in its clock; in a folder the index.
     pub(super) ticks: i64,
-    pub(super) pixels: DynamicImage,
+    pub(super) pixels: Pixels,
     /// The file it is, in a folder.
     pub(super) file: Option<FrameFile>,
 }
@@ -204,7 +204,7 @@ impl Frames<'_> {
                     idx,
                     time_s: info.time_base.seconds(frame.ticks.saturating_sub(first)),
                     ticks: frame.ticks,
-                    pixels: DynamicImage::ImageRgb8(frame.pixels),
+                    pixels: Pixels::Image(frame.pixels.into()),
                     file: None,
                 }
             }
@@ -233,7 +233,7 @@ impl Frames<'_> {
                     idx,
                     time_s: rate.inverse().seconds(ticks),
                     ticks,
-                    pixels,
+                    pixels: Pixels::Image(pixels),
                     file: Some(FrameFile {
                         path: path.clone(),
                         bytes,

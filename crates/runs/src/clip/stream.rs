@@ -1,15 +1,18 @@
 //! Frames that another part of the runs reads and writes, behind glass as those of a clip.
 
-use image::{DynamicImage, GrayImage};
+use std::sync::Arc;
+
+use image::GrayImage;
 use serde_json::{Value, json};
 use starbreak::{Chain, PaneLayer, Settings};
 use starbreak_seed::Seed;
 
 use super::light::ClipLight;
+use super::pixels::Pixels;
 use super::show::{Kept, Show, Shown};
 use super::sink::Target;
 use super::source::Frame;
-use super::stage::Masks;
+use super::stage::{Masks, StageFacts};
 use super::timeline::{GlassState, Timeline};
 use super::{Growth, Light};
 use crate::{Error, Patterns};
@@ -59,16 +62,15 @@ pub(crate) struct StreamFrame {
     pub(crate) idx: u64,
     /// Its time, s.
     pub(crate) time_s: f64,
-    pub(crate) pixels: DynamicImage,
+    pub(crate) pixels: Pixels,
 }
 
 /// A frame behind the glass.
 pub(crate) struct StreamShown {
-    pub(crate) pixels: DynamicImage,
+    pub(crate) pixels: Pixels,
     /// Whether the pixels are those that came in.
     pub(crate) is_untouched: bool,
-    /// Affected pixels, if asked for.
-    pub(crate) region: Option<GrayImage>,
+    facts: Arc<StageFacts>,
     pub(crate) region_fraction: f64,
     /// Whether the damage has begun by then, whatever the frame shows.
     pub(crate) has_begun: bool,
@@ -125,15 +127,20 @@ impl StreamShown {
     fn of(shown: Shown) -> Option<Self> {
         let Shown { ready, facts, line } = shown;
         let (pixels, is_untouched) = ready.into_pixels()?;
-        let masks = facts.masks.as_ref();
         Some(Self {
             pixels,
             is_untouched,
-            region: masks.map(|[region, _]| region.upright().clone()),
+            facts,
             region_fraction: line.region_fraction,
             has_begun: line.has_begun,
             is_growing: line.state == GlassState::Growing,
             line: serde_json::to_value(line).unwrap_or(json!(null)),
         })
+    }
+
+    /// Affected pixels, if asked for.
+    pub(crate) fn region(&self) -> Option<&GrayImage> {
+        let [region, _] = self.facts.masks.as_ref()?;
+        Some(region.upright())
     }
 }
