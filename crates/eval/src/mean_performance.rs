@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::EvalError;
-use crate::resampling::{
-    Basis, Plan, RankedCategory, bootstrap, permutation_test, role_weights, units_of_classes,
-};
+use crate::resampling::{DrawnMean, Plan, Replicates, permuted_draws};
 use crate::statistic::{Interval, Measured, Method};
 
 /// AP of one set of cracked images.
@@ -110,10 +108,9 @@ pub(crate) fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) ->
     }
 }
 
-/// Clean AP, mPC and rPC with their intervals, over the classes of each set of images: `clean` is one set for all,
-/// or one per set of `cracked`, `both` are clean and cracked of each in one ranking ([`rank_versions`](crate::resampling::rank_versions)), and `cells`
-/// the places of the sets among the kinds and severities, each with the same number of seeds. Nothing is given
-/// where an AP is not defined.
+/// Clean AP, mPC and rPC with their intervals, over the classes of each set of images: `cells` are the places of the
+/// sets among the kinds and severities, each with the same number of seeds. The clean images are one set for all where
+/// `is_clean_one`, else one per set, of whose values the mean is taken as well. Nothing is given where an AP is not defined.
 ///
 /// Each replicate draws images (or clusters) once for all sets, and averages as mPC is averaged. The intervals of clean
 /// AP and mPC are expanded percentiles by the images of the classes, and lower by what AP of few images leans to
@@ -124,18 +121,17 @@ pub(crate) fn mean_performance(clean: Option<f64>, sets: &[CrackedPrecision]) ->
 /// # Errors
 /// If the plan cannot be carried out.
 pub fn measured_performance(
-    clean: &[Vec<RankedCategory>],
-    cracked: &[Vec<RankedCategory>],
-    both: &[Vec<RankedCategory>],
+    sets: &[DrawnMean],
+    is_clean_one: bool,
     cells: &[usize],
     plan: &Plan,
 ) -> Result<[Measured; 3], EvalError> {
-    let mean = |sets: &[Vec<RankedCategory>], weights: &[u32]| match sets {
-        [alone] => mean_precision(alone, weights),
-        all => {
-            let aps: Vec<Option<f64>> =
-                all.iter().map(|set| mean_precision(set, weights)).collect();
-            mean_of_cells(cells, &aps)
+    plan.check()?;
+    let mean = |side: usize, draw: usize| -> Option<f64> {
+        let value = |set: &DrawnMean| Some(set.pair(draw)?[side]);
+        match sets {
+            [alone] => value(alone),
+            all => mean_of_cells(cells, &all.iter().map(value).collect::<Vec<_>>()),
         }
     };
     let ratio = |cracked: Option<f64>, clean: Option<f64>| {
@@ -143,44 +139,30 @@ pub fn measured_performance(
             .zip(clean.filter(|clean| *clean > 0.0))
             .map(|(cracked, clean)| cracked / clean)
     };
-    let values = |weights: &[u32]| -> Vec<Option<f64>> {
-        let (clean, cracked) = (mean(clean, weights), mean(cracked, weights));
+    let replicates = Replicates::of_draws(plan, |draw| {
+        let clean = match sets.first().filter(|_| is_clean_one) {
+            Some(first) => first.pair(draw).map(|[clean, _]| clean),
+            None => mean(0, draw),
+        };
+        let cracked = mean(1, draw);
         vec![clean, cracked, ratio(cracked, clean)]
-    };
-    let replicates = bootstrap(plan, values)?.leaning(plan, values);
-    let exchanged = permutation_test(plan, |swaps| {
-        let (as_clean, as_cracked) = role_weights(swaps);
-        let ratio = ratio(mean(both, &as_cracked), mean(both, &as_clean));
-        vec![ratio.map(f64::ln)]
-    })?;
+    });
+    let exchanged = permuted_draws(plan, |draw| {
+        vec![ratio(mean(1, draw), mean(0, draw)).map(f64::ln)]
+    });
     let of_ratio = exchanged.first().and_then(|one| one.interval);
     let of_ratio = of_ratio.map(|of_log| Interval {
         low: of_log.low.exp(),
         high: of_log.high.exp(),
         ..of_log
     });
-    let n_categories = clean.iter().map(Vec::len).max().unwrap_or_default();
-    let units = units_of_classes(n_categories, plan, |at| {
-        let of_class = clean.iter().filter_map(move |set| set.get(at));
-        of_class.flat_map(RankedCategory::cells_with_objects)
-    });
-    let side = Basis::of_classes(&units, plan);
+    let side = DrawnMean::basis(sets, plan);
     let ap = Method::AveragePrecision;
     Ok([
         replicates.expanded(0, ap, side),
         replicates.expanded(1, ap, side),
         replicates.expanded_to(2, Method::Ratio, side, of_ratio),
     ])
-}
-
-/// Mean over the categories with objects.
-fn mean_precision(set: &[RankedCategory], weights: &[u32]) -> Option<f64> {
-    let (mut sum, mut n) = (0.0, 0_u32);
-    for ap in set.iter().filter_map(|one| one.average_precision(weights)) {
-        sum += ap;
-        n += 1;
-    }
-    (n > 0).then(|| sum / f64::from(n))
 }
 
 /// Mean over cells of the mean over seeds; nothing where a value is missing.

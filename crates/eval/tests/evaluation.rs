@@ -11,15 +11,14 @@ use std::path::{Path, PathBuf};
 use image::{DynamicImage, GrayImage, Luma};
 use starbreak_dataset::{Encoding, encode_image};
 use starbreak_eval::evaluation::{
-    Condition, CrackedSet, DamageFacts, Estimate, EvaluateInput, EvaluateSettings, Evaluation,
-    Group, GroupKind, PairedMetric, PairedRow, Provenance, RobustnessRow, Scope, ScopeKind,
-    SeedsInput, Study, evaluate_with_coverages, robustness,
+    Condition, DamageFacts, Estimate, EvaluateInput, EvaluateSettings, Evaluation, Group,
+    GroupKind, OverConditions, PairedMetric, PairedRow, Provenance, RobustnessRow, Scope,
+    ScopeKind, Study,
 };
 use starbreak_eval::report::html;
 use starbreak_eval::{
-    BoxPx, Category, CompareParams, Coverages, Detection, Detections, GroundTruth, LabelSet,
-    LabeledImage, Object, ObjectKind, Protocol, RegionMasks, SaidDetections, compare_pair,
-    evaluate,
+    BoxPx, Category, CompareParams, Detection, Detections, GroundTruth, LabelSet, LabeledImage,
+    Object, ObjectKind, Protocol, RegionMasks, SaidDetections, compare_pair, evaluate,
 };
 
 /// Images, of one object each.
@@ -140,52 +139,57 @@ fn condition((family, severity, seed, ..): &Cell<'_>) -> Condition {
     }
 }
 
-/// One condition alone.
-fn alone(
-    truth: &GroundTruth,
-    cell: &Cell<'_>,
-    facts: Option<&DamageFacts>,
-) -> (Evaluation, Option<Coverages>) {
-    evaluate_with_coverages(&EvaluateInput {
+fn input<'a>(
+    truth: &'a GroundTruth,
+    (cell, condition): (&'a Cell<'_>, &'a Condition),
+    clean: &'a SaidDetections,
+    settings: &'a EvaluateSettings,
+) -> EvaluateInput<'a> {
+    EvaluateInput {
         detector: "made-up",
-        condition: &condition(cell),
+        condition,
         truth,
-        clean: &said(|_| true),
+        clean,
         cracked: Some(&cell.3),
         regions: Some(RegionMasks {
             folder: cell.4,
             root: None,
         }),
-        facts,
+        facts: None,
         images: None,
-        settings: &settings(),
-    })
-    .unwrap()
+        settings,
+    }
 }
 
-/// All conditions together.
-fn means(truth: &GroundTruth, cells: &[Cell<'_>]) -> Vec<RobustnessRow> {
+/// All numbers of an input.
+fn evaluated(input: &EvaluateInput<'_>) -> Evaluation {
+    OverConditions::new(&[]).evaluate(input).unwrap()
+}
+
+/// One condition alone.
+fn alone(truth: &GroundTruth, cell: &Cell<'_>, facts: Option<&DamageFacts>) -> Evaluation {
+    let (condition, clean, settings) = (condition(cell), said(|_| true), settings());
+    evaluated(&EvaluateInput {
+        facts,
+        ..input(truth, (cell, &condition), &clean, &settings)
+    })
+}
+
+/// All conditions, one after the other.
+fn all(truth: &GroundTruth, cells: &[Cell<'_>]) -> (Vec<Evaluation>, OverConditions) {
     let conditions: Vec<Condition> = cells.iter().map(condition).collect();
-    let (evaluations, coverages): (Vec<Evaluation>, Vec<_>) =
-        cells.iter().map(|cell| alone(truth, cell, None)).unzip();
-    let sets: Vec<CrackedSet<'_>> = cells
-        .iter()
-        .zip(&conditions)
-        .zip(&coverages)
-        .map(|((cell, condition), coverages)| CrackedSet {
-            condition,
-            said: &cell.3,
-            coverages: coverages.as_ref(),
-        })
-        .collect();
-    let input = SeedsInput {
-        detector: "made-up",
-        truth,
-        clean: &said(|_| true),
-        cracked: &sets,
-        settings: &settings(),
-    };
-    robustness(&evaluations, &input).unwrap()
+    let (clean, settings) = (said(|_| true), settings());
+    let mut means = OverConditions::new(&conditions);
+    let evaluations = cells.iter().zip(&conditions).map(|of| {
+        let input = input(truth, of, &clean, &settings);
+        means.evaluate(&input).unwrap()
+    });
+    (evaluations.collect(), means)
+}
+
+fn means(truth: &GroundTruth, cells: &[Cell<'_>]) -> Vec<RobustnessRow> {
+    let (evaluations, means) = all(truth, cells);
+    means.robustness(&evaluations).unwrap()
 }
 
 fn mean_of(rows: &[RobustnessRow], kind: ScopeKind, metric: PairedMetric) -> &RobustnessRow {
@@ -228,7 +232,7 @@ fn the_mean_over_conditions_that_are_alike_is_each_of_them_with_its_interval() {
         .map(|(family, severity)| (family, severity, 7, cracked.clone(), masks.as_path()));
     let rows = means(&truth, &cells);
     assert_eq!(rows.len(), 6, "two places, three metrics");
-    let (one, _) = alone(&truth, &cells[0], None);
+    let one = alone(&truth, &cells[0], None);
     for scope in [Scope::whole_image(), in_region()] {
         for metric in [PairedMetric::Ap50, PairedMetric::Ap75] {
             let mean = mean_of(&rows, scope.kind, metric);
@@ -382,7 +386,7 @@ fn the_mean_of_supercategories_is_that_of_their_classes_taken_as_one() {
     // The same on whole images of both sides, with an interval of its own.
     let folder = tempfile::tempdir().unwrap();
     let masks = masks(&folder.path().join("m"), 0..N);
-    let (one, _) = alone(&truth, &("star", 1, 0, cracked.clone(), &masks), None);
+    let one = alone(&truth, &("star", 1, 0, cracked.clone(), &masks), None);
     let row = pair_of(
         &one.paired,
         &Scope::whole_image(),
@@ -446,7 +450,7 @@ fn an_object_with_an_area_below_0_is_not_to_be_found_anywhere() {
         PairedMetric::Ap50,
     );
     assert_eq!(whole.cracked.value, of_all.ap50.value, "the protocol's own");
-    let (one, _) = alone(&truth, &("star", 1, 0, cracked, &masks), None);
+    let one = alone(&truth, &("star", 1, 0, cracked, &masks), None);
     let rates = &one.failures.unwrap().rates;
     let everywhere = rates.iter().find(|row| row.scope == Scope::whole_image());
     assert_eq!(
@@ -470,7 +474,7 @@ fn a_dose_that_tells_no_objects_apart_says_so_in_the_place_of_its_chart() {
             contrast_lost,
             n_images_without: 0,
         };
-        let (one, _) = alone(&truth, &cell, Some(&facts));
+        let one = alone(&truth, &cell, Some(&facts));
         let doses = &one.failures.as_ref().unwrap().dose_responses;
         let notes: Vec<String> = doses.iter().filter_map(|it| it.note.clone()).collect();
         let bins: usize = doses.iter().skip(1).map(|it| it.bins.len()).sum();

@@ -187,13 +187,16 @@ pub enum Error {
         /// Width and height of the file, upright, px.
         found: (u32, u32),
     },
-    /// A detector or a condition of a study without results.
-    #[error("the study has no results of detector {detector}, condition {condition}; run it again")]
-    StudyCell {
-        /// Which detector, from 0.
-        detector: usize,
-        /// Which condition, from 0.
-        condition: usize,
+    /// A log of what a detector found that has changed since.
+    #[error(
+        "{log:?} was damaged after it was written: {image:?} is not where it should be; run the study again, which looks \
+         once more at what is missing"
+    )]
+    StudyLog {
+        /// The log.
+        log: PathBuf,
+        /// The first image without an intact line in its place.
+        image: String,
     },
     /// An image that was there when the source was surveyed.
     #[error("{record}; it was good when the run began")]

@@ -12,7 +12,7 @@ use starbreak_eval::evaluation::{
 };
 use starbreak_eval::report::report_files;
 use starbreak_runs::evaluation::{files_of, label_files, short_name};
-use starbreak_runs::study::{Condition, StudyPlan, StudyRuns};
+use starbreak_runs::study::{CLEAN_STEP, Condition, StudyPlan, StudyRuns};
 
 use crate::args::Global;
 use crate::args::study::StudyArgs;
@@ -39,13 +39,13 @@ impl StudyReport<'_> {
         let batch = batch.never_over(FileSet::of(&self.read_files()?));
         let mut batch = batch.with_list(&out.join("written.json"), "study");
         let labels = &self.truth.labels;
-        for (detector, found) in self.plan.detectors.iter().zip(&self.runs.detectors) {
+        for detector in self.plan.detectors {
             let folder = out.join("detections").join(&detector.name);
-            let clean = found.clean.to_coco(labels);
-            batch.stage(&folder.join("clean.json"), clean.as_bytes())?;
-            for (condition, cracked) in self.plan.conditions.iter().zip(&found.cracked) {
-                let name = format!("{}.json", condition.name);
-                batch.stage(&folder.join(name), cracked.to_coco(labels).as_bytes())?;
+            for step in std::iter::once(None).chain(self.plan.conditions.iter().map(Some)) {
+                let name = step.map_or(CLEAN_STEP, |condition| &condition.name);
+                let found = self.plan.detections(detector, step)?;
+                let file = folder.join(format!("{name}.json"));
+                batch.stage(&file, found.to_coco(labels).as_bytes())?;
             }
         }
         // Empty where all is well: one of an earlier run may be there.

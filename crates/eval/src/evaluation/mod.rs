@@ -29,8 +29,7 @@ pub use clip_sides::{ClipSide, check_end, check_sides};
 pub use damage_facts::DamageFacts;
 pub use estimate::Estimate;
 pub use evaluate::{
-    CrackedSet, EvaluateInput, EvaluateSettings, ImageFolders, SeedsInput, clean_results, evaluate,
-    evaluate_with_coverages, over_seeds, robustness,
+    EvaluateInput, EvaluateSettings, ImageFolders, OverConditions, clean_results, evaluate,
 };
 pub use failures::{
     ClassFlip, DoseBin, DoseResponse, FailureResults, FailureRow, FlipRow, LogisticFit,

@@ -1,9 +1,18 @@
 //! Draws with replacement, as weights.
 
+use std::iter::StepBy;
+use std::ops::Range;
+
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::EvalError;
+
+/// Pairs of halves that tell how much a statistic leans.
+const N_PAIRS_OF_HALVES: u32 = 50;
+
+/// Permutations up to which all of them are gone through rather than drawn.
+const EXACT_UP_TO: u32 = 1024;
 
 /// What is drawn, how often and from which seed.
 ///
@@ -45,6 +54,14 @@ impl Factor {
             Self::Halves => b"half-units",
         }
     }
+}
+
+/// One draw of a plan, image by image.
+pub(super) enum Draw {
+    /// How often each counts.
+    Weights(Vec<u32>),
+    /// 1 where clean and cracked are swapped, else 0.
+    Swaps(Vec<u32>),
 }
 
 impl Plan {
@@ -166,15 +183,83 @@ impl Plan {
         self.per_image(&counts)
     }
 
-    /// Per image 1 where clean and cracked are swapped in a random permutation, else 0.
-    pub(super) fn swaps(&self, replicate: u32) -> Vec<u32> {
+    /// How many draws there are of all kinds, in this order: the sample itself, the replicates, the halves in pairs, the
+    /// exchange of nothing, and the permutations.
+    pub(super) fn n_draws(&self) -> usize {
+        self.permutation_draws().end
+    }
+
+    /// The replicates among all draws.
+    pub(super) fn replicate_draws(&self) -> Range<usize> {
+        1..1 + self.n_replicates as usize
+    }
+
+    /// The first halves among all draws, each before its second one.
+    pub(super) fn half_draws(&self) -> StepBy<Range<usize>> {
+        let first = self.replicate_draws().end;
+        (first..first + 2 * N_PAIRS_OF_HALVES as usize).step_by(2)
+    }
+
+    /// The exchange of nothing among all draws.
+    pub(super) fn unexchanged_draw(&self) -> usize {
+        self.replicate_draws().end + 2 * N_PAIRS_OF_HALVES as usize
+    }
+
+    /// The permutations among all draws.
+    pub(super) fn permutation_draws(&self) -> Range<usize> {
+        let first = self.unexchanged_draw() + 1;
+        first..first + self.n_permutations() as usize
+    }
+
+    /// A draw by its place among all.
+    pub(super) fn draw(&self, place: usize) -> Draw {
+        let at = |first: usize| u32::try_from(place - first).unwrap_or(u32::MAX);
+        let (replicates, halves) = (self.replicate_draws(), self.replicate_draws().end);
+        let unexchanged = self.unexchanged_draw();
+        match place {
+            0 => Draw::Weights(vec![1; self.n_images()]),
+            _ if replicates.contains(&place) => Draw::Weights(self.weights(at(1))),
+            _ if place < unexchanged => {
+                let [first, second] = self.halves(at(halves) / 2);
+                Draw::Weights(match at(halves) % 2 {
+                    0 => first,
+                    _ => second,
+                })
+            }
+            _ if place == unexchanged => Draw::Swaps(vec![0; self.n_images()]),
+            _ => Draw::Swaps(self.permutation(at(unexchanged + 1))),
+        }
+    }
+
+    /// How many permutations of all units there are, where these are few enough to go through all of them.
+    pub(super) fn n_all_permutations(&self) -> Option<u32> {
+        1_u32
+            .checked_shl(self.n_units)
+            .filter(|n| *n <= EXACT_UP_TO)
+    }
+
+    /// How many permutations are gone through.
+    pub(super) fn n_permutations(&self) -> u32 {
+        self.n_all_permutations().unwrap_or(self.n_replicates)
+    }
+
+    /// Per image 1 where clean and cracked are swapped, else 0.
+    pub(super) fn permutation(&self, k: u32) -> Vec<u32> {
+        match self.n_all_permutations() {
+            Some(_) => self.swaps_of(k),
+            None => self.swaps(k),
+        }
+    }
+
+    /// The same of a random permutation.
+    fn swaps(&self, replicate: u32) -> Vec<u32> {
         let mut stream = stream(self.seed, Factor::Swaps, replicate);
         let units: Vec<u32> = (0..self.n_units).map(|_| below(&mut stream, 2)).collect();
         self.per_image(&units)
     }
 
     /// The same of the k-th of all permutations.
-    pub(super) fn swaps_of(&self, k: u32) -> Vec<u32> {
+    fn swaps_of(&self, k: u32) -> Vec<u32> {
         let units: Vec<u32> = (0..self.n_units)
             .map(|unit| k.checked_shr(unit).unwrap_or(0) & 1)
             .collect();
@@ -183,7 +268,7 @@ impl Plan {
 
     /// All units in two halves at random: per image 1 in its half, else 0. Of an odd number the second has one
     /// more.
-    pub(super) fn halves(&self, pair: u32) -> [Vec<u32>; 2] {
+    fn halves(&self, pair: u32) -> [Vec<u32>; 2] {
         let mut stream = stream(self.seed, Factor::Halves, pair);
         let mut order: Vec<u32> = (0..self.n_units).collect();
         for left in (1..self.n_units).rev() {

@@ -1,6 +1,6 @@
 //! The same for the average precisions of KITTI.
 
-use super::paired::{Sides, paired_of_ranked};
+use super::drawn::{DrawnPrecisions, Sides};
 use super::ranked::Ranked;
 use super::{PairedPrecisions, Plan};
 use crate::{EvalError, KittiRanking};
@@ -25,8 +25,8 @@ impl Ranked for Averaged {
         self.place
     }
 
-    fn cells_with_objects(&self) -> Vec<u32> {
-        self.ranking.cells_with_objects()
+    fn objects(&self) -> &[(u32, u32)] {
+        self.ranking.objects()
     }
 
     fn average_precision(&self, weights: &[u32]) -> Option<f64> {
@@ -88,5 +88,5 @@ pub fn paired_kitti_precision(
         cracked: averaged(cracked.to_vec()),
         both: averaged(crossed.collect()),
     };
-    paired_of_ranked(&[sides], plan)
+    DrawnPrecisions::of(&sides, plan).measured(plan)
 }

@@ -6,9 +6,6 @@ use super::Plan;
 use crate::EvalError;
 use crate::statistic::{Interval, MIN_UNITS, Method, TestOutcome};
 
-/// Permutations up to which all of them are gone through rather than drawn.
-const EXACT_UP_TO: u32 = 1024;
-
 /// What a permutation test says of a difference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Permuted {
@@ -39,23 +36,30 @@ where
     F: Fn(&[u32]) -> Vec<Option<f64>> + Sync,
 {
     plan.check()?;
-    let n_all = 1_u32
-        .checked_shl(plan.n_units())
-        .filter(|n| *n <= EXACT_UP_TO);
-    let method = match n_all {
-        Some(_) => Method::PermutationExact,
-        None => Method::PermutationSampled,
-    };
-    let rows: Vec<Vec<Option<f64>>> = (0..n_all.unwrap_or(plan.n_replicates))
+    let rows: Vec<Vec<Option<f64>>> = (0..plan.n_permutations())
         .into_par_iter()
-        .map(|k| {
-            difference(&match n_all {
-                Some(_) => plan.swaps_of(k),
-                None => plan.swaps(k),
-            })
-        })
+        .map(|k| difference(&plan.permutation(k)))
         .collect();
     let observed = difference(&vec![0; plan.n_images()]);
+    Ok(permuted(plan, &observed, &rows))
+}
+
+/// The same from the differences under each draw, by its place among all of the plan.
+pub(crate) fn permuted_draws(
+    plan: &Plan,
+    differences: impl Fn(usize) -> Vec<Option<f64>>,
+) -> Vec<Permuted> {
+    let rows: Vec<Vec<Option<f64>>> = plan.permutation_draws().map(&differences).collect();
+    permuted(plan, &differences(plan.unexchanged_draw()), &rows)
+}
+
+/// The same from the differences that were observed, and from those of each permutation.
+fn permuted(plan: &Plan, observed: &[Option<f64>], rows: &[Vec<Option<f64>>]) -> Vec<Permuted> {
+    let is_exact = plan.n_all_permutations().is_some();
+    let method = match is_exact {
+        true => Method::PermutationExact,
+        false => Method::PermutationSampled,
+    };
     let n = u64::from(plan.n_units());
     let outcome = |(place, observed): (usize, &Option<f64>)| {
         let none = |why| Permuted {
@@ -74,7 +78,7 @@ where
         // Differences that are equal but for rounding are as far off.
         let far = observed.abs() * (1.0 - 1e-12);
         let n_far = sizes.partition_point(|size| *size >= far);
-        let more = usize::from(n_all.is_none());
+        let more = usize::from(!is_exact);
         let p_of = |n_far: usize| (n_far + more) as f64 / (sizes.len() + more) as f64;
         // The largest size that would not be rejected; none where all of them are, or none varies.
         let n_rejected = (0..sizes.len()).find(|k| p_of(k + 1) >= 1.0 - plan.level);
@@ -90,5 +94,5 @@ where
             }),
         }
     };
-    Ok(observed.iter().enumerate().map(outcome).collect())
+    observed.iter().enumerate().map(outcome).collect()
 }

@@ -10,8 +10,8 @@ const N_RECALLS: usize = 101;
 pub(super) trait Ranked: Sync {
     /// Place of its category, or whatever tells it from the others.
     fn category(&self) -> u32;
-    /// The cells with objects to be found.
-    fn cells_with_objects(&self) -> Vec<u32>;
+    /// The cells with objects to be found, in order, and how many each has.
+    fn objects(&self) -> &[(u32, u32)];
     /// `None` where there is nothing to be found, or where weights are missing.
     fn average_precision(&self, weights: &[u32]) -> Option<f64>;
 }
@@ -21,8 +21,8 @@ impl Ranked for RankedCategory {
         self.category()
     }
 
-    fn cells_with_objects(&self) -> Vec<u32> {
-        self.cells_with_objects()
+    fn objects(&self) -> &[(u32, u32)] {
+        &self.objects
     }
 
     fn average_precision(&self, weights: &[u32]) -> Option<f64> {
@@ -122,12 +122,6 @@ impl RankedCategory {
                 u64::from(weights.get(*cell as usize).copied().unwrap_or(0)) * u64::from(*n)
             })
             .sum()
-    }
-
-    /// The cells with objects to be found, in order.
-    #[must_use]
-    pub(crate) fn cells_with_objects(&self) -> Vec<u32> {
-        self.objects.iter().map(|(cell, _)| *cell).collect()
     }
 
     /// Average precision of the images, each as often as its weight says; `None` where there is

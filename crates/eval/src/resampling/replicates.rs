@@ -7,9 +7,6 @@ use super::{Basis, Plan};
 use crate::EvalError;
 use crate::statistic::{Interval, MIN_UNITS, Measured, Method};
 
-/// Pairs of halves that tell how much a statistic leans.
-const N_PAIRS_OF_HALVES: u32 = 50;
-
 /// Values of several statistics: of the sample, and of all bootstrap replicates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replicates {
@@ -36,52 +33,44 @@ where
     F: Fn(&[u32]) -> Vec<Option<f64>> + Sync,
 {
     plan.check()?;
-    let whole = finite(statistic(&vec![1; plan.n_images()]));
+    let whole = statistic(&vec![1; plan.n_images()]);
     let rows: Vec<Vec<Option<f64>>> = (0..plan.n_replicates)
         .into_par_iter()
-        .map(|replicate| finite(statistic(&plan.weights(replicate))))
+        .map(|replicate| statistic(&plan.weights(replicate)))
         .collect();
-    let column = |rows: &[Vec<Option<f64>>], place: usize| -> Vec<Option<f64>> {
-        rows.iter()
-            .map(|row| row.get(place).copied().flatten())
-            .collect()
-    };
-    let n_statistics = whole.len();
-    Ok(Replicates {
-        level: plan.level,
-        n_units: plan.n_units(),
-        values: (0..n_statistics)
-            .map(|place| column(&rows, place))
-            .collect(),
-        whole,
-        leans: Vec::new(),
-    })
-}
-
-fn finite(values: Vec<Option<f64>>) -> Vec<Option<f64>> {
-    let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
-    values.into_iter().map(finite).collect()
+    Ok(Replicates::of(plan, &whole, &rows))
 }
 
 impl Replicates {
-    /// The same with how much each statistic leans to above in few images: as much as halves of the images, in
-    /// random pairs, have more of it than all have. What leans by c/n over n images leans by 2c/n over n/2, so
-    /// that the step from half to all is what is left at n.
+    fn of(plan: &Plan, whole: &[Option<f64>], rows: &[Vec<Option<f64>>]) -> Self {
+        let column = |place: usize| rows.iter().map(|row| finite(row, place)).collect();
+        Self {
+            level: plan.level,
+            n_units: plan.n_units(),
+            values: (0..whole.len()).map(column).collect(),
+            whole: (0..whole.len()).map(|place| finite(whole, place)).collect(),
+            leans: Vec::new(),
+        }
+    }
+
+    /// From the values of each draw, by its place among all of the plan: replicates, and how much each statistic leans
+    /// to above in few images. That is as much as halves of the images, in random pairs, have more of it than all have:
+    /// what leans by c/n over n images leans by 2c/n over n/2, so that the step from half to all is what is left at n.
     ///
     /// Intervals of [`expanded`](Self::expanded) average precisions reach lower by it.
-    pub(crate) fn leaning<F>(mut self, plan: &Plan, statistic: F) -> Self
-    where
-        F: Fn(&[u32]) -> Vec<Option<f64>> + Sync,
-    {
-        let pairs: Vec<[Vec<Option<f64>>; 2]> = (0..N_PAIRS_OF_HALVES)
-            .into_par_iter()
-            .map(|pair| plan.halves(pair).map(|half| finite(statistic(&half))))
+    pub(crate) fn of_draws(plan: &Plan, values: impl Fn(usize) -> Vec<Option<f64>>) -> Self {
+        let rows: Vec<Vec<Option<f64>>> = plan.replicate_draws().map(&values).collect();
+        let mut replicates = Self::of(plan, &values(0), &rows);
+        let pairs: Vec<[Vec<Option<f64>>; 2]> = plan
+            .half_draws()
+            .map(|first| [values(first), values(first + 1)])
             .collect();
         let lean = |(place, whole): (usize, &Option<f64>)| {
-            let value = |half: &Vec<Option<f64>>| half.get(place).copied().flatten();
             let means: Vec<f64> = pairs
                 .iter()
-                .filter_map(|[one, other]| Some(0.5 * (value(one)? + value(other)?)))
+                .filter_map(|[one, other]| {
+                    Some(0.5 * (finite(one, place)? + finite(other, place)?))
+                })
                 .collect();
             match whole {
                 Some(whole) if !means.is_empty() => {
@@ -90,8 +79,8 @@ impl Replicates {
                 _ => 0.0,
             }
         };
-        self.leans = self.whole.iter().enumerate().map(lean).collect();
-        self
+        replicates.leans = replicates.whole.iter().enumerate().map(lean).collect();
+        replicates
     }
 
     /// A statistic with its percentile interval; n are the units drawn.
@@ -211,4 +200,12 @@ impl Replicates {
             }
         }
     }
+}
+
+fn finite(values: &[Option<f64>], place: usize) -> Option<f64> {
+    values
+        .get(place)
+        .copied()
+        .flatten()
+        .filter(|it| it.is_finite())
 }

@@ -1,10 +1,7 @@
 //! Precision over recall, and a control that moves.
 
 use super::{alone, in_region, masks, pair_of, said, settings, truth};
-use starbreak_eval::evaluation::{
-    CrackedSet, EvaluateInput, Evaluation, Group, PairedMetric, Provenance, Scope, SeedsInput,
-    Study, evaluate_with_coverages, over_seeds,
-};
+use starbreak_eval::evaluation::{EvaluateInput, Group, PairedMetric, Provenance, Scope, Study};
 use starbreak_eval::report::html;
 
 #[test]
@@ -12,7 +9,7 @@ fn a_curve_has_the_area_that_ap50_is_and_falls() {
     let folder = tempfile::tempdir().unwrap();
     let masks = masks(&folder.path().join("m"), 0..50);
     let cracked = said(|k| super::hashed(k, 3) > 0.4);
-    let (one, _) = alone(&truth(), &("star", 1, 7, cracked, &masks), None);
+    let one = alone(&truth(), &("star", 1, 7, cracked, &masks), None);
     let scopes: Vec<&Scope> = one.curves.iter().map(|curves| &curves.scope).collect();
     assert_eq!(scopes, [&Scope::whole_image(), &in_region()], "each once");
     for curves in &one.curves {
@@ -41,7 +38,7 @@ fn half_of_each_class_found_without_an_error_is_a_step_at_one_half() {
     let mut cracked = said(|k| k % 2 == 0);
     let items = &mut cracked.detections.items;
     items.retain(|one| one.box_px.corners() == super::BOX);
-    let (one, _) = alone(&truth(), &("star", 1, 7, cracked, &masks), None);
+    let one = alone(&truth(), &("star", 1, 7, cracked, &masks), None);
     let curve = &one.curves[0].cracked;
     let step: Vec<f64> = (0..=100).map(|r| f64::from(u8::from(r <= 50))).collect();
     assert_eq!(*curve, step);
@@ -56,23 +53,8 @@ fn the_curves_of_seeds_are_one_whose_area_is_their_ap50() {
             said(|k| super::hashed(k, 3 + u32::try_from(seed).unwrap()) > 0.05 * seed as f64);
         ("star", 1, seed, found, masks.as_path())
     });
-    let (evaluations, coverages): (Vec<Evaluation>, Vec<_>) =
-        cells.iter().map(|cell| alone(&truth, cell, None)).unzip();
-    let sets: Vec<CrackedSet<'_>> = (cells.iter().zip(&evaluations).zip(&coverages))
-        .map(|((cell, one), coverages)| CrackedSet {
-            condition: &one.condition,
-            said: &cell.3,
-            coverages: coverages.as_ref(),
-        })
-        .collect();
-    let input = SeedsInput {
-        detector: "made-up",
-        truth: &truth,
-        clean: &said(|_| true),
-        cracked: &sets,
-        settings: &settings(),
-    };
-    let pooled = over_seeds(&input).unwrap();
+    let (evaluations, mut means) = super::all(&truth, &cells);
+    let pooled = means.over_seeds();
     let everywhere = Scope::whole_image();
     let [all, first] = [&pooled[0].paired, &evaluations[0].paired].map(|rows| {
         let row = pair_of(rows, &everywhere, &Group::all(), PairedMetric::Ap50);
@@ -94,20 +76,15 @@ fn a_control_that_moves_is_told_and_one_that_does_not_is_not() {
         let cracked = said(is_found);
         let cell = ("star", 1, 7, cracked, masks.as_path());
         let one = match has_regions {
-            true => alone(&truth(), &cell, None).0,
+            true => alone(&truth(), &cell, None),
             false => {
+                let (condition, clean) = (super::condition(&cell), said(|_| true));
+                let (truth, settings) = (truth(), settings());
                 let input = EvaluateInput {
-                    detector: "made-up",
-                    condition: &super::condition(&cell),
-                    truth: &truth(),
-                    clean: &said(|_| true),
-                    cracked: Some(&cell.3),
                     regions: None,
-                    facts: None,
-                    images: None,
-                    settings: &settings(),
+                    ..super::input(&truth, (&cell, &condition), &clean, &settings)
                 };
-                evaluate_with_coverages(&input).unwrap().0
+                super::evaluated(&input)
             }
         };
         let mut texts = one.warnings.iter().map(ToString::to_string);
@@ -129,7 +106,7 @@ fn every_family_has_its_curve() {
     let folder = tempfile::tempdir().unwrap();
     let masks = masks(&folder.path().join("m"), 0..50);
     let cracked = said(|k| super::hashed(k, 3) > 0.4);
-    let (one, _) = alone(&truth(), &("star", 1, 7, cracked, &masks), None);
+    let one = alone(&truth(), &("star", 1, 7, cracked, &masks), None);
     let mut study = Study::of_one(one.clone(), "made-up", Provenance::default());
     let of_family = |k: u32| {
         let mut one = one.clone();

@@ -8,7 +8,7 @@ use starbreak_eval::failure::{
     failure_rates, new_false_positives, shifts,
 };
 use starbreak_eval::resampling::{
-    Plan, RankedCategory, paired_average_precision, rank_by_category, rank_versions,
+    DrawnMean, DrawnPrecisions, Plan, RankedCategory, paired_average_precision, rank_by_category,
 };
 use starbreak_eval::statistic::{Measured, TestOutcome};
 use starbreak_eval::{EvalError, ImageMatches, LabelSet, measured_performance};
@@ -169,18 +169,17 @@ impl Sample {
                 put("AP50, one class: clean", &class.clean, None);
             }
         }
-        let ranked = |sets: &[Vec<ImageMatches>]| -> Vec<Vec<RankedCategory>> {
-            let rank = |set: &Vec<ImageMatches>| rank_by_category(set, self.n_categories);
-            sets.iter().map(rank).collect()
-        };
         // Each seed as if it were a kind of crack of its own.
         let cells: Vec<usize> = (0..self.cracked.len()).collect();
-        let (clean, cracked) = (ranked(&self.clean), ranked(&self.cracked));
         let sides = self.clean.iter().zip(&self.cracked);
-        let both: Vec<Vec<RankedCategory>> = sides
-            .map(|(clean, cracked)| rank_versions(&[clean, cracked], self.n_categories))
+        let sets: Result<Vec<DrawnMean>, EvalError> = sides
+            .map(|(clean, cracked)| {
+                let n_categories = self.n_categories;
+                let drawn = DrawnPrecisions::of_matches(clean, cracked, n_categories, &self.plan)?;
+                Ok(drawn.mean())
+            })
             .collect();
-        let means = measured_performance(&clean, &cracked, &both, &cells, &self.plan);
+        let means = sets.and_then(|sets| measured_performance(&sets, false, &cells, &self.plan));
         if let Ok([_, mpc, rpc]) = means
             && is_enough(None)
         {

@@ -5,119 +5,13 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use starbreak_dataset::{LineLog, blake3_hex};
+use starbreak_dataset::LineLog;
 use starbreak_detect::ImageToSee;
-use starbreak_eval::{BoxPx, Detection, Detections};
+use starbreak_eval::Detection;
 
+use super::arm_log::{FoundInImage, UnseenImage};
 use crate::Error;
-
-/// What a detector found in one image, as a line of the log of its arm.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(super) struct FoundInImage {
-    /// Name of the image in the source.
-    pub(super) image: String,
-    /// BLAKE3 of the file that was looked at, hexadecimal; empty where it could not be read.
-    #[serde(default)]
-    blake3: String,
-    /// Category's place in the labels, `x, y, width, height` in px, and score.
-    boxes: Vec<(u32, [f64; 4], f64)>,
-    /// Why nothing could be looked for.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    error: Option<String>,
-}
-
-/// A line of the log: by the hash, a line that was altered since is told from one that was written.
-#[derive(Serialize, Deserialize)]
-struct Line {
-    #[serde(flatten)]
-    found: FoundInImage,
-    /// BLAKE3 of the line without this, the first 16 hexadecimal digits.
-    check: String,
-}
-
-impl FoundInImage {
-    /// The line of a log; none for one that was altered.
-    fn of_line(line: &str) -> Option<Self> {
-        let line: Line = serde_json::from_str(line).ok()?;
-        (line.found.check().ok()? == line.check).then_some(line.found)
-    }
-
-    fn to_line(&self) -> serde_json::Result<String> {
-        serde_json::to_string(&Line {
-            found: self.clone(),
-            check: self.check()?,
-        })
-    }
-
-    fn to_log_line(&self) -> Result<String, Error> {
-        self.to_line().map_err(|error| Error::StudyLine {
-            image: self.image.clone(),
-            reason: error.to_string(),
-        })
-    }
-
-    fn check(&self) -> serde_json::Result<String> {
-        let hash = blake3_hex(serde_json::to_string(self)?.as_bytes());
-        Ok(hash.chars().take(16).collect())
-    }
-}
-
-/// The names of the images that the log of an arm has, with the BLAKE3 of the files that were looked
-/// at; without those that could not be.
-pub(super) fn seen_files(log: &Path) -> Result<BTreeMap<String, String>, Error> {
-    let mut seen = BTreeMap::new();
-    LineLog::read(log, &mut |line| {
-        if let Some(found) = FoundInImage::of_line(line)
-            && found.error.is_none()
-        {
-            seen.insert(found.image, found.blake3);
-        }
-    })?;
-    Ok(seen)
-}
-
-/// What the log of an arm with this identity has, image by image; none where there is no such log.
-pub(super) fn found_by(log: &Path, identity: &str) -> Result<Option<Vec<FoundInImage>>, Error> {
-    if !LineLog::is_of(log, identity)? {
-        return Ok(None);
-    }
-    let mut all = Vec::new();
-    LineLog::read(log, &mut |line| all.extend(FoundInImage::of_line(line)))?;
-    Ok(Some(all))
-}
-
-/// Writes the log of an arm that is whole, in the order of the images, in place of any that is there.
-pub(super) fn write_whole(
-    log: &Path,
-    identity: &str,
-    found: Vec<FoundInImage>,
-) -> Result<Arm, Error> {
-    let mut log = LineLog::open(log, identity, &mut |_| false)?;
-    for one in &found {
-        log.append(&one.to_log_line()?)?;
-    }
-    Ok(collected(found))
-}
-
-/// An image that no detector could look at.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct UnseenImage {
-    /// Its name in the source.
-    pub name: String,
-    /// Why.
-    pub reason: String,
-}
-
-/// What came out of an arm, once it is whole.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Arm {
-    /// In the order of the images, and of each image as the detector gave them.
-    pub(super) detections: Detections,
-    /// Images without a result.
-    pub(super) unseen: Vec<UnseenImage>,
-}
 
 /// What is found in the image of a place.
 type Find<'a> = dyn Fn(u32, &ImageToSee) -> Result<Vec<Detection>, Error> + Sync + 'a;
@@ -148,18 +42,21 @@ struct Shared {
     next: u32,
     /// What is found before its turn to be written has come.
     waiting: BTreeMap<u32, FoundInImage>,
-    done: Vec<FoundInImage>,
+    /// Images that the log has.
+    n_done: u32,
+    /// Those of them without a result.
+    unseen: Vec<UnseenImage>,
     log: LineLog,
     failure: Option<Error>,
 }
 
 impl ArmRun<'_> {
-    /// Looks through the images that the log does not have yet; none is returned where `stop` was
-    /// set on the way.
+    /// Looks through the images that the log does not have yet. Comes to those without a result; none is returned where
+    /// `stop` was set on the way.
     ///
     /// The log has a line for each image, in their order, whatever the threads do.
-    pub(super) fn run(&self) -> Result<Option<Arm>, Error> {
-        let mut done: Vec<FoundInImage> = Vec::new();
+    pub(super) fn run(&self) -> Result<Option<Vec<UnseenImage>>, Error> {
+        let mut n_done = 0_u32;
         let log = LineLog::open(self.log, &self.identity.to_string(), &mut |line| {
             let Some(found) = FoundInImage::of_line(line) else {
                 return false;
@@ -168,19 +65,18 @@ impl ArmRun<'_> {
                 image.name == found.image
                     && (self.blake3)(image).is_ok_and(|blake3| blake3 == found.blake3)
             };
-            let is_next = self.images.get(done.len()).is_some_and(is_same);
+            let is_next = self.images.get(n_done as usize).is_some_and(is_same);
             // What failed may be mended: it is tried again, with all after it.
             let is_good = is_next && found.error.is_none();
-            if is_good {
-                done.push(found);
-            }
+            n_done += u32::from(is_good);
             is_good
         })?;
-        done.iter().for_each(|_| (self.tell)());
+        (0..n_done).for_each(|_| (self.tell)());
         let shared = Mutex::new(Shared {
-            next: u32::try_from(done.len()).unwrap_or(u32::MAX),
+            next: n_done,
             waiting: BTreeMap::new(),
-            done,
+            n_done,
+            unseen: Vec::new(),
             log,
             failure: None,
         });
@@ -195,8 +91,8 @@ impl ArmRun<'_> {
         if let Some(error) = shared.failure {
             return Err(error);
         }
-        let is_whole = shared.done.len() == self.images.len();
-        Ok(is_whole.then(|| collected(shared.done)))
+        let is_whole = shared.n_done as usize == self.images.len();
+        Ok(is_whole.then_some(shared.unseen))
     }
 
     /// One thread: image after image, until there is none left.
@@ -216,8 +112,8 @@ impl ArmRun<'_> {
                 return;
             };
             let found = match (self.blake3)(image) {
-                Ok(blake3) => found_in(&image.name, blake3, (self.find)(place, image)),
-                Err(error) => found_in(&image.name, String::new(), Err(error)),
+                Ok(blake3) => FoundInImage::new(&image.name, blake3, (self.find)(place, image)),
+                Err(error) => FoundInImage::new(&image.name, String::new(), Err(error)),
             };
             let mut shared = lock();
             shared.waiting.insert(place, found);
@@ -232,71 +128,13 @@ impl ArmRun<'_> {
 
 impl Shared {
     fn write_those_in_turn(&mut self) -> Result<(), Error> {
-        let turn = |done: &Vec<FoundInImage>| u32::try_from(done.len()).unwrap_or(u32::MAX);
-        while let Some(found) = self.waiting.remove(&turn(&self.done)) {
-            self.log.append(&found.to_log_line()?)?;
-            self.done.push(found);
+        while let Some(found) = self.waiting.remove(&self.n_done) {
+            self.log.append(&found.to_line()?)?;
+            self.unseen.extend(found.unseen());
+            self.n_done += 1;
         }
         Ok(())
     }
-}
-
-fn found_in(name: &str, blake3: String, result: Result<Vec<Detection>, Error>) -> FoundInImage {
-    let image = name.to_owned();
-    match result {
-        Ok(found) => FoundInImage {
-            image,
-            blake3,
-            boxes: found
-                .iter()
-                .map(|detection| {
-                    let b = detection.box_px;
-                    let sides = [b.x, b.y, b.width, b.height];
-                    (detection.category, sides, detection.score)
-                })
-                .collect(),
-            error: None,
-        },
-        Err(error) => FoundInImage {
-            image,
-            blake3,
-            boxes: Vec::new(),
-            error: Some(error.to_string()),
-        },
-    }
-}
-
-fn collected(done: Vec<FoundInImage>) -> Arm {
-    let mut arm = Arm {
-        detections: Detections::default(),
-        unseen: Vec::new(),
-    };
-    for (image, found) in (0..).zip(done) {
-        if let Some(reason) = found.error {
-            arm.unseen.push(UnseenImage {
-                name: found.image,
-                reason,
-            });
-            continue;
-        }
-        let items = found.boxes.into_iter();
-        arm.detections
-            .items
-            .extend(
-                items.map(|(category, [x, y, width, height], score)| Detection {
-                    image,
-                    category,
-                    box_px: BoxPx {
-                        x,
-                        y,
-                        width,
-                        height,
-                    },
-                    score,
-                }),
-            );
-    }
-    arm
 }
 
 #[cfg(test)]
@@ -307,7 +145,9 @@ mod tests {
     use std::sync::atomic::AtomicU32;
 
     use serde_json::json;
+    use starbreak_eval::{BoxPx, Detections};
 
+    use super::super::arm_log::{read_whole, seen_files};
     use super::*;
 
     fn images() -> Vec<ImageToSee> {
@@ -361,10 +201,17 @@ mod tests {
         assert_eq!(n_calls.into_inner(), 20, "that one and all after it");
     }
 
-    fn run(dir: &tempfile::TempDir, model: u32, find: &Find<'_>, stop: &AtomicBool) -> Option<Arm> {
-        ArmRun {
-            log: &dir.path().join("arm.jsonl"),
-            identity: json!({ "model": model }),
+    /// Detections of an arm that is whole, and images without a result.
+    fn run(
+        dir: &tempfile::TempDir,
+        model: u32,
+        find: &Find<'_>,
+        stop: &AtomicBool,
+    ) -> Option<(Detections, Vec<UnseenImage>)> {
+        let (log, identity) = (dir.path().join("arm.jsonl"), json!({ "model": model }));
+        let unseen = ArmRun {
+            log: &log,
+            identity: identity.clone(),
             images: &images(),
             blake3: &|image| Ok(format!("{} {}", image.name, image.path.display())),
             find,
@@ -373,7 +220,9 @@ mod tests {
             tell: &|| (),
         }
         .run()
-        .unwrap()
+        .unwrap()?;
+        let detections = read_whole(&log, &identity.to_string(), &images()).unwrap();
+        Some((detections, unseen))
     }
 
     #[test]
@@ -381,7 +230,7 @@ mod tests {
         let (dir, other_dir) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let go = AtomicBool::new(false);
         let whole = run(&other_dir, 1, &find, &go).unwrap();
-        assert_eq!(whole.detections.items.len(), 780, "0 to 39 boxes");
+        assert_eq!(whole.0.items.len(), 780, "0 to 39 boxes");
 
         let stop = AtomicBool::new(false);
         let interrupted = |place: u32, image: &ImageToSee| {
@@ -422,12 +271,43 @@ mod tests {
     }
 
     #[test]
+    fn a_log_that_is_damaged_after_the_arm_is_refused_by_the_first_image_without_a_line() {
+        let dir = tempfile::tempdir().unwrap();
+        run(&dir, 1, &find, &AtomicBool::new(false)).unwrap();
+        let (log, identity) = (dir.path().join("arm.jsonl"), r#"{"model":1}"#);
+        let written = std::fs::read_to_string(&log).unwrap();
+        let lines: Vec<&str> = written.lines().collect();
+        let without = |k: usize| [&lines[..=k], &lines[k + 2..]].concat().join("\n") + "\n";
+        let swapped = written.replacen("0.1,", "0.2,", 1);
+        for (damaged, image) in [
+            (String::new(), "000.png"),
+            (without(0), "000.png"),
+            (without(20), "020.png"),
+            (without(39), "039.png"),
+            (written[..written.len() - 9].to_owned(), "039.png"),
+            (written.replacen("\"model\":1", "\"model\":2", 1), "000.png"),
+            (swapped, "001.png"),
+        ] {
+            std::fs::write(&log, damaged).unwrap();
+            let error = read_whole(&log, identity, &images()).unwrap_err();
+            let is_it = matches!(&error, Error::StudyLog { image: first, .. } if first == image);
+            assert!(is_it, "{image}: {error}");
+            assert!(error.to_string().contains("run the study again"), "{error}");
+        }
+        std::fs::remove_file(&log).unwrap();
+        assert!(read_whole(&log, identity, &images()).is_err(), "no log");
+        std::fs::write(&log, &written).unwrap();
+        let found = read_whole(&log, identity, &images()).unwrap();
+        assert_eq!(found.items.len(), 780, "put back");
+    }
+
+    #[test]
     fn another_model_begins_anew() {
         let dir = tempfile::tempdir().unwrap();
         let go = AtomicBool::new(false);
         run(&dir, 1, &find, &go).unwrap();
-        let arm = run(&dir, 2, &|_, _| Ok(Vec::new()), &go).unwrap();
-        assert!(arm.detections.items.is_empty(), "of the second");
+        let (found, _) = run(&dir, 2, &|_, _| Ok(Vec::new()), &go).unwrap();
+        assert!(found.items.is_empty(), "of the second");
     }
 
     #[test]
@@ -438,12 +318,12 @@ mod tests {
             3 => Err(Error::NoSize),
             _ => find(place, image),
         };
-        let unseen = run(&dir, 1, &fails, &go).unwrap().unseen;
+        let (_, unseen) = run(&dir, 1, &fails, &go).unwrap();
         let seen = seen_files(&dir.path().join("arm.jsonl")).unwrap();
         assert_eq!(seen.len(), 39, "all but that one");
         assert_eq!(seen["004.png"], "004.png ", "the hash of its file");
         assert_eq!(unseen.len(), 1, "one");
         assert_eq!(unseen[0].name, "003.png", "that one");
-        assert_eq!(run(&dir, 1, &find, &go).unwrap().unseen, [], "mended");
+        assert_eq!(run(&dir, 1, &find, &go).unwrap().1, [], "mended");
     }
 }

@@ -9,7 +9,7 @@ use starbreak_detect::ImageToSee;
 use starbreak_eval::{GroundTruth, LabeledImage};
 
 use super::StudyPlan;
-use super::arm::seen_files;
+use super::arm_log::seen_files;
 use crate::Error;
 
 impl StudyPlan<'_> {

@@ -12,6 +12,7 @@
 //! their own, on any number of machines, and are joined.
 
 mod arm;
+mod arm_log;
 mod condition;
 mod distances;
 mod identity;
@@ -21,7 +22,7 @@ mod run;
 mod set;
 mod shards;
 
-pub use arm::UnseenImage;
+pub use arm_log::UnseenImage;
 pub use condition::{Condition, Family, conditions, folder_name};
-pub use run::{DetectorRuns, Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns};
+pub use run::{Step, StudyDetector, StudyEvent, StudyPlan, StudyRuns};
 pub use shards::CLEAN_STEP;

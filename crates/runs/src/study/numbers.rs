@@ -2,15 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use rayon::prelude::*;
 use starbreak_eval::evaluation::{
-    CleanResults, Condition as ReportedCondition, CrackedSet, DamageFacts, EvaluateInput,
-    EvaluateSettings, Evaluation, ImageFolders, OverSeeds, Provenance, RobustnessRow, SeedsInput,
-    Study, Warning, clean_results, evaluate_with_coverages, over_seeds, robustness,
+    CleanResults, Condition as ReportedCondition, DamageFacts, EvaluateInput, EvaluateSettings,
+    Evaluation, ImageFolders, OverConditions, OverSeeds, Provenance, RobustnessRow, Study, Warning,
+    clean_results,
 };
-use starbreak_eval::{Coverages, GroundTruth, RegionMasks, SaidDetections, evaluate};
+use starbreak_eval::{GroundTruth, RegionMasks, SaidDetections, evaluate};
 
-use super::{Condition, StudyPlan, StudyRuns};
+use super::{Condition, StudyDetector, StudyPlan, StudyRuns};
 use crate::Error;
 
 impl StudyPlan<'_> {
@@ -18,7 +17,7 @@ impl StudyPlan<'_> {
     /// are `truth`. Images that some detector could not look at count nowhere.
     ///
     /// # Errors
-    /// [`Error::Eval`].
+    /// [`Error::Eval`], and as [`StudyPlan::detections`].
     pub fn numbers(
         &self,
         truth: &GroundTruth,
@@ -30,12 +29,11 @@ impl StudyPlan<'_> {
     ) -> Result<Study, Error> {
         let unseen: BTreeSet<&str> = runs.unseen.iter().map(|one| one.name.as_str()).collect();
         let (truth, places) = truth.keep(|image| !unseen.contains(image.name.as_str()));
-        let n_detectors = self.detectors.len();
         let mut clean = Vec::new();
         let mut evaluations = Vec::new();
         let mut of_seeds = Vec::new();
         let mut of_detectors = Vec::new();
-        for detector in 0..n_detectors {
+        for detector in self.detectors {
             let one = self.of_detector(&truth, &places, runs, settings, detector)?;
             clean.push(one.clean);
             evaluations.extend(one.evaluations);
@@ -66,46 +64,37 @@ impl StudyPlan<'_> {
         Ok(study)
     }
 
-    /// One detector under all conditions.
+    /// One detector under all conditions. What it found under each is read from its log in turn, and dropped.
     fn of_detector(
         &self,
         truth: &GroundTruth,
         places: &[Option<u32>],
         runs: &StudyRuns,
         settings: &EvaluateSettings,
-        detector: usize,
+        detector: &StudyDetector,
     ) -> Result<OfDetector, Error> {
-        let missing = || Error::StudyCell {
-            detector,
-            condition: 0,
+        let said = |condition| -> Result<SaidDetections, Error> {
+            Ok(truth.said(&self.detections(detector, condition)?.keep(places)))
         };
-        let name = &self.detectors.get(detector).ok_or_else(missing)?.name;
-        let found = runs.detectors.get(detector).ok_or_else(missing)?;
-        let clean = truth.said(&found.clean.keep(places));
+        let name = &detector.name;
+        let clean = said(None)?;
+        let of_clean = evaluate(truth, &clean, &settings.compare)?;
+        let of_clean = clean_results(name, truth, &clean, of_clean.results)?;
         let conditions: Vec<ReportedCondition> = self.conditions.iter().map(reported).collect();
-        let cracked: Vec<SaidDetections> = found
-            .cracked
-            .iter()
-            .map(|cracked| truth.said(&cracked.keep(places)))
-            .collect();
-        // Each has threads enough for itself; side by side their order is kept.
-        let cells: Result<Vec<(Evaluation, Option<Coverages>)>, Error> = (0..conditions.len())
-            .into_par_iter()
-            .map(|place| {
-                let missing = || Error::StudyCell {
-                    detector,
-                    condition: place,
-                };
-                let layout = runs.sets.get(place).ok_or_else(missing)?;
-                let facts = DamageFacts::read(&layout.state("provenance"), &truth.labels)?;
-                let root = truth.root.as_deref();
-                let regions = layout.state("regions");
-                Ok(evaluate_with_coverages(&EvaluateInput {
+        let mut means = OverConditions::new(&conditions);
+        let mut evaluations = Vec::new();
+        let sets = self.conditions.iter().zip(&runs.sets);
+        for ((condition, layout), reported) in sets.zip(&conditions) {
+            let facts = DamageFacts::read(&layout.state("provenance"), &truth.labels)?;
+            let root = truth.root.as_deref();
+            let regions = layout.state("regions");
+            evaluations.push(
+                means.evaluate(&EvaluateInput {
                     detector: name,
-                    condition: conditions.get(place).ok_or_else(missing)?,
+                    condition: reported,
                     truth,
                     clean: &clean,
-                    cracked: Some(cracked.get(place).ok_or_else(missing)?),
+                    cracked: Some(&said(Some(condition))?),
                     regions: Some(RegionMasks {
                         folder: &regions,
                         root,
@@ -118,33 +107,13 @@ impl StudyPlan<'_> {
                             cracked: layout.root(),
                         }),
                     settings,
-                })?)
-            })
-            .collect();
-        let (evaluations, coverages): (Vec<Evaluation>, Vec<Option<Coverages>>) =
-            cells?.into_iter().unzip();
-        let sets: Vec<CrackedSet<'_>> = conditions
-            .iter()
-            .zip(&cracked)
-            .zip(&coverages)
-            .map(|((condition, said), coverages)| CrackedSet {
-                condition,
-                said,
-                coverages: coverages.as_ref(),
-            })
-            .collect();
-        let all = SeedsInput {
-            detector: name,
-            truth,
-            clean: &clean,
-            cracked: &sets,
-            settings,
-        };
-        let of_clean = evaluate(truth, &clean, &settings.compare)?;
+                })?,
+            );
+        }
         Ok(OfDetector {
-            clean: clean_results(name, truth, &clean, of_clean.results)?,
-            over_seeds: over_seeds(&all)?,
-            robustness: robustness(&evaluations, &all)?,
+            clean: of_clean,
+            over_seeds: means.over_seeds(),
+            robustness: means.robustness(&evaluations)?,
             evaluations,
         })
     }

@@ -15,7 +15,8 @@ use starbreak_detect::{Detector, ImageToSee, LabelMap};
 use starbreak_eval::{BoxPx, Detection, Detections, GroundTruth};
 
 use super::Condition;
-use super::arm::{Arm, ArmRun, UnseenImage, seen_files};
+use super::arm::ArmRun;
+use super::arm_log::{UnseenImage, read_whole, seen_files};
 use super::identity::{DetectorIdentity, Identity};
 use super::set::make_set;
 use crate::generate::{Event, GenerateReport, Survey};
@@ -80,20 +81,10 @@ pub enum StudyEvent<'a> {
     Failed(String),
 }
 
-/// The detections of one detector.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DetectorRuns {
-    /// On the clean images.
-    pub clean: Detections,
-    /// On the cracked ones, in the order of the conditions.
-    pub cracked: Vec<Detections>,
-}
-
-/// All that was made and found.
+/// What was made, once all detectors have looked at it. What they found stays in their logs:
+/// [`StudyPlan::detections`].
 #[derive(Debug)]
 pub struct StudyRuns {
-    /// In the order of the detectors.
-    pub detectors: Vec<DetectorRuns>,
     /// The cracked sets, in the order of the conditions.
     pub sets: Vec<SetLayout>,
     /// Images that some detector could not look at in some arm, by their names, in order.
@@ -132,30 +123,20 @@ impl StudyPlan<'_> {
     ) -> Result<Option<StudyRuns>, Error> {
         self.begin(&Identity::of(self, truth)?, truth)?;
         let mut unseen: Vec<UnseenImage> = Vec::new();
-        let mut detectors = Vec::new();
         for detector in self.detectors {
-            let Some(arm) = self.look_at_clean(detector, stop, tell)? else {
+            let Some(of_arm) = self.look_at_clean(detector, stop, tell)? else {
                 return Ok(None);
             };
-            unseen.extend(arm.unseen);
-            detectors.push(DetectorRuns {
-                clean: arm.detections,
-                cracked: Vec::new(),
-            });
+            unseen.extend(of_arm);
         }
         let mut sets = Vec::new();
         for condition in self.conditions {
-            let Some((layout, arms)) = self.under(condition, &mut unseen, stop, tell)? else {
+            let Some(layout) = self.under(condition, &mut unseen, stop, tell)? else {
                 return Ok(None);
             };
             sets.push(layout);
-            for (runs, arm) in detectors.iter_mut().zip(arms) {
-                unseen.extend(arm.unseen);
-                runs.cracked.push(arm.detections);
-            }
         }
         Ok(Some(StudyRuns {
-            detectors,
             sets,
             unseen: each_once(unseen),
         }))
@@ -185,13 +166,27 @@ impl StudyPlan<'_> {
         identity.write(self.out)
     }
 
-    /// Lets a detector look at the clean images.
+    /// What a detector found on the clean images, or under a condition, once it has looked at all of them: from its log,
+    /// by the places of the plan's images.
+    ///
+    /// # Errors
+    /// [`Error::StudyLog`] where the log is not as it was written.
+    pub fn detections(
+        &self,
+        detector: &StudyDetector,
+        condition: Option<&Condition>,
+    ) -> Result<Detections, Error> {
+        let identity = self.log_identity(detector, condition)?.to_string();
+        read_whole(&self.log(detector, condition), &identity, self.images)
+    }
+
+    /// Lets a detector look at the clean images. Comes to those without a result; none where `stop` was set on the way.
     pub(super) fn look_at_clean(
         &self,
         detector: &StudyDetector,
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
-    ) -> Result<Option<Arm>, Error> {
+    ) -> Result<Option<Vec<UnseenImage>>, Error> {
         let quality = self.quality()?;
         let of_source = |image: &ImageToSee| image.path.clone();
         let clean = |path: &Path| clean_image(path, quality);
@@ -208,7 +203,7 @@ impl StudyPlan<'_> {
         unseen: &mut Vec<UnseenImage>,
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
-    ) -> Result<Option<(SetLayout, Vec<Arm>)>, Error> {
+    ) -> Result<Option<SetLayout>, Error> {
         let folder = self.set_folder(condition);
         let layout = SetLayout::new(&folder, 1);
         tell(StudyEvent::Begun(
@@ -241,19 +236,18 @@ impl StudyPlan<'_> {
                 error => error.into(),
             }),
         };
-        let mut arms = Vec::new();
         for detector in self.detectors {
             let images = (&of_set as &PathOf<'_>, &cracked_image as &Read<'_>);
-            let arm = self.look(detector, Some(condition), (images, &hash), stop, tell)?;
-            let Some(arm) = arm else {
+            let of_arm = self.look(detector, Some(condition), (images, &hash), stop, tell)?;
+            let Some(of_arm) = of_arm else {
                 return Ok(None);
             };
-            arms.push(arm);
+            unseen.extend(of_arm);
         }
         if !self.keeps_images {
             self.remove_images(&layout)?;
         }
-        Ok(Some((layout, arms)))
+        Ok(Some(layout))
     }
 
     /// Removes the images of a set, those without labels too.
@@ -352,7 +346,7 @@ impl StudyPlan<'_> {
         ((path_of, read), blake3): ((&PathOf<'_>, &Read<'_>), &Hash<'_>),
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
-    ) -> Result<Option<Arm>, Error> {
+    ) -> Result<Option<Vec<UnseenImage>>, Error> {
         let step = Step::Detecting(&detector.name, condition);
         tell(StudyEvent::Begun(step, self.images.len() as u64));
         let log = self.log(detector, condition);

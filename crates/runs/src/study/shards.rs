@@ -11,10 +11,10 @@ use starbreak_dataset::{DatasetError, SetLayout, merge_sets, read_text, refuse_i
 use starbreak_detect::ImageToSee;
 use starbreak_eval::GroundTruth;
 
-use super::arm::{FoundInImage, UnseenImage, found_by, write_whole};
+use super::arm_log::{FoundInImage, UnseenImage, read_found, write_whole};
 use super::identity::Identity;
 use super::run::each_once;
-use super::{Condition, DetectorRuns, StudyDetector, StudyEvent, StudyPlan, StudyRuns};
+use super::{Condition, StudyDetector, StudyEvent, StudyPlan, StudyRuns};
 use crate::Error;
 use crate::generate::{Shard, Survey};
 
@@ -69,16 +69,15 @@ impl StudyPlan<'_> {
         let is_asked = |name: &str| step.is_none_or(|step| step == name);
         let mut unseen = Vec::new();
         for detector in self.detectors.iter().filter(|_| is_asked(CLEAN_STEP)) {
-            let Some(arm) = part.look_at_clean(detector, stop, tell)? else {
+            let Some(of_arm) = part.look_at_clean(detector, stop, tell)? else {
                 return Ok(None);
             };
-            unseen.extend(arm.unseen);
+            unseen.extend(of_arm);
         }
         for condition in self.conditions.iter().filter(|one| is_asked(&one.name)) {
-            let Some((_, arms)) = part.under(condition, &mut unseen, stop, tell)? else {
+            if part.under(condition, &mut unseen, stop, tell)?.is_none() {
                 return Ok(None);
-            };
-            unseen.extend(arms.into_iter().flat_map(|arm| arm.unseen));
+            }
         }
         Ok(Some(each_once(unseen)))
     }
@@ -108,35 +107,32 @@ impl StudyPlan<'_> {
             part.check_files()?;
         }
         // What detectors have not looked at ends it before anything is written.
-        let mut steps = Vec::new();
-        for step in std::iter::once(None).chain(self.conditions.iter().map(Some)) {
-            let detectors = self.detectors.iter();
-            let found = detectors.map(|one| self.found_in_shards(one, step, &shards));
-            steps.push((step, found.collect::<Result<Vec<_>, Error>>()?));
+        let steps = || std::iter::once(None).chain(self.conditions.iter().map(Some));
+        for step in steps() {
+            for detector in self.detectors {
+                self.read_shards(detector, step, &shards, &mut |_, _| ())?;
+            }
         }
         identity.write(self.out)?;
         let mut unseen = Vec::new();
         let mut sets = Vec::new();
-        let mut arms = vec![Vec::new(); self.detectors.len()];
-        for (step, found) in steps {
+        for step in steps() {
             if let Some(condition) = step {
                 let layout = self.join_set(condition, &shards)?;
                 unseen.extend(failures_of(&layout, condition)?);
                 sets.push(layout);
             }
-            for ((detector, found), arms) in self.detectors.iter().zip(found).zip(&mut arms) {
+            for detector in self.detectors {
+                let mut found = BTreeMap::new();
+                self.read_shards(detector, step, &shards, &mut |place, one| {
+                    found.insert(place, one);
+                })?;
                 let identity = self.log_identity(detector, step)?.to_string();
-                let arm = write_whole(&self.log(detector, step), &identity, found)?;
-                unseen.extend(arm.unseen);
-                arms.push(arm.detections);
+                let log = self.log(detector, step);
+                unseen.extend(write_whole(&log, &identity, found.into_values())?);
             }
         }
-        let detectors = arms.into_iter().map(|mut arms| DetectorRuns {
-            clean: arms.remove(0),
-            cracked: arms,
-        });
         Ok(StudyRuns {
-            detectors: detectors.collect(),
             sets,
             unseen: each_once(unseen),
         })
@@ -173,37 +169,44 @@ impl StudyPlan<'_> {
         }
     }
 
-    /// What a detector found in the images of all shards, in the order of the images. A log counts as far as it has the
-    /// images of its shard in their order.
-    fn found_in_shards(
+    /// Hands over what a detector found in the images of all shards, each with its place among the plan's. A log counts
+    /// as far as it has the images of its shard in their order.
+    fn read_shards(
         &self,
         detector: &StudyDetector,
         condition: Option<&Condition>,
         shards: &[(Shard, PathBuf)],
-    ) -> Result<Vec<FoundInImage>, Error> {
+        take: &mut dyn FnMut(usize, FoundInImage),
+    ) -> Result<(), Error> {
         let identity = self.log_identity(detector, condition)?.to_string();
-        let mut logs = Vec::new();
+        let mut first_missing: Option<usize> = None;
         for (shard, folder) in shards {
             let log = self.in_shard(folder).log(detector, condition);
-            let found = found_by(&log, &identity)?.ok_or_else(|| Error::StudyShard {
+            let places =
+                || (0..self.images.len()).filter(|place| shard.takes(&self.images[*place].name));
+            let images = places().map(|place| &self.images[place]);
+            let mut left = places();
+            let n_found = read_found(&log, &identity, images, &mut |found| {
+                if let Some(place) = left.next() {
+                    take(place, found);
+                }
+            })?;
+            n_found.ok_or_else(|| Error::StudyShard {
                 folder: folder.clone(),
                 what: format!(
                     "{log:?} is not there, or of another study or version; run this shard again"
                 ),
             })?;
-            logs.push((*shard, found.into_iter()));
+            first_missing = first_missing.into_iter().chain(left.next()).min();
         }
-        let of_image = |image: &ImageToSee| {
-            let log = logs.iter_mut().find(|(shard, _)| shard.takes(&image.name));
-            let next = log.and_then(|(_, found)| found.next());
-            next.filter(|found| found.image == image.name)
-                .ok_or_else(|| Error::StudyShardUnfinished {
-                    detector: detector.name.clone(),
-                    step: condition.map_or(CLEAN_STEP, |one| &one.name).to_owned(),
-                    image: image.name.clone(),
-                })
-        };
-        self.images.iter().map(of_image).collect()
+        match first_missing.and_then(|place| self.images.get(place)) {
+            None => Ok(()),
+            Some(image) => Err(Error::StudyShardUnfinished {
+                detector: detector.name.clone(),
+                step: condition.map_or(CLEAN_STEP, |one| &one.name).to_owned(),
+                image: image.name.clone(),
+            }),
+        }
     }
 }
 

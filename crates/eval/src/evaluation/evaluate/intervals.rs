@@ -3,8 +3,7 @@
 use super::{EvaluateSettings, Plain};
 use crate::evaluation::{Estimate, Group, GroupKind, PairedMetric, PairedRow, Scope, ScopeKind};
 use crate::resampling::{
-    KittiRecalls, PairedPrecision, PairedPrecisions, Plan, paired_average_precision,
-    paired_kitti_precision,
+    DrawnPrecisions, KittiRecalls, PairedPrecision, PairedPrecisions, Plan, paired_kitti_precision,
 };
 use crate::statistic::Measured;
 use crate::{
@@ -12,9 +11,16 @@ use crate::{
     KittiDifficulty, LabelSet, MatchRule, SaidDetections, Subset, match_images, rank_kitti,
 };
 
+/// Of what draws are taken: where, which number, and whether of classes or of supercategories.
+pub(super) type Drawn<'a> = (&'a Scope, PairedMetric, GroupKind);
+
 /// Puts intervals and tests to AP50 and AP75 of all groups: of every scope AP50, of the
-/// first τ and of whole images AP75, too.
-pub(super) fn put(rows: &mut [PairedRow], all: &Plain<'_>) -> Result<(), EvalError> {
+/// first τ and of whole images AP75, too. Hands over what those of the latter are measured from.
+pub(super) fn put(
+    rows: &mut [PairedRow],
+    all: &Plain<'_>,
+    take: &mut dyn FnMut(Drawn<'_>, DrawnPrecisions),
+) -> Result<(), EvalError> {
     let scopes = scopes_of(rows);
     let pooling = all.labels.by_supercategory();
     let pooled = pooling.as_ref().map(|pooling| {
@@ -35,13 +41,21 @@ pub(super) fn put(rows: &mut [PairedRow], all: &Plain<'_>) -> Result<(), EvalErr
             if metric == PairedMetric::Ap75 && !is_own {
                 continue;
             }
-            let of_classes = paired(all, (all.labels, all.clean, all.cracked), scope, iou)?;
-            let of_groups = match &pooled {
-                Some((labels, clean, cracked)) => {
-                    Some((labels, paired(all, (labels, clean, cracked), scope, iou)?))
+            let mut measured = |kind, (labels, clean, cracked)| {
+                let drawn = drawn(all, (labels, clean, cracked), scope, iou)?;
+                let found = drawn.measured(all.plan)?;
+                if is_own {
+                    take((scope, metric, kind), drawn);
                 }
-                None => None,
+                Ok::<_, EvalError>((labels, found))
             };
+            let (_, of_classes) = measured(GroupKind::Class, (all.labels, all.clean, all.cracked))?;
+            let of_groups = pooled
+                .as_ref()
+                .map(|(labels, clean, cracked)| {
+                    measured(GroupKind::Supercategory, (labels, clean, cracked))
+                })
+                .transpose()?;
             let of_row = |group: &Group| match group.kind {
                 GroupKind::All => Some(&of_classes.mean),
                 GroupKind::MeanOfSupercategories => {
@@ -139,12 +153,12 @@ fn find<'a>(
     found.categories.iter().find(is_it)
 }
 
-fn paired(
+fn drawn(
     all: &Plain<'_>,
     (labels, clean, cracked): (&LabelSet, &Detections, &Detections),
     scope: &Scope,
     iou_threshold: f64,
-) -> Result<PairedPrecisions, EvalError> {
+) -> Result<DrawnPrecisions, EvalError> {
     let place = Place {
         scope,
         iou_threshold,
@@ -152,17 +166,17 @@ fn paired(
     };
     let clean = place.matches(labels, clean, coverage_of(all.coverages, 0))?;
     let cracked = place.matches(labels, cracked, coverage_of(all.coverages, 1))?;
-    paired_average_precision(&[&clean], &[&cracked], labels.categories.len(), all.plan)
+    DrawnPrecisions::of_matches(&clean, &cracked, labels.categories.len(), all.plan)
 }
 
 /// Most detections of a category in an image.
-pub(super) fn max_detections(settings: &EvaluateSettings) -> u32 {
+fn max_detections(settings: &EvaluateSettings) -> u32 {
     let most = settings.compare.coco.max_detections.last();
     most.copied().unwrap_or(100)
 }
 
 /// The coverages of one of the sets of detections.
-pub(super) fn coverage_of(coverages: &Coverages, set: usize) -> CoverageOf<'_> {
+fn coverage_of(coverages: &Coverages, set: usize) -> CoverageOf<'_> {
     CoverageOf {
         objects: &coverages.objects,
         detections: coverages.detections.get(set).map_or(&[], Vec::as_slice),
@@ -170,14 +184,14 @@ pub(super) fn coverage_of(coverages: &Coverages, set: usize) -> CoverageOf<'_> {
 }
 
 /// Where, and by which overlap, detections are matched.
-pub(super) struct Place<'a> {
-    pub(super) scope: &'a Scope,
-    pub(super) iou_threshold: f64,
-    pub(super) max_detections: u32,
+struct Place<'a> {
+    scope: &'a Scope,
+    iou_threshold: f64,
+    max_detections: u32,
 }
 
 impl Place<'_> {
-    pub(super) fn matches(
+    fn matches(
         &self,
         labels: &LabelSet,
         detections: &Detections,

@@ -1,19 +1,19 @@
 //! mPC and rPC with their intervals: all conditions of a detector with the same draws.
 
-use super::intervals::{Place, coverage_of, max_detections};
-use super::plan_of;
-use super::seeds::{CrackedSet, Patterns, SeedsInput, patterns_of};
+use super::intervals::Drawn;
+use super::{EvaluateSettings, Plain};
+use crate::EvalError;
 use crate::evaluation::robustness::mean_rows;
 use crate::evaluation::{
-    Condition, Estimate, Evaluation, PairedMetric, RobustnessRow, Scope, ScopeKind,
+    Condition, Estimate, Evaluation, GroupKind, PairedMetric, RobustnessRow, Scope, ScopeKind,
 };
 use crate::failure::Where;
 use crate::mean_performance::measured_performance;
-use crate::resampling::{RankedCategory, rank_by_category, rank_versions};
+use crate::resampling::{DrawnMean, DrawnPrecisions, Plan};
 use crate::statistic::Measured;
-use crate::{Coverages, Detections, EvalError, Object};
 
 /// Families with severities, and the seeds that all of them have.
+#[derive(Debug)]
 struct Grid {
     /// In the order of the conditions: place of the cell of family and severity, and of the seed.
     place: Vec<(usize, usize)>,
@@ -22,12 +22,11 @@ struct Grid {
 
 impl Grid {
     /// Nothing unless each family and severity has the same seeds, each once.
-    fn of(sets: &[&CrackedSet<'_>]) -> Option<Self> {
+    fn of(conditions: &[&Condition]) -> Option<Self> {
         let mut cells = Vec::new();
         let mut seeds = Vec::new();
         let mut place: Vec<(usize, usize)> = Vec::new();
-        for set in sets {
-            let condition = set.condition;
+        for condition in conditions {
             let cell = (condition.family.as_deref()?, condition.severity?);
             let at = place_of(&mut cells, cell);
             place.push((at, place_of(&mut seeds, condition.seed?)));
@@ -51,103 +50,123 @@ fn place_of<T: PartialEq>(known: &mut Vec<T>, one: T) -> usize {
     })
 }
 
-/// mPC and rPC of a detector: of AP, AP50 and AP75, on whole images and in the region at the first τ, over the
-/// families, severities and seeds of the conditions; nothing unless two conditions or more have family and
-/// severity. Those that have not, such as a recipe beside presets with severities, are left aside: they are
-/// no part of the grid that is averaged over. `evaluations` are what [`evaluate`](super::evaluate) gives for them. The n is
-/// that of the different objects: one that lies in the region of several conditions is one.
-///
-/// AP50 and AP75 have intervals ([`measured_performance`]). Where not every family and severity has the same seeds, there is no
-/// interval.
-///
-/// # Errors
-/// As [`crate::evaluation::evaluate`].
-pub fn robustness(
-    evaluations: &[Evaluation],
-    input: &SeedsInput<'_>,
-) -> Result<Vec<RobustnessRow>, EvalError> {
-    let of_grid: Vec<&CrackedSet<'_>> = input
-        .cracked
-        .iter()
-        .filter(|set| set.condition.is_of_grid())
-        .collect();
-    let Some(patterns) = patterns_of(input, &of_grid) else {
-        return Ok(Vec::new());
-    };
-    let n_objects = |scope: &Scope| n_different_objects(&patterns, scope);
-    let mut rows = mean_rows(evaluations, input.settings.tau(), &n_objects);
-    if let Some(grid) = Grid::of(&of_grid) {
-        put_intervals(&mut rows, &grid, &patterns, input)?;
+/// What mPC and rPC are made from, condition by condition.
+#[derive(Debug)]
+pub(super) struct GridMeans {
+    /// Those with family and severity.
+    conditions: Vec<Condition>,
+    /// Nothing where there are no intervals.
+    grid: Option<Grid>,
+    /// Of whole images and of the region, in the order of the conditions.
+    drawn: Vec<(Scope, PairedMetric, Vec<DrawnMean>)>,
+    /// Of each object whether it is to be found, and in the region under some condition.
+    objects: Vec<(bool, bool)>,
+    n_taken: usize,
+    /// What all conditions share.
+    shared: Option<(Plan, EvaluateSettings)>,
+}
+
+impl GridMeans {
+    pub(super) fn new(conditions: &[Condition]) -> Self {
+        let of_grid = conditions.iter().filter(|one| one.is_of_grid());
+        let of_grid: Vec<&Condition> = of_grid.collect();
+        Self {
+            grid: Grid::of(&of_grid).filter(|_| of_grid.len() > 1),
+            conditions: of_grid.into_iter().cloned().collect(),
+            drawn: Vec::new(),
+            objects: Vec::new(),
+            n_taken: 0,
+            shared: None,
+        }
     }
-    Ok(rows)
-}
 
-/// Objects that are to be found in a place under some condition.
-fn n_different_objects(patterns: &Patterns<'_>, scope: &Scope) -> u64 {
-    let place = match (scope.kind, scope.tau) {
-        (ScopeKind::InRegion, Some(tau)) => Where::Region { tau },
-        _ => Where::Image,
-    };
-    let is_asked_for = |(idx, object): &(usize, &Object)| {
-        let mut conditions = patterns.cracked.iter();
-        let is_inside = |(_, _, coverages): &(&Condition, Detections, Coverages)| {
-            let coverage = coverages.objects.get(*idx).copied();
-            coverage.is_some_and(|coverage| place.holds(coverage))
-        };
-        object.is_to_be_found() && conditions.any(is_inside)
-    };
-    let objects = patterns.labels.objects.iter().enumerate();
-    u64::try_from(objects.filter(is_asked_for).count()).unwrap_or(u64::MAX)
-}
-
-fn put_intervals(
-    rows: &mut [RobustnessRow],
-    grid: &Grid,
-    patterns: &Patterns<'_>,
-    input: &SeedsInput<'_>,
-) -> Result<(), EvalError> {
-    let n_seeds = u32::try_from(grid.n_seeds).unwrap_or(u32::MAX);
-    let plan = plan_of(&patterns.labels, input.settings);
-    let n_categories = patterns.labels.categories.len();
-    let cells: Vec<usize> = grid.place.iter().map(|(cell, _)| *cell).collect();
-    for row in rows {
-        row.n_seeds = Some(n_seeds.into());
-        let iou_threshold = match row.metric {
-            PairedMetric::Ap50 => 0.5,
-            PairedMetric::Ap75 => 0.75,
-            _ => continue,
-        };
-        if row.mpc.value.is_none() {
-            continue;
+    pub(super) fn take_drawn(
+        &mut self,
+        condition: &Condition,
+        (scope, metric, kind): Drawn<'_>,
+        drawn: &DrawnPrecisions,
+    ) {
+        let is_asked = kind == GroupKind::Class && scope.kind != ScopeKind::OutOfRegion;
+        if !is_asked || self.grid.is_none() || !self.conditions.contains(condition) {
+            return;
         }
-        let place = Place {
-            scope: &row.scope,
-            iou_threshold,
-            max_detections: max_detections(input.settings),
+        let known = self.drawn.iter_mut();
+        let mut known = known.filter(|(s, m, _)| (&*s, *m) == (scope, metric));
+        match known.next() {
+            Some((.., means)) => means.push(drawn.mean()),
+            None => self.drawn.push((scope.clone(), metric, vec![drawn.mean()])),
+        }
+    }
+
+    pub(super) fn take_objects(&mut self, condition: &Condition, all: &Plain<'_>) {
+        if !self.conditions.contains(condition) {
+            return;
+        }
+        let tau = all.settings.tau();
+        let coverages = all.labels.objects.iter().zip(&all.coverages.objects);
+        let here = coverages.map(|(object, coverage)| {
+            let is_inside = Where::Region { tau }.holds(*coverage);
+            (object.is_to_be_found(), is_inside)
+        });
+        self.objects
+            .resize(all.labels.objects.len(), (false, false));
+        for (known, (is_to_be_found, is_inside)) in self.objects.iter_mut().zip(here) {
+            *known = (is_to_be_found, known.1 || is_inside);
+        }
+        self.n_taken += 1;
+        let shared = || (all.plan.clone(), all.settings.clone());
+        self.shared.get_or_insert_with(shared);
+    }
+
+    /// See [`OverConditions::robustness`](super::OverConditions::robustness).
+    pub(super) fn rows(&self, evaluations: &[Evaluation]) -> Result<Vec<RobustnessRow>, EvalError> {
+        let Some((plan, settings)) = &self.shared else {
+            return Ok(Vec::new());
         };
-        let is_whole = row.scope.kind == ScopeKind::WholeImage;
-        let mut clean: Vec<Vec<RankedCategory>> = Vec::new();
-        let mut cracked: Vec<Vec<RankedCategory>> = Vec::new();
-        let mut both: Vec<Vec<RankedCategory>> = Vec::new();
-        let mut of_clean = Vec::new();
-        for (_, found, coverages) in &patterns.cracked {
-            // On whole images the clean ones are the same for all conditions.
-            if !is_whole || clean.is_empty() {
-                let coverage = coverage_of(coverages, 0);
-                of_clean = place.matches(&patterns.labels, &patterns.clean, coverage)?;
-                clean.push(rank_by_category(&of_clean, n_categories));
+        if self.n_taken < self.conditions.len() {
+            return Ok(Vec::new());
+        }
+        let n_objects = |scope: &Scope| {
+            let is_whole = scope.kind == ScopeKind::WholeImage;
+            let objects = self.objects.iter();
+            let asked = objects
+                .filter(|(is_to_be_found, is_inside)| *is_to_be_found && (is_whole || *is_inside));
+            u64::try_from(asked.count()).unwrap_or(u64::MAX)
+        };
+        let mut rows = mean_rows(evaluations, settings.tau(), &n_objects);
+        if let Some(grid) = &self.grid {
+            for row in &mut rows {
+                self.put_intervals(row, grid, plan)?;
             }
-            let coverage = coverage_of(coverages, 1);
-            let matches = place.matches(&patterns.labels, found, coverage)?;
-            cracked.push(rank_by_category(&matches, n_categories));
-            both.push(rank_versions(&[&of_clean, &matches], n_categories));
         }
-        let [of_clean, mpc, rpc] = measured_performance(&clean, &cracked, &both, &cells, &plan)?;
+        Ok(rows)
+    }
+
+    fn put_intervals(
+        &self,
+        row: &mut RobustnessRow,
+        grid: &Grid,
+        plan: &Plan,
+    ) -> Result<(), EvalError> {
+        let n_seeds = u32::try_from(grid.n_seeds).unwrap_or(u32::MAX);
+        row.n_seeds = Some(n_seeds.into());
+        let mut drawn = self.drawn.iter();
+        let drawn = drawn.find(|(s, m, _)| (s, *m) == (&row.scope, row.metric));
+        let Some((.., means)) = drawn.filter(|_| row.mpc.value.is_some()) else {
+            return Ok(());
+        };
+        let cells: Vec<usize> = grid.place.iter().map(|(cell, _)| *cell).collect();
+        if means.len() != cells.len() {
+            return Ok(());
+        }
+        // On whole images the clean ones are the same for all conditions.
+        let is_clean_one = row.scope.kind == ScopeKind::WholeImage;
+        let [of_clean, mpc, rpc] = measured_performance(means, is_clean_one, &cells, plan)?;
         put(&mut row.clean, &of_clean);
         put(&mut row.mpc, &mpc);
         put(&mut row.rpc, &rpc);
+        Ok(())
     }
-    Ok(())
 }
 
 /// The interval of the number that is there: both are the same but for the order of sums.

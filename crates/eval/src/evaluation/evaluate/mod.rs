@@ -2,14 +2,15 @@
 
 mod intervals;
 mod mean_intervals;
+mod over_conditions;
 mod seeds;
 mod side_results;
 mod what_fails;
 mod worst_images;
 
-pub use mean_intervals::robustness;
-pub use seeds::{CrackedSet, SeedsInput, over_seeds};
+pub use over_conditions::OverConditions;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::{CleanResults, Condition, DamageFacts, Evaluation, ProtocolResults, Settings, Warning};
@@ -18,7 +19,7 @@ use crate::resampling::Plan;
 use crate::tide::TideSettings;
 use crate::{
     CompareParams, Compared, Coverages, Detections, EvalError, GroundTruth, LabelSet, Protocol,
-    RegionMasks, RegionResults, SaidDetections, compare_pair,
+    RegionMasks, RegionResults, SaidDetections,
 };
 
 /// What is evaluated.
@@ -147,38 +148,21 @@ struct Plain<'a> {
 ///
 /// Under KITTI's protocol AP50 and AP75 by the rules of MS-COCO stand beside its AP11 and AP40.
 ///
-/// `compared` is what [`compare_pair`] gives for the same labels, detections and regions by
+/// `compared` is what [`compare_pair`](crate::compare_pair) gives for the same labels, detections and regions by
 /// [`EvaluateSettings::compare`].
 ///
 /// # Errors
-/// As [`compare_pair`]; [`EvalError::Dataset`] for an image of a worst failure that cannot be read.
+/// As [`compare_pair`](crate::compare_pair); [`EvalError::Dataset`] for an image of a worst failure that cannot be read.
 pub fn evaluate(input: &EvaluateInput<'_>, compared: Compared) -> Result<Evaluation, EvalError> {
-    Ok(with_coverages(input, compared)?.0)
+    evaluate_to(input, compared, None)
 }
 
-/// As [`evaluate`] of what [`compare_pair`] gives, with how much of each box the regions cover, of clean (0)
-/// and cracked (1) detections: what [`over_seeds`] goes on with. Without regions there is none.
-///
-/// # Errors
-/// As [`evaluate`].
-pub fn evaluate_with_coverages(
-    input: &EvaluateInput<'_>,
-) -> Result<(Evaluation, Option<Coverages>), EvalError> {
-    let params = &input.settings.compare;
-    let compared = compare_pair(
-        input.truth,
-        input.clean,
-        input.cracked,
-        input.regions,
-        params,
-    )?;
-    with_coverages(input, compared)
-}
-
-fn with_coverages(
+/// As [`evaluate`]; `means` take what they need of it.
+fn evaluate_to(
     input: &EvaluateInput<'_>,
     compared: Compared,
-) -> Result<(Evaluation, Option<Coverages>), EvalError> {
+    means: Option<&mut OverConditions>,
+) -> Result<Evaluation, EvalError> {
     let EvaluateInput {
         truth,
         clean,
@@ -217,12 +201,12 @@ fn with_coverages(
         let sides = [clean, cracked];
         intervals::put_kitti(&mut evaluation.paired, truth, sides, coverages, settings)?;
     }
-    let coverages = with_plain(input, &mut evaluation, coverages, regions)?;
+    let coverages = with_plain(input, &mut evaluation, (coverages, regions), means)?;
     warnings.extend(small_samples(&evaluation, settings));
     warnings.extend(coverages.as_ref().and_then(small_damage));
     warnings.extend(control_moves(&evaluation, settings));
     evaluation.warnings.extend(warnings);
-    Ok((evaluation, coverages))
+    Ok(evaluation)
 }
 
 /// What a detector does on the clean images: `results`, which are the protocol's numbers as
@@ -259,15 +243,16 @@ pub fn clean_results(
 fn with_plain(
     input: &EvaluateInput<'_>,
     evaluation: &mut Evaluation,
-    coverages: Option<Coverages>,
-    regions: Option<RegionResults>,
+    (coverages, regions): (Option<Coverages>, Option<RegionResults>),
+    mut means: Option<&mut OverConditions>,
 ) -> Result<Option<Coverages>, EvalError> {
     let (truth, settings) = (input.truth, input.settings);
     let Some((plain, clean, cracked)) = as_plain(truth, input.clean, input.cracked) else {
         return Ok(None);
     };
     let is_kitti = truth.protocol == Protocol::Kitti;
-    let sets: Vec<&SaidDetections> = std::iter::once(&clean).chain(&cracked).collect();
+    let sets = std::iter::once(&clean).chain(&cracked);
+    let sets: Vec<&SaidDetections> = sets.map(Cow::as_ref).collect();
     let has_regions = coverages.is_some();
     let coverages = match (coverages, is_kitti) {
         (Some(coverages), false) => coverages,
@@ -312,7 +297,11 @@ fn with_plain(
         settings,
     };
     let mut paired = rows.paired;
-    intervals::put(&mut paired, &all)?;
+    intervals::put(&mut paired, &all, &mut |of, drawn| {
+        if let Some(means) = &mut means {
+            means.take_drawn(input.condition, of, drawn);
+        }
+    })?;
     evaluation.paired.extend(paired);
     evaluation.curves = rows.curves;
     if has_regions {
@@ -326,6 +315,9 @@ fn with_plain(
     let (failures, pairs, matches) =
         what_fails::failures(&all, facts.as_ref(), has_regions, sizes)?;
     evaluation.failures = Some(failures);
+    if let Some(means) = means {
+        means.take_pairs(input, &all, &pairs, has_regions)?;
+    }
     evaluation.changed_objects = worst_images::changed_objects(&all, &pairs);
     evaluation.worst = worst_images::worst(&all, &pairs, &matches, input.images)?;
     Ok(has_regions.then_some(coverages))
@@ -341,18 +333,24 @@ fn plan_of(labels: &LabelSet, settings: &EvaluateSettings) -> Plan {
     Plan::of_clusters(&clusters).with(settings.n_replicates, settings.seed, settings.level)
 }
 
+/// Labels, clean and cracked detections.
+type AsPlain<'a> = (
+    Cow<'a, GroundTruth>,
+    Cow<'a, SaidDetections>,
+    Option<Cow<'a, SaidDetections>>,
+);
+
 /// The same data without what only KITTI knows; nothing where only a part of the frames is evaluated.
-fn as_plain(
-    truth: &GroundTruth,
-    clean: &SaidDetections,
-    cracked: Option<&SaidDetections>,
-) -> Option<(GroundTruth, SaidDetections, Option<SaidDetections>)> {
-    let Some(kitti) = &truth.kitti else {
-        return Some((truth.clone(), clean.clone(), cracked.cloned()));
+fn as_plain<'a>(
+    truth: &'a GroundTruth,
+    clean: &'a SaidDetections,
+    cracked: Option<&'a SaidDetections>,
+) -> Option<AsPlain<'a>> {
+    let kitti = truth.kitti.as_ref();
+    let Some(kitti) = kitti.filter(|_| truth.protocol == Protocol::Kitti) else {
+        let sides = (Cow::Borrowed(clean), cracked.map(Cow::Borrowed));
+        return Some((Cow::Borrowed(truth), sides.0, sides.1));
     };
-    if truth.protocol != Protocol::Kitti {
-        return Some((truth.clone(), clean.clone(), cracked.cloned()));
-    }
     let labels = kitti.with_areas_as_crowds();
     let is_whole = |said: &SaidDetections| {
         let n_frames = said.kitti.as_ref().map(|kitti| kitti.images.len());
@@ -371,13 +369,13 @@ fn as_plain(
                 ..*detection
             })
         });
-        SaidDetections {
+        Cow::Owned(SaidDetections {
             detections: Detections {
                 items: items.collect(),
             },
             kitti: None,
             unused: None,
-        }
+        })
     };
     let (clean, cracked) = (plain(clean), cracked.map(plain));
     let truth = GroundTruth {
@@ -386,7 +384,7 @@ fn as_plain(
         kitti: None,
         root: truth.root.clone(),
     };
-    Some((truth, clean, cracked))
+    Some((Cow::Owned(truth), clean, cracked))
 }
 
 /// Coverages of images without any region.

@@ -161,10 +161,10 @@ impl KittiRanking {
         self.n_cells
     }
 
-    /// The cells with objects to be found, in order.
+    /// The cells with objects to be found, in order, and how many each has.
     #[must_use]
-    pub(crate) fn cells_with_objects(&self) -> Vec<u32> {
-        self.objects.iter().map(|(cell, _)| *cell).collect()
+    pub(crate) fn objects(&self) -> &[(u32, u32)] {
+        &self.objects
     }
 
     /// Objects to be found under the weights.
