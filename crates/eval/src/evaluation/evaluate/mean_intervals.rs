@@ -91,7 +91,7 @@ impl GridMeans {
             return;
         }
         let known = self.drawn.iter_mut();
-        let mut known = known.filter(|(s, m, _)| (&*s, *m) == (scope, metric));
+        let mut known = known.filter(|(s, m, _)| (s, *m) == (scope, metric));
         match known.next() {
             Some((.., means)) => means.push(drawn.mean()),
             None => self.drawn.push((scope.clone(), metric, vec![drawn.mean()])),

@@ -27,7 +27,7 @@ pub(super) struct SeedSums {
 impl SeedSums {
     pub(super) fn add_drawn(&mut self, (scope, metric, kind): Drawn<'_>, drawn: DrawnPrecisions) {
         let is_it = |(s, m, k, _): &&mut (Scope, PairedMetric, GroupKind, DrawnPrecisions)| {
-            (&*s, *m, *k) == (scope, metric, kind)
+            (s, *m, *k) == (scope, metric, kind)
         };
         match self.drawn.iter_mut().find(is_it) {
             Some((.., sums)) => sums.add(&drawn),
