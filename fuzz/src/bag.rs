@@ -62,7 +62,9 @@ pub fn message(bytes: &[u8]) {
         Err(fault) => return is_one_line(&fault.to_string()),
     };
     let mut raw = bytes.to_vec();
-    if let Some(mut frame) = message.frame(&mut raw) {
+    let frame = message.frame(&mut raw);
+    assert_eq!(frame.is_some(), kind == CameraKind::Raw, "a frame in it");
+    if let Some(mut frame) = frame {
         let mut image = DynamicImage::default();
         frame.copy_to(&mut image);
         let copied = frame.copy_from(&mut image);
@@ -71,7 +73,7 @@ pub fn message(bytes: &[u8]) {
     assert_eq!(raw, bytes, "a raw image with its own pixels");
     let file = match message.file(bytes, &LIMITS) {
         Ok(Some(file)) => file,
-        Ok(None) => return,
+        Ok(None) => return assert_eq!(kind, CameraKind::Raw, "no file in it"),
         Err(fault) => return is_one_line(&fault.to_string()),
     };
     let Ok(quality) = JpegQuality::new(95) else {

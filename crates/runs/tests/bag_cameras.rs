@@ -89,6 +89,52 @@ fn pixels_are_those_that_crack_makes_of_the_image() {
     }
 }
 
+/// A frozen camera shows an earlier picture in the message of now, whose last row has nothing behind it.
+#[test]
+fn a_frozen_camera_repeats_pixels_and_nothing_else_of_a_message() {
+    const FILLER: usize = 5;
+    let n_row = WIDTH as usize * 4;
+    let message = |k: u8| {
+        let stamp_ns = 1_700_000_000_000_000_000 + u64::from(k) * 100_000_000;
+        let filler = u32::try_from(FILLER).unwrap();
+        let mut message = raw(false, stamp_ns, "bgra8", filler);
+        let at = data_at(&message);
+        message.truncate(at + (HEIGHT as usize - 1) * (n_row + FILLER) + n_row);
+        let n_bytes = u32::try_from(message.len() - at).unwrap();
+        message[at - 4..at].copy_from_slice(&n_bytes.to_le_bytes());
+        message[at..]
+            .iter_mut()
+            .for_each(|byte| *byte = byte.wrapping_add(k));
+        message
+    };
+    let messages: Vec<Vec<u8>> = (0..40).map(message).collect();
+    let mut bag = BagFile::new(WriteOptions::new());
+    let id = bag.topic("/a/bgra", IMAGE);
+    for (message, time) in messages.iter().zip(0..) {
+        bag.message(id, time, message);
+    }
+    let folder = Folder::with(&bag.finish());
+    let frozen = ["frames.black=0", "frames.frozen=0.5"];
+    let damage = context("blank-frames", &frozen, 5);
+    folder.run(folder.request(damage), 2).unwrap();
+    let after = folder.output().messages("/a/bgra");
+    let mut n_repeated = 0;
+    for (k, (_, new)) in after.iter().enumerate() {
+        let at = data_at(new);
+        let shows = |earlier: &Vec<u8>| {
+            let mut expected = messages[k].clone();
+            for start in (at..expected.len()).step_by(n_row + FILLER) {
+                expected[start..start + n_row].copy_from_slice(&earlier[start..start + n_row]);
+            }
+            expected == *new
+        };
+        let shown = messages[..=k].iter().rposition(shows).unwrap();
+        n_repeated += usize::from(shown < k);
+    }
+    assert_eq!(after.len(), 40, "all");
+    assert!((10..=30).contains(&n_repeated), "half: {n_repeated}");
+}
+
 fn name_of(topic: &str) -> String {
     topic.trim_start_matches('/').replace('/', ".")
 }

@@ -17,7 +17,7 @@ use crate::statistic::Method;
 ///
 /// All sets of cracked images have the same draws, and what is said of several sets is, under each draw, a mean over
 /// the sets of one value of each. So sets are matched, and their boxes dropped, one after the other; what stays of
-/// them does not grow with the images, but for those that have objects.
+/// them are two numbers for each draw and category, and the numbers of the images that have objects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnPrecisions {
     /// By the place of the draw: clean and cracked of each category, and behind them of the mean over those that have
@@ -105,7 +105,14 @@ impl DrawnPrecisions {
 
     /// Takes another set of cracked images to it, of the same categories under the same plan. A value that is undefined
     /// of one set is undefined of all together.
-    pub fn add(&mut self, other: &Self) {
+    ///
+    /// # Errors
+    /// [`EvalError::StatisticLength`] for a set of other categories or another number of draws.
+    pub fn add(&mut self, other: &Self) -> Result<(), EvalError> {
+        let n_draws = [other.rows.len(), self.rows.len()];
+        check_length("draws of a set", n_draws, "draws of the sets before")?;
+        let n_categories = [other.categories.len(), self.categories.len()];
+        check_length("categories", n_categories, "categories of the sets before")?;
         for (sums, values) in self.rows.iter_mut().zip(&other.rows) {
             for (sum, value) in sums.iter_mut().zip(values) {
                 *sum = [sum[0] + value[0], sum[1] + value[1]];
@@ -116,6 +123,7 @@ impl DrawnPrecisions {
             all.by_set.extend(&one.by_set);
             all.images.extend(&one.images);
         }
+        Ok(())
     }
 
     /// Objects to be found in each set, and images that have some of them in some set: of a category, or of all.
@@ -153,8 +161,13 @@ impl DrawnPrecisions {
     /// All that is known about them, as [`paired_average_precision`](super::paired_average_precision) says it.
     ///
     /// # Errors
-    /// None by the plan that it was drawn by.
+    /// [`EvalError::StatisticLength`] for a plan with another number of draws than that by which it was drawn.
     pub fn measured(&self, plan: &Plan) -> Result<PairedPrecisions, EvalError> {
+        check_length(
+            "draws",
+            [self.rows.len(), plan.n_draws()],
+            "draws of the plan",
+        )?;
         let replicates = Replicates::of_draws(plan, |draw| {
             self.pairs(draw).flat_map(three_values).collect()
         });
@@ -209,6 +222,14 @@ impl DrawnMean {
         defined(*self.rows.get(draw)?)
     }
 
+    /// Takes the images of another set, for [`DrawnMean::basis`] asks for those of all sets together.
+    pub(crate) fn take_images(&mut self, other: &mut Self) {
+        let images = std::mem::take(&mut other.images);
+        for (all, one) in self.images.iter_mut().zip(images) {
+            all.extend(one);
+        }
+    }
+
     /// What the mean of several sets rests on, on each side.
     pub(crate) fn basis(sets: &[Self], plan: &Plan) -> Basis {
         let n_categories = sets.iter().map(|set| set.images.len()).max();
@@ -218,6 +239,22 @@ impl DrawnMean {
         };
         let n_units: Vec<u32> = (0..n_categories.unwrap_or(0)).map(n_units).collect();
         Basis::of_classes(&n_units, plan)
+    }
+}
+
+fn check_length(
+    what: &'static str,
+    [found, expected]: [usize; 2],
+    of: &'static str,
+) -> Result<(), EvalError> {
+    match found == expected {
+        true => Ok(()),
+        false => Err(EvalError::StatisticLength {
+            what,
+            found,
+            expected,
+            of,
+        }),
     }
 }
 

@@ -75,7 +75,7 @@ pub fn paired_average_precision(
     for (clean, cracked) in clean.iter().zip(cracked) {
         let one = DrawnPrecisions::of_matches(clean, cracked, n_categories, plan)?;
         match &mut all {
-            Some(all) => all.add(&one),
+            Some(all) => all.add(&one)?,
             None => all = Some(one),
         }
     }

@@ -53,7 +53,7 @@ fn the_curves_of_seeds_are_one_whose_area_is_their_ap50() {
             said(|k| super::hashed(k, 3 + u32::try_from(seed).unwrap()) > 0.05 * seed as f64);
         ("star", 1, seed, found, masks.as_path())
     });
-    let (evaluations, mut means) = super::all(&truth, &cells);
+    let (evaluations, means) = super::all(&truth, &cells);
     let pooled = means.over_seeds();
     let everywhere = Scope::whole_image();
     let [all, first] = [&pooled[0].paired, &evaluations[0].paired].map(|rows| {

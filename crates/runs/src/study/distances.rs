@@ -79,7 +79,8 @@ impl StudyPlan<'_> {
             Ok((image.path.clone(), rgb))
         };
         let mut sets = vec![set(CLEAN, &clean)];
-        for (condition, layout) in self.conditions.iter().zip(&runs.sets) {
+        for condition in self.conditions {
+            let layout = self.set_layout(condition);
             let cracked = |image: &ImageToSee| {
                 let path = layout.path(&image.name);
                 let rgb = cracked_image(&path)?;

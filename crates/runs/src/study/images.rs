@@ -16,8 +16,8 @@ impl StudyPlan<'_> {
     /// Refuses images whose files are others than those that an earlier run of the folder has broken or
     /// looked at. One that could be neither broken nor looked at may be mended.
     pub(super) fn check_files(&self) -> Result<(), Error> {
-        let folders = self.conditions.iter().map(|one| self.set_folder(one));
-        let sets: Vec<SetLayout> = folders.map(|folder| SetLayout::new(&folder, 1)).collect();
+        let sets = self.conditions.iter().map(|one| self.set_layout(one));
+        let sets: Vec<SetLayout> = sets.collect();
         let mut seen = BTreeMap::new();
         for detector in self.detectors {
             seen.append(&mut seen_files(&self.log(detector, None))?);

@@ -34,7 +34,7 @@ impl StudyPlan<'_> {
         let mut of_seeds = Vec::new();
         let mut of_detectors = Vec::new();
         for detector in self.detectors {
-            let one = self.of_detector(&truth, &places, runs, settings, detector)?;
+            let one = self.of_detector(&truth, &places, settings, detector)?;
             clean.push(one.clean);
             evaluations.extend(one.evaluations);
             of_seeds.extend(one.over_seeds);
@@ -69,7 +69,6 @@ impl StudyPlan<'_> {
         &self,
         truth: &GroundTruth,
         places: &[Option<u32>],
-        runs: &StudyRuns,
         settings: &EvaluateSettings,
         detector: &StudyDetector,
     ) -> Result<OfDetector, Error> {
@@ -83,8 +82,8 @@ impl StudyPlan<'_> {
         let conditions: Vec<ReportedCondition> = self.conditions.iter().map(reported).collect();
         let mut means = OverConditions::new(&conditions);
         let mut evaluations = Vec::new();
-        let sets = self.conditions.iter().zip(&runs.sets);
-        for ((condition, layout), reported) in sets.zip(&conditions) {
+        for (condition, reported) in self.conditions.iter().zip(&conditions) {
+            let layout = self.set_layout(condition);
             let facts = DamageFacts::read(&layout.state("provenance"), &truth.labels)?;
             let root = truth.root.as_deref();
             let regions = layout.state("regions");

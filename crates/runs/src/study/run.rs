@@ -81,12 +81,10 @@ pub enum StudyEvent<'a> {
     Failed(String),
 }
 
-/// What was made, once all detectors have looked at it. What they found stays in their logs:
-/// [`StudyPlan::detections`].
+/// What came of it, once all detectors have looked at everything. What was made lies in the folder of the plan, what they
+/// found in their logs: [`StudyPlan::detections`].
 #[derive(Debug)]
 pub struct StudyRuns {
-    /// The cracked sets, in the order of the conditions.
-    pub sets: Vec<SetLayout>,
     /// Images that some detector could not look at in some arm, by their names, in order.
     pub unseen: Vec<UnseenImage>,
 }
@@ -129,15 +127,12 @@ impl StudyPlan<'_> {
             };
             unseen.extend(of_arm);
         }
-        let mut sets = Vec::new();
         for condition in self.conditions {
-            let Some(layout) = self.under(condition, &mut unseen, stop, tell)? else {
+            if self.under(condition, &mut unseen, stop, tell)?.is_none() {
                 return Ok(None);
-            };
-            sets.push(layout);
+            }
         }
         Ok(Some(StudyRuns {
-            sets,
             unseen: each_once(unseen),
         }))
     }
@@ -203,9 +198,8 @@ impl StudyPlan<'_> {
         unseen: &mut Vec<UnseenImage>,
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
-    ) -> Result<Option<SetLayout>, Error> {
-        let folder = self.set_folder(condition);
-        let layout = SetLayout::new(&folder, 1);
+    ) -> Result<Option<()>, Error> {
+        let layout = self.set_layout(condition);
         tell(StudyEvent::Begun(
             Step::Breaking(condition),
             self.survey.n_selected,
@@ -215,7 +209,7 @@ impl StudyPlan<'_> {
             false => self.seen_by_all(condition, &layout)?,
         };
         if seen.is_none() {
-            let report = self.break_all(condition, &folder, stop, tell)?;
+            let report = self.break_all(condition, layout.root(), stop, tell)?;
             if report.manifest.is_none() {
                 return Ok(None);
             }
@@ -247,7 +241,7 @@ impl StudyPlan<'_> {
         if !self.keeps_images {
             self.remove_images(&layout)?;
         }
-        Ok(Some(layout))
+        Ok(Some(()))
     }
 
     /// Removes the images of a set, those without labels too.
@@ -300,6 +294,11 @@ impl StudyPlan<'_> {
     #[must_use]
     pub fn set_folder(&self, condition: &Condition) -> PathBuf {
         self.out.join("sets").join(&condition.name)
+    }
+
+    /// The cracked images of a condition, with masks and records.
+    pub(super) fn set_layout(&self, condition: &Condition) -> SetLayout {
+        SetLayout::new(&self.set_folder(condition), 1)
     }
 
     /// Where it is noted what a detector found, image by image.

@@ -97,9 +97,10 @@ impl StudyPlan<'_> {
         identity.check(self.out)?;
         self.refuse_moved_labels()?;
         self.check_sizes(truth)?;
-        let shards = in_order(&identity, shards)?;
-        for (shard, folder) in &shards {
-            let images = self.images_of(|name| shard.takes(name));
+        let shards = self.places_of(in_order(&identity, shards)?);
+        for (places, folder) in &shards {
+            let images = places.iter().map(|place| self.images[*place].clone());
+            let images: Vec<ImageToSee> = images.collect();
             let part = StudyPlan {
                 images: &images,
                 ..self.in_shard(folder)
@@ -115,12 +116,10 @@ impl StudyPlan<'_> {
         }
         identity.write(self.out)?;
         let mut unseen = Vec::new();
-        let mut sets = Vec::new();
         for step in steps() {
             if let Some(condition) = step {
                 let layout = self.join_set(condition, &shards)?;
                 unseen.extend(failures_of(&layout, condition)?);
-                sets.push(layout);
             }
             for detector in self.detectors {
                 let mut found = BTreeMap::new();
@@ -133,7 +132,6 @@ impl StudyPlan<'_> {
             }
         }
         Ok(StudyRuns {
-            sets,
             unseen: each_once(unseen),
         })
     }
@@ -142,18 +140,31 @@ impl StudyPlan<'_> {
     fn join_set(
         &self,
         condition: &Condition,
-        shards: &[(Shard, PathBuf)],
+        shards: &[(Vec<usize>, PathBuf)],
     ) -> Result<SetLayout, Error> {
-        let set_of = |(_, folder): &(Shard, PathBuf)| self.in_shard(folder).set_folder(condition);
-        let parts: Vec<PathBuf> = shards.iter().map(set_of).collect();
-        let folder = self.set_folder(condition);
-        merge_sets(&parts, &folder, self.keeps_images)?;
-        let layout = SetLayout::new(&folder, 1);
+        let folders = shards.iter().map(|(_, folder)| folder);
+        let set_of = |folder: &PathBuf| self.in_shard(folder).set_folder(condition);
+        let parts: Vec<PathBuf> = folders.map(set_of).collect();
+        let layout = self.set_layout(condition);
+        merge_sets(&parts, layout.root(), self.keeps_images)?;
         if !self.keeps_images {
             // A run that was interrupted here may have left some.
             self.remove_images(&layout)?;
         }
         Ok(layout)
+    }
+
+    /// Where among the plan's images those of each shard are, with its folder; each image is in one of all shards.
+    fn places_of(&self, shards: Vec<(Shard, PathBuf)>) -> Vec<(Vec<usize>, PathBuf)> {
+        let mut places = vec![Vec::new(); shards.len()];
+        for (place, image) in self.images.iter().enumerate() {
+            let of_image = shards.iter().position(|(one, _)| one.takes(&image.name));
+            if let Some(shard) = of_image {
+                places[shard].push(place);
+            }
+        }
+        let folders = shards.into_iter().map(|(_, folder)| folder);
+        places.into_iter().zip(folders).collect()
     }
 
     fn images_of(&self, is_taken: impl Fn(&str) -> bool) -> Vec<ImageToSee> {
@@ -175,17 +186,15 @@ impl StudyPlan<'_> {
         &self,
         detector: &StudyDetector,
         condition: Option<&Condition>,
-        shards: &[(Shard, PathBuf)],
+        shards: &[(Vec<usize>, PathBuf)],
         take: &mut dyn FnMut(usize, FoundInImage),
     ) -> Result<(), Error> {
         let identity = self.log_identity(detector, condition)?.to_string();
         let mut first_missing: Option<usize> = None;
-        for (shard, folder) in shards {
+        for (places, folder) in shards {
             let log = self.in_shard(folder).log(detector, condition);
-            let places =
-                || (0..self.images.len()).filter(|place| shard.takes(&self.images[*place].name));
-            let images = places().map(|place| &self.images[place]);
-            let mut left = places();
+            let images = places.iter().map(|place| &self.images[*place]);
+            let mut left = places.iter().copied();
             let n_found = read_found(&log, &identity, images, &mut |found| {
                 if let Some(place) = left.next() {
                     take(place, found);

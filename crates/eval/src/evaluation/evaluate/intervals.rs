@@ -19,7 +19,7 @@ pub(super) type Drawn<'a> = (&'a Scope, PairedMetric, GroupKind);
 pub(super) fn put(
     rows: &mut [PairedRow],
     all: &Plain<'_>,
-    take: &mut dyn FnMut(Drawn<'_>, DrawnPrecisions),
+    take: &mut dyn FnMut(Drawn<'_>, DrawnPrecisions) -> Result<(), EvalError>,
 ) -> Result<(), EvalError> {
     let scopes = scopes_of(rows);
     let pooling = all.labels.by_supercategory();
@@ -45,7 +45,7 @@ pub(super) fn put(
                 let drawn = drawn(all, (labels, clean, cracked), scope, iou)?;
                 let found = drawn.measured(all.plan)?;
                 if is_own {
-                    take((scope, metric, kind), drawn);
+                    take((scope, metric, kind), drawn)?;
                 }
                 Ok::<_, EvalError>((labels, found))
             };

@@ -93,7 +93,13 @@ impl GridMeans {
         let known = self.drawn.iter_mut();
         let mut known = known.filter(|(s, m, _)| (s, *m) == (scope, metric));
         match known.next() {
-            Some((.., means)) => means.push(drawn.mean()),
+            Some((.., means)) => {
+                let mut mean = drawn.mean();
+                if let Some(first) = means.first_mut() {
+                    first.take_images(&mut mean);
+                }
+                means.push(mean);
+            }
             None => self.drawn.push((scope.clone(), metric, vec![drawn.mean()])),
         }
     }

@@ -297,10 +297,9 @@ fn with_plain(
         settings,
     };
     let mut paired = rows.paired;
-    intervals::put(&mut paired, &all, &mut |of, drawn| {
-        if let Some(means) = &mut means {
-            means.take_drawn(input.condition, of, drawn);
-        }
+    intervals::put(&mut paired, &all, &mut |of, drawn| match &mut means {
+        Some(means) => means.take_drawn(input.condition, of, drawn),
+        None => Ok(()),
     })?;
     evaluation.paired.extend(paired);
     evaluation.curves = rows.curves;

@@ -9,8 +9,9 @@ use crate::failure::ObjectPair;
 use crate::resampling::DrawnPrecisions;
 use crate::{EvalError, compare_pair};
 
-/// Means over the conditions of one detector, which are evaluated one after the other. What stays of a condition is
-/// small: its boxes may be dropped.
+/// Means over the conditions of one detector, which are evaluated one after the other. What a condition's detections are
+/// may be dropped then; what stays are two numbers for each draw of the plan, and of several seeds what became of each
+/// object.
 ///
 /// Of conditions that differ in nothing but their seed, the sums over the seeds stay until all of them were there.
 #[derive(Debug)]
@@ -81,15 +82,15 @@ impl OverConditions {
     /// the first τ, out of it and everywhere, and what is lost there. Those of which a condition has not been evaluated
     /// are missing.
     #[must_use]
-    pub fn over_seeds(&mut self) -> Vec<OverSeeds> {
-        let cells = self.cells.iter_mut();
-        cells.filter_map(|cell| cell.mean.take()).collect()
+    pub fn over_seeds(&self) -> Vec<OverSeeds> {
+        let cells = self.cells.iter();
+        cells.filter_map(|cell| cell.mean.clone()).collect()
     }
 
     /// mPC and rPC of a detector: of AP, AP50 and AP75, on whole images and in the region at the first τ, over the
     /// families, severities and seeds of the conditions; nothing unless two conditions or more have family and
-    /// severity. Those that have not, such as a recipe beside presets with severities, are left aside: they are
-    /// no part of the grid that is averaged over. `evaluations` are what [`evaluate`](Self::evaluate) gave. The n is
+    /// severity and all of them have been evaluated. Those that lack one, such as a recipe beside presets with
+    /// severities, are left aside: they are no part of the grid that is averaged over. `evaluations` are what [`evaluate`](Self::evaluate) gave. The n is
     /// that of the different objects: one that lies in the region of several conditions is one.
     ///
     /// AP50 and AP75 have intervals ([`measured_performance`](crate::measured_performance)). Where not every family and
@@ -106,10 +107,11 @@ impl OverConditions {
         condition: &Condition,
         of: Drawn<'_>,
         drawn: DrawnPrecisions,
-    ) {
+    ) -> Result<(), EvalError> {
         self.grid.take_drawn(condition, of, &drawn);
-        if let Some(cell) = self.cell_of(condition) {
-            cell.sums.add_drawn(of, drawn);
+        match self.cell_of(condition) {
+            Some(cell) => cell.sums.add_drawn(of, drawn),
+            None => Ok(()),
         }
     }
 

@@ -25,14 +25,19 @@ pub(super) struct SeedSums {
 }
 
 impl SeedSums {
-    pub(super) fn add_drawn(&mut self, (scope, metric, kind): Drawn<'_>, drawn: DrawnPrecisions) {
+    pub(super) fn add_drawn(
+        &mut self,
+        (scope, metric, kind): Drawn<'_>,
+        drawn: DrawnPrecisions,
+    ) -> Result<(), EvalError> {
         let is_it = |(s, m, k, _): &&mut (Scope, PairedMetric, GroupKind, DrawnPrecisions)| {
             (s, *m, *k) == (scope, metric, kind)
         };
         match self.drawn.iter_mut().find(is_it) {
-            Some((.., sums)) => sums.add(&drawn),
+            Some((.., sums)) => sums.add(&drawn)?,
             None => self.drawn.push((scope.clone(), metric, kind, drawn)),
         }
+        Ok(())
     }
 
     pub(super) fn add_pairs(&mut self, seed: Option<u64>, pairs: &[ObjectPair], has_regions: bool) {
@@ -61,7 +66,8 @@ impl SeedSums {
                 let of = |kind| self.rows((&scope, metric, kind), pooling.as_ref(), all);
                 let mut rows = of(GroupKind::Class)?;
                 if pooling.is_some() {
-                    rows.splice(1..1, of(GroupKind::Supercategory)?);
+                    let behind_mean = rows.len().min(1);
+                    rows.splice(behind_mean..behind_mean, of(GroupKind::Supercategory)?);
                 }
                 paired.extend(rows);
             }

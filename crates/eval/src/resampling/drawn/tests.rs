@@ -127,7 +127,7 @@ fn sets_one_after_the_other_are_to_the_bit_what_all_at_once_are() {
     for (plan, n_sets) in plans().iter().zip([3, 2]) {
         let sets: Vec<Ranked3> = (0..n_sets).map(ranked).collect();
         let mut sum = drawn(0, plan);
-        (1..n_sets).for_each(|set| sum.add(&drawn(set, plan)));
+        (1..n_sets).for_each(|set| sum.add(&drawn(set, plan)).unwrap());
         let found = sum.measured(plan).unwrap();
         let mut n_undefined = 0;
         for at in (0..N_CATEGORIES).map(Some).chain([None]) {
