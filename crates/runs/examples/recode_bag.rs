@@ -1,7 +1,7 @@
 //! Decode and rewrite alone: the floor that `starbreak bag` is measured against.
 //!
-//! `recode_bag N_THREADS IN OUT` reads each message of a bag, decodes the images of its cameras, encodes them in their
-//! format with the quality of the default recipe, and writes all messages again, with the codecs, threads and
+//! `recode_bag N_THREADS IN OUT` reads each message of a bag, decodes the compressed images of its cameras, encodes them
+//! in their format with the quality of the default recipe, and writes all messages again, with the codecs, threads and
 //! compression of `bag`. One batch is in memory.
 #![expect(clippy::print_stdout, reason = "an example shows its result")]
 

@@ -70,13 +70,14 @@ impl Pixels {
 
     /// Puts the glass over them.
     pub(super) fn put_behind(&mut self, lit: &Lit<'_>, at: Moment) -> Result<(), Error> {
-        Ok(match self {
+        match self {
             Self::Image(image) => lit.over(image, at)?,
             Self::Rows { bytes, layout } => {
                 let mut frame = frame_of(bytes, layout)?;
                 lit.over_frame(&mut frame, &mut KeptFrame::default(), at)?;
             }
-        })
+        }
+        Ok(())
     }
 
     /// A copy as an image.
