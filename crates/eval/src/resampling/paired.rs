@@ -48,7 +48,7 @@ pub struct PairedPrecisions {
 ///
 /// Replicates use the matches as they are, which is exact: matching never crosses images.
 /// The interval of a difference reaches as far as permutations do from 0, so that it and the test say the same
-/// ([`Permuted`]). Those of either side are [`expanded`](super::expanded_interval): of a class by the
+/// ([`Permuted`](super::Permuted)). Those of either side are [`expanded`](super::expanded_interval): of a class by the
 /// units that its objects lie in, of the mean over classes by all units and the harmonic mean of the
 /// classes' own, since drawn images are fewer; and lower by what AP of few images leans to above, as halves of
 /// the images tell.
