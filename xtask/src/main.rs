@@ -21,7 +21,8 @@ usage: cargo xtask <task>
                   too, and aarch64; QEMU and a cross compiler come from Debian's packages into
                   target/test-emulator and target/test-cross-compiler, the standard library of
                   aarch64 from rustup
-  lint            fmt, clippy, rustdoc, licences, advisories, deps --check, refs, links
+  lint            fmt, the lock file of fuzz/libfuzzer, clippy, rustdoc, licences, advisories,
+                  deps --check, refs, links
   licences        every package's licence is on the allow-list and every source is crates.io
   notices         prints the licences of all that the binaries contain, to go with them
   advisories      no version in the lock file was withdrawn, and cargo audit, where it is

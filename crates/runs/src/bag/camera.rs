@@ -145,12 +145,12 @@ impl Incoming {
             }
             _ => None,
         };
-        let pixels = match (message.layout(), &mut file) {
-            (Some(layout), _) => Pixels::Rows {
+        let pixels = match message.layout() {
+            Some(layout) => Pixels::Rows {
                 bytes: std::mem::take(&mut self.data),
                 layout,
             },
-            (None, file) => {
+            None => {
                 let pixels = file.as_mut().map(|file| std::mem::take(&mut file.pixels));
                 Pixels::Image(pixels.unwrap_or_default())
             }
@@ -223,11 +223,10 @@ impl<'a> CameraRun<'a> {
         let times: Vec<f64> = (frames.iter())
             .map(|frame| seconds_between(first_ns, frame.message.stamp_ns()))
             .collect();
-        let nothing = || Pixels::Image(DynamicImage::default());
         let pixels = (frames.iter_mut().zip(&times)).map(|(frame, time_s)| StreamFrame {
             idx: frame.incoming.idx,
             time_s: *time_s,
-            pixels: std::mem::replace(&mut frame.pixels, nothing()),
+            pixels: std::mem::replace(&mut frame.pixels, Pixels::Image(DynamicImage::default())),
         });
         let pixels = pixels.collect();
         let shown = self.stream(size, first_idx)?.batch(pixels)?;
