@@ -359,7 +359,7 @@ fn cracks_of_any_kind_are_meshed_and_solved() {
                     .unwrap_or_else(|e| panic!("{name}, {radius_m:?}: {e}"));
                 let n_sides = u32::try_from(solver.mesh().nodes_of_sides().len()).unwrap();
                 for side in 0..n_sides {
-                    let stress = field.surface_stress(side, Face::Back);
+                    let stress = field.surface_stress(solver.mesh(), side, Face::Back);
                     assert!(stress.xx_pa.is_finite(), "{name}: {side}");
                 }
                 field.energy_j

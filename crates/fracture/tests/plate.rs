@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 
 use starbreak_fracture::mesh::{Outline, PlateMesh};
 use starbreak_fracture::physics::{MeshResolution, Support};
-use starbreak_fracture::stress::{Face, PatchLoad, PlateProperties, PlateSolver, membrane_stress};
+use starbreak_fracture::stress::{
+    Face, PatchLoad, PlaneStress, PlateField, PlateProperties, PlateSolver, membrane_stress,
+};
 
 const PLATE: PlateProperties = PlateProperties {
     thickness_m: 3e-3,
@@ -162,6 +164,125 @@ fn stress_under_a_patch_is_that_of_thin_plate_theory() {
                 assert!(error.abs() < 0.02, "r = {r}, {n:?}: {error}");
             }
         }
+    }
+}
+
+/// w D/P of a simply supported rectangle under a force at a point, m², by Lévy's series \[Timoshenko1959,
+/// article 34\]: of each term the decay away from the line y = η is what is summed.
+fn levy([a, b]: [f64; 2], [xi, eta]: [f64; 2], [x, y]: [f64; 2]) -> f64 {
+    // The formula is for y beyond η; otherwise the plate is seen from its other side.
+    let (eta, beyond) = if y >= eta { (eta, b - y) } else { (b - eta, y) };
+    let coth = |v: f64| 1.0 / v.tanh();
+    let terms = (1..200).map(|m| {
+        let wave = f64::from(m) * PI / a;
+        let [beta, of_load, of_point] = [b, eta, beyond].map(|length| wave * length);
+        let part = 1.0 + beta * coth(beta) - of_point * coth(of_point) - of_load * coth(of_load);
+        let open = |v: f64| 1.0 - (-2.0 * v).exp();
+        let decay = 0.5 * (of_load + of_point - beta).exp() * open(of_load) * open(of_point);
+        let sines = (wave * xi).sin() * (wave * x).sin();
+        part * decay / open(beta) * sines / f64::from(m).powi(3)
+    });
+    a * a / PI.powi(3) * terms.sum::<f64>()
+}
+
+#[test]
+fn stress_beside_a_rim_is_that_of_levys_series() {
+    let (size, nu) = ([1.0, 0.8], PLATE.poisson_ratio);
+    let outline = Outline::Rectangle {
+        width_m: size[0],
+        height_m: size[1],
+    };
+    for center in [[0.16, 0.22], [0.5, 0.03], [0.06, 0.05]] {
+        let depth = outline.depth_m(center);
+        let mesh = PlateMesh::graded_to(&outline, center, 0.15 * depth, None, 1500).unwrap();
+        let solver = PlateSolver::new(mesh, PLATE, Support::SimplySupported).unwrap();
+        let field = solver.solve(&load(center, 1.5e-3)).unwrap();
+        // Between load and rim, along the rim, and well within the pane.
+        for (right, up) in [(0.0, 0.6), (0.0, -0.6), (1.5, 0.8), (-0.5, 0.9), (2.5, 2.0)] {
+            let [x, y] = [center[0] + right * depth, center[1] + up * depth];
+            let h = 0.01 * depth;
+            let w = |i: f64, j: f64| levy(size, center, [x + i * h, y + j * h]);
+            let xx = (w(1.0, 0.0) - 2.0 * w(0.0, 0.0) + w(-1.0, 0.0)) / (h * h);
+            let yy = (w(0.0, 1.0) - 2.0 * w(0.0, 0.0) + w(0.0, -1.0)) / (h * h);
+            let xy = (w(1.0, 1.0) - w(1.0, -1.0) - w(-1.0, 1.0) + w(-1.0, -1.0)) / (4.0 * h * h);
+            let section = -6.0 * FORCE_N / PLATE.thickness_m.powi(2);
+            let closed = [xx + nu * yy, yy + nu * xx, (1.0 - nu) * xy].map(|m| section * m);
+            let at = field.surface_stress_at(solver.mesh(), [x, y], Face::Back, &mut 0);
+            let stress = at.unwrap();
+            let scale = closed
+                .iter()
+                .fold(0.0_f64, |most, part| most.max(part.abs()));
+            for (got, want) in [stress.xx_pa, stress.yy_pa, stress.xy_pa]
+                .iter()
+                .zip(closed)
+            {
+                let error = (got - want) / scale;
+                assert!(
+                    error.abs() < 0.015,
+                    "{center:?}, {right} {up}: {error}, {stress:?} {closed:?}"
+                );
+            }
+            let deflection = field
+                .deflection_at_m(solver.mesh(), [x, y], &mut 0)
+                .unwrap();
+            let closed = w(0.0, 0.0) * FORCE_N / PLATE.rigidity_n_m();
+            assert!(
+                (deflection / closed - 1.0).abs() < 4e-3,
+                "{center:?}: {deflection} {closed}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_sharp_under_a_load_leaves_what_the_mesh_alone_finds() {
+    // A foundation of next to nothing has all found by the mesh.
+    let on_mesh = PlateProperties {
+        foundation_pa_m: 1e-9,
+        ..PLATE
+    };
+    let disc = Outline::Disc { diameter_m: 0.04 };
+    let square = Outline::Rectangle {
+        width_m: 0.04,
+        height_m: 0.04,
+    };
+    let (clamped, held) = (Support::Clamped, Support::SimplySupported);
+    for (outline, support, center, domain) in [
+        (square, clamped, [0.0064, 0.0297], None),
+        (square, held, [0.0064, 0.0297], Some(0.0086)),
+        (disc, held, [0.0064, 0.025], None),
+        (disc, clamped, [0.0084, 0.025], Some(0.02)),
+    ] {
+        let radius = 0.36e-3;
+        let solve = |plate: PlateProperties, inner: f64, n_nodes: u32| {
+            let mesh = PlateMesh::graded_to(&outline, center, inner, domain, n_nodes).unwrap();
+            let solver = PlateSolver::new(mesh, plate, support).unwrap();
+            let field = solver.solve(&load(center, radius)).unwrap();
+            (solver, field)
+        };
+        let (coarse, smooth) = solve(PLATE, 0.15 * outline.depth_m(center), 1500);
+        let (fine, alone) = solve(on_mesh, 0.35 * radius, 20_000);
+        let energy = smooth.energy_j / alone.energy_j - 1.0;
+        assert!(energy.abs() < 2e-3, "{outline:?} {support:?}: {energy}");
+        let (mut sum, mut n) = (0.0, 0.0);
+        for k in 0..240 {
+            let (sin, cos) = libm::sincos(0.7 * f64::from(k));
+            let r = radius * libm::pow(12.0, f64::from(k) / 240.0);
+            let point = [center[0] + r * cos, center[1] + r * sin];
+            let at = |solver: &PlateSolver, field: &PlateField| {
+                field.surface_stress_at(solver.mesh(), point, Face::Back, &mut 0)
+            };
+            let (got, want) = (at(&coarse, &smooth).unwrap(), at(&fine, &alone).unwrap());
+            let size = |stress: PlaneStress| {
+                let (first, second, _) = stress.principal();
+                libm::hypot(first, second)
+            };
+            let error = size(got.plus(&want, -1.0)) / size(want);
+            sum += error * error;
+            n += 1.0;
+        }
+        let rms = f64::sqrt(sum / n);
+        assert!(rms < 0.006, "{outline:?} {support:?}: {rms}");
     }
 }
 

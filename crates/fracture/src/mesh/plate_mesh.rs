@@ -14,9 +14,9 @@ use crate::FractureError;
 /// How fine the plate's mesh is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MeshResolution {
-    /// About 1500 nodes.
+    /// About 1500 nodes, or 500 where only what is smooth is left to the mesh.
     Fast,
-    /// About 6000 nodes.
+    /// About 6000 nodes, or 1500 where only what is smooth is left to the mesh.
     Default,
 }
 
@@ -215,6 +215,37 @@ impl PlateMesh {
     #[must_use]
     pub fn n_border_nodes(&self) -> usize {
         self.border.len()
+    }
+
+    /// Edges of the border, by their nodes, and their unit normals outwards.
+    pub(crate) fn border_edges(&self) -> impl Iterator<Item = ([u32; 2], [f64; 2])> {
+        let edges = self.triangles.iter().zip(&self.neighbors);
+        let edges = edges.flat_map(|(nodes, neighbors)| {
+            let outer = (0..3).filter(|&k| neighbors[k] == NONE);
+            outer.map(|k| [nodes[(k + 1) % 3], nodes[(k + 2) % 3]])
+        });
+        edges.map(|edge| {
+            let [from, to] = edge.map(|node| self.nodes_m[node as usize]);
+            let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+            let length = libm::hypot(dx, dy);
+            (edge, [dy / length, -dx / length])
+        })
+    }
+
+    /// Distance from a point to the border of the mesh, m.
+    pub(crate) fn to_border_m(&self, [x, y]: [f64; 2]) -> f64 {
+        let distance_m = |(edge, normal): ([u32; 2], [f64; 2])| {
+            let [from, to] = edge.map(|node| self.nodes_m[node as usize]);
+            let along = [-normal[1], normal[0]];
+            let far = |from: [f64; 2]| (x - from[0]) * along[0] + (y - from[1]) * along[1];
+            // Beyond an end by so much.
+            let beyond = (-far(from)).max(far(to)).max(0.0);
+            let off = (x - from[0]) * normal[0] + (y - from[1]) * normal[1];
+            libm::hypot(off, beyond)
+        };
+        self.border_edges()
+            .map(distance_m)
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Distance between nodes at the center, m.

@@ -303,6 +303,14 @@ impl Breaking<'_> {
             .fold(f64::INFINITY, f64::min)
     }
 
+    /// The moment, so far, after which nothing counts, s: the first hit has got as far as it shall.
+    pub(super) fn ends_s(&self, hit: &Hit<'_>) -> f64 {
+        match self.params.until_reach_m {
+            Some(reach_m) if hit.k == 0 => self.reaches_s(hit.stone.position_m, reach_m),
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Stress in the plane of the pane, if there is any, from a moment on.
     pub(super) fn grow(
         &mut self,

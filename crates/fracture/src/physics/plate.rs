@@ -35,6 +35,34 @@ const KEPT_INNER_SIZE: f64 = 0.004;
 /// Size of elements under the load over the radius of the patch.
 const INNER_SIZE: f64 = 0.35;
 
+/// Size of the innermost elements over the distance from the rim, where what is sharp under the load
+/// is known in closed form.
+const SMOOTH_INNER_SIZE: f64 = 0.15;
+
+/// A mesh for a plate without a foundation under a load that the rim is not in: of a quarter of the nodes, as it
+/// has to find only what is smooth ([`PlateSolver::solve`]).
+fn smooth_mesh(
+    outline: &Outline,
+    center_m: [f64; 2],
+    domain_m: Option<f64>,
+    resolution: MeshResolution,
+) -> Result<PlateMesh, FractureError> {
+    let n_nodes = match resolution {
+        MeshResolution::Fast => 500,
+        MeshResolution::Default => 1500,
+    };
+    let depth_m = outline
+        .depth_m(center_m)
+        .min(domain_m.unwrap_or(f64::INFINITY));
+    PlateMesh::graded_to(
+        outline,
+        center_m,
+        SMOOTH_INNER_SIZE * depth_m,
+        domain_m,
+        n_nodes,
+    )
+}
+
 /// How a plate carries a hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Carrying {
@@ -163,9 +191,13 @@ impl Disc {
             let outline = Outline::Disc {
                 diameter_m: 2.0 * radius,
             };
-            // Fine enough for the smallest patch over the longest wave.
-            let inner = KEPT_INNER_SIZE * radius;
-            let mesh = PlateMesh::graded(&outline, [radius; 2], inner, None, self.resolution)?;
+            let mesh = if self.properties.foundation_pa_m > 0.0 {
+                // Fine enough for the smallest patch over the longest foundation.
+                let inner = KEPT_INNER_SIZE * radius;
+                PlateMesh::graded(&outline, [radius; 2], inner, None, self.resolution)?
+            } else {
+                smooth_mesh(&outline, [radius; 2], None, self.resolution)?
+            };
             PlateSolver::new(mesh, self.properties, Support::Clamped)
         })
     }
@@ -358,20 +390,12 @@ impl Plates {
         })
     }
 
-    /// Nodes of a mesh around cracks, about.
+    /// Nodes of a mesh around cracks, or around a load on the rim of one sheet, about.
     fn nodes_around_cracks(&self) -> u32 {
         match self.resolution {
             MeshResolution::Fast => 900,
             MeshResolution::Default => 2000,
         }
-    }
-
-    /// Counts a bending around cracks that nothing is asked of, so that it need not be found; unless
-    /// its mesh might be the largest, which is told.
-    pub(super) fn passes_over(&mut self) -> bool {
-        let is_small = 2 * self.n_mesh_nodes > 3 * self.nodes_around_cracks() as usize;
-        self.n_solutions += usize::from(is_small);
-        is_small
     }
 
     /// The bending on a mesh of its own around a hit, with cracks as hinges.
@@ -386,12 +410,16 @@ impl Plates {
             Carrying::Rim => None,
         };
         let inner_m = INNER_SIZE * load.patch_radius_m;
-        let center_m = load.center_m;
-        let mesh = if cracks.is_empty() {
-            PlateMesh::graded(&self.outline, center_m, inner_m, domain_m, self.resolution)?
-        } else {
-            let (outline, n_nodes) = (&self.outline, self.nodes_around_cracks());
+        let (outline, center_m, resolution) = (&self.outline, load.center_m, self.resolution);
+        let is_sheet = self.stiffness.properties.foundation_pa_m == 0.0;
+        let is_on_rim = outline.depth_m(center_m) <= load.patch_radius_m;
+        let mesh = if !cracks.is_empty() || (is_sheet && is_on_rim) {
+            let n_nodes = self.nodes_around_cracks();
             PlateMesh::graded_around_cracks(outline, center_m, inner_m, domain_m, n_nodes, cracks)?
+        } else if is_sheet {
+            smooth_mesh(outline, center_m, domain_m, resolution)?
+        } else {
+            PlateMesh::graded(outline, center_m, inner_m, domain_m, resolution)?
         };
         let solver = PlateSolver::new(mesh, self.stiffness.properties, self.support)?;
         self.note(&solver);

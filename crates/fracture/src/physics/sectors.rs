@@ -63,14 +63,12 @@ impl Breaking<'_> {
                     continue;
                 }
             }
-            // What is not looked at is not solved for; once there is no room, there is none later.
+            // What is not looked at is not solved for; once there is no room, or all that counts is past,
+            // it stays so.
             let mut of_all = sectors.iter().zip(&taken);
             let has_room = of_all.any(|(sector, taken)| sector.has_room(taken, law.thickness_m));
-            if !has_room && self.plates.passes_over() {
-                if is_steady {
-                    break;
-                }
-                continue;
+            if !has_room || (!is_steady && epoch.from_s > self.ends_s(hit)) {
+                break;
             }
             let cracks = self.cracks_near(&epoch.load, self.web.n_cracks());
             let bending = self.plates.bend_around(&epoch.load, &cracks)?;

@@ -46,7 +46,7 @@ const PAUSE_S: f64 = 1e-3;
 /// bounds.
 ///
 /// # Limits
-/// A hit costs at most 12 solutions of a plate of some 6000 nodes and 300 000 steps of tips; a
+/// A hit costs at most 12 solutions of a plate of at most some 6000 nodes and 300 000 steps of tips; a
 /// tempered pane at most 400 000 dice.
 pub fn simulate(
     pane: &GlassPane,

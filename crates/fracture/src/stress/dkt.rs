@@ -118,6 +118,19 @@ impl Element {
         packed
     }
 
+    /// ∫ Bᵀ D B u: the forces and moments that hold the triangle bent.
+    pub(super) fn forces(&self, rigidity: &Rigidity, unknowns: &[f64; N_LOCAL]) -> [f64; N_LOCAL] {
+        let mut forces = [0.0; N_LOCAL];
+        for (rows, curvature) in self.mid_edge.iter().zip(self.curvatures(unknowns)) {
+            let moment = moments(rigidity, &curvature);
+            for dof in 0..N_LOCAL {
+                let part: f64 = (0..3).map(|row| rows[row][dof] * moment[row]).sum();
+                forces[dof] += self.area_m2 / 3.0 * part;
+            }
+        }
+        forces
+    }
+
     /// w_xx, w_yy, 2 w_xy at each mid-edge.
     pub(super) fn curvatures(&self, unknowns: &[f64; N_LOCAL]) -> [[f64; 3]; 3] {
         self.mid_edge
@@ -143,6 +156,11 @@ pub(super) fn isotropic(rigidity: f64, poisson_ratio: f64) -> Rigidity {
         [nu * d, d, 0.0],
         [0.0, 0.0, 0.5 * (1.0 - nu) * d],
     ]
+}
+
+/// D κ.
+pub(super) fn moments(rigidity: &Rigidity, curvature: &[f64; 3]) -> [f64; 3] {
+    rigidity.map(|row| row[0] * curvature[0] + row[1] * curvature[1] + row[2] * curvature[2])
 }
 
 /// w at barycentric coordinates `l` as a linear function of the unknowns: the cubic of Bazeley

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use super::PatchLoad;
-use super::dkt::{Frame, deflection};
+use super::dkt::{Element, Frame, deflection};
+use super::near_load::NearLoad;
 use crate::FractureError;
 use crate::mesh::PlateMesh;
 
@@ -88,4 +89,47 @@ pub(super) fn patch(
         }
     }
     Ok(forces)
+}
+
+/// Barycentric coordinates and weights of a rule that is exact for polynomials of degree five
+/// \[Cowper1973\].
+const SEVEN_POINTS: [([f64; 3], f64); 7] = {
+    const A: f64 = 0.470_142_064_105_115_1;
+    const B: f64 = 0.101_286_507_323_456_34;
+    const OF_A: f64 = 0.132_394_152_788_506_2;
+    const OF_B: f64 = 0.125_939_180_544_827_14;
+    [
+        ([1.0 / 3.0; 3], 0.225),
+        ([A, A, 1.0 - 2.0 * A], OF_A),
+        ([A, 1.0 - 2.0 * A, A], OF_A),
+        ([1.0 - 2.0 * A, A, A], OF_A),
+        ([B, B, 1.0 - 2.0 * B], OF_B),
+        ([B, 1.0 - 2.0 * B, B], OF_B),
+        ([1.0 - 2.0 * B, B, B], OF_B),
+    ]
+};
+
+/// The load of a spread pressure on a whole plate.
+pub(super) fn spread(
+    mesh: &PlateMesh,
+    frames: &[Frame],
+    elements: &[Element],
+    near: &NearLoad,
+) -> Vec<[f64; 3]> {
+    let mut forces = vec![[0.0; 3]; mesh.nodes().len()];
+    for ((t, nodes), element) in (0..).zip(mesh.triangles()).zip(elements) {
+        let corners = mesh.corners_m(t);
+        let frames = nodes.map(|node| frames[node as usize]);
+        for (l, weight) in &SEVEN_POINTS {
+            let at = [0, 1].map(|axis| (0..3).map(|k| l[k] * corners[k][axis]).sum());
+            let force = weight * element.area_m2 * near.spread_pa(at);
+            if force == 0.0 {
+                continue;
+            }
+            for (k, part) in deflection(&corners, &frames, l).iter().enumerate() {
+                forces[nodes[k / 3] as usize][k % 3] += force * part;
+            }
+        }
+    }
+    forces
 }

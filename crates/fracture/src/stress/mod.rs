@@ -5,6 +5,7 @@ mod dkt;
 mod elimination;
 mod load;
 mod membrane;
+mod near_load;
 mod plate;
 mod recovery;
 mod sparse;

@@ -130,17 +130,22 @@ fn of_particles(paper: &PaperSettings, area_px: f64) -> Part {
     )
 }
 
-/// Bytes of the plates that a hit solves, by their mesh; of what it leaves; and of one of the dice
-/// into which tempered glass breaks.
-const PLATES_BYTES: [f64; 2] = [3.5e7, 1.2e8];
+/// Bytes of the plates that a hit solves, of a laminate and of one sheet, by their mesh; of what it leaves; and of one
+/// of the dice into which tempered glass breaks.
+const LAMINATE_BYTES: [f64; 2] = [3.5e7, 1.2e8];
+const SHEET_BYTES: [f64; 2] = [2.5e7, 5e7];
 const HIT_BYTES: f64 = 3e5;
 const DIE_BYTES: f64 = 6000.0;
 
 fn of_pane(physics: &PhysicsSettings) -> [Part; 3] {
     let n_hits: u32 = physics.stones.iter().map(|stone| stone.count).sum();
+    let [fast, default] = match physics.pane.build {
+        GlassBuild::Laminated { .. } => LAMINATE_BYTES,
+        GlassBuild::Annealed | GlassBuild::Tempered { .. } => SHEET_BYTES,
+    };
     let plates = match physics.params.mesh {
-        MeshResolution::Fast => PLATES_BYTES[0],
-        MeshResolution::Default => PLATES_BYTES[1],
+        MeshResolution::Fast => fast,
+        MeshResolution::Default => default,
     };
     let dice = DIE_BYTES * n_dice(&physics.pane);
     [

@@ -194,9 +194,9 @@ pub(super) enum EndWord {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum MeshWord {
-    /// About 1500 nodes.
+    /// About 1500 nodes, or 500 where only what is smooth is left to the mesh.
     Fast,
-    /// About 6000 nodes.
+    /// About 6000 nodes, or 1500 where only what is smooth is left to the mesh.
     Default,
 }
 
