@@ -128,6 +128,16 @@ pub enum BagError {
         /// The last image, s after the first one.
         last_s: f64,
     },
+    /// A hit at a moment, and a camera whose images have none.
+    #[error(
+        "topic {}: its images have no stamps (0, beside stamps of a wall clock), so that a hit at a moment and growth \
+         cannot be placed in it; set them, leave the topic out with --topic, or leave out --impact-at and --grow",
+        .topic.escape_debug()
+    )]
+    NoStamps {
+        /// The topic.
+        topic: String,
+    },
     /// Another format than that of the messages.
     #[error(
         "the recipe for topic {} sets output.format, but a message keeps its format; leave it at \"same\"",

@@ -1,7 +1,7 @@
 //! The cameras of a bag behind broken glass: pixels, panes, recipes, times, and the topics that are added.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-mod bag_file;
+use crate::bag_file;
 
 use std::fs;
 use std::path::PathBuf;
@@ -278,6 +278,61 @@ fn before_the_hit_nothing_is_altered_and_then_the_cracks_grow() {
     };
     assert!(
         late.contains("--impact-at: the hit at 5 s comes after the last image, 0.920 s"),
+        "{late}"
+    );
+}
+
+/// A driver that sets no stamps leaves 0, where simulations begin.
+#[test]
+fn a_stamp_that_was_never_set_is_no_moment() {
+    const WALL_NS: u64 = 1_700_000_000_000_000_000;
+    let bag = |from_ns: u64, unset: &[u64], of_rear: u64| {
+        let mut bag = BagFile::new(WriteOptions::new());
+        let (front, rear) = (bag.topic("/front", IMAGE), bag.topic("/rear", IMAGE));
+        for k in 0..6 {
+            let stamp = match unset.contains(&k) {
+                true => 0,
+                false => from_ns + k * 100_000_000,
+            };
+            bag.message(front, k, &raw(false, stamp, "rgb8", 0));
+            bag.message(rear, k, &raw(false, of_rear * stamp, "rgb8", 0));
+        }
+        Folder::with(&bag.finish())
+    };
+    let altered = |folder: &Folder, impact_at_s: f64| {
+        let request = BagRequest {
+            impact_at: ImpactAt::AfterFirst(impact_at_s),
+            ..folder.request(small(3))
+        };
+        let report = folder.run(request, 2).unwrap();
+        fs::remove_file(folder.at("out.mcap")).unwrap();
+        report
+            .cameras
+            .iter()
+            .map(|camera| camera.n_altered)
+            .collect::<Vec<_>>()
+    };
+    // The first and the third have none.
+    let some = bag(WALL_NS, &[0, 2], 1);
+    assert_eq!(altered(&some, 0.0), [6, 6], "hit from the first on");
+    assert_eq!(
+        altered(&some, 0.15),
+        [3, 3],
+        "from 0.2 s after the second on"
+    );
+    // A simulation's first stamp is 0.
+    let simulated = bag(0, &[], 1);
+    assert_eq!(altered(&simulated, 0.0), [6, 6], "a simulation");
+    assert_eq!(altered(&simulated, 0.15), [4, 4], "a simulation, hit later");
+    // None of the rear has any.
+    let rear = bag(WALL_NS, &[], 0);
+    assert_eq!(altered(&rear, 0.0), [6, 6], "all broken");
+    let late = rear.refusal(BagRequest {
+        impact_at: ImpactAt::AfterFirst(0.15),
+        ..rear.request(small(3))
+    });
+    assert!(
+        late.contains("topic /rear: its images have no stamps"),
         "{late}"
     );
 }

@@ -11,6 +11,7 @@ use starbreak_seed::Seed;
 use super::Added;
 use super::message::{CameraKind, CameraMessage, text_message};
 use super::records::Event;
+use super::survey::Clock;
 use super::write::Outgoing;
 use crate::bag_error::{BagError, MessageFault};
 use crate::clip::pixels::Pixels;
@@ -26,8 +27,7 @@ const N_SIZES: usize = 16;
 pub(super) struct Camera {
     pub(super) topic: String,
     pub(super) context: RunContext,
-    /// The first stamp of all cameras, ns: time 0.
-    pub(super) first_ns: i64,
+    pub(super) clock: Clock,
     /// What a frame lasts, s.
     pub(super) frame_s: f64,
     pub(super) impact_at_s: f64,
@@ -219,9 +219,9 @@ impl<'a> CameraRun<'a> {
         mut frames: Vec<Decoded>,
     ) -> Result<Vec<Damaged>, Error> {
         let first_idx = frames.first().map_or(0, |frame| frame.incoming.idx);
-        let first_ns = self.camera.first_ns;
+        let clock = self.camera.clock;
         let times: Vec<f64> = (frames.iter())
-            .map(|frame| seconds_between(first_ns, frame.message.stamp_ns()))
+            .map(|frame| clock.time_s(frame.message.stamp_ns()))
             .collect();
         let pixels = (frames.iter_mut().zip(&times)).map(|(frame, time_s)| StreamFrame {
             idx: frame.incoming.idx,
@@ -349,10 +349,4 @@ pub(super) fn on_all<T: Send, R: Send>(
 ) -> Result<Vec<R>, Error> {
     let results: Vec<Result<R, Error>> = items.into_par_iter().with_max_len(1).map(work).collect();
     results.into_iter().collect()
-}
-
-/// From one stamp to another, s.
-#[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
-pub(super) fn seconds_between(from_ns: i64, to_ns: i64) -> f64 {
-    to_ns.saturating_sub(from_ns) as f64 / 1e9
 }

@@ -260,11 +260,10 @@ fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> 
     let own: BTreeMap<&str, &RunContext> = (request.cameras.iter())
         .map(|camera| (camera.topic.as_str(), &camera.context))
         .collect();
-    let firsts = survey.cameras.values().filter_map(|seen| seen.first_ns());
-    let first_ns = firsts.min().unwrap_or(0);
+    let clock = survey.clock();
     let impact_at_s = match request.impact_at {
         ImpactAt::AfterFirst(after_s) => after_s,
-        ImpactAt::Stamp(stamp_ns) => camera::seconds_between(first_ns, stamp_ns),
+        ImpactAt::Stamp(stamp_ns) => clock.time_s(stamp_ns),
     };
     let depends_on_time = impact_at_s > 0.0 || request.growth != Growth::Whole;
     let mut cameras = Vec::new();
@@ -277,10 +276,14 @@ fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> 
             return Err(BagError::Format { topic }.into());
         }
         let breaks = !matches!(context.settings.fracture, FractureSettings::None(_));
+        if breaks && depends_on_time && seen.has_no_stamps(clock) {
+            let topic = topic.clone();
+            return Err(BagError::NoStamps { topic }.into());
+        }
         cameras.push(Camera {
             topic: topic.clone(),
             context: context.clone(),
-            first_ns,
+            clock,
             frame_s: seen.frame_s(),
             impact_at_s: if breaks { impact_at_s } else { 0.0 },
             growth: if breaks {

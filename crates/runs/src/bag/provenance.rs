@@ -42,7 +42,10 @@ pub(super) fn provenance(bag: &Bag, reports: &[CameraReport], damage: Option<&Da
     };
     let impact_at_s = bag.cameras.iter().map(|camera| camera.impact_at_s);
     let impact_at_s = impact_at_s.reduce(f64::max).unwrap_or(0.0);
-    let first_ns = bag.cameras.first().map_or(0, |camera| camera.first_ns);
+    let first_ns = bag
+        .cameras
+        .first()
+        .map_or(0, |camera| camera.clock.first_ns);
     let mut texts = BTreeMap::from_iter(
         [
             ("schema", BAG_SCHEMA.to_owned()),

@@ -15,6 +15,32 @@ const N_STAMPS: usize = 10;
 /// What a frame lasts where a camera has one alone, s.
 const LONE_FRAME_S: f64 = 0.1;
 
+/// From here on stamps are of the wall clock, that of 2001 and later; a simulation's begin with 0.
+const WALL_CLOCK_NS: i64 = 1_000_000_000_000_000_000;
+
+/// When images were taken, by the stamps of their headers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Clock {
+    /// The first stamp of all cameras, ns: time 0.
+    pub(super) first_ns: i64,
+}
+
+impl Clock {
+    /// Time of a stamp, s. Beside stamps of the wall clock, one of 0 was never set: such an image counts as one of the
+    /// first moment.
+    #[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
+    pub(super) fn time_s(self, stamp_ns: i64) -> f64 {
+        if self.is_unset(stamp_ns) {
+            return 0.0;
+        }
+        stamp_ns.saturating_sub(self.first_ns) as f64 / 1e9
+    }
+
+    fn is_unset(self, stamp_ns: i64) -> bool {
+        stamp_ns == 0 && self.first_ns >= WALL_CLOCK_NS
+    }
+}
+
 /// What was found.
 #[derive(Debug)]
 pub(super) struct Survey {
@@ -35,8 +61,10 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    pub(super) fn first_ns(&self) -> Option<i64> {
-        self.stamps_ns.first().copied()
+    /// Whether no image that was looked at has a stamp.
+    pub(super) fn has_no_stamps(&self, clock: Clock) -> bool {
+        let mut stamps = self.stamps_ns.iter();
+        !self.stamps_ns.is_empty() && stamps.all(|stamp_ns| clock.is_unset(*stamp_ns))
     }
 
     /// The middle one of the times between its first frames, s.
@@ -123,6 +151,21 @@ impl Survey {
         } = &mut survey;
         cameras.retain(|topic, _| !topics.is_ours(topic));
         Ok(survey)
+    }
+
+    /// The clock of all cameras, from the first stamp of each that is set.
+    pub(super) fn clock(&self) -> Clock {
+        let all = || {
+            self.cameras
+                .values()
+                .map(|seen| seen.stamps_ns.iter().copied())
+        };
+        let has_wall_clock = all().flatten().any(|stamp_ns| stamp_ns >= WALL_CLOCK_NS);
+        let firsts = all()
+            .filter_map(|mut stamps| stamps.find(|stamp_ns| *stamp_ns != 0 || !has_wall_clock));
+        Clock {
+            first_ns: firsts.min().unwrap_or(0),
+        }
     }
 
     /// How many frames these cameras have, where the bag says so.
