@@ -24,8 +24,8 @@ use report::Report;
 use tools::Tools;
 
 /// `cargo xtask test`: the tools of the tests, all tests and doctests with the replay of the fuzz
-/// corpus, the golden digests on a processor without AVX and on WebAssembly, then the tests of the Python package in
-/// its wheel, and those of the playground in a browser.
+/// corpus, the golden digests on a processor without AVX, then the tests of the Python package in its wheel, and those of
+/// the playground in a browser, whose WebAssembly makes the pixels of the command.
 ///
 /// # Errors
 /// If the tools or the wheel cannot be made, or a test fails.
@@ -34,11 +34,10 @@ pub fn run(root: &Path) -> Result<(), Failure> {
     let (mut report, tests) = run_tests(root, &tools)?;
     let target = Metadata::of_workspace(root)?.target_directory;
     let without_avx = processors::x86_without_avx(root, &target, &mut report);
-    let wasm = processors::wasm(root, &mut report);
     let of_python = python::test(root, &tools, &mut report);
     let of_web = web::test(root, &tools, &mut report);
     tell(&report);
-    tests.and(without_avx).and(wasm).and(of_python).and(of_web)
+    tests.and(without_avx).and(of_python).and(of_web)
 }
 
 /// The ffmpeg of the tests.

@@ -705,6 +705,40 @@ fn long_files(sources: &[Source]) -> Vec<String> {
         .collect()
 }
 
+#[test]
+fn every_file_of_tests_is_run() {
+    let manifest =
+        |folder: &str| fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap();
+    check(forgotten_tests(&sources(), manifest));
+}
+
+/// Files of tests that neither the program `all` of their crate takes in nor its manifest names: cargo looks for
+/// none itself where `all` is.
+fn forgotten_tests(sources: &[Source], manifest: impl Fn(&str) -> String) -> Vec<String> {
+    let mut findings = Vec::new();
+    for all in sources {
+        let Some(folder) = all.path.strip_suffix("/tests/all.rs") else {
+            continue;
+        };
+        let named = manifest(folder);
+        for Source { path, .. } in sources {
+            let file = path
+                .strip_prefix(folder)
+                .and_then(|rest| rest.strip_prefix("/tests/"));
+            let Some(name) = file.and_then(|file| file.strip_suffix(".rs")) else {
+                continue;
+            };
+            let is_run = name.contains('/')
+                || all.code.contains(&format!("mod {name};"))
+                || named.contains(&format!("[[test]]\nname = \"{name}\""));
+            if !is_run {
+                findings.push(format!("{path} is not run: name it in {}", all.path));
+            }
+        }
+    }
+    findings
+}
+
 mod each_rule_can_fail {
     use xtask::metadata::Dependency;
 
@@ -804,6 +838,20 @@ mod each_rule_can_fail {
         check(empty_names, "apps/cli/tests/common.rs", "", 0);
         check(long_files, library, &"\n".repeat(MAX_LINES + 1), 1);
         check(long_files, library, &"\n".repeat(MAX_LINES), 0);
+    }
+
+    #[test]
+    fn a_forgotten_test_is_found() {
+        let sources = |names: &str| {
+            let file = |name: &str| Source::of(&format!("crates/glass/tests/{name}.rs"), "");
+            let all = Source::of("crates/glass/tests/all.rs", names);
+            [all, file("network"), file("golden"), file("network/plain")]
+        };
+        let manifest =
+            |_: &str| "[[test]]\nname = \"all\"\n\n[[test]]\nname = \"golden\"\n".to_owned();
+        let forgotten = forgotten_tests(&sources("mod net;"), manifest);
+        assert_eq!(forgotten.len(), 1, "{forgotten:?}");
+        assert!(forgotten_tests(&sources("mod network;"), manifest).is_empty());
     }
 
     #[test]

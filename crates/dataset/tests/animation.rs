@@ -1,7 +1,7 @@
 //! Animations decode to the frames they were made of.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-mod common;
+use crate::common;
 
 use std::io::Cursor;
 

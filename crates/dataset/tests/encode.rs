@@ -1,7 +1,7 @@
 //! Round trips of every mode.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-mod common;
+use crate::common;
 
 use common::{all_modes, gray_ramp, psnr_db, ramp, rgb};
 use image::{DynamicImage, GrayImage, ImageBuffer, Rgb32FImage, RgbImage};

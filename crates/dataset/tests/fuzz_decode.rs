@@ -1,6 +1,6 @@
 //! No bytes, however broken, make the reader panic.
 
-mod common;
+use crate::common;
 
 use common::{all_modes, jpeg_with, ramp};
 use proptest::prelude::*;

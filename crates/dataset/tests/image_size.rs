@@ -1,7 +1,7 @@
 //! The size from the headers is that of the decoded pixels.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! What comes out of each kind of PNG, JPEG, WebP and BMP.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-mod common;
+use crate::common;
 
 use common::{exif, jpeg_with, png_info, png_with, psnr_db, ramp};
 use image::{DynamicImage, GrayImage, RgbImage};

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 #![expect(clippy::print_stderr, reason = "a skipped test must be seen")]
 
-mod common;
+use crate::common;
 
 use std::fs;
 use std::path::Path;

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 #![expect(clippy::print_stderr, reason = "times and skipped tests must be seen")]
 
-mod common;
+use crate::common;
 
 use std::path::PathBuf;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! BDD100K as a dataset.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-mod common;
+use crate::common;
 
 use common::{contents, open, put, shared_data, subset, try_open};
 use serde_json::{Value, json};

@@ -1,7 +1,7 @@
 //! COCO as a dataset.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 

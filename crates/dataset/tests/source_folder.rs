@@ -1,7 +1,7 @@
 //! A plain folder, a text list, and the words that name datasets.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-mod common;
+use crate::common;
 
 use std::ffi::OsStr;
 

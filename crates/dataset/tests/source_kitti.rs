@@ -1,7 +1,7 @@
 //! KITTI as a dataset.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-mod common;
+use crate::common;
 
 use common::{contents, open, png, put, shared_data};
 

@@ -1,7 +1,7 @@
 //! YOLO as a dataset.
 #![expect(clippy::unwrap_used, reason = "a failure here is a failed test")]
 
-mod common;
+use crate::common;
 
 use common::{contents, exif, jpeg_with, open, png, put, ramp, subset, try_open};
 

@@ -5,7 +5,7 @@
     reason = "a test that cannot open its graph has failed"
 )]
 
-mod onnx_graph;
+use crate::onnx_graph;
 
 use image::{Rgb, RgbImage};
 use onnx_graph::{Builder, Dim, Entry, fixed, seen};

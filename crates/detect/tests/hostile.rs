@@ -4,7 +4,7 @@
     reason = "a test that cannot write its file has failed"
 )]
 
-mod onnx_graph;
+use crate::onnx_graph;
 
 use std::fs;
 

@@ -4,7 +4,7 @@
     reason = "a test that cannot open its model has failed"
 )]
 
-mod onnx_graph;
+use crate::onnx_graph;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

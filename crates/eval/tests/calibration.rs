@@ -2,6 +2,7 @@
 //! `validation/run calibration` does it over thousands, and on real detections.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "population/mod.rs"]
 mod population;
 
 use std::collections::BTreeMap;

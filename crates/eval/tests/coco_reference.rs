@@ -1,7 +1,7 @@
 //! The protocol of MS-COCO against arrays that pycocotools 2.0.11 wrote.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 

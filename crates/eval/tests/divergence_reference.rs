@@ -1,7 +1,7 @@
 //! Measures against those of SciPy and NumPy.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-mod common;
+use crate::common;
 
 use serde_json::Value;
 use starbreak_eval::EvalError;

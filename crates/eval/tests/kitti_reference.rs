@@ -1,7 +1,7 @@
 //! The protocol of KITTI against curves that the compiled development kit confirmed.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-mod common;
+use crate::common;
 
 use std::path::Path;
 

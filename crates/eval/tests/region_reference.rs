@@ -1,7 +1,7 @@
 //! Evaluation in regions against pycocotools, with coverages of our own.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-mod common;
+use crate::common;
 
 use std::collections::BTreeMap;
 use std::path::Path;

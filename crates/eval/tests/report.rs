@@ -16,8 +16,7 @@ use starbreak_eval::evaluation::{
 };
 use starbreak_eval::report::{csv, html, json, latex, numbers, read_json};
 
-#[path = "report/plausible.rs"]
-mod plausible;
+use crate::plausible;
 
 /// What would like to be more than a name.
 const HOSTILE: &str = "</title></script><script>alert(1)</script>\"'><img src=x onerror=alert(1)>&amp;{{ 7*7 }}\u{0}\u{202e}";

@@ -16,8 +16,7 @@ use image::DynamicImage;
 use starbreak_dataset::{ImageLimits, read_image};
 use starbreak_eval::report::html;
 
-#[path = "report/plausible.rs"]
-mod plausible;
+use crate::plausible;
 
 /// Where Chromium is, if it is.
 fn chromium() -> Option<PathBuf> {

@@ -2,6 +2,7 @@
 //! same and more on many panes: `cargo run --release --example laws`.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+#[path = "measures/mod.rs"]
 mod measures;
 
 use std::f64::consts::PI;

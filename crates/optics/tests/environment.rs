@@ -544,7 +544,7 @@ fn the_sampling_does_not_depend_on_the_images_size() {
     }
 }
 
-/// Run with `cargo test --release -p starbreak-optics --test environment -- --ignored --nocapture`.
+/// Run with `cargo test --release -p starbreak-optics --test all -- environment --ignored --nocapture`.
 #[test]
 #[ignore = "prints times"]
 #[expect(clippy::print_stderr, reason = "times must be seen")]

@@ -1,7 +1,7 @@
 //! A bag behind broken glass: what stays record for record, what is altered, and by what.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-mod bag_file;
+use crate::bag_file;
 
 use std::fs;
 use std::sync::atomic::AtomicBool;

@@ -1,7 +1,7 @@
 //! Bags that are damaged, of other kinds, or hold what is not put behind glass.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-mod bag_file;
+use crate::bag_file;
 
 use std::fs;
 use std::io::{Seek, SeekFrom, Write};

@@ -3,10 +3,10 @@
 
 #[path = "../examples/severity.rs"]
 #[expect(dead_code, reason = "the example's own main")]
-mod severity;
+mod table;
 
-use severity::{median, shares_of};
 use starbreak::{Recipe, Seed};
+use table::{median, shares_of};
 
 /// Seeds of this test; `docs/severity.md` has 32.
 const N_SEEDS: u64 = 4;

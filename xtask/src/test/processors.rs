@@ -100,7 +100,8 @@ pub(super) fn aarch64(root: &Path, target: &Path, report: &mut Report) -> Result
     }
 }
 
-/// The golden digests of networks and pictures on WebAssembly. From nothing the build takes two minutes.
+/// The golden digests of networks and pictures on WebAssembly. From nothing the build takes three minutes, so that
+/// the tests leave it to the playground's, which compares pixels.
 ///
 /// # Errors
 /// If they differ there, or do not build.

@@ -191,7 +191,8 @@ const tests = {
     must((await there.getByLabel("f-number").first().inputValue()) === "4", "f-number");
   },
 
-  async a_dozen_recipes_give_the_pixels_of_the_command() {
+  // What is the same on WebAssembly, which `cargo xtask processors` tries with the golden digests, too.
+  async two_dozen_recipes_give_the_pixels_of_the_command() {
     const page = await open();
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
     command("demo", "-o", "demo");
@@ -209,6 +210,16 @@ const tests = {
       "preset=windshield-star&severity=2&hit=0.2,0.3&hit=0.6,0.5,90,25&seed=10",
       "preset=noise&severity=2&hit=0.5,0.5&hit=0.6,0.6&seed=11",
       "preset=windshield-spiderweb&set=exposure.ev=-1&set=noise.white_e=300&hit=0.4,0.5&seed=12",
+      "preset=windshield-hail&severity=2&seed=14",
+      "preset=lens-cover-star&seed=15",
+      "preset=paper&set=fracture.neighbourhood=mesh-edges&set=fracture.branches=2&set=camera.focus_distance_m=short&seed=16",
+      "preset=rain&severity=4&seed=17",
+      "preset=frosted&severity=2&seed=18",
+      "preset=fogged&severity=4&seed=19",
+      "preset=muddy&set=dust.coverage_percent=5&seed=20",
+      "preset=greasy&seed=21",
+      "preset=night-drive&seed=22",
+      "preset=distortion&seed=23",
       "preset=compression&set=spots.count=9&set=isp.unsharp=1&set=isp.tone=0.5&set=link.bit_error_rate=0.001&seed=13",
     ];
     for (const address of addresses) {

@@ -1,5 +1,4 @@
 //! Images and files made in memory, for the tests.
-#![expect(dead_code, reason = "each test file uses its own part")]
 #![expect(clippy::unwrap_used, reason = "a failure here is a broken test")]
 
 use image::{DynamicImage, ImageBuffer, Luma, Pixel, Rgb, RgbImage};
