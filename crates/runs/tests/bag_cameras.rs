@@ -289,7 +289,8 @@ fn a_stamp_that_was_never_set_is_no_moment() {
     let bag = |from_ns: u64, unset: &[u64], of_rear: u64| {
         let mut bag = BagFile::new(WriteOptions::new());
         let (front, rear) = (bag.topic("/front", IMAGE), bag.topic("/rear", IMAGE));
-        for k in 0..6 {
+        let n_images = if unset.len() > 6 { 36 } else { 6 };
+        for k in 0..n_images {
             let stamp = match unset.contains(&k) {
                 true => 0,
                 false => from_ns + k * 100_000_000,
@@ -312,13 +313,20 @@ fn a_stamp_that_was_never_set_is_no_moment() {
             .map(|camera| camera.n_altered)
             .collect::<Vec<_>>()
     };
-    // The first and the third have none.
-    let some = bag(WALL_NS, &[0, 2], 1);
+    // Some have none: the first, as that of the first moment; others, as the one before them.
+    let some = bag(WALL_NS, &[0, 2, 5], 1);
     assert_eq!(altered(&some, 0.0), [6, 6], "hit from the first on");
     assert_eq!(
         altered(&some, 0.15),
         [3, 3],
         "from 0.2 s after the second on"
+    );
+    // A driver that begins long before its clock is set.
+    let late = bag(WALL_NS, &(0..30).collect::<Vec<_>>(), 1);
+    assert_eq!(
+        altered(&late, 0.15),
+        [4, 4],
+        "from 0.2 s after the first that is set"
     );
     // A simulation's first stamp is 0.
     let simulated = bag(0, &[], 1);

@@ -56,8 +56,6 @@ impl Breaking<'_> {
                 (load.carrying, self.stretches(&first, load.carrying))
             {
                 bending.set_load(load.force_n, Some(reach_m));
-            } else if *from_s > self.ends_s(hit) {
-                break;
             } else {
                 bending = self.bend_for_tips(load)?;
                 done(Stage::Stress);

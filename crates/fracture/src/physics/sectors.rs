@@ -49,6 +49,10 @@ impl Breaking<'_> {
         };
         let strength_pa = self.strength_of_area_pa(length_m * length_m);
         for (pass, epoch) in loads.iter().enumerate() {
+            // Rings of later loads come later, when nothing counts any more.
+            if !is_steady && epoch.from_s > self.ends_s(hit) {
+                break;
+            }
             let is_free = self
                 .plates
                 .is_free(epoch.load.center_m, epoch.load.carrying);
@@ -63,11 +67,10 @@ impl Breaking<'_> {
                     continue;
                 }
             }
-            // What is not looked at is not solved for; once there is no room, or all that counts is past,
-            // it stays so.
+            // What is not looked at is not solved for; once there is no room, there is none later.
             let mut of_all = sectors.iter().zip(&taken);
             let has_room = of_all.any(|(sector, taken)| sector.has_room(taken, law.thickness_m));
-            if !has_room || (!is_steady && epoch.from_s > self.ends_s(hit)) {
+            if !has_room {
                 break;
             }
             let cracks = self.cracks_near(&epoch.load, self.web.n_cracks());

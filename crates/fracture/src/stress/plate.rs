@@ -264,12 +264,14 @@ impl PlateSolver {
     fn near_load(&self, load: &PatchLoad) -> Option<NearLoad> {
         let mesh = &self.mesh;
         let is_whole = mesh.nodes_of_sides().len() == mesh.nodes().len();
-        if !is_whole || self.plate.foundation_pa_m > 0.0 || load.radius_m <= 0.0 {
+        if !is_whole || self.plate.foundation_pa_m > 0.0 {
             return None;
         }
         let to_border_m = mesh.to_border_m(load.center_m);
+        // A force at a point is left to the mesh.
+        let is_disc = load.radius_m > 1e-9 * to_border_m;
         let near = || NearLoad::new(load, SPREAD * to_border_m, self.plate.rigidity_n_m());
-        (to_border_m > load.radius_m).then(near)
+        (is_disc && to_border_m > load.radius_m).then(near)
     }
 
     /// What the mesh has to find beside what is sharp under a load: forces at its nodes, and what

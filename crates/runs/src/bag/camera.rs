@@ -177,6 +177,8 @@ pub(super) struct CameraRun<'a> {
     name: &'a str,
     panes: &'a Panes,
     streams: Vec<((u32, u32), Stream<'a>)>,
+    /// Time of the image before, s.
+    time_s: f64,
     pub(super) report: CameraReport,
 }
 
@@ -193,6 +195,7 @@ impl<'a> CameraRun<'a> {
             name,
             panes,
             streams: Vec::new(),
+            time_s: 0.0,
             report,
         }
     }
@@ -219,10 +222,13 @@ impl<'a> CameraRun<'a> {
         mut frames: Vec<Decoded>,
     ) -> Result<Vec<Damaged>, Error> {
         let first_idx = frames.first().map_or(0, |frame| frame.incoming.idx);
-        let clock = self.camera.clock;
-        let times: Vec<f64> = (frames.iter())
-            .map(|frame| clock.time_s(frame.message.stamp_ns()))
-            .collect();
+        // An image whose stamp was never set counts as one of the moment of that before it.
+        let time_of = |frame: &Decoded| {
+            let set = self.camera.clock.time_s(frame.message.stamp_ns());
+            self.time_s = set.unwrap_or(self.time_s);
+            self.time_s
+        };
+        let times: Vec<f64> = frames.iter().map(time_of).collect();
         let pixels = (frames.iter_mut().zip(&times)).map(|(frame, time_s)| StreamFrame {
             idx: frame.incoming.idx,
             time_s: *time_s,

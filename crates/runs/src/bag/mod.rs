@@ -263,7 +263,7 @@ fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> 
     let clock = survey.clock();
     let impact_at_s = match request.impact_at {
         ImpactAt::AfterFirst(after_s) => after_s,
-        ImpactAt::Stamp(stamp_ns) => clock.time_s(stamp_ns),
+        ImpactAt::Stamp(stamp_ns) => clock.since_first_s(stamp_ns),
     };
     let depends_on_time = impact_at_s > 0.0 || request.growth != Growth::Whole;
     let mut cameras = Vec::new();
@@ -284,7 +284,7 @@ fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> 
             topic: topic.clone(),
             context: context.clone(),
             clock,
-            frame_s: seen.frame_s(),
+            frame_s: seen.frame_s(clock),
             impact_at_s: if breaks { impact_at_s } else { 0.0 },
             growth: if breaks {
                 request.growth

@@ -23,21 +23,24 @@ const WALL_CLOCK_NS: i64 = 1_000_000_000_000_000_000;
 pub(super) struct Clock {
     /// The first stamp of all cameras, ns: time 0.
     pub(super) first_ns: i64,
+    /// Whether stamps are of the wall clock, so that one of 0 was never set.
+    is_wall: bool,
 }
 
 impl Clock {
-    /// Time of a stamp, s. Beside stamps of the wall clock, one of 0 was never set: such an image counts as one of the
-    /// first moment.
+    /// Time of an image, s; `None` where its stamp was never set.
+    pub(super) fn time_s(self, stamp_ns: i64) -> Option<f64> {
+        (!self.is_unset(stamp_ns)).then(|| self.since_first_s(stamp_ns))
+    }
+
+    /// From the first stamp to another, s.
     #[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
-    pub(super) fn time_s(self, stamp_ns: i64) -> f64 {
-        if self.is_unset(stamp_ns) {
-            return 0.0;
-        }
+    pub(super) fn since_first_s(self, stamp_ns: i64) -> f64 {
         stamp_ns.saturating_sub(self.first_ns) as f64 / 1e9
     }
 
     fn is_unset(self, stamp_ns: i64) -> bool {
-        stamp_ns == 0 && self.first_ns >= WALL_CLOCK_NS
+        stamp_ns == 0 && self.is_wall
     }
 }
 
@@ -55,13 +58,20 @@ pub(super) struct Survey {
 /// A camera as it begins.
 #[derive(Debug, Default)]
 pub(super) struct Seen {
+    n_images: u64,
+    /// The first stamps, and of those of 0 that come first the first alone.
     stamps_ns: Vec<i64>,
     /// Whether its first image is JPEG.
     pub(super) is_jpeg: bool,
 }
 
 impl Seen {
-    /// Whether no image that was looked at has a stamp.
+    /// Whether enough is known of it: a driver may begin before its clock is set.
+    fn is_known(&self) -> bool {
+        self.stamps_ns.len() >= N_STAMPS
+    }
+
+    /// Whether it has images, and no stamps.
     pub(super) fn has_no_stamps(&self, clock: Clock) -> bool {
         let mut stamps = self.stamps_ns.iter();
         !self.stamps_ns.is_empty() && stamps.all(|stamp_ns| clock.is_unset(*stamp_ns))
@@ -69,8 +79,10 @@ impl Seen {
 
     /// The middle one of the times between its first frames, s.
     #[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
-    pub(super) fn frame_s(&self) -> f64 {
-        let steps = self.stamps_ns.windows(2).map(|pair| pair[1] - pair[0]);
+    pub(super) fn frame_s(&self, clock: Clock) -> f64 {
+        let set = self.stamps_ns.iter().copied();
+        let set: Vec<i64> = set.filter(|stamp_ns| !clock.is_unset(*stamp_ns)).collect();
+        let steps = set.windows(2).map(|pair| pair[1] - pair[0]);
         let mut steps: Vec<i64> = steps.filter(|step| *step > 0).collect();
         steps.sort_unstable();
         match steps.get(steps.len() / 2) {
@@ -155,16 +167,15 @@ impl Survey {
 
     /// The clock of all cameras, from the first stamp of each that is set.
     pub(super) fn clock(&self) -> Clock {
-        let all = || {
-            self.cameras
-                .values()
-                .map(|seen| seen.stamps_ns.iter().copied())
-        };
-        let has_wall_clock = all().flatten().any(|stamp_ns| stamp_ns >= WALL_CLOCK_NS);
-        let firsts = all()
-            .filter_map(|mut stamps| stamps.find(|stamp_ns| *stamp_ns != 0 || !has_wall_clock));
+        let stamps = self.cameras.values().map(|seen| seen.stamps_ns.iter());
+        let is_wall = stamps
+            .clone()
+            .flatten()
+            .any(|stamp_ns| *stamp_ns >= WALL_CLOCK_NS);
+        let firsts = stamps.filter_map(|mut stamps| stamps.find(|it| **it != 0 || !is_wall));
         Clock {
-            first_ns: firsts.min().unwrap_or(0),
+            first_ns: firsts.min().copied().unwrap_or(0),
+            is_wall,
         }
     }
 
@@ -217,9 +228,9 @@ impl Survey {
             Event::Message { header, data } => {
                 if let Some((topic, Content::Camera(kind))) = self.topics.of(header.channel_id)
                     && let Some(seen) = self.cameras.get_mut(topic)
-                    && seen.stamps_ns.len() < N_STAMPS
+                    && !seen.is_known()
                 {
-                    let idx = seen.stamps_ns.len() as u64;
+                    let idx = seen.n_images;
                     look(seen, kind, &data).map_err(|fault| BagError::Message {
                         topic: topic.to_owned(),
                         idx,
@@ -241,10 +252,8 @@ impl Survey {
         };
         let counts = promise.n_messages(is_wanted);
         counts.into_iter().all(|(topic, n_messages)| {
-            let n_wanted = usize::try_from(n_messages).unwrap_or(usize::MAX);
-            let seen = self.cameras.get(topic);
-            let n_seen = seen.map_or(0, |seen| seen.stamps_ns.len());
-            n_seen >= n_wanted.min(N_STAMPS)
+            let is_known = |seen: &Seen| seen.is_known() || seen.n_images >= n_messages;
+            n_messages == 0 || self.cameras.get(topic).is_some_and(is_known)
         })
     }
 }
@@ -268,9 +277,13 @@ fn refuse(topics: &Topics, names: Option<&[String]>) -> Result<(), BagError> {
 
 fn look(seen: &mut Seen, kind: CameraKind, data: &[u8]) -> Result<(), MessageFault> {
     let message = CameraMessage::read(kind, data)?;
-    if seen.stamps_ns.is_empty() {
+    if seen.n_images == 0 {
         seen.is_jpeg = message.is_jpeg(data);
     }
-    seen.stamps_ns.push(message.stamp_ns());
+    seen.n_images += 1;
+    let stamp_ns = message.stamp_ns();
+    if stamp_ns != 0 || seen.stamps_ns != [0] {
+        seen.stamps_ns.push(stamp_ns);
+    }
     Ok(())
 }
