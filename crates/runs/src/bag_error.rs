@@ -131,10 +131,20 @@ pub enum BagError {
     /// A hit at a moment, and a camera whose images have none.
     #[error(
         "topic {}: its images have no stamps (0, beside stamps of a wall clock), so that a hit at a moment and growth \
-         cannot be placed in it; set them, leave the topic out with --topic, or leave out --impact-at and --grow",
+         cannot be placed in it; set them, name the other cameras with --topic, or leave out --impact-at and --grow",
         .topic.escape_debug()
     )]
     NoStamps {
+        /// The topic.
+        topic: String,
+    },
+    /// A hit at a moment, and cameras whose images are stamped by different clocks.
+    #[error(
+        "topic {}: its images are stamped by another clock than those of other cameras, which go by a wall clock, so that \
+         they have no moment in common; name the cameras of one clock with --topic, or leave out --impact-at and --grow",
+        .topic.escape_debug()
+    )]
+    OtherClock {
         /// The topic.
         topic: String,
     },

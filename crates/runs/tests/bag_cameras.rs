@@ -286,7 +286,8 @@ fn before_the_hit_nothing_is_altered_and_then_the_cracks_grow() {
 #[test]
 fn a_stamp_that_was_never_set_is_no_moment() {
     const WALL_NS: u64 = 1_700_000_000_000_000_000;
-    let bag = |from_ns: u64, unset: &[u64], of_rear: u64| {
+    let same = |stamp: u64| stamp;
+    let bag = |from_ns: u64, unset: &[u64], of_rear: fn(u64) -> u64| {
         let mut bag = BagFile::new(WriteOptions::new());
         let (front, rear) = (bag.topic("/front", IMAGE), bag.topic("/rear", IMAGE));
         let n_images = if unset.len() > 6 { 36 } else { 6 };
@@ -296,7 +297,7 @@ fn a_stamp_that_was_never_set_is_no_moment() {
                 false => from_ns + k * 100_000_000,
             };
             bag.message(front, k, &raw(false, stamp, "rgb8", 0));
-            bag.message(rear, k, &raw(false, of_rear * stamp, "rgb8", 0));
+            bag.message(rear, k, &raw(false, of_rear(stamp), "rgb8", 0));
         }
         Folder::with(&bag.finish())
     };
@@ -314,7 +315,7 @@ fn a_stamp_that_was_never_set_is_no_moment() {
             .collect::<Vec<_>>()
     };
     // Some have none: the first, as that of the first moment; others, as the one before them.
-    let some = bag(WALL_NS, &[0, 2, 5], 1);
+    let some = bag(WALL_NS, &[0, 2, 5], same);
     assert_eq!(altered(&some, 0.0), [6, 6], "hit from the first on");
     assert_eq!(
         altered(&some, 0.15),
@@ -322,26 +323,36 @@ fn a_stamp_that_was_never_set_is_no_moment() {
         "from 0.2 s after the second on"
     );
     // A driver that begins long before its clock is set.
-    let late = bag(WALL_NS, &(0..30).collect::<Vec<_>>(), 1);
+    let late = bag(WALL_NS, &(0..30).collect::<Vec<_>>(), same);
     assert_eq!(
         altered(&late, 0.15),
         [4, 4],
         "from 0.2 s after the first that is set"
     );
     // A simulation's first stamp is 0.
-    let simulated = bag(0, &[], 1);
+    let simulated = bag(0, &[], same);
     assert_eq!(altered(&simulated, 0.0), [6, 6], "a simulation");
     assert_eq!(altered(&simulated, 0.15), [4, 4], "a simulation, hit later");
     // None of the rear has any.
-    let rear = bag(WALL_NS, &[], 0);
+    let rear = bag(WALL_NS, &[], |_| 0);
     assert_eq!(altered(&rear, 0.0), [6, 6], "all broken");
-    let late = rear.refusal(BagRequest {
-        impact_at: ImpactAt::AfterFirst(0.15),
-        ..rear.request(small(3))
-    });
+    let refused = |folder: &Folder| {
+        folder.refusal(BagRequest {
+            impact_at: ImpactAt::AfterFirst(0.15),
+            ..folder.request(small(3))
+        })
+    };
+    let said = refused(&rear);
     assert!(
-        late.contains("topic /rear: its images have no stamps"),
-        "{late}"
+        said.contains("topic /rear: its images have no stamps"),
+        "{said}"
+    );
+    // The rear goes by the time since it was started.
+    let rear = bag(WALL_NS, &[], |stamp| stamp - WALL_NS + 5_000_000_000);
+    let said = refused(&rear);
+    assert!(
+        said.contains("topic /rear: its images are stamped by another clock"),
+        "{said}"
     );
 }
 

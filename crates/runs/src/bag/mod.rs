@@ -276,9 +276,14 @@ fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> 
             return Err(BagError::Format { topic }.into());
         }
         let breaks = !matches!(context.settings.fracture, FractureSettings::None(_));
-        if breaks && depends_on_time && seen.has_no_stamps(clock) {
+        if breaks && depends_on_time {
             let topic = topic.clone();
-            return Err(BagError::NoStamps { topic }.into());
+            if seen.has_no_stamps(clock) {
+                return Err(BagError::NoStamps { topic }.into());
+            }
+            if seen.has_other_clock(clock) {
+                return Err(BagError::OtherClock { topic }.into());
+            }
         }
         cameras.push(Camera {
             topic: topic.clone(),

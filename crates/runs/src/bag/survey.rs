@@ -77,6 +77,12 @@ impl Seen {
         !self.stamps_ns.is_empty() && stamps.all(|stamp_ns| clock.is_unset(*stamp_ns))
     }
 
+    /// Whether its images are stamped by another clock than the wall clock of other cameras.
+    pub(super) fn has_other_clock(&self, clock: Clock) -> bool {
+        let first = self.stamps_ns.iter().find(|it| !clock.is_unset(**it));
+        clock.is_wall && first.is_some_and(|stamp_ns| *stamp_ns < WALL_CLOCK_NS)
+    }
+
     /// The middle one of the times between its first frames, s.
     #[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
     pub(super) fn frame_s(&self, clock: Clock) -> f64 {
