@@ -1,5 +1,12 @@
 //! A study with numbers as they might be, made up from a formula: for looking at the report, and for
 //! tests of its form. No number of it is a result.
+#![expect(
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "small made-up numbers"
+)]
 
 use image::{DynamicImage, Rgb, RgbImage};
 use starbreak_dataset::{Encoding, JpegQuality, encode_image};

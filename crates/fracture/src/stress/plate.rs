@@ -275,9 +275,9 @@ impl PlateSolver {
     }
 
     /// What the mesh has to find beside what is sharp under a load: forces at its nodes, and what
-    /// is held (node, unknown, value). With both together nothing moves where the plate is held, and no
+    /// is held. With both together nothing moves where the plate is held, and no
     /// moment acts across a rim that may turn.
-    fn beside(&self, near: &NearLoad) -> (Vec<[f64; 3]>, Vec<(u32, usize, f64)>) {
+    fn beside(&self, near: &NearLoad) -> (Vec<[f64; 3]>, Vec<Held>) {
         let mesh = &self.mesh;
         let mut forces = load::spread(mesh, &self.frames, &self.elements, near);
         let mut held = Vec::new();
@@ -297,7 +297,7 @@ impl PlateSolver {
         for (nodes, element) in mesh.triangles().iter().zip(&self.elements) {
             let of = |node: u32| values.get(node as usize).copied().unwrap_or_default();
             let local: [f64; N_LOCAL] = std::array::from_fn(|k| of(nodes[k / 3])[k % 3]);
-            if local == [0.0; N_LOCAL] {
+            if local.iter().all(|value| *value == 0.0) {
                 continue;
             }
             for (k, force) in element.forces(&rigidity, &local).iter().enumerate() {
@@ -323,6 +323,9 @@ impl PlateSolver {
         (forces, held)
     }
 }
+
+/// A node, which of its unknowns, and what that is held at.
+type Held = (u32, usize, f64);
 
 /// Places and weights of Gauss's rule with three points on the unit interval.
 const GAUSS: [(f64, f64); 3] = [

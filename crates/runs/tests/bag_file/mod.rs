@@ -1,6 +1,6 @@
 //! Bags and messages written here, by another hand than the one that is tested, and records read by the library's own
 //! reader.
-#![expect(dead_code, reason = "each test file uses its own part")]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 pub(crate) mod suite;
 
@@ -190,10 +190,6 @@ impl BagFile {
         self.writer
             .write_private_record(0x91, data, Default::default())
             .unwrap();
-    }
-
-    pub(crate) fn flush(&mut self) {
-        self.writer.flush().unwrap();
     }
 
     pub(crate) fn finish(mut self) -> Vec<u8> {
