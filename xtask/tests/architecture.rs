@@ -720,10 +720,10 @@ fn forgotten_tests(sources: &[Source], manifest: impl Fn(&str) -> String) -> Vec
         let Some((folder, file)) = path.split_once("/tests/") else {
             continue;
         };
-        let named = manifest(folder);
         let Some(name) = file.strip_suffix(".rs").filter(|name| !name.contains('/')) else {
             continue;
         };
+        let named = manifest(folder);
         let all = format!("{folder}/tests/all.rs");
         let is_in_all = |all: &Source| all.code.contains(&format!("mod {name};"));
         let is_run = !named.contains("autotests = false")

@@ -191,7 +191,7 @@ const tests = {
     must((await there.getByLabel("f-number").first().inputValue()) === "4", "f-number");
   },
 
-  // What is the same on WebAssembly, which `cargo xtask processors` tries with the golden digests, too.
+  // WebAssembly beside the processor of this machine. `cargo xtask processors` compares golden digests on it, too.
   async two_dozen_recipes_give_the_pixels_of_the_command() {
     const page = await open();
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);

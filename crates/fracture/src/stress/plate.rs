@@ -412,12 +412,6 @@ pub struct PlateField {
 }
 
 impl PlateField {
-    /// Deflection at a node of the mesh, m, positive in the direction of the load.
-    #[must_use]
-    pub fn deflection_m(&self, mesh: &PlateMesh, node: u32) -> f64 {
-        self.unknowns[node as usize][0] + self.near_m(mesh.nodes()[node as usize])
-    }
-
     fn near_m(&self, point: [f64; 2]) -> f64 {
         self.near.map_or(0.0, |(near, _)| near.at(point).0)
     }
@@ -433,7 +427,7 @@ impl PlateField {
         }
     }
 
-    /// Deflection at a point, m; `None` off the mesh.
+    /// Deflection at a point, m, positive in the direction of the load; `None` off the mesh.
     pub fn deflection_at_m(
         &self,
         mesh: &PlateMesh,
