@@ -1,5 +1,7 @@
 //! Every pair of sets, by every feature, with floor, interval and p-value.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::draws::{coins, multiplicities, stream, subset};
@@ -11,12 +13,13 @@ use super::report::{
     Measure, PairComparison, REPORT_SCHEMA, SetFloor, floor_of,
 };
 use super::set::{ImageSet, Item};
+use super::summed::SummedSet;
 use super::vectors::compare_vectors;
 use super::{ReadSettings, VectorComparison};
 use crate::EvalError;
 
 /// Full histograms, one for each feature.
-type Pooled = Vec<Vec<f64>>;
+pub(super) type Pooled = Vec<Vec<f64>>;
 
 /// What is measured in one comparison, one for each feature; none where a histogram is empty.
 pub(super) type Values = Vec<Option<HistogramDivergence>>;
@@ -44,51 +47,29 @@ pub(super) fn compare_with_replicates(
     reading: &ReadSettings,
     settings: &CompareSettings,
 ) -> Result<(DivergenceReport, Vec<Vec<Values>>), EvalError> {
-    check(sets, settings.alpha)?;
-    let pairs: Vec<[usize; 2]> = (0..sets.len())
-        .flat_map(|a| (a + 1..sets.len()).map(move |b| [a, b]))
-        .collect();
-    let comparison = Comparison {
-        sets,
+    Comparison {
+        sets: sets.iter().collect(),
+        sums: Sums::OnTheWay(sets.iter().map(whole).collect()),
         settings,
-        wholes: sets.iter().map(whole).collect(),
-    };
-    let replicates = comparison.bootstrap(&pairs);
-    let floors = (0..sets.len()).filter_map(|set| comparison.floor(set));
-    let floors: Vec<SetFloor> = floors.collect();
-    let mut compared = Vec::new();
-    for (place, pair) in pairs.iter().enumerate() {
-        let drawn: Vec<&Values> = replicates.iter().map(|all| &all[place]).collect();
-        compared.push(comparison.pair(*pair, &drawn, &floors)?);
     }
-    let shared = compared.iter().filter(|pair| pair.n_shared > 0);
-    let shared = shared.map(|pair| {
-        format!(
-            "{:?} and {:?} share {} identical files: the sets are not independent, so distances are too small and p-values too large",
-            pair.a, pair.b, pair.n_shared
-        )
-    });
-    let notes = sets
-        .iter()
-        .flat_map(ImageSet::notes)
-        .chain(shared)
-        .collect();
-    let report = DivergenceReport {
-        schema: REPORT_SCHEMA,
-        definition: DEFINITION,
-        log_base: "e",
-        confidence: CONFIDENCE,
-        settings: *settings,
-        reading: *reading,
-        sets: sets.iter().map(|set| set.summary.clone()).collect(),
-        notes,
-        pairs: compared,
-        floors,
-    };
-    Ok((report, replicates))
+    .report(reading)
 }
 
-fn check(sets: &[ImageSet], alpha: f64) -> Result<(), EvalError> {
+/// The same of sets whose images are not there any more, without permutations.
+pub(super) fn compare_summed(
+    sets: &[SummedSet],
+    reading: &ReadSettings,
+    settings: &CompareSettings,
+) -> Result<DivergenceReport, EvalError> {
+    let comparison = Comparison {
+        sets: sets.iter().map(|it| &it.set).collect(),
+        sums: Sums::Kept(sets),
+        settings,
+    };
+    Ok(comparison.report(reading)?.0)
+}
+
+fn check(sets: &[&ImageSet], alpha: f64) -> Result<(), EvalError> {
     if !(alpha.is_finite() && alpha >= 0.0) {
         return Err(EvalError::Smoothing { alpha });
     }
@@ -114,67 +95,98 @@ fn check(sets: &[ImageSet], alpha: f64) -> Result<(), EvalError> {
 }
 
 struct Comparison<'a> {
-    sets: &'a [ImageSet],
+    sets: Vec<&'a ImageSet>,
+    sums: Sums<'a>,
     settings: &'a CompareSettings,
-    /// The histograms of each set.
-    wholes: Vec<Pooled>,
+}
+
+/// Sums over the images of each set.
+enum Sums<'a> {
+    /// Of all of its images; those of draws are taken when they are needed.
+    OnTheWay(Vec<Pooled>),
+    /// All that there are.
+    Kept(&'a [SummedSet]),
 }
 
 impl Comparison<'_> {
+    /// Every pair, and the values of every pair in each bootstrap replicate.
+    fn report(
+        &self,
+        reading: &ReadSettings,
+    ) -> Result<(DivergenceReport, Vec<Vec<Values>>), EvalError> {
+        check(&self.sets, self.settings.alpha)?;
+        let n = self.sets.len();
+        let pairs: Vec<[usize; 2]> = (0..n)
+            .flat_map(|a| (a + 1..n).map(move |b| [a, b]))
+            .collect();
+        let replicates = self.bootstrap(&pairs);
+        let floors: Vec<SetFloor> = (0..n).filter_map(|set| self.floor(set)).collect();
+        let mut compared = Vec::new();
+        for (place, pair) in pairs.iter().enumerate() {
+            let drawn: Vec<&Values> = replicates.iter().map(|all| &all[place]).collect();
+            compared.push(self.pair(*pair, &drawn, &floors)?);
+        }
+        let shared = compared.iter().filter(|pair| pair.n_shared > 0);
+        let shared = shared.map(|pair| {
+            format!(
+                "{:?} and {:?} share {} identical files: the sets are not independent, so distances are too small and p-values too large",
+                pair.a, pair.b, pair.n_shared
+            )
+        });
+        let sets = self.sets.iter();
+        let notes = sets.flat_map(|set| set.notes()).chain(shared).collect();
+        let report = DivergenceReport {
+            schema: REPORT_SCHEMA,
+            definition: DEFINITION,
+            log_base: "e",
+            confidence: CONFIDENCE,
+            settings: *self.settings,
+            reading: *reading,
+            sets: self.sets.iter().map(|set| set.summary.clone()).collect(),
+            notes,
+            pairs: compared,
+            floors,
+        };
+        Ok((report, replicates))
+    }
+
+    /// The sum of all images of a set.
+    fn whole(&self, set: usize) -> &Pooled {
+        match &self.sums {
+            Sums::OnTheWay(wholes) => &wholes[set],
+            Sums::Kept(sets) => &sets[set].whole,
+        }
+    }
+
     /// The values of all pairs in each replicate, in which all sets are drawn anew; sets of the same images by
     /// name, such as a clean one and its cracked twin, get the same draws.
     fn bootstrap(&self, pairs: &[[usize; 2]]) -> Vec<Vec<Values>> {
-        let first_twin = |(place, set): (usize, &ImageSet)| {
-            let mut sets = self.sets.iter();
-            sets.position(|other| other.is_twin_of(set))
-                .unwrap_or(place)
-        };
-        let twins: Vec<usize> = self.sets.iter().enumerate().map(first_twin).collect();
+        let twins: Vec<usize> = (0..self.sets.len())
+            .map(|place| twin_of(&self.sets[..place], self.sets[place]))
+            .collect();
         draws(self.settings.n_bootstrap, |index| {
-            let drawn = self.sets.iter().zip(&twins).map(|(set, twin)| {
-                let mut random = self.stream("bootstrap", [*twin, *twin], index);
-                let times = multiplicities(&mut random, set.items.len());
-                pooled(set.features, &set.items, &times)
-            });
-            let drawn: Vec<Pooled> = drawn.collect();
-            let values = |[a, b]: &[usize; 2]| self.measured(&drawn[*a], &drawn[*b]);
+            let drawn = |(place, set): (usize, &&ImageSet)| match &self.sums {
+                Sums::OnTheWay(_) => Cow::Owned(replicate(set, twins[place], index, self.settings)),
+                Sums::Kept(sets) => Cow::Borrowed(&sets[place].replicates[index]),
+            };
+            let drawn: Vec<Cow<'_, Pooled>> = self.sets.iter().enumerate().map(drawn).collect();
+            let values =
+                |[a, b]: &[usize; 2]| measured(&drawn[*a], &drawn[*b], self.settings.alpha);
             pairs.iter().map(values).collect()
         })
     }
 
-    /// What random halves of a set differ by; none of a set of one image.
     fn floor(&self, place: usize) -> Option<SetFloor> {
-        let set = &self.sets[place];
-        let n_half = set.items.len() / 2;
-        if n_half == 0 || self.settings.n_splits == 0 {
-            return None;
+        match &self.sums {
+            Sums::OnTheWay(wholes) => floor(self.sets[place], place, &wholes[place], self.settings),
+            Sums::Kept(sets) => sets[place].floor.clone(),
         }
-        let splits: Vec<Values> = draws(self.settings.n_splits, |index| {
-            let mut random = self.stream("halves", [place, place], index);
-            let is_first = subset(&mut random, set.items.len(), n_half);
-            let first = pooled(set.features, &set.items, &is_first);
-            self.measured(&first, &rest(&self.wholes[place], &first))
-        });
-        let splits: Vec<&Values> = splits.iter().collect();
-        let of_feature = |(at, feature): (usize, &Feature)| {
-            let floor = |measure: Measure| {
-                let mean = mean(column(&splits, at, measure))?;
-                Some((measure, mean * measure.unit(*feature)?))
-            };
-            let measures = Measure::ALL.into_iter().filter_map(floor).collect();
-            (feature.name(), measures)
-        };
-        Some(SetFloor {
-            set: set.summary.name.clone(),
-            n_half,
-            features: set.features.iter().enumerate().map(of_feature).collect(),
-        })
     }
 
     /// The values of all images of both sets, labeled anew (of paired sets: inside each pair); none where
     /// there are only two.
     fn permutations(&self, [a, b]: [usize; 2]) -> Vec<Values> {
-        let (set_a, set_b) = (&self.sets[a], &self.sets[b]);
+        let (set_a, set_b) = (self.sets[a], self.sets[b]);
         let items = || set_a.items.iter().chain(&set_b.items);
         let (n_a, n_items) = (set_a.items.len(), items().count());
         if n_items < 3 {
@@ -185,7 +197,7 @@ impl Comparison<'_> {
         // The smaller set is summed, the larger is what is left.
         let n_picked = n_a.min(n_items - n_a);
         draws(self.settings.n_permutations, |index| {
-            let mut random = self.stream("permutation", [a, b], index);
+            let mut random = stream(self.settings.seed, "permutation", [a, b], index);
             let is_picked = if is_paired {
                 // Of each image one of its two versions.
                 let flips = coins(&mut random, n_a);
@@ -197,9 +209,9 @@ impl Comparison<'_> {
             let picked = pooled(set_a.features, items(), &is_picked);
             let others = rest(&whole, &picked);
             if n_picked == n_a {
-                self.measured(&picked, &others)
+                measured(&picked, &others, self.settings.alpha)
             } else {
-                self.measured(&others, &picked)
+                measured(&others, &picked, self.settings.alpha)
             }
         })
     }
@@ -211,10 +223,10 @@ impl Comparison<'_> {
         drawn: &[&Values],
         floors: &[SetFloor],
     ) -> Result<PairComparison, EvalError> {
-        let sets = [&self.sets[a], &self.sets[b]];
+        let sets = [self.sets[a], self.sets[b]];
         let [set_a, set_b] = sets;
         let [n_a, n_b] = sets.map(|set| set.items.len());
-        let values = self.measured(&self.wholes[a], &self.wholes[b]);
+        let values = measured(self.whole(a), self.whole(b), self.settings.alpha);
         let relabeled = self.permutations([a, b]);
         let relabeled: Vec<&Values> = relabeled.iter().collect();
         // One image cannot be drawn anew.
@@ -251,19 +263,65 @@ impl Comparison<'_> {
             activations: activations(sets)?,
         })
     }
+}
 
-    /// All measures of all features.
-    fn measured(&self, a: &Pooled, b: &Pooled) -> Values {
-        let alpha = self.settings.alpha;
-        let pools = a.iter().zip(b);
-        pools
-            .map(|(p, q)| histogram_divergence(p, q, alpha).ok())
-            .collect()
-    }
+/// All measures of all features.
+fn measured(a: &Pooled, b: &Pooled, alpha: f64) -> Values {
+    let pools = a.iter().zip(b);
+    pools
+        .map(|(p, q)| histogram_divergence(p, q, alpha).ok())
+        .collect()
+}
 
-    fn stream(&self, purpose: &str, sets: [usize; 2], index: usize) -> rand_chacha::ChaCha8Rng {
-        stream(self.settings.seed, purpose, sets, index)
+/// The place of the first set with the same images by name; behind all of them where there is none.
+pub(super) fn twin_of(before: &[&ImageSet], set: &ImageSet) -> usize {
+    let first = before.iter().position(|other| other.is_twin_of(set));
+    first.unwrap_or(before.len())
+}
+
+/// A set drawn anew, with the draws of its twin.
+pub(super) fn replicate(
+    set: &ImageSet,
+    twin: usize,
+    index: usize,
+    settings: &CompareSettings,
+) -> Pooled {
+    let mut random = stream(settings.seed, "bootstrap", [twin, twin], index);
+    let times = multiplicities(&mut random, set.items.len());
+    pooled(set.features, &set.items, &times)
+}
+
+/// What random halves of a set differ by; none of a set of one image.
+pub(super) fn floor(
+    set: &ImageSet,
+    place: usize,
+    whole: &Pooled,
+    settings: &CompareSettings,
+) -> Option<SetFloor> {
+    let n_half = set.items.len() / 2;
+    if n_half == 0 || settings.n_splits == 0 {
+        return None;
     }
+    let splits: Vec<Values> = draws(settings.n_splits, |index| {
+        let mut random = stream(settings.seed, "halves", [place, place], index);
+        let is_first = subset(&mut random, set.items.len(), n_half);
+        let first = pooled(set.features, &set.items, &is_first);
+        measured(&first, &rest(whole, &first), settings.alpha)
+    });
+    let splits: Vec<&Values> = splits.iter().collect();
+    let of_feature = |(at, feature): (usize, &Feature)| {
+        let floor = |measure: Measure| {
+            let mean = mean(column(&splits, at, measure))?;
+            Some((measure, mean * measure.unit(*feature)?))
+        };
+        let measures = Measure::ALL.into_iter().filter_map(floor).collect();
+        (feature.name(), measures)
+    };
+    Some(SetFloor {
+        set: set.summary.name.clone(),
+        n_half,
+        features: set.features.iter().enumerate().map(of_feature).collect(),
+    })
 }
 
 /// Two sets compared by the vectors of their images, where both have two or more.
@@ -274,7 +332,7 @@ fn activations([a, b]: [&ImageSet; 2]) -> Result<Option<VectorComparison>, EvalE
 }
 
 /// So many draws, side by side.
-fn draws<T: Send>(n: usize, draw: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
+pub(super) fn draws<T: Send>(n: usize, draw: impl Fn(usize) -> T + Send + Sync) -> Vec<T> {
     (0..n).into_par_iter().map(draw).collect()
 }
 
@@ -285,7 +343,7 @@ fn column(draws: &[&Values], at: usize, measure: Measure) -> Vec<f64> {
 }
 
 /// The histograms of a set.
-fn whole(set: &ImageSet) -> Pooled {
+pub(super) fn whole(set: &ImageSet) -> Pooled {
     pooled(set.features, &set.items, &vec![1; set.items.len()])
 }
 

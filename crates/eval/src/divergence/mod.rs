@@ -10,6 +10,7 @@ mod matrix_plot;
 mod report;
 mod set;
 mod sum;
+mod summed;
 mod table;
 mod vectors;
 
@@ -25,5 +26,6 @@ pub use report::{
     PairComparison, SetFloor,
 };
 pub use set::{FailedImage, ImageSet, Item, SetSummary};
+pub use summed::SummedSets;
 pub use table::divergence_csv;
 pub use vectors::{FeatureVectors, VectorComparison, compare_vectors};

@@ -1,13 +1,14 @@
 //! Average precisions under every draw of a plan, from which those of several sets of images are combined.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::draws::Draw;
 use super::paired::{PairedPrecision, PairedPrecisions};
 use super::permutation::permuted_draws;
-use super::ranked::{Ranked, rank_by_category, rank_versions};
+use super::ranked::{N_SIDE_BY_SIDE, Ranked, SideBySide, rank_by_category, rank_versions};
 use super::{Basis, Permuted, Plan, Replicates};
 use crate::EvalError;
 use crate::matching::ImageMatches;
@@ -48,6 +49,42 @@ pub(super) struct Sides<R> {
     pub(super) both: Vec<R>,
 }
 
+impl<R: Ranked> Sides<R> {
+    /// Clean and cracked of each category, and of their mean, under draws of one kind: one row for each.
+    fn rows(&self, plan: &Plan, places: Range<usize>) -> Vec<Vec<[f64; 2]>> {
+        let mut rows = vec![Vec::with_capacity(self.clean.len() + 1); places.len()];
+        let (mut as_clean, mut as_cracked) = (SideBySide::default(), SideBySide::default());
+        let mut weighs_images = true;
+        for (draw, place) in places.enumerate() {
+            match plan.draw(place) {
+                Draw::Weights(weights) => as_clean.put(draw, &weights),
+                Draw::Swaps(swaps) => {
+                    weighs_images = false;
+                    let (clean, cracked) = role_weights(&swaps);
+                    as_clean.put(draw, &clean);
+                    as_cracked.put(draw, &cracked);
+                }
+            }
+        }
+        let (clean, cracked, as_cracked) = match weighs_images {
+            true => (&self.clean, &self.cracked, &as_clean),
+            false => (&self.both, &self.both, &as_cracked),
+        };
+        for (clean, cracked) in clean.iter().zip(cracked) {
+            let clean = clean.average_precisions(&as_clean);
+            let cracked = cracked.average_precisions(as_cracked);
+            for (row, pair) in rows.iter_mut().zip(clean.into_iter().zip(cracked)) {
+                let pair = pair.0.zip(pair.1);
+                row.push(pair.map_or([f64::NAN; 2], <[f64; 2]>::from));
+            }
+        }
+        for row in &mut rows {
+            row.push(mean_of_categories(row));
+        }
+        rows
+    }
+}
+
 /// Values per category in the bootstrap: clean, cracked, difference.
 const N_VALUES: usize = 3;
 
@@ -74,30 +111,23 @@ impl DrawnPrecisions {
 
     /// The same of anything that has an average precision.
     pub(super) fn of<R: Ranked>(sides: &Sides<R>, plan: &Plan) -> Self {
-        let rows = (0..plan.n_draws()).into_par_iter().map(|place| {
-            let mut row: Vec<[f64; 2]> = match plan.draw(place) {
-                Draw::Weights(weights) => {
-                    let pairs = sides.clean.iter().zip(&sides.cracked);
-                    let of_pair =
-                        |(clean, cracked): (&R, &R)| pair_of(clean, &weights, cracked, &weights);
-                    pairs.map(of_pair).collect()
-                }
-                Draw::Swaps(swaps) => {
-                    let (as_clean, as_cracked) = role_weights(&swaps);
-                    let of_both = |both: &R| pair_of(both, &as_clean, both, &as_cracked);
-                    sides.both.iter().map(of_both).collect()
-                }
-            };
-            row.push(mean_of_categories(&row));
-            row
-        });
+        // Draws of weights come first, then those of swaps.
+        let starts = |places: Range<usize>| {
+            let end = places.end;
+            let starts = places.step_by(N_SIDE_BY_SIDE);
+            starts.map(move |first| first..end.min(first + N_SIDE_BY_SIDE))
+        };
+        let weights = starts(0..plan.unexchanged_draw());
+        let swaps = starts(plan.unexchanged_draw()..plan.n_draws());
+        let some: Vec<Range<usize>> = weights.chain(swaps).collect();
+        let rows = some.into_par_iter().map(|places| sides.rows(plan, places));
         let categories = sides.clean.iter().map(|ranked| CategoryObjects {
             category: ranked.category(),
             by_set: vec![ranked.objects().iter().map(|(_, n)| u64::from(*n)).sum()],
             images: ranked.objects().iter().map(|(image, _)| *image).collect(),
         });
         Self {
-            rows: rows.collect(),
+            rows: rows.flatten_iter().collect(),
             n_sets: 1,
             categories: categories.collect(),
         }
@@ -260,12 +290,6 @@ fn check_length(
 
 fn defined(pair: [f64; 2]) -> Option<[f64; 2]> {
     (!pair[0].is_nan() && !pair[1].is_nan()).then_some(pair)
-}
-
-fn pair_of<R: Ranked>(clean: &R, as_clean: &[u32], cracked: &R, as_cracked: &[u32]) -> [f64; 2] {
-    let clean = clean.average_precision(as_clean);
-    let pair = clean.zip(cracked.average_precision(as_cracked));
-    pair.map_or([f64::NAN; 2], <[f64; 2]>::from)
 }
 
 /// The mean over the categories that there are.

@@ -1,7 +1,7 @@
 //! The same for the average precisions of KITTI.
 
 use super::drawn::{DrawnPrecisions, Sides};
-use super::ranked::Ranked;
+use super::ranked::{N_SIDE_BY_SIDE, Ranked, SideBySide};
 use super::{PairedPrecisions, Plan};
 use crate::{EvalError, KittiRanking};
 
@@ -29,6 +29,12 @@ impl Ranked for Averaged {
         self.ranking.objects()
     }
 
+    fn average_precisions(&self, weights: &SideBySide) -> [Option<f64>; N_SIDE_BY_SIDE] {
+        std::array::from_fn(|draw| self.average_precision(&weights.of_draw(draw)))
+    }
+}
+
+impl Averaged {
     fn average_precision(&self, weights: &[u32]) -> Option<f64> {
         if weights.len() < self.ranking.n_cells() {
             return None;

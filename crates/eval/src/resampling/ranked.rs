@@ -1,10 +1,39 @@
 //! Average precision of weighted images, from detections sorted once.
 
+use std::array::from_fn;
+
 use crate::matching::{ImageMatches, Outcome};
 use crate::protocol::mean_in_numpy_order;
 
 /// Places on the axis of recall.
 const N_RECALLS: usize = 101;
+
+/// Draws that are gone through side by side.
+pub(super) const N_SIDE_BY_SIDE: usize = 8;
+
+/// Weights of several draws, cell by cell.
+#[derive(Debug, Default)]
+pub(super) struct SideBySide {
+    /// Those that are no draw are 0.
+    cells: Vec<[u32; N_SIDE_BY_SIDE]>,
+    greatest: u32,
+}
+
+impl SideBySide {
+    /// Puts the weights of one more draw beside those of others.
+    pub(super) fn put(&mut self, draw: usize, weights: &[u32]) {
+        self.cells.resize(weights.len(), [0; N_SIDE_BY_SIDE]);
+        for (of_cell, weight) in self.cells.iter_mut().zip(weights) {
+            of_cell[draw] = *weight;
+            self.greatest = self.greatest.max(*weight);
+        }
+    }
+
+    /// Those of one draw.
+    pub(super) fn of_draw(&self, draw: usize) -> Vec<u32> {
+        self.cells.iter().map(|of_cell| of_cell[draw]).collect()
+    }
+}
 
 /// Something with an average precision under weights per cell.
 pub(super) trait Ranked: Sync {
@@ -12,8 +41,8 @@ pub(super) trait Ranked: Sync {
     fn category(&self) -> u32;
     /// The cells with objects to be found, in order, and how many each has.
     fn objects(&self) -> &[(u32, u32)];
-    /// `None` where there is nothing to be found, or where weights are missing.
-    fn average_precision(&self, weights: &[u32]) -> Option<f64>;
+    /// Of each draw; `None` where there is nothing to be found, or where weights are missing.
+    fn average_precisions(&self, weights: &SideBySide) -> [Option<f64>; N_SIDE_BY_SIDE];
 }
 
 impl Ranked for RankedCategory {
@@ -25,8 +54,8 @@ impl Ranked for RankedCategory {
         &self.objects
     }
 
-    fn average_precision(&self, weights: &[u32]) -> Option<f64> {
-        self.average_precision(weights)
+    fn average_precisions(&self, weights: &SideBySide) -> [Option<f64>; N_SIDE_BY_SIDE] {
+        self.under(&weights.cells, weights.greatest)
     }
 }
 
@@ -38,8 +67,10 @@ impl Ranked for RankedCategory {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RankedCategory {
     category: u32,
-    /// Cell times 2, plus 1 for a true positive.
-    entries: Vec<u32>,
+    /// The cells of the detections, up to the last true positive.
+    cells: Vec<u32>,
+    /// How many detections there are up to each true positive, with it.
+    ends: Vec<usize>,
     /// Objects to be found per cell, where there are any.
     objects: Vec<(u32, u32)>,
     /// Cells that weights must have.
@@ -80,15 +111,15 @@ impl RankedCategory {
     #[must_use]
     pub fn new(category: u32, mut matches: Vec<(&ImageMatches, u32)>) -> Self {
         matches.sort_by_key(|(_, cell)| *cell);
-        let mut scored: Vec<(f64, u32)> = Vec::new();
+        let mut scored: Vec<(f64, u32, bool)> = Vec::new();
         let mut objects = Vec::new();
         let mut n_cells = 0_usize;
         for (item, cell) in matches {
             n_cells = n_cells.max(cell as usize + 1);
             for detection in &item.detections {
                 match detection.outcome {
-                    Outcome::TruePositive { .. } => scored.push((detection.score, cell * 2 + 1)),
-                    Outcome::FalsePositive => scored.push((detection.score, cell * 2)),
+                    Outcome::TruePositive { .. } => scored.push((detection.score, cell, true)),
+                    Outcome::FalsePositive => scored.push((detection.score, cell, false)),
                     Outcome::Ignored => {}
                 }
             }
@@ -99,9 +130,14 @@ impl RankedCategory {
         }
         // Stable; -0 equals 0.
         scored.sort_by(|a, b| (b.0 + 0.0).total_cmp(&(a.0 + 0.0)));
+        let places = scored.iter().zip(1..);
+        let ends = places.filter_map(|((_, _, is_true), end)| is_true.then_some(end));
+        let ends: Vec<usize> = ends.collect();
+        scored.truncate(ends.last().copied().unwrap_or(0));
         Self {
             category,
-            entries: scored.into_iter().map(|(_, entry)| entry).collect(),
+            cells: scored.into_iter().map(|(_, cell, _)| cell).collect(),
+            ends,
             objects,
             n_cells,
         }
@@ -113,17 +149,6 @@ impl RankedCategory {
         self.category
     }
 
-    /// Objects to be found under the weights.
-    #[must_use]
-    pub fn n_objects(&self, weights: &[u32]) -> u64 {
-        self.objects
-            .iter()
-            .map(|(cell, n)| {
-                u64::from(weights.get(*cell as usize).copied().unwrap_or(0)) * u64::from(*n)
-            })
-            .sum()
-    }
-
     /// Average precision of the images, each as often as its weight says; `None` where there is
     /// nothing to be found, or where weights are missing.
     ///
@@ -131,44 +156,109 @@ impl RankedCategory {
     /// tp / (tp + fp + 2⁻⁵²), as the COCO API has it, to the last bit for weights of 1 \[Lin2014\].
     #[must_use]
     pub fn average_precision(&self, weights: &[u32]) -> Option<f64> {
-        let n_objects = self.n_objects(weights);
-        if n_objects == 0 || weights.len() < self.n_cells {
-            return None;
-        }
-        let n_objects = n_objects as f64;
-        // Recall, and with it precision that counts, changes at true positives only.
-        let mut steps: Vec<(u64, u64)> = Vec::new();
-        let (mut n_true, mut n_all) = (0_u64, 0_u64);
-        for entry in &self.entries {
-            let weight = u64::from(weights[(entry >> 1) as usize]);
-            n_all += weight;
-            if entry & 1 == 1 && weight > 0 {
-                n_true += weight;
-                steps.push((n_true, n_all));
-            }
-        }
-        let mut at_recall = [0.0_f64; N_RECALLS];
-        let mut next = N_RECALLS;
-        let mut greatest = 0.0_f64;
-        for (place, (n_true, n_all)) in steps.iter().enumerate().rev() {
-            let precision = *n_true as f64 / (*n_all as f64 + f64::EPSILON);
-            greatest = greatest.max(precision);
-            // Recalls above what the step before reaches belong to this one.
-            let before = match place.checked_sub(1).and_then(|it| steps.get(it)) {
-                Some((n_true, _)) => *n_true as f64 / n_objects,
-                None => -1.0,
-            };
-            let reached = *n_true as f64 / n_objects;
-            while next > 0 && recall(next - 1) > reached {
-                next -= 1;
-            }
-            while next > 0 && recall(next - 1) > before {
-                next -= 1;
-                at_recall[next] = greatest;
-            }
-        }
-        mean_in_numpy_order(&at_recall)
+        let greatest = weights.iter().copied().max().unwrap_or(0);
+        let (weights, _) = weights.as_chunks::<1>();
+        self.under(weights, greatest)[0]
     }
+
+    /// The same of several draws, whose weights lie side by side for each cell: detections are gone through once.
+    fn under<const N: usize>(&self, weights: &[[u32; N]], greatest: u32) -> [Option<f64>; N] {
+        if weights.len() < self.n_cells {
+            return [None; N];
+        }
+        let mut n_objects = [0.0; N];
+        for (cell, n) in &self.objects {
+            for _ in 0..*n {
+                add(&mut n_objects, &weights[*cell as usize]);
+            }
+        }
+        if n_objects.iter().all(|n| *n <= 0.0) {
+            return [None; N];
+        }
+        let precisions = self.precisions(weights, greatest, &n_objects);
+        from_fn(|draw| match n_objects[draw] > 0.0 {
+            true => mean_in_numpy_order(&precisions[draw]),
+            false => None,
+        })
+    }
+
+    /// Of each draw the greatest precision at each recall or beyond. Numbers of detections are whole, up to 2⁵³.
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "counted, loops over draws become a few instructions on several numbers at once"
+    )]
+    fn precisions<const N: usize>(
+        &self,
+        weights: &[[u32; N]],
+        greatest: u32,
+        n_objects: &[f64; N],
+    ) -> [[f64; N_RECALLS]; N] {
+        // So many weights fit 32 bits.
+        let n_at_once = (u32::MAX / greatest.max(1)) as usize;
+        // Recall, and with it precision that counts, changes at true positives only.
+        let mut steps: Vec<Step<N>> = Vec::with_capacity(self.ends.len());
+        let (mut n_true, mut n_all) = ([0.0; N], [0.0; N]);
+        let mut start = 0;
+        for end in &self.ends {
+            for cells in self.cells[start..*end].chunks(n_at_once) {
+                add(&mut n_all, &sums_of(cells, weights));
+            }
+            add(&mut n_true, &weights[self.cells[end - 1] as usize]);
+            let mut step = Step {
+                precision: n_true,
+                recall: n_true,
+            };
+            for draw in 0..N {
+                step.precision[draw] /= n_all[draw] + f64::EPSILON;
+                step.recall[draw] /= n_objects[draw];
+            }
+            steps.push(step);
+            start = *end;
+        }
+        let mut best = [0.0_f64; N];
+        for step in steps.iter_mut().rev() {
+            for draw in 0..N {
+                best[draw] = best[draw].max(step.precision[draw]);
+            }
+            step.precision = best;
+        }
+        let mut at_recalls = [[0.0; N_RECALLS]; N];
+        let mut next = [0; N];
+        for step in &steps {
+            for draw in 0..N {
+                while next[draw] < N_RECALLS && recall(next[draw]) <= step.recall[draw] {
+                    at_recalls[draw][next[draw]] = step.precision[draw];
+                    next[draw] += 1;
+                }
+            }
+        }
+        at_recalls
+    }
+}
+
+/// What is reached at a true positive, under each draw.
+struct Step<const N: usize> {
+    precision: [f64; N],
+    recall: [f64; N],
+}
+
+/// Adds weights.
+fn add<const N: usize>(sums: &mut [f64; N], weights: &[u32; N]) {
+    for draw in 0..N {
+        sums[draw] += f64::from(weights[draw]);
+    }
+}
+
+/// Sums of the weights of some cells.
+fn sums_of<const N: usize>(cells: &[u32], weights: &[[u32; N]]) -> [u32; N] {
+    let mut sums = [0; N];
+    for cell in cells {
+        let of_cell = &weights[*cell as usize];
+        for draw in 0..N {
+            sums[draw] += of_cell[draw];
+        }
+    }
+    sums
 }
 
 /// `numpy.linspace(0, 1, 101)[i]`.

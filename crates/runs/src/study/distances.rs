@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use starbreak_dataset::blake3_file;
 use starbreak_detect::ImageToSee;
 use starbreak_eval::divergence::{
-    CompareSettings, FailedImage, ImageSet, Item, ReadSettings, compare_sets,
+    CompareSettings, FailedImage, ImageSet, Item, ReadSettings, SummedSets,
 };
 use starbreak_eval::evaluation::DivergenceResults;
 
@@ -78,20 +78,6 @@ impl StudyPlan<'_> {
             let rgb = clean_image(&image.path, quality)?;
             Ok((image.path.clone(), rgb))
         };
-        let mut sets = vec![set(CLEAN, &clean)];
-        for condition in self.conditions {
-            let layout = self.set_layout(condition);
-            let cracked = |image: &ImageToSee| {
-                let path = layout.path(&image.name);
-                let rgb = cracked_image(&path)?;
-                Ok((path, rgb))
-            };
-            sets.push(set(&reported(condition).name, &cracked));
-        }
-        if stop.load(Ordering::Relaxed) {
-            return Ok(None);
-        }
-        let sets: Vec<ImageSet> = sets.into_iter().collect::<Result<_, _>>()?;
         let settings = CompareSettings {
             n_bootstrap: N_DRAWS[0],
             n_permutations: 0,
@@ -99,16 +85,36 @@ impl StudyPlan<'_> {
             seed,
             ..CompareSettings::default()
         };
-        let compare = |sets: &[ImageSet]| compare_sets(sets, &reading, &settings);
-        let names: Vec<String> = sets.iter().map(|set| set.summary.name.clone()).collect();
+        // Set after set: the images of one are held at a time.
+        let mut sets = SummedSets::new(reading, settings);
+        let mut names = vec![CLEAN.to_owned()];
         let mut reports = Vec::new();
-        match sets.split_first() {
-            Some((clean, cracked)) if sets.len() > MAX_SETS_OF_ALL_PAIRS => {
-                for one in cracked {
-                    reports.push(compare(&[clean.clone(), one.clone()])?);
-                }
+        let has_all_pairs = n_sets <= MAX_SETS_OF_ALL_PAIRS;
+        let clean = set(CLEAN, &clean);
+        if stop.load(Ordering::Relaxed) {
+            return Ok(None);
+        }
+        sets.push(clean?);
+        for condition in self.conditions {
+            let layout = self.set_layout(condition);
+            let name = reported(condition).name;
+            let cracked = set(&name, &|image| {
+                let path = layout.path(&image.name);
+                let rgb = cracked_image(&path)?;
+                Ok((path, rgb))
+            });
+            if stop.load(Ordering::Relaxed) {
+                return Ok(None);
             }
-            _ => reports.push(compare(&sets)?),
+            sets.push(cracked?);
+            names.push(name);
+            if !has_all_pairs {
+                reports.push(sets.compared()?);
+                sets.truncate(1);
+            }
+        }
+        if has_all_pairs {
+            reports.push(sets.compared()?);
         }
         Ok(Some(DivergenceResults::of_reports(&names, &reports)))
     }

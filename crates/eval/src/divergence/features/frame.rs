@@ -1,10 +1,10 @@
 //! An image as the features see it: opaque 8-bit RGB, and luma at the size of the analysis.
 
-use image::imageops::{FilterType, resize};
 use image::{DynamicImage, ImageBuffer, Luma, RgbImage};
 use serde::Serialize;
 
-use super::{Counts, gradient, spectrum};
+use super::resample::resampled;
+use super::{Counts, Feature, gradient, spectrum};
 
 /// The longer side of an analysis image gets no longer than this, px; the shape stays.
 const LONGER_SIDE_MAX_PX: u32 = 2048;
@@ -99,15 +99,13 @@ impl ReadSettings {
     /// Luma in codes at the size of the analysis, and whether that is larger than the image: by a
     /// triangle filter as wide as the step between its pixels (antialiased; Pillow's `BILINEAR`), from
     /// the 8-bit luma.
-    fn analysis(&self, rgb: &RgbImage) -> (LumaPlane, bool) {
-        let values = rgb.pixels().map(|p| f32::from(luma(p.0)) / 255.0).collect();
-        let (width, height) = rgb.dimensions();
+    fn analysis(&self, luma: &[u8], (width, height): (u32, u32)) -> (LumaPlane, bool) {
+        let values = luma.iter().map(|code| f32::from(*code) / 255.0).collect();
         let (to_width, to_height) = self.analysis_size(width, height);
         let own = LumaPlane::from_raw(width, height, values).unwrap_or_default();
-        let mut plane = if (to_width, to_height) == (width, height) {
-            own
-        } else {
-            resize(&own, to_width, to_height, FilterType::Triangle)
+        let mut plane = match (to_width, to_height) == (width, height) {
+            true => own,
+            false => resampled(&own, to_width, to_height),
         };
         for value in plane.iter_mut() {
             *value *= 255.0;
@@ -125,13 +123,16 @@ pub(in crate::divergence) fn image_counts(
     rgb: &RgbImage,
     settings: &ReadSettings,
 ) -> (Vec<Counts>, bool) {
-    let (plane, is_enlarged) = settings.analysis(rgb);
+    let (pixels, _) = rgb.as_raw().as_chunks::<3>();
+    let luma: Vec<u8> = pixels.iter().map(|pixel| luma(*pixel)).collect();
+    let (plane, is_enlarged) = settings.analysis(&luma, rgb.dimensions());
     let [magnitude, orientation] = gradient::histograms(&plane);
-    let luma = counted(rgb, 256, |pixel| usize::from(luma(pixel)));
-    let color = counted(rgb, 16 * 16 * 16, |pixel| {
+    let color = pixels.iter().map(|pixel| {
         let [r, g, b] = pixel.map(|code| usize::from(code >> 4));
         (r * 16 + g) * 16 + b
     });
+    let luma = counted(Feature::Luma256, luma.iter().map(|code| usize::from(*code)));
+    let color = counted(Feature::Rgb16, color);
     let spectrum = spectrum::histogram(&plane);
     (
         vec![luma, color, magnitude, orientation, spectrum],
@@ -140,13 +141,14 @@ pub(in crate::divergence) fn image_counts(
 }
 
 /// How often each bin is met.
-fn counted(rgb: &RgbImage, n_bins: usize, bin: impl Fn([u8; 3]) -> usize) -> Counts {
-    let mut histogram = vec![0.0; n_bins];
-    for pixel in rgb.pixels() {
-        if let Some(slot) = histogram.get_mut(bin(pixel.0)) {
-            *slot += 1.0;
+fn counted(feature: Feature, bins: impl Iterator<Item = usize>) -> Counts {
+    let mut histogram = vec![0_u32; feature.n_bins()];
+    for bin in bins {
+        if let Some(slot) = histogram.get_mut(bin) {
+            *slot += 1;
         }
     }
+    let histogram: Vec<f64> = histogram.into_iter().map(f64::from).collect();
     Counts::of(&histogram)
 }
 
@@ -211,8 +213,7 @@ mod tests {
 
     #[test]
     fn a_small_image_is_said_to_be_enlarged() {
-        let rgb = RgbImage::from_pixel(8, 8, image::Rgb([9; 3]));
-        let (plane, is_enlarged) = ReadSettings::default().analysis(&rgb);
+        let (plane, is_enlarged) = ReadSettings::default().analysis(&[9; 64], (8, 8));
         assert!(is_enlarged, "from 8 to 256");
         let mean = plane.iter().sum::<f32>() / 65_536.0;
         assert!(

@@ -3,6 +3,7 @@
 mod frame;
 mod gradient;
 mod network;
+mod resample;
 mod spectrum;
 
 use serde::Serialize;
@@ -92,20 +93,27 @@ impl Feature {
     }
 }
 
-/// The bins of one item that are not empty, in their order.
+/// The bins of one item that are not empty, in their order, and how often each is met.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Counts(Vec<(u16, f64)>);
+pub(super) struct Counts {
+    bins: Vec<u16>,
+    times: Vec<f64>,
+}
 
 impl Counts {
     /// The bins of a full histogram of at most 65536.
     fn of(histogram: &[f64]) -> Self {
         let bins = (0..=u16::MAX).zip(histogram.iter().copied());
-        Self(bins.filter(|(_, count)| *count > 0.0).collect())
+        let (mut bins, mut times): (Vec<u16>, Vec<f64>) =
+            bins.filter(|(_, count)| *count > 0.0).unzip();
+        bins.shrink_to_fit();
+        times.shrink_to_fit();
+        Self { bins, times }
     }
 
     /// Adds them to a full histogram, `times` times.
     pub(super) fn add_to(&self, histogram: &mut [f64], times: f64) {
-        for (bin, count) in &self.0 {
+        for (bin, count) in self.bins.iter().zip(&self.times) {
             if let Some(slot) = histogram.get_mut(usize::from(*bin)) {
                 *slot += count * times;
             }
@@ -117,11 +125,11 @@ impl Counts {
 fn count(histogram: &mut [f64], share: f64, weight: f64) {
     let n = histogram.len();
     #[expect(clippy::cast_precision_loss, reason = "a number of bins")]
-    let at = (share.clamp(0.0, 1.0) * n as f64).floor();
+    let at = share.clamp(0.0, 1.0) * n as f64;
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "between 0 and the number of bins"
+        reason = "from 0 to the number of bins"
     )]
     let bin = (at as usize).min(n.saturating_sub(1));
     if let Some(slot) = histogram.get_mut(bin) {

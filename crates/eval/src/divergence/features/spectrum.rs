@@ -20,29 +20,27 @@ pub(super) fn histogram(plane: &LumaPlane) -> Counts {
     #[expect(clippy::cast_precision_loss, reason = "a number of pixels")]
     let n = (width * height) as f64;
     let mean = plane.iter().map(|v| f64::from(*v)).sum::<f64>() / n;
-    let (across, down) = (hann(width), hann(height));
-    let rows = plane.as_raw().chunks_exact(width).zip(&down);
-    let mut grid: Vec<Complex<f64>> = rows
-        .flat_map(|(row, weight_y)| row.iter().zip(&across).map(move |(v, w)| (v, w * weight_y)))
-        .map(|(value, weight)| Complex::new((f64::from(*value) - mean) * weight, 0.0))
-        .collect();
-    let mut planner = FftPlanner::new();
-    planner.plan_fft_forward(width).process(&mut grid);
-    // Transposed, so that the columns lie in a row.
-    let mut turned: Vec<Complex<f64>> = (0..width)
-        .flat_map(|x| grid.iter().skip(x).step_by(width).copied())
-        .collect();
-    planner.plan_fft_forward(height).process(&mut turned);
+    let mut columns = columns_of_rows(plane.as_raw(), [width, height], mean);
+    FftPlanner::new()
+        .plan_fft_forward(height)
+        .process(&mut columns);
     let (fx, fy) = (frequencies(width), frequencies(height));
     let mut rings = vec![0.0; Feature::Spectrum64.n_bins()];
     let mut total = 0.0;
-    let places = fx.iter().flat_map(|x| fy.iter().map(move |y| (x, y)));
-    for ((x, y), value) in places.zip(&turned) {
-        let frequency = (x * x + y * y).sqrt();
-        if frequency > 0.0 && frequency <= 0.5 {
-            let power = value.norm_sqr();
-            total += power;
-            count(&mut rings, frequency / 0.5, power);
+    for ((place, x), column) in fx.iter().enumerate().zip(columns.chunks_exact(height)) {
+        // Of a column whose mirror image is left out both count.
+        let times = if place == 0 || 2 * place == width {
+            1.0
+        } else {
+            2.0
+        };
+        for (y, value) in fy.iter().zip(column) {
+            let frequency = (x * x + y * y).sqrt();
+            if frequency > 0.0 && frequency <= 0.5 {
+                let power = value.norm_sqr() * times;
+                total += power;
+                count(&mut rings, frequency / 0.5, power);
+            }
         }
     }
     if total <= EVEN * n * n {
@@ -52,6 +50,41 @@ pub(super) fn histogram(plane: &LumaPlane) -> Counts {
         *ring *= n / total;
     }
     Counts::of(&rings)
+}
+
+/// The rows without the mean and under the window, transformed: for each frequency from 0 to the middle its column, one
+/// after the other. Those beyond are mirror images, since the rows are real; for that, too, two rows are transformed as
+/// one, `a + i b`, which gives `A = (Z(k) + Z*(−k)) / 2` and `B = (Z(k) − Z*(−k)) / 2i`.
+fn columns_of_rows(values: &[f32], [width, height]: [usize; 2], mean: f64) -> Vec<Complex<f64>> {
+    let (across, down) = (hann(width), hann(height));
+    let windowed = |(row, weight_y): (&[f32], &f64)| -> Vec<f64> {
+        let row = row.iter().zip(&across);
+        row.map(|(value, weight)| (f64::from(*value) - mean) * (weight * weight_y))
+            .collect()
+    };
+    let rows = values.chunks_exact(width).zip(&down);
+    let rows: Vec<Vec<f64>> = rows.map(windowed).collect();
+    let transform = FftPlanner::new().plan_fft_forward(width);
+    let mut scratch = vec![Complex::default(); transform.get_inplace_scratch_len()];
+    let mut both = vec![Complex::default(); width];
+    let mut columns = vec![Complex::default(); (width / 2 + 1) * height];
+    for (pair, rows) in rows.chunks(2).enumerate() {
+        for (x, into) in both.iter_mut().enumerate() {
+            let value = |row: usize| rows.get(row).and_then(|row| row.get(x));
+            let [a, b] = [value(0), value(1)].map(|value| value.copied().unwrap_or_default());
+            *into = Complex::new(a, b);
+        }
+        transform.process_with_scratch(&mut both, &mut scratch);
+        for (k, column) in columns.chunks_exact_mut(height).enumerate() {
+            let (here, mirrored) = (both[k], both[(width - k) % width].conj());
+            let [sum, gap] = [here + mirrored, here - mirrored].map(|twice| twice / 2.0);
+            let halves = [sum, Complex::new(gap.im, -gap.re)];
+            for (into, value) in column.iter_mut().skip(2 * pair).zip(halves) {
+                *into = value;
+            }
+        }
+    }
+    columns
 }
 
 /// `sin²(π (j + ½) / n)`.
