@@ -47,9 +47,16 @@ pub(super) fn compare_with_replicates(
     reading: &ReadSettings,
     settings: &CompareSettings,
 ) -> Result<(DivergenceReport, Vec<Vec<Values>>), EvalError> {
+    let refs: Vec<&ImageSet> = sets.iter().collect();
+    check(&refs, settings.alpha)?;
+    let twins = refs.iter().enumerate();
+    let twins = twins.map(|(place, set)| twin_of(&refs[..place], set));
     Comparison {
-        sets: sets.iter().collect(),
-        sums: Sums::OnTheWay(sets.iter().map(whole).collect()),
+        sums: Sums::OnTheWay {
+            wholes: sets.iter().map(whole).collect(),
+            twins: twins.collect(),
+        },
+        sets: refs,
         settings,
     }
     .report(reading)
@@ -66,6 +73,7 @@ pub(super) fn compare_summed(
         sums: Sums::Kept(sets),
         settings,
     };
+    check(&comparison.sets, settings.alpha)?;
     Ok(comparison.report(reading)?.0)
 }
 
@@ -103,8 +111,12 @@ struct Comparison<'a> {
 /// Sums over the images of each set.
 enum Sums<'a> {
     /// Of all of its images; those of draws are taken when they are needed.
-    OnTheWay(Vec<Pooled>),
-    /// All that there are.
+    OnTheWay {
+        wholes: Vec<Pooled>,
+        /// Of each set the first one with the same images by name, which may be itself.
+        twins: Vec<usize>,
+    },
+    /// Of all of its images and of every draw; the images are gone, so that nothing can be permuted.
     Kept(&'a [SummedSet]),
 }
 
@@ -114,7 +126,6 @@ impl Comparison<'_> {
         &self,
         reading: &ReadSettings,
     ) -> Result<(DivergenceReport, Vec<Vec<Values>>), EvalError> {
-        check(&self.sets, self.settings.alpha)?;
         let n = self.sets.len();
         let pairs: Vec<[usize; 2]> = (0..n)
             .flat_map(|a| (a + 1..n).map(move |b| [a, b]))
@@ -153,7 +164,7 @@ impl Comparison<'_> {
     /// The sum of all images of a set.
     fn whole(&self, set: usize) -> &Pooled {
         match &self.sums {
-            Sums::OnTheWay(wholes) => &wholes[set],
+            Sums::OnTheWay { wholes, .. } => &wholes[set],
             Sums::Kept(sets) => &sets[set].whole,
         }
     }
@@ -161,12 +172,11 @@ impl Comparison<'_> {
     /// The values of all pairs in each replicate, in which all sets are drawn anew; sets of the same images by
     /// name, such as a clean one and its cracked twin, get the same draws.
     fn bootstrap(&self, pairs: &[[usize; 2]]) -> Vec<Vec<Values>> {
-        let twins: Vec<usize> = (0..self.sets.len())
-            .map(|place| twin_of(&self.sets[..place], self.sets[place]))
-            .collect();
         draws(self.settings.n_bootstrap, |index| {
             let drawn = |(place, set): (usize, &&ImageSet)| match &self.sums {
-                Sums::OnTheWay(_) => Cow::Owned(replicate(set, twins[place], index, self.settings)),
+                Sums::OnTheWay { twins, .. } => {
+                    Cow::Owned(replicate(set, twins[place], index, self.settings))
+                }
                 Sums::Kept(sets) => Cow::Borrowed(&sets[place].replicates[index]),
             };
             let drawn: Vec<Cow<'_, Pooled>> = self.sets.iter().enumerate().map(drawn).collect();
@@ -176,9 +186,12 @@ impl Comparison<'_> {
         })
     }
 
+    /// The floor of a set; none of a set of one image.
     fn floor(&self, place: usize) -> Option<SetFloor> {
         match &self.sums {
-            Sums::OnTheWay(wholes) => floor(self.sets[place], place, &wholes[place], self.settings),
+            Sums::OnTheWay { wholes, .. } => {
+                halves_differ_by(self.sets[place], place, &wholes[place], self.settings)
+            }
             Sums::Kept(sets) => sets[place].floor.clone(),
         }
     }
@@ -189,7 +202,7 @@ impl Comparison<'_> {
         let (set_a, set_b) = (self.sets[a], self.sets[b]);
         let items = || set_a.items.iter().chain(&set_b.items);
         let (n_a, n_items) = (set_a.items.len(), items().count());
-        if n_items < 3 {
+        if n_items < 3 || self.settings.n_permutations == 0 {
             return Vec::new();
         }
         let is_paired = set_a.is_twin_of(set_b);
@@ -292,7 +305,7 @@ pub(super) fn replicate(
 }
 
 /// What random halves of a set differ by; none of a set of one image.
-pub(super) fn floor(
+pub(super) fn halves_differ_by(
     set: &ImageSet,
     place: usize,
     whole: &Pooled,

@@ -162,12 +162,12 @@ impl ImageSet {
         })
     }
 
-    /// Forgets what its images count, and what a model says of them.
+    /// Forgets what its images count.
     pub(super) fn drop_counts(&mut self) {
         for item in &mut self.items {
             item.counts = Vec::new();
+            item.vector = Vec::new();
         }
-        self.vectors = None;
     }
 
     /// Whether both have the same images by name: a clean set and its cracked twin. One image makes no pairs.

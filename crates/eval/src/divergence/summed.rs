@@ -1,13 +1,15 @@
 //! Sets that are compared without their images.
 
 use super::ReadSettings;
-use super::compare::{Pooled, compare_summed, draws, floor, replicate, twin_of, whole};
+use super::compare::{Pooled, compare_summed, draws, halves_differ_by, replicate, twin_of, whole};
 use super::report::{CompareSettings, DivergenceReport, SetFloor};
 use super::set::ImageSet;
 use crate::EvalError;
 
-/// Sets that come one after the other and are then compared, each with each: of a set stay the names and digests of
-/// its images, and a sum for each bootstrap replicate, 36 kB. There are no permutations, which need the images of both.
+/// Sets that come one after the other and are then compared, each with each: of a set stay the names, digests and
+/// vectors of its images, and a sum for each bootstrap replicate, 36 kB. That is less than the images of all sets where
+/// a set has more than three times as many of them as there are replicates. There are no permutations, which need the
+/// images of both sets.
 ///
 /// # Example
 /// ```
@@ -65,7 +67,7 @@ impl SummedSets {
         let replicates = draws(self.settings.n_bootstrap, |index| {
             replicate(&set, twin, index, &self.settings)
         });
-        let floor = floor(&set, place, &whole, &self.settings);
+        let floor = halves_differ_by(&set, place, &whole, &self.settings);
         set.drop_counts();
         self.sets.push(SummedSet {
             set,
@@ -75,7 +77,7 @@ impl SummedSets {
         });
     }
 
-    /// Drops all sets but the first so many.
+    /// Keeps the first `n` sets.
     pub fn truncate(&mut self, n: usize) {
         self.sets.truncate(n);
     }

@@ -112,15 +112,16 @@ impl DrawnPrecisions {
     /// The same of anything that has an average precision.
     pub(super) fn of<R: Ranked>(sides: &Sides<R>, plan: &Plan) -> Self {
         // Draws of weights come first, then those of swaps.
-        let starts = |places: Range<usize>| {
+        let groups = |places: Range<usize>| {
             let end = places.end;
-            let starts = places.step_by(N_SIDE_BY_SIDE);
-            starts.map(move |first| first..end.min(first + N_SIDE_BY_SIDE))
+            let firsts = places.step_by(N_SIDE_BY_SIDE);
+            firsts.map(move |first| first..end.min(first + N_SIDE_BY_SIDE))
         };
-        let weights = starts(0..plan.unexchanged_draw());
-        let swaps = starts(plan.unexchanged_draw()..plan.n_draws());
-        let some: Vec<Range<usize>> = weights.chain(swaps).collect();
-        let rows = some.into_par_iter().map(|places| sides.rows(plan, places));
+        let weights = groups(0..plan.unexchanged_draw());
+        let swaps = groups(plan.unexchanged_draw()..plan.n_draws());
+        let groups: Vec<Range<usize>> = weights.chain(swaps).collect();
+        let rows = groups.into_par_iter();
+        let rows = rows.map(|places| sides.rows(plan, places));
         let categories = sides.clean.iter().map(|ranked| CategoryObjects {
             category: ranked.category(),
             by_set: vec![ranked.objects().iter().map(|(_, n)| u64::from(*n)).sum()],
@@ -346,12 +347,12 @@ fn check_images(sides: &[&[ImageMatches]], plan: &Plan) -> Result<(), EvalError>
             of: "images of the plan",
         });
     }
-    // Two cells per image and one bit more must fit 32 bits.
-    if plan.n_images() >= 1 << 30 {
+    // Two cells per image must fit 32 bits.
+    if plan.n_images() >= 1 << 31 {
         return Err(EvalError::StatisticSetting {
             what: "number of images",
             value: plan.n_images() as f64,
-            range: "below 2^30",
+            range: "below 2^31",
         });
     }
     Ok(())

@@ -14,13 +14,13 @@ pub(super) const N_SIDE_BY_SIDE: usize = 8;
 /// Weights of several draws, cell by cell.
 #[derive(Debug, Default)]
 pub(super) struct SideBySide {
-    /// Those that are no draw are 0.
+    /// Columns without a draw are 0.
     cells: Vec<[u32; N_SIDE_BY_SIDE]>,
     greatest: u32,
 }
 
 impl SideBySide {
-    /// Puts the weights of one more draw beside those of others.
+    /// Puts the weights of one more draw, of as many cells, beside those of others.
     pub(super) fn put(&mut self, draw: usize, weights: &[u32]) {
         self.cells.resize(weights.len(), [0; N_SIDE_BY_SIDE]);
         for (of_cell, weight) in self.cells.iter_mut().zip(weights) {
@@ -59,11 +59,12 @@ impl Ranked for RankedCategory {
     }
 }
 
-/// The counted detections of one category by falling score, ready to be weighted: what is ignored
-/// is gone, and each detection knows only its image and whether it found something.
+/// The counted detections of one category by falling score, ready to be weighted. What is ignored is gone, and so is
+/// what comes after the last true positive, which no precision that counts includes; of a detection stays the cell of
+/// its image, and whether it found something.
 ///
 /// It gives the average precision of [`RankedMatches`](crate::RankedMatches), to the last bit, and
-/// nothing else: without a curve a replicate takes a tenth of the time.
+/// nothing else.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RankedCategory {
     category: u32,
@@ -168,8 +169,8 @@ impl RankedCategory {
         }
         let mut n_objects = [0.0; N];
         for (cell, n) in &self.objects {
-            for _ in 0..*n {
-                add(&mut n_objects, &weights[*cell as usize]);
+            for (sum, weight) in n_objects.iter_mut().zip(&weights[*cell as usize]) {
+                *sum += f64::from(*weight) * f64::from(*n);
             }
         }
         if n_objects.iter().all(|n| *n <= 0.0) {

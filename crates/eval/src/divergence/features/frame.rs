@@ -123,7 +123,11 @@ pub(in crate::divergence) fn image_counts(
     rgb: &RgbImage,
     settings: &ReadSettings,
 ) -> (Vec<Counts>, bool) {
+    // Its buffer may be longer than the image.
+    let (width, height) = rgb.dimensions();
+    let n_pixels = usize::try_from(u64::from(width) * u64::from(height)).unwrap_or(usize::MAX);
     let (pixels, _) = rgb.as_raw().as_chunks::<3>();
+    let pixels = pixels.get(..n_pixels).unwrap_or(pixels);
     let luma: Vec<u8> = pixels.iter().map(|pixel| luma(*pixel)).collect();
     let (plane, is_enlarged) = settings.analysis(&luma, rgb.dimensions());
     let [magnitude, orientation] = gradient::histograms(&plane);

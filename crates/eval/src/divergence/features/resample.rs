@@ -47,7 +47,7 @@ fn taps(n_from: u32, n_to: u32) -> Vec<Tap> {
         clippy::cast_sign_loss,
         reason = "at most the side"
     )]
-    let whole = |place: f32| place.clamp(0.0, of_n(n_from)) as u32;
+    let whole = |place: f32| (place.clamp(0.0, of_n(n_from)) as u32).min(n_from);
     let tap = |at: u32| {
         let center = (of_n(at) + 0.5) * step;
         let first = whole(libm::floorf(center - reach)).min(n_from.saturating_sub(1));

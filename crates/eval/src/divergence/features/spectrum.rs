@@ -53,8 +53,8 @@ pub(super) fn histogram(plane: &LumaPlane) -> Counts {
 }
 
 /// The rows without the mean and under the window, transformed: for each frequency from 0 to the middle its column, one
-/// after the other. Those beyond are mirror images, since the rows are real; for that, too, two rows are transformed as
-/// one, `a + i b`, which gives `A = (Z(k) + Z*(−k)) / 2` and `B = (Z(k) − Z*(−k)) / 2i`.
+/// after the other. Those beyond are mirror images, since the rows are real; for the same reason two rows are transformed
+/// at once, as `a + i b`, which gives `A = (Z(k) + Z*(−k)) / 2` and `B = (Z(k) − Z*(−k)) / 2i`.
 fn columns_of_rows(values: &[f32], [width, height]: [usize; 2], mean: f64) -> Vec<Complex<f64>> {
     let (across, down) = (hann(width), hann(height));
     let windowed = |(row, weight_y): (&[f32], &f64)| -> Vec<f64> {
@@ -123,6 +123,60 @@ mod tests {
         // 0.25 is the edge of bins 31 and 32; the window spreads it by one coefficient.
         let near: f64 = rings[31..34].iter().sum();
         assert!(near > 0.999 * total, "{near} of {total}");
+    }
+
+    /// By the sum that defines the transform, for odd and even sides, of noise.
+    #[test]
+    fn the_power_of_noise_is_that_of_the_plain_sum() {
+        let sides = [
+            [5, 4],
+            [4, 5],
+            [9, 9],
+            [8, 6],
+            [7, 1],
+            [1, 7],
+            [2, 3],
+            [3, 2],
+        ];
+        for [width, height] in sides {
+            let mut state = 10 * width + height;
+            let plane = LumaPlane::from_fn(width, height, |_, _| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                image::Luma([f32::from(state.to_le_bytes()[3])])
+            });
+            let n = f64::from(width * height);
+            let mean = plane.iter().map(|v| f64::from(*v)).sum::<f64>() / n;
+            let window = |at: u32, n: u32| {
+                let phase = std::f64::consts::PI * (f64::from(at) + 0.5) / f64::from(n);
+                phase.sin().powi(2)
+            };
+            let side = |k: u32, n: u32| f64::from(k.min(n - k)) / f64::from(n);
+            let (mut expected, mut total) = (vec![0.0; 64], 0.0);
+            for (u, v) in (0..height).flat_map(|v| (0..width).map(move |u| (u, v))) {
+                let mut sum = Complex::new(0.0, 0.0);
+                for (x, y, pixel) in plane.enumerate_pixels() {
+                    let turns =
+                        f64::from(u * x) / f64::from(width) + f64::from(v * y) / f64::from(height);
+                    let weight = window(x, width) * window(y, height);
+                    let value = (f64::from(pixel.0[0]) - mean) * weight;
+                    sum += Complex::from_polar(value, -std::f64::consts::TAU * turns);
+                }
+                let frequency = side(u, width).hypot(side(v, height));
+                if frequency > 0.0 && frequency <= 0.5 {
+                    total += sum.norm_sqr();
+                    count(&mut expected, frequency / 0.5, sum.norm_sqr());
+                }
+            }
+            let mut rings = vec![0.0; 64];
+            histogram(&plane).add_to(&mut rings, 1.0);
+            for (ring, (got, power)) in rings.iter().zip(&expected).enumerate() {
+                let error = (got - power * n / total).abs();
+                assert!(
+                    error < 1e-9,
+                    "{width} x {height}, ring {ring}: off by {error:e}"
+                );
+            }
+        }
     }
 
     #[test]
