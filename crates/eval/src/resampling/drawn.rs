@@ -54,21 +54,20 @@ impl<R: Ranked> Sides<R> {
     fn rows(&self, plan: &Plan, places: Range<usize>) -> Vec<Vec<[f64; 2]>> {
         let mut rows = vec![Vec::with_capacity(self.clean.len() + 1); places.len()];
         let (mut as_clean, mut as_cracked) = (SideBySide::default(), SideBySide::default());
-        let mut weighs_images = true;
+        let is_exchange = places.start >= plan.unexchanged_draw();
         for (draw, place) in places.enumerate() {
             match plan.draw(place) {
                 Draw::Weights(weights) => as_clean.put(draw, &weights),
                 Draw::Swaps(swaps) => {
-                    weighs_images = false;
                     let (clean, cracked) = role_weights(&swaps);
                     as_clean.put(draw, &clean);
                     as_cracked.put(draw, &cracked);
                 }
             }
         }
-        let (clean, cracked, as_cracked) = match weighs_images {
-            true => (&self.clean, &self.cracked, &as_clean),
-            false => (&self.both, &self.both, &as_cracked),
+        let (clean, cracked, as_cracked) = match is_exchange {
+            true => (&self.both, &self.both, &as_cracked),
+            false => (&self.clean, &self.cracked, &as_clean),
         };
         for (clean, cracked) in clean.iter().zip(cracked) {
             let clean = clean.average_precisions(&as_clean);

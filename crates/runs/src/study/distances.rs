@@ -65,14 +65,19 @@ impl StudyPlan<'_> {
                 no_vector,
             ))
         };
-        let set = |name: &str, read: &Read<'_>| {
+        // None where `stop` was set on the way.
+        let set = |name: &str, read: &Read<'_>| -> Result<Option<ImageSet>, Error> {
             let items = seen.par_iter().map(|image| {
                 item(image, read).map_err(|error| FailedImage {
                     name: image.name.clone(),
                     reason: error.to_string(),
                 })
             });
-            ImageSet::new(name, items.collect(), None)
+            let items = items.collect();
+            match stop.load(Ordering::Relaxed) {
+                true => Ok(None),
+                false => Ok(Some(ImageSet::new(name, items, None)?)),
+            }
         };
         let clean = |image: &ImageToSee| {
             let rgb = clean_image(&image.path, quality)?;
@@ -90,23 +95,22 @@ impl StudyPlan<'_> {
         let mut names = vec![CLEAN.to_owned()];
         let mut reports = Vec::new();
         let has_all_pairs = n_sets <= MAX_SETS_OF_ALL_PAIRS;
-        let clean = set(CLEAN, &clean);
-        if stop.load(Ordering::Relaxed) {
+        let Some(clean) = set(CLEAN, &clean)? else {
             return Ok(None);
-        }
-        sets.push(clean?);
+        };
+        sets.push(clean);
         for condition in self.conditions {
             let layout = self.set_layout(condition);
             let name = reported(condition).name;
-            let cracked = set(&name, &|image| {
+            let cracked = |image: &ImageToSee| {
                 let path = layout.path(&image.name);
                 let rgb = cracked_image(&path)?;
                 Ok((path, rgb))
-            });
-            if stop.load(Ordering::Relaxed) {
+            };
+            let Some(cracked) = set(&name, &cracked)? else {
                 return Ok(None);
-            }
-            sets.push(cracked?);
+            };
+            sets.push(cracked);
             names.push(name);
             if !has_all_pairs {
                 reports.push(sets.compared()?);

@@ -123,17 +123,12 @@ pub(in crate::divergence) fn image_counts(
     rgb: &RgbImage,
     settings: &ReadSettings,
 ) -> (Vec<Counts>, bool) {
-    // Its buffer may be longer than the image.
-    let (width, height) = rgb.dimensions();
-    let n_pixels = usize::try_from(u64::from(width) * u64::from(height)).unwrap_or(usize::MAX);
-    let (pixels, _) = rgb.as_raw().as_chunks::<3>();
-    let pixels = pixels.get(..n_pixels).unwrap_or(pixels);
-    let luma: Vec<u8> = pixels.iter().map(|pixel| luma(*pixel)).collect();
+    let luma: Vec<u8> = rgb.pixels().map(|pixel| luma(pixel.0)).collect();
     let (plane, is_enlarged) = settings.analysis(&luma, rgb.dimensions());
     let [magnitude, orientation] = gradient::histograms(&plane);
-    let color = pixels.iter().map(|pixel| {
-        let [r, g, b] = pixel.map(|code| usize::from(code >> 4));
-        (r * 16 + g) * 16 + b
+    let color = rgb.pixels().map(|pixel| {
+        let [r, g, b] = pixel.0;
+        usize::from(r >> 4) * 256 + usize::from(g >> 4) * 16 + usize::from(b >> 4)
     });
     let luma = counted(Feature::Luma256, luma.iter().map(|code| usize::from(*code)));
     let color = counted(Feature::Rgb16, color);

@@ -2,7 +2,8 @@
 
 use super::frame::LumaPlane;
 
-/// The plane at another size, by a triangle filter as wide as the step between its pixels, columns first.
+/// The plane at another size, by a triangle filter as wide as the step between its pixels: down the columns, then along
+/// the rows.
 ///
 /// **Source**: `image::imageops::resize` with `FilterType::Triangle`, which gives the same bits, and sums four channels
 /// pixel by pixel where this sums whole rows.
@@ -10,12 +11,12 @@ pub(super) fn resampled(plane: &LumaPlane, to_width: u32, to_height: u32) -> Lum
     let (width, height) = plane.dimensions();
     let row_length = usize::try_from(width.max(1)).unwrap_or(1);
     let rows: Vec<&[f32]> = plane.as_raw().chunks_exact(row_length).collect();
-    let across = taps(width, to_width);
-    let mut values = Vec::with_capacity(across.len() * rows.len());
+    let (across, down) = (taps(width, to_width), taps(height, to_height));
+    let mut values = Vec::with_capacity(across.len() * down.len());
     let mut sums = vec![0.0_f32; row_length];
-    for down in taps(height, to_height) {
+    for tap in &down {
         sums.fill(0.0);
-        for (row, weight) in rows.iter().skip(down.first).zip(&down.weights) {
+        for (row, weight) in rows.iter().skip(tap.first).zip(&tap.weights) {
             for (sum, value) in sums.iter_mut().zip(*row) {
                 *sum += value * weight;
             }
