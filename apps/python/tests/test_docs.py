@@ -13,7 +13,7 @@ def documented():
             continue
         yield name, value
         if isinstance(value, type):
-            for member, inside in vars(value).items():
+            for member, inside in sorted(vars(value).items()):
                 if not member.startswith("_"):
                     yield f"{name}.{member}", getattr(inside, "__func__", inside)
 

@@ -2,6 +2,7 @@
 #![expect(
     clippy::unwrap_used,
     clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     reason = "a test may panic"
 )]
 
@@ -247,6 +248,34 @@ fn drops_neither_make_nor_lose_light() {
             .map(|light| (light - 0.5).abs())
             .fold(0.0, f64::max);
         assert!(worst < 2e-3, "rake {rake_deg}, contact {degrees}: {worst}");
+    }
+}
+
+/// Before a narrow view nearly all of a drop shows the light beside it, so that the sum of what it adds says how much of
+/// the frame it covers.
+#[test]
+fn a_drop_covers_its_footprint_however_few_pixels_that_has() {
+    let added_per_footprint = |radius_px: f64, blur_px: f64| {
+        let side = 2 * (radius_px + blur_px + 4.0).ceil() as u32;
+        let camera = Close {
+            size: (side, side),
+            f_px: 500.0 * radius_px,
+            distance_m: 1.0,
+            rake_deg: 0.0,
+            rim_reflectance: 0.0,
+            blur_px,
+        };
+        let shown = camera.behind(vec![cap(2.0, 40.0)], &light(1.0, 0.0), |_, _| [0.2; 3]);
+        let added: f64 = shown.iter().map(|light| light[0] - 0.2).sum();
+        added / (std::f64::consts::PI * radius_px * radius_px)
+    };
+    let expected = added_per_footprint(40.0, 0.0);
+    for (radius_px, blur_px) in [(0.5, 0.0), (1.0, 0.7), (1.4, 1.0), (2.0, 0.0), (2.9, 0.0)] {
+        let found = added_per_footprint(radius_px, blur_px);
+        assert!(
+            (found / expected - 1.0).abs() < 0.04,
+            "radius {radius_px} px, blur {blur_px} px: {found}, not {expected}"
+        );
     }
 }
 

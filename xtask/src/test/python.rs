@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::thread::available_parallelism;
 
 use super::report::Report;
 use super::tools::{Tools, answer};
@@ -17,6 +18,9 @@ const FOLDER: &str = "apps/python";
 /// Where the wheel is put, in the target folder.
 const WHEELS: &str = "test-wheels";
 
+/// Tests that run side by side at most: some start clusters of their own.
+const MOST_WORKERS: usize = 4;
+
 /// The feature with which dependencies are those of the tests of the workspace.
 const FEATURE: &str = "as-in-workspace";
 
@@ -26,7 +30,9 @@ pub(super) fn test(root: &Path, tools: &Tools, report: &mut Report) -> Result<()
     install(tools.python(), &build(root, tools)?)?;
 
     let mut test = Command::new(tools.python());
-    test.args(["-m", "pytest", "--quiet", "-rs"]);
+    let n_workers = available_parallelism().map_or(1, |n| n.get().min(MOST_WORKERS));
+    test.args(["-m", "pytest", "--quiet", "-rs", "--dist", "worksteal"]);
+    test.args(["-n", &n_workers.to_string()]);
     test.current_dir(root.join(FOLDER));
     test.env("PYTHONDONTWRITEBYTECODE", "1");
     let name = format!("starbreak{}", std::env::consts::EXE_SUFFIX);

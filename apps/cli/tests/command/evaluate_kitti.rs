@@ -7,12 +7,14 @@ use std::path::Path;
 use crate::program::{folder, json, starbreak, succeed};
 use serde_json::Value;
 
-/// Breaks the made-up set.
-const GENERATE: [&str; 6] = [
+/// Breaks the made-up set. In so small frames each of many particles would be a neighbor of most others.
+const GENERATE: [&str; 8] = [
     "generate",
     "kitti:kitti",
     "--preset",
     "paper",
+    "--set",
+    "fracture.particles=800",
     "-o",
     "broken",
 ];
