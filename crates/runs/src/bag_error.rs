@@ -128,6 +128,17 @@ pub enum BagError {
         /// The last image, s after the first one.
         last_s: f64,
     },
+    /// A hit at a stamp that no image of the bag can have, which would come before all of them.
+    #[error(
+        "--impact-at @{stamp_s}: the images are stamped by a wall clock, the first at {first_s} s; give a stamp of that \
+         clock, or seconds after the first image without @"
+    )]
+    StampClock {
+        /// The stamp that was asked for, s.
+        stamp_s: f64,
+        /// That of the first image, s.
+        first_s: f64,
+    },
     /// A hit at a moment, and a camera whose images have none.
     #[error(
         "topic {}: its images have no stamps (0, beside stamps of a wall clock), so that a hit at a moment and growth \

@@ -280,6 +280,13 @@ fn before_the_hit_nothing_is_altered_and_then_the_cracks_grow() {
         late.contains("--impact-at: the hit at 5 s comes after the last image, 0.920 s"),
         "{late}"
     );
+    let other = folder.refusal(request(ImpactAt::Stamp(250_000_000)));
+    assert!(
+        other.contains(
+            "--impact-at @0.25: the images are stamped by a wall clock, the first at 1700000000 s"
+        ),
+        "{other}"
+    );
 }
 
 /// A driver that sets no stamps leaves 0, where simulations begin.

@@ -139,6 +139,10 @@ fn what_cannot_be_joined_is_refused() {
             (join(&["one", "whole"]), "a whole study"),
             (join(&["one", "none"]), "none"),
             (join(&["one", "coco"]), "coco"),
+            (
+                study(&["-o", "two/joined", "--join", "one", "--join", "two"]),
+                "lies in it; join into a folder beside it",
+            ),
             (study(&["-o", "one"]), "it is the shard 1/2"),
             (
                 study(&["-o", "one", "--shard", "2/2"]),

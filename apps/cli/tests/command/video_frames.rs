@@ -489,6 +489,8 @@ fn what_lies_on_the_pane_is_there_from_the_first_frame() {
             &[
                 &TO_OUT[..],
                 &["--preset", preset, "--severity", "5"],
+                // A piece of pane that holds some thousand drops.
+                &["--set", "camera.f_px=100"],
                 // No wiper.
                 &["--set", "drops.wiper_period_s=0"][..if preset == "rain" { 2 } else { 0 }],
             ]
@@ -520,7 +522,12 @@ fn what_lies_on_the_pane_changes_from_frame_to_frame_and_the_track_says_how() {
             .map(|frame| frame["on_glass"][table]["coverage"].as_f64().unwrap())
             .collect()
     };
-    let rain = ["fracture.model=none", "drops.rain_mm_h=50", "drops.age_s=1"];
+    let rain = [
+        "fracture.model=none",
+        "drops.rain_mm_h=50",
+        "drops.age_s=1",
+        "camera.f_px=100",
+    ];
     let falls = coverages(&rain, "drops", "2");
     assert!(
         falls.windows(2).all(|two| two[1] > 0.95 * two[0]),

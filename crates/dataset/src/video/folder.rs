@@ -93,12 +93,6 @@ pub fn holds_anything(path: &Path) -> bool {
     })
 }
 
-/// Whether a path lies in a folder or is it, links seen through; neither need exist.
-#[must_use]
-pub fn is_inside(path: &Path, folder: &Path) -> bool {
-    crate::paths::resolved(path).starts_with(crate::paths::resolved(folder))
-}
-
 /// The order of names in which a run of digits counts as a number.
 fn by_number(a: &str, b: &str) -> Ordering {
     let (mut a, mut b) = (a.as_bytes(), b.as_bytes());

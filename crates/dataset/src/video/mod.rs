@@ -22,7 +22,7 @@ mod write;
 
 pub use crate::error::VideoError;
 pub use clip::{ClipInfo, ClipReader, TimedFrame};
-pub use folder::{check_frame_sizes, frame_files, holds_anything, is_folder, is_inside};
+pub use folder::{check_frame_sizes, frame_files, holds_anything, is_folder};
 pub use program::Ffmpeg;
 pub use rate::Fraction;
 pub use write::{ClipFormat, ClipStream, ClipWriter};

@@ -256,6 +256,7 @@ impl Bag {
 }
 
 /// The cameras of a run, each with its recipe, by topic.
+#[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
 fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> {
     let own: BTreeMap<&str, &RunContext> = (request.cameras.iter())
         .map(|camera| (camera.topic.as_str(), &camera.context))
@@ -263,6 +264,10 @@ fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> 
     let clock = survey.clock();
     let impact_at_s = match request.impact_at {
         ImpactAt::AfterFirst(after_s) => after_s,
+        ImpactAt::Stamp(stamp_ns) if clock.is_before_wall(stamp_ns) => {
+            let [stamp_s, first_s] = [stamp_ns, clock.first_ns].map(|ns| ns as f64 / 1e9);
+            return Err(BagError::StampClock { stamp_s, first_s }.into());
+        }
         ImpactAt::Stamp(stamp_ns) => clock.since_first_s(stamp_ns),
     };
     let depends_on_time = impact_at_s > 0.0 || request.growth != Growth::Whole;

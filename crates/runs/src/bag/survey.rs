@@ -39,6 +39,11 @@ impl Clock {
         stamp_ns.saturating_sub(self.first_ns) as f64 / 1e9
     }
 
+    /// Whether a stamp is of another clock, before the wall clock of the images.
+    pub(super) fn is_before_wall(self, stamp_ns: i64) -> bool {
+        self.is_wall && stamp_ns < WALL_CLOCK_NS
+    }
+
     fn is_unset(self, stamp_ns: i64) -> bool {
         stamp_ns == 0 && self.is_wall
     }
@@ -80,7 +85,7 @@ impl Seen {
     /// Whether its images are stamped by another clock than the wall clock of other cameras.
     pub(super) fn has_other_clock(&self, clock: Clock) -> bool {
         let first = self.stamps_ns.iter().find(|it| !clock.is_unset(**it));
-        clock.is_wall && first.is_some_and(|stamp_ns| *stamp_ns < WALL_CLOCK_NS)
+        first.is_some_and(|stamp_ns| clock.is_before_wall(*stamp_ns))
     }
 
     /// The middle one of the times between its first frames, s.

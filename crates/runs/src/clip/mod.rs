@@ -21,9 +21,10 @@ use std::sync::atomic::AtomicBool;
 
 use serde_json::Value;
 use starbreak::Chain;
-use starbreak_dataset::video::{Ffmpeg, Fraction, holds_anything, is_folder, is_inside};
+use starbreak_dataset::video::{Ffmpeg, Fraction, holds_anything, is_folder};
 use starbreak_dataset::{
-    DatasetError, OutputBatch, blake3_hex, read_bytes, refuse_inside_set, same_file, sha256_hex,
+    DatasetError, OutputBatch, blake3_hex, is_inside, read_bytes, refuse_inside_set, same_file,
+    sha256_hex,
 };
 
 pub use crate::clip_error::ClipError;

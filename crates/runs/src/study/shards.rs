@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use serde::Deserialize;
-use starbreak_dataset::{DatasetError, SetLayout, merge_sets, read_text, refuse_inside_set};
+use starbreak_dataset::{
+    DatasetError, SetLayout, is_inside, merge_sets, read_text, refuse_inside_set, same_file,
+};
 use starbreak_detect::ImageToSee;
 use starbreak_eval::GroundTruth;
 
@@ -93,6 +95,13 @@ impl StudyPlan<'_> {
     pub fn join(&self, truth: &GroundTruth, shards: &[PathBuf]) -> Result<StudyRuns, Error> {
         refuse_inside_set(self.out)?;
         self.source.refuse_output_at(self.out)?;
+        let is_around =
+            |shard: &&PathBuf| is_inside(self.out, shard) && !same_file(self.out, shard);
+        if let Some(around) = shards.iter().find(is_around) {
+            let what = format!("{:?} lies in it; join into a folder beside it", self.out);
+            let folder = around.clone();
+            return Err(Error::StudyShard { folder, what });
+        }
         let identity = Identity::of(self, truth)?;
         identity.check(self.out)?;
         self.refuse_moved_labels()?;

@@ -30,7 +30,7 @@ pub(super) struct GlassTable {
     /// Width, mm, 2 to 10000.
     #[schemars(range(min = 2.0, max = 1e4))]
     pub(super) width_mm: f64,
-    /// Height, mm, 2 to 10000; that of a cover is its width.
+    /// Height, mm, 2 to 10000; that of a cover is its width, and an override of either sets both.
     #[schemars(range(min = 2.0, max = 1e4))]
     pub(super) height_mm: f64,
     /// Thickness of the sheet that is hit (laminated: of the outer ply), mm, 0.1 to 30.
@@ -46,7 +46,8 @@ pub(super) struct GlassTable {
     /// Laminated only: thickness of the inner ply, mm, 0.1 to 30.
     #[schemars(with = "f64", range(min = 0.1, max = 30.0))]
     pub(super) inner_thickness_mm: Option<f64>,
-    /// Tempered or cover only: compression of the surfaces, MPa, 0.1 to 1000.
+    /// Tempered or cover only: compression of the surfaces, MPa, 0.1 to 1000; up to 48 the pane cracks
+    /// without going to pieces, as heat-strengthened glass does.
     #[schemars(with = "f64", range(min = 0.1, max = 1000.0))]
     pub(super) surface_compression_mpa: Option<f64>,
     /// How the rim is held: "simply-supported" (gasket) or "clamped" (stiff ring).
