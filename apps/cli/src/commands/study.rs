@@ -209,13 +209,12 @@ fn interrupted() -> Failure {
     Failure::interrupted("interrupted; the same command goes on where it was")
 }
 
-/// Lines of all steps, or of one, on the screen: one for each detector, and one for breaking.
+/// Lines of all steps, or of one, on the screen: one for breaking, and one for detecting.
 fn n_lines(plan: &StudyPlan<'_>, step: Option<&str>) -> usize {
-    let n_detectors = plan.detectors.len();
     match step {
-        None => plan.conditions.len() * (1 + n_detectors) + n_detectors,
-        Some(CLEAN_STEP) => n_detectors,
-        Some(_) => 1 + n_detectors,
+        None => 1 + 2 * plan.conditions.len(),
+        Some(CLEAN_STEP) => 1,
+        Some(_) => 2,
     }
 }
 
@@ -416,10 +415,8 @@ impl<'a> Steps<'a> {
                 let what = match step {
                     Step::Comparing => "comparing the sets of images".to_owned(),
                     Step::Breaking(condition) => format!("breaking: {}", condition.name),
-                    Step::Detecting(detector, None) => format!("{detector}: clean images"),
-                    Step::Detecting(detector, Some(condition)) => {
-                        format!("{detector}: {}", condition.name)
-                    }
+                    Step::Detecting(None) => "detecting: clean images".to_owned(),
+                    Step::Detecting(Some(condition)) => format!("detecting: {}", condition.name),
                 };
                 self.screen
                     .note(&format!("[{}/{}] {what}", now.0, self.n_lines));

@@ -30,7 +30,7 @@ pub(super) struct FoundInImage {
 const BEFORE_CHECK: &str = ",\"check\":\"";
 
 impl FoundInImage {
-    pub(super) fn new(name: &str, blake3: String, result: Result<Vec<Detection>, Error>) -> Self {
+    pub(super) fn new(name: &str, blake3: String, result: Result<Vec<Detection>, String>) -> Self {
         let image = name.to_owned();
         match result {
             Ok(found) => Self {
@@ -50,7 +50,7 @@ impl FoundInImage {
                 image,
                 blake3,
                 boxes: Vec::new(),
-                error: Some(error.to_string()),
+                error: Some(error),
             },
         }
     }

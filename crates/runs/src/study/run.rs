@@ -15,7 +15,7 @@ use starbreak_detect::{Detector, ImageToSee, LabelMap};
 use starbreak_eval::{BoxPx, Detection, Detections, GroundTruth};
 
 use super::Condition;
-use super::arm::ArmRun;
+use super::arm::{Arm, ArmsRun};
 use super::arm_log::{UnseenImage, read_whole, seen_files};
 use super::identity::{DetectorIdentity, Identity};
 use super::set::make_set;
@@ -64,8 +64,8 @@ pub struct StudyPlan<'a> {
 pub enum Step<'a> {
     /// The images of a condition are broken.
     Breaking(&'a Condition),
-    /// A detector looks at the images, clean or under a condition.
-    Detecting(&'a str, Option<&'a Condition>),
+    /// All detectors look at the images, clean or under a condition.
+    Detecting(Option<&'a Condition>),
     /// The sets of images are compared.
     Comparing,
 }
@@ -89,14 +89,11 @@ pub struct StudyRuns {
     pub unseen: Vec<UnseenImage>,
 }
 
-/// Where the file of an image is.
-type PathOf<'a> = dyn Fn(&ImageToSee) -> PathBuf + Sync + 'a;
-
 /// BLAKE3 of the file of an image.
 type Hash<'a> = dyn Fn(&ImageToSee) -> Result<String, Error> + Sync + 'a;
 
-/// The pixels in a file.
-type Read<'a> = dyn Fn(&Path) -> Result<image::RgbImage, Error> + Sync + 'a;
+/// The pixels of an image.
+type Read<'a> = dyn Fn(&ImageToSee) -> Result<image::RgbImage, Error> + Sync + 'a;
 
 impl StudyPlan<'_> {
     /// Breaks all images, and looks at all of them; goes on where an earlier run was interrupted.
@@ -120,13 +117,9 @@ impl StudyPlan<'_> {
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
     ) -> Result<Option<StudyRuns>, Error> {
         self.begin(&Identity::of(self, truth)?, truth)?;
-        let mut unseen: Vec<UnseenImage> = Vec::new();
-        for detector in self.detectors {
-            let Some(of_arm) = self.look_at_clean(detector, stop, tell)? else {
-                return Ok(None);
-            };
-            unseen.extend(of_arm);
-        }
+        let Some(mut unseen) = self.look_at_clean(stop, tell)? else {
+            return Ok(None);
+        };
         for condition in self.conditions {
             if self.under(condition, &mut unseen, stop, tell)?.is_none() {
                 return Ok(None);
@@ -175,22 +168,20 @@ impl StudyPlan<'_> {
         read_whole(&self.log(detector, condition), &identity, self.images)
     }
 
-    /// Lets a detector look at the clean images. Comes to those without a result; none where `stop` was set on the way.
+    /// Lets all detectors look at the clean images. Comes to those without a result; none where `stop` was set on the
+    /// way.
     pub(super) fn look_at_clean(
         &self,
-        detector: &StudyDetector,
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
     ) -> Result<Option<Vec<UnseenImage>>, Error> {
         let quality = self.quality()?;
-        let of_source = |image: &ImageToSee| image.path.clone();
-        let clean = |path: &Path| clean_image(path, quality);
+        let read = |image: &ImageToSee| clean_image(&image.path, quality);
         let hash = |image: &ImageToSee| Ok(blake3_file(&image.path)?);
-        let images = (&of_source as &PathOf<'_>, &clean as &Read<'_>);
-        self.look(detector, None, (images, &hash), stop, tell)
+        self.look(None, (&read, &hash), stop, tell)
     }
 
-    /// Breaks all images under a condition, and lets each detector look at them. Of a study that keeps no images, those of
+    /// Breaks all images under a condition, and lets all detectors look at them. Of a study that keeps no images, those of
     /// this condition are removed at the end; where all have been looked at before, none is made.
     pub(super) fn under(
         &self,
@@ -218,10 +209,10 @@ impl StudyPlan<'_> {
                 reason: format!("{}: {}", condition.name, failure.error),
             }));
         }
-        let of_set = |image: &ImageToSee| layout.path(&image.name);
+        let read = |image: &ImageToSee| cracked_image(&layout.path(&image.name));
         let hash = |image: &ImageToSee| match seen.as_ref().and_then(|it| it.get(&image.name)) {
             Some(blake3) => Ok(blake3.clone()),
-            None => blake3_file(&of_set(image)).map_err(|error| match error {
+            None => blake3_file(&layout.path(&image.name)).map_err(|error| match error {
                 DatasetError::Read { source, .. } if source.kind() == ErrorKind::NotFound => {
                     Error::StudyUnbroken {
                         condition: condition.name.clone(),
@@ -230,14 +221,10 @@ impl StudyPlan<'_> {
                 error => error.into(),
             }),
         };
-        for detector in self.detectors {
-            let images = (&of_set as &PathOf<'_>, &cracked_image as &Read<'_>);
-            let of_arm = self.look(detector, Some(condition), (images, &hash), stop, tell)?;
-            let Some(of_arm) = of_arm else {
-                return Ok(None);
-            };
-            unseen.extend(of_arm);
-        }
+        let Some(of_arms) = self.look(Some(condition), (&read, &hash), stop, tell)? else {
+            return Ok(None);
+        };
+        unseen.extend(of_arms);
         if !self.keeps_images {
             self.remove_images(&layout)?;
         }
@@ -340,39 +327,53 @@ impl StudyPlan<'_> {
 
     fn look(
         &self,
-        detector: &StudyDetector,
         condition: Option<&Condition>,
-        ((path_of, read), blake3): ((&PathOf<'_>, &Read<'_>), &Hash<'_>),
+        (read, blake3): (&Read<'_>, &Hash<'_>),
         stop: &AtomicBool,
         tell: &(dyn Fn(StudyEvent<'_>) + Sync),
     ) -> Result<Option<Vec<UnseenImage>>, Error> {
-        let step = Step::Detecting(&detector.name, condition);
+        let step = Step::Detecting(condition);
         tell(StudyEvent::Begun(step, self.images.len() as u64));
-        let log = self.log(detector, condition);
-        ArmRun {
-            log: &log,
-            identity: self.log_identity(detector, condition)?,
+        let arms = self.detectors.iter().map(|detector| {
+            Ok(Arm {
+                log: self.log(detector, condition),
+                identity: self.log_identity(detector, condition)?,
+                find: Box::new(|place, pixels| self.found_by(detector, place, pixels)),
+            })
+        });
+        ArmsRun {
+            arms: &arms.collect::<Result<Vec<Arm<'_>>, Error>>()?,
             images: self.images,
             blake3,
-            find: &|place, image| {
-                let found = detector
-                    .detector
-                    .detect(&image.name, &read(&path_of(image))?)?;
-                let of_labels = |raw: &starbreak_detect::RawDetection| {
-                    Some(Detection {
-                        image: place,
-                        category: detector.map.category(raw.class)?,
-                        box_px: BoxPx::from_corners(raw.corners_px),
-                        score: raw.score,
-                    })
-                };
-                Ok(found.detections.iter().filter_map(of_labels).collect())
-            },
+            read,
             n_threads: self.n_threads,
             stop,
             tell: &|| tell(StudyEvent::Image),
         }
         .run()
+    }
+
+    /// What a detector finds in the image of a place, in the categories of the labels.
+    fn found_by(
+        &self,
+        detector: &StudyDetector,
+        place: u32,
+        pixels: &image::RgbImage,
+    ) -> Result<Vec<Detection>, Error> {
+        let name = self
+            .images
+            .get(place as usize)
+            .map_or("", |image| &image.name);
+        let found = detector.detector.detect(name, pixels)?;
+        let of_labels = |raw: &starbreak_detect::RawDetection| {
+            Some(Detection {
+                image: place,
+                category: detector.map.category(raw.class)?,
+                box_px: BoxPx::from_corners(raw.corners_px),
+                score: raw.score,
+            })
+        };
+        Ok(found.detections.iter().filter_map(of_labels).collect())
     }
 
     /// What the lines of a log are made from.

@@ -70,11 +70,11 @@ impl StudyPlan<'_> {
         part.begin(&identity, truth)?;
         let is_asked = |name: &str| step.is_none_or(|step| step == name);
         let mut unseen = Vec::new();
-        for detector in self.detectors.iter().filter(|_| is_asked(CLEAN_STEP)) {
-            let Some(of_arm) = part.look_at_clean(detector, stop, tell)? else {
+        if is_asked(CLEAN_STEP) {
+            let Some(of_arms) = part.look_at_clean(stop, tell)? else {
                 return Ok(None);
             };
-            unseen.extend(of_arm);
+            unseen.extend(of_arms);
         }
         for condition in self.conditions.iter().filter(|one| is_asked(&one.name)) {
             if part.under(condition, &mut unseen, stop, tell)?.is_none() {
