@@ -20,7 +20,8 @@ RECIPE = starbreak.Recipe("paper", set={**SMALL, "noise.white_e": 300, "pixels.h
 N_IMAGES = 12
 
 
-pytestmark = pytest.mark.usefixtures("cluster")
+# One cluster at a time: workers are killed by what they are called.
+pytestmark = [pytest.mark.usefixtures("cluster"), pytest.mark.xdist_group("ray")]
 
 
 @pytest.fixture(scope="session")

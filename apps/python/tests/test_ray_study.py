@@ -16,7 +16,8 @@ import starbreak.ray
 from conftest import SMALL, picture
 from PIL import Image
 
-pytestmark = pytest.mark.usefixtures("cluster")
+# One cluster at a time: workers are killed by what they are called.
+pytestmark = [pytest.mark.usefixtures("cluster"), pytest.mark.xdist_group("ray")]
 onnx = pytest.importorskip("onnx", reason="onnx is not installed; run `cargo xtask test`")
 
 N_IMAGES = 10

@@ -128,7 +128,7 @@ pub enum BagError {
         /// The last image, s after the first one.
         last_s: f64,
     },
-    /// A hit at a stamp that no image of the bag can have, which would come before all of them.
+    /// A hit at a stamp of another clock than that of the images, which would come before all of them.
     #[error(
         "--impact-at @{stamp_s}: the images are stamped by a wall clock, the first at {first_s} s; give a stamp of that \
          clock, or seconds after the first image without @"

@@ -356,11 +356,16 @@ fn a_stamp_that_was_never_set_is_no_moment() {
     );
     // The rear goes by the time since it was started.
     let rear = bag(WALL_NS, &[], |stamp| stamp - WALL_NS + 5_000_000_000);
-    let said = refused(&rear);
-    assert!(
-        said.contains("topic /rear: its images are stamped by another clock"),
-        "{said}"
-    );
+    let at_stamp = rear.refusal(BagRequest {
+        impact_at: ImpactAt::Stamp(5_150_000_000),
+        ..rear.request(small(3))
+    });
+    for said in [refused(&rear), at_stamp] {
+        assert!(
+            said.contains("topic /rear: its images are stamped by another clock"),
+            "{said}"
+        );
+    }
 }
 
 #[test]

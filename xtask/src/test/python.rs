@@ -31,7 +31,7 @@ pub(super) fn test(root: &Path, tools: &Tools, report: &mut Report) -> Result<()
 
     let mut test = Command::new(tools.python());
     let n_workers = available_parallelism().map_or(1, |n| n.get().min(MOST_WORKERS));
-    test.args(["-m", "pytest", "--quiet", "-rs", "--dist", "worksteal"]);
+    test.args(["-m", "pytest", "--quiet", "-rs", "--dist", "loadgroup"]);
     test.args(["-n", &n_workers.to_string()]);
     test.current_dir(root.join(FOLDER));
     test.env("PYTHONDONTWRITEBYTECODE", "1");

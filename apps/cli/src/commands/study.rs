@@ -209,7 +209,7 @@ fn interrupted() -> Failure {
     Failure::interrupted("interrupted; the same command goes on where it was")
 }
 
-/// Lines of all steps, or of one, on the screen: one for breaking, and one for detecting.
+/// Lines of all steps, or of one, on the screen: one for the clean images, two for each condition (breaking, detecting).
 fn n_lines(plan: &StudyPlan<'_>, step: Option<&str>) -> usize {
     match step {
         None => 1 + 2 * plan.conditions.len(),
@@ -367,10 +367,11 @@ fn detectors_of(
         };
         let detector = Detector::open(path, &options)?;
         let stem = path.file_stem().unwrap_or(path.as_os_str());
-        let mut name = starbreak_runs::study::folder_name(&stem.to_string_lossy());
-        if detectors.iter().any(|other| other.name == name) {
-            name = format!("{name}-{}", place + 1);
-        }
+        let stem = starbreak_runs::study::folder_name(&stem.to_string_lossy());
+        let is_free = |name: &String| detectors.iter().all(|other| other.name != *name);
+        let numbered = (place + 1..).map(|k| format!("{stem}-{k}"));
+        let name = std::iter::once(stem.clone()).chain(numbered).find(is_free);
+        let name = name.unwrap_or(stem);
         screen.note(&format!("detector {name}:"));
         say_contract(&detector, screen);
         let map = LabelMap::new(detector.classes(), &truth.labels.category_names(), &rules)?;

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::program::{folder, json, starbreak, succeed};
 use serde_json::Value;
 
-/// Breaks the made-up set. In so small frames each of many particles would be a neighbor of most others.
+/// Breaks the made-up set. In such small frames, of many particles each would be a neighbor of most others.
 const GENERATE: [&str; 8] = [
     "generate",
     "kitti:kitti",

@@ -264,7 +264,7 @@ fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> 
     let clock = survey.clock();
     let impact_at_s = match request.impact_at {
         ImpactAt::AfterFirst(after_s) => after_s,
-        ImpactAt::Stamp(stamp_ns) if clock.is_before_wall(stamp_ns) => {
+        ImpactAt::Stamp(stamp_ns) if clock.is_of_another(stamp_ns) => {
             let [stamp_s, first_s] = [stamp_ns, clock.first_ns].map(|ns| ns as f64 / 1e9);
             return Err(BagError::StampClock { stamp_s, first_s }.into());
         }

@@ -39,9 +39,9 @@ impl Clock {
         stamp_ns.saturating_sub(self.first_ns) as f64 / 1e9
     }
 
-    /// Whether a stamp is of another clock, before the wall clock of the images.
-    pub(super) fn is_before_wall(self, stamp_ns: i64) -> bool {
-        self.is_wall && stamp_ns < WALL_CLOCK_NS
+    /// Whether a stamp is of another clock than all images, which go by a wall clock.
+    pub(super) fn is_of_another(self, stamp_ns: i64) -> bool {
+        self.first_ns >= WALL_CLOCK_NS && stamp_ns < WALL_CLOCK_NS
     }
 
     fn is_unset(self, stamp_ns: i64) -> bool {
@@ -85,7 +85,7 @@ impl Seen {
     /// Whether its images are stamped by another clock than the wall clock of other cameras.
     pub(super) fn has_other_clock(&self, clock: Clock) -> bool {
         let first = self.stamps_ns.iter().find(|it| !clock.is_unset(**it));
-        first.is_some_and(|stamp_ns| clock.is_before_wall(*stamp_ns))
+        clock.is_wall && first.is_some_and(|stamp_ns| *stamp_ns < WALL_CLOCK_NS)
     }
 
     /// The middle one of the times between its first frames, s.

@@ -338,7 +338,7 @@ impl StudyPlan<'_> {
             Ok(Arm {
                 log: self.log(detector, condition),
                 identity: self.log_identity(detector, condition)?,
-                find: Box::new(|place, pixels| self.found_by(detector, place, pixels)),
+                find: Box::new(|place, image, pixels| found_by(detector, (place, image), pixels)),
             })
         });
         ArmsRun {
@@ -351,29 +351,6 @@ impl StudyPlan<'_> {
             tell: &|| tell(StudyEvent::Image),
         }
         .run()
-    }
-
-    /// What a detector finds in the image of a place, in the categories of the labels.
-    fn found_by(
-        &self,
-        detector: &StudyDetector,
-        place: u32,
-        pixels: &image::RgbImage,
-    ) -> Result<Vec<Detection>, Error> {
-        let name = self
-            .images
-            .get(place as usize)
-            .map_or("", |image| &image.name);
-        let found = detector.detector.detect(name, pixels)?;
-        let of_labels = |raw: &starbreak_detect::RawDetection| {
-            Some(Detection {
-                image: place,
-                category: detector.map.category(raw.class)?,
-                box_px: BoxPx::from_corners(raw.corners_px),
-                score: raw.score,
-            })
-        };
-        Ok(found.detections.iter().filter_map(of_labels).collect())
     }
 
     /// What the lines of a log are made from.
@@ -427,6 +404,24 @@ impl StudyPlan<'_> {
             }),
         }
     }
+}
+
+/// What a detector finds in the image of a place, in the categories of the labels.
+fn found_by(
+    detector: &StudyDetector,
+    (place, image): (u32, &ImageToSee),
+    pixels: &image::RgbImage,
+) -> Result<Vec<Detection>, Error> {
+    let found = detector.detector.detect(&image.name, pixels)?;
+    let of_labels = |raw: &starbreak_detect::RawDetection| {
+        Some(Detection {
+            image: place,
+            category: detector.map.category(raw.class)?,
+            box_px: BoxPx::from_corners(raw.corners_px),
+            score: raw.score,
+        })
+    };
+    Ok(found.detections.iter().filter_map(of_labels).collect())
 }
 
 /// Images by their names in order, each with the first reason.
