@@ -181,5 +181,4 @@ impl Shared {
 }
 
 #[cfg(test)]
-#[path = "arm_tests.rs"]
 mod tests;

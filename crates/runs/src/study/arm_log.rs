@@ -185,7 +185,7 @@ pub(super) fn write_whole(
     Ok(unseen)
 }
 
-/// An image that no detector could look at.
+/// An image that some detector could not look at.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnseenImage {
     /// Its name in the source.
