@@ -18,7 +18,7 @@ const FOLDER: &str = "apps/python";
 /// Where the wheel is put, in the target folder.
 const WHEELS: &str = "test-wheels";
 
-/// Tests that run side by side at most: some start clusters of their own.
+/// Processes of tests at most: each takes up to half a gigabyte, and some start others.
 const MOST_WORKERS: usize = 4;
 
 /// The feature with which dependencies are those of the tests of the workspace.

@@ -368,10 +368,11 @@ fn detectors_of(
         let detector = Detector::open(path, &options)?;
         let stem = path.file_stem().unwrap_or(path.as_os_str());
         let stem = starbreak_runs::study::folder_name(&stem.to_string_lossy());
-        let is_free = |name: &String| detectors.iter().all(|other| other.name != *name);
-        let numbered = (place + 1..).map(|k| format!("{stem}-{k}"));
-        let name = std::iter::once(stem.clone()).chain(numbered).find(is_free);
-        let name = name.unwrap_or(stem);
+        let (mut name, mut number) = (stem.clone(), place + 1);
+        while detectors.iter().any(|other| other.name == name) {
+            name = format!("{stem}-{number}");
+            number += 1;
+        }
         screen.note(&format!("detector {name}:"));
         say_contract(&detector, screen);
         let map = LabelMap::new(detector.classes(), &truth.labels.category_names(), &rules)?;

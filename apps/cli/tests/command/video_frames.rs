@@ -489,7 +489,7 @@ fn what_lies_on_the_pane_is_there_from_the_first_frame() {
             &[
                 &TO_OUT[..],
                 &["--preset", preset, "--severity", "5"],
-                // A piece of pane that holds some thousand drops.
+                // A narrow view, which holds few drops.
                 &["--set", "camera.f_px=100"],
                 // No wiper.
                 &["--set", "drops.wiper_period_s=0"][..if preset == "rain" { 2 } else { 0 }],

@@ -172,7 +172,7 @@ impl<'a> Drop<'a> {
             })
             .collect();
         let half_step = libm::sincos(0.5 * TAU / f64::from(n_sectors));
-        // Polygons of the area of the rings.
+        // So that a polygon has the area of its circle.
         let swell = (0.5 * TAU / f64::from(n_sectors) / (half_step.0 * half_step.1)).sqrt();
         let place = |share: f64, [x, y]: [f64; 2]| {
             [
@@ -195,10 +195,8 @@ impl<'a> Drop<'a> {
         let mut inner: Vec<Option<[f64; 2]>> = vec![Some(middle); around.len()];
         for ring in 1..=n_rings {
             let [low, high] = [ring_at(ring - 1), ring_at(ring)];
-            let outer: Vec<Option<[f64; 2]>> = (around
-                .iter()
-                .map(|to| self.appears(place(swell * high, *to))))
-            .collect();
+            let corner = |to: &[f64; 2]| self.appears(place(swell * high, *to));
+            let outer: Vec<Option<[f64; 2]>> = around.iter().map(corner).collect();
             for k in 0..around.len() {
                 let next = (k + 1) % around.len();
                 let (Some(a), Some(b), Some(c), Some(d)) =

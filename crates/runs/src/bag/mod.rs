@@ -36,7 +36,7 @@ use camera::Camera;
 use provenance::provenance;
 use records::{Records, Unreadable};
 use run::{Finished, run};
-use survey::{Survey, SurveyFault};
+use survey::{Survey, SurveyFault, seconds};
 use topics::{Content, camera_of};
 use write::BagWriter;
 
@@ -256,7 +256,6 @@ impl Bag {
 }
 
 /// The cameras of a run, each with its recipe, by topic.
-#[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
 fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> {
     let own: BTreeMap<&str, &RunContext> = (request.cameras.iter())
         .map(|camera| (camera.topic.as_str(), &camera.context))
@@ -265,7 +264,7 @@ fn cameras(request: &BagRequest, survey: &Survey) -> Result<Vec<Camera>, Error> 
     let impact_at_s = match request.impact_at {
         ImpactAt::AfterFirst(after_s) => after_s,
         ImpactAt::Stamp(stamp_ns) if clock.is_of_another(stamp_ns) => {
-            let [stamp_s, first_s] = [stamp_ns, clock.first_ns].map(|ns| ns as f64 / 1e9);
+            let [stamp_s, first_s] = [stamp_ns, clock.first_ns].map(seconds);
             return Err(BagError::StampClock { stamp_s, first_s }.into());
         }
         ImpactAt::Stamp(stamp_ns) => clock.since_first_s(stamp_ns),

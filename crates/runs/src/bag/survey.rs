@@ -18,6 +18,15 @@ const LONE_FRAME_S: f64 = 0.1;
 /// From here on stamps are of the wall clock, that of 2001 and later; a simulation's begin with 0.
 const WALL_CLOCK_NS: i64 = 1_000_000_000_000_000_000;
 
+/// Seconds from nanoseconds.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "to some hundred ns where it is the time since 1970"
+)]
+pub(super) fn seconds(ns: i64) -> f64 {
+    ns as f64 / 1e9
+}
+
 /// When images were taken, by the stamps of their headers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clock {
@@ -34,9 +43,8 @@ impl Clock {
     }
 
     /// From the first stamp to another, s.
-    #[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
     pub(super) fn since_first_s(self, stamp_ns: i64) -> f64 {
-        stamp_ns.saturating_sub(self.first_ns) as f64 / 1e9
+        seconds(stamp_ns.saturating_sub(self.first_ns))
     }
 
     /// Whether a stamp is of another clock than all images, which go by a wall clock.
@@ -89,7 +97,6 @@ impl Seen {
     }
 
     /// The middle one of the times between its first frames, s.
-    #[expect(clippy::cast_precision_loss, reason = "seconds from nanoseconds")]
     pub(super) fn frame_s(&self, clock: Clock) -> f64 {
         let set = self.stamps_ns.iter().copied();
         let set: Vec<i64> = set.filter(|stamp_ns| !clock.is_unset(*stamp_ns)).collect();
@@ -97,7 +104,7 @@ impl Seen {
         let mut steps: Vec<i64> = steps.filter(|step| *step > 0).collect();
         steps.sort_unstable();
         match steps.get(steps.len() / 2) {
-            Some(step) => *step as f64 / 1e9,
+            Some(step) => seconds(*step),
             None => LONE_FRAME_S,
         }
     }

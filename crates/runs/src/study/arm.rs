@@ -17,6 +17,12 @@ use crate::Error;
 /// What is found in the image of a place, of these pixels.
 type Find<'a> = dyn Fn(u32, &ImageToSee, &RgbImage) -> Result<Vec<Detection>, Error> + Sync + 'a;
 
+/// BLAKE3 of the file of an image.
+pub(super) type Hash<'a> = dyn Fn(&ImageToSee) -> Result<String, Error> + Sync + 'a;
+
+/// The pixels of an image.
+pub(super) type Read<'a> = dyn Fn(&ImageToSee) -> Result<RgbImage, Error> + Sync + 'a;
+
 /// One detector over the images.
 pub(super) struct Arm<'a> {
     /// Its log, from which it goes on.
@@ -34,9 +40,9 @@ pub(super) struct ArmsRun<'a> {
     /// The images.
     pub(super) images: &'a [ImageToSee],
     /// BLAKE3 of the file that is looked at.
-    pub(super) blake3: &'a (dyn Fn(&ImageToSee) -> Result<String, Error> + Sync),
+    pub(super) blake3: &'a Hash<'a>,
     /// The pixels of that file.
-    pub(super) read: &'a (dyn Fn(&ImageToSee) -> Result<RgbImage, Error> + Sync),
+    pub(super) read: &'a Read<'a>,
     /// Threads to use, 1 or more.
     pub(super) n_threads: usize,
     /// Once it is set no further image begins.

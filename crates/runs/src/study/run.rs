@@ -15,7 +15,7 @@ use starbreak_detect::{Detector, ImageToSee, LabelMap};
 use starbreak_eval::{BoxPx, Detection, Detections, GroundTruth};
 
 use super::Condition;
-use super::arm::{Arm, ArmsRun};
+use super::arm::{Arm, ArmsRun, Hash, Read};
 use super::arm_log::{UnseenImage, read_whole, seen_files};
 use super::identity::{DetectorIdentity, Identity};
 use super::set::make_set;
@@ -88,12 +88,6 @@ pub struct StudyRuns {
     /// Images that some detector could not look at in some arm, by their names, in order.
     pub unseen: Vec<UnseenImage>,
 }
-
-/// BLAKE3 of the file of an image.
-type Hash<'a> = dyn Fn(&ImageToSee) -> Result<String, Error> + Sync + 'a;
-
-/// The pixels of an image.
-type Read<'a> = dyn Fn(&ImageToSee) -> Result<image::RgbImage, Error> + Sync + 'a;
 
 impl StudyPlan<'_> {
     /// Breaks all images, and looks at all of them; goes on where an earlier run was interrupted.

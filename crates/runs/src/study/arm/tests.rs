@@ -68,7 +68,7 @@ fn run_arms(
     arms: &[Arm<'_>],
     images: &[ImageToSee],
     stop: &AtomicBool,
-    read: &(dyn Fn(&ImageToSee) -> Result<RgbImage, Error> + Sync),
+    read: &Read<'_>,
 ) -> Option<Vec<UnseenImage>> {
     run_on(arms, images, stop, read, 3)
 }
@@ -77,7 +77,7 @@ fn run_on(
     arms: &[Arm<'_>],
     images: &[ImageToSee],
     stop: &AtomicBool,
-    read: &(dyn Fn(&ImageToSee) -> Result<RgbImage, Error> + Sync),
+    read: &Read<'_>,
     n_threads: usize,
 ) -> Option<Vec<UnseenImage>> {
     let run = ArmsRun {
