@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use serde_json::Value;
 
 use crate::failure::Failure;
@@ -157,19 +157,23 @@ impl Screen {
             ProgressBar::new(total)
         };
         if let Ok(style) =
-            ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg}  {per_sec}  {eta} left")
+            ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg}  {rate_and_time_left}")
         {
-            bar.set_style(style);
+            bar.set_style(style.with_key("rate_and_time_left", rate_and_time_left));
         }
         bar.set_message(what);
         Progress {
             bar,
             plain: !self.quiet && !terminal && self.caller.is_none(),
             screen: self.clone(),
-            started: Instant::now(),
             total,
             what,
-            done: Mutex::new((0, Instant::now())),
+            counts: Mutex::new(Counts {
+                n_done: 0,
+                n_skipped: 0,
+                began: Instant::now(),
+                written: Instant::now(),
+            }),
         }
     }
 }
@@ -179,35 +183,47 @@ pub(crate) struct Progress {
     bar: ProgressBar,
     screen: Screen,
     plain: bool,
-    started: Instant,
     total: u64,
     what: &'static str,
-    /// Items done, and when the last plain line was written.
-    done: Mutex<(u64, Instant)>,
+    counts: Mutex<Counts>,
+}
+
+struct Counts {
+    /// Items done or skipped.
+    n_done: u64,
+    n_skipped: u64,
+    /// Since when those are done that are not skipped.
+    began: Instant,
+    /// When the last plain line was written.
+    written: Instant,
+}
+
+/// Nothing before the first item is done.
+fn rate_and_time_left(state: &ProgressState, to: &mut dyn std::fmt::Write) {
+    let rate = state.per_sec();
+    if rate > 0.0 {
+        let left = HumanDuration(state.eta());
+        let _ = write!(to, "{rate:.1} per second, {left:#} left");
+    }
 }
 
 impl Progress {
     /// One more item is done.
     pub(crate) fn step(&self) {
         self.bar.inc(1);
-        let Ok(mut state) = self.done.lock() else {
+        let Ok(mut counts) = self.counts.lock() else {
             return;
         };
-        state.0 += 1;
-        if let Some(caller) = &self.screen.caller {
-            (caller.tell)(Event::Progress {
-                done: state.0,
-                total: self.total,
-                what: self.what,
-            });
-        }
-        if self.plain && state.1.elapsed() >= PLAIN_INTERVAL {
-            state.1 = Instant::now();
+        counts.n_done += 1;
+        self.tell_caller(&counts);
+        if self.plain && counts.written.elapsed() >= PLAIN_INTERVAL {
+            counts.written = Instant::now();
+            let n_made = counts.n_done - counts.n_skipped;
             #[expect(clippy::cast_precision_loss, reason = "counts, for a rate")]
-            let rate = state.0 as f64 / self.started.elapsed().as_secs_f64();
-            let (done, what) = (state.0, self.what);
+            let rate = n_made as f64 / counts.began.elapsed().as_secs_f64();
+            let (n_done, what) = (counts.n_done, self.what);
             // Where the number is not known before, it is 0.
-            let of_total = self.total.checked_sub(done).map(|n_left| {
+            let of_total = self.total.checked_sub(n_done).map(|n_left| {
                 #[expect(clippy::cast_precision_loss, reason = "counts, for a time")]
                 let seconds = n_left as f64 / rate;
                 (format!("/{}", self.total), format!(", {seconds:.0} s left"))
@@ -215,8 +231,30 @@ impl Progress {
             let (total, left) = of_total.unwrap_or_default();
             let _ = writeln!(
                 std::io::stderr(),
-                "{done}{total} {what}, {rate:.1} per second{left}"
+                "{n_done}{total} {what}, {rate:.1} per second{left}"
             );
+        }
+    }
+
+    /// So many items were done before, in no time.
+    pub(crate) fn skip(&self, n: u64) {
+        self.bar.inc(n);
+        self.bar.reset_eta();
+        if let Ok(mut counts) = self.counts.lock() {
+            counts.n_done += n;
+            counts.n_skipped += n;
+            counts.began = Instant::now();
+            self.tell_caller(&counts);
+        }
+    }
+
+    fn tell_caller(&self, counts: &Counts) {
+        if let Some(caller) = &self.screen.caller {
+            (caller.tell)(Event::Progress {
+                done: counts.n_done,
+                total: self.total,
+                what: self.what,
+            });
         }
     }
 

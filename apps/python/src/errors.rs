@@ -89,6 +89,10 @@ fn of_file(error: &DatasetError, message: String) -> PyErr {
             let way_out = "; choose another name or folder, or give replace=True";
             of_system(&io::ErrorKind::AlreadyExists.into(), path, way_out, message)
         }
+        DatasetError::Altered { path } => {
+            let way_out = "; an earlier run wrote it otherwise; move it away, or give replace=True";
+            of_system(&io::ErrorKind::AlreadyExists.into(), path, way_out, message)
+        }
         DatasetError::NotAFile { path, what }
         | DatasetError::DestinationNotAFile { path, what }
             if what.ends_with("folder") =>

@@ -73,7 +73,7 @@ pub use generated::{
 };
 pub use image_file::{ImageFile, ImageLimits, decode_image, image_size, read_image, readable_size};
 pub use json_records::{JsonLists, JsonRecord, RecordFault, read_json_records};
-pub use line_log::LineLog;
+pub use line_log::{LineBytes, LineLog};
 pub use ordinary_file::{open_file, read_bytes};
 pub use output_batch::OutputBatch;
 pub use paths::{FileSet, file_in, files_in, is_inside, same_file};

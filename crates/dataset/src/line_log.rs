@@ -1,9 +1,11 @@
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::error::DatasetError;
 use crate::ordinary_file::{open_file, refuse_no_file};
+use crate::output_batch::OutputBatch;
 
 /// A line that is longer is not one of ours, bytes.
 const MAX_LINE_BYTES: usize = 1 << 26;
@@ -16,11 +18,18 @@ const MAX_LINE_BYTES: usize = 1 << 26;
 pub struct LineLog {
     file: File,
     path: PathBuf,
+    /// Bytes of the file.
+    n_bytes: u64,
+    /// Bytes of its first line.
+    n_head_bytes: u64,
 }
+
+/// Where a line of a [`LineLog`] lies in its file: bytes, with its end.
+pub type LineBytes = Range<u64>;
 
 impl LineLog {
     /// Opens or begins the log of what `identity` names, one line without its end, and hands over
-    /// the lines that are there. The first that `is_good` refuses is cut off with all after it.
+    /// the whole lines that are there, with their places.
     ///
     /// # Errors
     /// [`DatasetError::Read`], [`DatasetError::Write`], [`DatasetError::NotAFile`], and
@@ -28,7 +37,7 @@ impl LineLog {
     pub fn open(
         path: &Path,
         identity: &str,
-        is_good: &mut dyn FnMut(&str) -> bool,
+        take: &mut dyn FnMut(&str, LineBytes),
     ) -> Result<Self, DatasetError> {
         let write_error = |source| DatasetError::Write {
             path: path.to_owned(),
@@ -51,19 +60,23 @@ impl LineLog {
                 path: path.to_owned(),
             });
         }
-        let n_good =
-            n_good_bytes(&file, Some(identity), is_good).map_err(|source| DatasetError::Read {
+        let mut n_bytes =
+            n_whole_bytes(&file, Some(identity), take).map_err(|source| DatasetError::Read {
                 path: path.to_owned(),
                 source,
             })?;
-        file.set_len(n_good).map_err(write_error)?;
-        if n_good == 0 {
+        file.set_len(n_bytes).map_err(write_error)?;
+        let n_head_bytes = identity.len() as u64 + 1;
+        if n_bytes == 0 {
             file.write_all(format!("{identity}\n").as_bytes())
                 .map_err(write_error)?;
+            n_bytes = n_head_bytes;
         }
         Ok(Self {
             file,
             path: path.to_owned(),
+            n_bytes,
+            n_head_bytes,
         })
     }
 
@@ -78,11 +91,14 @@ impl LineLog {
             }
             file => file?,
         };
-        let n_good = n_good_bytes(&file, Some(identity), &mut |_| false);
-        n_good.map(|n| n > 0).map_err(|source| DatasetError::Read {
-            path: path.to_owned(),
-            source,
-        })
+        let mut head = Vec::new();
+        io::Read::take(BufReader::new(file), identity.len() as u64 + 1)
+            .read_until(b'\n', &mut head)
+            .map_err(|source| DatasetError::Read {
+                path: path.to_owned(),
+                source,
+            })?;
+        Ok(head.strip_suffix(b"\n") == Some(identity.as_bytes()))
     }
 
     /// Hands over the lines of a log, whatever they are made from, and leaves it as it is. A log that is
@@ -97,28 +113,69 @@ impl LineLog {
             }
             file => file?,
         };
-        n_good_bytes(&file, None, &mut |line| {
-            take(line);
-            true
-        })
-        .map(|_| ())
-        .map_err(|source| DatasetError::Read {
-            path: path.to_owned(),
-            source,
-        })
+        n_whole_bytes(&file, None, &mut |line, _| take(line))
+            .map(|_| ())
+            .map_err(|source| DatasetError::Read {
+                path: path.to_owned(),
+                source,
+            })
     }
 
-    /// Adds a line, given without its end.
+    /// Adds a line, given without its end. Comes to its place.
     ///
     /// # Errors
     /// [`DatasetError::Write`].
-    pub fn append(&mut self, line: &str) -> Result<(), DatasetError> {
+    pub fn append(&mut self, line: &str) -> Result<LineBytes, DatasetError> {
+        let line = format!("{line}\n");
         self.file
-            .write_all(format!("{line}\n").as_bytes())
-            .map_err(|source| DatasetError::Write {
-                path: self.path.clone(),
-                source,
-            })
+            .write_all(line.as_bytes())
+            .map_err(|source| self.write_error(source))?;
+        let begin = self.n_bytes;
+        self.n_bytes += line.len() as u64;
+        Ok(begin..self.n_bytes)
+    }
+
+    /// Leaves these lines, in this order, and no other. The file is replaced at once, or stays as it is where it has just
+    /// that already.
+    ///
+    /// # Errors
+    /// [`DatasetError::Read`], [`DatasetError::Write`], [`DatasetError::Commit`].
+    pub fn close_with(
+        mut self,
+        lines: impl Iterator<Item = LineBytes> + Clone,
+    ) -> Result<(), DatasetError> {
+        let mut end = self.n_head_bytes;
+        let follows = |line: LineBytes| {
+            let does = line.start == end;
+            end = line.end;
+            does
+        };
+        if lines.clone().all(follows) && end == self.n_bytes {
+            return Ok(());
+        }
+        let mut batch = OutputBatch::new_unsynced().replacing(true);
+        let mut ordered = BufWriter::new(batch.open(&self.path)?);
+        for LineBytes { start, end } in std::iter::once(0..self.n_head_bytes).chain(lines) {
+            self.file
+                .seek(SeekFrom::Start(start))
+                .map_err(|source| DatasetError::Read {
+                    path: self.path.clone(),
+                    source,
+                })?;
+            let line = io::Read::take(&self.file, end - start);
+            io::copy(&mut BufReader::new(line), &mut ordered)
+                .map_err(|source| self.write_error(source))?;
+        }
+        ordered.flush().map_err(|source| self.write_error(source))?;
+        drop(ordered);
+        batch.commit()
+    }
+
+    fn write_error(&self, source: io::Error) -> DatasetError {
+        DatasetError::Write {
+            path: self.path.clone(),
+            source,
+        }
     }
 
     /// Removes the file, once what it was for stands elsewhere.
@@ -133,34 +190,34 @@ impl LineLog {
     }
 }
 
-/// Bytes from the beginning that are whole lines in order; 0 where the first line is another than the
-/// one that is asked for.
-fn n_good_bytes(
+/// Bytes from the beginning that are whole lines, of which all but the first are handed over; 0 where the first line is
+/// another than the one that is asked for.
+fn n_whole_bytes(
     file: &File,
     identity: Option<&str>,
-    is_good: &mut dyn FnMut(&str) -> bool,
+    take: &mut dyn FnMut(&str, LineBytes),
 ) -> io::Result<u64> {
     let mut reader = BufReader::new(file);
-    let mut n_good = 0;
+    let mut n_bytes = 0;
     let mut line = Vec::new();
     loop {
         line.clear();
         let n_read =
             io::Read::take(&mut reader, MAX_LINE_BYTES as u64).read_until(b'\n', &mut line)?;
-        let Some(text) = line
-            .strip_suffix(b"\n")
-            .and_then(|text| std::str::from_utf8(text).ok())
-        else {
-            return Ok(n_good);
+        let Some(text) = line.strip_suffix(b"\n") else {
+            return Ok(n_bytes);
         };
-        let is_right = match n_good {
-            0 => identity.is_none_or(|identity| text == identity),
-            _ => is_good(text),
-        };
-        if !is_right {
-            return Ok(n_good);
+        let end = n_bytes + n_read as u64;
+        match (n_bytes, identity) {
+            (0, Some(identity)) if text != identity.as_bytes() => return Ok(0),
+            (0, _) => {}
+            _ => {
+                if let Ok(text) = std::str::from_utf8(text) {
+                    take(text, n_bytes..end);
+                }
+            }
         }
-        n_good += n_read as u64;
+        n_bytes = end;
     }
 }
 
@@ -169,12 +226,13 @@ mod tests {
     #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
     use super::LineLog;
+    use crate::same_file;
 
     #[test]
     fn a_killed_run_goes_on_after_the_last_whole_line() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("state/clean.jsonl");
-        let mut log = LineLog::open(&path, "a", &mut |_| true).unwrap();
+        let mut log = LineLog::open(&path, "a", &mut |_, _| ()).unwrap();
         log.append("1").unwrap();
         log.append("2").unwrap();
         drop(log);
@@ -188,11 +246,7 @@ mod tests {
         LineLog::read(&dir.path().join("none"), &mut |_| panic!("a line")).unwrap();
 
         let mut seen = Vec::new();
-        let mut log = LineLog::open(&path, "a", &mut |line| {
-            seen.push(line.to_owned());
-            true
-        })
-        .unwrap();
+        let mut log = LineLog::open(&path, "a", &mut |line, _| seen.push(line.to_owned())).unwrap();
         assert_eq!(seen, ["1", "2"], "whole lines");
         log.append("3").unwrap();
         drop(log);
@@ -204,22 +258,53 @@ mod tests {
     }
 
     #[test]
-    fn another_identity_begins_anew_and_a_bad_line_ends_what_counts() {
+    fn another_identity_begins_anew() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("log");
-        std::fs::write(&path, "a\n1\nbad\n2\n").unwrap();
-        drop(LineLog::open(&path, "a", &mut |line| line != "bad").unwrap());
-        assert_eq!(
-            std::fs::read_to_string(&path).unwrap(),
-            "a\n1\n",
-            "up to the bad one"
-        );
-        drop(LineLog::open(&path, "b", &mut |_| true).unwrap());
+        std::fs::write(&path, "a\n1\n2\n").unwrap();
+        assert!(LineLog::is_of(&path, "a").unwrap(), "its own");
+        for other in ["b", "a\n1", "", "aa"] {
+            assert!(!LineLog::is_of(&path, other).unwrap(), "{other:?}");
+        }
+        drop(LineLog::open(&path, "b", &mut |line, _| panic!("{line}")).unwrap());
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             "b\n",
             "of something else"
         );
+    }
+
+    #[test]
+    fn lines_that_are_kept_stand_in_the_order_that_is_asked_for() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("log");
+        std::fs::write(&path, b"a\none\nbad\n\xff\nthree\n").unwrap();
+        let mut kept = Vec::new();
+        let mut log = LineLog::open(&path, "a", &mut |line, at| {
+            if line != "bad" {
+                kept.push(at);
+            }
+        })
+        .unwrap();
+        let two = log.append("two").unwrap();
+        kept.insert(1, two);
+        assert_eq!(kept, [2..6, 18..22, 12..18], "each with its end");
+        log.close_with(kept.into_iter()).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text, "a\none\ntwo\nthree\n", "without what is bad");
+
+        // A second name of the file tells whether it is replaced.
+        let second = dir.path().join("second");
+        std::fs::hard_link(&path, &second).unwrap();
+        let mut all = Vec::new();
+        let log = LineLog::open(&path, "a", &mut |_, at| all.push(at)).unwrap();
+        log.close_with(all.clone().into_iter()).unwrap();
+        assert!(same_file(&path, &second), "it was so already");
+        let log = LineLog::open(&path, "a", &mut |_, _| ()).unwrap();
+        log.close_with(all[..2].iter().cloned()).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text, "a\none\ntwo\n", "one less");
+        assert!(!same_file(&path, &second), "replaced, not written over");
     }
 
     #[cfg(unix)]
@@ -231,7 +316,7 @@ mod tests {
         if !made.is_ok_and(|status| status.success()) {
             return;
         }
-        let opened = LineLog::open(&path, "a", &mut |_| true).map(|_| ());
+        let opened = LineLog::open(&path, "a", &mut |_, _| ()).map(|_| ());
         let read = LineLog::read(&path, &mut |_| {});
         for refused in [opened, read] {
             let Err(error) = refused else {

@@ -141,11 +141,13 @@ impl OutputBatch {
     /// than after it. Of a record of ours in its place that is decided when it is staged.
     ///
     /// # Errors
-    /// [`DatasetError::Taken`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
+    /// [`DatasetError::Taken`], [`DatasetError::Altered`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
     pub fn may_write(&self, path: &Path) -> Result<(), DatasetError> {
         self.clear_left_beside(path);
         match self.rule.check(path, None) {
-            Err(DatasetError::Taken { .. }) if is_record(path) => Ok(()),
+            Err(DatasetError::Taken { .. } | DatasetError::Altered { .. }) if is_record(path) => {
+                Ok(())
+            }
             checked => checked,
         }
     }
@@ -153,7 +155,7 @@ impl OutputBatch {
     /// Whether a file that another program, or another part of this one, fills may be written.
     ///
     /// # Errors
-    /// [`DatasetError::Taken`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
+    /// [`DatasetError::Taken`], [`DatasetError::Altered`], [`DatasetError::OutputIsInput`], [`DatasetError::InsideSet`].
     pub(crate) fn may_fill(&self, path: &Path) -> Result<(), DatasetError> {
         self.clear_left_beside(path);
         self.rule.check(path, None)
@@ -172,7 +174,7 @@ impl OutputBatch {
     ///
     /// [`DatasetError::DuplicateOutput`] where the path was staged before (also by another
     /// spelling), [`DatasetError::DestinationNotAFile`] where it is a folder, a pipe or a device,
-    /// [`DatasetError::Taken`] and [`DatasetError::OutputIsInput`] where a file is to stay,
+    /// [`DatasetError::Taken`], [`DatasetError::Altered`] and [`DatasetError::OutputIsInput`] where a file is to stay,
     /// [`DatasetError::InsideSet`] in a generated set,
     /// [`DatasetError::Write`] where the file system refuses. The batch stays as it was, apart
     /// from folders, and may be used further.

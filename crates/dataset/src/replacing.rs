@@ -114,8 +114,10 @@ impl Replacing {
         if self.any || is_other_thing || (!found.is_symlink() && self.is_ours(path, bytes)) {
             return Ok(());
         }
-        Err(DatasetError::Taken {
-            path: path.to_owned(),
+        let path = path.to_owned();
+        Err(match self.earlier.contains_key(&resolved(&path)) {
+            true => DatasetError::Altered { path },
+            false => DatasetError::Taken { path },
         })
     }
 

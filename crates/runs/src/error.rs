@@ -118,13 +118,23 @@ pub enum Error {
         qualities: [u8; 2],
     },
     /// The folder of a study holds another one.
-    #[error(
-        "{folder:?} holds another study: {what}; choose another folder, or name all that it has and what is to be added"
-    )]
+    #[error("{folder:?} holds another study: {what}; {way_out}, or choose another folder")]
     AnotherStudy {
         /// The folder.
         folder: PathBuf,
         /// What differs.
+        what: String,
+        /// What makes it this one.
+        way_out: &'static str,
+    },
+    /// A folder that a study cannot begin in.
+    #[error(
+        "{folder:?} {what}, and is the folder of no study; choose another, which is made if it is not there"
+    )]
+    NotAStudy {
+        /// The folder.
+        folder: PathBuf,
+        /// What it holds.
         what: String,
     },
     /// An image that detectors cannot look at, since it could not be damaged.

@@ -1,6 +1,6 @@
 //! `starbreak study`: detectors on a dataset before and behind broken glass.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Mutex;
 
@@ -18,7 +18,7 @@ use starbreak_runs::{Patterns, with_threads};
 
 use super::detect::{contract_of, say_contract, say_unmapped};
 use super::generate::{mind_bad_records, refuse_output_in};
-use super::study_report::StudyReport;
+use super::study_report::{self, StudyReport};
 use crate::args::study::{DivergenceWord, StudyArgs, SuiteWord};
 use crate::args::{Global, read_recipe};
 use crate::failure::{DONE, Failure, SOME_FAILED};
@@ -79,6 +79,7 @@ fn run_whole(
     (plan, truth): (&StudyPlan<'_>, &GroundTruth),
     screen: &Screen,
 ) -> Result<u8, Failure> {
+    study_report::refuse_taken(global, args, plan)?;
     let interrupt = Interrupt::listen(screen);
     let compares = !args.no_store && args.divergence != Some(DivergenceWord::Off);
     let n_lines = match args.join.is_empty() {
@@ -118,7 +119,8 @@ fn run_whole(
         0 => Ok(DONE),
         n => Err(Failure {
             message: format!(
-                "{n} images could not be used and count nowhere; {:?} lists them with their reasons",
+                "{} could not be used: left out of all numbers; {:?} says why",
+                images(n),
                 args.output.join("unseen.jsonl")
             ),
             code: SOME_FAILED,
@@ -173,7 +175,8 @@ fn run_shard(
         0 => Ok(DONE),
         n => Err(Failure {
             message: format!(
-                "{n} images could not be used; the same command tries them again, and joined they count nowhere"
+                "{} could not be used: left out of all numbers once joined; the same command tries again",
+                images(n)
             ),
             code: SOME_FAILED,
         }),
@@ -203,6 +206,14 @@ fn dry_run(plan: &StudyPlan<'_>, screen: &Screen) -> Result<u8, Failure> {
         })
     })?;
     Ok(DONE)
+}
+
+/// So many images, in words.
+fn images(n: usize) -> String {
+    match n {
+        1 => "1 image".to_owned(),
+        n => format!("{n} images"),
+    }
 }
 
 fn interrupted() -> Failure {
@@ -377,9 +388,19 @@ fn detectors_of(
         say_contract(&detector, screen);
         let map = LabelMap::new(detector.classes(), &truth.labels.category_names(), &rules)?;
         say_unmapped(&map, screen);
+        let sha256 = sha256_file(path)?;
+        let is_same = |other: &&StudyDetector| {
+            other.sha256 == sha256 && other.detector.contract() == detector.contract()
+        };
+        if let Some(other) = detectors.iter().find(is_same) {
+            screen.note(&format!(
+                "warning: {name} is the same model with the same contract as {}, so their numbers are the same",
+                other.name
+            ));
+        }
         detectors.push(StudyDetector {
             name,
-            sha256: sha256_file(path)?,
+            sha256,
             detector,
             map,
         });
@@ -391,8 +412,16 @@ fn detectors_of(
 struct Steps<'a> {
     screen: &'a Screen,
     n_lines: usize,
-    /// Number of the line, and its progress.
-    now: Mutex<(usize, Option<Progress>)>,
+    now: Mutex<StepNow>,
+}
+
+/// The line of a study on the screen.
+#[derive(Default)]
+struct StepNow {
+    number: usize,
+    progress: Option<Progress>,
+    /// What has failed so far.
+    told: BTreeSet<String>,
 }
 
 impl<'a> Steps<'a> {
@@ -400,7 +429,7 @@ impl<'a> Steps<'a> {
         Self {
             screen,
             n_lines,
-            now: Mutex::new((0, None)),
+            now: Mutex::default(),
         }
     }
 
@@ -410,10 +439,10 @@ impl<'a> Steps<'a> {
         };
         match event {
             StudyEvent::Begun(step, n_images) => {
-                if let Some(progress) = now.1.take() {
+                if let Some(progress) = now.progress.take() {
                     progress.finish();
                 }
-                now.0 += 1;
+                now.number += 1;
                 let what = match step {
                     Step::Comparing => "comparing the sets of images".to_owned(),
                     Step::Breaking(condition) => format!("breaking: {}", condition.name),
@@ -421,16 +450,29 @@ impl<'a> Steps<'a> {
                     Step::Detecting(Some(condition)) => format!("detecting: {}", condition.name),
                 };
                 self.screen
-                    .note(&format!("[{}/{}] {what}", now.0, self.n_lines));
-                now.1 = Some(self.screen.progress(n_images, "images"));
+                    .note(&format!("[{}/{}] {what}", now.number, self.n_lines));
+                now.progress = Some(self.screen.progress(n_images, "images"));
+            }
+            StudyEvent::Known(0) => {}
+            StudyEvent::Known(n) => {
+                let known = n.try_into().map_or_else(|_| n.to_string(), images);
+                self.screen
+                    .note(&format!("  {known} known from an earlier run"));
+                if let Some(progress) = &now.progress {
+                    progress.skip(n);
+                }
             }
             StudyEvent::Image => {
-                if let Some(progress) = &now.1 {
+                if let Some(progress) = &now.progress {
                     progress.step();
                 }
             }
             StudyEvent::Failed(error) => {
-                if let Some(progress) = &now.1 {
+                // A file that cannot be read fails in each step.
+                if !now.told.insert(error.clone()) {
+                    return;
+                }
+                if let Some(progress) = &now.progress {
                     progress.line(&format!("error: {error}"));
                 }
             }
@@ -439,7 +481,7 @@ impl<'a> Steps<'a> {
 
     fn finish(&self) {
         if let Ok(mut now) = self.now.lock()
-            && let Some(progress) = now.1.take()
+            && let Some(progress) = now.progress.take()
         {
             progress.finish();
         }

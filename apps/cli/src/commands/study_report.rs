@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use starbreak::FractureSettings;
-use starbreak_dataset::{FileSet, OutputBatch, SourceSpec};
+use starbreak_dataset::{FileSet, OutputBatch, SourceSpec, file_len};
 use starbreak_eval::GroundTruth;
 use starbreak_eval::evaluation::{
     DivergenceResults, Estimate, EvaluateSettings, GroupKind, InputFile, PairedMetric, Provenance,
     ScopeKind, Study, Versions, WarningKind,
 };
 use starbreak_eval::report::report_files;
-use starbreak_runs::evaluation::{files_of, label_files, short_name};
-use starbreak_runs::study::{CLEAN_STEP, Condition, StudyPlan, StudyRuns};
+use starbreak_runs::evaluation::{REPORT_FILES, files_of, label_files, short_name};
+use starbreak_runs::study::{CLEAN_STEP, Condition, StudyDetector, StudyPlan, StudyRuns};
 
 use crate::args::Global;
 use crate::args::study::StudyArgs;
@@ -35,18 +35,11 @@ impl StudyReport<'_> {
     pub(super) fn write(&self, screen: &Screen) -> Result<(), Failure> {
         let study = self.numbers()?;
         let out = &self.args.output;
-        let batch = OutputBatch::new().replacing(self.global.replace);
-        let batch = batch.never_over(FileSet::of(&self.read_files()?));
-        let mut batch = batch.with_list(&out.join("written.json"), "study");
+        let mut batch = batch_of(self.global, self.args)?;
         let labels = &self.truth.labels;
-        for detector in self.plan.detectors {
-            let folder = out.join("detections").join(&detector.name);
-            for step in std::iter::once(None).chain(self.plan.conditions.iter().map(Some)) {
-                let name = step.map_or(CLEAN_STEP, |condition| &condition.name);
-                let found = self.plan.detections(detector, step)?;
-                let file = folder.join(format!("{name}.json"));
-                batch.stage(&file, found.to_coco(labels).as_bytes())?;
-            }
+        for (file, detector, step) in detection_files(self.args, self.plan) {
+            let found = self.plan.detections(detector, step)?;
+            batch.stage(&file, found.to_coco(labels).as_bytes())?;
         }
         // Empty where all is well: one of an earlier run may be there.
         let lines = self.runs.unseen.iter().map(|unseen| {
@@ -54,7 +47,7 @@ impl StudyReport<'_> {
             format!("{line}\n")
         });
         let text: String = lines.collect();
-        batch.stage(&out.join("unseen.jsonl"), text.as_bytes())?;
+        batch.stage(&out.join(UNSEEN), text.as_bytes())?;
         for (name, text) in report_files(&study)? {
             batch.stage(&out.join(name), text.as_bytes())?;
         }
@@ -116,17 +109,6 @@ impl StudyReport<'_> {
         (24 / n_cells).clamp(1, 6)
     }
 
-    /// The files that a report must not replace.
-    fn read_files(&self) -> Result<Vec<PathBuf>, Failure> {
-        let args = self.args;
-        let mut files = label_files(&SourceSpec::parse(&args.source)?);
-        files.extend(args.model.iter().chain(&args.label_map).cloned());
-        files.extend(args.recipes.iter().cloned());
-        files.extend(args.contract.iter().map(PathBuf::from));
-        files.extend(args.clusters.iter().flat_map(|path| files_of(path)));
-        Ok(files)
-    }
-
     fn inputs(&self) -> Result<Vec<InputFile>, Failure> {
         let mut inputs = Vec::new();
         let spec = SourceSpec::parse(&self.args.source)?;
@@ -179,6 +161,53 @@ impl StudyReport<'_> {
     }
 }
 
+/// The images without a result.
+const UNSEEN: &str = "unseen.jsonl";
+
+/// Refuses what cannot be written at the end, before the work.
+pub(super) fn refuse_taken(
+    global: &Global,
+    args: &StudyArgs,
+    plan: &StudyPlan<'_>,
+) -> Result<(), Failure> {
+    if file_len(&args.output.join("study.json")).is_err() {
+        // A folder that holds anything and is of no study is refused for that.
+        return Ok(());
+    }
+    let batch = batch_of(global, args)?;
+    let names = REPORT_FILES.iter().chain([&UNSEEN]);
+    let files = names.map(|name| args.output.join(name));
+    let mut files = files.chain(detection_files(args, plan).map(|(file, ..)| file));
+    Ok(files.try_for_each(|file| batch.may_write(&file))?)
+}
+
+/// The batch of what a study writes once all is found, which replaces what an earlier run has written, and nothing that is
+/// read.
+fn batch_of(global: &Global, args: &StudyArgs) -> Result<OutputBatch, Failure> {
+    let mut read = label_files(&SourceSpec::parse(&args.source)?);
+    read.extend(args.model.iter().chain(&args.label_map).cloned());
+    read.extend(args.recipes.iter().cloned());
+    read.extend(args.contract.iter().map(PathBuf::from));
+    read.extend(args.clusters.iter().flat_map(|path| files_of(path)));
+    let batch = global.batch().never_over(FileSet::of(&read));
+    Ok(batch.with_list(&args.output.join("written.json"), "study"))
+}
+
+/// What is found by each detector, clean and under each condition, as results of MS-COCO: the files.
+fn detection_files<'a>(
+    args: &'a StudyArgs,
+    plan: &'a StudyPlan<'a>,
+) -> impl Iterator<Item = (PathBuf, &'a StudyDetector, Option<&'a Condition>)> {
+    plan.detectors.iter().flat_map(move |detector| {
+        let folder = args.output.join("detections").join(&detector.name);
+        let steps = std::iter::once(None).chain(plan.conditions.iter().map(Some));
+        steps.map(move |step| {
+            let name = step.map_or(CLEAN_STEP, |condition| &condition.name);
+            (folder.join(format!("{name}.json")), detector, step)
+        })
+    })
+}
+
 /// A line for each detector and condition.
 fn say_numbers(study: &Study, screen: &Screen) {
     let percent = |estimate: &Estimate| match estimate.value {
@@ -221,11 +250,14 @@ fn say_numbers(study: &Study, screen: &Screen) {
                 ),
                 _ => String::new(),
             };
-            format!(
-                "AP50 of whole images {} to {}{change}, ",
-                percent(&row.clean),
-                percent(&row.cracked)
-            )
+            match row.clean.value.or(row.cracked.value) {
+                None => "no AP50 of whole images, ".to_owned(),
+                Some(_) => format!(
+                    "AP50 of whole images {} to {}{change}, ",
+                    percent(&row.clean),
+                    percent(&row.cracked)
+                ),
+            }
         });
         screen.say(&format!(
             "{}, {}: {ap50}lost in the region {}, outside {}",

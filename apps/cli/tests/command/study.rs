@@ -246,7 +246,11 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
     assert_eq!(study["over_seeds"], Value::Null, "one seed");
     let before = snapshot(dir.path());
 
-    let others: [(Vec<String>, &str); 5] = [
+    let others: [(Vec<String>, &str); 6] = [
+        (
+            small(&data, "1", &["--no-store", "--divergence", "off"]),
+            "it was made without --no-store; leave --no-store out",
+        ),
         (
             small(&data, "2", &[]),
             "paper-severity-5-seed-1, which is left out",
@@ -302,6 +306,18 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
         );
         assert!(snapshot(dir.path()) == before, "{named}: nothing written");
     }
+    // What was altered since is not written over, and that is said before the work.
+    let found = dir.path().join("out/detections/FastestDet/clean.json");
+    let own = fs::read_to_string(&found).unwrap();
+    fs::write(&found, format!("{own} ")).unwrap();
+    let refused = starbreak(dir.path(), &small(&data, "1", &[]));
+    assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+    let named = "clean.json\" is no longer as an earlier run wrote it";
+    assert!(refused.stderr.contains(named), "{}", refused.stderr);
+    assert!(!refused.stderr.contains("[1/"), "{}", refused.stderr);
+    fs::write(&found, own).unwrap();
+    assert!(snapshot(dir.path()) == before, "nothing written");
+
     // Detections by another runtime would be mixed with these.
     let file = dir.path().join("out/study.json");
     let own = fs::read_to_string(&file).unwrap();
@@ -380,7 +396,7 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
     let refused = starbreak(dir.path(), &small(&data, "1,2", &[]));
     assert_eq!(refused.code, Some(2), "{}", refused.stderr);
     assert!(
-        refused.stderr.contains("is of no study"),
+        refused.stderr.contains("has a report.html already"),
         "{}",
         refused.stderr
     );

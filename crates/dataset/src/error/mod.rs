@@ -227,6 +227,14 @@ pub enum DatasetError {
         /// The file.
         path: PathBuf,
     },
+    /// A file of an earlier run that was changed since.
+    #[error(
+        "{path:?} is no longer as an earlier run wrote it; move it away, or give --replace to write it anew"
+    )]
+    Altered {
+        /// The file.
+        path: PathBuf,
+    },
     /// An output would take the place of a file that is read.
     #[error(
         "the output {output:?} would replace the input {input:?}; choose another name or folder"

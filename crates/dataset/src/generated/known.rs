@@ -42,12 +42,10 @@ impl KnownItems {
             }
         }
         let identity = blake3_hex(run_text.as_bytes());
-        let log = LineLog::open(&layout.state(MADE_LOG), &identity, &mut |line| {
-            let item = serde_json::from_str::<ItemRecord>(line);
-            if let Ok(item) = &item {
-                lines.insert(place(&item.name, item.sample), digest(item));
+        let log = LineLog::open(&layout.state(MADE_LOG), &identity, &mut |line, _| {
+            if let Ok(item) = serde_json::from_str::<ItemRecord>(line) {
+                lines.insert(place(&item.name, item.sample), digest(&item));
             }
-            item.is_ok()
         })?;
         Ok(Self(Mutex::new(Known { lines, log })))
     }
@@ -61,7 +59,7 @@ impl KnownItems {
     /// Notes a sample that has just been made.
     pub(super) fn note(&self, item: &ItemRecord) -> Result<(), DatasetError> {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        known.log.append(&item.to_line())?;
+        _ = known.log.append(&item.to_line())?;
         known
             .lines
             .insert(place(&item.name, item.sample), digest(item));

@@ -176,12 +176,13 @@ pub(super) fn write_whole(
     identity: &str,
     all: impl IntoIterator<Item = FoundInImage>,
 ) -> Result<Vec<UnseenImage>, Error> {
-    let mut log = LineLog::open(log, identity, &mut |_| false)?;
-    let mut unseen = Vec::new();
+    let mut log = LineLog::open(log, identity, &mut |_, _| ())?;
+    let (mut lines, mut unseen) = (Vec::new(), Vec::new());
     for found in all {
-        log.append(&found.to_line()?)?;
+        lines.push(log.append(&found.to_line()?)?);
         unseen.extend(found.unseen());
     }
+    log.close_with(lines.into_iter())?;
     Ok(unseen)
 }
 

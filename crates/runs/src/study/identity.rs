@@ -66,6 +66,13 @@ struct ConditionIdentity {
     photos: Option<Value>,
 }
 
+/// In what an earlier study is another one.
+struct Difference {
+    what: String,
+    /// What makes the study that one.
+    way_out: &'static str,
+}
+
 impl DetectorIdentity {
     pub(super) fn of(detector: &StudyDetector) -> Self {
         Self {
@@ -113,7 +120,7 @@ impl Identity {
 
     /// Refuses a folder with another study, or with a report of no study.
     pub(super) fn check(&self, folder: &Path) -> Result<(), Error> {
-        let refuse = |what: String| Error::AnotherStudy {
+        let refuse = |what: String| Error::NotAStudy {
             folder: folder.to_owned(),
             what,
         };
@@ -130,10 +137,8 @@ impl Identity {
                 let reports = ["report.html", "evaluation.json"];
                 let is_there = |name: &&&str| file_len(&folder.join(name)).is_ok();
                 return match reports.iter().find(is_there) {
-                    Some(name) => Err(refuse(format!("its {name} is of no study"))),
-                    None if holds_anything(folder) => Err(refuse(
-                        "it is not empty, and no study was begun there".to_owned(),
-                    )),
+                    Some(name) => Err(refuse(format!("has a {name} already"))),
+                    None if holds_anything(folder) => Err(refuse("is not empty".to_owned())),
                     None => Ok(()),
                 };
             }
@@ -141,7 +146,11 @@ impl Identity {
         };
         let earlier = Self::parse(&text).map_err(refuse)?;
         match self.difference(&earlier) {
-            Some(what) => Err(refuse(what)),
+            Some(Difference { what, way_out }) => Err(Error::AnotherStudy {
+                folder: folder.to_owned(),
+                what,
+                way_out,
+            }),
             None => Ok(()),
         }
     }
@@ -153,7 +162,7 @@ impl Identity {
             what,
         };
         let text = read_text(&folder.join(FILE), MAX_BYTES)?.text;
-        let found = Self::parse(&text).map_err(refuse)?;
+        let found = Self::parse(&text).map_err(|what| refuse(format!("it {what}")))?;
         let Some(shard) = found.shard else {
             return Err(refuse(
                 "it is a whole study; give folders made with --shard".to_owned(),
@@ -164,7 +173,7 @@ impl Identity {
             ..self.clone()
         };
         match as_this.difference(&found) {
-            Some(what) => Err(refuse(format!("it is of another study: {what}"))),
+            Some(Difference { what, .. }) => Err(refuse(format!("it is of another study: {what}"))),
             None => Ok(shard),
         }
     }
@@ -172,77 +181,128 @@ impl Identity {
     fn parse(text: &str) -> Result<Self, String> {
         serde_json::from_str(text).map_err(|cause| {
             let cause = cause.to_string().replace('\n', " ");
-            format!("its {FILE} is not that of a study: {cause}")
+            format!("has a {FILE} that cannot be read ({cause})")
         })
     }
 
     /// What an earlier study has otherwise, or what it has and this one leaves out. More is no difference.
-    fn difference(&self, earlier: &Self) -> Option<String> {
+    fn difference(&self, earlier: &Self) -> Option<Difference> {
+        let differs = |what: String, way_out| Some(Difference { what, way_out });
         if self.schema != earlier.schema {
             let (own, theirs) = (&self.schema, &earlier.schema);
-            return Some(format!("its form is {theirs:?}, not {own:?}"));
+            return differs(
+                format!("its form is {theirs:?}, not {own:?}"),
+                "go on with the version that began it",
+            );
         }
         if self.images != earlier.images {
-            return Some(format!(
-                "its {} images are not these {}",
-                earlier.n_images, self.n_images
-            ));
+            let (theirs, own) = (earlier.n_images, self.n_images);
+            return differs(
+                format!("its {theirs} images are not these {own}"),
+                "give the dataset, and --limit, that it was made with",
+            );
         }
         if self.labels != earlier.labels {
-            return Some("the labels of its images are others".to_owned());
+            return differs(
+                "the labels of its images are others".to_owned(),
+                "put back the labels that they were",
+            );
         }
         if self.protocol != earlier.protocol {
-            return Some(format!(
-                "its protocol is {}, not {}",
-                earlier.protocol, self.protocol
-            ));
+            return differs(
+                format!(
+                    "its protocol is {}, not {}",
+                    earlier.protocol, self.protocol
+                ),
+                "give that one with --protocol",
+            );
         }
-        if self.shard != earlier.shard {
-            return Some(match earlier.shard {
-                Some(shard) => format!("it is the shard {}/{}", shard.number, shard.of),
-                None => "it is not a shard".to_owned(),
-            });
+        match (earlier.shard, self.shard) {
+            (theirs, own) if theirs == own => {}
+            (Some(shard), _) => {
+                return differs(
+                    format!("it is the shard {}/{}", shard.number, shard.of),
+                    "give that one with --shard",
+                );
+            }
+            (None, _) => return differs("it is not a shard".to_owned(), "leave --shard out"),
         }
-        if self.removes_images != earlier.removes_images {
-            let is_with = if earlier.removes_images {
-                "with"
-            } else {
-                "without"
-            };
-            return Some(format!("it was made {is_with} --no-store"));
+        match (earlier.removes_images, self.removes_images) {
+            (true, false) => differs("it was made with --no-store".to_owned(), "give --no-store"),
+            (false, true) => differs(
+                "it was made without --no-store".to_owned(),
+                "leave --no-store out",
+            ),
+            _ => self
+                .difference_of_detectors(earlier)
+                .or_else(|| self.difference_of_conditions(earlier)),
         }
+    }
+
+    fn difference_of_detectors(&self, earlier: &Self) -> Option<Difference> {
+        let differs = |what: String, way_out| Some(Difference { what, way_out });
         for (name, theirs) in &earlier.detectors {
             let Some(own) = self.detectors.get(name) else {
-                return Some(format!("it has the detector {name}, which is left out now"));
+                return differs(
+                    format!("it has the detector {name}, which is left out now"),
+                    "name all detectors that it has beside those to be added",
+                );
             };
-            for (is_same, what) in [
-                (own.model_sha256 == theirs.model_sha256, "model file"),
-                (own.contract == theirs.contract, "contract"),
-                (own.label_map == theirs.label_map, "label map"),
+            for (is_same, what, way_out) in [
+                (
+                    own.model_sha256 == theirs.model_sha256,
+                    "model file",
+                    "give that file (of two files of one name the second gets a number, so their order counts)",
+                ),
+                (
+                    own.contract == theirs.contract,
+                    "contract",
+                    "give that one with --contract",
+                ),
+                (
+                    own.label_map == theirs.label_map,
+                    "label map",
+                    "give that one with --label-map",
+                ),
             ] {
                 if !is_same {
-                    return Some(format!("its detector {name} has another {what}"));
+                    return differs(format!("its detector {name} has another {what}"), way_out);
                 }
             }
             if own.runtime != theirs.runtime {
-                return Some(format!(
-                    "its detector {name} was run by {}, not by {}; name the same with --runtime and --onnxruntime",
-                    theirs.runtime, own.runtime
-                ));
+                return differs(
+                    format!(
+                        "its detector {name} was run by {}, not by {}",
+                        theirs.runtime, own.runtime
+                    ),
+                    "name the same with --runtime and --onnxruntime",
+                );
             }
         }
+        None
+    }
+
+    fn difference_of_conditions(&self, earlier: &Self) -> Option<Difference> {
+        let differs = |what: String, way_out| Some(Difference { what, way_out });
         for (name, theirs) in &earlier.conditions {
             match self.conditions.get(name) {
                 None => {
-                    return Some(format!(
-                        "it has the condition {name}, which is left out now"
-                    ));
+                    return differs(
+                        format!("it has the condition {name}, which is left out now"),
+                        "name all conditions that it has beside those to be added",
+                    );
                 }
                 Some(own) if own.photos != theirs.photos => {
-                    return Some(format!("the photos of its condition {name} are others"));
+                    return differs(
+                        format!("the photos of its condition {name} are others"),
+                        "put back the photos that they were",
+                    );
                 }
                 Some(own) if own != theirs => {
-                    return Some(format!("its condition {name} has another recipe"));
+                    return differs(
+                        format!("its condition {name} has another recipe or seed"),
+                        "give what it was made with",
+                    );
                 }
                 Some(_) => {}
             }

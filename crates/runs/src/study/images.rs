@@ -51,6 +51,7 @@ impl StudyPlan<'_> {
                 self.images.len(),
                 first.name
             ),
+            way_out: "put back the files that they were",
         })
     }
 

@@ -75,9 +75,11 @@ pub enum Step<'a> {
 pub enum StudyEvent<'a> {
     /// A step begins; it has so many images.
     Begun(Step<'a>, u64),
+    /// So many images of the step were done by an earlier run.
+    Known(u64),
     /// An image of the step is done.
     Image,
-    /// An image cannot be broken or looked at.
+    /// An image cannot be broken or looked at: why.
     Failed(String),
 }
 
@@ -342,7 +344,7 @@ impl StudyPlan<'_> {
             read,
             n_threads: self.n_threads,
             stop,
-            tell: &|| tell(StudyEvent::Image),
+            tell,
         }
         .run()
     }

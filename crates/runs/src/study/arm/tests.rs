@@ -48,7 +48,10 @@ fn an_image_that_was_replaced_is_looked_at_again() {
         find(place, image, pixels)
     };
     run_arms(&[arm(&dir, 1, &counted)], &images, &go, &read);
-    assert_eq!(n_calls.into_inner(), 20, "that one and all after it");
+    assert_eq!(n_calls.into_inner(), 1, "that one");
+    let found = read_whole(&dir.path().join("arm.jsonl"), r#"{"model":1}"#, &images).unwrap();
+    let places: Vec<u32> = found.items.iter().map(|one| one.image).collect();
+    assert!(places.is_sorted() && places.len() == 780, "in order");
 }
 
 #[expect(clippy::unnecessary_wraps, reason = "as a run has it")]
@@ -87,7 +90,7 @@ fn run_on(
         read,
         n_threads,
         stop,
-        tell: &|| (),
+        tell: &|_| (),
     };
     run.run().unwrap()
 }
@@ -258,7 +261,13 @@ fn a_line_that_was_altered_is_looked_for_again() {
     ] {
         assert!(written.contains(from), "{from}");
         std::fs::write(&log, written.replacen(from, to, 1)).unwrap();
-        assert_eq!(run(&dir, 1, &find, &go).unwrap(), whole, "{from}");
+        let n_calls = AtomicU32::new(0);
+        let counted = |place: u32, image: &ImageToSee, pixels: &RgbImage| {
+            n_calls.fetch_add(1, Ordering::Relaxed);
+            find(place, image, pixels)
+        };
+        assert_eq!(run(&dir, 1, &counted, &go).unwrap(), whole, "{from}");
+        assert_eq!(n_calls.into_inner(), 1, "that one: {from}");
         assert_eq!(std::fs::read_to_string(&log).unwrap(), written, "mended");
     }
 }
@@ -303,19 +312,53 @@ fn another_model_begins_anew() {
     assert!(found.items.is_empty(), "of the second");
 }
 
+/// However often a run is killed, and wherever, what it has found counts.
 #[test]
-fn an_image_that_cannot_be_read_is_listed_and_tried_again() {
-    let dir = tempfile::tempdir().unwrap();
+fn an_image_that_cannot_be_read_is_listed_and_tried_again_alone() {
+    let (dir, other_dir) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let go = AtomicBool::new(false);
+    let log = |dir: &tempfile::TempDir| std::fs::read(dir.path().join("arm.jsonl")).unwrap();
     let fails = |place: u32, image: &ImageToSee, pixels: &RgbImage| match place {
         3 => Err(Error::NoSize),
         _ => find(place, image, pixels),
     };
-    let (_, unseen) = run(&dir, 1, &fails, &go).unwrap();
-    let seen = seen_files(&dir.path().join("arm.jsonl")).unwrap();
+    let whole = run(&other_dir, 1, &fails, &go).unwrap();
+    assert_eq!(whole.1.len(), 1, "one");
+    assert_eq!(whole.1[0].name, "003.png", "that one");
+    let seen = seen_files(&other_dir.path().join("arm.jsonl")).unwrap();
     assert_eq!(seen.len(), 39, "all but that one");
     assert_eq!(seen["004.png"], "004.png ", "the hash of its file");
-    assert_eq!(unseen.len(), 1, "one");
-    assert_eq!(unseen[0].name, "003.png", "that one");
-    assert_eq!(run(&dir, 1, &find, &go).unwrap().1, [], "mended");
+
+    // Each run comes no further than three images, of which the bad one is one each time.
+    let n_calls = AtomicU32::new(0);
+    for n_runs in 1.. {
+        let stop = AtomicBool::new(false);
+        let n_before = n_calls.load(Ordering::Relaxed);
+        let interrupted = |place: u32, image: &ImageToSee, pixels: &RgbImage| {
+            let n_now = n_calls.fetch_add(1, Ordering::Relaxed) + 1;
+            stop.fetch_or(n_now >= n_before + 3, Ordering::Relaxed);
+            fails(place, image, pixels)
+        };
+        let arms = [arm(&dir, 1, &interrupted)];
+        if run_on(&arms, &images(), &stop, &read, 1).is_some() {
+            break;
+        }
+        assert!(n_runs < 40, "it does not come to an end");
+    }
+    assert!(log(&dir) == log(&other_dir), "as without a break");
+    let n_calls = n_calls.into_inner();
+    assert!(n_calls <= 39 + 20, "{n_calls}");
+
+    assert_eq!(run(&dir, 1, &fails, &go).unwrap(), whole, "still bad");
+    assert!(log(&dir) == log(&other_dir), "still bad");
+    let n_calls = AtomicU32::new(0);
+    let mended = |place: u32, image: &ImageToSee, pixels: &RgbImage| {
+        n_calls.fetch_add(1, Ordering::Relaxed);
+        find(place, image, pixels)
+    };
+    assert_eq!(run(&dir, 1, &mended, &go).unwrap().1, [], "mended");
+    assert_eq!(n_calls.into_inner(), 1, "that one");
+    run(&other_dir, 2, &find, &go).unwrap();
+    run(&other_dir, 1, &find, &go).unwrap();
+    assert!(log(&dir) == log(&other_dir), "as if it had been good");
 }
