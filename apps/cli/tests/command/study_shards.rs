@@ -265,4 +265,24 @@ fn an_image_that_cannot_be_broken_is_told_of_as_by_one_run() {
         "{}",
         unseen("whole")
     );
+
+    // Without images: it is tried again alone, and told of again; the others are not made for it.
+    let removing = study(&["-o", "removed", "--no-store"]);
+    assert_eq!(starbreak(dir, &removing).code, Some(1));
+    assert_eq!(unseen("removed"), unseen("whole"), "the same reason");
+    let regions = dir.join("removed/sets/paper-seed-0/starbreak/regions");
+    let away = dir.join("away");
+    fs::rename(&regions, &away).unwrap();
+    starbreak(dir, &removing);
+    assert!(!regions.exists(), "nothing is broken again");
+    fs::rename(&away, &regions).unwrap();
+    let again = starbreak(dir, &removing);
+    assert_eq!(again.code, Some(1), "{}", again.stderr);
+    assert_eq!(unseen("removed"), unseen("whole"), "again");
+    let memory = removing.iter().position(|word| *word == "300MB").unwrap();
+    let mut enough = removing.clone();
+    enough[memory] = "4GB";
+    let mended = starbreak(dir, &enough);
+    assert_eq!(mended.code, Some(0), "{}", mended.stderr);
+    assert_eq!(unseen("removed"), "", "it is broken now");
 }

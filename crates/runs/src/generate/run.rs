@@ -1,12 +1,15 @@
 //! The run: all images of a plan, over all threads, to a finished set.
 
+use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use serde_json::json;
 use starbreak::Timings;
-use starbreak_dataset::{BadRecord, CarriedFile, GeneratedSet, Manifest, SourceImage, blake3_file};
+use starbreak_dataset::{
+    BadRecord, CarriedFile, GeneratedSet, Manifest, SetLayout, SourceImage, blake3_file,
+};
 
 use super::Plan;
 use crate::Error;
@@ -29,6 +32,20 @@ pub struct ItemFailure {
     pub sample_idx: u32,
     /// Why.
     pub error: Error,
+}
+
+impl ItemFailure {
+    fn new(image: Result<SourceImage, BadRecord>, sample_idx: u32, error: Error) -> Self {
+        let name = match image {
+            Ok(image) => image.name,
+            Err(bad) => bad.image.unwrap_or(bad.place),
+        };
+        Self {
+            name,
+            sample_idx,
+            error,
+        }
+    }
 }
 
 /// How a run has ended.
@@ -199,15 +216,7 @@ impl Plan<'_> {
                         return;
                     }
                     Err(error) => {
-                        let name = match image {
-                            Ok(image) => image.name,
-                            Err(bad) => bad.image.unwrap_or(bad.place),
-                        };
-                        let failure = ItemFailure {
-                            name,
-                            sample_idx,
-                            error,
-                        };
+                        let failure = ItemFailure::new(image, sample_idx, error);
                         tell(Event::Failed(&failure));
                         tally.failures.push((place, failure));
                         let n_failed = tally.failures.len() as u64;
@@ -224,6 +233,35 @@ impl Plan<'_> {
             });
 
         tally.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Tries to make the first sample of these images, and writes nothing. Comes to why each cannot be made; to none where
+    /// one can, or is not in the source.
+    pub(crate) fn why_none_is_made(&self, names: &BTreeSet<&str>) -> Option<Vec<ItemFailure>> {
+        let layout = SetLayout::new(&self.context.out, self.options.n_samples);
+        let mut failures = Vec::new();
+        if names.is_empty() {
+            return Some(failures);
+        }
+        for image in self.survey.selected_or_gone(self.source) {
+            let name = match &image {
+                Ok(image) => Some(&image.name),
+                Err(bad) => bad.image.as_ref(),
+            };
+            if !name.is_some_and(|name| names.contains(name.as_str())) {
+                continue;
+            }
+            let error = match &image {
+                Ok(image) => self
+                    .make(image, 0, &layout.files_of(&image.name, 0))
+                    .err()?,
+                Err(bad) => Error::Gone {
+                    record: bad.to_string(),
+                },
+            };
+            failures.push(ItemFailure::new(image, 0, error));
+        }
+        (failures.len() == names.len()).then_some(failures)
     }
 
     fn make_or_keep(

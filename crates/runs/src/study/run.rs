@@ -1,6 +1,6 @@
 //! All arms of a study: each detector over the clean images and over each condition's.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -18,8 +18,8 @@ use super::Condition;
 use super::arm::{Arm, ArmsRun, Hash, Read};
 use super::arm_log::{UnseenImage, read_whole, seen_files};
 use super::identity::{DetectorIdentity, Identity};
-use super::set::make_set;
-use crate::generate::{Event, GenerateReport, Survey};
+use super::set::{make_set, why_none_breaks};
+use crate::generate::{Event, GenerateReport, ItemFailure, Survey};
 use crate::{Error, Patterns};
 
 /// A detector of a study.
@@ -90,6 +90,9 @@ pub struct StudyRuns {
     /// Images that some detector could not look at in some arm, by their names, in order.
     pub unseen: Vec<UnseenImage>,
 }
+
+/// BLAKE3 of images that have been broken, by name, and those that cannot be.
+type SeenImages = (BTreeMap<String, String>, Vec<ItemFailure>);
 
 impl StudyPlan<'_> {
     /// Breaks all images, and looks at all of them; goes on where an earlier run was interrupted.
@@ -195,18 +198,27 @@ impl StudyPlan<'_> {
             true => None,
             false => self.seen_by_all(condition, &layout)?,
         };
-        if seen.is_none() {
-            let report = self.break_all(condition, layout.root(), stop, tell)?;
-            if report.manifest.is_none() {
-                return Ok(None);
+        let (seen, failures) = match seen {
+            Some((seen, failures)) => {
+                for failure in &failures {
+                    tell(StudyEvent::Failed(failure.error.to_string()));
+                }
+                (seen, failures)
             }
-            unseen.extend(report.failures.iter().map(|failure| UnseenImage {
-                name: failure.name.clone(),
-                reason: format!("{}: {}", condition.name, failure.error),
-            }));
-        }
+            None => {
+                let report = self.break_all(condition, layout.root(), stop, tell)?;
+                if report.manifest.is_none() {
+                    return Ok(None);
+                }
+                (BTreeMap::new(), report.failures)
+            }
+        };
+        unseen.extend(failures.iter().map(|failure| UnseenImage {
+            name: failure.name.clone(),
+            reason: format!("{}: {}", condition.name, failure.error),
+        }));
         let read = |image: &ImageToSee| cracked_image(&layout.path(&image.name));
-        let hash = |image: &ImageToSee| match seen.as_ref().and_then(|it| it.get(&image.name)) {
+        let hash = |image: &ImageToSee| match seen.get(&image.name) {
             Some(blake3) => Ok(blake3.clone()),
             None => blake3_file(&layout.path(&image.name)).map_err(|error| match error {
                 DatasetError::Read { source, .. } if source.kind() == ErrorKind::NotFound => {
@@ -235,18 +247,19 @@ impl StudyPlan<'_> {
         Ok(())
     }
 
-    /// BLAKE3 of each image of a condition by its set's records, where each detector has looked at all of them.
+    /// BLAKE3 of each image of a condition by its set's records, and what cannot be broken, where each detector has
+    /// looked at all others.
     fn seen_by_all(
         &self,
         condition: &Condition,
         layout: &SetLayout,
-    ) -> Result<Option<BTreeMap<String, String>>, Error> {
-        let mut made = BTreeMap::new();
+    ) -> Result<Option<SeenImages>, Error> {
+        let (mut made, mut unbroken) = (BTreeMap::new(), BTreeSet::new());
         for image in self.images {
-            let Some(record) = layout.recorded(&image.name, 0)? else {
-                return Ok(None);
-            };
-            made.insert(image.name.clone(), record.image_blake3);
+            match layout.recorded(&image.name, 0)? {
+                Some(record) => _ = made.insert(image.name.clone(), record.image_blake3),
+                None => _ = unbroken.insert(&*image.name),
+            }
         }
         for detector in self.detectors {
             let log = self.log(detector, Some(condition));
@@ -255,7 +268,10 @@ impl StudyPlan<'_> {
                 return Ok(None);
             }
         }
-        Ok(Some(made))
+        let of_set = (condition, self.patterns(condition)?);
+        let failures =
+            why_none_breaks((self.source, self.survey), of_set, layout.root(), &unbroken)?;
+        Ok(failures.map(|failures| (made, failures)))
     }
 
     /// Lets each detector look at one image, before anything is broken: a model or a contract that

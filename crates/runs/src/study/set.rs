@@ -1,5 +1,6 @@
 //! The cracked twin of the source under one condition.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -7,7 +8,9 @@ use starbreak_dataset::Source;
 
 use super::Condition;
 use crate::RunContext;
-use crate::generate::{Event, GenerateOptions, GenerateReport, Plan, Survey, generate};
+use crate::generate::{
+    Event, GenerateOptions, GenerateReport, ItemFailure, Plan, Survey, generate,
+};
 use crate::{Error, Patterns};
 
 /// Makes the set of a condition in a folder, or goes on with it.
@@ -18,20 +21,42 @@ pub(super) fn make_set(
     stop: &AtomicBool,
     tell: &(dyn Fn(Event<'_>) + Sync),
 ) -> Result<GenerateReport, Error> {
+    with_plan((source, survey), (condition, patterns), folder, |plan| {
+        generate(plan, stop, tell)
+    })?
+}
+
+/// Why none of these images can be broken under a condition; none where one can. Nothing is written.
+pub(super) fn why_none_breaks(
+    (source, survey): (&Source, &Survey),
+    (condition, patterns): (&Condition, &Patterns),
+    folder: &Path,
+    names: &BTreeSet<&str>,
+) -> Result<Option<Vec<ItemFailure>>, Error> {
+    with_plan((source, survey), (condition, patterns), folder, |plan| {
+        plan.why_none_is_made(names)
+    })
+}
+
+fn with_plan<T>(
+    (source, survey): (&Source, &Survey),
+    (condition, patterns): (&Condition, &Patterns),
+    folder: &Path,
+    run: impl FnOnce(&Plan<'_>) -> T,
+) -> Result<T, Error> {
     let context = RunContext::new(&condition.recipe, condition.seed, folder)?;
     let options = GenerateOptions {
         selection: survey.selection(),
         other_files: None,
         ..GenerateOptions::default()
     };
-    let plan = Plan {
+    Ok(run(&Plan {
         source,
         context: &context,
         patterns,
         options: &options,
         survey,
-    };
-    generate(&plan, stop, tell)
+    }))
 }
 
 #[cfg(test)]
