@@ -1,11 +1,13 @@
 // The playground in a browser: playground.mjs SITE STARBREAK, with Chromium in STARBREAK_TEST_CHROMIUM or on PATH.
 // Ends with a line `test result: …` as cargo's tests do.
 
-import { execFileSync } from "node:child_process";
-import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { AsyncLocalStorage } from "node:async_hooks";
+import { execFile } from "node:child_process";
+import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { promisify } from "node:util";
 import { launch } from "./browser.mjs";
 import { serve } from "./serve.mjs";
 
@@ -17,12 +19,15 @@ const server = await serve(site);
 const start = `http://127.0.0.1:${server.address().port}/`;
 const browser = await launch(["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]);
 
+/** What the test that runs has opened. */
+const contextsOfTest = new AsyncLocalStorage();
 const complaints = [];
 const strangers = [];
 
 /** A page of its own, with everything that it complains of and asks for noted. */
 async function open(options = {}, address = "") {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, ...options });
+  contextsOfTest.getStore().push(context);
   const page = await context.newPage();
   page.setDefaultTimeout(30_000);
   page.on("console", (message) => message.type() === "error" && complaints.push(message.text()));
@@ -89,13 +94,17 @@ const clickAt = async (page, x, y) => {
 function must(isSo, what) {
   if (!isSo) throw new Error(what);
 }
-function command(...args) {
+/** What the command says, of an error where it fails. */
+async function command(...args) {
   try {
-    return execFileSync(starbreak, args, { cwd: scratch, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+    return (await promisify(execFile)(starbreak, args, { cwd: scratch })).stdout;
   } catch (error) {
     return error.stderr;
   }
 }
+
+await command("demo", "-o", "demo");
+copyFileSync(join(scratch, "demo", "scene.png"), join(scratch, "scene.png"));
 
 const tests = {
   async a_click_breaks_the_glass_there_and_nothing_outside_the_region() {
@@ -195,8 +204,6 @@ const tests = {
   async two_dozen_recipes_give_the_pixels_of_the_command() {
     const page = await open();
     await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
-    command("demo", "-o", "demo");
-    writeFileSync(join(scratch, "scene.png"), readFileSync(join(scratch, "demo", "scene.png")));
     const addresses = [
       "preset=windshield-star&severity=4&seed=1",
       "preset=windshield-bullseye&hit=0.3,0.4&seed=2",
@@ -230,7 +237,7 @@ const tests = {
       const recipe = await download(page, "Recipe");
       writeFileSync(join(scratch, recipe.name), recipe.bytes);
       const args = words.replace(/^starbreak /, "").match(/'[^']*'|\S+/g).map((word) => word.replaceAll("'", ""));
-      const said = command(...args, "--replace");
+      const said = await command(...args, "--replace");
       const file = join(scratch, "out", "scene.png");
       must(existsSync(file), `${words}: ${said}`);
       const ours = await decode(page, readFileSync(file));
@@ -269,7 +276,7 @@ const tests = {
     must((await download(page, "Picture")).name === "mine.damaged.png", "its name");
     const cut = png.subarray(0, png.length - 40);
     writeFileSync(join(scratch, "cut.png"), cut);
-    const said = command("crack", "cut.png", "-o", "cut");
+    const said = await command("crack", "cut.png", "-o", "cut");
     await choose("cut.png", cut);
     await page.waitForFunction(() => document.querySelector(".trouble").textContent !== "");
     const words = await page.locator(".trouble").textContent();
@@ -285,7 +292,7 @@ const tests = {
     const words = await page.locator(".trouble").textContent();
     // What was good before is shown again.
     await shown(page, n);
-    const said = command("crack", "scene.png", "--set", "camera.f_number=0", "-o", "wrong");
+    const said = await command("crack", "scene.png", "--set", "camera.f_number=0", "-o", "wrong");
     must(said.includes(words), `${words}, the command: ${said}`);
     must(before === (await pixels(page)), "the picture changed");
     must(!page.url().includes("f_number"), "what was refused is not in the address");
@@ -382,7 +389,7 @@ const tests = {
     for (const [k, name] of ["Clean picture", "Picture"].entries()) {
       writeFileSync(join(scratch, "frames", `${k}.png`), (await download(page, name)).bytes);
     }
-    const said = command("detect", "clip:frames", "--model", model, "-o", "boxes.json");
+    const said = await command("detect", "clip:frames", "--model", model, "-o", "boxes.json");
     must(existsSync(join(scratch, "boxes.json")), said);
     const names = ["", "red", "always"];
     const expected = JSON.parse(readFileSync(join(scratch, "boxes.json"))).map(({ image_id, category_id, score, bbox }) => {
@@ -417,7 +424,7 @@ const tests = {
     writeFileSync(join(scratch, "cut.onnx"), cut);
     mkdirSync(join(scratch, "one"), { recursive: true });
     writeFileSync(join(scratch, "one", "0.png"), (await download(page, "Crack mask")).bytes);
-    const said = command("detect", "clip:one", "--model", "cut.onnx", "-o", "cut.json");
+    const said = await command("detect", "clip:one", "--model", "cut.onnx", "-o", "cut.json");
     await page.getByLabel("Open a model").setInputFiles({ name: "cut.onnx", mimeType: "", buffer: cut });
     await page.waitForFunction(() => document.querySelector(".trouble").textContent !== "");
     const words = await page.locator(".trouble").textContent();
@@ -499,11 +506,12 @@ const tests = {
 
 const wanted = process.argv[4];
 let [nPassed, nFailed] = [0, 0];
-for (const [name, test] of Object.entries(tests)) {
-  if (wanted && !name.includes(wanted)) continue;
+async function run([name, test]) {
+  if (wanted && !name.includes(wanted)) return;
   const begin = performance.now();
+  const contexts = [];
   try {
-    await test();
+    await contextsOfTest.run(contexts, test);
     nPassed += 1;
     console.log(`test playground::${name} ... ok`);
   } catch (error) {
@@ -511,8 +519,16 @@ for (const [name, test] of Object.entries(tests)) {
     console.log(`test playground::${name} ... FAILED\n${error.message}`);
   }
   if (process.env.TIMES) console.log(`  ${Math.round(performance.now() - begin)} ms`);
-  for (const context of browser.contexts()) await context.close();
+  for (const context of contexts) await context.close();
 }
+const waiting = Object.entries(tests);
+// What the others have gathered is looked at in the end.
+const last = waiting.pop();
+const worker = async () => {
+  while (waiting.length > 0) await run(waiting.shift());
+};
+await Promise.all([worker(), worker()]);
+await run(last);
 console.log(`test result: ${nFailed ? "FAILED" : "ok"}. ${nPassed} passed; ${nFailed} failed; 0 ignored`);
 await browser.close();
 server.close();
