@@ -45,6 +45,7 @@ fn region_of(recipe: &Recipe, image: &DynamicImage) -> f64 {
 #[test]
 fn what_lies_on_the_pane_is_told_of_and_stays_with_the_seed() {
     let image: DynamicImage = RgbImage::from_pixel(320, 200, Rgb([128; 3])).into();
+    let scene = colors().crop_imm(0, 0, 320, 200);
     for (preset, key) in [
         ("rain", "drops"),
         ("fogged", "condensation"),
@@ -53,14 +54,16 @@ fn what_lies_on_the_pane_is_told_of_and_stays_with_the_seed() {
         ("greasy", "film"),
         ("frosted", "frost"),
     ] {
-        let recipe = Recipe::preset(preset).unwrap();
+        let mut recipe = Recipe::preset(preset).unwrap();
+        // A part of the pane.
+        recipe.set("camera.f_px=600").unwrap();
         let settings = recipe.settings().unwrap();
-        let chain = |seed: u64| Chain::of(&settings, (320, 200), Seed(seed)).unwrap();
-        let coverage = chain(1).facts()[key]["coverage"].as_f64().unwrap();
+        let chain = Chain::of(&settings, (320, 200), Seed(1)).unwrap();
+        let coverage = chain.facts()[key]["coverage"].as_f64().unwrap();
         assert!((0.02..0.6).contains(&coverage), "{preset}: {coverage}");
-        assert!(!chain(1).is_intact(), "{preset} is damage");
+        assert!(!chain.is_intact(), "{preset} is damage");
         assert!(
-            over(&recipe, &colors(), 1) != over(&recipe, &colors(), 2),
+            over(&recipe, &scene, 1) != over(&recipe, &scene, 2),
             "{preset} by the seed"
         );
     }
@@ -89,7 +92,9 @@ fn a_scenario_has_all_its_faults_and_each_severity_is_worse() {
     for scenario in SCENARIOS {
         let mut last = 0.0;
         for severity in 1..=5 {
-            let recipe = Recipe::preset_at(scenario.preset.0, severity).unwrap();
+            let mut recipe = Recipe::preset_at(scenario.preset.0, severity).unwrap();
+            // A part of the pane.
+            recipe.set("camera.f_px=600").unwrap();
             let settings = recipe.settings().unwrap();
             let mut image = colors().crop_imm(200, 100, 480, 320);
             let before = image.clone();
