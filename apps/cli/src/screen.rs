@@ -156,24 +156,29 @@ impl Screen {
         } else {
             ProgressBar::new(total)
         };
-        if let Ok(style) =
-            ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg}  {rate_and_time_left}")
-        {
-            bar.set_style(style.with_key("rate_and_time_left", rate_and_time_left));
+        let counts = Arc::new(Mutex::new(Counts {
+            n_done: 0,
+            n_skipped: 0,
+            total,
+            began: Instant::now(),
+            written: Instant::now(),
+        }));
+        let counted = Arc::clone(&counts);
+        let rate = move |_: &ProgressState, to: &mut dyn std::fmt::Write| {
+            if let Some(rate) = counted.lock().ok().and_then(|counts| counts.rate()) {
+                let _ = to.write_str(&rate);
+            }
+        };
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {msg}{rate}") {
+            bar.set_style(style.with_key("rate", rate));
         }
         bar.set_message(what);
         Progress {
             bar,
             plain: !self.quiet && !terminal && self.caller.is_none(),
             screen: self.clone(),
-            total,
             what,
-            counts: Mutex::new(Counts {
-                n_done: 0,
-                n_skipped: 0,
-                began: Instant::now(),
-                written: Instant::now(),
-            }),
+            counts,
         }
     }
 }
@@ -183,34 +188,39 @@ pub(crate) struct Progress {
     bar: ProgressBar,
     screen: Screen,
     plain: bool,
-    total: u64,
     what: &'static str,
-    counts: Mutex<Counts>,
+    counts: Arc<Mutex<Counts>>,
 }
 
 struct Counts {
     /// Items done or skipped.
     n_done: u64,
     n_skipped: u64,
+    /// Where it is not known before, 0.
+    total: u64,
     /// Since when those are done that are not skipped.
     began: Instant,
     /// When the last plain line was written.
     written: Instant,
 }
 
-/// Nothing before the first item is done.
-fn rate_and_time_left(state: &ProgressState, to: &mut dyn std::fmt::Write) {
-    let rate = state.per_sec();
-    if rate > 0.0 {
-        let left = HumanDuration(state.eta());
-        let _ = write!(to, "{rate:.1} per second, {left:#} left");
+impl Counts {
+    /// How many are done in a second, and how long it takes until all are; none before the first is done.
+    #[expect(clippy::cast_precision_loss, reason = "counts, for a rate")]
+    fn rate(&self) -> Option<String> {
+        let n_done = self.n_done - self.n_skipped;
+        let rate = n_done as f64 / self.began.elapsed().as_secs_f64();
+        let left = self.total.checked_sub(self.n_done).map(|n_left| {
+            let seconds = Duration::try_from_secs_f64(n_left as f64 / rate).unwrap_or_default();
+            format!(", {} left", HumanDuration(seconds))
+        });
+        (n_done > 0).then(|| format!(", {rate:.1} per second{}", left.unwrap_or_default()))
     }
 }
 
 impl Progress {
     /// One more item is done.
     pub(crate) fn step(&self) {
-        self.bar.inc(1);
         let Ok(mut counts) = self.counts.lock() else {
             return;
         };
@@ -218,44 +228,43 @@ impl Progress {
         self.tell_caller(&counts);
         if self.plain && counts.written.elapsed() >= PLAIN_INTERVAL {
             counts.written = Instant::now();
-            let n_made = counts.n_done - counts.n_skipped;
-            #[expect(clippy::cast_precision_loss, reason = "counts, for a rate")]
-            let rate = n_made as f64 / counts.began.elapsed().as_secs_f64();
             let (n_done, what) = (counts.n_done, self.what);
-            // Where the number is not known before, it is 0.
-            let of_total = self.total.checked_sub(n_done).map(|n_left| {
-                #[expect(clippy::cast_precision_loss, reason = "counts, for a time")]
-                let seconds = n_left as f64 / rate;
-                (format!("/{}", self.total), format!(", {seconds:.0} s left"))
-            });
-            let (total, left) = of_total.unwrap_or_default();
-            let _ = writeln!(
-                std::io::stderr(),
-                "{n_done}{total} {what}, {rate:.1} per second{left}"
-            );
+            let total = match counts.total.checked_sub(n_done) {
+                Some(_) => format!("/{}", counts.total),
+                None => String::new(),
+            };
+            let rate = counts.rate().unwrap_or_default();
+            let _ = writeln!(std::io::stderr(), "{n_done}{total} {what}{rate}");
         }
+        // The bar shows the rate, for which it reads the counts.
+        drop(counts);
+        self.bar.inc(1);
     }
 
-    /// So many items were done before, in no time.
+    /// So many items were done before: they count in no rate.
     pub(crate) fn skip(&self, n: u64) {
-        self.bar.inc(n);
-        self.bar.reset_eta();
         if let Ok(mut counts) = self.counts.lock() {
             counts.n_done += n;
             counts.n_skipped += n;
             counts.began = Instant::now();
             self.tell_caller(&counts);
         }
+        self.bar.inc(n);
     }
 
     fn tell_caller(&self, counts: &Counts) {
         if let Some(caller) = &self.screen.caller {
             (caller.tell)(Event::Progress {
                 done: counts.n_done,
-                total: self.total,
+                total: counts.total,
                 what: self.what,
             });
         }
+    }
+
+    /// Writes a remark above the bar.
+    pub(crate) fn note(&self, text: &str) {
+        self.bar.suspend(|| self.screen.note(text));
     }
 
     /// Writes a line above the bar.

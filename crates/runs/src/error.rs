@@ -128,13 +128,11 @@ pub enum Error {
         way_out: &'static str,
     },
     /// A folder that a study cannot begin in.
-    #[error(
-        "{folder:?} {what}, and is the folder of no study; choose another, which is made if it is not there"
-    )]
+    #[error("{folder:?} {what}; choose another folder, which is made if it is not there")]
     NotAStudy {
         /// The folder.
         folder: PathBuf,
-        /// What it holds.
+        /// Why not.
         what: String,
     },
     /// An image that detectors cannot look at, since it could not be damaged.
@@ -161,14 +159,15 @@ pub enum Error {
     },
     /// A shard of a study that was interrupted.
     #[error(
-        "step {step:?}: {detector} has not looked at {image:?} yet; run its shard again, then join"
+        "step {step:?}: the log of {detector} has no intact line of {image:?} in its place; run its shard again, which looks \
+         only at what is missing, then join"
     )]
     StudyShardUnfinished {
         /// The detector.
         detector: String,
         /// The step.
         step: String,
-        /// The first image that it has not looked at.
+        /// The first image without such a line.
         image: String,
     },
     /// A step that a study does not have.

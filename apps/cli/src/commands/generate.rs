@@ -219,7 +219,11 @@ pub(super) fn mind_bad_records(
     }
     match on_error {
         OnError::Stop => Err(Failure::wrong_input(format!(
-            "the dataset has {n_bad} bad records, the first: {}; mend them, or leave them out with --on-error skip",
+            "the dataset has {}, the first: {}; mend them, or leave them out with --on-error skip",
+            match n_bad {
+                1 => "1 bad record".to_owned(),
+                n => format!("{n} bad records"),
+            },
             survey
                 .bad
                 .first()

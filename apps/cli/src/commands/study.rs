@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 use serde_json::json;
 use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
@@ -103,8 +103,7 @@ fn run_whole(
             Some(found.ok_or_else(interrupted)?)
         }
     };
-    steps.finish();
-    say_unseen(&runs.unseen, screen);
+    say_unseen(&runs.unseen, &steps.finish(), screen);
     let report = StudyReport {
         args,
         plan,
@@ -153,8 +152,7 @@ fn run_shard(
         )
     })??;
     let unseen = unseen.ok_or_else(interrupted)?;
-    steps.finish();
-    say_unseen(&unseen, screen);
+    say_unseen(&unseen, &steps.finish(), screen);
     screen.say(&format!(
         "{}: {} images of shard {}/{}",
         args.output.display(),
@@ -456,9 +454,8 @@ impl<'a> Steps<'a> {
             StudyEvent::Known(0) => {}
             StudyEvent::Known(n) => {
                 let known = n.try_into().map_or_else(|_| n.to_string(), images);
-                self.screen
-                    .note(&format!("  {known} known from an earlier run"));
                 if let Some(progress) = &now.progress {
+                    progress.note(&format!("  {known} known from an earlier run"));
                     progress.skip(n);
                 }
             }
@@ -479,23 +476,33 @@ impl<'a> Steps<'a> {
         }
     }
 
-    fn finish(&self) {
-        if let Ok(mut now) = self.now.lock()
-            && let Some(progress) = now.progress.take()
-        {
+    /// Takes the line away. Comes to what has been told.
+    fn finish(self) -> BTreeSet<String> {
+        let now = self
+            .now
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(progress) = now.progress {
             progress.finish();
         }
+        now.told
     }
 }
 
-fn say_unseen(unseen: &[UnseenImage], screen: &Screen) {
-    for one in unseen.iter().take(10) {
+/// Says which images have no result, but for those that were told of when they failed.
+fn say_unseen(unseen: &[UnseenImage], told: &BTreeSet<String>, screen: &Screen) {
+    let is_told = |one: &&UnseenImage| {
+        let of_condition = one.reason.split_once(": ").map(|(_, reason)| reason);
+        told.contains(&one.reason) || of_condition.is_some_and(|reason| told.contains(reason))
+    };
+    let untold: Vec<&UnseenImage> = unseen.iter().filter(|one| !is_told(one)).collect();
+    for one in untold.iter().take(10) {
         screen.note(&format!(
             "left out of all numbers: {:?}: {}",
             one.name, one.reason
         ));
     }
-    if unseen.len() > 10 {
-        screen.note(&format!("and {} more", unseen.len() - 10));
+    if untold.len() > 10 {
+        screen.note(&format!("and {} more", untold.len() - 10));
     }
 }

@@ -396,7 +396,9 @@ fn another_study_in_the_folder_is_refused_and_more_of_the_same_is_added() {
     let refused = starbreak(dir.path(), &small(&data, "1,2", &[]));
     assert_eq!(refused.code, Some(2), "{}", refused.stderr);
     assert!(
-        refused.stderr.contains("has a report.html already"),
+        refused
+            .stderr
+            .contains("has a report.html, and no study.json"),
         "{}",
         refused.stderr
     );

@@ -162,7 +162,7 @@ fn what_cannot_be_joined_is_refused() {
     );
     for (folders, named) in [
         (join(&["one", "begun"]), "begun"),
-        (join(&["one", "half"]), "has not looked at"),
+        (join(&["one", "half"]), "has no intact line of"),
         (more_seeds(join(&["one", "two"])), "paper-severity-1-seed-1"),
     ] {
         let refused = starbreak(dir, &folders);
@@ -192,7 +192,11 @@ fn what_cannot_be_joined_is_refused() {
             b"no mask".to_vec(),
             "is not what the lists of its shard say",
         ),
-        (clean, turned.join("\n").into_bytes(), "has not looked at"),
+        (
+            clean,
+            turned.join("\n").into_bytes(),
+            "has no intact line of",
+        ),
         (source, other, "have changed since"),
     ] {
         let good = fs::read(&path).unwrap();

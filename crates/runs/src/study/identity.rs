@@ -124,6 +124,9 @@ impl Identity {
             folder: folder.to_owned(),
             what,
         };
+        if folder.is_file() {
+            return Err(refuse("is a file".to_owned()));
+        }
         let mut found = read_text(&folder.join(FILE), MAX_BYTES);
         if found.is_err() && holds_anything(folder) {
             // Another step of the same shard may have begun it just now.
@@ -137,8 +140,12 @@ impl Identity {
                 let reports = ["report.html", "evaluation.json"];
                 let is_there = |name: &&&str| file_len(&folder.join(name)).is_ok();
                 return match reports.iter().find(is_there) {
-                    Some(name) => Err(refuse(format!("has a {name} already"))),
-                    None if holds_anything(folder) => Err(refuse("is not empty".to_owned())),
+                    Some(name) => Err(refuse(format!(
+                        "has a {name}, and no {FILE} that says of which study"
+                    ))),
+                    None if holds_anything(folder) => Err(refuse(format!(
+                        "is not empty, and has no {FILE} that says which study it holds"
+                    ))),
                     None => Ok(()),
                 };
             }
@@ -181,7 +188,9 @@ impl Identity {
     fn parse(text: &str) -> Result<Self, String> {
         serde_json::from_str(text).map_err(|cause| {
             let cause = cause.to_string().replace('\n', " ");
-            format!("has a {FILE} that cannot be read ({cause})")
+            format!(
+                "has a {FILE} that cannot be read ({cause}), so that nobody knows which study it is"
+            )
         })
     }
 
