@@ -168,6 +168,10 @@ impl LineLog {
         }
         ordered.flush().map_err(|source| self.write_error(source))?;
         drop(ordered);
+        if cfg!(windows) {
+            // There an open file is not replaced; elsewhere its lock holds until it is.
+            drop(self.file);
+        }
         batch.commit()
     }
 
