@@ -153,7 +153,8 @@ impl LineLog {
         if lines.clone().all(follows) && end == self.n_bytes {
             return Ok(());
         }
-        let mut batch = OutputBatch::new_unsynced().replacing(true);
+        // It takes the place of the only copy, so it waits for the disk.
+        let mut batch = OutputBatch::new().replacing(true);
         let mut ordered = BufWriter::new(batch.open(&self.path)?);
         for LineBytes { start, end } in std::iter::once(0..self.n_head_bytes).chain(lines) {
             self.file
@@ -163,8 +164,12 @@ impl LineLog {
                     source,
                 })?;
             let line = io::Read::take(&self.file, end - start);
-            io::copy(&mut BufReader::new(line), &mut ordered)
+            let n_copied = io::copy(&mut BufReader::new(line), &mut ordered)
                 .map_err(|source| self.write_error(source))?;
+            if n_copied != end - start {
+                // Another process has shortened it, where there are no locks.
+                return Err(self.write_error(io::ErrorKind::UnexpectedEof.into()));
+            }
         }
         ordered.flush().map_err(|source| self.write_error(source))?;
         drop(ordered);

@@ -64,6 +64,7 @@ pub(crate) fn run(global: &Global, args: &StudyArgs, screen: &Screen) -> Result<
     };
     if args.dry_run {
         plan.check(&truth)?;
+        study_report::refuse_taken(global, args, &plan)?;
         return dry_run(&plan, screen);
     }
     match args.shard {
@@ -79,6 +80,7 @@ fn run_whole(
     (plan, truth): (&StudyPlan<'_>, &GroundTruth),
     screen: &Screen,
 ) -> Result<u8, Failure> {
+    plan.check_folder(truth)?;
     study_report::refuse_taken(global, args, plan)?;
     let interrupt = Interrupt::listen(screen);
     let compares = !args.no_store && args.divergence != Some(DivergenceWord::Off);

@@ -277,7 +277,12 @@ fn an_image_that_cannot_be_broken_is_told_of_as_by_one_run() {
     let regions = dir.join("removed/sets/paper-seed-0/starbreak/regions");
     let away = dir.join("away");
     fs::rename(&regions, &away).unwrap();
-    starbreak(dir, &removing);
+    let without = starbreak(dir, &removing);
+    assert!(
+        without.stderr.contains("starbreak/regions"),
+        "it comes to the report: {}",
+        without.stderr
+    );
     assert!(!regions.exists(), "nothing is broken again");
     fs::rename(&away, &regions).unwrap();
     let again = starbreak(dir, &removing);

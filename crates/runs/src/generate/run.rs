@@ -236,8 +236,12 @@ impl Plan<'_> {
     }
 
     /// Tries to make the first sample of these images, and writes nothing. Comes to why each cannot be made; to none where
-    /// one can, or is not in the source.
-    pub(crate) fn why_none_is_made(&self, names: &BTreeSet<&str>) -> Option<Vec<ItemFailure>> {
+    /// one can, or is not in the source, or once `stop` is set.
+    pub(crate) fn why_none_is_made(
+        &self,
+        names: &BTreeSet<String>,
+        stop: &AtomicBool,
+    ) -> Option<Vec<ItemFailure>> {
         let layout = SetLayout::new(&self.context.out, self.options.n_samples);
         let mut failures = Vec::new();
         if names.is_empty() {
@@ -248,8 +252,11 @@ impl Plan<'_> {
                 Ok(image) => Some(&image.name),
                 Err(bad) => bad.image.as_ref(),
             };
-            if !name.is_some_and(|name| names.contains(name.as_str())) {
+            if !name.is_some_and(|name| names.contains(name)) {
                 continue;
+            }
+            if stop.load(Ordering::Relaxed) {
+                return None;
             }
             let error = match &image {
                 Ok(image) => self

@@ -118,20 +118,23 @@ pub(super) fn seen_files(log: &Path) -> Result<BTreeMap<String, String>, Error> 
 }
 
 /// What the log of an arm with this identity has, image by image as far as it has these in their order; none where
-/// there is no such log. Comes to how many it has.
+/// there is no such log. Comes to how many it has, and whether more lines follow after the last image: those of a run
+/// that tried images again and was interrupted.
 pub(super) fn read_found<'a>(
     log: &Path,
     identity: &str,
     images: impl IntoIterator<Item = &'a ImageToSee>,
     take: &mut dyn FnMut(FoundInImage),
-) -> Result<Option<usize>, Error> {
+) -> Result<Option<(usize, bool)>, Error> {
     if !LineLog::is_of(log, identity)? {
         return Ok(None);
     }
     let mut images = images.into_iter();
-    let (mut n_found, mut is_over) = (0, false);
+    let (mut n_found, mut is_over, mut has_more) = (0, false, false);
     LineLog::read(log, &mut |line| {
-        let image = images.next().filter(|_| !is_over);
+        let next = images.next();
+        has_more |= next.is_none();
+        let image = next.filter(|_| !is_over);
         let found = FoundInImage::of_line(line).zip(image);
         match found.filter(|(found, image)| found.image == image.name) {
             Some((found, _)) => {
@@ -141,7 +144,7 @@ pub(super) fn read_found<'a>(
             None => is_over = true,
         }
     })?;
-    Ok(Some(n_found))
+    Ok(Some((n_found, has_more)))
 }
 
 /// What an arm that is whole found, from its log: in the order of the images, and of each image as the detector gave
@@ -156,11 +159,11 @@ pub(super) fn read_whole(
 ) -> Result<Detections, Error> {
     let mut detections = Detections::default();
     let mut place = 0;
-    let n_found = read_found(log, identity, images, &mut |found| {
+    let found = read_found(log, identity, images, &mut |found| {
         detections.items.extend(found.detections(place));
         place += 1;
     })?;
-    match images.get(n_found.unwrap_or(0)) {
+    match images.get(found.map_or(0, |(n_found, _)| n_found)) {
         None => Ok(detections),
         Some(first) => Err(Error::StudyLog {
             log: log.to_owned(),

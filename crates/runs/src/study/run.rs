@@ -137,6 +137,14 @@ impl StudyPlan<'_> {
         self.check_as(&Identity::of(self, truth)?, truth)
     }
 
+    /// Refuses a folder with another study, or with something else.
+    ///
+    /// # Errors
+    /// [`Error::AnotherStudy`], [`Error::NotAStudy`].
+    pub fn check_folder(&self, truth: &GroundTruth) -> Result<(), Error> {
+        Identity::of(self, truth)?.check(self.out)
+    }
+
     fn check_as(&self, identity: &Identity, truth: &GroundTruth) -> Result<(), Error> {
         refuse_inside_set(self.out)?;
         self.source.refuse_output_at(self.out)?;
@@ -196,10 +204,11 @@ impl StudyPlan<'_> {
         ));
         let seen = match self.keeps_images {
             true => None,
-            false => self.seen_by_all(condition, &layout)?,
+            false => self.seen_by_all(condition, &layout, stop)?,
         };
         let (seen, failures) = match seen {
             Some((seen, failures)) => {
+                tell(StudyEvent::Known(seen.len() as u64));
                 for failure in &failures {
                     tell(StudyEvent::Failed(failure.error.to_string()));
                 }
@@ -253,12 +262,18 @@ impl StudyPlan<'_> {
         &self,
         condition: &Condition,
         layout: &SetLayout,
+        stop: &AtomicBool,
     ) -> Result<Option<SeenImages>, Error> {
+        let images = self.images.iter();
+        let looked_at: BTreeSet<&str> = images.map(|image| &*image.name).collect();
         let (mut made, mut unbroken) = (BTreeMap::new(), BTreeSet::new());
-        for image in self.images {
-            match layout.recorded(&image.name, 0)? {
-                Some(record) => _ = made.insert(image.name.clone(), record.image_blake3),
-                None => _ = unbroken.insert(&*image.name),
+        for name in self.survey.selected_names(self.source) {
+            match layout.recorded(&name, 0)? {
+                Some(record) if looked_at.contains(&*name) => {
+                    _ = made.insert(name, record.image_blake3);
+                }
+                Some(_) => {}
+                None => _ = unbroken.insert(name),
             }
         }
         for detector in self.detectors {
@@ -269,8 +284,13 @@ impl StudyPlan<'_> {
             }
         }
         let of_set = (condition, self.patterns(condition)?);
-        let failures =
-            why_none_breaks((self.source, self.survey), of_set, layout.root(), &unbroken)?;
+        let failures = why_none_breaks(
+            (self.source, self.survey),
+            of_set,
+            layout.root(),
+            &unbroken,
+            stop,
+        )?;
         Ok(failures.map(|failures| (made, failures)))
     }
 

@@ -26,15 +26,17 @@ pub(super) fn make_set(
     })?
 }
 
-/// Why none of these images can be broken under a condition; none where one can. Nothing is written.
+/// Why none of these images can be broken under a condition; none where one can, or once `stop` is set. Nothing is
+/// written.
 pub(super) fn why_none_breaks(
     (source, survey): (&Source, &Survey),
     (condition, patterns): (&Condition, &Patterns),
     folder: &Path,
-    names: &BTreeSet<&str>,
+    names: &BTreeSet<String>,
+    stop: &AtomicBool,
 ) -> Result<Option<Vec<ItemFailure>>, Error> {
     with_plan((source, survey), (condition, patterns), folder, |plan| {
-        plan.why_none_is_made(names)
+        plan.why_none_is_made(names, stop)
     })
 }
 

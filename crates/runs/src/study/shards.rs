@@ -204,17 +204,28 @@ impl StudyPlan<'_> {
             let log = self.in_shard(folder).log(detector, condition);
             let images = places.iter().map(|place| &self.images[*place]);
             let mut left = places.iter().copied();
-            let n_found = read_found(&log, &identity, images, &mut |found| {
+            let found = read_found(&log, &identity, images, &mut |found| {
                 if let Some(place) = left.next() {
                     take(place, found);
                 }
             })?;
-            n_found.ok_or_else(|| Error::StudyShard {
+            let refuse = |what: String| Error::StudyShard {
                 folder: folder.clone(),
-                what: format!(
-                    "{log:?} is not there, or of another study or version; run this shard again"
-                ),
-            })?;
+                what,
+            };
+            match found {
+                Some((_, false)) => {}
+                Some((_, true)) => {
+                    return Err(refuse(format!(
+                        "the last run of this shard was interrupted while it tried images again, by {log:?}; run it again"
+                    )));
+                }
+                None => {
+                    return Err(refuse(format!(
+                        "{log:?} is not there, or of another study or version; run this shard again"
+                    )));
+                }
+            }
             first_missing = first_missing.into_iter().chain(left.next()).min();
         }
         match first_missing.and_then(|place| self.images.get(place)) {

@@ -1,12 +1,12 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU32;
 
 use serde_json::json;
 use starbreak_eval::{BoxPx, Detections};
 
-use super::super::arm_log::{read_whole, seen_files};
+use super::super::arm_log::{read_found, read_whole, seen_files};
 use super::*;
 
 fn images() -> Vec<ImageToSee> {
@@ -348,6 +348,20 @@ fn an_image_that_cannot_be_read_is_listed_and_tried_again_alone() {
     assert!(log(&dir) == log(&other_dir), "as without a break");
     let n_calls = n_calls.into_inner();
     assert!(n_calls <= 39 + 20, "{n_calls}");
+
+    // Tried again, and killed before it is at its end: whoever joins is told.
+    let path = dir.path().join("arm.jsonl");
+    let n_found = |path: &Path| {
+        let found = read_found(path, r#"{"model":1}"#, &images(), &mut |_| ());
+        found.unwrap().unwrap()
+    };
+    assert_eq!(n_found(&path), (40, false), "whole");
+    let own = log(&dir);
+    let line = FoundInImage::new("003.png", "003.png ".to_owned(), Ok(Vec::new()));
+    let more = [&own, line.to_line().unwrap().as_bytes(), b"\n"].concat();
+    std::fs::write(&path, more).unwrap();
+    assert_eq!(n_found(&path), (40, true), "a line more");
+    std::fs::write(&path, own).unwrap();
 
     assert_eq!(run(&dir, 1, &fails, &go).unwrap(), whole, "still bad");
     assert!(log(&dir) == log(&other_dir), "still bad");
