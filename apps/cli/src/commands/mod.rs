@@ -28,6 +28,7 @@ mod shell;
 mod simulate;
 mod study;
 mod study_report;
+mod study_steps;
 mod sweep;
 mod timeline;
 mod timeline_sides;

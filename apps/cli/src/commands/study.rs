@@ -1,8 +1,7 @@
 //! `starbreak study`: detectors on a dataset before and behind broken glass.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 use serde_json::json;
 use starbreak::{DEFAULT_PRESET, Recipe, RecipeError, Seed};
@@ -10,20 +9,18 @@ use starbreak_dataset::{Source, sha256_file};
 use starbreak_detect::{Detector, DetectorOptions, ImageToSee, LabelMap, LabelRules};
 use starbreak_eval::GroundTruth;
 use starbreak_runs::generate::{Selection, Shard, Survey, refuse_outputs, survey};
-use starbreak_runs::study::{
-    CLEAN_STEP, Condition, Family, Step, StudyDetector, StudyEvent, StudyPlan, UnseenImage,
-    conditions,
-};
+use starbreak_runs::study::{CLEAN_STEP, Condition, Family, StudyDetector, StudyPlan, conditions};
 use starbreak_runs::{Patterns, with_threads};
 
 use super::detect::{contract_of, say_contract, say_unmapped};
 use super::generate::{mind_bad_records, refuse_output_in};
 use super::study_report::{self, StudyReport};
+use super::study_steps::{Steps, images, say_unseen};
 use crate::args::study::{DivergenceWord, StudyArgs, SuiteWord};
 use crate::args::{Global, read_recipe};
 use crate::failure::{DONE, Failure, SOME_FAILED};
 use crate::interrupt::Interrupt;
-use crate::screen::{Progress, Screen, path_text};
+use crate::screen::{Screen, path_text};
 
 /// Family of the condition of photographs, and the start of its folder's name.
 const PHOTOS: &str = "photos";
@@ -206,14 +203,6 @@ fn dry_run(plan: &StudyPlan<'_>, screen: &Screen) -> Result<u8, Failure> {
         })
     })?;
     Ok(DONE)
-}
-
-/// So many images, in words.
-fn images(n: usize) -> String {
-    match n {
-        1 => "1 image".to_owned(),
-        n => format!("{n} images"),
-    }
 }
 
 fn interrupted() -> Failure {
@@ -406,105 +395,4 @@ fn detectors_of(
         });
     }
     Ok(detectors)
-}
-
-/// What a study does now, on the screen.
-struct Steps<'a> {
-    screen: &'a Screen,
-    n_lines: usize,
-    now: Mutex<StepNow>,
-}
-
-/// The line of a study on the screen.
-#[derive(Default)]
-struct StepNow {
-    number: usize,
-    progress: Option<Progress>,
-    /// What has failed so far.
-    told: BTreeSet<String>,
-}
-
-impl<'a> Steps<'a> {
-    fn new(screen: &'a Screen, n_lines: usize) -> Self {
-        Self {
-            screen,
-            n_lines,
-            now: Mutex::default(),
-        }
-    }
-
-    fn tell(&self, event: StudyEvent<'_>) {
-        let Ok(mut now) = self.now.lock() else {
-            return;
-        };
-        match event {
-            StudyEvent::Begun(step, n_images) => {
-                if let Some(progress) = now.progress.take() {
-                    progress.finish();
-                }
-                now.number += 1;
-                let what = match step {
-                    Step::Comparing => "comparing the sets of images".to_owned(),
-                    Step::Breaking(condition) => format!("breaking: {}", condition.name),
-                    Step::Detecting(None) => "detecting: clean images".to_owned(),
-                    Step::Detecting(Some(condition)) => format!("detecting: {}", condition.name),
-                };
-                self.screen
-                    .note(&format!("[{}/{}] {what}", now.number, self.n_lines));
-                now.progress = Some(self.screen.progress(n_images, "images"));
-            }
-            StudyEvent::Known(0) => {}
-            StudyEvent::Known(n) => {
-                let known = n.try_into().map_or_else(|_| n.to_string(), images);
-                if let Some(progress) = &now.progress {
-                    progress.note(&format!("  {known} known from an earlier run"));
-                    progress.skip(n);
-                }
-            }
-            StudyEvent::Image => {
-                if let Some(progress) = &now.progress {
-                    progress.step();
-                }
-            }
-            StudyEvent::Failed(error) => {
-                // A file that cannot be read fails in each step.
-                if !now.told.insert(error.clone()) {
-                    return;
-                }
-                if let Some(progress) = &now.progress {
-                    progress.line(&format!("error: {error}"));
-                }
-            }
-        }
-    }
-
-    /// Takes the line away. Comes to what has been told.
-    fn finish(self) -> BTreeSet<String> {
-        let now = self
-            .now
-            .into_inner()
-            .unwrap_or_else(PoisonError::into_inner);
-        if let Some(progress) = now.progress {
-            progress.finish();
-        }
-        now.told
-    }
-}
-
-/// Says which images have no result, but for those that were told of when they failed.
-fn say_unseen(unseen: &[UnseenImage], told: &BTreeSet<String>, screen: &Screen) {
-    let is_told = |one: &&UnseenImage| {
-        let of_condition = one.reason.split_once(": ").map(|(_, reason)| reason);
-        told.contains(&one.reason) || of_condition.is_some_and(|reason| told.contains(reason))
-    };
-    let untold: Vec<&UnseenImage> = unseen.iter().filter(|one| !is_told(one)).collect();
-    for one in untold.iter().take(10) {
-        screen.note(&format!(
-            "left out of all numbers: {:?}: {}",
-            one.name, one.reason
-        ));
-    }
-    if untold.len() > 10 {
-        screen.note(&format!("and {} more", untold.len() - 10));
-    }
 }

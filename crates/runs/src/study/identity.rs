@@ -124,9 +124,6 @@ impl Identity {
             folder: folder.to_owned(),
             what,
         };
-        if folder.is_file() {
-            return Err(refuse("is a file".to_owned()));
-        }
         let mut found = read_text(&folder.join(FILE), MAX_BYTES);
         if found.is_err() && holds_anything(folder) {
             // Another step of the same shard may have begun it just now.
@@ -148,6 +145,11 @@ impl Identity {
                     ))),
                     None => Ok(()),
                 };
+            }
+            Err(DatasetError::Read { source, .. })
+                if source.kind() == std::io::ErrorKind::NotADirectory =>
+            {
+                return Err(refuse("is a file, or lies in one".to_owned()));
             }
             Err(error) => return Err(error.into()),
         };
