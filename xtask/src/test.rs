@@ -3,10 +3,12 @@
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
+use std::thread;
 
 use crate::Failure;
-use crate::command::{cargo, line_of};
+use crate::command::{cargo, line_of, run as run_command};
 use crate::metadata::Metadata;
+use crate::web::prepare as prepare_web;
 
 mod browser;
 mod debian;
@@ -23,6 +25,9 @@ pub(crate) use tools::environment;
 use report::Report;
 use tools::Tools;
 
+/// What cargo runs.
+const ALL_TESTS: [&str; 3] = ["test", "--workspace", "--locked"];
+
 /// `cargo xtask test`: the tools of the tests, all tests and doctests with the replay of the fuzz
 /// corpus, the golden digests on a processor without AVX, then the tests of the Python package in its wheel, and those of
 /// the playground in a browser, whose WebAssembly makes the pixels of the command.
@@ -30,9 +35,15 @@ use tools::Tools;
 /// # Errors
 /// If the tools or the wheel cannot be made, or a test fails.
 pub fn run(root: &Path) -> Result<(), Failure> {
-    let tools = Tools::prepare(root)?;
-    let (mut report, tests) = run_tests(root, &tools)?;
     let target = Metadata::of_workspace(root)?.target_directory;
+    let tools = beside_compiling(root, || {
+        // What of these cannot be had is said where it is missed.
+        let _ = browser::prepare(&target);
+        let _ = processors::fetch(&target);
+        let _ = prepare_web(root);
+        Tools::prepare(root)
+    })?;
+    let (mut report, tests) = run_tests(root, &tools)?;
     let without_avx = processors::x86_without_avx(root, &target, &mut report);
     let of_python = python::test(root, &tools, &mut report);
     let of_web = web::test(root, &tools, &mut report);
@@ -73,6 +84,21 @@ pub fn run_on_processors(root: &Path) -> Result<(), Failure> {
     without_avx.and(wasm).and(aarch64)
 }
 
+/// What the tests use is fetched while they are compiled: the one waits for a network, the other for processors.
+fn beside_compiling(
+    root: &Path,
+    fetch: impl FnOnce() -> Result<Tools, Failure> + Send,
+) -> Result<Tools, Failure> {
+    thread::scope(|scope| {
+        let tools = scope.spawn(fetch);
+        let compiled = run_command(cargo(root, &[&ALL_TESTS[..], &["--no-run"]].concat()));
+        let tools = tools
+            .join()
+            .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        compiled.and(tools)
+    })
+}
+
 fn tell(report: &Report) {
     println!();
     for skipped in report.skipped() {
@@ -84,8 +110,8 @@ fn tell(report: &Report) {
 /// Runs cargo test, passes on what a reader wants to see, and counts.
 fn run_tests(root: &Path, tools: &Tools) -> Result<(Report, Result<(), Failure>), Failure> {
     // --show-output, because tests say on their own output what they skip.
-    let args = ["test", "--workspace", "--locked", "--no-fail-fast"];
-    let mut command = cargo(root, &[&args[..], &["--", "--show-output"]].concat());
+    let args = ["--no-fail-fast", "--", "--show-output"];
+    let mut command = cargo(root, &[&ALL_TESTS[..], &args].concat());
     tools.name_to(&mut command);
     let line = line_of(&command);
     println!("== {line}");

@@ -53,26 +53,41 @@ impl<const COLORS: usize> Cells<COLORS> {
     #[inline(always)]
     pub(crate) fn at(&self, place_px: [f32; 2]) -> [f32; COLORS] {
         let (columns, rows) = self.size;
-        let [u, v] = place_px.map(|px| px / self.per_cell as f32);
+        let [u, v] = match self.per_cell {
+            1 => place_px,
+            per_cell => place_px.map(|px| px / per_cell as f32),
+        };
         let ((left, s), (top, t)) = (cell_before(u, columns), cell_before(v, rows));
-        let (right, bottom) = ((left + 1).min(columns - 1), (top + 1).min(rows - 1));
-        let corners = [(left, top), (right, top), (left, bottom), (right, bottom)];
-        let [a, b, low_a, low_b] = corners.map(|(x, y)| self.together(y * columns + x));
-        let (high, low) = (between(a, b, s), between(low_a, low_b, s));
-        let light = between(high, low, t).to_array();
+        let first = top * columns + left;
+        // The two cells of a row with some of the next at their end.
+        let values = self.light.as_flattened();
+        let row = |first: usize| values.get(first * COLORS..(first + 1) * COLORS + TOGETHER);
+        let light = match (row(first), row(first + columns)) {
+            (Some(high), Some(low)) if left + 1 < columns => {
+                let [high, low] =
+                    [high, low].map(|row| between(together(row), together(&row[COLORS..]), s));
+                between(high, low, t)
+            }
+            _ => self.at_border([left, top], [s, t]),
+        };
+        let light = light.to_array();
         std::array::from_fn(|c| light[c])
     }
 
-    /// The light of a cell, with some of the next at its end.
-    #[inline(always)]
-    fn together(&self, cell: usize) -> f32x4 {
-        let from = &self.light.as_flattened()[cell * COLORS..];
-        if let Some(all) = from.first_chunk() {
-            return f32x4::new(*all);
-        }
-        let mut all = [0.0; TOGETHER];
-        all[..COLORS].copy_from_slice(&self.light[cell]);
-        f32x4::new(all)
+    /// The same where there may be no cell to the right or below.
+    #[cold]
+    fn at_border(&self, [left, top]: [usize; 2], [s, t]: [f32; 2]) -> f32x4 {
+        let (columns, rows) = self.size;
+        let row = |y: usize| {
+            let [a, b] = [left, (left + 1).min(columns - 1)].map(|x| {
+                let light = self.light[y * columns + x];
+                f32x4::new(std::array::from_fn(|k| {
+                    light.get(k).copied().unwrap_or(0.0)
+                }))
+            });
+            between(a, b, s)
+        };
+        between(row(top), row((top + 1).min(rows - 1)), t)
     }
 
     /// Adds light at a place, in cells from the middle of the first, to the four around it, to each the more the nearer.
@@ -102,60 +117,9 @@ impl<const COLORS: usize> Cells<COLORS> {
         halved(self.light.as_flattened(), self.size, self.per_cell)
     }
 
-    /// Spread by a Gaussian of a standard deviation, px; beyond the frame it goes on mirrored. What cells and the
-    /// straight lines back between them spread already is taken off.
+    /// As [`blurred`].
     pub(crate) fn blurred(&self, sigma_px: f64) -> Self {
-        let sigma = sigma_px / f64::from(self.per_cell);
-        // Variances per axis, cells²: means 1/12, lines 1/6.
-        let known = if self.per_cell > 1 { 0.25 } else { 0.0 };
-        let kernel = gaussian((sigma * sigma - known).max(0.0).sqrt());
-        let light = vectorized(
-            #[inline(always)]
-            || self.by_kernel(&kernel),
-        );
-        Self { light, ..*self }
-    }
-
-    /// Spread by the middle and one side of a kernel, across and down.
-    #[inline(always)]
-    fn by_kernel(&self, kernel: &[f32]) -> Vec<[f32; COLORS]> {
-        let (width, height) = self.size;
-        let mut along = vec![[0.0_f32; COLORS]; self.light.len()];
-        let reach = kernel.len() - 1;
-        let mut wide = vec![[0.0_f32; COLORS]; width + 2 * reach];
-        for (row, to) in self
-            .light
-            .chunks_exact(width)
-            .zip(along.chunks_exact_mut(width))
-        {
-            wide[reach..reach + width].copy_from_slice(row);
-            for k in 0..reach {
-                wide[k] = row[mirrored(k.cast_signed() - reach.cast_signed(), width)];
-                wide[reach + width + k] = row[mirrored((width + k).cast_signed(), width)];
-            }
-            for (k, share) in kernel.iter().enumerate() {
-                let sides: &[usize] = if k == 0 {
-                    &[reach]
-                } else {
-                    &[reach - k, reach + k]
-                };
-                for first in sides {
-                    add_times(to, &wide[*first..*first + width], *share);
-                }
-            }
-        }
-        let mut light = vec![[0.0_f32; COLORS]; self.light.len()];
-        for (y, to) in light.chunks_exact_mut(width).enumerate() {
-            for (k, share) in kernel.iter().enumerate() {
-                let (y, k) = (y.cast_signed(), k.cast_signed());
-                let sides: &[isize] = if k == 0 { &[y] } else { &[y - k, y + k] };
-                for from in sides {
-                    let from = mirrored(*from, height) * width;
-                    add_times(to, &along[from..from + width], *share);
-                }
-            }
-        }
-        light
+        blurred(&self.light, self.size, self.per_cell, sigma_px)
     }
 
     /// Adds the light of wider cells.
@@ -175,10 +139,100 @@ impl<const COLORS: usize> Cells<COLORS> {
     }
 }
 
+/// The first of some values.
+#[inline(always)]
+fn together(values: &[f32]) -> f32x4 {
+    f32x4::new(std::array::from_fn(|k| values[k]))
+}
+
 /// Values on a straight line from some to others.
 #[inline(always)]
 pub(crate) fn between(from: f32x4, to: f32x4, part: f32) -> f32x4 {
     from + f32x4::splat(part) * (to - from)
+}
+
+/// The light of cells spread by a Gaussian of a standard deviation, px; beyond the frame it goes on mirrored. What cells and
+/// the straight lines back between them spread already is taken off.
+fn blurred<const COLORS: usize>(
+    light: &[[f32; COLORS]],
+    size: (usize, usize),
+    per_cell: u32,
+    sigma_px: f64,
+) -> Cells<COLORS> {
+    let sigma = sigma_px / f64::from(per_cell);
+    // Variances per axis, cells²: means 1/12, lines 1/6.
+    let known = if per_cell > 1 { 0.25 } else { 0.0 };
+    let kernel = gaussian((sigma * sigma - known).max(0.0).sqrt());
+    let light = vectorized(
+        #[inline(always)]
+        || by_kernel(light, size, &kernel),
+    );
+    Cells {
+        size,
+        per_cell,
+        light,
+    }
+}
+
+/// Spread by the middle and one side of a kernel, across and down.
+#[inline(always)]
+fn by_kernel<const COLORS: usize>(
+    light: &[[f32; COLORS]],
+    (width, height): (usize, usize),
+    kernel: &[f32],
+) -> Vec<[f32; COLORS]> {
+    let reach = kernel.len() - 1;
+    // Rows that are spread across, as many as are spread down together.
+    let n_rows = (2 * reach + 1).min(height);
+    let mut across = vec![[0.0_f32; COLORS]; n_rows * width];
+    let mut wide = vec![[0.0_f32; COLORS]; width + 2 * reach];
+    let mut rows = light.chunks_exact(width).enumerate();
+    let mut n_across = 0;
+    let mut out = vec![[0.0_f32; COLORS]; light.len()];
+    for (y, to) in out.chunks_exact_mut(width).enumerate() {
+        let wanted = (y + reach + 1).min(height);
+        for (from, row) in rows.by_ref().take(wanted - n_across) {
+            let slot = from % n_rows * width;
+            row_by_kernel(row, &mut wide, &mut across[slot..slot + width], kernel);
+        }
+        n_across = wanted;
+        for (k, share) in kernel.iter().enumerate() {
+            let (y, k) = (y.cast_signed(), k.cast_signed());
+            let sides: &[isize] = if k == 0 { &[y] } else { &[y - k, y + k] };
+            for from in sides {
+                let slot = mirrored(*from, height) % n_rows * width;
+                add_times(to, &across[slot..slot + width], *share);
+            }
+        }
+    }
+    out
+}
+
+/// A row spread across, with room for it and what is beyond its ends.
+#[inline(always)]
+fn row_by_kernel<const COLORS: usize>(
+    row: &[[f32; COLORS]],
+    wide: &mut [[f32; COLORS]],
+    to: &mut [[f32; COLORS]],
+    kernel: &[f32],
+) {
+    let (width, reach) = (row.len(), kernel.len() - 1);
+    wide[reach..reach + width].copy_from_slice(row);
+    for k in 0..reach {
+        wide[k] = row[mirrored(k.cast_signed() - reach.cast_signed(), width)];
+        wide[reach + width + k] = row[mirrored((width + k).cast_signed(), width)];
+    }
+    to.fill([0.0; COLORS]);
+    for (k, share) in kernel.iter().enumerate() {
+        let sides: &[usize] = if k == 0 {
+            &[reach]
+        } else {
+            &[reach - k, reach + k]
+        };
+        for first in sides {
+            add_times(to, &wide[*first..*first + width], *share);
+        }
+    }
 }
 
 fn add_rows<const COLORS: usize>(light: &mut [f32], mut rows: Rows<'_, COLORS>) {
@@ -202,8 +256,12 @@ pub(crate) struct Rows<'c, const COLORS: usize> {
     across: Vec<(usize, f32)>,
     /// Cells from one row to the next.
     scale: f32,
-    /// Of the present row: that of cells, with more at its end, and that of pixels.
+    /// A row of cells with more at its end.
     line: Vec<f32>,
+    /// Two rows of cells at each pixel, by the parity of their numbers, with room at their ends, and which they are.
+    wide: [Vec<f32>; 2],
+    wide_of: [usize; 2],
+    /// The present row.
     row: Vec<f32>,
 }
 
@@ -222,7 +280,9 @@ impl<'c, const COLORS: usize> Rows<'c, COLORS> {
                 .collect(),
             scale,
             line: vec![0.0; (columns + 1) * COLORS + TOGETHER],
-            row: vec![0.0; n * COLORS + TOGETHER],
+            wide: [(); 2].map(|()| vec![0.0; n * COLORS + TOGETHER]),
+            wide_of: [usize::MAX; 2],
+            row: vec![0.0; n * COLORS],
             cells,
         }
     }
@@ -232,34 +292,48 @@ impl<'c, const COLORS: usize> Rows<'c, COLORS> {
     pub(crate) fn at(&mut self, y: usize) -> &[f32] {
         let (columns, rows) = self.cells.size;
         let (above, t) = cell_before(middle(y, self.scale), rows);
-        let row_of = |y: usize| self.cells.light[y * columns..][..columns].as_flattened();
-        let (from, below) = (row_of(above), row_of((above + 1).min(rows - 1)));
         let n = self.across.len() * COLORS;
-        if self.scale.to_bits() == 1.0_f32.to_bits() && n == from.len() {
-            return from;
+        if self.scale.to_bits() == 1.0_f32.to_bits() && n == columns * COLORS {
+            return self.cells.light[above * columns..][..columns].as_flattened();
         }
-        for ((to, a), b) in self.line.iter_mut().zip(from).zip(below) {
-            *to = a + (b - a) * t;
+        let below = (above + 1).min(rows - 1);
+        for wanted in [above, below] {
+            if self.wide_of[wanted % 2] != wanted {
+                self.widen(wanted);
+            }
         }
-        // Beyond the last cell it goes on.
+        let (from, to) = (&self.wide[above % 2], &self.wide[below % 2]);
+        for ((light, a), b) in self.row.iter_mut().zip(from).zip(to) {
+            *light = a + (b - a) * t;
+        }
+        &self.row
+    }
+
+    /// Puts a row of cells where those of its parity are.
+    #[inline(always)]
+    fn widen(&mut self, row: usize) {
+        let columns = self.cells.size.0;
         let end = columns * COLORS;
+        let from = &self.cells.light[row * columns..][..columns];
+        self.line[..end].copy_from_slice(from.as_flattened());
+        // Beyond the last cell it goes on.
         self.line.copy_within(end - COLORS..end, end);
-        let places = self.across.iter().zip(0_usize..);
-        for ((left, s), x) in places {
+        let wide = &mut self.wide[row % 2];
+        self.wide_of[row % 2] = row;
+        for ((left, s), x) in self.across.iter().zip(0_usize..) {
             let left = left * COLORS;
             if COLORS == 1 {
                 let [a, b] = [self.line[left], self.line[left + 1]];
-                self.row[x] = a + (b - a) * s;
+                wide[x] = a + (b - a) * s;
                 continue;
             }
             let a = &self.line[left..left + TOGETHER];
             let b = &self.line[left + COLORS..left + COLORS + TOGETHER];
-            let to = &mut self.row[x * COLORS..x * COLORS + TOGETHER];
+            let to = &mut wide[x * COLORS..x * COLORS + TOGETHER];
             for k in 0..TOGETHER {
                 to[k] = a[k] + (b[k] - a[k]) * s;
             }
         }
-        &self.row[..n]
     }
 }
 
@@ -314,7 +388,7 @@ impl<'l, const COLORS: usize> Pyramid<'l, COLORS> {
     pub(crate) fn spread(&mut self, sigma_px: f64) -> Cells<COLORS> {
         match self.wider_up_to(sigma_px / CELLS_PER_SIGMA) {
             Some(cells) => cells.blurred(sigma_px),
-            None => Cells::of(self.pixels, self.size).blurred(sigma_px),
+            None => blurred(self.pixels.as_chunks().0, self.size, 1, sigma_px),
         }
     }
 

@@ -57,7 +57,10 @@ impl Close {
         };
         // On the pane, or so far beyond it that the pupil's image on it is its disc.
         let (focus_m, focal_length_m, pupil_m) = match self.blur_px {
-            px if px > 0.0 => (1e6, 4e-3, 2.0 * px * self.distance_m / self.f_px),
+            px if px > 0.0 => {
+                let pupil_m = 2.0 * px * self.distance_m / self.f_px;
+                (1e6, f64::max(4e-3, 2.0 * pupil_m), pupil_m)
+            }
             _ => (self.distance_m, 1e-3, 1e-5),
         };
         let optics = PhysicalOptics {
@@ -270,7 +273,16 @@ fn a_drop_covers_its_footprint_however_few_pixels_that_has() {
         added / (std::f64::consts::PI * radius_px * radius_px)
     };
     let expected = added_per_footprint(40.0, 0.0);
-    for (radius_px, blur_px) in [(0.5, 0.0), (1.0, 0.7), (1.4, 1.0), (2.0, 0.0), (2.9, 0.0)] {
+    let sizes = [(0.5, 0.0), (2.0, 0.0), (2.9, 0.0)];
+    let specks = [
+        (0.3, 0.6),
+        (1.0, 0.7),
+        (1.4, 1.0),
+        (0.8, 2.5),
+        (1.4, 3.9),
+        (2.0, 6.0),
+    ];
+    for (radius_px, blur_px) in sizes.into_iter().chain(specks) {
         let found = added_per_footprint(radius_px, blur_px);
         assert!(
             (found / expected - 1.0).abs() < 0.04,

@@ -35,6 +35,14 @@ const WASI: &str = "wasm32-wasip1";
 /// Runs a program of it in Node.
 const WASI_RUNNER: &str = "xtask/src/test/wasi.mjs";
 
+/// What [`x86_without_avx`] runs in.
+///
+/// # Errors
+/// If it cannot be had.
+pub(super) fn fetch(target: &Path) -> Result<(), Failure> {
+    emulator(target, "x86_64").map(|_| ())
+}
+
 /// The golden digests on x86-64 without AVX.
 ///
 /// # Errors

@@ -11,7 +11,8 @@ use super::layer::{PatternLayer, Spread};
 use super::{Overlay, PhysicalOptics};
 use crate::environment::{Environment, HemisphereWeights};
 use crate::interface::gap::GapTable;
-use crate::maps::{CHUNK, Drawn, Facet, LaneRuns, Pupil, cover, spread};
+use crate::lens::Lens;
+use crate::maps::{CHUNK, Drawn, Facet, LaneRuns, Pupil, add_specks, cover, spread};
 use crate::surface::{
     Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, drops, fragment_facets, hit_facets,
 };
@@ -78,7 +79,8 @@ pub fn bake(
     pattern.outline = Outline::Corners(std::mem::take(&mut cracks.outlines));
     for facets in [fragments, cracks] {
         let places = Spread::Neighbors(mean_blur_px(&facets.light));
-        let layer = pattern.layer_of((&facets, &[]), Pupil::of(&optics.lens), places);
+        let light = pattern.spread(&facets.light, &[], &optics.lens);
+        let layer = pattern.layer_of(light, &facets.tint, (&optics.lens, places));
         pattern.layers.extend(layer);
     }
     Ok(pattern)
@@ -143,9 +145,11 @@ impl Pattern {
         }
         let gaps = gap_table(optics.glass.refractive_index);
         let from = light_from(&sheet, optics, &gaps);
-        let (drawn, facets) = drops(&from, &deposit.caps, reach_px(&sheet));
-        let drawn: Vec<&dyn Drawn<LANES>> = drawn.iter().map(|drop| drop as _).collect();
-        let layer = self.layer_of((&facets, &drawn), Pupil::of(&optics.lens), Spread::Squares);
+        let drops = drops(&from, &deposit.caps, reach_px(&sheet));
+        let drawn: Vec<&dyn Drawn<LANES>> = drops.drawn.iter().map(|drop| drop as _).collect();
+        let mut light = self.spread(&drops.facets.light, &drawn, &optics.lens);
+        add_specks(&mut light, &drops.specks, N_SHARES, Pupil::of(&optics.lens));
+        let layer = self.layer_of(light, &drops.facets.tint, (&optics.lens, Spread::Squares));
         self.layers.splice(0..0, layer);
         Ok(self)
     }
@@ -154,19 +158,28 @@ impl Pattern {
         self.size.0 == 0 || self.size.1 == 0
     }
 
-    /// The layer of some facets; none where nothing of them is in the frame.
+    /// The maps of some facets and of what is drawn.
+    fn spread(
+        &self,
+        facets: &[Facet<LANES>],
+        drawn: &[&dyn Drawn<LANES>],
+        lens: &Lens,
+    ) -> LaneRuns<LANES> {
+        let size = (self.size.0 as usize, self.size.1 as usize);
+        spread(facets, drawn, N_SHARES, Pupil::of(lens), size)
+    }
+
+    /// The layer of some maps, with what tints them; none where nothing is in the frame.
     fn layer_of(
         &self,
-        (facets, drawn): (&Facets, &[&dyn Drawn<LANES>]),
-        pupil: Pupil,
-        places: Spread,
+        light: LaneRuns<LANES>,
+        tint: &[Facet<4>],
+        (lens, places): (&Lens, Spread),
     ) -> Option<PatternLayer> {
-        let size = (self.size.0 as usize, self.size.1 as usize);
-        let light = spread(&facets.light, drawn, N_SHARES, pupil, size);
         if light.is_empty() {
             return None;
         }
-        let tint = spread(&facets.tint, &[], 1, pupil, size);
+        let tint = spread(tint, &[], 1, Pupil::of(lens), light.size());
         Some(PatternLayer::of_sums(light, &tint, places))
     }
 

@@ -8,7 +8,7 @@ use starbreak_deposit::Cap;
 use super::cracks::Facets;
 use super::lobe::{Before, HELD, LANES, LightFrom, Sent};
 use crate::interface::fresnel::reflectance;
-use crate::maps::{Drawn, cells_per_px};
+use crate::maps::{Drawn, Speck, cells_per_px, has_specks};
 use crate::vector::{Vector, dot};
 
 /// Refractive index of water in visible light.
@@ -34,12 +34,16 @@ const LEAST_PX: f64 = 0.12;
 /// Most facets of all drops that are made of them: of more drops each has fewer.
 const MOST_FACETS: f64 = 1e6;
 
-/// All drops that reach into the frame: those that are drawn, and facets of the others.
-pub(crate) fn drops<'a>(
-    from: &'a LightFrom<'a>,
-    caps: &[Cap],
-    reach_px: f64,
-) -> (Vec<DrawnDrop<'a>>, Facets) {
+/// Drops before a camera: those that are drawn, those that are smaller than their blur, and facets of the others.
+#[derive(Default)]
+pub(crate) struct Drops<'a> {
+    pub(crate) drawn: Vec<DrawnDrop<'a>>,
+    pub(crate) specks: Vec<Speck<LANES>>,
+    pub(crate) facets: Facets,
+}
+
+/// All drops that reach into the frame.
+pub(crate) fn drops<'a>(from: &'a LightFrom<'a>, caps: &[Cap], reach_px: f64) -> Drops<'a> {
     let (width, height) = from.sheet.view().size();
     let frame = [f64::from(width), f64::from(height)];
     let seen: Vec<(Drop<'_>, [f64; 2], f64)> = caps
@@ -68,26 +72,39 @@ pub(crate) fn drops<'a>(
             Some(per_cell) if least_cells(per_cell) >= DRAWN_CELLS => {
                 drawn.push(DrawnDrop::of(drop, blur_px, per_cell));
             }
-            _ => faceted.push((drop, (middle, blur_px), radius_px)),
+            per_cell => {
+                let is_speck = per_cell.is_some() && has_specks(blur_px);
+                faceted.push((drop, (middle, blur_px), radius_px, is_speck));
+            }
         }
     }
     let rings = |radius_px: f64| (RINGS_PER_PX * radius_px).clamp(RINGS[0], RINGS[1]);
     let n_facets: f64 = faceted
         .iter()
-        .map(|(.., radius_px)| 4.0 * rings(*radius_px) * rings(*radius_px))
+        .map(|(.., radius_px, _)| 4.0 * rings(*radius_px) * rings(*radius_px))
         .sum();
     let fewer = (MOST_FACETS / n_facets.max(1.0)).sqrt().min(1.0);
-    let mut facets = Facets::default();
-    for (drop, place, radius_px) in faceted {
+    let (mut specks, mut facets) = (Vec::new(), Facets::default());
+    for (drop, place, radius_px, is_speck) in faceted {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "some rings"
         )]
         let n_rings = (fewer * rings(radius_px)).ceil().max(1.0) as u32;
-        drop.add(place, n_rings, &mut facets);
+        if is_speck {
+            let mut own = Facets::default();
+            drop.add(place, n_rings, &mut own);
+            specks.push(own.light);
+        } else {
+            drop.add(place, n_rings, &mut facets);
+        }
     }
-    (drawn, facets)
+    Drops {
+        drawn,
+        specks,
+        facets,
+    }
 }
 
 /// Radius of a drop along its shorter side, in cells, by [`Drop::per_cell`].
