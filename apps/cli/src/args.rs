@@ -251,6 +251,18 @@ pub(crate) fn read_recipe(path: &Path) -> Result<Recipe, Failure> {
 }
 
 impl Global {
+    /// A flag that says of the recipe, where one is given.
+    pub(crate) fn says_of_recipe(&self) -> Option<&'static str> {
+        let given = [
+            ("recipe", self.recipe.is_some()),
+            ("preset", self.preset.is_some()),
+            ("severity", self.severity.is_some()),
+            ("camera", self.camera.is_some()),
+            ("set", !self.set.is_empty()),
+        ];
+        given.into_iter().find_map(|(flag, is)| is.then_some(flag))
+    }
+
     /// The recipe that the flags ask for.
     pub(crate) fn recipe(&self) -> Result<Recipe, Failure> {
         self.recipe_or(DEFAULT_PRESET)

@@ -67,6 +67,7 @@ pub(crate) fn run(global: &Global, args: &BenchArgs, screen: &Screen) -> Result<
         "bench-optics.csv",
     ];
     global.refuse_recipe_among(&names.map(|name| args.output.join(name)))?;
+    refuse_idle_recipe(global, args)?;
     let interrupt = Interrupt::listen(screen);
     let mut batch = global.batch();
     let mut tables = Vec::new();
@@ -126,6 +127,21 @@ pub(crate) fn run(global: &Global, args: &BenchArgs, screen: &Screen) -> Result<
     ));
     screen.result(|| result)?;
     Ok(DONE)
+}
+
+/// Refuses what says which recipe where none is heard.
+fn refuse_idle_recipe(global: &Global, args: &BenchArgs) -> Result<(), Failure> {
+    let (model, measured) = match args.model {
+        Some(BenchModel::Physics) => ("physics", "panes"),
+        Some(BenchModel::Optics) => ("optics", "cracks"),
+        Some(BenchModel::Paper) | None => return Ok(()),
+    };
+    match global.says_of_recipe() {
+        Some(flag) => Err(Failure::wrong_input(format!(
+            "`bench --model {model}` measures the same {measured} always, so it has no use for --{flag}; leave it out"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// The paper's series: one for each number of particles.

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::program::{folder, names, succeed};
+use crate::program::{all_refused, folder, names, succeed};
 use serde_json::Value;
 
 #[test]
@@ -49,4 +49,16 @@ fn the_optics_section_times_two_frames_and_two_discs() {
     let csv = fs::read_to_string(out.join("bench-optics.csv")).unwrap();
     let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
     assert_eq!(columns, [12; 5], "{csv}");
+}
+
+#[test]
+fn a_recipe_that_no_model_hears_is_refused() {
+    let cases = [
+        ("optics", "--preset", "windshield-star"),
+        ("physics", "--set", "fracture.mesh=fast"),
+        ("optics", "--camera", "kitti"),
+    ];
+    let cases =
+        cases.map(|(model, flag, value)| (vec!["bench", "--model", model, flag, value], flag));
+    all_refused(folder().path(), &cases);
 }
