@@ -37,11 +37,12 @@ const ALL_TESTS: [&str; 3] = ["test", "--workspace", "--locked"];
 pub fn run(root: &Path) -> Result<(), Failure> {
     let target = Metadata::of_workspace(root)?.target_directory;
     let tools = beside_compiling(root, || {
-        // What of these cannot be had is said where it is missed.
+        let tools = Tools::prepare(root).inspect_err(|failure| println!("== {failure}"))?;
+        // What of these cannot be had is said again where it is missed.
         let _ = browser::prepare(&target);
         let _ = processors::fetch(&target);
         let _ = prepare_web(root);
-        Tools::prepare(root)
+        Ok(tools)
     })?;
     let (mut report, tests) = run_tests(root, &tools)?;
     let without_avx = processors::x86_without_avx(root, &target, &mut report);
@@ -91,11 +92,11 @@ fn beside_compiling(
 ) -> Result<Tools, Failure> {
     thread::scope(|scope| {
         let tools = scope.spawn(fetch);
-        let compiled = run_command(cargo(root, &[&ALL_TESTS[..], &["--no-run"]].concat()));
+        let compiled = run_command(processors::all_tests(root));
         let tools = tools
             .join()
             .unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        compiled.and(tools)
+        tools.and_then(|tools| compiled.map(|()| tools))
     })
 }
 

@@ -251,8 +251,8 @@ pub(crate) fn read_recipe(path: &Path) -> Result<Recipe, Failure> {
 }
 
 impl Global {
-    /// A flag that says of the recipe, where one is given.
-    pub(crate) fn says_of_recipe(&self) -> Option<&'static str> {
+    /// A flag that says which recipe, where one is given.
+    pub(crate) fn recipe_flag(&self) -> Option<&'static str> {
         let given = [
             ("recipe", self.recipe.is_some()),
             ("preset", self.preset.is_some()),
@@ -338,12 +338,7 @@ impl Global {
 
     /// Whether a flag says with which recipe or seed something is to be made.
     pub(crate) fn says_what_to_make(&self) -> bool {
-        let names = [&self.preset, &self.camera];
-        names.into_iter().any(Option::is_some)
-            || self.recipe.is_some()
-            || self.severity.is_some()
-            || !self.set.is_empty()
-            || self.seed != 0
+        self.recipe_flag().is_some() || self.seed != 0
     }
 
     /// The seed.

@@ -38,11 +38,15 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
             // As wide in this frame as in one of a camera.
             recipe.set("spots.pitch_um=25").unwrap();
         }
-        if ["rain", "muddy", "frosted"].contains(&preset) {
+        if ["muddy", "frosted"].contains(&preset) || preset == "rain" && focus != "far" {
             // Glass at hand, in focus.
             for setting in ["camera.f_px=300", "camera.focus_distance_m=0.15"] {
                 recipe.set(setting).unwrap();
             }
+        }
+        if preset == "rain" && focus == "far" {
+            // In a blur of 1 to 3 px, in which small drops are specks.
+            recipe.set("camera.f_px=600").unwrap();
         }
         if preset == "blank-frames" {
             for setting in ["frames.frozen=0", "frames.black=0", "frames.white=1"] {
@@ -114,7 +118,7 @@ fn pictures_are_what_they_were() {
     for (preset, _) in presets() {
         for (focus, in_focus) in [("far", "scene"), ("0.15", "glass")] {
             let is_glass = PRESETS.iter().any(|(glass, _)| *glass == preset) && preset != "paper";
-            if in_focus == "glass" && !is_glass {
+            if in_focus == "glass" && !is_glass && preset != "rain" {
                 continue;
             }
             let name = format!("{preset}-{in_focus}.png");

@@ -11,6 +11,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
+use super::ALL_TESTS;
 use super::debian;
 use super::report::Report;
 use super::tools::answer;
@@ -35,12 +36,18 @@ const WASI: &str = "wasm32-wasip1";
 /// Runs a program of it in Node.
 const WASI_RUNNER: &str = "xtask/src/test/wasi.mjs";
 
-/// What [`x86_without_avx`] runs in.
+/// Where what is built runs on x86-64 without AVX, too.
+const IS_X86_LINUX: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));
+
+/// Gets what [`x86_without_avx`] runs in.
 ///
 /// # Errors
 /// If it cannot be had.
 pub(super) fn fetch(target: &Path) -> Result<(), Failure> {
-    emulator(target, "x86_64").map(|_| ())
+    match IS_X86_LINUX {
+        true => emulator(target, "x86_64").map(|_| ()),
+        false => Ok(()),
+    }
 }
 
 /// The golden digests on x86-64 without AVX.
@@ -53,7 +60,7 @@ pub(super) fn x86_without_avx(
     report: &mut Report,
 ) -> Result<(), Failure> {
     let what = "golden digests on x86-64 without AVX";
-    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    if !IS_X86_LINUX {
         report.skip(what, "what was built here is not for it");
         return Ok(());
     }
@@ -79,7 +86,7 @@ pub(super) fn x86_without_avx(
 /// If they differ there, or do not build.
 pub(super) fn aarch64(root: &Path, target: &Path, report: &mut Report) -> Result<(), Failure> {
     let what = "golden digests on aarch64";
-    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    if !IS_X86_LINUX {
         report.skip(what, "it is cross-built on x86-64 Linux alone");
         return Ok(());
     }
@@ -193,8 +200,8 @@ fn compiler(target: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// The tests of the workspace as the test command has them, not run.
-fn all_tests(root: &Path) -> Command {
-    cargo(root, &["test", "--workspace", "--locked", "--no-run"])
+pub(super) fn all_tests(root: &Path) -> Command {
+    cargo(root, &[&ALL_TESTS[..], &["--no-run"]].concat())
 }
 
 /// Builds these tests by a command that names none.

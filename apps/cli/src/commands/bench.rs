@@ -136,7 +136,7 @@ fn refuse_idle_recipe(global: &Global, args: &BenchArgs) -> Result<(), Failure> 
         Some(BenchModel::Optics) => ("optics", "cracks"),
         Some(BenchModel::Paper) | None => return Ok(()),
     };
-    match global.says_of_recipe() {
+    match global.recipe_flag() {
         Some(flag) => Err(Failure::wrong_input(format!(
             "`bench --model {model}` measures the same {measured} always, so it has no use for --{flag}; leave it out"
         ))),

@@ -3,7 +3,7 @@
 //! A [`Facet`] is a polygon of the frame with what it sends along each of a few *lanes*: shares
 //! of the light of the sky, of the ground and so on. [`spread`] covers the frame with them and
 //! blurs each by the disc that its own depth has. What shows much in few pixels is [`Drawn`], cell by
-//! cell; what is smaller than its blur is a [`Speck`].
+//! cell; what is hardly larger than its blur is a [`Speck`].
 
 mod active;
 mod cells;

@@ -1,4 +1,5 @@
-//! What is smaller than its blur: facets that are spread pixel by pixel, each over the pupil's image about its own middle.
+//! What is hardly larger than its blur: facets that are spread pixel by pixel, each over the pupil's image about its own
+//! middle.
 
 use super::emit::hand_on;
 use super::kernel::Pupil;
@@ -6,19 +7,20 @@ use super::lane_runs::LaneRuns;
 use super::layer::{Facet, add_scaled};
 use crate::pyramid::vectorized;
 
-/// Radii of a blur, px, before which facets of some px may be specks: of a narrower one their outlines show, and of a
-/// wider one the coarse cells of a layer take less time.
+/// Radii of blur, px, from which and up to which things are specks: in a narrower one the outlines of their facets show,
+/// and for a wider one the coarse cells of a layer take less time.
 const BLURS_PX: [f64; 2] = [1.0, 8.0];
 
-/// Facets of one thing, of one blur.
+/// Facets of one thing, of one blur, whose lanes do not lean.
 pub(crate) type Speck<const L: usize> = Vec<Facet<L>>;
 
-/// Whether what has a blur of this radius, px, and is smaller than it, may be a speck.
+/// Whether what has a blur of this radius, px, and is of a few of its cells, may be a speck.
 pub(crate) fn has_specks(radius_px: f64) -> bool {
     (BLURS_PX[0]..BLURS_PX[1]).contains(&radius_px.abs())
 }
 
-/// Adds specks that do not lie over each other to the maps of a frame. The first `n_shares` lanes are shares of coverage.
+/// Adds specks to the maps of a frame. The first `n_shares` lanes are shares of coverage; where specks lie over each other
+/// theirs are summed.
 pub(crate) fn add_specks<const L: usize>(
     frame: &mut LaneRuns<L>,
     specks: &[Speck<L>],
@@ -266,7 +268,7 @@ mod tests {
         let size = (60, 50);
         // Of the peak. A layer on its cells is some hundredths from one on finer ones.
         for (pupil, most) in [(Pupil::Round, 0.06), (polygon(6), 0.1), (polygon(3), 0.16)] {
-            for (radius, blur) in [(0.4, 1.0), (0.5, 1.4), (0.8, 2.3), (1.0, -4.1), (1.5, 7.2)] {
+            for (radius, blur) in [(0.8, 1.0), (0.5, 1.4), (0.8, 2.3), (1.0, -4.1), (1.5, 7.2)] {
                 assert!(has_specks(blur), "{blur} px");
                 // Beside each other, as those of a drop are, and at the corner of the frame.
                 let places = [[30.3, 24.6], [30.3 + 2.3 * radius, 24.1], [0.2, 0.4]];

@@ -34,8 +34,7 @@ const LEAST_PX: f64 = 0.12;
 /// Most facets of all drops that are made of them: of more drops each has fewer.
 const MOST_FACETS: f64 = 1e6;
 
-/// Drops before a camera: those that are drawn, those that are smaller than their blur, and facets of the others.
-#[derive(Default)]
+/// Drops before a camera: those that are drawn, those that are hardly larger than their blur, and facets of the others.
 pub(crate) struct Drops<'a> {
     pub(crate) drawn: Vec<DrawnDrop<'a>>,
     pub(crate) specks: Vec<Speck<LANES>>,
