@@ -36,14 +36,7 @@ const ALL_TESTS: [&str; 3] = ["test", "--workspace", "--locked"];
 /// If the tools or the wheel cannot be made, or a test fails.
 pub fn run(root: &Path) -> Result<(), Failure> {
     let target = Metadata::of_workspace(root)?.target_directory;
-    let tools = beside_compiling(root, || {
-        let tools = Tools::prepare(root).inspect_err(|failure| println!("== {failure}"))?;
-        // What of these cannot be had is said again where it is missed.
-        let _ = browser::prepare(&target);
-        let _ = processors::fetch(&target);
-        let _ = prepare_web(root);
-        Ok(tools)
-    })?;
+    let tools = tools_beside_compiling(root, &target)?;
     let (mut report, tests) = run_tests(root, &tools)?;
     let without_avx = processors::x86_without_avx(root, &target, &mut report);
     let of_python = python::test(root, &tools, &mut report);
@@ -86,10 +79,15 @@ pub fn run_on_processors(root: &Path) -> Result<(), Failure> {
 }
 
 /// What the tests use is fetched while they are compiled: the one waits for a network, the other for processors.
-fn beside_compiling(
-    root: &Path,
-    fetch: impl FnOnce() -> Result<Tools, Failure> + Send,
-) -> Result<Tools, Failure> {
+fn tools_beside_compiling(root: &Path, target: &Path) -> Result<Tools, Failure> {
+    let fetch = || {
+        let tools = Tools::prepare(root).inspect_err(|failure| println!("== {failure}"))?;
+        // What of these cannot be had is said again where it is missed.
+        let _ = browser::prepare(target);
+        let _ = processors::fetch(target);
+        let _ = prepare_web(root);
+        Ok(tools)
+    };
     thread::scope(|scope| {
         let tools = scope.spawn(fetch);
         let compiled = run_command(processors::all_tests(root));

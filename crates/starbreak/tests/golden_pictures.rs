@@ -38,15 +38,17 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
             // As wide in this frame as in one of a camera.
             recipe.set("spots.pitch_um=25").unwrap();
         }
-        if ["muddy", "frosted"].contains(&preset) || preset == "rain" && focus != "far" {
-            // Glass at hand, in focus.
-            for setting in ["camera.f_px=300", "camera.focus_distance_m=0.15"] {
-                recipe.set(setting).unwrap();
-            }
-        }
-        if preset == "rain" && focus == "far" {
+        let settings: &[&str] = match (preset, focus) {
             // In a blur of 1 to 3 px, in which small drops are specks.
-            recipe.set("camera.f_px=600").unwrap();
+            ("rain", "far") => &["camera.f_px=600"],
+            // Glass at hand, in focus.
+            ("rain" | "muddy" | "frosted", _) => {
+                &["camera.f_px=300", "camera.focus_distance_m=0.15"]
+            }
+            _ => &[],
+        };
+        for setting in settings {
+            recipe.set(setting).unwrap();
         }
         if preset == "blank-frames" {
             for setting in ["frames.frozen=0", "frames.black=0", "frames.white=1"] {

@@ -14,7 +14,7 @@ const BLURS_PX: [f64; 2] = [1.0, 8.0];
 /// Facets of one thing, of one blur, whose lanes do not lean.
 pub(crate) type Speck<const L: usize> = Vec<Facet<L>>;
 
-/// Whether what has a blur of this radius, px, and is of a few of its cells, may be a speck.
+/// Whether small things with a blur of this radius, px, are specks.
 pub(crate) fn has_specks(radius_px: f64) -> bool {
     (BLURS_PX[0]..BLURS_PX[1]).contains(&radius_px.abs())
 }
@@ -81,6 +81,17 @@ impl<const L: usize> Disc<L> {
             ramp: ramp_px,
             area: area_px,
             lanes: facet.lanes,
+        })
+    }
+
+    /// From which column to before which it has light, and from which row to before which.
+    #[inline(always)]
+    fn spans(&self, sides: &Sides) -> [[isize; 2]; 2] {
+        let reach = (self.radius.abs() + 0.5 * f64::from(self.ramp)) * sides.reach;
+        self.middle.map(|at| {
+            #[expect(clippy::cast_possible_truncation, reason = "px of a frame")]
+            let span = [(at - reach).floor() as isize, (at + reach).ceil() as isize];
+            span
         })
     }
 }
@@ -230,19 +241,6 @@ impl<const L: usize> Canvas<L> {
                 hand_on(frame, y, start, &row[skipped..skipped + n], n_shares);
             }
         }
-    }
-}
-
-impl<const L: usize> Disc<L> {
-    /// From which column to before which it has light, and from which row to before which.
-    #[inline(always)]
-    fn spans(&self, sides: &Sides) -> [[isize; 2]; 2] {
-        let reach = (self.radius.abs() + 0.5 * f64::from(self.ramp)) * sides.reach;
-        self.middle.map(|at| {
-            #[expect(clippy::cast_possible_truncation, reason = "px of a frame")]
-            let span = [(at - reach).floor() as isize, (at + reach).ceil() as isize];
-            span
-        })
     }
 }
 

@@ -41,6 +41,15 @@ pub(crate) struct Drops<'a> {
     pub(crate) facets: Facets,
 }
 
+/// A drop that is to be made of facets.
+struct Faceted<'a> {
+    drop: Drop<'a>,
+    /// Its middle in the frame and the radius of its blur, px.
+    place: ([f64; 2], f64),
+    radius_px: f64,
+    is_speck: bool,
+}
+
 /// All drops that reach into the frame.
 pub(crate) fn drops<'a>(from: &'a LightFrom<'a>, caps: &[Cap], reach_px: f64) -> Drops<'a> {
     let (width, height) = from.sheet.view().size();
@@ -71,32 +80,34 @@ pub(crate) fn drops<'a>(from: &'a LightFrom<'a>, caps: &[Cap], reach_px: f64) ->
             Some(per_cell) if least_cells(per_cell) >= DRAWN_CELLS => {
                 drawn.push(DrawnDrop::of(drop, blur_px, per_cell));
             }
-            per_cell => {
-                let is_speck = per_cell.is_some() && has_specks(blur_px);
-                faceted.push((drop, (middle, blur_px), radius_px, is_speck));
-            }
+            per_cell => faceted.push(Faceted {
+                is_speck: per_cell.is_some() && has_specks(blur_px),
+                drop,
+                place: (middle, blur_px),
+                radius_px,
+            }),
         }
     }
     let rings = |radius_px: f64| (RINGS_PER_PX * radius_px).clamp(RINGS[0], RINGS[1]);
     let n_facets: f64 = faceted
         .iter()
-        .map(|(.., radius_px, _)| 4.0 * rings(*radius_px) * rings(*radius_px))
+        .map(|it| 4.0 * rings(it.radius_px) * rings(it.radius_px))
         .sum();
     let fewer = (MOST_FACETS / n_facets.max(1.0)).sqrt().min(1.0);
     let (mut specks, mut facets) = (Vec::new(), Facets::default());
-    for (drop, place, radius_px, is_speck) in faceted {
+    for it in faceted {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "some rings"
         )]
-        let n_rings = (fewer * rings(radius_px)).ceil().max(1.0) as u32;
-        if is_speck {
+        let n_rings = (fewer * rings(it.radius_px)).ceil().max(1.0) as u32;
+        if it.is_speck {
             let mut own = Facets::default();
-            drop.add(place, n_rings, &mut own);
+            it.drop.add(it.place, n_rings, &mut own);
             specks.push(own.light);
         } else {
-            drop.add(place, n_rings, &mut facets);
+            it.drop.add(it.place, n_rings, &mut facets);
         }
     }
     Drops {
