@@ -1,10 +1,13 @@
 //! Mud: splats of wet earth that have dried.
 
+mod run;
+
 use std::f64::consts::TAU;
 
 use rand_chacha::ChaCha8Rng;
 use starbreak_seed::{Seed, Stream, normal, uniform};
 
+use self::run::{Run, STAYS_MM};
 use crate::raster::Raster;
 use crate::{Area, Coating, Field, Passage, vectorized};
 
@@ -19,7 +22,7 @@ pub struct Mud {
     pub coverage: f64,
     /// Median diameter of a splat, mm.
     pub splat_mm: f64,
-    /// How thick it is in the middle of a splat, mm.
+    /// Median thickness of a splat where it is thickest, as it hits the glass, mm. What is thicker than 0.25 mm runs down.
     pub thickness_mm: f64,
     /// What it absorbs of red, green and blue, K, mm⁻¹.
     pub absorbs_per_mm: [f64; 3],
@@ -40,13 +43,13 @@ const LEAST_OUTLINE: f64 = 0.4;
 const TOGETHER: usize = 8;
 
 /// How much thicker and thinner it is in places, and how large those are, mm. FIT.
-const GRAIN: (f64, f64) = (1.6, 0.35);
+const GRAIN: (f64, f64) = (1.6, 0.6);
 
 /// Largest radius of a splat, median diameters. FIT.
 const LARGEST: f64 = 3.0;
 
 /// Standard deviation of the logarithm of the thickness of splats. FIT.
-const THICKNESSES: f64 = 0.4;
+const THICKNESSES: f64 = 0.6;
 
 /// Most splats.
 const MOST_SPLATS: u32 = 200_000;
@@ -117,6 +120,9 @@ impl Mud {
                 let radius = radius_mm * 0.04 * (1.0 + 3.0 * uniform(&mut rng));
                 let drop = Splat::new(at, radius, (&waves, &mut rng));
                 covered += drop.add(&mut thickness, 0.4 * thickness_mm);
+            }
+            for run in Run::of_splat((middle_mm, radius_mm), thickness_mm, &mut rng) {
+                covered += run.add(&mut thickness);
             }
         }
         MuddyPane {
@@ -217,7 +223,7 @@ impl Splat {
         Some([away_square, outline])
     }
 
-    /// Adds its thickness, which falls to its edge as (1 − r²)^¾ (FIT); returns how many cells it covers that were clean.
+    /// Adds its thickness, up to what stays; returns how many cells it covers that were clean.
     fn add(&self, thickness: &mut Raster, most_mm: f64) -> usize {
         vectorized(
             #[inline(always)]
@@ -251,17 +257,22 @@ impl Splat {
                     if part_square >= 1.0 {
                         continue;
                     }
-                    let root = (1.0 - part_square).sqrt();
-                    let dome = root * root.sqrt();
                     n_new += usize::from(*cell <= 0.0);
                     #[expect(clippy::cast_possible_truncation, reason = "a length")]
-                    let more = (most_mm * dome) as f32;
+                    let more = (most_mm * dried(part_square)).min(STAYS_MM) as f32;
                     *cell = cell.max(more) + 0.3 * cell.min(more);
                 }
             }
         }
         n_new
     }
+}
+
+/// How thick mud has dried over where it is thickest, by the square of the distance from its middle over that of its
+/// edge: water leaves at the edge and takes earth there with it [Deegan1997]. FIT.
+#[inline(always)]
+fn dried(part_square: f64) -> f64 {
+    (1.0 - part_square).max(0.0).sqrt() * (0.95 + 0.81 * part_square)
 }
 
 /// Whether a place is surely beyond an outline of so many powers of e, without taking them: e^x ≤ (1 − x/64)⁻⁶⁴ for x below 64.

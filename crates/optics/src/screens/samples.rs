@@ -61,19 +61,16 @@ impl Samples {
         let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
         let mut samples = Self::none((size.0 as usize, size.1 as usize), per_cell);
         let middle = |k: u32| (f64::from(k) + 0.5) * f64::from(per_cell);
-        let middle_px = 0.5 * f64::from(width);
-        let (mut seen, mut places_mm, mut there) = (Vec::new(), Vec::new(), Vec::new());
+        let row = |y: u32| (0..size.0).map(move |x| view.unproject([middle(x), middle(y)]));
+        let (mut places_mm, mut there) = (Vec::new(), Vec::new());
+        let mut below: Vec<Option<[f64; 2]>> = row(0).collect();
         for y in 0..size.1 {
-            let around_mm = footprint(view, [middle_px, middle(y)], per_cell);
-            seen.clear();
-            seen.extend((0..size.0).map(|x| view.unproject([middle(x), middle(y)])));
+            let seen = std::mem::replace(&mut below, row(y + 1).collect());
             places_mm.clear();
-            for [x, y] in seen.iter().flatten() {
-                places_mm.extend(around_mm.iter().map(|[dx, dy]| [x + dx, y + dy]));
-            }
+            let n_places = add_footprints(&seen, &below, &mut places_mm);
             there.clear();
             coating.passages(&places_mm, &mut there);
-            let mut there = there.chunks_exact(around_mm.len());
+            let mut there = there.chunks_exact(n_places);
             for seen in &seen {
                 let passage = match (seen, seen.and_then(|_| there.next())) {
                     (Some(at_mm), Some(all)) => cell_of(all, *at_mm, view),
@@ -150,29 +147,32 @@ fn cell_of(places: &[Passage], at_mm: [f64; 2], view: &View) -> Passage {
     passage
 }
 
-/// Places on the pane around that in the middle of a cell of a frame, mm, of which the cell shows the mean: along the longer
-/// way over the pane that it is, where that is long, as of glass seen at a grazing angle.
-fn footprint(view: &View, middle_px: [f64; 2], per_cell: u32) -> Vec<[f64; 2]> {
-    let half = 0.5 * f64::from(per_cell);
-    let ways = [[half, 0.0], [0.0, half]].into_iter().filter_map(|[x, y]| {
-        let from = view.unproject(middle_px)?;
-        let to = view.unproject([middle_px[0] + x, middle_px[1] + y])?;
-        Some([2.0 * (to[0] - from[0]), 2.0 * (to[1] - from[1])])
+/// Adds the places on the pane, mm, of which each cell of a row shows the mean, the same number for each that shows the
+/// pane, which is returned: more than one along the way to the cell below where that is long, as of glass seen at a grazing
+/// angle. Both rows are of places in the middles of cells.
+fn add_footprints(
+    row: &[Option<[f64; 2]>],
+    below: &[Option<[f64; 2]>],
+    places_mm: &mut Vec<[f64; 2]>,
+) -> usize {
+    let ways_mm = row.iter().zip(below).filter_map(|(at_mm, below_mm)| {
+        let at_mm = (*at_mm)?;
+        let way_mm = below_mm.map_or([0.0; 2], |to| [to[0] - at_mm[0], to[1] - at_mm[1]]);
+        Some((at_mm, way_mm))
     });
-    let length = |[x, y]: &[f64; 2]| libm::hypot(*x, *y);
-    let Some(way) = ways.max_by(|one, other| length(one).total_cmp(&length(other))) else {
-        return vec![[0.0; 2]];
-    };
+    let longest_mm = (ways_mm.clone()).fold(0.0, |most, (_, [x, y])| libm::hypot(x, y).max(most));
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "some places"
     )]
-    let n = ((length(&way) / LONGEST_MM).ceil() as u32).clamp(1, MOST_PLACES);
-    (0..n)
-        .map(|k| (f64::from(k) + 0.5) / f64::from(n) - 0.5)
-        .map(|part| way.map(|mm| part * mm))
-        .collect()
+    let n = ((longest_mm / LONGEST_MM).ceil() as u32).clamp(1, MOST_PLACES);
+    let parts = (0..n).map(|k| (f64::from(k) + 0.5) / f64::from(n) - 0.5);
+    for (at_mm, way_mm) in ways_mm {
+        let part_of = |part: f64| [0, 1].map(|k| at_mm[k] + part * way_mm[k]);
+        places_mm.extend(parts.clone().map(part_of));
+    }
+    n as usize
 }
 
 /// Direction across a groove in the frame, by that on the pane.
@@ -184,4 +184,67 @@ fn across_in_frame([x, y]: [f64; 2], at_mm: [f64; 2], view: &View) -> [f64; 2] {
     let (along_x, along_y) = (-a * y + b * x, -c * y + d * x);
     let length = libm::hypot(along_x, along_y).max(f64::MIN_POSITIVE);
     [along_y / length, -along_x / length]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Camera;
+
+    /// A line down the pane through which nothing goes.
+    struct Line {
+        middle_mm: f64,
+        width_mm: f64,
+    }
+
+    impl Coating for Line {
+        fn passage(&self, at_mm: [f64; 2]) -> Passage {
+            let mut passage = Passage::CLEAN;
+            if (at_mm[0] - self.middle_mm).abs() < 0.5 * self.width_mm {
+                passage.direct = [0.0; 3];
+            }
+            passage
+        }
+
+        fn turns_by_rad(&self) -> [f64; 2] {
+            [0.0; 2]
+        }
+    }
+
+    #[test]
+    fn a_thin_line_in_a_far_corner_is_no_row_of_dashes() {
+        let camera = Camera {
+            f_px: 900.0,
+            distance_m: 0.15,
+            rake_rad: 50_f64.to_radians(),
+            axis_at_mm: [0.0, 0.0],
+        };
+        let size = (1160, 860);
+        let view = View::through(&camera, size).unwrap_or_else(|error| panic!("{error}"));
+        let line = Line {
+            middle_mm: 180.0,
+            width_mm: 0.3,
+        };
+        let samples = Samples::of(&line, (&view, camera.f_px), 1);
+        let (mut n_rows, mut squares) = (0, 0.0);
+        let rows = samples.direct.values.chunks_exact(size.0 as usize);
+        for (row, y) in rows.zip(0_u32..) {
+            let middle = |x: u32| view.unproject([f64::from(x) + 0.5, f64::from(y) + 0.5]);
+            let Some((one, next)) = middle(900).zip(middle(901)) else {
+                continue;
+            };
+            let px_mm = next[0] - one[0];
+            let hidden: f32 = row.iter().map(|share| 1.0 - share[0]).sum();
+            // Where pixels are as wide as the line, and it is within the frame.
+            let last_mm = one[0] + px_mm * f64::from(size.0 - 10 - 900);
+            if px_mm > 0.3 && last_mm > line.middle_mm {
+                n_rows += 1;
+                squares += (f64::from(hidden) * px_mm / line.width_mm - 1.0).powi(2);
+            }
+        }
+        let rms = (squares / f64::from(n_rows)).sqrt();
+        // 0.45 of places that lie below each other: all of a line, or nothing.
+        assert!(rms < 0.3, "of its width in a row: {rms}");
+        assert!(n_rows > 50, "{n_rows} rows");
+    }
 }

@@ -1,0 +1,204 @@
+//! What runs down from splats of mud.
+
+use std::f64::consts::{PI, TAU};
+
+use rand_chacha::ChaCha8Rng;
+use starbreak_seed::uniform;
+
+use super::dried;
+use crate::raster::Raster;
+
+/// What is thicker runs down: τ/(ρ g sin α) of a slurry with a yield stress τ of 2 Pa and a density ρ of 1,600 kg/m³ on
+/// glass at α = 30° from level, mm [LiuMei1989].
+pub(super) const STAYS_MM: f64 = 0.25;
+
+/// Smaller splats do not run, mm of radius: their edge holds them. FIT.
+const LEAST_RUNNING_MM: f64 = 1.8;
+
+/// Narrowest and widest run, mm, and about how far apart two of one splat are. FIT, of the order of the capillary length.
+const RUN_WIDTHS_MM: [f64; 2] = [0.9, 2.4];
+const RUNS_APART_MM: f64 = 5.0;
+
+/// Mud that has run down from a splat: a track that is as thick as what stays where it ended, and thinner above.
+pub(super) struct Run {
+    /// Where it began, within the splat.
+    from_mm: [f64; 2],
+    length_mm: f64,
+    /// How much of that lies in the splat.
+    hidden_mm: f64,
+    width_mm: f64,
+    /// Length, mm, and phase of the waves in which it sways.
+    sways: [[f64; 2]; 2],
+}
+
+impl Run {
+    /// How thick the track is where it begins, over what stays. FIT.
+    const TRACK: f64 = 0.4;
+
+    /// How wide it is where it begins, over its width. FIT.
+    const WAIST: f64 = 0.7;
+
+    /// How far below the splat it is wider, mm, and by how much of its width. FIT.
+    const NECK: [f64; 2] = [1.5, 1.2];
+
+    /// Its volume over length and width, mm: across it the mean of what has dried is 0.905, along it that of
+    /// (w + (1 − w) p)(t + (1 − t) p²).
+    const MEAN_MM: f64 = {
+        let (w, t) = (Self::WAIST, Self::TRACK);
+        0.905 * STAYS_MM * (w * (t + (1.0 - t) / 3.0) + (1.0 - w) * (0.5 * t + 0.25 * (1.0 - t)))
+    };
+
+    /// How far it sways, mm, over the square root of the length of a wave. FIT.
+    const SWAY: f64 = 0.06;
+
+    /// What has run down from a splat that was so thick in its middle: all together is as much as it was thicker than what
+    /// stays.
+    pub(super) fn of_splat(
+        (middle_mm, radius_mm): ([f64; 2], f64),
+        most_mm: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Vec<Self> {
+        if most_mm <= STAYS_MM || radius_mm < LEAST_RUNNING_MM {
+            return Vec::new();
+        }
+        let volume_mm3 = PI * radius_mm * radius_mm * excess_mm(most_mm);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some runs"
+        )]
+        let n_runs = 1 + (2.0 * radius_mm * uniform(rng) / RUNS_APART_MM) as usize;
+        // A share of none would be a run of no length.
+        let shares: Vec<f64> = (0..n_runs)
+            .map(|_| 0.05 - libm::log(1.0 - uniform(rng)))
+            .collect();
+        let sum: f64 = shares.iter().sum();
+        let run = |share: &f64| {
+            let [least, most] = RUN_WIDTHS_MM;
+            let width_mm = (least + (most - least) * uniform(rng)).min(1.2 * radius_mm);
+            let aside = radius_mm * (1.4 * uniform(rng) - 0.7);
+            let sways = [41.0, 16.0].map(|long_mm| [long_mm, TAU * uniform(rng)]);
+            Self {
+                from_mm: [middle_mm[0] + aside, middle_mm[1]],
+                length_mm: radius_mm + share / sum * volume_mm3 / (width_mm * Self::MEAN_MM),
+                hidden_mm: radius_mm,
+                width_mm,
+                sways,
+            }
+        };
+        shares.iter().map(run).collect()
+    }
+
+    /// How far a place on its middle line is aside of where it began, mm.
+    fn aside_mm(&self, down_mm: f64) -> f64 {
+        let sway = |[long_mm, phase]: [f64; 2]| {
+            let at = |down_mm: f64| libm::sin(TAU * down_mm / long_mm + phase);
+            Self::SWAY * long_mm.sqrt() * (at(down_mm) - at(0.0))
+        };
+        self.sways.into_iter().map(sway).sum()
+    }
+
+    /// Adds its thickness; returns how many cells it covers that were clean.
+    pub(super) fn add(&self, thickness: &mut Raster) -> usize {
+        let reach_mm = self.length_mm + self.width_mm;
+        let [_, rows] = thickness.around(
+            [self.from_mm[0], self.from_mm[1] + 0.5 * reach_mm],
+            0.5 * reach_mm,
+        );
+        // It ends round, and somewhat wider.
+        let head_mm = 0.62 * self.width_mm;
+        let mut n_new = 0;
+        for y in rows {
+            let down_mm = thickness.middle_mm(0, y)[1] - self.from_mm[1];
+            let part = (down_mm / self.length_mm).clamp(0.0, 1.0);
+            let track_mm = if (0.0..=self.length_mm).contains(&down_mm) {
+                let [neck_mm, wider] = Self::NECK;
+                let below_mm = (down_mm - self.hidden_mm).max(0.0);
+                let neck = wider * libm::exp(-below_mm / neck_mm);
+                0.5 * self.width_mm * (Self::WAIST + (1.0 - Self::WAIST) * part + neck)
+            } else {
+                0.0
+            };
+            let beyond_mm = down_mm - self.length_mm;
+            let head_mm = (head_mm * head_mm - beyond_mm * beyond_mm).max(0.0).sqrt();
+            let half_mm = track_mm.max(head_mm);
+            if half_mm <= 0.0 {
+                continue;
+            }
+            let middle_mm = self.from_mm[0] + self.aside_mm(down_mm);
+            // No narrower than cells, or it would be dashes.
+            let wide_mm = half_mm.max(0.75 * thickness.cell_mm);
+            let most_mm =
+                STAYS_MM * (Self::TRACK + (1.0 - Self::TRACK) * part * part) * half_mm / wide_mm;
+            let [columns, _] = thickness.around([middle_mm, self.from_mm[1]], wide_mm);
+            for x in columns {
+                let off = (thickness.middle_mm(x, y)[0] - middle_mm) / wide_mm;
+                #[expect(clippy::cast_possible_truncation, reason = "a length")]
+                let more = (most_mm * dried(off * off)) as f32;
+                let cell = &mut thickness.values[y * thickness.size[0] + x];
+                n_new += usize::from(*cell <= 0.0 && more > 0.0);
+                *cell = cell.max(more);
+            }
+        }
+        n_new
+    }
+}
+
+/// By how much, on the mean over its disc, a splat of such a thickness is thicker than what stays, mm.
+fn excess_mm(most_mm: f64) -> f64 {
+    const N: u32 = 64;
+    let squares = (0..N).map(|k| (f64::from(k) + 0.5) / f64::from(N));
+    let over_mm = squares.map(|square| (most_mm * dried(square) - STAYS_MM).max(0.0));
+    over_mm.sum::<f64>() / f64::from(N)
+}
+
+#[cfg(test)]
+mod tests {
+    use starbreak_seed::{Seed, Stream};
+
+    use super::*;
+    use crate::Area;
+
+    #[test]
+    fn what_runs_down_is_what_was_too_thick_to_stay() {
+        let area = Area {
+            from_mm: [-20.0, -10.0],
+            to_mm: [20.0, 600.0],
+        };
+        let (mut below_mm3, mut excess_mm3, mut above) = (0.0, 0.0, 0);
+        let radius_mm = 4.0;
+        for seed in 0..60 {
+            let mut rng = Seed(seed).stream(Stream::Mud, 16);
+            let mut pane = Raster::over(&area, 0.2, 0.0);
+            for run in Run::of_splat(([0.0; 2], radius_mm), 0.6, &mut rng) {
+                _ = run.add(&mut pane);
+            }
+            for y in 0..pane.size[1] {
+                let down_mm = pane.middle_mm(0, y)[1];
+                let row = &pane.values[y * pane.size[0]..][..pane.size[0]];
+                if down_mm > radius_mm {
+                    below_mm3 += row.iter().map(|it| f64::from(*it) * 0.04).sum::<f64>();
+                } else if down_mm < -radius_mm {
+                    above += row.iter().filter(|it| **it > 0.0).count();
+                }
+            }
+            excess_mm3 += PI * radius_mm * radius_mm * excess_mm(0.6);
+        }
+        let ratio = below_mm3 / excess_mm3;
+        assert!((ratio - 1.0).abs() < 0.2, "{ratio} of it is found below");
+        assert_eq!(above, 0, "nothing runs up");
+    }
+
+    #[test]
+    fn thin_mud_and_small_splats_stay_where_they_are() {
+        for (radius_mm, most_mm, does_run) in [
+            (4.0, STAYS_MM, false),
+            (1.5, 1.0, false),
+            (4.0, 1.5 * STAYS_MM, true),
+        ] {
+            let mut rng = Seed(3).stream(Stream::Mud, 16);
+            let runs = Run::of_splat(([0.0; 2], radius_mm), most_mm, &mut rng);
+            assert_eq!(!runs.is_empty(), does_run, "{radius_mm}, {most_mm} mm");
+        }
+    }
+}
