@@ -76,7 +76,8 @@ impl Run {
         let run = |share: &f64| {
             let [least, most] = RUN_WIDTHS_MM;
             let width_mm = (least + (most - least) * uniform(rng)).min(1.2 * radius_mm);
-            let aside = radius_mm * (1.4 * uniform(rng) - 0.7);
+            // Within the splat, which may be narrow.
+            let aside = radius_mm * (0.9 * uniform(rng) - 0.45);
             let sways = [41.0, 16.0].map(|long_mm| [long_mm, TAU * uniform(rng)]);
             Self {
                 from_mm: [middle_mm[0] + aside, middle_mm[1]],
