@@ -13,8 +13,9 @@ use crate::{Area, Coating, Field, Passage, vectorized};
 
 /// Mud on a pane.
 ///
-/// A layer of thickness t leaves e^(−(K + S) t) of each color as it is. What becomes of the rest follows from Kubelka and
-/// Munk \[KubelkaMunk1931\]: with a = 1 + K/S and b = √(a² − 1), b/(a sinh bSt + b cosh bSt) goes through and
+/// A layer of thickness t leaves e^(−(K + s) t) of each color as it is, s = S/(¾ (1 − g)) \[MudgettRichards1971\]: grains
+/// scatter mostly forwards, so that e^(−(K + (1 − g) s) t) goes on nearly as it came, turned a little by the way. How much goes
+/// through in all, and what comes back, follows from Kubelka and Munk \[KubelkaMunk1931\]: with a = 1 + K/S and b = √(a² − 1), b/(a sinh bSt + b cosh bSt) goes through and
 /// sinh bSt/(a sinh bSt + b cosh bSt) comes back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mud {
@@ -51,17 +52,29 @@ const LARGEST: f64 = 3.0;
 /// Standard deviation of the logarithm of the thickness of splats. FIT.
 const THICKNESSES: f64 = 0.6;
 
+/// Mean cosine g of the angle by which a grain of earth scatters. FIT, of mineral dust.
+const FORWARDS: f64 = 0.75;
+
+/// Standard deviation per axis of the angle by which it turns what goes on nearly as it came, rad. FIT, as of dust.
+const TURNED_RAD: f64 = 0.35;
+
 /// Most splats.
 const MOST_SPLATS: u32 = 200_000;
 
 impl Mud {
-    /// What a layer lets through as it is, in any direction, and sends back, of each color.
+    /// What a layer of a thickness does to light.
     #[must_use]
-    pub fn layer(&self, thickness_mm: f64) -> [[f64; 3]; 3] {
+    pub fn layer(&self, thickness_mm: f64) -> Passage {
         let s = self.scatters_per_mm.max(1e-6);
-        let mut shares = [[0.0; 3]; 3];
+        let scatters = s / (0.75 * (1.0 - FORWARDS));
+        let mut layer = Passage {
+            covered: 1.0,
+            wide: 1.0,
+            ..Passage::CLEAN
+        };
         for (k, absorbs) in self.absorbs_per_mm.iter().enumerate() {
-            let direct = libm::exp(-(absorbs + s) * thickness_mm);
+            let after = |per_mm: f64| libm::exp(-(absorbs + per_mm) * thickness_mm);
+            let direct = after(scatters);
             let a = 1.0 + absorbs / s;
             let b = (a * a - 1.0).max(0.0).sqrt();
             let depth = s * thickness_mm;
@@ -73,11 +86,16 @@ impl Mud {
                 let per = a * tanh + b;
                 (b / per / libm::cosh((b * depth).min(700.0)), tanh / per)
             };
-            shares[0][k] = direct;
-            shares[1][k] = (through - direct).max(0.0);
-            shares[2][k] = back.min(1.0 - direct);
+            layer.direct[k] = direct;
+            layer.diffuse[k] = (through - direct).max(0.0);
+            layer.back[k] = back.min(1.0 - direct);
+            // As much of all colors.
+            let ahead = after((1.0 - FORWARDS) * scatters) - direct;
+            layer.wide = ahead.min(layer.diffuse[k]).min(layer.wide);
         }
-        shares
+        let wide = layer.wide;
+        layer.diffuse = layer.diffuse.map(|it| it - wide);
+        layer
     }
 
     pub(crate) fn on_pane(&self, area: &Area, finest_mm: f64, seed: Seed) -> MuddyPane {
@@ -300,18 +318,14 @@ impl Coating for MuddyPane {
             return Passage::CLEAN;
         }
         let is_covered = |cell: usize| self.thickness.values[cell] > 0.0;
-        let [direct, diffuse, back] = self.mud.layer(thickness_mm * self.grain.at(at_mm));
         Passage {
             covered: f64::from(u8::from(self.thickness.cell(at_mm).is_some_and(is_covered))),
-            direct,
-            diffuse,
-            back,
-            ..Passage::CLEAN
+            ..self.mud.layer(thickness_mm * self.grain.at(at_mm))
         }
     }
 
     fn turns_by_rad(&self) -> [f64; 2] {
-        [0.0; 2]
+        [0.0, TURNED_RAD]
     }
 }
 
