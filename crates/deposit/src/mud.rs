@@ -7,14 +7,16 @@ use std::f64::consts::TAU;
 use rand_chacha::ChaCha8Rng;
 use starbreak_seed::{Seed, Stream, normal, uniform};
 
-use self::run::{Run, STAYS_MM};
+use self::run::Run;
 use crate::raster::Raster;
 use crate::{Area, Coating, Field, Passage, vectorized};
 
 /// Mud on a pane.
 ///
 /// A layer of thickness t leaves e^(−(K + s) t) of each color as it is, s = S/(¾ (1 − g)) \[MudgettRichards1971\]: grains
-/// scatter mostly forwards, so that e^(−(K + (1 − g) s) t) goes on nearly as it came, turned a little by the way. How much goes
+/// scatter mostly forwards, so that e^(−(K + (1 − g) s) t) goes on nearly as it came, turned a little by the way. (K is
+/// that of light of all directions; light straight through would lose half of it, but more would then come through than
+/// does in all.) How much goes
 /// through in all, and what comes back, follows from Kubelka and Munk \[KubelkaMunk1931\]: with a = 1 + K/S and b = √(a² − 1), b/(a sinh bSt + b cosh bSt) goes through and
 /// sinh bSt/(a sinh bSt + b cosh bSt) comes back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +45,7 @@ const LEAST_OUTLINE: f64 = 0.4;
 /// Cells that are worked out side by side.
 const TOGETHER: usize = 8;
 
-/// How much thicker and thinner it is in places, and how large those are, mm. FIT.
+/// How large places are, mm, that are thicker and thinner, and by how much. FIT.
 const GRAIN: (f64, f64) = (1.6, 0.6);
 
 /// Largest radius of a splat, median diameters. FIT.
@@ -116,7 +118,7 @@ impl Mud {
             }
             let mut rng = seed.stream(Stream::Mud, 16 + u64::from(k));
             let radius_mm = 0.5 * self.splat_mm * libm::exp(SIZES * normal(&mut rng));
-            // A larger one would have run down.
+            // Larger ones come apart as they fly.
             let radius_mm = radius_mm.min(LARGEST * self.splat_mm);
             let middle_mm = [0, 1].map(|k| {
                 area.from_mm[k] + (sides[k] + 2.0 * radius_mm) * uniform(&mut rng) - radius_mm
@@ -241,7 +243,8 @@ impl Splat {
         Some([away_square, outline])
     }
 
-    /// Adds its thickness, up to what stays; returns how many cells it covers that were clean.
+    /// Adds its thickness, of what runs down no more than stays; returns how many cells it covers that were clean. Where it
+    /// lies over others the thinner of both adds 0.3 of its thickness (FIT).
     fn add(&self, thickness: &mut Raster, most_mm: f64) -> usize {
         vectorized(
             #[inline(always)]
@@ -252,6 +255,7 @@ impl Splat {
     #[inline(always)]
     fn add_rows(&self, thickness: &mut Raster, most_mm: f64) -> usize {
         let farthest = self.farthest();
+        let stays_mm = Run::stays_mm(self.radius_mm);
         let reach_mm = farthest * self.longer * self.radius_mm;
         let [columns, rows] = thickness.around(self.middle_mm, reach_mm);
         let mut n_new = 0;
@@ -277,7 +281,7 @@ impl Splat {
                     }
                     n_new += usize::from(*cell <= 0.0);
                     #[expect(clippy::cast_possible_truncation, reason = "a length")]
-                    let more = (most_mm * dried(part_square)).min(STAYS_MM) as f32;
+                    let more = (most_mm * dried(part_square)).min(stays_mm) as f32;
                     *cell = cell.max(more) + 0.3 * cell.min(more);
                 }
             }
@@ -287,7 +291,7 @@ impl Splat {
 }
 
 /// How thick mud has dried over where it is thickest, by the square of the distance from its middle over that of its
-/// edge: water leaves at the edge and takes earth there with it [Deegan1997]. FIT.
+/// edge: nearly even, for water leaves at the edge and takes earth there with it [Deegan1997]. FIT.
 #[inline(always)]
 fn dried(part_square: f64) -> f64 {
     (1.0 - part_square).max(0.0).sqrt() * (0.95 + 0.81 * part_square)

@@ -196,7 +196,8 @@ fn mud_covers_what_is_said_and_lets_colors_through_by_its_thickness() {
         assert!((0.0..=1.0).contains(&wide), "{wide}");
         for k in 0..3 {
             // Grains of g = 0.75 scatter 16/3 of what Kubelka and Munk's S says.
-            let passes = (-(MUD.absorbs_per_mm[k] + 12.0 * 16.0 / 3.0) * thickness_mm).exp();
+            let per_mm = MUD.absorbs_per_mm[k] + 12.0 * 16.0 / 3.0;
+            let passes = (-per_mm * thickness_mm).exp();
             assert!(
                 (direct[k] - passes).abs() < 1e-12,
                 "{} at {thickness_mm}",

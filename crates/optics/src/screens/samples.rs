@@ -60,18 +60,20 @@ impl Samples {
         let (width, height) = view.size();
         let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
         let mut samples = Self::none((size.0 as usize, size.1 as usize), per_cell);
-        let middle = |k: u32| (f64::from(k) + 0.5) * f64::from(per_cell);
-        let row = |y: u32| (0..size.0).map(move |x| view.unproject([middle(x), middle(y)]));
+        let middle = |k: f64| (k + 0.5) * f64::from(per_cell);
+        let row = |y: f64| (0..size.0).map(move |x| view.unproject([f64::from(x), y].map(middle)));
         let (mut places_mm, mut there) = (Vec::new(), Vec::new());
-        let mut below: Vec<Option<[f64; 2]>> = row(0).collect();
+        let mut rows = [-1.0, -1.0, 0.0].map(|y| row(y).collect::<Vec<_>>());
         for y in 0..size.1 {
-            let seen = std::mem::replace(&mut below, row(y + 1).collect());
+            rows.rotate_left(1);
+            rows[2] = row(f64::from(y) + 1.0).collect();
             places_mm.clear();
-            let n_places = add_footprints(&seen, &below, &mut places_mm);
+            let seen = &rows[1];
+            let n_places = add_footprints(seen, [&rows[0], &rows[2]], &mut places_mm);
             there.clear();
             coating.passages(&places_mm, &mut there);
             let mut there = there.chunks_exact(n_places);
-            for seen in &seen {
+            for seen in seen {
                 let passage = match (seen, seen.and_then(|_| there.next())) {
                     (Some(at_mm), Some(all)) => cell_of(all, *at_mm, view),
                     _ => Passage::CLEAN,
@@ -148,19 +150,23 @@ fn cell_of(places: &[Passage], at_mm: [f64; 2], view: &View) -> Passage {
 }
 
 /// Adds the places on the pane, mm, of which each cell of a row shows the mean, the same number for each that shows the
-/// pane, which is returned: more than one along the way to the cell below where that is long, as of glass seen at a grazing
-/// angle. Both rows are of places in the middles of cells.
+/// pane, which is returned: more than one along the way to the cell above or below, whichever is nearer, where that is long,
+/// as of glass seen at a grazing angle. All rows are of places in the middles of cells.
 fn add_footprints(
     row: &[Option<[f64; 2]>],
-    below: &[Option<[f64; 2]>],
+    [above, below]: [&[Option<[f64; 2]>]; 2],
     places_mm: &mut Vec<[f64; 2]>,
 ) -> usize {
-    let ways_mm = row.iter().zip(below).filter_map(|(at_mm, below_mm)| {
+    let length = |[x, y]: [f64; 2]| libm::hypot(x, y);
+    let ways_mm = row.iter().zip(above.iter().zip(below));
+    let ways_mm = ways_mm.filter_map(|(at_mm, (above_mm, below_mm))| {
         let at_mm = (*at_mm)?;
-        let way_mm = below_mm.map_or([0.0; 2], |to| [to[0] - at_mm[0], to[1] - at_mm[1]]);
-        Some((at_mm, way_mm))
+        let ways = [*above_mm, *below_mm].into_iter().flatten();
+        let ways = ways.map(|to: [f64; 2]| [to[0] - at_mm[0], to[1] - at_mm[1]]);
+        let nearer = ways.min_by(|one, other| length(*one).total_cmp(&length(*other)));
+        Some((at_mm, nearer.unwrap_or_default()))
     });
-    let longest_mm = (ways_mm.clone()).fold(0.0, |most, (_, [x, y])| libm::hypot(x, y).max(most));
+    let longest_mm = (ways_mm.clone()).fold(0.0, |most, (_, way)| length(way).max(most));
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
