@@ -13,12 +13,13 @@ use crate::{Area, Coating, Field, Passage, vectorized};
 
 /// Mud on a pane.
 ///
-/// A layer of thickness t leaves e^(−(K + s) t) of each color as it is, s = S/(¾ (1 − g)) \[MudgettRichards1971\]: grains
-/// scatter mostly forwards, so that e^(−(K + (1 − g) s) t) goes on nearly as it came, turned a little by the way. (K is
-/// that of light of all directions; light straight through would lose half of it, but more would then come through than
-/// does in all.) How much goes
-/// through in all, and what comes back, follows from Kubelka and Munk \[KubelkaMunk1931\]: with a = 1 + K/S and b = √(a² − 1), b/(a sinh bSt + b cosh bSt) goes through and
+/// How much of each color goes through a layer of thickness t in all, and what it sends back, follows from Kubelka and Munk
+/// \[KubelkaMunk1931\]: with a = 1 + K/S and b = √(a² − 1), b/(a sinh bSt + b cosh bSt) goes through and
 /// sinh bSt/(a sinh bSt + b cosh bSt) comes back.
+///
+/// Of what goes through, e^(−(K + s) t) is as it came, s = S/(¾ (1 − g)) \[MudgettRichards1971\]: grains scatter mostly
+/// forwards, so that e^(−(K + (1 − g) s) t) is turned by a small angle at most. K is that of diffuse light throughout; the half
+/// of it, which straight light loses, would let more go straight on than goes through in all.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mud {
     /// Share of the glass that it covers, 0 to 0.8.

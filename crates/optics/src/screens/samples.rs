@@ -63,6 +63,7 @@ impl Samples {
         let middle = |k: f64| (k + 0.5) * f64::from(per_cell);
         let row = |y: f64| (0..size.0).map(move |x| view.unproject([f64::from(x), y].map(middle)));
         let (mut places_mm, mut there) = (Vec::new(), Vec::new());
+        // The last one, this one and the next.
         let mut rows = [-1.0, -1.0, 0.0].map(|y| row(y).collect::<Vec<_>>());
         for y in 0..size.1 {
             rows.rotate_left(1);
@@ -157,26 +158,32 @@ fn add_footprints(
     [above, below]: [&[Option<[f64; 2]>]; 2],
     places_mm: &mut Vec<[f64; 2]>,
 ) -> usize {
-    let length = |[x, y]: [f64; 2]| libm::hypot(x, y);
-    let ways_mm = row.iter().zip(above.iter().zip(below));
-    let ways_mm = ways_mm.filter_map(|(at_mm, (above_mm, below_mm))| {
-        let at_mm = (*at_mm)?;
-        let ways = [*above_mm, *below_mm].into_iter().flatten();
-        let ways = ways.map(|to: [f64; 2]| [to[0] - at_mm[0], to[1] - at_mm[1]]);
-        let nearer = ways.min_by(|one, other| length(*one).total_cmp(&length(*other)));
-        Some((at_mm, nearer.unwrap_or_default()))
-    });
-    let longest_mm = (ways_mm.clone()).fold(0.0, |most, (_, way)| length(way).max(most));
+    let square = |[x, y]: [f64; 2]| x * x + y * y;
+    let (mut ways_mm, mut longest_mm2) = (Vec::with_capacity(row.len()), 0.0_f64);
+    for ((at_mm, above_mm), below_mm) in row.iter().zip(above).zip(below) {
+        let Some(at_mm) = at_mm else {
+            continue;
+        };
+        let way = |to: &Option<[f64; 2]>| to.map(|to| [to[0] - at_mm[0], to[1] - at_mm[1]]);
+        let way_mm = match (way(above_mm), way(below_mm)) {
+            (Some(one), Some(other)) if square(other) < square(one) => other,
+            (Some(one), _) | (None, Some(one)) => one,
+            (None, None) => [0.0; 2],
+        };
+        longest_mm2 = longest_mm2.max(square(way_mm));
+        ways_mm.push([*at_mm, way_mm]);
+    }
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "some places"
     )]
-    let n = ((longest_mm / LONGEST_MM).ceil() as u32).clamp(1, MOST_PLACES);
-    let parts = (0..n).map(|k| (f64::from(k) + 0.5) / f64::from(n) - 0.5);
-    for (at_mm, way_mm) in ways_mm {
-        let part_of = |part: f64| [0, 1].map(|k| at_mm[k] + part * way_mm[k]);
-        places_mm.extend(parts.clone().map(part_of));
+    let n = ((longest_mm2.sqrt() / LONGEST_MM).ceil() as u32).clamp(1, MOST_PLACES);
+    for [at_mm, way_mm] in ways_mm {
+        places_mm.extend((0..n).map(|k| {
+            let part = (f64::from(k) + 0.5) / f64::from(n) - 0.5;
+            [0, 1].map(|axis| at_mm[axis] + part * way_mm[axis])
+        }));
     }
     n as usize
 }
