@@ -26,7 +26,12 @@ pub fn reflectance(cos_i: f64, eta: f64) -> f64 {
     if cos2_t <= 0.0 {
         return 1.0;
     }
-    let cos_t = cos2_t.sqrt();
+    reflectance_at([cos_i, cos2_t.sqrt()], eta)
+}
+
+/// The same of the cosines on both sides of the face, where it does not reflect totally.
+#[inline]
+pub(crate) fn reflectance_at([cos_i, cos_t]: [f64; 2], eta: f64) -> f64 {
     let s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     let p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     0.5 * (s * s + p * p)

@@ -65,8 +65,8 @@ fn spread_on<const L: usize>(
     pupil: Pupil,
     (width, height): (usize, usize),
 ) -> LaneRuns<L> {
-    // Room that is not used is not touched either.
-    let n_runs = width.div_ceil(CHUNK) * height / 8;
+    // Room that is not used is not touched either; what is drawn may be everywhere.
+    let n_runs = width.div_ceil(CHUNK) * height / if drawn.is_empty() { 8 } else { 1 };
     let mut frame = LaneRuns::with_room(width, height, n_runs);
     let mut levels: BTreeMap<Level, Things<'_, L>> = BTreeMap::new();
     for facet in facets {
@@ -123,7 +123,7 @@ pub(super) fn add_scaled<const L: usize>(a: [f32; L], s: f32, b: [f32; L]) -> [f
 
 /// a + b, of whole arrays.
 #[inline(always)]
-pub(super) fn add_arrays<const L: usize>(a: [f32; L], b: [f32; L]) -> [f32; L] {
+pub(crate) fn add_arrays<const L: usize>(a: [f32; L], b: [f32; L]) -> [f32; L] {
     let mut sum = a;
     let mut l = 0;
     while l < L {

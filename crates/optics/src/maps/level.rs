@@ -23,6 +23,9 @@ pub(super) const MOST_RADIUS_PX: f64 = 4e8;
 /// sharing would blur more than the disc.
 const FEW_CELLS: f64 = 0.5;
 
+/// Radius of a disc, px, from which what is drawn is not drawn on cells that are smaller than pixels.
+const BLURRED_PX: f64 = 2.2;
+
 /// A disc of a smaller radius, px, is a point.
 const IN_FOCUS_PX: f64 = 0.02;
 
@@ -63,11 +66,13 @@ impl Level {
         }
     }
 
-    /// The same of what is drawn cell by cell, each of which takes a ray: 4 of a px at most.
+    /// The same of what is drawn cell by cell, each of which takes a ray: 4 of a px at most, and one of a px that is
+    /// blurred with its neighbors.
     pub(super) fn of_drawn(radius_px: f64) -> Self {
         let level = Self::of(radius_px);
+        let most = i32::from(radius_px.abs() < BLURRED_PX);
         Self {
-            exponent: level.exponent.min(1),
+            exponent: level.exponent.min(most),
             ..level
         }
     }

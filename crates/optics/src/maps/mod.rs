@@ -3,7 +3,7 @@
 //! A [`Facet`] is a polygon of the frame with what it sends along each of a few *lanes*: shares
 //! of the light of the sky, of the ground and so on. [`spread`] covers the frame with them and
 //! blurs each by the disc that its own depth has. What shows much in few pixels is [`Drawn`], cell by
-//! cell; what is hardly larger than its blur is a [`Speck`].
+//! cell.
 
 mod active;
 mod cells;
@@ -16,11 +16,9 @@ mod level;
 mod placed;
 mod raster;
 mod sharp;
-mod specks;
 
 pub(crate) use drawn::{Drawn, cells_per_px};
 pub(crate) use kernel::{Kernel, Pupil};
 pub(crate) use lane_runs::{CHUNK, LaneRun, LaneRuns};
-pub(crate) use layer::{Facet, spread};
+pub(crate) use layer::{Facet, add_arrays, spread};
 pub(crate) use sharp::cover;
-pub(crate) use specks::{Speck, add_specks, has_specks};

@@ -12,7 +12,7 @@ use super::{Overlay, PhysicalOptics};
 use crate::environment::{Environment, HemisphereWeights};
 use crate::interface::gap::GapTable;
 use crate::lens::Lens;
-use crate::maps::{CHUNK, Drawn, Facet, LaneRuns, Pupil, add_specks, cover, spread};
+use crate::maps::{CHUNK, Drawn, Facet, LaneRuns, Pupil, cover, spread};
 use crate::surface::{
     Facets, LANES, LightFrom, N_SHARES, SheetView, crack_facets, drops, fragment_facets, hit_facets,
 };
@@ -146,10 +146,9 @@ impl Pattern {
         let gaps = gap_table(optics.glass.refractive_index);
         let from = light_from(&sheet, optics, &gaps);
         let drops = drops(&from, &deposit.caps, reach_px(&sheet));
-        let drawn: Vec<&dyn Drawn<LANES>> = drops.drawn.iter().map(|drop| drop as _).collect();
-        let mut light = self.spread(&drops.facets.light, &drawn, &optics.lens);
-        add_specks(&mut light, &drops.specks, N_SHARES, Pupil::of(&optics.lens));
-        let layer = self.layer_of(light, &drops.facets.tint, (&optics.lens, Spread::Squares));
+        let drawn: Vec<&dyn Drawn<LANES>> = drops.iter().map(|drop| drop as _).collect();
+        let light = self.spread(&[], &drawn, &optics.lens);
+        let layer = self.layer_of(light, &[], (&optics.lens, Spread::Squares));
         self.layers.splice(0..0, layer);
         Ok(self)
     }

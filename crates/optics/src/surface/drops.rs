@@ -1,130 +1,63 @@
 //! Drops of water on the outer face: lenses that show the scene small and upside down.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use starbreak_deposit::Cap;
 
-use super::cracks::Facets;
 use super::lobe::{Before, HELD, LANES, LightFrom, Sent};
-use crate::interface::fresnel::reflectance;
-use crate::maps::{Drawn, Speck, cells_per_px, has_specks};
+use crate::interface::fresnel::{reflectance, reflectance_at};
+use crate::maps::{Drawn, add_arrays, cells_per_px};
 use crate::vector::{Vector, dot};
 
 /// Refractive index of water in visible light.
 const WATER: f64 = 1.333;
 
-/// Times that light is followed within a drop; what is left then is lost.
+/// Times that light is followed within a drop, and the least share of it that is; what is left then is lost.
 const MOST_BOUNCES: u32 = 5;
+const LEAST_SHARE: f64 = 1e-3;
 
-/// Least radius of a drop along its shorter side, in cells, for which it is drawn cell by cell: where it is smaller, and
-/// where its blur is so wide that cells are coarse, it is made of facets, each of which shows one place.
-const DRAWN_CELLS: f64 = 3.0;
-
-/// Rings of facets per px of a drop's radius, and how many there are.
-const RINGS_PER_PX: f64 = 0.7;
-const RINGS: [f64; 2] = [1.0, 32.0];
-
-/// Farthest from the middle, of the radius, that a cell at the rim looks.
+/// Farthest from the middle, of the radius, that light is followed.
 const RIM: f64 = 0.995;
 
 /// Least radius of a drop, px.
 const LEAST_PX: f64 = 0.12;
 
-/// Most facets of all drops that are made of them: of more drops each has fewer.
-const MOST_FACETS: f64 = 1e6;
+/// Least radius of a drop along its shorter side, in rays: where cells are wider, several rays share one, so many along a
+/// side at most.
+const LEAST_RAYS: f64 = 0.75;
+const MOST_OF_CELL: u32 = 64;
 
-/// Drops before a camera: those that are drawn, those that are hardly larger than their blur, and facets of the others.
-pub(crate) struct Drops<'a> {
-    pub(crate) drawn: Vec<DrawnDrop<'a>>,
-    pub(crate) specks: Vec<Speck<LANES>>,
-    pub(crate) facets: Facets,
-}
-
-/// A drop that is to be made of facets.
-struct Faceted<'a> {
-    drop: Drop<'a>,
-    /// Its middle in the frame and the radius of its blur, px.
-    place: ([f64; 2], f64),
-    radius_px: f64,
-    is_speck: bool,
-}
+/// Such a radius from which on it does not show where the rays lie.
+const FEW_RAYS: f64 = 3.0;
 
 /// All drops that reach into the frame.
-pub(crate) fn drops<'a>(from: &'a LightFrom<'a>, caps: &[Cap], reach_px: f64) -> Drops<'a> {
-    let (width, height) = from.sheet.view().size();
+pub(crate) fn drops<'a>(
+    from: &'a LightFrom<'a>,
+    caps: &[Cap],
+    reach_px: f64,
+) -> Vec<DrawnDrop<'a>> {
+    let view = from.sheet.view();
+    let (width, height) = view.size();
     let frame = [f64::from(width), f64::from(height)];
-    let seen: Vec<(Drop<'_>, [f64; 2], f64)> = caps
-        .iter()
-        .filter_map(|cap| {
-            let drop = Drop::of(*cap, from)?;
-            let middle = drop.appears(cap.at_mm)?;
-            let rim = drop.appears([cap.at_mm[0] + cap.radius_mm, cap.at_mm[1]])?;
-            let radius_px = libm::hypot(rim[0] - middle[0], rim[1] - middle[1]);
-            let beyond = reach_px + radius_px;
-            // Of a smaller one nothing is seen.
-            if radius_px < LEAST_PX {
-                return None;
-            }
-            let is_near = (0..2).all(|k| (-beyond..frame[k] + beyond).contains(&middle[k]));
-            is_near.then_some((drop, middle, radius_px))
-        })
-        .collect();
-    let (mut drawn, mut faceted) = (Vec::new(), Vec::new());
-    for (drop, middle, radius_px) in seen {
-        let outer_mm = from.sheet.outer_mm();
-        let Some(blur_px) = from.sheet.blur_radius_px(drop.cap.at_mm, outer_mm) else {
-            continue;
-        };
-        match drop.per_cell(cells_per_px(blur_px)) {
-            Some(per_cell) if least_cells(per_cell) >= DRAWN_CELLS => {
-                drawn.push(DrawnDrop::of(drop, blur_px, per_cell));
-            }
-            per_cell => faceted.push(Faceted {
-                is_speck: per_cell.is_some() && has_specks(blur_px),
-                drop,
-                place: (middle, blur_px),
-                radius_px,
-            }),
+    let around: [[f64; 2]; 16] = std::array::from_fn(|k| {
+        #[expect(clippy::cast_precision_loss, reason = "some directions")]
+        let (sin, cos) = libm::sincos(TAU * k as f64 / 16.0);
+        [cos, sin]
+    });
+    let drawn = |cap: &Cap| {
+        let middle = view.project(cap.at_mm)?;
+        let [[px_per_mm, _], _] = view.jacobian(cap.at_mm)?;
+        let radius_px = px_per_mm * cap.radius_mm;
+        let beyond = reach_px + radius_px;
+        let is_near = (0..2).all(|k| (-beyond..frame[k] + beyond).contains(&middle[k]));
+        // Of a smaller one nothing is seen.
+        if radius_px < LEAST_PX || !is_near {
+            return None;
         }
-    }
-    let rings = |radius_px: f64| (RINGS_PER_PX * radius_px).clamp(RINGS[0], RINGS[1]);
-    let n_facets: f64 = faceted
-        .iter()
-        .map(|it| 4.0 * rings(it.radius_px) * rings(it.radius_px))
-        .sum();
-    let fewer = (MOST_FACETS / n_facets.max(1.0)).sqrt().min(1.0);
-    let (mut specks, mut facets) = (Vec::new(), Facets::default());
-    for it in faceted {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "some rings"
-        )]
-        let n_rings = (fewer * rings(it.radius_px)).ceil().max(1.0) as u32;
-        if it.is_speck {
-            let mut own = Facets::default();
-            it.drop.add(it.place, n_rings, &mut own);
-            specks.push(own.light);
-        } else {
-            it.drop.add(it.place, n_rings, &mut facets);
-        }
-    }
-    Drops {
-        drawn,
-        specks,
-        facets,
-    }
-}
-
-/// Radius of a drop along its shorter side, in cells, by [`Drop::per_cell`].
-fn least_cells([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
-    // The inverse of the larger singular value.
-    let (sum, determinant) = (a * a + b * b + c * c + d * d, a * d - b * c);
-    let root = (sum * sum - 4.0 * determinant * determinant)
-        .max(0.0)
-        .sqrt();
-    1.0 / (0.5 * (sum + root)).sqrt()
+        DrawnDrop::of(Drop::of(*cap, from)?, &around)
+    };
+    caps.iter().filter_map(drawn).collect()
 }
 
 /// A drop before a camera.
@@ -134,13 +67,15 @@ struct Drop<'a> {
     /// Where the ray of sight to its middle enters the pane, mm, and how this moves across it, mm per mm.
     enters_mm: [f64; 2],
     moves: [[f64; 2]; 2],
-    /// Radius of its sphere, and the middle of that, mm.
-    sphere_mm: f64,
-    center_mm: Vector,
+    /// Its radius, and how far its middle lies behind that of its sphere, of the radius of that.
+    sphere: [f64; 2],
 }
 
-/// What is the same for all light that is seen along a direction of sight before the glass.
+/// A direction of sight before the glass, and what is the same for all light that is seen along it.
+#[derive(Clone, Copy)]
 struct Sight {
+    /// Its parts in the plane of the pane.
+    along: [f64; 2],
     /// The face towards the camera.
     before: Before,
     /// What passes from glass to water.
@@ -156,14 +91,12 @@ impl<'a> Drop<'a> {
         };
         let enters_mm = enters(0.0, 0.0)?;
         let by = |other: [f64; 2]| [0, 1].map(|k| (other[k] - enters_mm[k]) / cap.radius_mm);
-        let sphere_mm = cap.sphere_mm();
-        let [x, y] = cap.at_mm;
+        let (sin, cos) = libm::sincos(cap.contact_rad);
         Some(Self {
             cap,
             from,
             enters_mm,
-            sphere_mm,
-            center_mm: [x, y, -sphere_mm * libm::cos(cap.contact_rad)],
+            sphere: [sin, cos],
             moves: [
                 by(enters(cap.radius_mm, 0.0)?),
                 by(enters(0.0, cap.radius_mm)?),
@@ -177,129 +110,60 @@ impl<'a> Drop<'a> {
         [0, 1].map(|k| self.enters_mm[k] + x * self.moves[0][k] + y * self.moves[1][k])
     }
 
-    /// Change of the place on the pane, of its radius, per cell along x and along y; none beside the camera.
-    fn per_cell(&self, per_px: f64) -> Option<[[f64; 2]; 2]> {
-        let [[a, b], [c, d]] = self.from.sheet.view().jacobian(self.cap.at_mm)?;
-        let per_px_of_pane = 1.0 / ((a * d - b * c) * per_px * self.cap.radius_mm);
-        Some([[d, -c], [-b, a]].map(|row| row.map(|part| part * per_px_of_pane)))
-    }
-
     /// Where a place of the outer face appears in the frame, px.
     fn appears(&self, at_mm: [f64; 2]) -> Option<[f64; 2]> {
         self.from.sheet.appears(self.enters_mm(at_mm), [0.0; 2])
     }
 
-    /// Rings of facets about the middle, of which each sees what its own middle sees.
-    fn add(&self, (middle, blur_px): ([f64; 2], f64), n_rings: u32, facets: &mut Facets) {
-        let n_sectors = (4 * n_rings).max(6);
-        let around: Vec<[f64; 2]> = (0..n_sectors)
-            .map(|k| {
-                let (sin, cos) = libm::sincos(TAU * f64::from(k) / f64::from(n_sectors));
-                [cos, sin]
-            })
-            .collect();
-        let half_step = libm::sincos(0.5 * TAU / f64::from(n_sectors));
-        // So that a polygon has the area of its circle.
-        let swell = (0.5 * TAU / f64::from(n_sectors) / (half_step.0 * half_step.1)).sqrt();
-        let place = |share: f64, [x, y]: [f64; 2]| {
-            [
-                self.cap.at_mm[0] + share * self.cap.radius_mm * x,
-                self.cap.at_mm[1] + share * self.cap.radius_mm * y,
-            ]
-        };
-        // Thinner rings towards the rim, where light bends most; one ends where light along the normal of the glass begins
-        // to be reflected totally.
-        let total = (1.0 / (WATER * libm::sin(self.cap.contact_rad))).min(1.0);
-        let ring_at = |ring: u32| {
-            let share = |ring: u32| libm::sin(0.25 * TAU * f64::from(ring) / f64::from(n_rings));
-            let is_last = ring < n_rings && share(ring) <= total && total < share(ring + 1);
-            if is_last && ring > 0 {
-                total
-            } else {
-                share(ring)
-            }
-        };
-        let mut inner: Vec<Option<[f64; 2]>> = vec![Some(middle); around.len()];
-        for ring in 1..=n_rings {
-            let [low, high] = [ring_at(ring - 1), ring_at(ring)];
-            let corner = |to: &[f64; 2]| self.appears(place(swell * high, *to));
-            let outer: Vec<Option<[f64; 2]>> = around.iter().map(corner).collect();
-            for k in 0..around.len() {
-                let next = (k + 1) % around.len();
-                let (Some(a), Some(b), Some(c), Some(d)) =
-                    (inner[k], outer[k], outer[next], inner[next])
-                else {
-                    continue;
-                };
-                let [x, y] = around[k];
-                let between = [
-                    x * half_step.1 - y * half_step.0,
-                    x * half_step.0 + y * half_step.1,
-                ];
-                let share = (0.5 * (low * low + high * high)).sqrt();
-                let at_mm = place(share, between);
-                let sight = self.from.sheet.sight(self.enters_mm(at_mm), [0.0; 2]);
-                if let Some(sight) = sight {
-                    let sent = self.seen(at_mm, sight);
-                    facets.add([a, b, c, d], blur_px, &sent, [[0.0; 2]; 2]);
-                }
-            }
-            inner = outer;
-        }
-    }
-
-    /// What is seen through the drop at a place of the outer face along a direction of sight before the glass, as a share
-    /// of what bare glass would show there; the shares sum to 1.
-    fn seen(&self, at_mm: [f64; 2], sight: Vector) -> Sent {
-        let [x, y] = [sight[0] / WATER, sight[1] / WATER];
+    /// What is seen through the drop at a place of the outer face, of its radius from its middle, as a share of what bare
+    /// glass would show there; the shares sum to 1.
+    fn seen(&self, place: [f64; 2], sight: &Sight) -> Sent {
+        let [x, y] = sight.along.map(|part| part * (1.0 / WATER));
         let mut ray = [x, y, (1.0 - x * x - y * y).sqrt()];
-        let (sphere, center) = (self.sphere_mm, self.center_mm);
-        let sight = self.sight(sight);
-        let mut at = [at_mm[0], at_mm[1], 0.0];
+        // From the middle of the sphere, of its radius, of which the face cuts off what is before `face`.
+        let [wide, face] = self.sphere;
+        let mut at = [wide * place[0], wide * place[1], face];
         let mut share = 1.0;
         let mut sent = Sent::default();
         for _ in 0..MOST_BOUNCES {
             // To the sphere, or before that to the glass.
-            let out: Vector = std::array::from_fn(|k| at[k] - center[k]);
-            let along = dot(out, ray);
-            let to_sphere = -along
-                + (along * along - dot(out, out) + sphere * sphere)
-                    .max(0.0)
-                    .sqrt();
+            let along = dot(at, ray);
+            let to_sphere = (along * along - dot(at, at) + 1.0).max(0.0).sqrt() - along;
             let to_glass = if ray[2] < 0.0 {
-                -at[2] / ray[2]
+                (face - at[2]) / ray[2]
             } else {
                 f64::INFINITY
             };
             if to_glass < to_sphere {
-                self.enters_cabin(&mut sent, &sight, ray, share);
+                self.enters_cabin(&mut sent, sight, ray, share);
                 return sent;
             }
             at = std::array::from_fn(|k| at[k] + to_sphere * ray[k]);
-            let normal: Vector = std::array::from_fn(|k| (at[k] - center[k]) / sphere);
-            let cos = dot(ray, normal).clamp(0.0, 1.0);
-            let mirrored = reflectance(cos, 1.0 / WATER);
-            if mirrored < 1.0 {
-                let cos_out = (1.0 - WATER * WATER * (1.0 - cos * cos)).max(0.0).sqrt();
+            let cos = dot(ray, at).clamp(0.0, 1.0);
+            let square = 1.0 - WATER * WATER * (1.0 - cos * cos);
+            if square > 0.0 {
+                let cos_out = square.sqrt();
+                let mirrored = reflectance_at([cos, cos_out], 1.0 / WATER);
                 let leaves =
-                    std::array::from_fn(|k| WATER * ray[k] + (cos_out - WATER * cos) * normal[k]);
-                self.leaves(&mut sent, &sight, leaves, share * (1.0 - mirrored));
+                    std::array::from_fn(|k| WATER * ray[k] + (cos_out - WATER * cos) * at[k]);
+                self.leaves(&mut sent, sight, leaves, share * (1.0 - mirrored));
+                share *= mirrored;
             }
-            share *= mirrored;
-            if share < 1e-3 {
+            if share < LEAST_SHARE {
                 break;
             }
-            ray = std::array::from_fn(|k| ray[k] - 2.0 * cos * normal[k]);
+            ray = std::array::from_fn(|k| ray[k] - 2.0 * cos * at[k]);
         }
         sent.lanes[HELD] += share;
         sent
     }
 
-    fn sight(&self, sight: Vector) -> Sight {
+    fn sight(&self, [x, y, z]: Vector) -> Sight {
         let n = self.from.sheet.index;
-        let in_glass = (1.0 - (1.0 - sight[2] * sight[2]) / (n * n)).sqrt();
+        let in_glass = (1.0 - (1.0 - z * z) / (n * n)).sqrt();
         Sight {
-            before: self.from.before(sight),
+            along: [x, y],
+            before: self.from.before([x, y, z]),
             passes: 1.0 - reflectance(in_glass, WATER / n),
         }
     }
@@ -328,86 +192,264 @@ impl<'a> Drop<'a> {
         } else {
             let z = (1.0 - square).sqrt();
             let face = reflectance(z, self.from.sheet.index);
-            self.from.cabin(sent, [x, y, -z], share * (1.0 - face));
-            self.leaves(sent, sight, [x, y, z], share * face * (1.0 - face));
-            self.from.cabin(sent, [x, y, -z], share * face * face);
+            let again = share * face * (1.0 - face);
+            self.from.cabin(sent, [x, y, -z], share - again);
+            self.leaves(sent, sight, [x, y, z], again);
         }
     }
 }
 
-/// A drop that is drawn cell by cell, each of which shows what its middle shows.
+/// A drop that is drawn cell by cell, each of which shows what the middle of what it covers shows, or the mean of several
+/// rays.
 pub(crate) struct DrawnDrop<'a> {
     drop: Drop<'a>,
     blur_px: f64,
-    per_px: f64,
+    /// Rays along one side of a cell, and per px.
+    of_cell: u32,
+    rays_per_px: f64,
+    /// Rays that may meet it.
     columns: Range<i32>,
     rows: Range<i32>,
-    /// As [`Drop::per_cell`].
-    per_cell: [[f64; 2]; 2],
+    /// Its middle, in rays.
+    middle: [f64; 2],
+    /// Change of the place on the pane, of its radius, per ray along x and along y, and how far from the middle, by that
+    /// alone, a ray may meet it.
+    per_ray: [[f64; 2]; 2],
+    reach: f64,
+    /// Of a cell that a ray has which stands for a whole one.
+    share: f64,
+    /// Of one that is seen under a small angle.
+    narrow: Option<Narrow>,
 }
 
+/// A drop that is seen under so small an angle that places and directions change evenly across it.
+struct Narrow {
+    /// To its middle.
+    sight: Sight,
+    /// Change of its direction per ray along x and along y.
+    per_ray: [[f64; 2]; 2],
+}
+
+/// Greatest such angle, rad: of radii along the longer side.
+const NARROW_RAD: f64 = 0.006;
+
 impl<'a> DrawnDrop<'a> {
-    /// As far as it lies in the frame or its blur reaches into it.
-    fn of(drop: Drop<'a>, blur_px: f64, per_cell: [[f64; 2]; 2]) -> Self {
-        const AROUND: u32 = 16;
-        let per_px = cells_per_px(blur_px);
-        let view = drop.from.sheet.view();
-        let outline = (0..AROUND).map(|k| {
-            let (sin, cos) = libm::sincos(TAU * f64::from(k) / f64::from(AROUND));
-            // Beyond the sides between these places.
-            let radius_mm = 1.1 * drop.cap.radius_mm;
-            drop.appears([0, 1].map(|k| drop.cap.at_mm[k] + radius_mm * [cos, sin][k]))
+    /// As far as it lies in the frame or its blur reaches into it, by some directions around it; none beside the camera.
+    fn of(drop: Drop<'a>, around: &[[f64; 2]]) -> Option<Self> {
+        let sheet = drop.from.sheet;
+        let blur_px = sheet.blur_radius_px(drop.cap.at_mm, sheet.outer_mm())?;
+        let middle = drop.appears(drop.cap.at_mm)?;
+        let behind = |px: [f64; 2]| sheet.behind(px, sheet.outer_mm());
+        let (at_mm, sight) = behind(middle)?;
+        let [along_x, along_y] = [
+            behind([middle[0] + 1.0, middle[1]])?,
+            behind([middle[0], middle[1] + 1.0])?,
+        ];
+        let per_px = [along_x, along_y]
+            .map(|(at, _)| [0, 1].map(|k| (at[k] - at_mm[k]) / drop.cap.radius_mm));
+        let cells_per_px = cells_per_px(blur_px);
+        let radius_px = least_radius(per_px);
+        let mut of_cell = 1;
+        while f64::from(of_cell) * cells_per_px * radius_px < LEAST_RAYS && of_cell < MOST_OF_CELL {
+            of_cell *= 2;
+        }
+        let rays_per_px = f64::from(of_cell) * cells_per_px;
+        let per_ray = per_px.map(|place| place.map(|part| part / rays_per_px));
+        let Outline {
+            reach,
+            widest_px,
+            spans_px,
+        } = Outline::of(&drop, around, (middle, &per_px));
+        let rays = |low: f64, high: f64| {
+            // Half a ray beyond its outline is still among what a ray stands for.
+            let [low, high] = [low * rays_per_px - 0.5, high * rays_per_px + 0.5];
+            #[expect(clippy::cast_possible_truncation, reason = "`as` clamps")]
+            let rays = (low.floor() as i32)..(high.ceil() as i32);
+            rays
+        };
+        let [columns, rows] = spans_px.map(|[low, high]| rays(low, high));
+        let narrow = (widest_px < NARROW_RAD * sheet.f_px()).then(|| Narrow {
+            sight: drop.sight(sight),
+            per_ray: [along_x, along_y]
+                .map(|(_, to)| [0, 1].map(|k| (to[k] - sight[k]) / rays_per_px)),
         });
-        let none = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        let everywhere = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
-        let spans = outline.fold(none, |spans, at| match at {
-            Some(at) => [0, 1].map(|k| [spans[k][0].min(at[k]), spans[k][1].max(at[k])]),
-            // Some of it lies beside the camera.
-            None => everywhere,
-        });
-        let beyond_px = blur_px.abs() + 2.0 / per_px;
-        let (width, height) = view.size();
-        let [columns, rows] = [(0, width), (1, height)].map(|(k, n)| {
-            let most = f64::from(n) + beyond_px;
-            let [low, high] = spans[k].map(|px| per_px * px.clamp(-beyond_px, most));
-            #[expect(clippy::cast_possible_truncation, reason = "cells of a frame")]
-            let cells = (low.floor() as i32)..(high.ceil() as i32);
-            cells
-        });
-        Self {
+        let mut drawn = Self {
+            middle: middle.map(|px| rays_per_px * px),
+            // With half a ray.
+            reach: reach + 0.5 / least_radius(per_ray),
+            share: 1.0 / f64::from(of_cell * of_cell),
+            per_ray,
+            narrow,
             drop,
             blur_px,
-            per_px,
+            of_cell,
+            rays_per_px,
             columns,
             rows,
-            per_cell,
+        };
+        if least_radius(per_ray) < FEW_RAYS && drawn.narrow.is_some() {
+            drawn.share *= drawn.rays_per_part();
+        }
+        let beyond_px = blur_px.abs() + 2.0 / cells_per_px;
+        let (width, height) = sheet.view().size();
+        let seen = |all: &Range<i32>, n: u32| {
+            let most = rays(-beyond_px, f64::from(n) + beyond_px);
+            all.start.max(most.start)..all.end.min(most.end)
+        };
+        drawn.columns = seen(&drawn.columns, width);
+        drawn.rows = seen(&drawn.rows, height);
+        Some(drawn)
+    }
+
+    /// The place that a ray looks at as far as that changes evenly; none of nearly all rays that do not meet the drop.
+    fn place(&self, at: [i32; 2]) -> Option<[f64; 2]> {
+        let place = straight(&self.per_ray, self.from_middle(at));
+        let square = place[0] * place[0] + place[1] * place[1];
+        (square < self.reach * self.reach).then_some(place)
+    }
+
+    fn from_middle(&self, at: [i32; 2]) -> [f64; 2] {
+        [0, 1].map(|k| f64::from(at[k]) + 0.5 - self.middle[k])
+    }
+
+    /// The place that a ray looks at, of the drop's radius from its middle, and the direction of sight.
+    fn behind(&self, at: [i32; 2]) -> Option<([f64; 2], Sight)> {
+        let place = self.place(at)?;
+        let (cap, sheet) = (&self.drop.cap, self.drop.from.sheet);
+        match &self.narrow {
+            Some(Narrow { sight, per_ray }) => {
+                let [x, y] = straight(per_ray, self.from_middle(at));
+                let along = [sight.along[0] + x, sight.along[1] + y];
+                Some((place, Sight { along, ..*sight }))
+            }
+            None => {
+                let px = at.map(|k| (f64::from(k) + 0.5) / self.rays_per_px);
+                let (at_mm, sight) = sheet.behind(px, sheet.outer_mm())?;
+                let place = [0, 1].map(|k| (at_mm[k] - cap.at_mm[k]) / cap.radius_mm);
+                Some((place, self.drop.sight(sight)))
+            }
         }
     }
 
-    /// What a cell shows; none where it covers nothing of it.
-    fn cell(&self, at: [i32; 2]) -> Option<[f32; LANES]> {
-        let (sheet, cap) = (self.drop.from.sheet, &self.drop.cap);
-        let px = at.map(|k| (f64::from(k) + 0.5) / self.per_px);
-        let (at_mm, sight) = sheet.behind(px, sheet.outer_mm())?;
-        let [right, down] = [0, 1].map(|k| (at_mm[k] - cap.at_mm[k]) / cap.radius_mm);
-        let away = (right * right + down * down).sqrt();
-        // The rim is as many cells away as it takes to come there by the fastest way; in the very middle the quotient is no
-        // number, and all is covered.
-        let [x, y] = self.per_cell.map(|[a, b]| (a * right + b * down) / away);
-        let part = match (1.0 - away) / (x * x + y * y).sqrt() + 0.5 {
-            part if part <= 0.0 => return None,
-            part => part.min(1.0),
-        };
-        let inside_mm = (RIM / away).min(1.0) * cap.radius_mm;
-        let at_mm = [
-            cap.at_mm[0] + inside_mm * right,
-            cap.at_mm[1] + inside_mm * down,
-        ];
-        let sent = self.drop.seen(at_mm, sight);
+    /// How much of its cell a ray stands for that looks at a place, and where the middle of that is, of the way to the place.
+    fn part(&self, [right, down]: [f64; 2]) -> Option<[f64; 2]> {
+        let away = (right * right + down * down).sqrt().max(1e-9);
+        // The rim is as many rays away as it takes to come there by the fastest way. Over all places that the rays may have,
+        // this covers π (ρ² + 1/12) of a circle of ρ rays, hence the smaller one.
+        let [x, y] = self.per_ray.map(|[a, b]| (a * right + b * down) / away);
+        let square = x * x + y * y;
+        let (rim, of_ray) = ((1.0 - square / 12.0).max(0.0).sqrt(), square.sqrt());
+        let part = ((rim - away) / of_ray + 0.5).min(1.0);
+        let inside = away.min(1.0 - 0.5 * part * of_ray).min(RIM).max(0.0);
+        (part > 0.0).then_some([part, inside / away])
+    }
+
+    /// How many rays it is large, over what they stand for together: where there are few, that is how their places have it.
+    fn rays_per_part(&self) -> f64 {
+        let rays = (self.rows.clone()).flat_map(|y| self.columns.clone().map(move |x| [x, y]));
+        let parts = rays.filter_map(|at| {
+            let [part, _] = self.part(self.place(at)?)?;
+            Some(part)
+        });
+        let [[a, b], [c, d]] = self.per_ray;
+        PI / (a * d - b * c).abs() / parts.sum::<f64>().max(1e-3)
+    }
+
+    /// What a ray shows; none where it stands for nothing of the drop.
+    fn ray(&self, at: [i32; 2]) -> Option<[f32; LANES]> {
+        let (place, sight) = self.behind(at)?;
+        let [part, inside] = self.part(place)?;
+        let sent = self.drop.seen(place.map(|k| inside * k), &sight);
+        let share = self.share * part;
         #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
-        let lanes = sent.lanes.map(|lane| (part * lane) as f32);
+        let lanes = sent.lanes.map(|lane| (share * lane) as f32);
         Some(lanes)
     }
+
+    /// The rays of a cell together.
+    fn cell(&self, column: i32, row: i32) -> Option<[f32; LANES]> {
+        if self.of_cell == 1 {
+            return self.ray([column, row]);
+        }
+        let [columns, rows] = [(column, &self.columns), (row, &self.rows)].map(|(cell, all)| {
+            let first = cell * self.of_cell.cast_signed();
+            first.max(all.start)..(first + self.of_cell.cast_signed()).min(all.end)
+        });
+        let mut sum = None;
+        for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
+            if let Some(lanes) = self.ray([x, y]) {
+                sum = Some(add_arrays(sum.unwrap_or([0.0; LANES]), lanes));
+            }
+        }
+        sum
+    }
+
+    /// The cells of some rays.
+    fn cells(&self, rays: &Range<i32>) -> Range<i32> {
+        let of_cell = self.of_cell.cast_signed();
+        rays.start.div_euclid(of_cell)..(rays.end - 1).div_euclid(of_cell) + 1
+    }
+}
+
+/// What a drop reaches to.
+struct Outline {
+    /// How far from its middle, of its radius, by the change of the place about its middle alone.
+    reach: f64,
+    /// The same in px, and from where to where across and down.
+    widest_px: f64,
+    spans_px: [[f64; 2]; 2],
+}
+
+impl Outline {
+    /// By some directions around a drop, and its middle and the change of the place, of its radius, per px along x and
+    /// along y.
+    fn of(
+        drop: &Drop<'_>,
+        around: &[[f64; 2]],
+        (middle, per_px): ([f64; 2], &[[f64; 2]; 2]),
+    ) -> Self {
+        let mut outline = Self {
+            reach: 0.0,
+            widest_px: 0.0,
+            spans_px: [[f64::INFINITY, f64::NEG_INFINITY]; 2],
+        };
+        // Beyond the sides between these places.
+        let radius_mm = 1.1 * drop.cap.radius_mm;
+        for to in around {
+            let Some(at) = drop.appears([0, 1].map(|k| drop.cap.at_mm[k] + radius_mm * to[k]))
+            else {
+                // Some of it lies beside the camera: it may be everywhere.
+                return Self {
+                    reach: f64::INFINITY,
+                    widest_px: f64::INFINITY,
+                    spans_px: [[f64::NEG_INFINITY, f64::INFINITY]; 2],
+                };
+            };
+            let px = [0, 1].map(|k| at[k] - middle[k]);
+            let [away, px] = [straight(per_px, px), px].map(|[x, y]| libm::hypot(x, y));
+            outline.reach = outline.reach.max(away);
+            outline.widest_px = outline.widest_px.max(px);
+            for (span, at) in outline.spans_px.iter_mut().zip(at) {
+                *span = [span[0].min(at), span[1].max(at)];
+            }
+        }
+        outline
+    }
+}
+
+/// What is some steps away, by the change per step along x and along y.
+fn straight([along_x, along_y]: &[[f64; 2]; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|k| x * along_x[k] + y * along_y[k])
+}
+
+/// Steps to the rim of a drop along its shorter side, by the change of the place, of its radius, per step.
+fn least_radius([[a, b], [c, d]]: [[f64; 2]; 2]) -> f64 {
+    // The inverse of the larger singular value.
+    let (sum, determinant) = (a * a + b * b + c * c + d * d, a * d - b * c);
+    let root = (sum * sum - 4.0 * determinant * determinant)
+        .max(0.0)
+        .sqrt();
+    1.0 / (0.5 * (sum + root)).sqrt()
 }
 
 impl Drawn<LANES> for DrawnDrop<'_> {
@@ -416,12 +458,12 @@ impl Drawn<LANES> for DrawnDrop<'_> {
     }
 
     fn rows(&self) -> Range<i32> {
-        self.rows.clone()
+        self.cells(&self.rows)
     }
 
     fn row(&self, row: i32, add: &mut dyn FnMut(i32, [f32; LANES])) {
-        for column in self.columns.clone() {
-            if let Some(lanes) = self.cell([column, row]) {
+        for column in self.cells(&self.columns) {
+            if let Some(lanes) = self.cell(column, row) {
                 add(column, lanes);
             }
         }

@@ -23,7 +23,7 @@ const FAULT_BYTES: f64 = 64.0;
 /// A coat: what it does in each cell, its maps, and copies of the frame.
 const COAT_BYTES: f64 = 280.0;
 
-/// Bytes of the most facets that drops have.
+/// Bytes of the most drops.
 const DROPS_BYTES: f64 = 2e8;
 
 /// Bytes of a piece of crack: its facets and what they are made from.
