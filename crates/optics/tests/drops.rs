@@ -274,14 +274,118 @@ fn a_drop_covers_its_footprint_however_few_pixels_that_has() {
     };
     let expected = added_per_footprint(40.0, 0.0);
     let sizes = [(0.5, 0.0), (2.0, 0.0), (2.9, 0.0), (0.3, 0.6), (1.0, 0.7)];
-    let specks = [(0.4, 1.2), (1.4, 1.05), (0.8, 2.5), (1.4, 3.9), (2.0, 6.0)];
-    for (radius_px, blur_px) in sizes.into_iter().chain(specks) {
+    let blurred = [(0.4, 1.2), (1.4, 1.05), (0.8, 2.5), (1.4, 3.9), (2.0, 6.0)];
+    for (radius_px, blur_px) in sizes.into_iter().chain(blurred) {
         let found = added_per_footprint(radius_px, blur_px);
         assert!(
             (found / expected - 1.0).abs() < 0.04,
             "radius {radius_px} px, blur {blur_px} px: {found}, not {expected}"
         );
     }
+}
+
+/// The edge from which on light is reflected totally takes its share of a drop of any size, wherever its cells lie.
+#[test]
+fn small_drops_are_as_dark_as_large_ones() {
+    let lost = |degrees: f64, radius_px: f64, blur_px: f64, offset_px: [f64; 2]| {
+        let side = 2 * (radius_px + blur_px + 5.0).ceil() as u32;
+        let f_px = 500.0 * radius_px;
+        let camera = Close {
+            size: (side, side),
+            f_px,
+            distance_m: 1.0,
+            rake_deg: 0.0,
+            rim_reflectance: 0.0,
+            blur_px,
+        };
+        let caps = vec![Cap {
+            at_mm: offset_px.map(|px| px * 1000.0 / f_px),
+            ..cap(2.0, degrees)
+        }];
+        let shown = camera.behind(caps, &light(0.8, 0.0), |_, _| [0.8; 3]);
+        let lost: f64 = shown.iter().map(|light| 0.8 - light[0]).sum();
+        lost / (std::f64::consts::PI * radius_px * radius_px)
+    };
+    for degrees in [50.0, 60.0, 75.0, 90.0] {
+        let expected = lost(degrees, 60.0, 0.0, [0.0; 2]);
+        for (radius_px, blur_px) in [
+            (0.5, 2.5),
+            (1.0, 2.5),
+            (1.3, 1.5),
+            (2.0, 2.5),
+            (5.0, 2.5),
+            (1.0, 0.0),
+            (2.5, 0.0),
+        ] {
+            let offsets =
+                (0..64).map(|k| [f64::from(k % 8), f64::from(k / 8)].map(|k| 0.125 * k + 0.03));
+            let found = offsets
+                .map(|at| lost(degrees, radius_px, blur_px, at))
+                .sum::<f64>()
+                / 64.0;
+            let off = found - expected;
+            assert!(
+                off.abs() < 0.045,
+                "contact {degrees}°, radius {radius_px} px, blur {blur_px} px: {found}, not {expected}"
+            );
+        }
+    }
+}
+
+/// A drop just beside the frame is seen as far as its blur reaches, also through a pane that is thicker than it is far
+/// away, which makes it appear nearer to the middle than it is.
+#[test]
+fn a_drop_beside_the_frame_reaches_into_it() {
+    let camera = |size, thickness_mm: f64| {
+        let camera = Camera {
+            f_px: 300.0,
+            distance_m: 0.002,
+            rake_rad: 0.0,
+            axis_at_mm: [0.0; 2],
+        };
+        let optics = PhysicalOptics {
+            lens: Lens {
+                focal_length_m: 4e-3,
+                f_number: 4e-3 / 1e-4,
+                focus_m: 1e6,
+                scene_m: 1e6,
+                ..Lens::default()
+            },
+            glass: Glass {
+                thickness_mm,
+                interlayer_mm: 0.0,
+                inner_ply_mm: 0.0,
+                ..Glass::default()
+            },
+            ..PhysicalOptics::default()
+        };
+        (View::through(&camera, size).unwrap(), optics)
+    };
+    let (view, optics) = camera((400, 300), 5.0);
+    let none = CrackNetwork::without_cracks(400, 300);
+    let is_seen = |x_mm: f64| {
+        let caps = vec![Cap {
+            at_mm: [x_mm, 0.0],
+            ..cap(0.2, 50.0)
+        }];
+        let pattern = bake(&none, f64::INFINITY, &view, &optics, Seed(1)).unwrap();
+        !pattern
+            .behind(&Deposit { caps }, &view, &optics)
+            .unwrap()
+            .is_intact()
+    };
+    let last = (0..500)
+        .map(|k| 0.02 * f64::from(k))
+        .filter(|x| is_seen(*x))
+        .fold(0.0, f64::max);
+    // The side of the frame looks at an angle of tan 2/3. A ray of that which enters at the rim of the pupil comes to
+    // 0.05 mm + 2 mm · 2/3 + 5 mm · tan asin(sin/1.52) = 3.34 mm from the axis; and the drop has 0.2 mm.
+    let sin = (2.0_f64 / 3.0).atan().sin() / 1.52;
+    let expected = 0.05 + 2.0 * 2.0 / 3.0 + 5.0 * sin / (1.0 - sin * sin).sqrt() + 0.2;
+    assert!(
+        (-0.05..0.2).contains(&(last - expected)),
+        "{last} mm, not {expected}"
+    );
 }
 
 #[test]

@@ -39,7 +39,7 @@ fn picture(preset: &str, focus: &str) -> RgbImage {
             recipe.set("spots.pitch_um=25").unwrap();
         }
         let settings: &[&str] = match (preset, focus) {
-            // In a blur of 1 to 3 px, in which small drops are specks.
+            // In a blur of 1 to 3 px, in which most drops are small.
             ("rain", "far") => &["camera.f_px=600"],
             // Glass at hand, in focus.
             ("rain" | "muddy" | "frosted", _) => {

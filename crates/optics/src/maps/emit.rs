@@ -248,7 +248,7 @@ fn union(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
 
 /// Adds a row of pixels to the frame, without the runs in which there is nothing.
 #[inline(always)]
-pub(super) fn hand_on<const L: usize>(
+fn hand_on<const L: usize>(
     frame: &mut LaneRuns<L>,
     y: usize,
     start: usize,

@@ -41,6 +41,12 @@ impl Pupil {
         }
     }
 
+    /// Farthest from its middle, of the radius of a disc of its area.
+    pub(crate) fn reach(self) -> f64 {
+        let away = self.corners().into_iter().map(|[x, y]| libm::hypot(x, y));
+        away.fold(1.0, f64::max)
+    }
+
     /// Corners of the polygon for a disc of radius 1.
     pub(crate) fn corners(self) -> Vec<[f64; 2]> {
         match self {

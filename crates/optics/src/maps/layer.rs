@@ -34,6 +34,9 @@ pub(crate) struct Facet<const L: usize> {
 /// Radii within this ratio share a kernel.
 const RADIUS_RATIO: f64 = 1.005;
 
+/// So much is drawn all over a frame.
+const MUCH: usize = 1000;
+
 /// Cells of a row that are summed up, or left out, together.
 const BLOCK: usize = 16;
 
@@ -65,8 +68,9 @@ fn spread_on<const L: usize>(
     pupil: Pupil,
     (width, height): (usize, usize),
 ) -> LaneRuns<L> {
-    // Room that is not used is not touched either; what is drawn may be everywhere.
-    let n_runs = width.div_ceil(CHUNK) * height / if drawn.is_empty() { 8 } else { 1 };
+    // Room that is not used is not touched either; where much is drawn it is everywhere.
+    let part = if drawn.len() < MUCH { 8 } else { 1 };
+    let n_runs = width.div_ceil(CHUNK) * height / part;
     let mut frame = LaneRuns::with_room(width, height, n_runs);
     let mut levels: BTreeMap<Level, Things<'_, L>> = BTreeMap::new();
     for facet in facets {

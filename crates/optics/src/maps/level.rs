@@ -73,7 +73,8 @@ impl Level {
         let most = i32::from(radius_px.abs() < BLURRED_PX);
         Self {
             exponent: level.exponent.min(most),
-            ..level
+            // Nothing is shared.
+            is_halved: false,
         }
     }
 

@@ -73,7 +73,7 @@ pub fn bake(
     let mut fragments = Facets::default();
     fragment_facets(&from, (network, time), wedge_rad, seed, &mut fragments);
     let mut cracks = Facets::default();
-    let reach_px = reach_px(&sheet);
+    let reach_px = reach_px(&sheet, Pupil::of(&optics.lens).reach());
     crack_facets(&from, network, time, &optics.surface, reach_px, &mut cracks);
     hit_facets(&from, network, time, &optics.surface, seed, &mut cracks);
     pattern.outline = Outline::Corners(std::mem::take(&mut cracks.outlines));
@@ -145,7 +145,7 @@ impl Pattern {
         }
         let gaps = gap_table(optics.glass.refractive_index);
         let from = light_from(&sheet, optics, &gaps);
-        let drops = drops(&from, &deposit.caps, reach_px(&sheet));
+        let drops = drops(&from, &deposit.caps, Pupil::of(&optics.lens).reach());
         let drawn: Vec<&dyn Drawn<LANES>> = drops.iter().map(|drop| drop as _).collect();
         let light = self.spread(&[], &drawn, &optics.lens);
         let layer = self.layer_of(light, &[], (&optics.lens, Spread::Squares));
@@ -285,8 +285,8 @@ fn mean_blur_px(facets: &[Facet<LANES>]) -> f32 {
 }
 
 /// How far beyond the frame a crack may lie and still reach into it, px: the largest blur at the
-/// frame's corners, and the parallax of the sheet.
-fn reach_px(sheet: &SheetView) -> f64 {
+/// frame's corners, by a pupil that reaches so many of its radii from its middle, and the parallax of the sheet.
+fn reach_px(sheet: &SheetView, pupil_reach: f64) -> f64 {
     let (width, height) = sheet.view().size();
     let (width, height) = (f64::from(width), f64::from(height));
     let corners = [[0.0, 0.0], [width, 0.0], [0.0, height], [width, height]];
@@ -297,13 +297,13 @@ fn reach_px(sheet: &SheetView) -> f64 {
             && let Some([u, v]) = sheet.project(point, sheet.outer_mm(), [0.0; 2])
         {
             let parallax = (u - corner[0]).abs().max((v - corner[1]).abs());
-            reach = reach.max(radius.abs() + parallax);
+            reach = reach.max(pupil_reach * radius.abs() + parallax);
         }
     }
     let axis = sheet.view().unproject([0.5 * width, 0.5 * height]);
     let axis_px = axis.and_then(|point| sheet.blur_radius_px(point, 0.0));
     // The rim of the frame is not its corners' equal where the sheet leaves the view.
-    let most = (width + height).max(2.0 * axis_px.unwrap_or(0.0).abs());
+    let most = (width + height).max(2.0 * pupil_reach * axis_px.unwrap_or(0.0).abs());
     (1.1 * reach + 4.0).min(most)
 }
 

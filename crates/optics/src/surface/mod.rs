@@ -8,7 +8,9 @@
 mod chains;
 mod cracks;
 mod divided;
+mod drawn_drop;
 mod drops;
+mod glimpse;
 mod hit;
 mod lobe;
 mod params;

@@ -35,8 +35,12 @@ pub(crate) struct SheetView {
 }
 
 /// Most rounds of the search for the place where a refracted ray enters; each is better by about
-/// the ratio of thickness to distance.
+/// the ratio of thickness to distance, or, where that is large, by less.
 const ROUNDS: u32 = 12;
+const CLOSE_ROUNDS: u32 = 64;
+
+/// Ratio of depth over index to distance above which a whole step of the search may go too far.
+const FAR_STEP: f64 = 0.5;
 
 /// A place is found when the round after would move it by less than this share of the thickness.
 const CLOSE: f64 = 1e-4;
@@ -161,9 +165,19 @@ impl SheetView {
         if depth_mm <= 0.0 {
             return Some(entry);
         }
-        for _ in 0..ROUNDS {
+        // How fast the way sideways grows with the place, at most: where that is more than 1 whole steps run away.
+        let slope = depth_mm / (self.index * self.pinhole.distance_mm * self.pinhole.cos);
+        let (rounds, part) = match slope > FAR_STEP {
+            true => (CLOSE_ROUNDS, 1.0 / (1.0 + 0.5 * slope)),
+            false => (ROUNDS, 1.0),
+        };
+        for _ in 0..rounds {
             let [dx, dy] = self.sideways_mm(self.sight(entry, pupil)?, depth_mm);
             let next = [point[0] - dx, point[1] - dy];
+            let next = match part < 1.0 {
+                true => [0, 1].map(|k| entry[k] + part * (next[k] - entry[k])),
+                false => next,
+            };
             let moved = (next[0] - entry[0]).abs() + (next[1] - entry[1]).abs();
             entry = next;
             // The next round would move it by the ratio of thickness to distance less.
@@ -234,5 +248,37 @@ impl SheetView {
         let edge = self.project(point, depth_mm, [self.pupil_mm, 0.0])?;
         let middle = self.project(point, depth_mm, [0.0, 0.0])?;
         Some(middle[0] - edge[0])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+    use super::SheetView;
+    use crate::lens::Lens;
+    use crate::surface::Glass;
+    use crate::{Camera, View};
+
+    /// The place where a ray enters, from that which it comes to, also where the pane is thicker than it is far away.
+    #[test]
+    fn where_a_ray_enters_is_found_from_where_it_ends() {
+        for (distance_m, rake_deg) in [(0.3, 60.0), (0.015, 0.0), (0.002, 0.0), (0.004, 50.0)] {
+            let camera = Camera {
+                f_px: 300.0,
+                distance_m,
+                rake_rad: f64::to_radians(rake_deg),
+                axis_at_mm: [0.0; 2],
+            };
+            let view = View::through(&camera, (400, 300)).unwrap();
+            let sheet = SheetView::new(&view, &Lens::default(), &Glass::default()).unwrap();
+            for (x, y) in (0..5).flat_map(|x| (0..5).map(move |y| (f64::from(x), f64::from(y)))) {
+                let px = [100.0 * x, 75.0 * y];
+                let (point, _) = sheet.behind(px, sheet.outer_mm()).unwrap();
+                let found = sheet.project(point, sheet.outer_mm(), [0.0; 2]).unwrap();
+                let off = libm::hypot(found[0] - px[0], found[1] - px[1]);
+                assert!(off < 0.2, "{distance_m} m, {rake_deg}°, {px:?}: {off} px");
+            }
+        }
     }
 }

@@ -1,0 +1,170 @@
+//! What drops show that are too small to be seen in parts: the mean over the drop, and how that changes across it.
+//!
+//! Of one contact angle, what a drop shows is the same whatever its size, and depends on the direction of sight alone.
+//! So it is found at some places of the frame, by many rays each, and lies on straight lines between them.
+
+use super::drops::{RIM, Water};
+use super::lobe::{FRAME, FRAME_U, FRAME_V, LANES, SQUARE};
+
+/// From one of these places to the next, of the focal length, and the most on a side of the frame.
+const STEP: f64 = 0.2;
+const MOST_PLACES: u32 = 32;
+
+/// Rays of a place along each side of a square around the drop.
+const RAYS: u32 = 20;
+
+/// What a drop shows about its middle, per lane; places in the frame are those from where the drop appears.
+#[derive(Clone, Copy)]
+pub(super) struct Glimpse {
+    mean: [f32; LANES],
+    /// Change per radius to the right and down.
+    slopes: [[f32; LANES]; 2],
+}
+
+impl Glimpse {
+    /// What a place shows that is so far from the mean one, of the radius, times a weight.
+    pub(super) fn lanes(&self, [right, down]: [f64; 2], weight: f64) -> [f32; LANES] {
+        #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
+        let [right, down, weight] = [right as f32, down as f32, weight as f32];
+        let [x, y] = &self.slopes;
+        std::array::from_fn(|k| weight * (self.mean[k] + right * x[k] + down * y[k]))
+    }
+
+    /// Of a drop that appears at a place of the frame, as seen through water along the sight to it; none where the pane is
+    /// not before the camera.
+    fn of(water: &Water<'_>, px: [f64; 2]) -> Option<[[f64; LANES]; 3]> {
+        let sheet = water.from.sheet;
+        let (_, sight) = sheet.behind(px, sheet.outer_mm())?;
+        let sight = water.sight(sight);
+        let from_middle = from_middle(water, px);
+        let (mut sums, mut squares) = ([[0.0; LANES]; 3], [0.0; 3]);
+        let place = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(RAYS) - 1.0;
+        for (x, y) in (0..RAYS).flat_map(|y| (0..RAYS).map(move |x| (place(x), place(y)))) {
+            let away = (x * x + y * y).sqrt();
+            if away > 1.0 {
+                continue;
+            }
+            let inside = (RIM / away).min(1.0);
+            let mut lanes = water.seen([inside * x, inside * y], &sight).lanes;
+            about(&mut lanes, px, from_middle, -1.0);
+            for (k, by) in [1.0, x, y].into_iter().enumerate() {
+                squares[k] += by * by;
+                for (sum, lane) in sums[k].iter_mut().zip(lanes) {
+                    *sum += by * lane;
+                }
+            }
+        }
+        Some([0, 1, 2].map(|k| sums[k].map(|sum| sum / squares[k])))
+    }
+}
+
+/// From the middle of the frame to a place of it, px.
+fn from_middle(water: &Water<'_>, px: [f64; 2]) -> [f64; 2] {
+    let (width, height) = water.from.sheet.view().size();
+    [
+        px[0] - 0.5 * f64::from(width),
+        px[1] - 0.5 * f64::from(height),
+    ]
+}
+
+/// Turns places in the frame into those from a place, px, which is so far from the middle of the frame (`side` −1), or back
+/// (`side` 1).
+fn about(lanes: &mut [f64; LANES], px: [f64; 2], from_middle: [f64; 2], side: f64) {
+    let share = lanes[FRAME];
+    if side > 0.0 {
+        lanes[SQUARE] += square_about(lanes, from_middle);
+    }
+    lanes[FRAME_U] += side * share * px[0];
+    lanes[FRAME_V] += side * share * px[1];
+    if side < 0.0 {
+        lanes[SQUARE] -= square_about(lanes, from_middle);
+    }
+}
+
+/// How much larger squares are about the middle of the frame than about a place so far from it, with places from that.
+fn square_about(lanes: &[f64; LANES], [x, y]: [f64; 2]) -> f64 {
+    2.0 * (x * lanes[FRAME_U] + y * lanes[FRAME_V]) + (x * x + y * y) * lanes[FRAME]
+}
+
+/// Glimpses of drops of one contact angle all over a frame.
+pub(super) struct Glimpses<'a> {
+    water: Water<'a>,
+    /// Places from one side of the frame to the other and down.
+    size: [u32; 2],
+    known: Vec<Option<[[f64; LANES]; 3]>>,
+}
+
+impl<'a> Glimpses<'a> {
+    pub(super) fn of(water: Water<'a>) -> Self {
+        let sheet = water.from.sheet;
+        let (width, height) = sheet.view().size();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some places"
+        )]
+        let size = [width, height].map(|side| {
+            let steps = (f64::from(side) / (STEP * sheet.f_px())).ceil();
+            steps.clamp(1.0, f64::from(MOST_PLACES)) as u32 + 1
+        });
+        let place = |k: u32, n: u32, side: u32| f64::from(k) / f64::from(n - 1) * f64::from(side);
+        let known = (0..size[1])
+            .flat_map(|y| (0..size[0]).map(move |x| [x, y]))
+            .map(|[x, y]| {
+                let px = [place(x, size[0], width), place(y, size[1], height)];
+                Glimpse::of(&water, px)
+            })
+            .collect();
+        Self { water, size, known }
+    }
+
+    /// Of a drop that appears at a place, px; beyond the frame that of its border. None where some of what is around it is
+    /// not known.
+    pub(super) fn at(&self, px: [f64; 2]) -> Option<Glimpse> {
+        let (width, height) = self.water.from.sheet.view().size();
+        let [(left, s), (top, t)] = [(0, width), (1, height)].map(|(k, side)| {
+            let steps = self.size[k] - 1;
+            let at = (px[k] / f64::from(side)).clamp(0.0, 1.0) * f64::from(steps);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "some places"
+            )]
+            let before = (at as u32).min(steps - 1);
+            (before, at - f64::from(before))
+        });
+        let mut all = [[0.0; LANES]; 3];
+        for (down, t) in [(0, 1.0 - t), (1, t)] {
+            for (right, s) in [(0, 1.0 - s), (1, s)] {
+                let place = (top + down) * self.size[0] + left + right;
+                let there = self.known[place as usize].as_ref()?;
+                for (all, there) in all.iter_mut().zip(there) {
+                    for (lane, there) in all.iter_mut().zip(there) {
+                        *lane += s * t * there;
+                    }
+                }
+            }
+        }
+        for lanes in &mut all {
+            about(lanes, px, from_middle(&self.water, px), 1.0);
+        }
+        let [mean, mut right, mut down] = all;
+        for (k, mean) in mean.iter().enumerate() {
+            // No share is below 0 at the rim.
+            let most = libm::hypot(right[k], down[k]);
+            let limit = if matches!(k, FRAME_U | FRAME_V) || most <= *mean {
+                1.0
+            } else {
+                mean / most
+            };
+            right[k] *= limit;
+            down[k] *= limit;
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
+        let [mean, right, down] = [mean, right, down].map(|lanes| lanes.map(|lane| lane as f32));
+        Some(Glimpse {
+            mean,
+            slopes: [right, down],
+        })
+    }
+}
