@@ -180,12 +180,13 @@ impl<'a> DrawnDrop<'a> {
     /// The place that a ray looks at, of the drop's radius from its middle, as far as that changes evenly; none of nearly
     /// all rays that do not meet the drop.
     fn place(&self, at: [i32; 2]) -> Option<[f64; 2]> {
-        let place = straight(&self.per_ray, self.from_middle(at));
+        let place = straight(&self.per_ray, self.offset(at));
         let square = place[0] * place[0] + place[1] * place[1];
         (square < self.reach * self.reach).then_some(place)
     }
 
-    fn from_middle(&self, at: [i32; 2]) -> [f64; 2] {
+    /// From the middle of the drop to a ray, in rays.
+    fn offset(&self, at: [i32; 2]) -> [f64; 2] {
         [0, 1].map(|k| f64::from(at[k]) + 0.5 - self.middle[k])
     }
 
@@ -205,10 +206,11 @@ impl<'a> DrawnDrop<'a> {
             away.min(1.0 - 0.5 * part * of_ray)
         } else {
             // Of few rays anywhere in what they stand for, evenly by area, so that the dark edge has its share.
-            let [x, y] = self.from_middle(at);
+            let [x, y] = self.offset(at);
             let turn = x * DITHER[0] + y * DITHER[1];
             let ends = [away - 0.5 * of_ray, away + 0.5 * of_ray];
-            let [inner, outer] = ends.map(|end| end.clamp(0.0, 1.0).powi(2));
+            let ends = ends.map(|end| end.clamp(0.0, 1.0));
+            let [inner, outer] = ends.map(|end| end * end);
             (inner + (turn - turn.floor()) * (outer - inner)).sqrt()
         };
         let inside = inside.clamp(0.0, RIM) / away;
@@ -225,7 +227,7 @@ impl<'a> DrawnDrop<'a> {
         }
         let (place, sight) = match &self.narrow {
             Some(Narrow { sight, per_ray }) => {
-                let [x, y] = straight(per_ray, self.from_middle(at));
+                let [x, y] = straight(per_ray, self.offset(at));
                 let along = [sight.along[0] + x, sight.along[1] + y];
                 (place, Sight { along, ..*sight })
             }
