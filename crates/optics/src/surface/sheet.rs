@@ -271,13 +271,17 @@ mod tests {
                 axis_at_mm: [0.0; 2],
             };
             let view = View::through(&camera, (400, 300)).unwrap();
-            let sheet = SheetView::new(&view, &Lens::default(), &Glass::default()).unwrap();
+            let glass = Glass {
+                thickness_mm: 5.0,
+                ..Glass::default()
+            };
+            let sheet = SheetView::new(&view, &Lens::default(), &glass).unwrap();
             for (x, y) in (0..5).flat_map(|x| (0..5).map(move |y| (f64::from(x), f64::from(y)))) {
                 let px = [100.0 * x, 75.0 * y];
                 let (point, _) = sheet.behind(px, sheet.outer_mm()).unwrap();
                 let found = sheet.project(point, sheet.outer_mm(), [0.0; 2]).unwrap();
                 let off = libm::hypot(found[0] - px[0], found[1] - px[1]);
-                assert!(off < 0.2, "{distance_m} m, {rake_deg}°, {px:?}: {off} px");
+                assert!(off < 0.02, "{distance_m} m, {rake_deg}°, {px:?}: {off} px");
             }
         }
     }
