@@ -14,16 +14,20 @@ use crate::vector::Vector;
 const LEAST_RAYS: f64 = 0.75;
 const MOST_OF_CELL: u32 = 64;
 
-/// Such a radius below which a drop is small: it shows what it shows in the mean, and how that changes across it.
-const SMALL_RAYS: f64 = 1.5;
+/// Radius along its longer side, in rays, below which a drop is small: it shows what it shows in the mean, and how that
+/// changes across it.
+const SMALL_RAYS: f64 = 2.2;
 
-/// The same up to which rays are so few that where they lie makes a drop larger or smaller, and most rays that are looked
+/// Radius along its shorter side, in rays, up to which they are so few that where they lie makes a drop larger or smaller, and most rays that are looked
 /// at for that.
 const UNEVEN_RAYS: f64 = 3.0;
 const MOST_EVENED: usize = 4096;
 
 /// The same from which on rays at the rim look at the middle of what they stand for.
 const MANY_RAYS: f64 = 6.0;
+
+/// Blur, px, that makes up for what a small drop shows less than nothing of at its rim.
+const BLURRED_PX: f64 = 1.0;
 
 /// Greatest radius along the longer side, of the focal length, of a drop across which places and directions change evenly.
 const NARROW: f64 = 0.006;
@@ -67,6 +71,8 @@ pub(crate) struct DrawnDrop<'a> {
     /// alone, a ray may meet it.
     per_ray: [[f64; 2]; 2],
     reach: f64,
+    /// Radius along the longer side, in rays.
+    widest_rays: f64,
     /// Weight of a ray that stands for all of its place: of a cell, and so that few rays are as large as the drop.
     share: f64,
     /// Of one that is seen under a small angle.
@@ -126,6 +132,7 @@ impl<'a> DrawnDrop<'a> {
             per_ray: per_ray(middle.places_per_px),
             // With half a ray.
             reach: outline.reach + 0.5 / (radius_px * rays_per_px),
+            widest_rays: outline.widest_px / BEYOND * rays_per_px,
             share: 1.0 / f64::from(of_cell * of_cell),
             narrow,
             mean_place: [0.0; 2],
@@ -145,7 +152,9 @@ impl<'a> DrawnDrop<'a> {
     /// Makes few rays together as large as the drop, wherever they lie.
     fn even_out(&mut self) {
         let rays = [&self.rows, &self.columns].map(ExactSizeIterator::len);
-        if self.radius_rays() >= UNEVEN_RAYS || rays[0].saturating_mul(rays[1]) > MOST_EVENED {
+        if least_radius(self.per_ray) >= UNEVEN_RAYS
+            || rays[0].saturating_mul(rays[1]) > MOST_EVENED
+        {
             return;
         }
         let (mut parts, mut places) = (0.0, [0.0; 2]);
@@ -162,19 +171,15 @@ impl<'a> DrawnDrop<'a> {
         self.mean_place = places.map(|place| place / parts);
     }
 
-    /// Radius along the shorter side, in rays.
-    fn radius_rays(&self) -> f64 {
-        least_radius(self.per_ray)
-    }
-
     /// Whether it is so small that a glimpse of it is enough.
     pub(super) fn is_small(&self) -> bool {
-        self.radius_rays() < SMALL_RAYS && self.narrow.is_some()
+        self.widest_rays < SMALL_RAYS && self.narrow.is_some()
     }
 
     /// Shows what drops of its contact angle show where it is.
     pub(super) fn show(&mut self, glimpses: &Glimpses) {
-        self.glimpse = glimpses.at(self.middle.map(|at| at / self.rays_per_px));
+        let at_px = self.middle.map(|at| at / self.rays_per_px);
+        self.glimpse = glimpses.at(at_px, self.blur_px.abs() >= BLURRED_PX);
     }
 
     /// The place that a ray looks at, of the drop's radius from its middle, as far as that changes evenly; none of nearly

@@ -118,9 +118,9 @@ impl<'a> Glimpses<'a> {
         Self { water, size, known }
     }
 
-    /// Of a drop that appears at a place, px; beyond the frame that of its border. None where some of what is around it is
-    /// not known.
-    pub(super) fn at(&self, px: [f64; 2]) -> Option<Glimpse> {
+    /// Of a drop that appears at a place, px; beyond the frame that of its border. Where it is not blurred no share is below
+    /// 0 anywhere on it. None where some of what is around it is not known.
+    pub(super) fn at(&self, px: [f64; 2], is_blurred: bool) -> Option<Glimpse> {
         let (width, height) = self.water.from.sheet.view().size();
         let [(left, s), (top, t)] = [(0, width), (1, height)].map(|(k, side)| {
             let steps = self.size[k] - 1;
@@ -150,9 +150,8 @@ impl<'a> Glimpses<'a> {
         }
         let [mean, mut right, mut down] = all;
         for (k, mean) in mean.iter().enumerate() {
-            // No share is below 0 at the rim.
             let most = libm::hypot(right[k], down[k]);
-            let limit = if matches!(k, FRAME_U | FRAME_V) || most <= *mean {
+            let limit = if is_blurred || matches!(k, FRAME_U | FRAME_V) || most <= *mean {
                 1.0
             } else {
                 mean / most
