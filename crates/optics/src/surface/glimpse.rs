@@ -13,7 +13,7 @@ const MOST_PLACES: u32 = 32;
 /// Rays of a place along each side of a square around the drop.
 const RAYS: u32 = 20;
 
-/// What a drop shows about its middle, per lane; places in the frame are those from where the drop appears.
+/// What a drop shows about its middle, per lane.
 #[derive(Clone, Copy)]
 pub(super) struct Glimpse {
     mean: [f32; LANES],
@@ -30,8 +30,8 @@ impl Glimpse {
         std::array::from_fn(|k| weight * (self.mean[k] + right * x[k] + down * y[k]))
     }
 
-    /// Of a drop that appears at a place of the frame, as seen through water along the sight to it; none where the pane is
-    /// not before the camera.
+    /// Mean and slopes of a drop that appears at a place of the frame, with what it shows of the frame from there; none where
+    /// the pane is not before the camera.
     fn of(water: &Water<'_>, px: [f64; 2]) -> Option<[[f64; LANES]; 3]> {
         let sheet = water.from.sheet;
         let (_, sight) = sheet.behind(px, sheet.outer_mm())?;
