@@ -26,8 +26,8 @@ const MOST_EVENED: usize = 4096;
 /// The same from which on rays at the rim look at the middle of what they stand for.
 const MANY_RAYS: f64 = 6.0;
 
-/// Blur, px, that makes up for what a small drop shows less than nothing of at its rim.
-const BLURRED_PX: f64 = 1.0;
+/// Blur, px, from which on a share below 0 at one side of a small drop is made up for by the other.
+const SOFT_PX: f64 = 1.0;
 
 /// Greatest radius along the longer side, of the focal length, of a drop across which places and directions change evenly.
 const NARROW: f64 = 0.006;
@@ -179,7 +179,7 @@ impl<'a> DrawnDrop<'a> {
     /// Shows what drops of its contact angle show where it is.
     pub(super) fn show(&mut self, glimpses: &Glimpses) {
         let at_px = self.middle.map(|at| at / self.rays_per_px);
-        self.glimpse = glimpses.at(at_px, self.blur_px.abs() >= BLURRED_PX);
+        self.glimpse = glimpses.at(at_px, self.blur_px.abs() >= SOFT_PX);
     }
 
     /// The place that a ray looks at, of the drop's radius from its middle, as far as that changes evenly; none of nearly

@@ -29,60 +29,58 @@ impl Glimpse {
         let [x, y] = &self.slopes;
         std::array::from_fn(|k| weight * (self.mean[k] + right * x[k] + down * y[k]))
     }
+}
 
-    /// Mean and slopes of a drop that appears at a place of the frame, with what it shows of the frame from there; none where
-    /// the pane is not before the camera.
-    fn of(water: &Water<'_>, px: [f64; 2]) -> Option<[[f64; LANES]; 3]> {
-        let sheet = water.from.sheet;
-        let (_, sight) = sheet.behind(px, sheet.outer_mm())?;
-        let sight = water.sight(sight);
-        let from_middle = from_middle(water, px);
-        let (mut sums, mut squares) = ([[0.0; LANES]; 3], [0.0; 3]);
-        let place = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(RAYS) - 1.0;
-        for (x, y) in (0..RAYS).flat_map(|y| (0..RAYS).map(move |x| (place(x), place(y)))) {
-            let away = (x * x + y * y).sqrt();
-            if away > 1.0 {
-                continue;
-            }
-            let inside = (RIM / away).min(1.0);
-            let mut lanes = water.seen([inside * x, inside * y], &sight).lanes;
-            about(&mut lanes, px, from_middle, -1.0);
-            for (k, by) in [1.0, x, y].into_iter().enumerate() {
-                squares[k] += by * by;
-                for (sum, lane) in sums[k].iter_mut().zip(lanes) {
-                    *sum += by * lane;
-                }
+/// Mean and slopes of a drop that appears at a place of the frame, with what it shows of the frame from there; none where
+/// the pane is not before the camera.
+fn mean_and_slopes(water: &Water<'_>, px: [f64; 2]) -> Option<[[f64; LANES]; 3]> {
+    let sheet = water.from.sheet;
+    let (_, sight) = sheet.behind(px, sheet.outer_mm())?;
+    let sight = water.sight(sight);
+    let middle = middle_px(water);
+    let (mut sums, mut squares) = ([[0.0; LANES]; 3], [0.0; 3]);
+    let place = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(RAYS) - 1.0;
+    for (x, y) in (0..RAYS).flat_map(|y| (0..RAYS).map(move |x| (place(x), place(y)))) {
+        let away = (x * x + y * y).sqrt();
+        if away > 1.0 {
+            continue;
+        }
+        let inside = (RIM / away).min(1.0);
+        let mut lanes = water.seen([inside * x, inside * y], &sight).lanes;
+        seen_from(&mut lanes, px, middle);
+        for (k, by) in [1.0, x, y].into_iter().enumerate() {
+            squares[k] += by * by;
+            for (sum, lane) in sums[k].iter_mut().zip(lanes) {
+                *sum += by * lane;
             }
         }
-        Some([0, 1, 2].map(|k| sums[k].map(|sum| sum / squares[k])))
     }
+    Some([0, 1, 2].map(|k| sums[k].map(|sum| sum / squares[k])))
 }
 
-/// From the middle of the frame to a place of it, px.
-fn from_middle(water: &Water<'_>, px: [f64; 2]) -> [f64; 2] {
+/// The middle of the frame, px.
+fn middle_px(water: &Water<'_>) -> [f64; 2] {
     let (width, height) = water.from.sheet.view().size();
-    [
-        px[0] - 0.5 * f64::from(width),
-        px[1] - 0.5 * f64::from(height),
-    ]
+    [width, height].map(|side| 0.5 * f64::from(side))
 }
 
-/// Turns places in the frame into those from a place, px, which is so far from the middle of the frame (`side` −1), or back
-/// (`side` 1).
-fn about(lanes: &mut [f64; LANES], px: [f64; 2], from_middle: [f64; 2], side: f64) {
-    let share = lanes[FRAME];
-    if side > 0.0 {
-        lanes[SQUARE] += square_about(lanes, from_middle);
-    }
-    lanes[FRAME_U] += side * share * px[0];
-    lanes[FRAME_V] += side * share * px[1];
-    if side < 0.0 {
-        lanes[SQUARE] -= square_about(lanes, from_middle);
-    }
+/// Makes places in a frame of a middle, px, those from a place of it.
+fn seen_from(lanes: &mut [f64; LANES], px: [f64; 2], middle: [f64; 2]) {
+    lanes[FRAME_U] -= lanes[FRAME] * px[0];
+    lanes[FRAME_V] -= lanes[FRAME] * px[1];
+    lanes[SQUARE] -= square_more(lanes, px, middle);
 }
 
-/// How much larger squares are about the middle of the frame than about a place so far from it, with places from that.
-fn square_about(lanes: &[f64; LANES], [x, y]: [f64; 2]) -> f64 {
+/// Makes places from a place of a frame those in it, as lanes have them: the contrary of [`seen_from`].
+fn in_frame(lanes: &mut [f64; LANES], px: [f64; 2], middle: [f64; 2]) {
+    lanes[SQUARE] += square_more(lanes, px, middle);
+    lanes[FRAME_U] += lanes[FRAME] * px[0];
+    lanes[FRAME_V] += lanes[FRAME] * px[1];
+}
+
+/// How much larger squares are about the middle of a frame than about a place of it, from which places are.
+fn square_more(lanes: &[f64; LANES], px: [f64; 2], middle: [f64; 2]) -> f64 {
+    let [x, y] = [px[0] - middle[0], px[1] - middle[1]];
     2.0 * (x * lanes[FRAME_U] + y * lanes[FRAME_V]) + (x * x + y * y) * lanes[FRAME]
 }
 
@@ -112,7 +110,7 @@ impl<'a> Glimpses<'a> {
             .flat_map(|y| (0..size[0]).map(move |x| [x, y]))
             .map(|[x, y]| {
                 let px = [place(x, size[0], width), place(y, size[1], height)];
-                Glimpse::of(&water, px)
+                mean_and_slopes(&water, px)
             })
             .collect();
         Self { water, size, known }
@@ -146,7 +144,7 @@ impl<'a> Glimpses<'a> {
             }
         }
         for lanes in &mut all {
-            about(lanes, px, from_middle(&self.water, px), 1.0);
+            in_frame(lanes, px, middle_px(&self.water));
         }
         let [mean, mut right, mut down] = all;
         for (k, mean) in mean.iter().enumerate() {
