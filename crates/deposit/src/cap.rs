@@ -1,8 +1,11 @@
-//! A drop at rest on glass: the cap of a sphere.
+//! A drop at rest on glass: the cap of a sphere, or nearly so.
 
 use std::f64::consts::PI;
 
-/// A drop on the outer face of a pane: a cap of a sphere that meets the glass at its contact angle.
+use crate::Outline;
+
+/// A drop on the outer face of a pane: a cap of a sphere that meets the glass at its contact angle, but for what its
+/// [`Outline`] changes.
 ///
 /// So lies a drop that surface tension holds together, up to some 2 mm of radius on level glass; heavier ones are
 /// flatter, which is left out.
@@ -10,20 +13,23 @@ use std::f64::consts::PI;
 pub struct Cap {
     /// Middle of its footprint, mm.
     pub at_mm: [f64; 2],
-    /// Radius of its footprint, mm.
+    /// Radius of its footprint, mm: of a round drop of its water.
     pub radius_mm: f64,
     /// Contact angle, rad.
     pub contact_rad: f64,
+    /// How far it is from round.
+    pub outline: Outline,
 }
 
 impl Cap {
-    /// A cap of a volume, mm³.
+    /// A round cap of a volume, mm³.
     #[must_use]
     pub fn of_volume(at_mm: [f64; 2], volume_mm3: f64, contact_rad: f64) -> Self {
         Self {
             at_mm,
             radius_mm: libm::cbrt(volume_mm3 / volume_per_cubed_radius(contact_rad)),
             contact_rad,
+            outline: Outline::default(),
         }
     }
 

@@ -31,6 +31,7 @@ mod film;
 mod frost;
 mod grid;
 mod mud;
+mod outline;
 mod rain;
 mod raster;
 mod scratches;
@@ -44,6 +45,7 @@ pub use field::Field;
 pub use film::Film;
 pub use frost::Frost;
 pub use mud::Mud;
+pub use outline::{Outline, RoundPlace};
 pub use rain::Rain;
 pub use scratches::Scratches;
 

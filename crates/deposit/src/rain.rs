@@ -7,7 +7,7 @@ use starbreak_seed::{Seed, Stream, uniform};
 
 use crate::cap::volume_per_cubed_radius;
 use crate::grid::Grid;
-use crate::{Area, Cap, Deposit};
+use crate::{Area, Cap, Deposit, Outline};
 
 /// Surface tension of water at 20 °C, N/m.
 const TENSION_N_M: f64 = 0.0728;
@@ -151,12 +151,16 @@ impl Rain {
         (0..N_DIAMETERS).map(of_step).sum()
     }
 
+    /// Contact angles at which water draws back from glass and goes over it, rad.
+    fn holds_rad(&self) -> [f64; 2] {
+        [-0.5, 0.5].map(|side| (self.contact_rad + side * self.hysteresis_rad).clamp(0.0, PI))
+    }
+
     /// Radius of the least drop that runs down the pane, mm: m g sin α = 2 r γ (cos θ_r − cos θ_a) \[Furmidge1962\], with
     /// half of the hysteresis to either side of the contact angle. Infinity on level glass.
     #[must_use]
     pub fn runs_from_mm(&self) -> f64 {
-        let [receding, advancing] =
-            [-0.5, 0.5].map(|side| (self.contact_rad + side * self.hysteresis_rad).clamp(0.0, PI));
+        let [receding, advancing] = self.holds_rad();
         let holds = 2.0 * TENSION_N_M * (libm::cos(receding) - libm::cos(advancing));
         let pulls = WATER_KG_M3
             * GRAVITY_M_S2
@@ -221,6 +225,7 @@ impl Rain {
             area: *area,
             runs_from_mm: self.runs_from_mm(),
             driven_from_mm: self.driven_from_mm(),
+            most_bulges: Outline::most(self.contact_rad, self.holds_rad()),
             grid: Grid::over(area),
             drops: Vec::new(),
             free: Vec::new(),
@@ -277,6 +282,7 @@ struct Pane {
     area: Area,
     runs_from_mm: f64,
     driven_from_mm: f64,
+    most_bulges: f64,
     grid: Grid,
     /// Those that went into others, or away, are none, and their places free.
     drops: Vec<Option<Cap>>,
@@ -287,7 +293,10 @@ struct Pane {
 impl Pane {
     /// A drop lands, takes up what it touches, and runs if it is too heavy then.
     fn lands(&mut self, at_mm: [f64; 2], volume_mm3: f64, (time_s, mut trail): (f64, ChaCha8Rng)) {
-        let mut cap = Cap::of_volume(at_mm, volume_mm3, self.rain.contact_rad);
+        let mut cap = Cap {
+            outline: Outline::fallen(&mut trail, self.most_bulges),
+            ..Cap::of_volume(at_mm, volume_mm3, self.rain.contact_rad)
+        };
         self.take_up(&mut cap);
         let mut left_mm = RUN_M_S * (self.rain.age_s - time_s) * 1e3;
         while left_mm > 0.0
@@ -340,7 +349,11 @@ impl Pane {
                 let [own, more] = [cap.volume_mm3(), other.volume_mm3()];
                 let at =
                     [0, 1].map(|k| (own * cap.at_mm[k] + more * other.at_mm[k]) / (own + more));
-                *cap = Cap::of_volume(at, own + more, cap.contact_rad);
+                let parts = [*cap, other].map(|cap| (cap.at_mm, cap.radius_mm, cap.outline));
+                *cap = Cap {
+                    outline: Outline::joined(&parts, self.most_bulges),
+                    ..Cap::of_volume(at, own + more, cap.contact_rad)
+                };
             }
         }
     }
@@ -390,6 +403,7 @@ impl Pane {
                 ],
                 radius_mm: small_mm,
                 contact_rad: cap.contact_rad,
+                outline: Outline::fallen(trail, self.most_bulges),
             };
             if step_mm >= full_mm {
                 volume -= small.volume_mm3();
@@ -397,6 +411,7 @@ impl Pane {
             }
             *cap = Cap::of_volume(cap.at_mm, volume, cap.contact_rad);
         }
+        cap.outline = Outline::ran(goes, self.most_bulges);
         // Where it stops it may touch others.
         self.take_up(cap);
         Some(left_mm)

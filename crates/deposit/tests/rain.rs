@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use starbreak_deposit::{Area, Cap, Rain};
+use starbreak_deposit::{Area, Cap, Outline, Rain};
 use starbreak_seed::Seed;
 
 const AREA: Area = Area {
@@ -35,6 +35,7 @@ fn a_cap_has_the_volume_of_its_sphere() {
             at_mm: [0.0; 2],
             radius_mm: 1.5,
             contact_rad: degrees.to_radians(),
+            outline: Outline::default(),
         };
         // π h² (3 R − h)/3 of the sphere and the height.
         let (sphere, height) = (cap.sphere_mm(), cap.height_mm());

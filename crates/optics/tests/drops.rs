@@ -7,7 +7,7 @@
 )]
 
 use image::{DynamicImage, ImageBuffer, Rgb};
-use starbreak_deposit::{Cap, Deposit};
+use starbreak_deposit::{Area, Cap, Deposit, Outline, Rain};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::Environment;
 use starbreak_optics::lens::Lens;
@@ -107,7 +107,79 @@ fn cap(radius_mm: f64, degrees: f64) -> Cap {
         at_mm: [0.0; 2],
         radius_mm,
         contact_rad: degrees.to_radians(),
+        outline: Outline::default(),
     }
+}
+
+/// The outlines of some drops of rain that are farthest from round.
+fn uneven(degrees: f64, n: usize) -> Vec<Outline> {
+    let rain = Rain {
+        contact_rad: degrees.to_radians(),
+        ..Rain::default()
+    };
+    let area = Area {
+        from_mm: [0.0; 2],
+        to_mm: [200.0; 2],
+    };
+    let mut outlines: Vec<Outline> = (rain.on_pane(&area, Seed(3)).caps.iter())
+        .map(|cap| cap.outline)
+        .collect();
+    outlines.sort_by(|a, b| b.reach().total_cmp(&a.reach()));
+    assert!(outlines[n].reach() > 1.1);
+    outlines.truncate(n);
+    outlines
+}
+
+/// Where a ray along a pixel goes through an uneven drop on the axis, as the tangent of its angle to the axis right and down,
+/// by looking for the surface along it and by differences of its height; none near where it is reflected totally, or
+/// at the rim.
+fn seen_through(cap: &Cap, distance_mm: f64, at_mm: [f64; 2]) -> Option<[f64; 2]> {
+    let sphere_mm = cap.sphere_mm();
+    let height_mm = |at_mm: [f64; 2]| {
+        let level = cap
+            .outline
+            .round_place(at_mm.map(|part| part / cap.radius_mm))
+            .level;
+        let sine = cap.contact_rad.sin();
+        sphere_mm * ((1.0 - sine * sine * level).sqrt() - cap.contact_rad.cos())
+    };
+    let length = (at_mm[0] * at_mm[0] + at_mm[1] * at_mm[1] + distance_mm * distance_mm).sqrt();
+    let along = at_mm.map(|part| part / length / WATER);
+    let forward = (1.0 - along[0] * along[0] - along[1] * along[1]).sqrt();
+    let reached = |t: f64| [0, 1].map(|k| at_mm[k] + t * along[k]);
+    let is_within = |t: f64| height_mm(reached(t)) > t * forward;
+    if !is_within(0.0) {
+        return None;
+    }
+    let (mut low, mut high) = (0.0, 3.0 * cap.radius_mm);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match is_within(middle) {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    let at = reached(low);
+    if height_mm(at) < 0.1 * cap.height_mm() {
+        return None;
+    }
+    let step = 1e-5;
+    let rises = [0, 1].map(|k| {
+        let [mut to, mut from] = [at, at];
+        to[k] += step;
+        from[k] -= step;
+        (height_mm(to) - height_mm(from)) / (2.0 * step)
+    });
+    let by = 1.0 / (1.0 + rises[0] * rises[0] + rises[1] * rises[1]).sqrt();
+    let (normal, ahead) = (rises.map(|rise| -by * rise), by);
+    let cos = along[0] * normal[0] + along[1] * normal[1] + forward * ahead;
+    let sine_square = WATER * WATER * (1.0 - cos * cos);
+    if sine_square > 0.9 {
+        return None;
+    }
+    let more = (1.0 - sine_square).sqrt() - WATER * cos;
+    let out = [0, 1].map(|k| WATER * along[k] + more * normal[k]);
+    Some(out.map(|part| part / (WATER * forward + more * ahead)))
 }
 
 /// The tangent of the angle to the axis at which a drop on the axis shows the world, at a distance from its middle, mm, by
@@ -167,6 +239,55 @@ fn a_drop_shows_the_scene_where_angles_say() {
         }
     }
     assert!(n > 20, "{n} places of 30 are asked");
+}
+
+#[test]
+fn an_uneven_drop_shows_the_scene_where_rays_through_its_surface_go() {
+    let camera = Close {
+        size: (800, 600),
+        f_px: 240.0,
+        distance_m: 0.02,
+        rake_deg: 0.0,
+        rim_reflectance: 0.0,
+        blur_px: 0.0,
+    };
+    let scene = |x: f64, y: f64| [0.1 + 0.8 * x / 800.0, 0.1 + 0.8 * y / 600.0, 0.5];
+    let (mut n, mut squares, mut of_round) = (0.0, 0.0, 0.0);
+    for outline in uneven(50.0, 6) {
+        let cap = Cap {
+            outline,
+            ..cap(2.0, 50.0)
+        };
+        let shown = camera.behind(vec![cap], &light(0.0, 0.0), scene);
+        for (x, y) in (-30..30).flat_map(|y| (-30..30).map(move |x| (x, y))) {
+            let at_mm = [x, y].map(|px| (f64::from(px) + 0.5) * 20.0 / 240.0);
+            let round = Cap {
+                outline: Outline::default(),
+                ..cap
+            };
+            let [Some(tan), Some(round)] =
+                [&cap, &round].map(|cap| seen_through(cap, 20.0, at_mm))
+            else {
+                continue;
+            };
+            let expected = [400.0 + 240.0 * tan[0], 300.0 + 240.0 * tan[1]];
+            if !(60.0..740.0).contains(&expected[0]) || !(60.0..540.0).contains(&expected[1]) {
+                continue;
+            }
+            let [red, green, blue] = shown[((300 + y) * 800 + 400 + x) as usize];
+            let found = [(red, 800.0), (green, 600.0)]
+                .map(|(color, side)| (color / blue * 0.5 - 0.1) / 0.8 * side);
+            let off = [0, 1].map(|k| found[k] - expected[k]);
+            let other = [0, 1].map(|k| 240.0 * (round[k] - tan[k]));
+            squares += off[0] * off[0] + off[1] * off[1];
+            of_round += other[0] * other[0] + other[1] * other[1];
+            n += 1.0;
+        }
+    }
+    let [off_px, round_px] = [squares, of_round].map(|sum| f64::sqrt(sum / n));
+    assert!(n > 3000.0, "{n} places");
+    assert!(off_px < 1.0, "{off_px} px, round drops {round_px}");
+    assert!(round_px > 20.0, "{round_px}");
 }
 
 #[test]
@@ -236,12 +357,17 @@ fn drops_neither_make_nor_lose_light() {
             rim_reflectance: 1.0,
             blur_px: 0.0,
         };
-        let caps = (0..40).map(|k| {
+        let uneven = match degrees < 80.0 {
+            true => uneven(degrees, 40),
+            false => vec![Outline::default(); 40],
+        };
+        let caps = (0..40).zip(uneven).map(|(k, outline)| {
             let [x, y] = [f64::from(k % 8), f64::from(k / 8)].map(|place| 3.1 * (place - 3.0));
             Cap {
                 at_mm: [x, y],
                 radius_mm: 0.3 + 0.03 * f64::from(k),
                 contact_rad: f64::to_radians(degrees),
+                outline,
             }
         });
         let shown = camera.behind(caps.collect(), &light(0.5, 0.5), |_, _| [0.5; 3]);
@@ -258,8 +384,8 @@ fn drops_neither_make_nor_lose_light() {
 /// the frame it covers.
 #[test]
 fn a_drop_covers_its_footprint_however_few_pixels_that_has() {
-    let added_per_footprint = |radius_px: f64, blur_px: f64| {
-        let side = 2 * (radius_px + blur_px + 4.0).ceil() as u32;
+    let added_per_footprint = |radius_px: f64, blur_px: f64, outline: Outline| {
+        let side = 2 * (1.3 * radius_px + blur_px + 4.0).ceil() as u32;
         let camera = Close {
             size: (side, side),
             f_px: 500.0 * radius_px,
@@ -268,19 +394,34 @@ fn a_drop_covers_its_footprint_however_few_pixels_that_has() {
             rim_reflectance: 0.0,
             blur_px,
         };
-        let shown = camera.behind(vec![cap(2.0, 40.0)], &light(1.0, 0.0), |_, _| [0.2; 3]);
+        let cap = Cap {
+            outline,
+            ..cap(2.0, 40.0)
+        };
+        let shown = camera.behind(vec![cap], &light(1.0, 0.0), |_, _| [0.2; 3]);
         let added: f64 = shown.iter().map(|light| light[0] - 0.2).sum();
         added / (std::f64::consts::PI * radius_px * radius_px)
     };
-    let expected = added_per_footprint(40.0, 0.0);
+    let round = Outline::default();
+    let expected = added_per_footprint(40.0, 0.0, round);
     let sizes = [(0.5, 0.0), (2.0, 0.0), (2.9, 0.0), (0.3, 0.6), (1.0, 0.7)];
     let blurred = [(0.4, 1.2), (1.4, 1.05), (0.8, 2.5), (1.4, 3.9), (2.0, 6.0)];
     for (radius_px, blur_px) in sizes.into_iter().chain(blurred) {
-        let found = added_per_footprint(radius_px, blur_px);
+        let found = added_per_footprint(radius_px, blur_px, round);
         assert!(
             (found / expected - 1.0).abs() < 0.04,
             "radius {radius_px} px, blur {blur_px} px: {found}, not {expected}"
         );
+    }
+    // A flat one, whose edge is not dark, has the area of its circle.
+    for outline in uneven(40.0, 6) {
+        for (radius_px, blur_px) in [(20.0, 0.0), (4.0, 0.0), (6.0, 5.0), (1.0, 0.5)] {
+            let found = added_per_footprint(radius_px, blur_px, outline);
+            assert!(
+                (found / expected - 1.0).abs() < 0.04,
+                "{outline:?}, radius {radius_px} px, blur {blur_px} px: {found}, not {expected}"
+            );
+        }
     }
 }
 

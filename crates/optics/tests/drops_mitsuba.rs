@@ -14,7 +14,7 @@
 )]
 
 use image::{DynamicImage, ImageBuffer, Rgb};
-use starbreak_deposit::{Cap, Deposit};
+use starbreak_deposit::{Cap, Deposit, Outline};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::environment::Environment;
 use starbreak_optics::interface::fresnel::slab_transmittance;
@@ -147,6 +147,7 @@ impl Case {
             at_mm: [0.0; 2],
             radius_mm: RADIUS_MM,
             contact_rad: self.degrees.to_radians(),
+            outline: Outline::default(),
         };
         let view = View::through(&camera, (width, height)).unwrap();
         let none = CrackNetwork::without_cracks(width, height);

@@ -3,6 +3,8 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::ops::Range;
 
+use starbreak_deposit::{Outline, RoundPlace};
+
 use super::drops::{Drop, RIM, Sight};
 use super::glimpse::{Glimpse, Glimpses};
 use super::lobe::LANES;
@@ -98,7 +100,7 @@ impl<'a> DrawnDrop<'a> {
         let blur_px = sheet.blur_radius_px(drop.cap.at_mm, sheet.outer_mm())?;
         let beyond_px = blur_px.abs() * pupil_reach + 2.0 / cells_per_px(blur_px);
         let middle = Middle::of(&drop, beyond_px)?;
-        let outline = Outline::of(&drop, &middle);
+        let extent = Extent::of(&drop, &middle);
         let (cells_per_px, radius_px) = (cells_per_px(blur_px), least_radius(middle.places_per_px));
         let mut of_cell = 1;
         while f64::from(of_cell) * cells_per_px * radius_px < LEAST_RAYS && of_cell < MOST_OF_CELL {
@@ -112,7 +114,7 @@ impl<'a> DrawnDrop<'a> {
             let rays = (low.floor() as i32)..(high.ceil() as i32);
             rays
         };
-        let [columns, rows] = outline.spans_px.map(rays);
+        let [columns, rows] = extent.spans_px.map(rays);
         let (width, height) = sheet.view().size();
         let within_frame = |all: &Range<i32>, n: u32| {
             let most = rays([-beyond_px, f64::from(n) + beyond_px]);
@@ -123,7 +125,7 @@ impl<'a> DrawnDrop<'a> {
             return None;
         }
         let per_ray = |per_px: [[f64; 2]; 2]| per_px.map(|of| of.map(|part| part / rays_per_px));
-        let narrow = (outline.widest_px < BEYOND * NARROW * sheet.f_px()).then(|| Narrow {
+        let narrow = (extent.widest_px < BEYOND * NARROW * sheet.f_px()).then(|| Narrow {
             sight: drop.water.sight(middle.sight),
             per_ray: per_ray(middle.turns_per_px),
         });
@@ -131,8 +133,8 @@ impl<'a> DrawnDrop<'a> {
             middle: middle.at_px.map(|px| rays_per_px * px),
             per_ray: per_ray(middle.places_per_px),
             // With half a ray.
-            reach: outline.reach + 0.5 / (radius_px * rays_per_px),
-            widest_rays: outline.widest_px / BEYOND * rays_per_px,
+            reach: extent.reach + 0.5 / (radius_px * rays_per_px),
+            widest_rays: extent.widest_px / BEYOND * rays_per_px,
             share: 1.0 / f64::from(of_cell * of_cell),
             narrow,
             mean_place: [0.0; 2],
@@ -144,6 +146,10 @@ impl<'a> DrawnDrop<'a> {
             columns,
             rows,
         };
+        if drawn.is_small() {
+            // Its outline is not seen.
+            drawn.drop.cap.outline = Outline::default();
+        }
         drawn.even_out();
         [drawn.columns, drawn.rows] = within;
         Some(drawn)
@@ -196,11 +202,11 @@ impl<'a> DrawnDrop<'a> {
     }
 
     /// How much of its cell a ray stands for that looks at a place, and where that is.
-    fn part(&self, at: [i32; 2], [right, down]: [f64; 2]) -> Option<(f64, [f64; 2])> {
-        let away = (right * right + down * down).sqrt().max(1e-9);
+    fn part(&self, at: [i32; 2], place: [f64; 2]) -> Option<(f64, [f64; 2])> {
+        let (away, [right, down]) = self.away(place);
         // The rim is as many rays away as it takes to come there by the fastest way. Over all places that the rays may have,
         // this covers π (ρ² + 1/12) of a circle of ρ rays, hence the smaller one.
-        let [x, y] = self.per_ray.map(|[a, b]| (a * right + b * down) / away);
+        let [x, y] = self.per_ray.map(|[a, b]| a * right + b * down);
         let square = x * x + y * y;
         let (rim, of_ray) = ((1.0 - square / 12.0).max(0.0).sqrt(), square.sqrt());
         let part = ((rim - away) / of_ray + 0.5).min(1.0);
@@ -219,7 +225,20 @@ impl<'a> DrawnDrop<'a> {
             (inner + (turn - turn.floor()) * (outer - inner)).sqrt()
         };
         let inside = inside.clamp(0.0, RIM) / away;
-        Some((part, [inside * right, inside * down]))
+        Some((part, place.map(|along| inside * along)))
+    }
+
+    /// How far a place is from the middle, of the way to the rim, and how that changes with it.
+    fn away(&self, place: [f64; 2]) -> (f64, [f64; 2]) {
+        let outline = &self.drop.cap.outline;
+        if outline.is_round() {
+            let [right, down] = place;
+            let away = (right * right + down * down).sqrt().max(1e-9);
+            return (away, [right / away, down / away]);
+        }
+        let RoundPlace { level, slope } = outline.round_place(place);
+        let away = level.sqrt().max(1e-9);
+        (away, slope.map(|part| part / away))
     }
 
     /// What a ray shows; none where it stands for nothing of the drop.
@@ -246,7 +265,7 @@ impl<'a> DrawnDrop<'a> {
         };
         let (part, place) = self.part(at, place)?;
         let share = self.share * part;
-        let sent = self.drop.water.seen(place, &sight);
+        let sent = (self.drop.water).seen_in(&self.drop.cap.outline, place, &sight);
         #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
         let lanes = sent.lanes.map(|lane| (share * lane) as f32);
         Some(lanes)
@@ -342,7 +361,7 @@ impl Middle {
 }
 
 /// What a drop reaches to.
-struct Outline {
+struct Extent {
     /// How far from its middle, of its radius, by the change of the place about its middle alone.
     reach: f64,
     /// The same in px, and from where to where across and down.
@@ -350,14 +369,14 @@ struct Outline {
     spans_px: [[f64; 2]; 2],
 }
 
-impl Outline {
+impl Extent {
     fn of(drop: &Drop<'_>, middle: &Middle) -> Self {
-        let mut outline = Self {
+        let mut extent = Self {
             reach: 0.0,
             widest_px: 0.0,
             spans_px: [[f64::INFINITY, f64::NEG_INFINITY]; 2],
         };
-        let radius_mm = BEYOND * drop.cap.radius_mm;
+        let radius_mm = BEYOND * drop.cap.outline.reach() * drop.cap.radius_mm;
         for [cos, sin] in AROUND {
             let [x, y] = drop.cap.at_mm;
             let Some(at) = drop.appears([x + radius_mm * cos, y + radius_mm * sin]) else {
@@ -371,13 +390,13 @@ impl Outline {
             let px = [0, 1].map(|k| at[k] - middle.at_px[k]);
             let place = straight(&middle.places_per_px, px);
             let [away, px] = [place, px].map(|[x, y]| libm::hypot(x, y));
-            outline.reach = outline.reach.max(away);
-            outline.widest_px = outline.widest_px.max(px);
-            for (span, at) in outline.spans_px.iter_mut().zip(at) {
+            extent.reach = extent.reach.max(away);
+            extent.widest_px = extent.widest_px.max(px);
+            for (span, at) in extent.spans_px.iter_mut().zip(at) {
                 *span = [span[0].min(at), span[1].max(at)];
             }
         }
-        outline
+        extent
     }
 }
 

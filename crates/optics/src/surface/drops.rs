@@ -1,6 +1,6 @@
 //! Drops of water on the outer face: lenses that show the scene small and upside down.
 
-use starbreak_deposit::Cap;
+use starbreak_deposit::{Cap, Outline, RoundPlace};
 
 use super::drawn_drop::DrawnDrop;
 use super::glimpse::Glimpses;
@@ -123,14 +123,34 @@ impl<'a> Drop<'a> {
 }
 
 impl Water<'_> {
-    /// What is seen through a drop at a place of the outer face, of its radius from its middle, as a share of what bare
-    /// glass would show there; the shares sum to 1.
-    pub(super) fn seen(&self, place: [f64; 2], sight: &Sight) -> Sent {
+    /// What is seen through a drop of an outline at a place of the outer face, of its radius from its middle, as a share of
+    /// what bare glass would show there; the shares sum to 1.
+    pub(super) fn seen_in(&self, outline: &Outline, place: [f64; 2], sight: &Sight) -> Sent {
+        if outline.is_round() {
+            return self.seen(place, sight);
+        }
+        let [wide, face] = self.sphere;
+        let RoundPlace { level, slope } = outline.round_place(place);
+        // To a sphere of the same radius whose surface is as high above the place, and as steep: along its normal, from the
+        // middle of it.
+        let [x, y] = slope.map(|part| wide * part);
+        let z = (1.0 - wide * wide * level).max(0.0).sqrt();
+        let by = 1.0 / (x * x + y * y + z * z).sqrt();
+        self.seen_from([by * x, by * y, by * z - (z - face).max(0.0)], sight)
+    }
+
+    /// The same of a round drop.
+    pub(super) fn seen(&self, [x, y]: [f64; 2], sight: &Sight) -> Sent {
+        let [wide, face] = self.sphere;
+        self.seen_from([wide * x, wide * y, face], sight)
+    }
+
+    /// What is seen through a drop from a place of the outer face, from the middle of its sphere, of the radius of that.
+    fn seen_from(&self, mut at: Vector, sight: &Sight) -> Sent {
         let [x, y] = sight.along.map(|part| part * (1.0 / WATER));
         let mut ray = [x, y, (1.0 - x * x - y * y).sqrt()];
-        // From the middle of the sphere, of its radius, of which the face cuts off what is before `face`.
-        let [wide, face] = self.sphere;
-        let mut at = [wide * place[0], wide * place[1], face];
+        // The face cuts off what is before this.
+        let face = at[2];
         let mut share = 1.0;
         let mut sent = Sent::default();
         for _ in 0..MOST_BOUNCES {

@@ -1,0 +1,196 @@
+//! Outlines of drops: water wets glass again only beyond one contact angle and leaves it only below another, so that a
+//! drop need not be round.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use rand_chacha::ChaCha8Rng;
+use starbreak_seed::uniform;
+
+/// Bulges that an outline has: two around a drop, three, four and five.
+const N_BULGES: usize = 4;
+const FIRST: usize = 2;
+
+/// The most by which contact angles may change along an outline, as a share of the slope: beyond, what holds of small bulges
+/// holds no more.
+const MOST: f64 = 0.25;
+
+/// How far the outline of a drop is from a circle.
+///
+/// The radius at an angle φ is in the first order 1 + Σ (aₖ cos kφ + bₖ sin kφ), k = 2 to 5, of that of the round drop of its
+/// water. The surface is at the height that a round drop has at a distance √u from its middle, with
+/// u = ρ² − 2 Σ ρᵏ (aₖ cos kφ + bₖ sin kφ): where the glass is wet flatly, this is the form that surface tension gives to
+/// water of that outline, for ρᵏ cos kφ has no curvature. The outline is at u = 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Outline {
+    /// aₖ and bₖ.
+    bulges: [[f64; 2]; N_BULGES],
+}
+
+/// A place in a drop, as the place of a round one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoundPlace {
+    /// Distance from the middle of a place of a round drop at which the surface is as high, squared: 1 on the outline.
+    pub level: f64,
+    /// How fast half of `level` changes to the right and down: on a round drop the place itself.
+    pub slope: [f64; 2],
+}
+
+fn times([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a * c - b * d, a * d + b * c]
+}
+
+impl Outline {
+    /// The most that Σ (k − 1) |aₖ, bₖ| may be, so that the contact angle, which is lower where the outline bulges and higher
+    /// where it is drawn in, stays between those at which the outline moves: its sine is lower and its tangent higher by that
+    /// share at most.
+    pub(crate) fn most(contact_rad: f64, [receding, advancing]: [f64; 2]) -> f64 {
+        if contact_rad >= FRAC_PI_2 {
+            return 0.0;
+        }
+        let lower = 1.0 - libm::sin(receding) / libm::sin(contact_rad);
+        let higher = match advancing < FRAC_PI_2 {
+            true => libm::tan(advancing) / libm::tan(contact_rad) - 1.0,
+            false => MOST,
+        };
+        lower.min(higher).clamp(0.0, MOST)
+    }
+
+    /// Of a drop that fell: the water spread, shrank and was held here and there.
+    pub(crate) fn fallen(rng: &mut ChaCha8Rng, most: f64) -> Self {
+        let mut left = most * uniform(rng);
+        let mut bulges = [[0.0; 2]; N_BULGES];
+        for (k, bulge) in bulges.iter_mut().enumerate() {
+            let part = left * uniform(rng);
+            left -= part;
+            #[expect(clippy::cast_precision_loss, reason = "up to five")]
+            let size = part / (k + FIRST - 1) as f64;
+            let (sin, cos) = libm::sincos(TAU * uniform(rng));
+            *bulge = [size * cos, size * sin];
+        }
+        Self { bulges }
+    }
+
+    /// Of one that ran downhill (1) or uphill (−1): drawn out behind, where its contact angle is the least.
+    pub(crate) fn ran(goes: f64, most: f64) -> Self {
+        let mut bulges = [[0.0; 2]; N_BULGES];
+        bulges[0] = [-0.5 * most, 0.0];
+        bulges[1] = [0.0, 0.25 * goes * most];
+        Self { bulges }
+    }
+
+    /// Of drops that became one: what their water covered together, as far as it is held. Each is given by its middle, its
+    /// radius and its outline.
+    ///
+    /// Moments ∫ zᵏ dA of what is covered, z = x + iy, are π (aₖ + i bₖ) rᵏ⁺² of a drop about its middle. Those of drops side
+    /// by side add up.
+    pub(crate) fn joined(parts: &[([f64; 2], f64, Self)], most: f64) -> Self {
+        let area: f64 = parts.iter().map(|(_, radius, _)| radius * radius).sum();
+        let middle = [0, 1].map(|axis| {
+            let of = |(at, radius, _): &([f64; 2], f64, Self)| at[axis] * radius * radius;
+            parts.iter().map(of).sum::<f64>() / area
+        });
+        let mut moments = [[0.0; 2]; N_BULGES];
+        for (at, radius, outline) in parts {
+            let away = [0, 1].map(|axis| at[axis] - middle[axis]);
+            // Powers of how far away it is, and what is about its own middle: 1, 0, and its bulges.
+            let mut own = [[0.0; 2]; N_BULGES + FIRST];
+            let mut powers = [[1.0, 0.0]; N_BULGES + FIRST];
+            let mut scale = radius * radius;
+            own[0][0] = scale;
+            for k in 1..N_BULGES + FIRST {
+                powers[k] = times(powers[k - 1], away);
+                scale *= radius;
+                if k >= FIRST {
+                    own[k] = outline.bulges[k - FIRST].map(|part| part * scale);
+                }
+            }
+            for (moment, k) in moments.iter_mut().zip(FIRST..) {
+                let mut choose = 1.0;
+                for j in 0..=k {
+                    let part = times(powers[k - j], own[j]);
+                    *moment = [0, 1].map(|axis| moment[axis] + choose * part[axis]);
+                    #[expect(clippy::cast_precision_loss, reason = "up to five")]
+                    let next = (k - j) as f64 / (j + 1) as f64;
+                    choose *= next;
+                }
+            }
+        }
+        let radius = area.sqrt();
+        let mut scale = area;
+        let bulges = moments.map(|moment| {
+            scale *= radius;
+            moment.map(|part| part / (scale * radius))
+        });
+        Self { bulges }.held(most)
+    }
+
+    /// Made rounder until it is held everywhere.
+    fn held(self, most: f64) -> Self {
+        let needs: f64 = (1_u8..)
+            .zip(&self.bulges)
+            .map(|(k, [a, b])| f64::from(k) * libm::hypot(*a, *b))
+            .sum();
+        let by = if needs > most { most / needs } else { 1.0 };
+        Self {
+            bulges: self.bulges.map(|bulge| bulge.map(|part| by * part)),
+        }
+    }
+
+    /// Whether it is a circle.
+    #[must_use]
+    pub fn is_round(&self) -> bool {
+        self.bulges == [[0.0; 2]; N_BULGES]
+    }
+
+    /// By how much places are nearer to the middle than on a drop that is as large and is stretched by none of its bulges: to
+    /// the second order the area is 1 + Σ k (aₖ² + bₖ²) of that.
+    fn stretch(&self) -> f64 {
+        let more: f64 = (2_u8..)
+            .zip(&self.bulges)
+            .map(|(k, [a, b])| f64::from(k) * (a * a + b * b))
+            .sum();
+        (1.0 + more).sqrt()
+    }
+
+    /// How far the outline is from the middle at most, of the radius: this or a little less.
+    #[must_use]
+    pub fn reach(&self) -> f64 {
+        let mut square = 1.0;
+        for _ in 0..20 {
+            let radius = f64::sqrt(square);
+            let mut power = radius;
+            square = 1.0;
+            for [a, b] in self.bulges {
+                power *= radius;
+                square += 2.0 * power * libm::hypot(a, b);
+            }
+            square = square.min(4.0);
+        }
+        f64::sqrt(square) / self.stretch()
+    }
+
+    /// What is at a place, of the radius from the middle.
+    #[must_use]
+    pub fn round_place(&self, place: [f64; 2]) -> RoundPlace {
+        let stretch = self.stretch();
+        let z = place.map(|part| part * stretch);
+        let mut level = z[0] * z[0] + z[1] * z[1];
+        let mut slope = z;
+        // z to the power of k − 1.
+        let mut power = z;
+        for ([a, b], k) in self.bulges.into_iter().zip([2.0, 3.0, 4.0, 5.0]) {
+            // (a − i b) zᵏ⁻¹: its real part is half of a derivative to the right, the imaginary one of that upwards.
+            let [right, up] = times(power, [a, -b]);
+            slope = [slope[0] - k * right, slope[1] + k * up];
+            level -= 2.0 * (right * z[0] - up * z[1]);
+            power = times(power, z);
+        }
+        RoundPlace {
+            level: level.max(0.0),
+            slope: slope.map(|part| stretch * part),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
