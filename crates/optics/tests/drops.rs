@@ -265,8 +265,7 @@ fn an_uneven_drop_shows_the_scene_where_rays_through_its_surface_go() {
                 outline: Outline::default(),
                 ..cap
             };
-            let [Some(tan), Some(round)] =
-                [&cap, &round].map(|cap| seen_through(cap, 20.0, at_mm))
+            let [Some(tan), Some(round)] = [&cap, &round].map(|cap| seen_through(cap, 20.0, at_mm))
             else {
                 continue;
             };

@@ -20,10 +20,20 @@ const MOST: f64 = 0.25;
 /// water. The surface is at the height that a round drop has at a distance √u from its middle, with
 /// u = ρ² − 2 Σ ρᵏ (aₖ cos kφ + bₖ sin kφ): where the glass is wet flatly, this is the form that surface tension gives to
 /// water of that outline, for ρᵏ cos kφ has no curvature. The outline is at u = 1.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outline {
     /// aₖ and bₖ.
     bulges: [[f64; 2]; N_BULGES],
+    /// By how much places are nearer to the middle than on a drop that is as large but for its bulges: to the second order
+    /// these make the area 1 + Σ k (aₖ² + bₖ²) times as large.
+    stretch: f64,
+}
+
+impl Default for Outline {
+    /// A circle.
+    fn default() -> Self {
+        Self::of([[0.0; 2]; N_BULGES])
+    }
 }
 
 /// A place in a drop, as the place of a round one.
@@ -40,6 +50,17 @@ fn times([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Outline {
+    fn of(bulges: [[f64; 2]; N_BULGES]) -> Self {
+        let more: f64 = (2_u8..)
+            .zip(&bulges)
+            .map(|(k, [a, b])| f64::from(k) * (a * a + b * b))
+            .sum();
+        Self {
+            bulges,
+            stretch: (1.0 + more).sqrt(),
+        }
+    }
+
     /// The most that Σ (k − 1) |aₖ, bₖ| may be, so that the contact angle, which is lower where the outline bulges and higher
     /// where it is drawn in, stays between those at which the outline moves: its sine is lower and its tangent higher by that
     /// share at most.
@@ -67,7 +88,7 @@ impl Outline {
             let (sin, cos) = libm::sincos(TAU * uniform(rng));
             *bulge = [size * cos, size * sin];
         }
-        Self { bulges }
+        Self::of(bulges)
     }
 
     /// Of one that ran downhill (1) or uphill (−1): drawn out behind, where its contact angle is the least.
@@ -75,7 +96,7 @@ impl Outline {
         let mut bulges = [[0.0; 2]; N_BULGES];
         bulges[0] = [-0.5 * most, 0.0];
         bulges[1] = [0.0, 0.25 * goes * most];
-        Self { bulges }
+        Self::of(bulges)
     }
 
     /// Of drops that became one: what their water covered together, as far as it is held. Each is given by its middle, its
@@ -117,63 +138,63 @@ impl Outline {
         }
         let radius = area.sqrt();
         let mut scale = area;
-        let bulges = moments.map(|moment| {
-            scale *= radius;
-            moment.map(|part| part / (scale * radius))
-        });
-        Self { bulges }.held(most)
+        Self::held(
+            moments.map(|moment| {
+                scale *= radius;
+                moment.map(|part| part / (scale * radius))
+            }),
+            most,
+        )
     }
 
-    /// Made rounder until it is held everywhere.
-    fn held(self, most: f64) -> Self {
+    /// With these bulges, or flatter ones that are held everywhere.
+    fn held(bulges: [[f64; 2]; N_BULGES], most: f64) -> Self {
         let needs: f64 = (1_u8..)
-            .zip(&self.bulges)
+            .zip(&bulges)
             .map(|(k, [a, b])| f64::from(k) * libm::hypot(*a, *b))
             .sum();
         let by = if needs > most { most / needs } else { 1.0 };
-        Self {
-            bulges: self.bulges.map(|bulge| bulge.map(|part| by * part)),
-        }
+        Self::of(bulges.map(|bulge| bulge.map(|part| by * part)))
     }
 
     /// Whether it is a circle.
     #[must_use]
+    #[inline]
     pub fn is_round(&self) -> bool {
-        self.bulges == [[0.0; 2]; N_BULGES]
-    }
-
-    /// By how much places are nearer to the middle than on a drop that is as large and is stretched by none of its bulges: to
-    /// the second order the area is 1 + Σ k (aₖ² + bₖ²) of that.
-    fn stretch(&self) -> f64 {
-        let more: f64 = (2_u8..)
-            .zip(&self.bulges)
-            .map(|(k, [a, b])| f64::from(k) * (a * a + b * b))
-            .sum();
-        (1.0 + more).sqrt()
+        self.stretch <= 1.0
     }
 
     /// How far the outline is from the middle at most, of the radius: this or a little less.
     #[must_use]
     pub fn reach(&self) -> f64 {
-        let mut square = 1.0;
-        for _ in 0..20 {
-            let radius = f64::sqrt(square);
-            let mut power = radius;
-            square = 1.0;
-            for [a, b] in self.bulges {
-                power *= radius;
-                square += 2.0 * power * libm::hypot(a, b);
-            }
-            square = square.min(4.0);
+        if self.is_round() {
+            return 1.0;
         }
-        f64::sqrt(square) / self.stretch()
+        let sizes = self.bulges.map(|[a, b]| (a * a + b * b).sqrt());
+        let mut radius = 1.0;
+        for _ in 0..12 {
+            let mut power = radius;
+            let mut square = 1.0;
+            for size in sizes {
+                power *= radius;
+                square += 2.0 * power * size;
+            }
+            radius = square.min(4.0).sqrt();
+        }
+        radius / self.stretch
     }
 
     /// What is at a place, of the radius from the middle.
     #[must_use]
+    #[inline]
     pub fn round_place(&self, place: [f64; 2]) -> RoundPlace {
-        let stretch = self.stretch();
-        let z = place.map(|part| part * stretch);
+        if self.is_round() {
+            return RoundPlace {
+                level: place[0] * place[0] + place[1] * place[1],
+                slope: place,
+            };
+        }
+        let z = place.map(|part| part * self.stretch);
         let mut level = z[0] * z[0] + z[1] * z[1];
         let mut slope = z;
         // z to the power of k − 1.
@@ -187,7 +208,7 @@ impl Outline {
         }
         RoundPlace {
             level: level.max(0.0),
-            slope: slope.map(|part| stretch * part),
+            slope: slope.map(|part| self.stretch * part),
         }
     }
 }

@@ -1,8 +1,5 @@
 //! Outlines against sums over what they hold.
-#![expect(
-    clippy::cast_precision_loss,
-    reason = "some places"
-)]
+#![expect(clippy::cast_precision_loss, reason = "some places")]
 
 use std::f64::consts::PI;
 
@@ -76,13 +73,18 @@ fn drops_that_join_cover_what_they_covered() {
 fn an_outline_keeps_the_area_of_its_circle_and_reaches_as_far_as_it_says() {
     let ran = [1.0, -1.0].map(|goes| Outline::ran(goes, MOST));
     for outline in some_fallen(MOST).into_iter().chain(ran) {
-        let covered = places().0.filter(|place| outline.round_place(*place).level < 1.0);
+        let covered = places()
+            .0
+            .filter(|place| outline.round_place(*place).level < 1.0);
         let area = covered.count() as f64 * places().1 / PI;
         assert!((area - 1.0).abs() < 0.01, "{outline:?}: {area}");
         let farthest = (0..90)
             .map(|k| radius(&outline, f64::from(k) * TAU / 90.0))
             .fold(0.0, f64::max);
-        assert!(farthest <= outline.reach() + 1e-3, "{outline:?}: {farthest}");
+        assert!(
+            farthest <= outline.reach() + 1e-3,
+            "{outline:?}: {farthest}"
+        );
     }
 }
 

@@ -100,7 +100,8 @@ impl<'a> DrawnDrop<'a> {
         let blur_px = sheet.blur_radius_px(drop.cap.at_mm, sheet.outer_mm())?;
         let beyond_px = blur_px.abs() * pupil_reach + 2.0 / cells_per_px(blur_px);
         let middle = Middle::of(&drop, beyond_px)?;
-        let extent = Extent::of(&drop, &middle);
+        let uneven = drop.cap.outline.reach();
+        let extent = Extent::of(&drop, &middle, BEYOND * uneven);
         let (cells_per_px, radius_px) = (cells_per_px(blur_px), least_radius(middle.places_per_px));
         let mut of_cell = 1;
         while f64::from(of_cell) * cells_per_px * radius_px < LEAST_RAYS && of_cell < MOST_OF_CELL {
@@ -134,7 +135,7 @@ impl<'a> DrawnDrop<'a> {
             per_ray: per_ray(middle.places_per_px),
             // With half a ray.
             reach: extent.reach + 0.5 / (radius_px * rays_per_px),
-            widest_rays: extent.widest_px / BEYOND * rays_per_px,
+            widest_rays: extent.widest_px / (BEYOND * uneven) * rays_per_px,
             share: 1.0 / f64::from(of_cell * of_cell),
             narrow,
             mean_place: [0.0; 2],
@@ -149,6 +150,7 @@ impl<'a> DrawnDrop<'a> {
         if drawn.is_small() {
             // Its outline is not seen.
             drawn.drop.cap.outline = Outline::default();
+            drawn.reach /= uneven;
         }
         drawn.even_out();
         [drawn.columns, drawn.rows] = within;
@@ -167,7 +169,7 @@ impl<'a> DrawnDrop<'a> {
         for at in (self.rows.clone()).flat_map(|y| self.columns.clone().map(move |x| [x, y])) {
             if let Some((part, place)) = self.place(at).and_then(|place| self.part(at, place)) {
                 parts += part;
-                places = [0, 1].map(|k| places[k] + part * place[k]);
+                places = [0, 1].map(|k| places[k] + part * place.slope[k]);
             }
         }
         let [[a, b], [c, d]] = self.per_ray;
@@ -201,9 +203,11 @@ impl<'a> DrawnDrop<'a> {
         [0, 1].map(|k| f64::from(at[k]) + 0.5 - self.middle[k])
     }
 
-    /// How much of its cell a ray stands for that looks at a place, and where that is.
-    fn part(&self, at: [i32; 2], place: [f64; 2]) -> Option<(f64, [f64; 2])> {
-        let (away, [right, down]) = self.away(place);
+    /// How much of its cell a ray stands for that looks at a place, and where that is on a round drop.
+    fn part(&self, at: [i32; 2], place: [f64; 2]) -> Option<(f64, RoundPlace)> {
+        let RoundPlace { level, slope } = self.drop.cap.outline.round_place(place);
+        let away = level.sqrt().max(1e-9);
+        let [right, down] = slope.map(|part| part / away);
         // The rim is as many rays away as it takes to come there by the fastest way. Over all places that the rays may have,
         // this covers π (ρ² + 1/12) of a circle of ρ rays, hence the smaller one.
         let [x, y] = self.per_ray.map(|[a, b]| a * right + b * down);
@@ -224,21 +228,13 @@ impl<'a> DrawnDrop<'a> {
             let [inner, outer] = ends.map(|end| end * end);
             (inner + (turn - turn.floor()) * (outer - inner)).sqrt()
         };
-        let inside = inside.clamp(0.0, RIM) / away;
-        Some((part, place.map(|along| inside * along)))
-    }
-
-    /// How far a place is from the middle, of the way to the rim, and how that changes with it.
-    fn away(&self, place: [f64; 2]) -> (f64, [f64; 2]) {
-        let outline = &self.drop.cap.outline;
-        if outline.is_round() {
-            let [right, down] = place;
-            let away = (right * right + down * down).sqrt().max(1e-9);
-            return (away, [right / away, down / away]);
-        }
-        let RoundPlace { level, slope } = outline.round_place(place);
-        let away = level.sqrt().max(1e-9);
-        (away, slope.map(|part| part / away))
+        let inside = inside.clamp(0.0, RIM);
+        // All bulges but the first change by more than this on the way there.
+        let place = RoundPlace {
+            level: inside * inside,
+            slope: slope.map(|part| inside / away * part),
+        };
+        Some((part, place))
     }
 
     /// What a ray shows; none where it stands for nothing of the drop.
@@ -246,7 +242,7 @@ impl<'a> DrawnDrop<'a> {
         let place = self.place(at)?;
         if let Some(glimpse) = &self.glimpse {
             let (part, place) = self.part(at, place)?;
-            let from_mean = [0, 1].map(|k| place[k] - self.mean_place[k]);
+            let from_mean = [0, 1].map(|k| place.slope[k] - self.mean_place[k]);
             return Some(glimpse.lanes(from_mean, self.share * part));
         }
         let (place, sight) = match &self.narrow {
@@ -265,7 +261,10 @@ impl<'a> DrawnDrop<'a> {
         };
         let (part, place) = self.part(at, place)?;
         let share = self.share * part;
-        let sent = (self.drop.water).seen_in(&self.drop.cap.outline, place, &sight);
+        let sent = match self.drop.cap.outline.is_round() {
+            true => self.drop.water.seen(place.slope, &sight),
+            false => self.drop.water.seen_in(place, &sight),
+        };
         #[expect(clippy::cast_possible_truncation, reason = "shares as f32")]
         let lanes = sent.lanes.map(|lane| (share * lane) as f32);
         Some(lanes)
@@ -370,13 +369,14 @@ struct Extent {
 }
 
 impl Extent {
-    fn of(drop: &Drop<'_>, middle: &Middle) -> Self {
+    /// Of so many times its radius.
+    fn of(drop: &Drop<'_>, middle: &Middle, times: f64) -> Self {
         let mut extent = Self {
             reach: 0.0,
             widest_px: 0.0,
             spans_px: [[f64::INFINITY, f64::NEG_INFINITY]; 2],
         };
-        let radius_mm = BEYOND * drop.cap.outline.reach() * drop.cap.radius_mm;
+        let radius_mm = times * drop.cap.radius_mm;
         for [cos, sin] in AROUND {
             let [x, y] = drop.cap.at_mm;
             let Some(at) = drop.appears([x + radius_mm * cos, y + radius_mm * sin]) else {

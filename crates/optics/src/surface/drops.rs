@@ -1,6 +1,6 @@
 //! Drops of water on the outer face: lenses that show the scene small and upside down.
 
-use starbreak_deposit::{Cap, Outline, RoundPlace};
+use starbreak_deposit::{Cap, RoundPlace};
 
 use super::drawn_drop::DrawnDrop;
 use super::glimpse::Glimpses;
@@ -123,14 +123,10 @@ impl<'a> Drop<'a> {
 }
 
 impl Water<'_> {
-    /// What is seen through a drop of an outline at a place of the outer face, of its radius from its middle, as a share of
-    /// what bare glass would show there; the shares sum to 1.
-    pub(super) fn seen_in(&self, outline: &Outline, place: [f64; 2], sight: &Sight) -> Sent {
-        if outline.is_round() {
-            return self.seen(place, sight);
-        }
+    /// What is seen through an uneven drop at what is a place of a round one, as a share of what bare glass would show there;
+    /// the shares sum to 1.
+    pub(super) fn seen_in(&self, RoundPlace { level, slope }: RoundPlace, sight: &Sight) -> Sent {
         let [wide, face] = self.sphere;
-        let RoundPlace { level, slope } = outline.round_place(place);
         // To a sphere of the same radius whose surface is as high above the place, and as steep: along its normal, from the
         // middle of it.
         let [x, y] = slope.map(|part| wide * part);
@@ -139,7 +135,7 @@ impl Water<'_> {
         self.seen_from([by * x, by * y, by * z - (z - face).max(0.0)], sight)
     }
 
-    /// The same of a round drop.
+    /// The same through a round drop at a place of the outer face, of its radius from its middle.
     pub(super) fn seen(&self, [x, y]: [f64; 2], sight: &Sight) -> Sent {
         let [wide, face] = self.sphere;
         self.seen_from([wide * x, wide * y, face], sight)
