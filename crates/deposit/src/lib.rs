@@ -104,14 +104,15 @@ impl Deposit {
         let is_inside =
             |cap: &&Cap| (0..2).all(|k| (area.from_mm[k]..area.to_mm[k]).contains(&cap.at_mm[k]));
         let covered = self.caps.iter().filter(is_inside).map(Cap::footprint_mm2);
-        covered.sum::<f64>() * 1e-6 / area.area_m2().max(f64::MIN_POSITIVE)
+        // The sum of nothing is −0.
+        (covered.sum::<f64>() + 0.0) * 1e-6 / area.area_m2().max(f64::MIN_POSITIVE)
     }
 
     /// Volume of its water over an area, m³/m²: the depth of the film that it would be.
     #[must_use]
     pub fn water_m(&self, area: &Area) -> f64 {
         let volume: f64 = self.caps.iter().map(Cap::volume_mm3).sum();
-        volume * 1e-9 / area.area_m2().max(f64::MIN_POSITIVE)
+        (volume + 0.0) * 1e-9 / area.area_m2().max(f64::MIN_POSITIVE)
     }
 }
 

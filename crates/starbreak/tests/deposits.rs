@@ -88,6 +88,46 @@ fn what_lies_on_the_pane_is_told_of_and_stays_with_the_seed() {
 }
 
 #[test]
+fn what_lies_on_the_glass_lies_in_all_of_a_tall_frame() {
+    for (size, leans_less) in [
+        ((640, 480), false),
+        ((621, 188), false),
+        ((480, 480), true),
+        ((360, 480), true),
+        ((160, 480), true),
+    ] {
+        for preset in ["fogged", "frosted", "rain"] {
+            let recipe = Recipe::preset_at(preset, 5).unwrap();
+            let settings = recipe.settings().unwrap();
+            let chain = Chain::of(&settings, size, Seed(2)).unwrap();
+            let rake_deg = chain.facts().get("pane").map(|it| it["rake_deg"].as_f64());
+            assert_eq!(rake_deg.is_some(), leans_less, "{preset}, {size:?}");
+            if let Some(rake_deg) = rake_deg {
+                assert!((0.0..50.0).contains(&rake_deg.unwrap()), "{rake_deg:?}");
+            }
+            let image = RgbImage::from_fn(size.0, size.1, |x, y| {
+                Rgb([x, y, x + y].map(|it| 60 + u8::try_from(it * 37 % 120).unwrap()))
+            });
+            let shown = over(&recipe, &image.clone().into(), 2).to_rgb8();
+            // As much of the lowest eighth is changed as of the middle.
+            let changed = |from: u32, to: u32| {
+                let all = (from..to).flat_map(|y| (0..size.0).map(move |x| (x, y)));
+                all.filter(|(x, y)| image.get_pixel(*x, *y) != shown.get_pixel(*x, *y))
+                    .count()
+            };
+            let (middle, lowest) = (
+                changed(size.1 * 7 / 16, size.1 * 9 / 16),
+                changed(size.1 * 7 / 8, size.1),
+            );
+            assert!(
+                2 * lowest > middle && middle > 0,
+                "{preset}, {size:?}: {lowest} pixels of the lowest rows, {middle} of those in the middle"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_scenario_has_all_its_faults_and_each_severity_is_worse() {
     for scenario in SCENARIOS {
         let mut last = 0.0;

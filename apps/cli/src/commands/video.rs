@@ -124,7 +124,9 @@ fn describe(request: &ClipRequest, report: &ClipReport, elapsed_s: f64) -> Strin
         "{} frames in {elapsed_s:.1} s ({rate:.1} per second)",
         report.n_frames
     );
-    if let Some(why) = why_no_damage(&report.chain) {
+    // What lies on the glass may come later than the first frame, of which the chain is.
+    let shows_nothing = report.first_visible.is_none();
+    if let Some(why) = why_no_damage(&report.chain).filter(|_| shows_nothing) {
         return format!("{name}: {why}; {frames}");
     }
     let onset = report
@@ -173,7 +175,10 @@ fn result_json(request: &ClipRequest, clip: &Clip, report: &ClipReport, elapsed_
             ("n_growing", json!(report.n_growing)),
             ("n_lights", json!(report.n_lights)),
             ("region_fraction", json!(report.region_fraction)),
-            ("intact", json!(report.chain.is_intact())),
+            (
+                "intact",
+                json!(report.chain.is_intact() && report.first_visible.is_none()),
+            ),
             (
                 "summary",
                 json!(report.chain.network().map(|network| network.summary())),

@@ -287,6 +287,24 @@ fn every_form_of_labels_and_detections_gives_the_same_fates() {
 }
 
 #[test]
+fn faults_that_break_no_glass_begin_where_their_track_says() {
+    let dir = scene();
+    let mut track = track_file(N, "drive.mp4");
+    for frame in track["frames"].as_array_mut().unwrap() {
+        frame["state"] = json!("intact");
+    }
+    write(dir.path(), "foggy.track.json", &track);
+    let mut args = ARGS;
+    args[7] = "foggy.track.json";
+    let clip = clip_of(dir.path(), &args);
+    assert_eq!(clip["cracked"]["damage_onset"]["frame_idx"], json!(ONSET));
+    assert_eq!(
+        fates(&clip["cracked"]),
+        ["lost 10 0.2", "lost 8 0.0", "kept", "kept"]
+    );
+}
+
+#[test]
 fn without_labels_the_clean_detections_are_the_objects_and_that_is_said() {
     let dir = scene();
     let at = dir.path();

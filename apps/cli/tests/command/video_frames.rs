@@ -501,6 +501,7 @@ fn what_lies_on_the_pane_is_there_from_the_first_frame() {
         for frame in track["frames"].as_array().unwrap() {
             let share = frame["region_fraction"].as_f64().unwrap();
             assert!(share > 0.02, "{preset}: {share}");
+            assert_eq!(frame["state"], "intact", "{preset} breaks no glass");
         }
     }
 }

@@ -127,7 +127,7 @@ impl File {
         Ok(())
     }
 
-    /// Its onset is where its frames have it; gives that frame.
+    /// Its onset is where its frames have it, or anywhere where no glass breaks; gives that frame.
     fn check_onset(&self, path: &Path) -> Result<Option<u64>, EvalError> {
         let is_intact = |line: &Line| line.state == GlassState::Intact;
         let is_back = |pair: &&[Line]| is_intact(&pair[1]) && !is_intact(&pair[0]);
@@ -141,7 +141,7 @@ impl File {
         let broken = |line: &&Line| !is_intact(line);
         let of_states = self.frames.iter().find(broken).map(|line| line.frame_idx);
         let onset_idx = self.damage_onset.as_ref().map(|onset| onset.frame_idx);
-        if of_states != onset_idx {
+        if of_states.is_some() && of_states != onset_idx {
             let said =
                 |idx: Option<u64>| idx.map_or("none".to_owned(), |idx| format!("frame {idx}"));
             let reason = format!(

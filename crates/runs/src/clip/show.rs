@@ -160,7 +160,9 @@ impl<'a> Show<'a> {
         }
         let is_first = kept.last_good.is_none();
         let (state, grown) = self.timeline.at(frame.time_s);
-        if state != GlassState::Intact && kept.onset_light.is_none() {
+        let has_changed =
+            state != GlassState::Intact || self.chain.ages() && !self.chain.is_broken();
+        if has_changed && kept.onset_light.is_none() {
             kept.onset_light = light;
         }
         let is_still = state == GlassState::Still && !self.chain.ages();
@@ -205,12 +207,12 @@ impl<'a> Show<'a> {
 
     /// Whether the glass is hit by a time; where none breaks, whether a fault has begun.
     fn has_begun(&self, time_s: f64) -> bool {
-        match self.chain.is_glass_intact() {
-            true => {
+        match self.chain.is_broken() {
+            true => self.timeline.at(time_s).0 != GlassState::Intact,
+            false => {
                 self.has_deposit()
                     || (self.faults()).is_some_and(|faults| !faults.at(time_s.max(0.0)).is_empty())
             }
-            false => self.timeline.at(time_s).0 != GlassState::Intact,
         }
     }
 

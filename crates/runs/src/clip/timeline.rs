@@ -65,7 +65,7 @@ impl Timeline {
         }
         Self::of_arrivals(
             chain.arrivals(),
-            !chain.is_glass_intact(),
+            chain.is_broken(),
             (impact_at_s, frame_s),
             growth,
         )

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use starbreak_deposit::Coat;
 use starbreak_optics::screens::Screen;
 use starbreak_seed::Seed;
@@ -10,7 +10,7 @@ use starbreak_seed::Seed;
 use super::layer::{OnPane, deposit_of, screens_of};
 use super::origin::Origin;
 use super::{Chain, PaneLayer, report};
-use crate::{Error, Settings};
+use crate::{Error, Scene, Settings};
 
 /// What a record says of drops.
 pub(super) fn drops_fact(settings: &Settings, on_pane: Option<&OnPane>) -> Option<(String, Value)> {
@@ -38,6 +38,11 @@ impl Chain {
         self.coat_seed = Some(seed);
         let facts = coat_facts(&self.settings, &self.screens);
         self.facts.extend(facts);
+        if let Some(rake_rad) = Scene::of(&self.settings, self.size()).lowered_rake_rad() {
+            let rake_deg = (rake_rad.to_degrees() * 1e3).round() * 1e-3;
+            let pane = json!({ "rake_deg": rake_deg });
+            self.facts.insert("pane".to_owned(), pane);
+        }
         Ok(self)
     }
 
@@ -48,7 +53,7 @@ impl Chain {
     }
 
     /// Whether drops fall that can be made again at another time; those of a bank stay as they are.
-    fn rains(&self) -> bool {
+    pub(super) fn rains(&self) -> bool {
         self.settings.drops.is_some() && self.on_pane.is_some()
     }
 

@@ -1,7 +1,9 @@
 //! What the optics made of the glass, before any light.
 
+use std::f64::consts::FRAC_PI_2;
+
 use image::GrayImage;
-use starbreak_deposit::{Area, Coat, Deposit};
+use starbreak_deposit::{Area, Coat, Deposit, Rain};
 use starbreak_glass::CrackNetwork;
 use starbreak_optics::paper::draw;
 use starbreak_optics::photo::{PhotoPattern, bake as bake_photo, draw as draw_photo};
@@ -63,6 +65,13 @@ pub(super) fn deposit_of(
     };
     let scene = Scene::of(settings, size_px);
     let view = scene.sheet()?;
+    let rain = match scene.lowered_rake_rad() {
+        Some(rake_rad) => Rain {
+            slope_rad: FRAC_PI_2 - rake_rad,
+            ..rain
+        },
+        None => rain,
+    };
     // Drops run down from above.
     let area = scene.seen_area(&view, 0.4);
     let n_drops = rain.n_landing(&area);

@@ -303,6 +303,15 @@ impl Chain {
         self.is_glass_intact
     }
 
+    /// Whether the glass is broken, as far as that is known: what a bank kept of it may be cracks or drops.
+    #[must_use]
+    pub fn is_broken(&self) -> bool {
+        let has_cracks = self
+            .network()
+            .is_some_and(|network| network.n_segments() > 0);
+        has_cracks || !self.is_glass_intact && (self.photo().is_some() || !self.rains())
+    }
+
     /// What a record says of the damage, by key.
     #[must_use]
     pub fn facts(&self) -> &Map<String, Value> {
