@@ -490,7 +490,7 @@ fn a_dose_that_tells_no_objects_apart_says_so_in_the_place_of_its_chart() {
     assert_eq!(
         notes(vec![0.0; n], vec![0.3; n]),
         [
-            "it is 0 for all 60 objects found in the clean images: this damage has no such effect",
+            "it is 0 for all 60 objects found in the clean images",
             "it was not recorded for any object found in the clean images",
             "it is the same for nearly all of the 60 objects found in the clean images",
         ]

@@ -11,6 +11,32 @@ use crate::program::{all_refused, folder, json, names, snapshot, starbreak, succ
 use serde_json::{Value, json};
 
 #[test]
+fn detections_are_not_held_against_labels_that_lie_elsewhere() {
+    let dir = folder();
+    let root = dir.path();
+    write_sets(root, &BOXES);
+    fs::write(root.join("found.json"), "[]").unwrap();
+    for (percent, is_refused) in [("30", true), ("0", false)] {
+        let lens = [&*format!("distortion.corner_percent={percent}")];
+        let out = format!("out{percent}");
+        generate(root, "coco:coco", &out, &lens, &["--on-error", "skip"]);
+        let set = format!("coco:{out}");
+        let found = ["--clean", "found.json", "--damaged", "found.json"];
+        for args in [
+            vec!["evaluate", "coco:coco", "--damaged-set", &out],
+            vec!["evaluate", &set],
+        ] {
+            let args = [&args[..], &found].concat();
+            let outcome = starbreak(root, &args);
+            let says = outcome.stderr.contains("have no labels in common");
+            assert_eq!(says, is_refused, "{args:?}: {}", outcome.stderr);
+            assert_eq!(outcome.code == Some(2), is_refused, "{}", outcome.stderr);
+        }
+        succeed(root, &["evaluate", &set, "--clean", "found.json"]);
+    }
+}
+
+#[test]
 fn moved_sets_are_the_same_however_they_are_made() {
     let dir = folder();
     let root = dir.path();

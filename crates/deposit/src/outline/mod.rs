@@ -14,6 +14,10 @@ const FIRST: usize = 2;
 /// holds no more.
 const MOST: f64 = 0.25;
 
+/// How much of that a bulge of the size of the radius takes, (k² − 1)/3: for the contact angle alone it were k − 1, and the
+/// curvature of the outline is 1 + (k² − 1) aₖ of the circle's, so that it is nowhere drawn to a point or in.
+const TAKES: [f64; N_BULGES] = [1.0, 8.0 / 3.0, 5.0, 8.0];
+
 /// How far the outline of a drop is from a circle.
 ///
 /// The radius at an angle φ is in the first order 1 + Σ (aₖ cos kφ + bₖ sin kφ), k = 2 to 5, of that of the round drop of its
@@ -61,9 +65,9 @@ impl Outline {
         }
     }
 
-    /// The most that Σ (k − 1) |aₖ, bₖ| may be, so that the contact angle, which is lower where the outline bulges and higher
-    /// where it is drawn in, stays between those at which the outline moves: its sine is lower and its tangent higher by that
-    /// share at most.
+    /// The most that Σ (k² − 1)/3 |aₖ, bₖ| may be, so that the contact angle, which is lower where the outline bulges and
+    /// higher where it is drawn in, stays between those at which the outline moves: its sine is lower and its tangent higher by
+    /// that share at most.
     pub(crate) fn most(contact_rad: f64, [receding, advancing]: [f64; 2]) -> f64 {
         if contact_rad >= FRAC_PI_2 {
             return 0.0;
@@ -80,11 +84,10 @@ impl Outline {
     pub(crate) fn fallen(rng: &mut ChaCha8Rng, most: f64) -> Self {
         let mut left = most * uniform(rng);
         let mut bulges = [[0.0; 2]; N_BULGES];
-        for (k, bulge) in bulges.iter_mut().enumerate() {
+        for (bulge, takes) in bulges.iter_mut().zip(TAKES) {
             let part = left * uniform(rng);
             left -= part;
-            #[expect(clippy::cast_precision_loss, reason = "up to five")]
-            let size = part / (k + FIRST - 1) as f64;
+            let size = part / takes;
             let (sin, cos) = libm::sincos(TAU * uniform(rng));
             *bulge = [size * cos, size * sin];
         }
@@ -94,8 +97,8 @@ impl Outline {
     /// Of one that ran downhill (1) or uphill (−1): drawn out behind, where its contact angle is the least.
     pub(crate) fn ran(goes: f64, most: f64) -> Self {
         let mut bulges = [[0.0; 2]; N_BULGES];
-        bulges[0] = [-0.5 * most, 0.0];
-        bulges[1] = [0.0, 0.25 * goes * most];
+        bulges[0] = [-0.5 * most / TAKES[0], 0.0];
+        bulges[1] = [0.0, 0.5 * goes * most / TAKES[1]];
         Self::of(bulges)
     }
 
@@ -110,48 +113,53 @@ impl Outline {
             let of = |(at, radius, _): &([f64; 2], f64, Self)| at[axis] * radius * radius;
             parts.iter().map(of).sum::<f64>() / area
         });
-        let mut moments = [[0.0; 2]; N_BULGES];
+        let mut bulges = [[0.0; 2]; N_BULGES];
         for (at, radius, outline) in parts {
             let away = [0, 1].map(|axis| at[axis] - middle[axis]);
-            // Powers of how far away it is, and what is about its own middle: 1, 0, and its bulges.
-            let mut own = [[0.0; 2]; N_BULGES + FIRST];
-            let mut powers = [[1.0, 0.0]; N_BULGES + FIRST];
-            let mut scale = radius * radius;
-            own[0][0] = scale;
-            for k in 1..N_BULGES + FIRST {
-                powers[k] = times(powers[k - 1], away);
-                scale *= radius;
-                if k >= FIRST {
-                    own[k] = outline.bulges[k - FIRST].map(|part| part * scale);
-                }
-            }
-            for (moment, k) in moments.iter_mut().zip(FIRST..) {
-                let mut choose = 1.0;
-                for j in 0..=k {
-                    let part = times(powers[k - j], own[j]);
-                    *moment = [0, 1].map(|axis| moment[axis] + choose * part[axis]);
-                    #[expect(clippy::cast_precision_loss, reason = "up to five")]
-                    let next = (k - j) as f64 / (j + 1) as f64;
-                    choose *= next;
-                }
+            for (sum, moment) in bulges.iter_mut().zip(outline.moments(*radius, away)) {
+                *sum = [0, 1].map(|axis| sum[axis] + moment[axis]);
             }
         }
-        let radius = area.sqrt();
         let mut scale = area;
-        Self::held(
-            moments.map(|moment| {
-                scale *= radius;
-                moment.map(|part| part / (scale * radius))
-            }),
-            most,
-        )
+        for bulge in &mut bulges {
+            scale *= area.sqrt();
+            *bulge = bulge.map(|part| part / (scale * area.sqrt()));
+        }
+        Self::held(bulges, most)
+    }
+
+    /// Moments, of π, of what a drop of a radius covers that is so far away.
+    fn moments(&self, radius: f64, away: [f64; 2]) -> [[f64; 2]; N_BULGES] {
+        // Powers of how far away it is, and moments about its own middle: its area, none, and its bulges.
+        let mut powers = [[1.0, 0.0]; N_BULGES + FIRST];
+        let mut own = [[0.0; 2]; N_BULGES + FIRST];
+        let mut scale = radius * radius;
+        own[0][0] = scale;
+        for k in 1..N_BULGES + FIRST {
+            powers[k] = times(powers[k - 1], away);
+            scale *= radius;
+            if k >= FIRST {
+                own[k] = self.bulges[k - FIRST].map(|part| part * scale);
+            }
+        }
+        let mut moments = [[0.0; 2]; N_BULGES];
+        for (moment, k) in moments.iter_mut().zip(FIRST..) {
+            let mut choose = 1.0;
+            for j in 0..=k {
+                let part = times(powers[k - j], own[j]);
+                *moment = [0, 1].map(|axis| moment[axis] + choose * part[axis]);
+                #[expect(clippy::cast_precision_loss, reason = "up to five")]
+                let next = (k - j) as f64 / (j + 1) as f64;
+                choose *= next;
+            }
+        }
+        moments
     }
 
     /// With these bulges, or flatter ones that are held everywhere.
     fn held(bulges: [[f64; 2]; N_BULGES], most: f64) -> Self {
-        let needs: f64 = (1_u8..)
-            .zip(&bulges)
-            .map(|(k, [a, b])| f64::from(k) * libm::hypot(*a, *b))
+        let needs: f64 = (bulges.iter().zip(TAKES))
+            .map(|([a, b], takes)| takes * libm::hypot(*a, *b))
             .sum();
         let by = if needs > most { most / needs } else { 1.0 };
         Self::of(bulges.map(|bulge| bulge.map(|part| by * part)))

@@ -151,6 +151,7 @@ pub fn evaluate_files(request: &EvaluateRequest) -> Result<EvaluateAnswer, Error
         // For what the system says of one that is not there.
         file_len(folder)?;
     }
+    set::refuse_moved_labels(request)?;
     set::check(request)?;
     let truth = ground_truth(request)?;
     let params = params(request, &truth);

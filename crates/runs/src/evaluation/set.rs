@@ -3,7 +3,11 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use starbreak_dataset::{DatasetError, Finding, ItemRecord, SetChecker, set_around};
+use serde_json::Value;
+use starbreak::Recipe;
+use starbreak_dataset::{
+    DatasetError, Finding, ItemRecord, SetChecker, SourceSpec, set_around, set_identity,
+};
 
 use super::{EvaluateRequest, refused};
 use crate::Error;
@@ -19,6 +23,37 @@ pub(super) fn check(request: &EvaluateRequest) -> Result<(), Error> {
         Some(set) => check_set(set, Part::Regions),
         None => Ok(()),
     }
+}
+
+/// Refuses images of two kinds that have other labels each.
+pub(super) fn refuse_moved_labels(request: &EvaluateRequest) -> Result<(), Error> {
+    if request.cracked.is_none() {
+        return Ok(());
+    }
+    let source = (request.source.as_deref()).and_then(|spec| SourceSpec::parse(spec).ok());
+    let labels = [source.map(|spec| spec.path), request.ground_truth.clone()];
+    let images = [request.cracked_set.clone(), request.regions.clone()];
+    for path in images.into_iter().chain(labels).flatten() {
+        let set = set_around(&path);
+        let Some(Ok(identity)) = set.as_deref().map(set_identity) else {
+            // It is no set, or refused where it is read.
+            continue;
+        };
+        let recipe = identity.get("recipe").and_then(Value::as_str);
+        let Some(Ok(recipe)) = recipe.map(|text| Recipe::parse("run.json", text)) else {
+            continue;
+        };
+        let settings = recipe.settings()?;
+        if (settings.faults).is_some_and(|faults| faults.lens.moves_labels()) {
+            return Err(refused(format!(
+                "the lens of the set {:?} moves what images show, and their labels with it, so that clean and damaged \
+                 images have no labels in common; evaluate each by its own: once the clean dataset with the clean \
+                 detections, once the set with its own in their place (--clean)",
+                set.unwrap_or_default()
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// What of each image is read.

@@ -290,9 +290,7 @@ fn no_bins(known: &[f64]) -> String {
     match (known.len(), n_zero) {
         (0, _) => "it was not recorded for any object found in the clean images".to_owned(),
         (n, n_zero) if n == n_zero => {
-            format!(
-                "it is 0 for all {n} objects found in the clean images: this damage has no such effect"
-            )
+            format!("it is 0 for all {n} objects found in the clean images")
         }
         (n, 0) => {
             format!("it is the same for nearly all of the {n} objects found in the clean images")

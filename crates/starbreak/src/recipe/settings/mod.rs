@@ -213,8 +213,18 @@ pub(super) fn of(place: &Place, recipe: &Table, choice: Choice) -> Result<Settin
         lens: lens_faults::settings(place, &from_table(place, recipe)?, &optics)?,
         sensor: faults::settings(place, &from_table(place, recipe)?)?,
     };
+    let coats = deposits::coats(place, &from_table(place, recipe)?, &fracture, &optics)?;
+    if common.output.maps && !coats.is_empty() {
+        return Err(RecipeError::Type {
+            place: place.clone(),
+            key: "output.maps".to_owned(),
+            what: "maps hold what cracks and drops do to light, not what mud, dust, film, frost, scratches and \
+                   condensation do; leave it false, or those tables out"
+                .to_owned(),
+        });
+    }
     Ok(Settings {
-        coats: deposits::coats(place, &from_table(place, recipe)?, &fracture, &optics)?,
+        coats,
         drops: deposits::drops(place, &from_table(place, recipe)?, &fracture, &optics)?,
         output: output(place, &common.output, &optics)?,
         fracture,
