@@ -59,8 +59,8 @@ pub(crate) fn item_seed(seed: SeedArg, name: NameArg, sample_index: Whole) -> Py
 
 /// The image behind broken glass, as a new array of the same shape; `image` is not changed.
 ///
-/// image: uint8, H x W x 3 (sRGB), H x W x 4 (its alpha stays) or H x W (gray), any strides; 1 to
-/// 32768 px per side; or an image of Pillow in the mode RGB, RGBA or L.
+/// image: uint8, H x W x 3 (sRGB), H x W x 4 (its alpha stays, or is moved by a distortion) or
+/// H x W (gray), any strides; 1 to 32768 px per side; or an image of Pillow in the mode RGB, RGBA or L.
 /// recipe: a `Recipe`, the name of a preset, or tables as a dict; default `windshield-spiderweb`.
 /// severity: 1 (mild) to 5 (severe), of a preset.
 /// seed: 0 to 2**64 - 1, determines everything random.

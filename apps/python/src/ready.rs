@@ -239,7 +239,7 @@ impl ReadyCrack {
     /// itself, which is then changed where it lies. It must not overlap `image` in part. No frame is
     /// allocated, unless the recipe has coats, camera faults, a blurred scene, glare or the paper's optics.
     /// channels: "rgb", "bgr", "rgba", "bgra" or "gray", the order of the samples in `image` and `out`;
-    /// default: by their number gray, rgb or rgba. Alpha stays as it is.
+    /// default: by their number gray, rgb or rgba. Alpha stays as it is, or is moved by a distortion.
     ///
     /// Any number of threads may call it, each with its own `out`; the interpreter's lock is released.
     /// Raises the same errors as `crack`.

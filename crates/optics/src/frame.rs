@@ -13,9 +13,9 @@ pub enum Channels {
     Rgb,
     /// Blue, green, red.
     Bgr,
-    /// Red, green, blue, and alpha, which is never changed.
+    /// Red, green, blue, and alpha, which nothing but distortion changes.
     Rgba,
-    /// Blue, green, red, and alpha, which is never changed.
+    /// Blue, green, red, and alpha, which nothing but distortion changes.
     Bgra,
 }
 

@@ -20,7 +20,8 @@ pub(crate) struct PipeArgs {
     /// Width and height of the frames, px, e.g. 1920x1080
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     pub(crate) size: (u32, u32),
-    /// Pixels of the frames, by ffmpeg's names, 8 bits per sample without padding; alpha stays
+    /// Pixels of the frames, by ffmpeg's names, 8 bits per sample without padding; alpha stays, or
+    /// is moved by a distortion
     #[arg(long, value_enum, value_name = "FORMAT")]
     pub(crate) pixels: PixelsWord,
     /// Frame rate, e.g. 30, 29.97 or 30000/1001: frame k is k / N seconds after the first, and

@@ -271,21 +271,29 @@ impl LensFaults {
         }
     }
 
+    /// Moves a value of each pixel of a frame, in rows from the top, as what an image shows is; 0 where nothing is shown.
+    /// Beside an edge values may come out a little higher than any was.
+    pub fn move_values(&self, values: &mut Vec<f32>, optic: &Optic) {
+        for (_, fault) in &self.faults {
+            if let LensFault::Distortion(it) = fault {
+                it.over(values, 1, optic);
+            }
+        }
+    }
+
     /// A mask of the frame, moved as what an image shows is.
     #[must_use]
     pub fn moved_mask(&self, mut mask: GrayImage, optic: &Optic) -> GrayImage {
-        for (_, fault) in &self.faults {
-            if let LensFault::Distortion(it) = fault {
-                let mut light: Vec<f32> = mask.iter().map(|code| f32::from(*code)).collect();
-                it.over(&mut light, 1, optic);
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "a code"
-                )]
-                for (code, value) in mask.iter_mut().zip(light) {
-                    *code = (value + 0.5).min(255.0) as u8;
-                }
+        if self.moves_labels() {
+            let mut values: Vec<f32> = mask.iter().map(|code| f32::from(*code)).collect();
+            self.move_values(&mut values, optic);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a code"
+            )]
+            for (code, value) in mask.iter_mut().zip(values) {
+                *code = (value + 0.5).min(255.0) as u8;
             }
         }
         mask

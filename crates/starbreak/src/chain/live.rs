@@ -20,8 +20,8 @@ pub struct KeptFrame {
 }
 
 impl Lit<'_> {
-    /// As [`Lit::over`], over a frame where that lies: the same codes, in any order of colors; alpha and padding are never
-    /// written.
+    /// As [`Lit::over`], over a frame where that lies: the same codes, in any order of colors and with the same
+    /// alpha; padding is never written.
     ///
     /// Glass by the physical optics that is sharp to the lens and has no glare works on the frame itself. For everything
     /// else, coats, faults of the camera, a blurred scene and the paper's optics, the frame is copied to `kept` and back.

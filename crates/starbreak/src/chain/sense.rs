@@ -3,7 +3,7 @@
 use image::{ColorType, DynamicImage, GrayImage, ImageBuffer, Pixel};
 use starbreak_optics::OpticsError;
 use starbreak_optics::environment::{Environment, EnvironmentParams};
-use starbreak_optics::lens_faults::{Lamp, Optic};
+use starbreak_optics::lens_faults::{Lamp, LensFaults, Optic};
 use starbreak_optics::physical::Overlay;
 use starbreak_optics::screens::{LitScreen, Screen};
 use starbreak_optics::srgb::{decode8, decode16, encode8, encode8_all, encode16};
@@ -130,7 +130,8 @@ impl<'a> Behind<'a> {
     }
 
     /// What all this makes of an image, in place. Glass that is given comes first, in the same light, which may be brighter
-    /// than white; the image must be of its size. Samples whose light does not change keep their codes; alpha stays.
+    /// than white; the image must be of its size. Samples whose light does not change keep their codes. Alpha stays, but a distortion
+    /// moves it with what it cuts out.
     ///
     /// # Errors
     /// [`Error::Optics`] for an image of 32-bit samples, [`Error::Sensor`] for one that no codec takes.
@@ -249,10 +250,31 @@ where
             unclipped
         };
         change_all(sensor, samples, (size, n_channels), at, before);
+        if let Some(optic) = &behind.optic {
+            move_alpha(&faults.lens, optic, samples, n_channels);
+        }
     } else if sensor.changes_light() {
         change_light(sensor, samples, (size, n_channels), at);
     }
     Ok(())
+}
+
+/// Moves the alpha of a frame as its lens moves what it shows; where that is nothing, the frame is transparent.
+fn move_alpha<S: Sample>(lens: &LensFaults, optic: &Optic, samples: &mut [S], n_channels: usize) {
+    if n_channels % 2 == 1 || !lens.moves_labels() {
+        return;
+    }
+    let of_pixel = |pixel: &[S]| single(pixel[n_channels - 1].share());
+    let mut alpha: Vec<f32> = samples.chunks_exact(n_channels).map(of_pixel).collect();
+    lens.move_values(&mut alpha, optic);
+    for (pixel, share) in samples.chunks_exact_mut(n_channels).zip(alpha) {
+        pixel[n_channels - 1] = S::of_share(share.into());
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a share")]
+fn single(share: f64) -> f32 {
+    share as f32
 }
 
 /// What the faults make of the light of a frame; samples whose light stays keep their codes.
