@@ -61,13 +61,15 @@ pub enum Error {
     /// More rain than can be followed drop by drop.
     #[error(
         "[drops]: some {n_drops:.1e} drops would land on the pane that the frame shows, more than the {most:.0e} that are \
-         followed; lower drops.age_s, drops.rain_mm_h or glass.distance_m, or let drops.wiper_period_s wipe a clip's pane"
+         followed; lower {way_out}"
     )]
     TooManyDrops {
         /// How many.
         n_drops: f64,
         /// The most.
         most: f64,
+        /// What to lower.
+        way_out: String,
     },
     /// Drops on a photograph of broken glass.
     #[error(

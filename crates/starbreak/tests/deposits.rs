@@ -73,13 +73,23 @@ fn what_lies_on_the_pane_is_told_of_and_stays_with_the_seed() {
     let cracks = region_of(&Recipe::preset("windshield-spiderweb").unwrap(), &image);
     assert!(region_of(&both, &image) > cracks + 0.05);
     let mut endless = Recipe::preset("rain").unwrap();
-    endless.set("drops.age_s=600").unwrap();
     endless.set("drops.rain_mm_h=150").unwrap();
-    let refused = Chain::of(&endless.settings().unwrap(), (320, 200), Seed(1)).unwrap_err();
-    assert!(
-        refused.to_string().contains("lower drops.age_s"),
-        "{refused}"
-    );
+    for (period_s, age_s, said) in [
+        (0, 600, "or let drops.wiper_period_s wipe a clip's pane"),
+        (
+            5,
+            600,
+            "lower drops.age_s (600 s, though the pane is wiped every 5 s), ",
+        ),
+        (600, 600, ", and for a clip drops.wiper_period_s"),
+    ] {
+        endless
+            .set(&format!("drops.wiper_period_s={period_s}"))
+            .unwrap();
+        endless.set(&format!("drops.age_s={age_s}")).unwrap();
+        let refused = Chain::of(&endless.settings().unwrap(), (320, 200), Seed(1)).unwrap_err();
+        assert!(refused.to_string().contains(said), "{refused}");
+    }
     let papers = Recipe::preset("paper")
         .unwrap()
         .set("drops.rain_mm_h=5")

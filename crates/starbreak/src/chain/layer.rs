@@ -77,13 +77,31 @@ pub(super) fn deposit_of(
     let n_drops = rain.n_landing(&area);
     if n_drops > MOST_DROPS {
         let most = MOST_DROPS;
-        return Err(Error::TooManyDrops { n_drops, most });
+        let way_out = what_to_lower(&rain);
+        return Err(Error::TooManyDrops {
+            n_drops,
+            most,
+            way_out,
+        });
     }
     Ok(Some(OnPane {
         deposit: rain.on_pane(&area, seed),
         area,
         view,
     }))
+}
+
+/// What makes fewer drops land. A wiper helps frames of a clip alone that come after its first stroke.
+fn what_to_lower(rain: &Rain) -> String {
+    let (age_s, period_s) = (rain.age_s, rain.wiper_period_s);
+    let others = "drops.rain_mm_h or glass.distance_m";
+    if period_s <= 0.0 {
+        format!("drops.age_s, {others}, or let drops.wiper_period_s wipe a clip's pane")
+    } else if age_s > period_s {
+        format!("drops.age_s ({age_s} s, though the pane is wiped every {period_s} s), {others}")
+    } else {
+        format!("drops.age_s, {others}, and for a clip drops.wiper_period_s")
+    }
 }
 
 /// Those coats on the pane of some settings before frames of a size that are asked for, so many seconds after the
