@@ -3,7 +3,7 @@
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 use serde_json::{Value, json};
-use starbreak::OutputFormat;
+use starbreak::{Chain, OutputFormat};
 use starbreak_dataset::OutputBatch;
 use starbreak_runs::images::{
     Failure as ItemFailure, ImageJob, JobResult, Written, damage_files, plan_images,
@@ -111,6 +111,9 @@ fn finish(
     {
         screen.note(&hint);
     }
+    if let Some(hint) = written.iter().find_map(|item| little_mud_hint(&item.chain)) {
+        screen.note(&hint);
+    }
     if has_list {
         record_failures(&failed, out)?;
     }
@@ -138,6 +141,18 @@ fn finish(
     Err(Failure {
         message,
         code: SOME_FAILED,
+    })
+}
+
+/// A hint where mud covers less than half of what was asked.
+fn little_mud_hint(chain: &Chain) -> Option<String> {
+    let [covered, asked] = chain.mud_covers()?.map(|share| 100.0 * share);
+    (covered < 0.5 * asked).then(|| {
+        format!(
+            "note: mud covers {covered:.1} % of the frame, where mud.coverage_percent = {asked}: at most 200,000 splats \
+             are made, too few for fine mud or a pane far away; raise mud.splat_mm or lower glass.distance_m (a few large \
+             splats may also lie beside the frame: take another seed)"
+        )
     })
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::program::{
     Outcome, folder, json, names, photo, png_bytes, raw_png, skipped, succeed, succeed_small,
 };
+use image::DynamicImage;
 
 const KITTI: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -263,4 +264,30 @@ fn an_empty_crack_is_not_blamed_on_the_force() {
             "{sets:?}: the force exceeds 300: {outcome:?}"
         );
     }
+}
+
+#[test]
+fn mud_that_is_less_than_half_of_what_was_asked_is_told() {
+    let dir = folder();
+    fs::write(
+        dir.path().join("a.png"),
+        png_bytes(&DynamicImage::new_rgb8(24, 16)),
+    )
+    .unwrap();
+    let muddy = [
+        "crack",
+        "a.png",
+        "-o",
+        "o",
+        "--preset",
+        "muddy",
+        "--severity",
+        "5",
+    ];
+    let near = succeed(dir.path(), &muddy).stderr;
+    assert!(!near.contains("mud"), "{near}");
+    let far = [&muddy[..], &["--set", "glass.distance_m=3"]].concat();
+    let far = succeed(dir.path(), &far).stderr;
+    let said = " % of the frame, where mud.coverage_percent = 40: at most 200,000 splats";
+    assert!(far.contains(said), "{far}");
 }

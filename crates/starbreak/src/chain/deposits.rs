@@ -46,6 +46,16 @@ impl Chain {
         Ok(self)
     }
 
+    /// Shares of the frame that mud covers, and of the pane that it was to cover; none without mud.
+    #[must_use]
+    pub fn mud_covers(&self) -> Option<[f64; 2]> {
+        let coats = self.settings.coats.iter().zip(&self.screens);
+        coats.into_iter().find_map(|(coat, screen)| match coat {
+            Coat::Mud(mud) => Some([screen.mean_covered(), mud.coverage]),
+            _ => None,
+        })
+    }
+
     /// Whether what lies on the glass changes as time goes: rain falls, dew and frost grow.
     #[must_use]
     pub fn ages(&self) -> bool {
