@@ -16,10 +16,12 @@ use crate::clip_error::ClipError;
 pub enum Error {
     /// A bank of cracks by a recipe that breaks nothing.
     #[error(
-        "fracture.model = \"none\": no glass breaks, so there is nothing to keep in a bank; the faults of the camera \
-         are made anew for each image anyway, and generate --bank takes them with --set"
+        "fracture.model = \"none\": no glass breaks, so there is nothing to keep in a bank; {way_out}"
     )]
-    NothingBreaks,
+    NothingBreaks {
+        /// What to do instead.
+        way_out: &'static str,
+    },
     /// Glass could not be broken or shown.
     #[error(transparent)]
     Chain(#[from] starbreak::Error),

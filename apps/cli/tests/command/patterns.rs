@@ -60,7 +60,13 @@ fn faults_behind_the_lens_come_on_top_of_a_bank() {
             vec![
                 "patterns", "-n", "1", "--size", "32x32", "-o", "x", "--preset", "noise",
             ],
-            "nothing to keep in a bank",
+            "nothing to keep in a bank; coats and faults of the camera are made anew",
+        ),
+        (
+            vec![
+                "patterns", "-n", "1", "--size", "32x32", "-o", "x", "--preset", "rain",
+            ],
+            "nothing to keep in a bank; a bank keeps [drops] only together with cracks",
         ),
     ];
     all_refused(dir.path(), &refused);

@@ -72,7 +72,13 @@ pub fn write_bank(
 ) -> Result<BankDraft, Error> {
     refuse_inside_set(to)?;
     if matches!(context.settings.fracture, FractureSettings::None(_)) {
-        return Err(Error::NothingBreaks);
+        let way_out = if context.settings.drops.is_some() {
+            "a bank keeps [drops] only together with cracks, so make it by a preset that breaks glass and --set its drops.…, \
+             or generate without a bank"
+        } else {
+            "coats and faults of the camera are made anew for each image anyway, and generate --bank takes them with --set"
+        };
+        return Err(Error::NothingBreaks { way_out });
     }
     let mut distinct: Vec<(u32, u32)> = Vec::new();
     for size in sizes {
