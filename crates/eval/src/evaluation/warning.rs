@@ -60,15 +60,15 @@ pub enum Warning {
     FewUnits { n: Span, units: String, few: u32 },
     #[error(
         "the region is {median_percent:.1} % of an image (median), less than {small_percent:.0} %, so little can be \
-         lost; for more, use a higher severity, a smaller glass.distance_m or a larger impact.count"
+         lost; for more, use a higher severity, or of broken glass a smaller glass.distance_m or a larger impact.count"
     )]
     SmallDamage {
         median_percent: Span,
         small_percent: f64,
     },
     #[error(
-        "the region contains {n} objects, fewer than {few}, so no number is given for it; use more images, or more \
-         damage by a higher severity, a smaller glass.distance_m or a larger impact.count"
+        "the region contains {n} objects, fewer than {few}, so no number is given for it; use more images, or, where \
+         it is not the whole image, a higher severity, or of broken glass a smaller glass.distance_m or a larger impact.count"
     )]
     FewObjectsInRegion { n: Span, few: u64 },
     #[error(
@@ -350,6 +350,22 @@ impl From<Written> for Warning {
 #[cfg(test)]
 mod tests {
     use super::Warning;
+
+    #[test]
+    fn keys_of_broken_glass_are_named_as_such() {
+        let small = Warning::SmallDamage {
+            median_percent: 1.0.into(),
+            small_percent: 2.0,
+        };
+        let few = Warning::FewObjectsInRegion {
+            n: 3_u64.into(),
+            few: 20,
+        };
+        for text in [small, few].map(|warning| warning.to_string()) {
+            let all = "a higher severity, or of broken glass a smaller glass.distance_m";
+            assert!(text.contains(all), "{text}");
+        }
+    }
 
     #[test]
     fn like_warnings_are_one_with_the_span_of_their_numbers() {
