@@ -39,7 +39,8 @@ use starbreak_dataset::{DatasetError, MAX_ITEM_BYTES, OutputBatch, SourceSpec, s
 
 use crate::failure::Failure;
 
-/// Break the glass in front of a camera, render what it then sees, measure how detectors fail.
+/// Break or soil the glass in front of a camera, or give the camera faults; render what it then sees, and measure how
+/// detectors fail.
 #[derive(Debug, Parser)]
 #[command(
     name = "starbreak",
@@ -90,7 +91,8 @@ pub(crate) struct Global {
     /// `crack`, or the run.json of a set
     #[arg(long, global = true, value_name = "FILE", conflicts_with = "preset")]
     pub(crate) recipe: Option<PathBuf>,
-    /// Preset, a named set of parameters [default: windshield-spiderweb; for bench: paper];
+    /// Preset, a named set of parameters: broken glass, rain or dirt on it, or a fault of the
+    /// camera [default: windshield-spiderweb; for bench: paper];
     /// `starbreak recipe --list` lists them
     #[arg(long, global = true, value_name = "NAME", value_parser = Completed::PRESET, hide_possible_values = true)]
     pub(crate) preset: Option<String>,
@@ -158,7 +160,7 @@ pub(crate) enum Verb {
     /// Measure the distance between sets of images: K-L and other divergences, with noise
     /// floors
     Divergence(DivergenceArgs),
-    /// Render one crack over the values of one parameter, with a contact sheet
+    /// Damage one photo by the values of one parameter, with a contact sheet
     Sweep {
         /// PNG or JPEG file
         #[arg(value_name = "IMAGE")]
@@ -178,11 +180,11 @@ pub(crate) enum Verb {
     Simulate(SimulateArgs),
     /// Make a bank of cracks for whole datasets, simulated and baked once, with statistics
     Patterns(PatternsArgs),
-    /// Add a static or growing crack to a video, or to a folder of frames
+    /// Damage a video, or a folder of frames: cracks that stay or grow, rain, dirt, camera faults
     Video(video::VideoArgs),
     /// Damage the cameras of a recording of a robot or car (MCAP); all else in it stays the same
     Bag(bag::BagArgs),
-    /// Put a crack over raw frames as they come, from standard input to standard output
+    /// Damage raw frames as they come, from standard input to standard output
     Pipe(pipe::PipeArgs),
     /// Evaluate detections on clean and damaged images, inside and outside the damaged region
     Evaluate(evaluate::EvaluateArgs),

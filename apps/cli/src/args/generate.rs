@@ -22,7 +22,7 @@ pub(crate) struct GenerateArgs {
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) samples: u32,
     /// Take cracks from a bank made by `starbreak patterns`, with the bank's recipe; only
-    /// output.… and faults of the camera can then be set
+    /// output.…, coats and faults of the camera can then be set
     #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera"])]
     pub(crate) bank: Option<PathBuf>,
     /// Use one crack network (JSON or SVG) for all images instead of a new one for each

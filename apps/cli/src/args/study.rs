@@ -35,7 +35,8 @@ pub(crate) struct StudyArgs {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with_all = ["preset", "recipe"])]
     pub(crate) presets: Vec<String>,
     /// All presets of a suite: `camera` is what lies on the glass and the faults of lens, sensor and link, `glass`
-    /// broken glass; the others are a scenario with several faults at once and each of these alone
+    /// broken glass; the others are a scenario with several faults at once, and each of these alone, at the same
+    /// severity of its own preset: a scenario has values of its own, and may cost less than one of them
     #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["preset", "recipe", "presets"])]
     pub(crate) suite: Option<SuiteWord>,
     /// Recipes to damage the images with; severities do not scale them

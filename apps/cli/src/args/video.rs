@@ -49,7 +49,7 @@ pub(crate) struct DamageArgs {
     #[command(flatten)]
     pub(crate) growth: GrowthArgs,
     /// Take a crack from a bank made by `starbreak patterns`, chosen by the seed, with the
-    /// bank's recipe; only output.… and faults of the camera can then be set
+    /// bank's recipe; only output.…, coats and faults of the camera can then be set
     #[arg(long, value_name = "DIR", conflicts_with_all = ["preset", "recipe", "severity", "camera"])]
     pub(crate) bank: Option<PathBuf>,
     /// Use this crack network (JSON or SVG) instead of simulating one

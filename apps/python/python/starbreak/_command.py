@@ -97,7 +97,7 @@ def patterns(number: int, output: _Path, recipe: _RecipeLike = None, **options: 
 
 
 def video(clip: _Path, output: _Path, recipe: _RecipeLike = None, **options: Any) -> Any:
-    """Adds a static or growing crack to a video: `starbreak video CLIP -o OUTPUT`; see `command`."""
+    """Damages a video, by cracks or other faults: `starbreak video CLIP -o OUTPUT`; see `command`."""
     return command("video", clip, output=output, recipe=recipe, **options)
 
 
