@@ -49,8 +49,8 @@ impl Chain {
     /// Shares of the frame that mud covers, and of the pane that it was to cover; none without mud.
     #[must_use]
     pub fn mud_covers(&self) -> Option<[f64; 2]> {
-        let coats = self.settings.coats.iter().zip(&self.screens);
-        coats.into_iter().find_map(|(coat, screen)| match coat {
+        let mut coats = self.settings.coats.iter().zip(&self.screens);
+        coats.find_map(|(coat, screen)| match coat {
             Coat::Mud(mud) => Some([screen.mean_covered(), mud.coverage]),
             _ => None,
         })
