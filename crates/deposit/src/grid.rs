@@ -2,24 +2,55 @@
 
 use crate::Area;
 
-/// Side of a cell, mm.
-const CELL_MM: f64 = 4.0;
+/// Drops up to these radii, mm, are kept apart from larger ones: among many small ones a few large ones would have to be
+/// looked for from far away.
+const UP_TO_MM: [f64; 3] = [0.25, 1.0, f64::INFINITY];
 
-/// Numbers of drops by the cell of their middle.
-#[derive(Debug)]
-pub(crate) struct Grid {
-    from_mm: [f64; 2],
-    size: [usize; 2],
-    cells: Vec<Vec<u32>>,
+/// Sides of their cells, mm.
+const CELLS_MM: [f64; 3] = [2.0, 4.0, 16.0];
+
+/// Side of the cells by which drops are put in order, mm.
+const ORDER_MM: f64 = 4.0;
+
+/// What is looked at of a drop to tell whether it is near.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Known {
+    pub(crate) at_mm: [f64; 2],
+    pub(crate) radius_mm: f64,
+    pub(crate) number: u32,
 }
 
-impl Grid {
-    pub(crate) fn over(area: &Area) -> Self {
-        let size = area.cells(CELL_MM);
+/// Drops by their size and by the cell of their middle.
+#[derive(Debug)]
+pub(crate) struct Grid {
+    order: Cells,
+    sizes: [OfSize; 3],
+}
+
+/// Drops of some size.
+#[derive(Debug)]
+struct OfSize {
+    cells: Cells,
+    drops: Vec<Vec<Known>>,
+    /// No radius was larger as yet, mm.
+    largest_mm: f64,
+}
+
+/// An area in cells.
+#[derive(Debug)]
+struct Cells {
+    from_mm: [f64; 2],
+    /// Powers of two, as the sides.
+    per_mm: f64,
+    n: [usize; 2],
+}
+
+impl Cells {
+    fn over(area: &Area, side_mm: f64) -> Self {
         Self {
             from_mm: area.from_mm,
-            size,
-            cells: vec![Vec::new(); size[0] * size[1]],
+            per_mm: 1.0 / side_mm,
+            n: area.cells(side_mm),
         }
     }
 
@@ -30,31 +61,82 @@ impl Grid {
         reason = "cells of a pane"
     )]
     fn along(&self, axis: usize, mm: f64) -> usize {
-        let cell = ((mm - self.from_mm[axis]) / CELL_MM).max(0.0) as usize;
-        cell.min(self.size[axis] - 1)
+        let cell = ((mm - self.from_mm[axis]) * self.per_mm).max(0.0) as usize;
+        cell.min(self.n[axis] - 1)
     }
 
-    fn cell_of(&self, at_mm: [f64; 2]) -> usize {
-        self.along(1, at_mm[1]) * self.size[0] + self.along(0, at_mm[0])
+    /// Columns one after the other, for drops run up and down.
+    fn of(&self, at_mm: [f64; 2]) -> usize {
+        self.along(0, at_mm[0]) * self.n[1] + self.along(1, at_mm[1])
+    }
+}
+
+impl Grid {
+    pub(crate) fn over(area: &Area) -> Self {
+        Self {
+            order: Cells::over(area, ORDER_MM),
+            sizes: CELLS_MM.map(|side_mm| {
+                let cells = Cells::over(area, side_mm);
+                OfSize {
+                    drops: vec![Vec::new(); cells.n[0] * cells.n[1]],
+                    cells,
+                    largest_mm: 0.0,
+                }
+            }),
+        }
     }
 
-    pub(crate) fn add(&mut self, at_mm: [f64; 2], drop: u32) {
-        let cell = self.cell_of(at_mm);
-        self.cells[cell].push(drop);
+    fn of_radius(&mut self, radius_mm: f64) -> &mut OfSize {
+        let size = UP_TO_MM.iter().take_while(|up_to| radius_mm > **up_to);
+        let size = size.count().min(UP_TO_MM.len() - 1);
+        &mut self.sizes[size]
     }
 
-    pub(crate) fn remove(&mut self, at_mm: [f64; 2], drop: u32) {
-        let cell = self.cell_of(at_mm);
-        self.cells[cell].retain(|known| *known != drop);
+    pub(crate) fn add(&mut self, drop: Known) {
+        let size = self.of_radius(drop.radius_mm);
+        let cell = size.cells.of(drop.at_mm);
+        size.drops[cell].push(drop);
+        size.largest_mm = size.largest_mm.max(drop.radius_mm);
     }
 
-    /// Calls with all drops whose middles lie in the cells of a rectangle.
-    pub(crate) fn each_in(&self, from_mm: [f64; 2], to_mm: [f64; 2], mut call: impl FnMut(u32)) {
-        for y in self.along(1, from_mm[1])..=self.along(1, to_mm[1]) {
-            for x in self.along(0, from_mm[0])..=self.along(0, to_mm[0]) {
-                self.cells[y * self.size[0] + x]
-                    .iter()
-                    .for_each(|drop| call(*drop));
+    pub(crate) fn remove(&mut self, drop: &Known) {
+        let size = self.of_radius(drop.radius_mm);
+        let known = &mut size.drops[size.cells.of(drop.at_mm)];
+        if let Some(place) = known.iter().position(|known| known.number == drop.number) {
+            known.swap_remove(place);
+        }
+    }
+
+    /// The cell by which a drop is put in order, those of a row one after the other.
+    pub(crate) fn order(&self, at_mm: [f64; 2]) -> usize {
+        let Cells { n, .. } = self.order;
+        self.order.along(1, at_mm[1]) * n[0] + self.order.along(0, at_mm[0])
+    }
+
+    /// Calls with all drops that reach to within a distance of a rectangle, and with some others.
+    pub(crate) fn each_near(
+        &self,
+        (from_mm, to_mm): ([f64; 2], [f64; 2]),
+        within_mm: f64,
+        mut call: impl FnMut(&Known),
+    ) {
+        for OfSize {
+            cells,
+            drops,
+            largest_mm,
+        } in &self.sizes
+        {
+            if *largest_mm <= 0.0 {
+                continue;
+            }
+            let reach = within_mm + largest_mm;
+            let [left, right] = [from_mm[0] - reach, to_mm[0] + reach].map(|x| cells.along(0, x));
+            let [top, bottom] = [from_mm[1] - reach, to_mm[1] + reach].map(|y| cells.along(1, y));
+            for x in left..=right {
+                let column = x * cells.n[1];
+                for cell in &drops[column + top..=column + bottom] {
+                    cell.iter().for_each(&mut call);
+                }
             }
         }
     }

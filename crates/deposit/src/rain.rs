@@ -1,13 +1,15 @@
 //! Rain on a pane: from its rate to the drops that lie there.
 
+mod pane;
+
 use std::f64::consts::PI;
 
-use rand_chacha::ChaCha8Rng;
 use starbreak_seed::{Seed, Stream, uniform};
 
 use crate::cap::volume_per_cubed_radius;
-use crate::grid::Grid;
-use crate::{Area, Cap, Deposit, Outline};
+use crate::{Area, Deposit};
+
+use pane::Pane;
 
 /// Surface tension of water at 20 °C, N/m.
 const TENSION_N_M: f64 = 0.0728;
@@ -26,17 +28,6 @@ const LARGEST_MM: f64 = 6.0;
 
 /// ρ U² h/γ from which air drives a drop along \[White2020\].
 const SHEAR_LIMIT: f64 = 7.9;
-
-/// How fast a drop runs, m/s: no law; films of drops that run down glass show some 0.02 to 0.3.
-const RUN_M_S: f64 = 0.1;
-
-/// A drop that runs leaves another each time it has gone so many of its radii, of such radii at most.
-const TRAIL_STEP: f64 = 2.2;
-const TRAIL_RADIUS: f64 = 0.28;
-
-/// A drop that runs stops when it is smaller than this part of what makes it run: it moves with the angles of its
-/// front and its back, and holds by them again.
-const STOPS_AT: f64 = 0.85;
 
 /// Rain that falls on a pane, which is wiped dry at first.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -220,22 +211,12 @@ impl Rain {
     /// later age only adds to what was there.
     #[must_use]
     pub fn on_pane(&self, area: &Area, seed: Seed) -> Deposit {
-        let mut pane = Pane {
-            rain: *self,
-            area: *area,
-            runs_from_mm: self.runs_from_mm(),
-            driven_from_mm: self.driven_from_mm(),
-            most_bulges: Outline::most(self.contact_rad, self.holds_rad()),
-            grid: Grid::over(area),
-            drops: Vec::new(),
-            free: Vec::new(),
-            largest_mm: 0.0,
-        };
         let impacts = self.impacts();
         let per_s = impacts.all * area.area_m2();
         if self.rate_m_s <= 0.0 || per_s <= 0.0 {
             return Deposit::default();
         }
+        let mut pane = Pane::dry(*self, *area);
         let mut rng = seed.stream(Stream::Rain, 0);
         let [width, height] = area.sides_mm();
         let mut time_s = 0.0;
@@ -253,9 +234,7 @@ impl Rain {
             let trail = seed.stream(Stream::Rain, k + 1);
             pane.lands(at_mm, volume_mm3, (time_s, trail));
         }
-        Deposit {
-            caps: pane.drops.into_iter().flatten().collect(),
-        }
+        Deposit { caps: pane.caps() }
     }
 }
 
@@ -273,171 +252,5 @@ impl Impacts {
         #[expect(clippy::cast_precision_loss, reason = "some hundred steps")]
         let step = (last - 1) as f64;
         diameter_mm(step + part.clamp(0.0, 1.0))
-    }
-}
-
-/// A pane while it rains.
-struct Pane {
-    rain: Rain,
-    area: Area,
-    runs_from_mm: f64,
-    driven_from_mm: f64,
-    most_bulges: f64,
-    grid: Grid,
-    /// Those that went into others, or away, are none, and their places free.
-    drops: Vec<Option<Cap>>,
-    free: Vec<u32>,
-    largest_mm: f64,
-}
-
-impl Pane {
-    /// A drop lands, takes up what it touches, and runs if it is too heavy then.
-    fn lands(&mut self, at_mm: [f64; 2], volume_mm3: f64, (time_s, mut trail): (f64, ChaCha8Rng)) {
-        let mut cap = Cap {
-            outline: Outline::fallen(&mut trail, self.most_bulges),
-            ..Cap::of_volume(at_mm, volume_mm3, self.rain.contact_rad)
-        };
-        self.take_up(&mut cap);
-        let mut left_mm = RUN_M_S * (self.rain.age_s - time_s) * 1e3;
-        while left_mm > 0.0
-            && let Some(goes) = self.runs(&cap)
-        {
-            match self.run(&mut cap, (goes, left_mm), &mut trail) {
-                Some(left) => left_mm = left,
-                None => return,
-            }
-        }
-        self.put(cap);
-    }
-
-    /// Whether a drop moves: 1 downhill, −1 uphill.
-    fn runs(&self, cap: &Cap) -> Option<f64> {
-        if cap.radius_mm >= self.driven_from_mm {
-            Some(-1.0)
-        } else if cap.radius_mm >= self.runs_from_mm {
-            Some(1.0)
-        } else {
-            None
-        }
-    }
-
-    fn put(&mut self, cap: Cap) {
-        let number = self.free.pop().unwrap_or_else(|| {
-            self.drops.push(None);
-            u32::try_from(self.drops.len() - 1).unwrap_or(u32::MAX)
-        });
-        self.grid.add(cap.at_mm, number);
-        self.drops[number as usize] = Some(cap);
-        self.largest_mm = self.largest_mm.max(cap.radius_mm);
-    }
-
-    /// Takes up all drops that a drop touches, until it touches none: one of all their water, at their center of mass.
-    fn take_up(&mut self, cap: &mut Cap) {
-        loop {
-            let reach = cap.radius_mm + self.largest_mm;
-            let from = cap.at_mm.map(|place| place - reach);
-            let to = cap.at_mm.map(|place| place + reach);
-            let touched = self.within(from, to, |other| {
-                let [dx, dy] = [0, 1].map(|k| other.at_mm[k] - cap.at_mm[k]);
-                let sum = cap.radius_mm + other.radius_mm;
-                dx * dx + dy * dy < sum * sum
-            });
-            if touched.is_empty() {
-                return;
-            }
-            for other in self.take(&touched) {
-                let [own, more] = [cap.volume_mm3(), other.volume_mm3()];
-                let at =
-                    [0, 1].map(|k| (own * cap.at_mm[k] + more * other.at_mm[k]) / (own + more));
-                let parts = [*cap, other].map(|cap| (cap.at_mm, cap.radius_mm, cap.outline));
-                *cap = Cap {
-                    outline: Outline::joined(&parts, self.most_bulges),
-                    ..Cap::of_volume(at, own + more, cap.contact_rad)
-                };
-            }
-        }
-    }
-
-    /// A drop runs downhill (1) or uphill (−1) by so many mm at most. It takes up what is in its way and leaves small
-    /// drops behind, until it is small enough to hold. How far it could still go; none where it has left the area.
-    fn run(
-        &mut self,
-        cap: &mut Cap,
-        (goes, mut left_mm): (f64, f64),
-        trail: &mut ChaCha8Rng,
-    ) -> Option<f64> {
-        let moves_from_mm = if goes < 0.0 {
-            self.driven_from_mm
-        } else {
-            self.runs_from_mm
-        };
-        let stops_mm = STOPS_AT * moves_from_mm;
-        while left_mm > 0.0 && cap.radius_mm > stops_mm {
-            let full_mm = TRAIL_STEP * cap.radius_mm;
-            let step_mm = full_mm.min(left_mm);
-            left_mm -= step_mm;
-            let from = cap.at_mm;
-            cap.at_mm[1] += goes * step_mm;
-            if !(self.area.from_mm[1]..self.area.to_mm[1]).contains(&cap.at_mm[1]) {
-                return None;
-            }
-            // What is in its way.
-            let reach = cap.radius_mm + self.largest_mm;
-            let [low, high] = [from[1].min(cap.at_mm[1]), from[1].max(cap.at_mm[1])];
-            let corner = [cap.at_mm[0] + reach, high + reach];
-            let in_way = self.within([cap.at_mm[0] - reach, low - reach], corner, |other| {
-                let dx = other.at_mm[0] - cap.at_mm[0];
-                let dy = other.at_mm[1] - other.at_mm[1].clamp(low, high);
-                let sum = cap.radius_mm + 0.5 * other.radius_mm;
-                dx * dx + dy * dy < sum * sum
-            });
-            let mut volume = cap.volume_mm3();
-            volume += self.take(&in_way).iter().map(Cap::volume_mm3).sum::<f64>();
-            // What stays behind.
-            let [u, v, w] = [uniform(trail), uniform(trail), uniform(trail)];
-            let small_mm = TRAIL_RADIUS * cap.radius_mm * (0.35 + 0.65 * u);
-            let small = Cap {
-                at_mm: [
-                    from[0] + 0.3 * cap.radius_mm * (2.0 * v - 1.0),
-                    from[1] - goes * 0.3 * cap.radius_mm * w,
-                ],
-                radius_mm: small_mm,
-                contact_rad: cap.contact_rad,
-                outline: Outline::fallen(trail, self.most_bulges),
-            };
-            if step_mm >= full_mm {
-                volume -= small.volume_mm3();
-                self.put(small);
-            }
-            *cap = Cap::of_volume(cap.at_mm, volume, cap.contact_rad);
-        }
-        cap.outline = Outline::ran(goes, self.most_bulges);
-        // Where it stops it may touch others.
-        self.take_up(cap);
-        Some(left_mm)
-    }
-
-    /// The drops about a rectangle that are as asked.
-    fn within(&self, from: [f64; 2], to: [f64; 2], is: impl Fn(&Cap) -> bool) -> Vec<u32> {
-        let mut found = Vec::new();
-        self.grid.each_in(from, to, |number| {
-            if self.drops[number as usize].as_ref().is_some_and(&is) {
-                found.push(number);
-            }
-        });
-        found
-    }
-
-    /// Takes drops off the pane.
-    fn take(&mut self, numbers: &[u32]) -> Vec<Cap> {
-        let mut taken = Vec::with_capacity(numbers.len());
-        for number in numbers {
-            if let Some(cap) = self.drops[*number as usize].take() {
-                self.grid.remove(cap.at_mm, *number);
-                self.free.push(*number);
-                taken.push(cap);
-            }
-        }
-        taken
     }
 }

@@ -40,6 +40,25 @@ impl Default for Outline {
     }
 }
 
+/// Numbers from 0 to 1 that make the outline of a drop that fell. Most of the drops that one leaves on its way are taken up
+/// by others, and nothing more is asked about their outlines.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drawn {
+    /// How large all bulges are together.
+    all: f64,
+    /// How large each is of what the others left, and its angle.
+    each: [[f64; 2]; N_BULGES],
+}
+
+impl Drawn {
+    pub(crate) fn by(rng: &mut ChaCha8Rng) -> Self {
+        Self {
+            all: uniform(rng),
+            each: [(); N_BULGES].map(|()| [uniform(rng), uniform(rng)]),
+        }
+    }
+}
+
 /// A place in a drop, as the place of a round one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundPlace {
@@ -81,14 +100,14 @@ impl Outline {
     }
 
     /// Of a drop that fell: the water spread, shrank and was held here and there.
-    pub(crate) fn fallen(rng: &mut ChaCha8Rng, most: f64) -> Self {
-        let mut left = most * uniform(rng);
+    pub(crate) fn fallen(drawn: &Drawn, most: f64) -> Self {
+        let mut left = most * drawn.all;
         let mut bulges = [[0.0; 2]; N_BULGES];
-        for (bulge, takes) in bulges.iter_mut().zip(TAKES) {
-            let part = left * uniform(rng);
+        for ((bulge, takes), [size, angle]) in bulges.iter_mut().zip(TAKES).zip(drawn.each) {
+            let part = left * size;
             left -= part;
             let size = part / takes;
-            let (sin, cos) = libm::sincos(TAU * uniform(rng));
+            let (sin, cos) = libm::sincos(TAU * angle);
             *bulge = [size * cos, size * sin];
         }
         Self::of(bulges)

@@ -9,7 +9,7 @@ use super::*;
 
 fn some_fallen(most: f64) -> Vec<Outline> {
     (0..40)
-        .map(|k| Outline::fallen(&mut Seed(k).stream(Stream::Rain, 1), most))
+        .map(|k| Outline::fallen(&Drawn::by(&mut Seed(k).stream(Stream::Rain, 1)), most))
         .collect()
 }
 
