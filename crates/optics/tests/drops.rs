@@ -125,7 +125,10 @@ fn uneven(degrees: f64, n: usize) -> Vec<Outline> {
         .map(|cap| cap.outline)
         .collect();
     outlines.sort_by(|a, b| b.reach().total_cmp(&a.reach()));
-    assert!(outlines[n].reach() > 1.1, "{degrees}: they are hardly uneven");
+    assert!(
+        outlines[n].reach() > 1.1,
+        "{degrees}: they are hardly uneven"
+    );
     outlines.truncate(n);
     outlines
 }
