@@ -18,6 +18,7 @@ use crate::View;
 use crate::environment::{
     Environment, EnvironmentParams, HemisphereWeights, Rgb, luminance, of_colors,
 };
+use crate::lens::Lens;
 use crate::lens_faults::Optic;
 use crate::maps::Pupil;
 use crate::pyramid::{Cells, Pyramid, vectorized};
@@ -68,21 +69,18 @@ struct Sights {
     normal: [f64; 3],
 }
 
+/// Radius of the disc that a point of the pane becomes in a row of the frame, px.
+fn radius_px(view: &View, lens: &Lens, f_px: f64, row_px: f64) -> f64 {
+    let depth_m = view.depth_mm(row_px).map_or(f64::INFINITY, |mm| mm * 1e-3);
+    0.5 * lens.circle_of_confusion_px(f_px, depth_m)
+}
+
 impl Screen {
     /// Of a coat on the pane that a view sees through a lens.
     #[must_use]
     pub fn of(coating: &dyn Coating, view: &View, optic: &Optic) -> Self {
-        let radius = |row_px: f64| {
-            let depth_m = view.depth_mm(row_px).map_or(f64::INFINITY, |mm| mm * 1e-3);
-            0.5 * optic.lens.circle_of_confusion_px(optic.f_px, depth_m)
-        };
-        let middle_px = radius(0.5 * f64::from(view.size().1)).abs();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "some px"
-        )]
-        let per_cell = (middle_px / CELLS_PER_RADIUS).clamp(1.0, WIDEST_PX) as u32;
+        let radius = |row_px: f64| radius_px(view, &optic.lens, optic.f_px, row_px);
+        let per_cell = Self::cell_px(view, &optic.lens, optic.f_px);
         let samples = Samples::of(coating, (view, optic.f_px), per_cell);
         let radii: Vec<f64> = (0_u32..)
             .take(samples.size.1)
@@ -122,6 +120,19 @@ impl Screen {
                 normal: view.outer_normal(),
             },
         }
+    }
+
+    /// Width of the cells in which a lens of a focal length, px, shows the coats on a pane, px.
+    #[must_use]
+    pub fn cell_px(view: &View, lens: &Lens, f_px: f64) -> u32 {
+        let middle_px = radius_px(view, lens, f_px, 0.5 * f64::from(view.size().1)).abs();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "some px"
+        )]
+        let cell_px = (middle_px / CELLS_PER_RADIUS).clamp(1.0, WIDEST_PX) as u32;
+        cell_px
     }
 
     /// Whether no light changes.

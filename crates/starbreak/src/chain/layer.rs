@@ -167,7 +167,8 @@ impl PaneLayer {
         seed: Seed,
     ) -> Result<Self, Error> {
         let view = Scene::of(settings, size_px).of_network(network)?;
-        settings.may_show(network, &view)?;
+        let drops = on_pane.map(|on| (on.deposit.caps.as_slice(), &on.view));
+        settings.may_show(network, &view, drops)?;
         Self::baked(settings, (network, time), &view, on_pane, seed)
     }
 

@@ -8,6 +8,7 @@
 mod showing;
 mod touched;
 
+use starbreak_deposit::Cap;
 use starbreak_fracture::mesh::Outline;
 use starbreak_fracture::physics::{GlassBuild, GlassPane, MeshResolution};
 use starbreak_glass::CrackNetwork;
@@ -82,12 +83,17 @@ impl Settings {
         self.cost_of_breaking(size).within(self.max_memory_bytes)
     }
 
-    /// The memory to show a network is within the limit.
+    /// The memory to show a network, and drops as a view shows them, is within the limit.
     ///
     /// # Errors
     /// [`Error::TooCostly`] with what to change.
-    pub fn may_show(&self, network: &CrackNetwork, view: &View) -> Result<(), Error> {
-        self.cost_of_showing(network, view)
+    pub fn may_show(
+        &self,
+        network: &CrackNetwork,
+        view: &View,
+        drops: Option<(&[Cap], &View)>,
+    ) -> Result<(), Error> {
+        self.cost_of_showing(network, view, drops)
             .within(self.max_memory_bytes)
     }
 

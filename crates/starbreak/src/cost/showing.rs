@@ -1,13 +1,15 @@
-//! What it takes to show cracks or a photograph of them.
+//! What it takes to show cracks, or a photograph of them, and what lies on the glass.
 
+use starbreak_deposit::{Cap, Coat};
 use starbreak_glass::{CrackNetwork, LengthUnit};
 use starbreak_optics::View;
 use starbreak_optics::paper::PaperOptics;
 use starbreak_optics::physical::PhysicalOptics;
+use starbreak_optics::screens::Screen;
 
 use super::touched::Touched;
 use super::{Cost, Part};
-use crate::{OpticsSettings, Settings};
+use crate::{CameraFaults, OpticsSettings, Scene, Settings};
 
 /// Bytes of a pixel: image and masks; what a layer of the physical optics and the paper's hold of one
 /// that a crack touches; what an image out of focus as a whole takes, and the maps.
@@ -20,11 +22,19 @@ const MAP_BYTES: f64 = 80.0;
 /// Bytes of a pixel in a camera with faults: its light before and after, what the mosaic adds, and the image as it was.
 const FAULT_BYTES: f64 = 64.0;
 
-/// A coat: what it does in each cell, its maps, and copies of the frame.
-const COAT_BYTES: f64 = 280.0;
+/// Bytes of a pixel whose light is kept in linear numbers, with a copy, behind glass that is not broken.
+const LIGHT_BYTES: f64 = 30.0;
 
-/// Bytes of the most drops.
-const DROPS_BYTES: f64 = 2e8;
+/// Bytes of a cell of a coat: what it does there, and its maps, of which those of coats that are made already remain; of a
+/// pixel, copies of the frame that are blurred ever more, where a film turns light.
+const COAT_BYTES: f64 = 130.0;
+const MADE_COAT_BYTES: f64 = 80.0;
+const FILM_BYTES: f64 = 40.0;
+
+/// Bytes of all drops, however few, of each, and of a pixel that shows one.
+const DROPS_BYTES: f64 = 5e7;
+const DROP_BYTES: f64 = 600.0;
+const WET_BYTES: f64 = 130.0;
 
 /// Bytes of a piece of crack: its facets and what they are made from.
 const PIECE_BYTES: f64 = 1500.0;
@@ -51,14 +61,21 @@ const FEWER_PIECES: &str = "break the glass into fewer pieces (lower impact.coun
 const NO_MAPS: &str = "set output.maps = false, or take smaller images";
 
 impl Settings {
-    /// What it takes to show a network in a frame, by the optics.
+    /// What it takes to show a network in a frame, by the optics, and what lies on the glass: drops as a view shows them,
+    /// where the recipe has any.
     #[must_use]
-    pub fn cost_of_showing(&self, network: &CrackNetwork, view: &View) -> Cost {
+    pub fn cost_of_showing(
+        &self,
+        network: &CrackNetwork,
+        view: &View,
+        drops: Option<(&[Cap], &View)>,
+    ) -> Cost {
         let area_px = area_px(view.size());
+        let is_broken = network.n_segments() > 0;
         let mut parts: Vec<Part> = vec![(FRAME_BYTES * area_px, SMALLER_IMAGE)];
-        parts.extend(self.of_faults(area_px));
-        parts.extend(self.of_coats(area_px));
-        parts.extend(self.of_drops(area_px));
+        parts.extend(self.of_faults(area_px, is_broken));
+        parts.extend(self.of_coats(view));
+        parts.extend(drops.and_then(|drops| self.of_drops(drops)));
         match &self.optics {
             OpticsSettings::Paper(optics) => {
                 let touched = touched_by_lines(network, view, optics);
@@ -74,7 +91,7 @@ impl Settings {
                 parts.extend(self.of_whole(optics, area_px, self.f_px(view)));
             }
         }
-        Cost::of("showing the cracks", &parts)
+        Cost::of(self.shown(is_broken), &parts)
     }
 
     /// What it takes to show a photograph of broken glass in a frame of this size.
@@ -85,8 +102,7 @@ impl Settings {
         let frame = (FRAME_BYTES * area_px, SMALLER_IMAGE);
         let OpticsSettings::Physical(optics) = &self.optics else {
             let mut parts = vec![frame, (DRAWN_BYTES * area_px, SMALLER_IMAGE)];
-            parts.extend(self.of_faults(area_px));
-            parts.extend(self.of_coats(area_px));
+            parts.extend(self.of_faults(area_px, true));
             return Cost::of("showing the photograph of glass", &parts);
         };
         let distance_m = self.fracture.mount().map_or(1.0, |mount| mount.distance_m);
@@ -101,31 +117,76 @@ impl Settings {
         let spread_px = (width + 2.0 * margin) * (height + 2.0 * margin);
         let mut parts = vec![frame, (PHOTO_BYTES * spread_px, SMALLER_DISC)];
         parts.extend(self.of_whole(optics, area_px, f_px));
-        parts.extend(self.of_faults(area_px));
-        parts.extend(self.of_coats(area_px));
+        parts.extend(self.of_faults(area_px, true));
+        parts.extend(
+            Scene::of(self, size)
+                .sheet()
+                .ok()
+                .and_then(|view| self.of_coats(&view)),
+        );
         Cost::of("showing the photograph of glass", &parts)
     }
 
-    /// What a camera with a fault takes.
-    fn of_faults(&self, area_px: f64) -> Option<Part> {
-        let part = (FAULT_BYTES * area_px, SMALLER_IMAGE);
-        self.faults.is_some().then_some(part)
+    /// What is shown.
+    fn shown(&self, is_broken: bool) -> &'static str {
+        match (is_broken, self.drops.is_some(), self.coats.is_empty()) {
+            (true, false, true) => "showing the cracks",
+            (true, ..) => "showing the cracks and what lies on the glass",
+            (false, true, true) => "showing the drops on the glass",
+            (false, true, false) => "showing the drops and what else lies on the glass",
+            (false, false, false) => "showing what lies on the glass",
+            (false, false, true) => "making the picture",
+        }
     }
 
-    /// What coats on the pane take.
-    fn of_coats(&self, area_px: f64) -> Option<Part> {
-        let n = u32::try_from(self.coats.len()).unwrap_or(u32::MAX);
-        let part = (COAT_BYTES * f64::from(n) * area_px, SMALLER_IMAGE);
-        (n > 0).then_some(part)
+    /// What a camera with a fault takes; one that only knows lamps brighter than white keeps light.
+    fn of_faults(&self, area_px: f64, is_broken: bool) -> Option<Part> {
+        let has_fault = !(self.faults.as_ref()).is_none_or(CameraFaults::is_empty);
+        let bytes = match has_fault || (is_broken && self.faults.is_some()) {
+            true => FAULT_BYTES,
+            false if self.faults.is_some() || !self.coats.is_empty() => LIGHT_BYTES,
+            false => return None,
+        };
+        Some((bytes * area_px, SMALLER_IMAGE))
     }
 
-    /// What drops on the pane take.
-    fn of_drops(&self, area_px: f64) -> Option<Part> {
-        let part = (
-            DROPS_BYTES + TOUCHED_BYTES * area_px,
-            "set drops.rain_mm_h = 0",
-        );
-        self.drops.is_some().then_some(part)
+    /// What coats on the pane that a view shows take.
+    fn of_coats(&self, view: &View) -> Option<Part> {
+        let OpticsSettings::Physical(optics) = &self.optics else {
+            return None;
+        };
+        let n_made = u32::try_from(self.coats.len().checked_sub(1)?).unwrap_or(u32::MAX);
+        let cell_px = f64::from(Screen::cell_px(view, &optics.lens, self.f_px(view)));
+        let turns = self.coats.iter().any(|coat| matches!(coat, Coat::Film(_)));
+        let film_bytes = if turns { FILM_BYTES } else { 0.0 };
+        let of_cell = COAT_BYTES + MADE_COAT_BYTES * f64::from(n_made);
+        let bytes = of_cell / (cell_px * cell_px) + film_bytes;
+        Some((bytes * area_px(view.size()), SMALLER_IMAGE))
+    }
+
+    /// What drops on the pane that a view shows take.
+    fn of_drops(&self, (caps, view): (&[Cap], &View)) -> Option<Part> {
+        let OpticsSettings::Physical(optics) = &self.optics else {
+            return None;
+        };
+        let f_px = self.f_px(view);
+        let frame = Frame { view, optics, f_px };
+        let mut touched = Touched::by_small(view.size());
+        let mut n = 0.0;
+        for cap in caps {
+            if let (Some(disc), Some([u, v]), Some(px_per_mm)) = (
+                frame.disc_px(cap.at_mm),
+                view.project(cap.at_mm),
+                view.px_per_unit(cap.at_mm),
+            ) {
+                n += 1.0;
+                let radius = cap.radius_mm * cap.outline.reach() * px_per_mm;
+                touched.mark_line([u, v, u, v], disc + radius);
+            }
+        }
+        let bytes =
+            DROPS_BYTES + DROP_BYTES * n + WET_BYTES * area_px(view.size()) * touched.share();
+        Some((bytes, SMALLER_IMAGE))
     }
 
     /// What changes every pixel, and the maps.
@@ -225,13 +286,18 @@ struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// The radius of the disc of a place of the pane, and how far a crack is seen to go from it, px.
-    fn reach_px(&self, point: [f64; 2]) -> Option<f64> {
+    /// The radius of the disc of a place of the pane, px.
+    fn disc_px(&self, point: [f64; 2]) -> Option<f64> {
         // Across the rake a mm is f/z px.
         let [[px_per_mm, _], _] = self.view.jacobian(point)?;
         let distance_m = 1e-3 * self.f_px / px_per_mm;
         let lens = &self.optics.lens;
-        let radius_px = 0.5 * lens.circle_of_confusion_px(self.f_px, distance_m).abs();
-        Some(radius_px + SLANT * self.optics.glass.thickness_mm * px_per_mm)
+        Some(0.5 * lens.circle_of_confusion_px(self.f_px, distance_m).abs())
+    }
+
+    /// The same, and how far a crack is seen to go from there, px.
+    fn reach_px(&self, point: [f64; 2]) -> Option<f64> {
+        let [[px_per_mm, _], _] = self.view.jacobian(point)?;
+        Some(self.disc_px(point)? + SLANT * self.optics.glass.thickness_mm * px_per_mm)
     }
 }

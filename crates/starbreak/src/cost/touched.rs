@@ -4,6 +4,10 @@
 const TILE_PX: f64 = 16.0;
 const MOST_TILES: f64 = 512.0;
 
+/// The same for what is as small as drops.
+const SMALL_TILE_PX: f64 = 4.0;
+const MOST_SMALL_TILES: f64 = 2048.0;
+
 /// A frame in tiles, of which rectangles are marked. Each rectangle is noted at its corners, so that
 /// many of any size take no time.
 pub(super) struct Touched {
@@ -15,9 +19,18 @@ pub(super) struct Touched {
 }
 
 impl Touched {
-    pub(super) fn new((width, height): (u32, u32)) -> Self {
+    pub(super) fn new(size_px: (u32, u32)) -> Self {
+        Self::in_tiles(size_px, TILE_PX, MOST_TILES)
+    }
+
+    /// The same in smaller tiles.
+    pub(super) fn by_small(size_px: (u32, u32)) -> Self {
+        Self::in_tiles(size_px, SMALL_TILE_PX, MOST_SMALL_TILES)
+    }
+
+    fn in_tiles((width, height): (u32, u32), tile_px: f64, most: f64) -> Self {
         let size_px = [f64::from(width), f64::from(height)];
-        let tile_px = TILE_PX.max(size_px[0].max(size_px[1]) / MOST_TILES);
+        let tile_px = tile_px.max(size_px[0].max(size_px[1]) / most);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -101,6 +114,19 @@ impl Touched {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn small_tiles_say_more_closely_what_is_touched() {
+        let touched_by = |mut touched: Touched| {
+            touched.mark_line([104.0, 104.0, 104.0, 104.0], 2.0);
+            touched.share() * 640.0 * 320.0
+        };
+        let small = touched_by(Touched::by_small((640, 320)));
+        let large = touched_by(Touched::new((640, 320)));
+        // Four of 4 px, one of 16.
+        assert!((small - 64.0).abs() < 1e-6, "{small}");
+        assert!((large - 256.0).abs() < 1e-6, "{large}");
+    }
 
     #[test]
     fn tiles_near_a_line_are_marked_once() {
