@@ -74,8 +74,8 @@ pub enum Error {
     /// A condition of a study that moves what the labels name.
     #[error(
         "condition {condition}: [distortion] moves what images show, and a study holds clean and damaged images against \
-         the same labels; leave that condition out, generate the set instead, whose labels move, and evaluate the \
-         detections in clean and in damaged images each by their own labels"
+         the same labels; leave that condition out, generate the set instead, whose labels move, and run `starbreak \
+         evaluate` once for clean and once for damaged images, each with their own labels"
     )]
     StudyMoves {
         /// The condition.
