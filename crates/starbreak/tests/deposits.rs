@@ -100,14 +100,14 @@ fn what_lies_on_the_pane_is_told_of_and_stays_with_the_seed() {
 #[test]
 fn what_lies_on_the_glass_lies_in_all_of_a_tall_frame() {
     for (size, leans_less) in [
-        ((640, 480), false),
-        ((621, 188), false),
-        ((480, 480), true),
-        ((360, 480), true),
-        ((160, 480), true),
+        ((320, 240), false),
+        ((310, 94), false),
+        ((240, 240), true),
+        ((180, 240), true),
+        ((80, 240), true),
     ] {
         for preset in ["fogged", "frosted", "rain"] {
-            let recipe = Recipe::preset_at(preset, 5).unwrap();
+            let recipe = Recipe::preset_at(preset, 3).unwrap();
             let settings = recipe.settings().unwrap();
             let chain = Chain::of(&settings, size, Seed(2)).unwrap();
             let rake_deg = chain.facts().get("pane").map(|it| it["rake_deg"].as_f64());
