@@ -203,22 +203,32 @@ fn seen_tan(cap: &Cap, distance_mm: f64, at_mm: f64) -> Option<f64> {
     (sine < 0.95).then(|| (normal - sine.asin()).tan())
 }
 
+/// Near a pane, with a wide view.
+const NEAR: Close = Close {
+    size: (800, 600),
+    f_px: 240.0,
+    distance_m: 0.02,
+    rake_deg: 0.0,
+    rim_reflectance: 0.0,
+    blur_px: 0.0,
+};
+
+/// Light of a place in such a frame that says where it is from.
+fn light_of_place(x: f64, y: f64) -> [f64; 3] {
+    [0.1 + 0.8 * x / 800.0, 0.1 + 0.8 * y / 600.0, 0.5]
+}
+
+/// Where light is from: what is mirrored inside is lost, and the colors keep their ratio.
+fn place_of_light([red, green, blue]: [f64; 3]) -> [f64; 2] {
+    [(red, 800.0), (green, 600.0)].map(|(color, side)| (color / blue * 0.5 - 0.1) / 0.8 * side)
+}
+
 #[test]
 fn a_drop_shows_the_scene_where_angles_say() {
-    let camera = Close {
-        size: (800, 600),
-        f_px: 240.0,
-        distance_m: 0.02,
-        rake_deg: 0.0,
-        rim_reflectance: 0.0,
-        blur_px: 0.0,
-    };
-    // Light that says where it is from.
-    let scene = |x: f64, y: f64| [0.1 + 0.8 * x / 800.0, 0.1 + 0.8 * y / 600.0, 0.5];
     let mut n = 0;
     for degrees in [30.0, 45.0, 60.0, 75.0, 90.0] {
         let cap = cap(2.0, degrees);
-        let shown = camera.behind(vec![cap], &light(0.0, 0.0), scene);
+        let shown = NEAR.behind(vec![cap], &light(0.0, 0.0), light_of_place);
         for to in [-0.75_f64, -0.5, -0.3, 0.3, 0.5, 0.75] {
             let x = (400.0 + 240.0 * to * 2.0 / 20.0).floor();
             let at_mm = (x + 0.5 - 400.0).abs() * 20.0 / 240.0;
@@ -230,9 +240,7 @@ fn a_drop_shows_the_scene_where_angles_say() {
             if !(60.0..740.0).contains(&expected) {
                 continue;
             }
-            let [red, _, blue] = shown[300 * 800 + x as usize];
-            // What is mirrored inside is lost; the colors keep their ratio.
-            let found = (red / blue * 0.5 - 0.1) / 0.8 * 800.0;
+            let [found, _] = place_of_light(shown[300 * 800 + x as usize]);
             // A pixel is a twentieth of the drop wide.
             assert!(
                 (found - expected).abs() < 4.0,
@@ -246,22 +254,13 @@ fn a_drop_shows_the_scene_where_angles_say() {
 
 #[test]
 fn an_uneven_drop_shows_the_scene_where_rays_through_its_surface_go() {
-    let camera = Close {
-        size: (800, 600),
-        f_px: 240.0,
-        distance_m: 0.02,
-        rake_deg: 0.0,
-        rim_reflectance: 0.0,
-        blur_px: 0.0,
-    };
-    let scene = |x: f64, y: f64| [0.1 + 0.8 * x / 800.0, 0.1 + 0.8 * y / 600.0, 0.5];
     let (mut n, mut squares, mut of_round) = (0.0, 0.0, 0.0);
     for outline in uneven(50.0, 6) {
         let cap = Cap {
             outline,
             ..cap(2.0, 50.0)
         };
-        let shown = camera.behind(vec![cap], &light(0.0, 0.0), scene);
+        let shown = NEAR.behind(vec![cap], &light(0.0, 0.0), light_of_place);
         for (x, y) in (-30..30).flat_map(|y| (-30..30).map(move |x| (x, y))) {
             let at_mm = [x, y].map(|px| (f64::from(px) + 0.5) * 20.0 / 240.0);
             let round = Cap {
@@ -276,9 +275,7 @@ fn an_uneven_drop_shows_the_scene_where_rays_through_its_surface_go() {
             if !(60.0..740.0).contains(&expected[0]) || !(60.0..540.0).contains(&expected[1]) {
                 continue;
             }
-            let [red, green, blue] = shown[((300 + y) * 800 + 400 + x) as usize];
-            let found = [(red, 800.0), (green, 600.0)]
-                .map(|(color, side)| (color / blue * 0.5 - 0.1) / 0.8 * side);
+            let found = place_of_light(shown[((300 + y) * 800 + 400 + x) as usize]);
             let off = [0, 1].map(|k| found[k] - expected[k]);
             let other = [0, 1].map(|k| 240.0 * (round[k] - tan[k]));
             squares += off[0] * off[0] + off[1] * off[1];

@@ -86,7 +86,7 @@ impl<'a> Scene<'a> {
             (LengthUnit::Px, OpticsSettings::Paper(_)) => Ok(View::stretched(pane, self.size_px)),
             (LengthUnit::Px, OpticsSettings::Physical(_)) => self.sheet(),
             (LengthUnit::Mm, _) => {
-                let mount = self.settings.fracture.mount().ok_or(Error::NoMount)?;
+                let mount = self.mount().ok_or(Error::NoMount)?;
                 self.mounted(&mount, [pane.width, pane.height])
             }
         }
@@ -174,26 +174,33 @@ impl<'a> Scene<'a> {
     /// The pane as the physical optics see it: every camera looks through glass, also where the
     /// cracks are those of the paper, which lie over the frame.
     pub(crate) fn sheet(&self) -> Result<View, Error> {
-        match (&self.settings.fracture, self.settings.fracture.mount()) {
+        match (&self.settings.fracture, self.mount()) {
             (FractureSettings::None(None), _) => self.mounted(&Mount::NOWHERE, [0.0; 2]),
             (FractureSettings::Paper(_) | FractureSettings::None(_), Some(mount)) => {
                 // The sheet goes on beyond the frame, so that any of its points will do.
-                let rake_rad = self.most_rake_rad(&mount).unwrap_or(mount.rake_rad);
-                self.mounted(&Mount { rake_rad, ..mount }, [0.0; 2])
+                self.mounted(&mount, [0.0; 2])
             }
             _ => self.pane(),
         }
     }
 
-    /// How much a pane without a size may lean so that what lies on it lies in the whole frame, where that is less than its
-    /// mount says: in a tall frame the lines of sight would run past its end, or never meet it.
+    /// How the pane stands before frames of this size.
+    fn mount(&self) -> Option<Mount> {
+        let mount = self.settings.fracture.mount()?;
+        let rake_rad = self.lowered_rake_rad().unwrap_or(mount.rake_rad);
+        Some(Mount { rake_rad, ..mount })
+    }
+
+    /// The rake of a pane without a size that leans less than its mount says, so that what lies on it lies in the whole
+    /// frame: in a tall one lines of sight would run past its end, or never meet it. None where it need not.
     ///
     /// The last row sees it v d/(cos ρ − v sin ρ) below the axis, with v = height/(2 f).
-    fn most_rake_rad(&self, mount: &Mount) -> Option<f64> {
+    pub(crate) fn lowered_rake_rad(&self) -> Option<f64> {
         let is_bare = self.settings.drops.is_none() && self.settings.coats.is_empty();
         if is_bare || matches!(self.settings.fracture, FractureSettings::Physics(_)) {
             return None;
         }
+        let mount = self.settings.fracture.mount()?;
         let f_px = self.settings.camera.f_px.of_frame(self.size_px.0);
         let below = 0.5 * f64::from(self.size_px.1) / f_px;
         let (up_mm, down_mm) = (-WINDSCREEN.from_mm[1], WINDSCREEN.to_mm[1]);
@@ -201,12 +208,6 @@ impl<'a> Scene<'a> {
         let least = mount.distance_m * MM_PER_M * below / end_mm / libm::hypot(1.0, below);
         let most_rad = libm::acos(least.min(1.0)) - libm::atan(below);
         (mount.rake_rad.abs() > most_rad).then(|| libm::copysign(most_rad.max(0.0), mount.rake_rad))
-    }
-
-    /// The rake of a pane that leans less than the recipe has it, so that what lies on it lies in the whole frame.
-    pub(crate) fn lowered_rake_rad(&self) -> Option<f64> {
-        let mount = self.settings.fracture.mount()?;
-        self.most_rake_rad(&mount)
     }
 
     /// A pane of `[width, height]` mm behind which the camera stands.

@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use image::{DynamicImage, Rgb, RgbImage};
-use starbreak::{Chain, Error, Recipe, SCENARIOS, Seed, Stopwatch, presets};
+use starbreak::{Chain, Error, Recipe, SCENARIOS, Scene, Seed, Stopwatch, presets, simulate};
 
 fn over(recipe: &Recipe, image: &DynamicImage, seed: u64) -> DynamicImage {
     let mut image = image.clone();
@@ -135,6 +135,25 @@ fn what_lies_on_the_glass_lies_in_all_of_a_tall_frame() {
             );
         }
     }
+}
+
+#[test]
+fn cracks_of_a_file_lie_on_the_pane_that_drops_lie_on() {
+    let star = Recipe::preset("windshield-star").unwrap();
+    let star = star.settings().unwrap();
+    let network = simulate(&star, (180, 240), Seed(2)).unwrap().network;
+    let shows_lowest_row = |rain_mm_h: &str| {
+        let mut recipe = Recipe::preset("rain").unwrap();
+        recipe.set(&format!("drops.rain_mm_h={rain_mm_h}")).unwrap();
+        let settings = recipe.settings().unwrap();
+        let view = Scene::of(&settings, (180, 240)).of_network(&network);
+        view.unwrap().unproject([90.0, 239.5]).is_some()
+    };
+    assert!(shows_lowest_row("7.6"), "it leans less");
+    assert!(
+        !shows_lowest_row("0"),
+        "nothing lies on it: as the recipe has it"
+    );
 }
 
 #[test]

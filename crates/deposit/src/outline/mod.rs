@@ -6,17 +6,18 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use rand_chacha::ChaCha8Rng;
 use starbreak_seed::uniform;
 
-/// Bulges that an outline has: two around a drop, three, four and five.
-const N_BULGES: usize = 4;
+/// Waves around an outline, by k, how many bulges each has, from the first k on.
 const FIRST: usize = 2;
+const N_WAVES: usize = 4;
+const BULGES: [f64; N_WAVES] = [2.0, 3.0, 4.0, 5.0];
 
-/// The most by which contact angles may change along an outline, as a share of the slope: beyond, what holds of small bulges
-/// holds no more.
+/// The most by which contact angles may change along an outline, as a share of the slope: the form of the surface is that of
+/// small bulges.
 const MOST: f64 = 0.25;
 
-/// How much of that a bulge of the size of the radius takes, (k² − 1)/3: for the contact angle alone it were k − 1, and the
-/// curvature of the outline is 1 + (k² − 1) aₖ of the circle's, so that it is nowhere drawn to a point or in.
-const TAKES: [f64; N_BULGES] = [1.0, 8.0 / 3.0, 5.0, 8.0];
+/// How much of that a wave takes, times its height: (k² − 1)/3. For the contact angle k − 1 would do; by this the curvature of
+/// the outline, in the first order 1 + (k² − 1) aₖ of the circle's, is above 0 everywhere and nowhere that of a point.
+const TAKES: [f64; N_WAVES] = [1.0, 8.0 / 3.0, 5.0, 8.0];
 
 /// How far the outline of a drop is from a circle.
 ///
@@ -27,16 +28,16 @@ const TAKES: [f64; N_BULGES] = [1.0, 8.0 / 3.0, 5.0, 8.0];
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outline {
     /// aₖ and bₖ.
-    bulges: [[f64; 2]; N_BULGES],
-    /// By how much places are nearer to the middle than on a drop that is as large but for its bulges: to the second order
-    /// these make the area 1 + Σ k (aₖ² + bₖ²) times as large.
+    waves: [[f64; 2]; N_WAVES],
+    /// How much smaller all of it is drawn, so that its area is that of the circle: waves make it 1 + Σ k (aₖ² + bₖ²) times
+    /// as large in the second order.
     stretch: f64,
 }
 
 impl Default for Outline {
     /// A circle.
     fn default() -> Self {
-        Self::of([[0.0; 2]; N_BULGES])
+        Self::of([[0.0; 2]; N_WAVES])
     }
 }
 
@@ -44,17 +45,17 @@ impl Default for Outline {
 /// by others, and nothing more is asked about their outlines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn {
-    /// How large all bulges are together.
+    /// How high all waves are together.
     all: f64,
-    /// How large each is of what the others left, and its angle.
-    each: [[f64; 2]; N_BULGES],
+    /// How high each is of what those before it left, and its angle.
+    each: [[f64; 2]; N_WAVES],
 }
 
 impl Drawn {
     pub(crate) fn by(rng: &mut ChaCha8Rng) -> Self {
         Self {
             all: uniform(rng),
-            each: [(); N_BULGES].map(|()| [uniform(rng), uniform(rng)]),
+            each: [(); N_WAVES].map(|()| [uniform(rng), uniform(rng)]),
         }
     }
 }
@@ -73,13 +74,12 @@ fn times([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Outline {
-    fn of(bulges: [[f64; 2]; N_BULGES]) -> Self {
-        let more: f64 = (2_u8..)
-            .zip(&bulges)
-            .map(|(k, [a, b])| f64::from(k) * (a * a + b * b))
+    fn of(waves: [[f64; 2]; N_WAVES]) -> Self {
+        let more: f64 = (BULGES.iter().zip(&waves))
+            .map(|(k, [a, b])| k * (a * a + b * b))
             .sum();
         Self {
-            bulges,
+            waves,
             stretch: (1.0 + more).sqrt(),
         }
     }
@@ -102,23 +102,23 @@ impl Outline {
     /// Of a drop that fell: the water spread, shrank and was held here and there.
     pub(crate) fn fallen(drawn: &Drawn, most: f64) -> Self {
         let mut left = most * drawn.all;
-        let mut bulges = [[0.0; 2]; N_BULGES];
-        for ((bulge, takes), [size, angle]) in bulges.iter_mut().zip(TAKES).zip(drawn.each) {
+        let mut waves = [[0.0; 2]; N_WAVES];
+        for ((wave, takes), [size, angle]) in waves.iter_mut().zip(TAKES).zip(drawn.each) {
             let part = left * size;
             left -= part;
             let size = part / takes;
             let (sin, cos) = libm::sincos(TAU * angle);
-            *bulge = [size * cos, size * sin];
+            *wave = [size * cos, size * sin];
         }
-        Self::of(bulges)
+        Self::of(waves)
     }
 
     /// Of one that ran downhill (1) or uphill (−1): drawn out behind, where its contact angle is the least.
     pub(crate) fn ran(goes: f64, most: f64) -> Self {
-        let mut bulges = [[0.0; 2]; N_BULGES];
-        bulges[0] = [-0.5 * most / TAKES[0], 0.0];
-        bulges[1] = [0.0, 0.5 * goes * most / TAKES[1]];
-        Self::of(bulges)
+        let mut waves = [[0.0; 2]; N_WAVES];
+        waves[0] = [-0.5 * most / TAKES[0], 0.0];
+        waves[1] = [0.0, 0.5 * goes * most / TAKES[1]];
+        Self::of(waves)
     }
 
     /// Of drops that became one: what their water covered together, as far as it is held. Each is given by its middle, its
@@ -132,36 +132,36 @@ impl Outline {
             let of = |(at, radius, _): &([f64; 2], f64, Self)| at[axis] * radius * radius;
             parts.iter().map(of).sum::<f64>() / area
         });
-        let mut bulges = [[0.0; 2]; N_BULGES];
+        let mut waves = [[0.0; 2]; N_WAVES];
         for (at, radius, outline) in parts {
             let away = [0, 1].map(|axis| at[axis] - middle[axis]);
-            for (sum, moment) in bulges.iter_mut().zip(outline.moments(*radius, away)) {
+            for (sum, moment) in waves.iter_mut().zip(outline.moments(*radius, away)) {
                 *sum = [0, 1].map(|axis| sum[axis] + moment[axis]);
             }
         }
         let mut scale = area;
-        for bulge in &mut bulges {
+        for wave in &mut waves {
             scale *= area.sqrt();
-            *bulge = bulge.map(|part| part / (scale * area.sqrt()));
+            *wave = wave.map(|part| part / (scale * area.sqrt()));
         }
-        Self::held(bulges, most)
+        Self::held(waves, most)
     }
 
     /// Moments, of π, of what a drop of a radius covers that is so far away.
-    fn moments(&self, radius: f64, away: [f64; 2]) -> [[f64; 2]; N_BULGES] {
-        // Powers of how far away it is, and moments about its own middle: its area, none, and its bulges.
-        let mut powers = [[1.0, 0.0]; N_BULGES + FIRST];
-        let mut own = [[0.0; 2]; N_BULGES + FIRST];
+    fn moments(&self, radius: f64, away: [f64; 2]) -> [[f64; 2]; N_WAVES] {
+        // Powers of how far away it is, and moments about its own middle: its area, none, and those of its waves.
+        let mut powers = [[1.0, 0.0]; N_WAVES + FIRST];
+        let mut own = [[0.0; 2]; N_WAVES + FIRST];
         let mut scale = radius * radius;
         own[0][0] = scale;
-        for k in 1..N_BULGES + FIRST {
+        for k in 1..N_WAVES + FIRST {
             powers[k] = times(powers[k - 1], away);
             scale *= radius;
             if k >= FIRST {
-                own[k] = self.bulges[k - FIRST].map(|part| part * scale);
+                own[k] = self.waves[k - FIRST].map(|part| part * scale);
             }
         }
-        let mut moments = [[0.0; 2]; N_BULGES];
+        let mut moments = [[0.0; 2]; N_WAVES];
         for (moment, k) in moments.iter_mut().zip(FIRST..) {
             let mut choose = 1.0;
             for j in 0..=k {
@@ -175,13 +175,13 @@ impl Outline {
         moments
     }
 
-    /// With these bulges, or flatter ones that are held everywhere.
-    fn held(bulges: [[f64; 2]; N_BULGES], most: f64) -> Self {
-        let needs: f64 = (bulges.iter().zip(TAKES))
+    /// With these waves, or as much lower ones as are held everywhere.
+    fn held(waves: [[f64; 2]; N_WAVES], most: f64) -> Self {
+        let needs: f64 = (waves.iter().zip(TAKES))
             .map(|([a, b], takes)| takes * libm::hypot(*a, *b))
             .sum();
         let by = if needs > most { most / needs } else { 1.0 };
-        Self::of(bulges.map(|bulge| bulge.map(|part| by * part)))
+        Self::of(waves.map(|wave| wave.map(|part| by * part)))
     }
 
     /// Whether it is a circle.
@@ -191,13 +191,13 @@ impl Outline {
         self.stretch <= 1.0
     }
 
-    /// How far the outline is from the middle at most, of the radius: this or a little less.
+    /// How far the outline is from the middle at most, of the radius, or somewhat more: as if all waves were highest there.
     #[must_use]
     pub fn reach(&self) -> f64 {
         if self.is_round() {
             return 1.0;
         }
-        let sizes = self.bulges.map(|[a, b]| (a * a + b * b).sqrt());
+        let sizes = self.waves.map(|[a, b]| (a * a + b * b).sqrt());
         let mut radius = 1.0;
         for _ in 0..12 {
             let mut power = radius;
@@ -226,7 +226,7 @@ impl Outline {
         let mut slope = z;
         // z to the power of k − 1.
         let mut power = z;
-        for ([a, b], k) in self.bulges.into_iter().zip([2.0, 3.0, 4.0, 5.0]) {
+        for ([a, b], k) in self.waves.into_iter().zip(BULGES) {
             // (a − i b) zᵏ⁻¹: its real part is half of a derivative to the right, the imaginary one of that upwards.
             let [right, up] = times(power, [a, -b]);
             slope = [slope[0] - k * right, slope[1] + k * up];

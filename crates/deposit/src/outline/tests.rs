@@ -47,7 +47,7 @@ fn drops_that_join_cover_what_they_covered() {
     let n = covered.len() as f64;
     let middle = [0, 1].map(|k| covered.iter().map(|place| place[k]).sum::<f64>() / n);
     let radius = (n * each / PI).sqrt();
-    for (k, [a, b]) in (2..).zip(joined.bulges) {
+    for (k, [a, b]) in (2..).zip(joined.waves) {
         let mut moment = [0.0; 2];
         for place in &covered {
             let z = [0, 1].map(|k| (place[k] - middle[k]) / radius);
@@ -64,7 +64,7 @@ fn drops_that_join_cover_what_they_covered() {
     let area = weights[0] + weights[1];
     let at = [0, 1].map(|k| (weights[0] * first.0[k] + weights[1] * second.0[k]) / area);
     let three = Outline::joined(&[(at, area.sqrt(), two), third], f64::INFINITY);
-    for (one, other) in three.bulges.iter().zip(joined.bulges) {
+    for (one, other) in three.waves.iter().zip(joined.waves) {
         assert!(libm::hypot(one[0] - other[0], one[1] - other[1]) < 1e-12);
     }
 }

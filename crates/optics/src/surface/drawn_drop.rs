@@ -229,7 +229,7 @@ impl<'a> DrawnDrop<'a> {
             (inner + (turn - turn.floor()) * (outer - inner)).sqrt()
         };
         let inside = inside.clamp(0.0, RIM);
-        // All bulges but the first change by more than this on the way there.
+        // The way there is a ray or so: that bulges of more than two waves fade faster inwards is left out.
         let place = RoundPlace {
             level: inside * inside,
             slope: slope.map(|part| inside / away * part),

@@ -25,7 +25,7 @@ pub(super) fn check(request: &EvaluateRequest) -> Result<(), Error> {
     }
 }
 
-/// Refuses images of two kinds that have other labels each.
+/// Refuses clean images beside damaged ones whose labels moved.
 pub(super) fn refuse_moved_labels(request: &EvaluateRequest) -> Result<(), Error> {
     if request.cracked.is_none() {
         return Ok(());
@@ -43,8 +43,7 @@ pub(super) fn refuse_moved_labels(request: &EvaluateRequest) -> Result<(), Error
         let Some(Ok(recipe)) = recipe.map(|text| Recipe::parse("run.json", text)) else {
             continue;
         };
-        let settings = recipe.settings()?;
-        if (settings.faults).is_some_and(|faults| faults.lens.moves_labels()) {
+        if recipe.settings()?.moves_labels() {
             return Err(refused(format!(
                 "the lens of the set {:?} moves what images show, and their labels with it, so that clean and damaged \
                  images have no labels in common; evaluate each by its own: once the clean dataset with the clean \

@@ -32,9 +32,8 @@ impl Plan<'_> {
     #[must_use]
     pub fn moves_labels(&self) -> bool {
         let format = self.source.format();
-        let faults = self.context.settings.faults.as_ref();
         !matches!(format, SourceFormat::Folder | SourceFormat::List)
-            && faults.is_some_and(|faults| faults.lens.moves_labels())
+            && self.context.settings.moves_labels()
     }
 
     /// Where the lens shows the places of frames of a size, px.

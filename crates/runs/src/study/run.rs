@@ -409,8 +409,7 @@ impl StudyPlan<'_> {
     /// Refuses a condition that moves what the labels name, which are those of the clean images.
     pub(super) fn refuse_moved_labels(&self) -> Result<(), Error> {
         for condition in self.conditions {
-            let faults = condition.recipe.settings()?.faults;
-            if faults.is_some_and(|faults| faults.lens.moves_labels()) {
+            if condition.recipe.settings()?.moves_labels() {
                 let condition = condition.name.clone();
                 return Err(Error::StudyMoves { condition });
             }

@@ -67,6 +67,7 @@ pub struct Chain {
     coat_seed: Option<Seed>,
     origin: Origin,
     facts: Map<String, Value>,
+    /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.
     is_glass_intact: bool,
 }
 
@@ -295,12 +296,6 @@ impl Chain {
         let is_clean = self.screens.iter().all(Screen::is_nothing);
         let faults = self.settings.faults.as_ref();
         self.is_glass_intact && is_clean && faults.is_none_or(CameraFaults::is_empty)
-    }
-
-    /// Whether the glass is whole and clean: no crack in the network, nothing of a photograph in the frame, no drop.
-    #[must_use]
-    pub fn is_glass_intact(&self) -> bool {
-        self.is_glass_intact
     }
 
     /// Whether the glass is broken, as far as that is known: what a bank kept of it may be cracks or drops.

@@ -55,6 +55,14 @@ pub struct Settings {
     pub max_memory_bytes: u64,
 }
 
+impl Settings {
+    /// Whether the camera moves what images show, so that their labels no longer fit.
+    #[must_use]
+    pub fn moves_labels(&self) -> bool {
+        (self.faults.as_ref()).is_some_and(|faults| faults.lens.moves_labels())
+    }
+}
+
 /// How the glass breaks.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FractureSettings {
