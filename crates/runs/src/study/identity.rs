@@ -124,12 +124,9 @@ impl Identity {
             folder: folder.to_owned(),
             what,
         };
-        let mut found = read_text(&folder.join(FILE), MAX_BYTES);
-        if found.is_err() && holds_anything(folder) {
-            // Another step of the same shard may have begun it just now.
-            found = read_text(&folder.join(FILE), MAX_BYTES);
-        }
-        let text = match found {
+        // Looked at before the file, which is the first in a folder: another step of the same shard may begin it just now.
+        let holds_something = holds_anything(folder);
+        let text = match read_text(&folder.join(FILE), MAX_BYTES) {
             Ok(file) => file.text,
             Err(DatasetError::Read { source, .. })
                 if source.kind() == std::io::ErrorKind::NotFound =>
@@ -140,7 +137,7 @@ impl Identity {
                     Some(name) => Err(refuse(format!(
                         "has a {name}, and no {FILE} that says of which study"
                     ))),
-                    None if holds_anything(folder) => Err(refuse(format!(
+                    None if holds_something => Err(refuse(format!(
                         "is not empty, and has no {FILE} that says which study it holds"
                     ))),
                     None => Ok(()),
