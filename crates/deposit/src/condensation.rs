@@ -16,16 +16,26 @@ const WAVELENGTH_M: f64 = 0.55e-6;
 /// Share of the glass that drops cover once they merge: then they grow with what they cover unchanged \[Fritter1991\].
 const MOST_COVERED: f64 = 0.55;
 
-/// Water vapor that has condensed on a face of the glass.
+/// Contact angle of a drop whose rim draws back, over that of one that grows. GUESS.
+const RECEDES: f64 = 0.5;
+
+/// Places of a side at which the drops of an uneven pane are looked at.
+const PLACES: u32 = 24;
+
+/// Water vapor that has condensed on a face of the glass, and goes again.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condensation {
     /// How fast water arrives, m/s: the film that it would be.
     pub growth_m_s: f64,
-    /// How long it has, s.
+    /// How long it has been there, s.
     pub age_s: f64,
+    /// Age from which no more arrives and what is there evaporates, s; infinite where it never does.
+    pub clears_from_s: f64,
+    /// How fast, m/s of film, everywhere.
+    pub clears_m_s: f64,
     /// Places at which drops begin, m⁻².
     pub nuclei_per_m2: f64,
-    /// Contact angle of water on the glass, rad.
+    /// Contact angle of water on the glass as drops grow, rad.
     pub contact_rad: f64,
 }
 
@@ -36,6 +46,8 @@ pub struct Dew {
     pub covered: f64,
     /// Their radius, m.
     pub radius_m: f64,
+    /// Their contact angle, rad.
+    pub contact_rad: f64,
 }
 
 impl Condensation {
@@ -43,6 +55,9 @@ impl Condensation {
     ///
     /// Each nucleus takes the same share, so that r ∝ t^⅓ and c = nπr². When c comes to 0.55 drops merge as fast as they
     /// grow: c stays, and r = hπ/(c k) ∝ t, with h the film and k r³ the volume of a drop.
+    ///
+    /// A drop that evaporates keeps its rim while its contact angle falls to the receding one, half of what it was. Then it
+    /// keeps that angle, and c ∝ r² ∝ h^⅔ \[Picknett1977\]. So dew goes last where most of it was.
     #[must_use]
     pub fn drops(&self, times: f64) -> Dew {
         self.drops_of(volume_per_cubed_radius(self.contact_rad), times)
@@ -50,19 +65,48 @@ impl Condensation {
 
     /// The same where a drop of radius 1 has a volume.
     fn drops_of(&self, volume: f64, times: f64) -> Dew {
-        let film_m = (self.growth_m_s * self.age_s * times).max(0.0);
+        let grows_s = self.age_s.min(self.clears_from_s);
+        let film_m = (self.growth_m_s * grows_s * times).max(0.0);
         let alone_m = libm::cbrt(film_m / (self.nuclei_per_m2 * volume));
         let covered = self.nuclei_per_m2 * PI * alone_m * alone_m;
-        if covered <= MOST_COVERED {
-            Dew {
-                covered,
-                radius_m: alone_m,
-            }
-        } else {
-            Dew {
-                covered: MOST_COVERED,
-                radius_m: film_m * PI / (MOST_COVERED * volume),
-            }
+        let (covered, radius_m) = match covered <= MOST_COVERED {
+            true => (covered, alone_m),
+            false => (MOST_COVERED, film_m * PI / (MOST_COVERED * volume)),
+        };
+        let dew = Dew {
+            covered,
+            radius_m,
+            contact_rad: self.contact_rad,
+        };
+        let gone_m = self.clears_m_s * (self.age_s - grows_s);
+        match gone_m > 0.0 {
+            true => dew.dried((1.0 - gone_m / film_m).max(0.0), volume),
+            false => dew,
+        }
+    }
+
+    /// Whether some of it has evaporated.
+    fn is_clearing(&self) -> bool {
+        self.clears_m_s > 0.0 && self.age_s > self.clears_from_s
+    }
+}
+
+impl Dew {
+    /// What evaporation has left a part of, 0 to 1, of drops that had a volume at radius 1.
+    fn dried(self, part: f64, volume: f64) -> Self {
+        let receding_rad = RECEDES * self.contact_rad;
+        let pinned = volume_per_cubed_radius(receding_rad) / volume;
+        if part >= pinned {
+            return Self {
+                contact_rad: contact_of(part * volume),
+                ..self
+            };
+        }
+        let shrinks = libm::cbrt(part / pinned);
+        Self {
+            covered: self.covered * shrinks * shrinks,
+            radius_m: self.radius_m * shrinks,
+            contact_rad: receding_rad,
         }
     }
 
@@ -72,6 +116,12 @@ impl Condensation {
     pub fn refracts_by_rad(&self, refractive_index: f64) -> f64 {
         0.5 * (refractive_index - 1.0) * libm::sin(self.contact_rad)
     }
+}
+
+/// The contact angle at which a cap has a volume over the cube of its radius: with u = tan(θ/2) that is π u (3 + u²)/6.
+fn contact_of(volume_per_cubed_radius: f64) -> f64 {
+    let u = 2.0 * libm::sinh(libm::asinh(3.0 * volume_per_cubed_radius / PI) / 3.0);
+    2.0 * libm::atan(u)
 }
 
 /// Dew on a pane: more in some places than in others.
@@ -87,14 +137,41 @@ pub struct Fog {
 
 impl Fog {
     pub(crate) fn on_pane(&self, area: &Area, seed: Seed) -> FoggedPane {
+        let volume = volume_per_cubed_radius(self.mean.contact_rad);
+        let (scale, stream) = (
+            (self.scale_mm, self.unevenness),
+            (Stream::Condensation, seed),
+        );
+        let times = Field::over(area, scale, stream);
+        let typical = match self.mean.is_clearing() {
+            true => self.mean_drops(area, volume, &times),
+            false => self.mean.drops_of(volume, 1.0),
+        };
         FoggedPane {
             mean: self.mean,
-            volume: volume_per_cubed_radius(self.mean.contact_rad),
-            times: Field::over(
-                area,
-                (self.scale_mm, self.unevenness),
-                (Stream::Condensation, seed),
-            ),
+            volume,
+            times,
+            typical,
+        }
+    }
+
+    /// The mean drops of an area where some places are dry, each place by what of it is covered.
+    fn mean_drops(&self, area: &Area, volume: f64, times: &Field) -> Dew {
+        let [mut covered, mut radius_m, mut contact_rad] = [0.0; 3];
+        let at = |k: usize, n: u32| {
+            area.from_mm[k] + (f64::from(n) + 0.5) / f64::from(PLACES) * area.sides_mm()[k]
+        };
+        for place in (0..PLACES * PLACES).map(|n| [at(0, n % PLACES), at(1, n / PLACES)]) {
+            let dew = self.mean.drops_of(volume, times.at(place));
+            covered += dew.covered;
+            radius_m += dew.covered * dew.radius_m;
+            contact_rad += dew.covered * dew.contact_rad;
+        }
+        let by = f64::max(covered, f64::MIN_POSITIVE);
+        Dew {
+            covered: covered / f64::from(PLACES * PLACES),
+            radius_m: radius_m / by,
+            contact_rad: contact_rad / by,
         }
     }
 }
@@ -105,6 +182,8 @@ pub(crate) struct FoggedPane {
     /// Of a drop of radius 1.
     volume: f64,
     times: Field,
+    /// What drops are like where there are some.
+    typical: Dew,
 }
 
 impl Coating for FoggedPane {
@@ -123,10 +202,10 @@ impl Coating for FoggedPane {
 
     fn turns_by_rad(&self) -> [f64; 2] {
         // The core of a disc's diffraction as a Gaussian.
-        let across_m = 2.0 * self.mean.drops(1.0).radius_m;
+        let across_m = 2.0 * self.typical.radius_m;
         [
             0.42 * WAVELENGTH_M / across_m.max(WAVELENGTH_M),
-            self.mean.refracts_by_rad(WATER),
+            self.typical.refracts_by_rad(WATER),
         ]
     }
 }

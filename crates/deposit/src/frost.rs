@@ -13,10 +13,17 @@ use crate::{Area, Coating, Passage, vectorized};
 /// From each nucleus stems grow at the speed of the front, in directions 60° apart; they branch on both sides, at 60°
 /// again, and branches branch, each kind slower than the one before. A tip that meets ice stops. Between branches ice
 /// closes in slowly. It thickens with the root of the time since it came, as heat has to be led away through it.
+///
+/// When the glass is heated it grows no more and becomes thinner everywhere at the same rate, so that stems stay longest.
+/// One µm/s takes 306 W/m². The water is not seen: on glass under ice it is a film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frost {
-    /// How long it has grown, s.
+    /// How long it has been there, s.
     pub age_s: f64,
+    /// Age from which it melts, s; infinite where it never does.
+    pub melts_from_s: f64,
+    /// How fast it becomes thinner then, mm/s.
+    pub melts_mm_s: f64,
     /// Speed of the tips of stems, mm/s.
     pub front_mm_s: f64,
     /// Nuclei per mm².
@@ -87,12 +94,20 @@ impl Frost {
             sides_mm,
             cells: Raster::over(&tile, cell_mm, Cell::BARE),
         };
-        let most_mm = self.front_mm_s * self.age_s;
+        let grows_s = self.age_s.min(self.melts_from_s);
+        let most_mm = self.front_mm_s * grows_s;
         if most_mm > 0.0 {
             Growing::over(self, &tile, seed).run(&mut ice, most_mm);
         }
+        let mut thickness_mm = ice.thickness_mm(most_mm);
+        let melted_mm = self.melts_mm_s * (self.age_s - grows_s);
+        if melted_mm > 0.0 {
+            #[expect(clippy::cast_possible_truncation, reason = "a length")]
+            let melted_mm = melted_mm as f32;
+            thickness_mm = thickness_mm.map(|thickness_mm| (thickness_mm - melted_mm).max(0.0));
+        }
         FrostedPane {
-            thickness_mm: ice.thickness_mm(most_mm),
+            thickness_mm,
             from_mm: ice.from_mm,
             sides_mm: ice.sides_mm,
         }

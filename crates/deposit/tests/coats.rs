@@ -32,6 +32,8 @@ const DUST: Dust = Dust {
 
 const FROST: Frost = Frost {
     age_s: 1500.0,
+    melts_from_s: f64::INFINITY,
+    melts_mm_s: 0.0,
     front_mm_s: 0.03,
     nuclei_per_mm2: 3e-4,
 };
@@ -53,6 +55,8 @@ fn fog() -> Fog {
         mean: Condensation {
             growth_m_s: 2e-8,
             age_s: 85.0,
+            clears_from_s: f64::INFINITY,
+            clears_m_s: 0.0,
             nuclei_per_m2: 3e8,
             contact_rad: 1.0,
         },
@@ -309,6 +313,94 @@ fn frost_grows_at_its_fronts_speed_in_branches_that_do_not_fill_the_pane() {
     }
     let mean = dimensions.iter().sum::<f64>() / 6.0;
     assert!((1.2..1.95).contains(&mean), "{dimensions:?}");
+}
+
+/// Heated, ice grows no more, lets more and more light through, and covers a part of what it did, until none is left. How
+/// fast is measured where it is: the time in which a place goes dry is its thickness over the rate, so half of the rate
+/// takes twice the time everywhere.
+#[test]
+fn frost_melts_from_thin_to_thick_at_its_rate() {
+    let of = |melts_mm_s: f64, after_s: f64| {
+        let frost = Frost {
+            age_s: FROST.age_s + after_s,
+            melts_from_s: FROST.age_s,
+            melts_mm_s,
+            nuclei_per_mm2: 1e-3,
+            ..FROST
+        };
+        Coat::Frost(frost).on_pane(&AREA, 0.3, Seed(4))
+    };
+    let grown = of(1e-3, 0.0);
+    let covers = |ice: &dyn Coating| mean(ice, |it| it.covered);
+    let mut last = covers(&*grown);
+    assert!(last > 0.3, "{last}");
+    for after_s in [50.0, 100.0, 200.0, 400.0] {
+        let (fast, slow) = (of(1e-3, after_s), of(0.5e-3, 2.0 * after_s));
+        for at in places() {
+            let (before, now) = (grown.passage(at), fast.passage(at));
+            assert!(now.covered <= before.covered, "{at:?} at {after_s} s");
+            assert!(now.direct[1] >= before.direct[1], "{at:?} at {after_s} s");
+            assert!(
+                (now.direct[1] - slow.passage(at).direct[1]).abs() < 1e-4,
+                "{at:?} at {after_s} s"
+            );
+        }
+        let left = covers(&*fast);
+        assert!(left < last, "{after_s} s: {left} of {last}");
+        last = left;
+    }
+    let gone = covers(&*of(1e-3, 3000.0));
+    assert!(gone <= 0.0, "{gone} is left of ice of a millimeter");
+    // It does not grow while it melts.
+    let never = Coat::Frost(Frost {
+        nuclei_per_mm2: 1e-3,
+        ..FROST
+    });
+    let never = never.on_pane(&AREA, 0.3, Seed(4));
+    assert!((covers(&*never) - covers(&*of(0.0, 5000.0))).abs() < 1e-12);
+}
+
+/// Dew that clears: ever less is covered, where least was first, and what is left turns light less.
+#[test]
+fn dew_clears_where_least_of_it_was_first() {
+    let of = |after_s: f64| {
+        let fog = fog();
+        let mean = Condensation {
+            age_s: fog.mean.age_s + after_s,
+            clears_from_s: fog.mean.age_s,
+            clears_m_s: 1e-7,
+            ..fog.mean
+        };
+        Coat::Fog(Fog { mean, ..fog }).on_pane(&AREA, 0.3, Seed(4))
+    };
+    let grown = of(0.0);
+    let covers = |dew: &dyn Coating| mean(dew, |it| it.covered);
+    let mut last = (covers(&*grown), grown.turns_by_rad()[1]);
+    let mut is_patchy = false;
+    // 1.7 um of water, in the mean.
+    for after_s in [4.0, 9.0, 14.0, 19.0] {
+        let dew = of(after_s);
+        let now = (covers(&*dew), dew.turns_by_rad()[1]);
+        // Rims stay at first, while drops become flat.
+        assert!(now.0 <= last.0 && now.1 <= last.1, "{now:?} {last:?}");
+        assert!(now.0 + now.1 < last.0 + last.1, "{now:?} {last:?}");
+        last = now;
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        for at in places() {
+            let before = grown.passage(at).covered;
+            match dew.passage(at).covered > 0.0 {
+                true => least = least.min(before),
+                false => most = most.max(before),
+            }
+        }
+        assert!(
+            least >= most,
+            "{after_s} s: {least} is left, {most} is gone"
+        );
+        is_patchy |= most > 0.0 && least < 1.0;
+    }
+    assert!(is_patchy, "some is left while some is gone");
+    assert!(covers(&*of(60.0)) <= 0.0);
 }
 
 /// How far the rightmost ice gets, which a stem brings: no faster than the front, and some nearly as fast.

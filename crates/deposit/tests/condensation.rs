@@ -3,7 +3,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use starbreak_deposit::{Area, Condensation, Field};
+use starbreak_deposit::{Area, Cap, Condensation, Dew, Field, Outline};
 use starbreak_seed::{Seed, Stream, uniform};
 
 /// Hemispheres on a square of side 1, which goes on beyond its border: x, y and volume.
@@ -99,6 +99,8 @@ fn dew(film_m: f64) -> Condensation {
     Condensation {
         growth_m_s: film_m,
         age_s: 1.0,
+        clears_from_s: f64::INFINITY,
+        clears_m_s: 0.0,
         nuclei_per_m2: N as f64,
         contact_rad: FRAC_PI_2,
     }
@@ -143,6 +145,71 @@ fn drops_one_by_one_cover_and_grow_as_the_law_says() {
                 "{film}: {radius} {law:?}"
             );
         }
+    }
+}
+
+/// As dew goes, its drops hold what water is left, none goes before its water has, and their rims stay until they have half
+/// of the contact angle, whichever that was.
+#[test]
+fn dew_that_clears_holds_what_water_is_left() {
+    // Drops one by one, of 60°, and such as have merged, of 90°.
+    for (degrees, film_m) in [(60.0_f64, 1e-6), (90.0, 1e-2)] {
+        let grown = Condensation {
+            contact_rad: degrees.to_radians(),
+            ..dew(film_m)
+        };
+        let old = grown.drops(1.0);
+        let water_m = |of: &Dew, n_per_m2: f64| {
+            let drop = Cap {
+                at_mm: [0.0; 2],
+                radius_mm: of.radius_m,
+                contact_rad: of.contact_rad,
+                outline: Outline::default(),
+            };
+            n_per_m2 * drop.volume_mm3()
+        };
+        let n_per_m2 = old.covered / (PI * old.radius_m * old.radius_m);
+        let (mut last, mut has_pinned, mut has_receded) = (old, false, false);
+        for percent in 0..100 {
+            let part = 1.0 - 0.01 * f64::from(percent);
+            let clearing = Condensation {
+                age_s: 1.0 + 1e3 * (1.0 - part),
+                clears_from_s: 1.0,
+                clears_m_s: 1e-3 * film_m,
+                ..grown
+            };
+            let now = clearing.drops(1.0);
+            let left = water_m(&now, n_per_m2) / film_m;
+            assert!((left - part).abs() < 1e-9, "{part}: {left} {now:?}");
+            let n_now = now.covered / (PI * now.radius_m * now.radius_m);
+            assert!(
+                (n_now / n_per_m2 - 1.0).abs() < 1e-9,
+                "no drop goes: {now:?}"
+            );
+            assert!(now.radius_m <= last.radius_m, "{part}: {now:?} {last:?}");
+            let is_pinned = now.radius_m > 0.999_999 * old.radius_m;
+            has_pinned |= is_pinned && part < 0.6;
+            has_receded |= now.radius_m < 0.5 * old.radius_m;
+            let half = 0.5 * old.contact_rad;
+            let is_half = (now.contact_rad / half - 1.0).abs() < 1e-9;
+            assert!(is_pinned || is_half, "{part}: {now:?}");
+            assert!(now.contact_rad > 0.999_999 * half, "{part}: {now:?}");
+            last = now;
+        }
+        assert!(has_pinned && has_receded, "{degrees}: {last:?}");
+        let gone = Condensation {
+            age_s: 1e4,
+            clears_from_s: 1.0,
+            clears_m_s: 1e-3 * film_m,
+            ..grown
+        };
+        assert!(gone.drops(1.0).covered <= 0.0, "{:?}", gone.drops(1.0));
+        // Where twice the water was some is left when elsewhere it is gone.
+        let half = Condensation {
+            age_s: 1001.0,
+            ..gone
+        };
+        assert!(half.drops(1.0).covered < 1e-6 && half.drops(2.0).covered > 0.0);
     }
 }
 

@@ -304,6 +304,8 @@ impl Case<'_> {
                 horizon_row: 0.5
                     + self.number("f_px")? * self.number("pitch_deg")?.to_radians().tan()
                         / f64::from(height),
+                // The environment that was traced begins at the border.
+                fades_over: 0.0,
                 ..EnvironmentParams::default()
             },
             glass: Glass {

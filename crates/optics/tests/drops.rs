@@ -9,7 +9,7 @@
 use image::{DynamicImage, ImageBuffer, Rgb};
 use starbreak_deposit::{Area, Cap, Deposit, Outline, Rain};
 use starbreak_glass::CrackNetwork;
-use starbreak_optics::environment::Environment;
+use starbreak_optics::environment::{Environment, EnvironmentParams};
 use starbreak_optics::lens::Lens;
 use starbreak_optics::physical::{Glass, PhysicalOptics, bake};
 use starbreak_optics::srgb::{decode16, encode16};
@@ -41,9 +41,20 @@ struct Close {
 }
 
 impl Close {
-    /// An image, as the light of each pixel, behind drops.
+    /// An image, as the light of each pixel, behind drops; the environment begins at its border.
     fn behind(
         &self,
+        caps: Vec<Cap>,
+        environment: &Environment,
+        scene: impl Fn(f64, f64) -> [f64; 3],
+    ) -> Vec<[f64; 3]> {
+        self.behind_fading(0.0, caps, environment, scene)
+    }
+
+    /// The same where its border fades into the environment on a way, of the focal length.
+    fn behind_fading(
+        &self,
+        fades_over: f64,
         caps: Vec<Cap>,
         environment: &Environment,
         scene: impl Fn(f64, f64) -> [f64; 3],
@@ -78,6 +89,10 @@ impl Close {
                 rim_reflectance: self.rim_reflectance,
                 rim_way_mm: 0.0,
                 ..Glass::default()
+            },
+            environment: EnvironmentParams {
+                fades_over,
+                ..EnvironmentParams::default()
             },
             ..PhysicalOptics::default()
         };
@@ -469,6 +484,49 @@ fn small_drops_are_as_dark_as_large_ones() {
                 "contact {degrees}°, radius {radius_px} px, blur {blur_px} px: {found}, not {expected}"
             );
         }
+    }
+}
+
+/// A drop on the axis shows the frame in its middle and the environment around that, without an edge where the border
+/// fades: as much of each as the way says by which the place that is seen lies beyond it.
+#[test]
+fn the_border_of_the_frame_fades_in_a_drop() {
+    let camera = Close {
+        size: (160, 160),
+        f_px: 400.0,
+        distance_m: 0.02,
+        rake_deg: 0.0,
+        rim_reflectance: 0.0,
+        blur_px: 0.0,
+    };
+    let drop = cap(3.0, 60.0);
+    let row = |fades_over: f64| {
+        let environment = light(1.0, 0.0);
+        let shown = camera.behind_fading(fades_over, vec![drop], &environment, |_, _| [0.2; 3]);
+        let row = shown[80 * 160..81 * 160].iter().map(|light| light[0]);
+        row.collect::<Vec<_>>()
+    };
+    let largest_step = |row: &[f64]| {
+        let steps = row.windows(2).map(|two| (two[1] - two[0]).abs());
+        steps.fold(0.0, f64::max)
+    };
+    // Where light is not reflected totally, up to 52 px from the middle.
+    let [hard, soft] = [0.0, 0.2].map(|over| row(over)[30..130].to_vec());
+    let [edge, none] = [&hard, &soft].map(|row| largest_step(row));
+    assert!(edge > 0.4, "the border is an edge: {edge}");
+    assert!(none < 0.15, "it is none: {none}");
+    for (x, (hard, soft)) in hard.iter().zip(&soft).enumerate() {
+        let tangent = seen_through(&drop, 20.0, [(x as f64 + 30.5 - 80.0) * 0.05, 0.0]);
+        let beyond = (tangent.unwrap()[0].abs() - 0.2).max(0.0);
+        let near = (1.0 - beyond / 0.2).max(0.0);
+        let frame = near * near * (3.0 - 2.0 * near);
+        // What it shows of all light: near 1 where the environment alone is seen.
+        let all = if beyond > 0.02 { *hard } else { 0.96 };
+        let expected = all * (0.2 * frame + 1.0 - frame);
+        assert!(
+            (soft - expected).abs() < 0.03,
+            "{x}: {soft}, not {expected}"
+        );
     }
 }
 

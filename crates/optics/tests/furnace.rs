@@ -4,7 +4,7 @@
 
 use image::{DynamicImage, ImageBuffer, Rgb};
 use starbreak_glass::CrackNetwork;
-use starbreak_optics::environment::Environment;
+use starbreak_optics::environment::{Environment, EnvironmentParams};
 use starbreak_optics::lens::Lens;
 use starbreak_optics::physical::{Glass, Overlay, PhysicalOptics, SurfaceParams, bake};
 use starbreak_optics::{Camera, View};
@@ -57,6 +57,10 @@ fn optics(f_number: f64, fragment_wedge_deg: f64) -> PhysicalOptics {
             rim_reflectance: 1.0,
             rim_way_mm: 0.0,
             ..Glass::default()
+        },
+        environment: EnvironmentParams {
+            fades_over: 0.0,
+            ..EnvironmentParams::default()
         },
         ..PhysicalOptics::default()
     }

@@ -68,6 +68,8 @@ fn screen(covered: f64, contrast: f64) -> Screen {
     let mut dew = Condensation {
         growth_m_s: 1e-9,
         age_s: 1.0,
+        clears_from_s: f64::INFINITY,
+        clears_m_s: 0.0,
         nuclei_per_m2: 4e8,
         contact_rad: 60.0_f64.to_radians(),
     };
@@ -105,6 +107,8 @@ fn clear_coats() -> Vec<Coat> {
         }),
         Coat::Frost(Frost {
             age_s: 900.0,
+            melts_from_s: f64::INFINITY,
+            melts_mm_s: 0.0,
             front_mm_s: 0.03,
             nuclei_per_mm2: 1e-3,
         }),

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use serde_json::Value;
+
 use crate::clip::{Studio, states};
 use crate::program::{
     folder, jpeg_bytes, json, names, photo, png_bytes, starbreak, starbreak_small, succeed,
@@ -343,7 +345,7 @@ fn the_first_visible_frame_comes_after_the_onset() {
         &["video", "in", "-o", "none", "--network", "none.json"],
     );
     let track = json(&dir.path().join("none.track.json"));
-    assert_eq!(track["first_visible"], serde_json::Value::Null, "none");
+    assert_eq!(track["first_visible"], Value::Null, "none");
     assert!(track.get("first_visible").is_some(), "said as null");
 }
 
@@ -560,6 +562,72 @@ fn what_lies_on_the_pane_changes_from_frame_to_frame_and_the_track_says_how() {
     ];
     let grows = coverages(&frost, "frost", "2");
     assert!(grows[23] > grows[0], "{grows:?}");
+    let melts = ["frost.melts_from_s=102", "frost.melting_um_s=500"];
+    let melts = coverages(&[&frost[..], &melts].concat(), "frost", "2");
+    assert_eq!(melts[..10], grows[..10], "it melts from 2 s on");
+    assert!(melts[23] < 0.8 * melts[9], "{melts:?}");
+    let fog = [
+        "fracture.model=none",
+        "condensation.age_s=50",
+        "condensation.clears_from_s=50",
+        "condensation.clearing_um_s=0.6",
+        "camera.f_px=40",
+    ];
+    let clears = coverages(&fog, "condensation", "2");
+    assert!(clears.windows(2).all(|two| two[1] <= two[0]), "{clears:?}");
+    assert!(
+        clears[0] > 0.1 && clears[23] < 0.5 * clears[0],
+        "{clears:?}"
+    );
+}
+
+#[test]
+fn the_sun_turns_over_cracks_and_the_track_says_where_it_is() {
+    let dir = folder();
+    write_distinct(&dir.path().join("in"));
+    let frames = |sets: &[&str]| {
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let hit = ["--impact-at", "0"];
+        let args: Vec<&str> = TO_OUT.into_iter().chain(hit).chain(sets).collect();
+        let _ = fs::remove_dir_all(dir.path().join("out"));
+        let _ = fs::remove_file(dir.path().join("out.track.json"));
+        succeed(dir.path(), &args);
+        let track = json(&dir.path().join("out.track.json"));
+        let read = |k: usize| fs::read(dir.path().join(format!("out/f{k:02}.png"))).unwrap();
+        (track, [0, 12].map(read))
+    };
+    let sun = [
+        "camera.f_px=100",
+        "optics.sun_irradiance=20",
+        "optics.sun_elevation_deg=20",
+        "optics.sun_azimuth_deg=10",
+    ];
+    let (still, of_still) = frames(&sun);
+    assert_eq!(still["frames"][12]["sun_azimuth_deg"], Value::Null);
+    let turns = [&sun[..], &["optics.sun_turns_deg_s=10"]].concat();
+    let (turning, of_turning) = frames(&turns);
+    for k in [0, 12] {
+        let frame = &turning["frames"][k];
+        let degrees = 10.0 + 10.0 * frame["time_s"].as_f64().unwrap();
+        let said = frame["sun_azimuth_deg"].as_f64().unwrap();
+        assert!((said - degrees).abs() < 1e-5, "{said}, not {degrees}");
+        assert_eq!(frame["on_glass"], Value::Null, "nothing lies on it");
+        assert_eq!(
+            frame["crack_length_px"],
+            still["frames"][k]["crack_length_px"]
+        );
+    }
+    assert!(of_turning[0] == of_still[0], "before it has turned");
+    assert!(of_turning[1] != of_still[1], "the glint moves");
+    // As a picture of that time shows it.
+    let then = &turning["frames"][12]["sun_azimuth_deg"];
+    let azimuth = format!("optics.sun_azimuth_deg={then}");
+    let there = [&sun[..3], &[&azimuth]].concat();
+    let (_, of_there) = frames(&there);
+    assert!(
+        of_turning[1] == of_there[1],
+        "cracks under the sun of that time"
+    );
 }
 
 #[test]

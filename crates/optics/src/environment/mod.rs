@@ -12,9 +12,12 @@ mod sun;
 pub use direction::Horizon;
 pub use hemisphere::HemisphereWeights;
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use crate::OpticsError;
+
+/// What is next to a picture looks like its border: walls and trees go on for some 25°. FIT.
+const FADES_OVER: f64 = 0.5;
 
 /// Light of one color, linear, in units of the image's white.
 pub type Rgb = [f32; 3];
@@ -24,6 +27,8 @@ pub type Rgb = [f32; 3];
 pub struct EnvironmentParams {
     /// Azimuth of the sun, rad, from the optical axis towards the right.
     pub sun_azimuth_rad: f64,
+    /// How fast that grows, rad/s: a camera that turns to the left has the sun turn to the right.
+    pub sun_turns_rad_s: f64,
     /// Elevation of the sun above the horizon, rad.
     pub sun_elevation_rad: f64,
     /// Irradiance of the sun on a plane that faces it, in units of the image: π is what makes a
@@ -40,6 +45,9 @@ pub struct EnvironmentParams {
     pub cabin_rgb: Option<[Rgb; 2]>,
     /// Row of the horizon over the height of the frame, from the top.
     pub horizon_row: f64,
+    /// Way beyond the border of the frame, of the focal length, on which what the border shows fades into the environment;
+    /// 0 where that begins at once.
+    pub fades_over: f64,
 }
 
 impl Default for EnvironmentParams {
@@ -47,6 +55,7 @@ impl Default for EnvironmentParams {
     fn default() -> Self {
         Self {
             sun_azimuth_rad: 35_f64.to_radians(),
+            sun_turns_rad_s: 0.0,
             sun_elevation_rad: 45_f64.to_radians(),
             sun_irradiance: None,
             horizon_rgb: None,
@@ -54,11 +63,22 @@ impl Default for EnvironmentParams {
             ground_rgb: None,
             cabin_rgb: None,
             horizon_row: 0.5,
+            fades_over: FADES_OVER,
         }
     }
 }
 
 impl EnvironmentParams {
+    /// The same so many seconds later, when the sun has turned.
+    #[must_use]
+    pub fn later(mut self, by_s: f64) -> Self {
+        let turned_rad = self.sun_turns_rad_s * by_s;
+        if turned_rad != 0.0 {
+            self.sun_azimuth_rad = (self.sun_azimuth_rad + turned_rad + PI).rem_euclid(TAU) - PI;
+        }
+        self
+    }
+
     /// The horizon before a camera of a focal length, px, in a frame of a height, px.
     #[must_use]
     pub fn horizon(&self, height: u32, f_px: f64) -> Horizon {
@@ -84,6 +104,7 @@ impl EnvironmentParams {
                 -10.0 * TAU,
                 10.0 * TAU,
             ),
+            ("sun_turns_rad_s", self.sun_turns_rad_s, -TAU, TAU),
             (
                 "sun_elevation_rad",
                 self.sun_elevation_rad,
@@ -92,6 +113,7 @@ impl EnvironmentParams {
             ),
             ("sun_irradiance", irradiance, 0.0, 1e6),
             ("horizon_row", self.horizon_row, -100.0, 100.0),
+            ("fades_over", self.fades_over, 0.0, 100.0),
         ])?;
         let cabin = self.cabin_rgb.map_or([None; 2], |ends| ends.map(Some));
         for (name, rgb) in [

@@ -44,6 +44,8 @@ const SUN_RADIUS_RAD: f64 = 0.004_65;
 pub(crate) struct LightFrom<'a> {
     pub(crate) sheet: &'a SheetView,
     pub(crate) horizon: Horizon,
+    /// Way beyond the border on which the frame fades into the environment, px, above 0.
+    pub(crate) fades_over_px: f64,
     /// Direction to the sun in the sheet's coordinates.
     pub(crate) sun: [f64; 3],
     pub(crate) gaps: &'a GapTable,
@@ -282,23 +284,30 @@ impl LightFrom<'_> {
         0.5 * (1.0 + self.horizon.sin_elevation(direction))
     }
 
-    /// Adds the light of one direction, in camera coordinates.
+    /// Adds the light of one direction, in camera coordinates: what the image shows there, and beyond its border what the
+    /// border shows, which fades into the environment.
     pub(crate) fn seen(&self, sent: &mut Sent, direction: [f64; 3], share: f64) {
-        if let Some([u, v]) = self.sheet.in_frame(direction) {
-            sent.lanes[FRAME] += share;
-            sent.lanes[FRAME_U] += share * u;
-            sent.lanes[FRAME_V] += share * v;
+        let mut beyond = share;
+        if let Some(([u, v], away_px)) = self.sheet.nearest_in_frame(direction) {
+            let near = (1.0 - away_px / self.fades_over_px).max(0.0);
+            let shown = share * near * near * (3.0 - 2.0 * near);
+            sent.lanes[FRAME] += shown;
+            sent.lanes[FRAME_U] += shown * u;
+            sent.lanes[FRAME_V] += shown * v;
             let (width, height) = self.sheet.view().size();
             let (x, y) = (u - 0.5 * f64::from(width), v - 0.5 * f64::from(height));
-            sent.lanes[SQUARE] += share * (x * x + y * y);
+            sent.lanes[SQUARE] += shown * (x * x + y * y);
+            beyond -= shown;
+        }
+        if beyond <= 0.0 {
             return;
         }
         let sine = self.horizon.sin_elevation(direction);
         if sine < 0.0 {
-            sent.lanes[GROUND] += share;
+            sent.lanes[GROUND] += beyond;
         } else {
-            sent.lanes[HORIZON] += share * (1.0 - sine);
-            sent.lanes[ZENITH] += share * sine;
+            sent.lanes[HORIZON] += beyond * (1.0 - sine);
+            sent.lanes[ZENITH] += beyond * sine;
         }
     }
 

@@ -226,20 +226,23 @@ impl SheetView {
         [x / length, y / length, 1.0 / length]
     }
 
-    /// The point of the frame at which a direction in camera coordinates is seen; none if it is
-    /// not within the frame.
-    pub(crate) fn in_frame(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
+    /// The point of the frame nearest to where a direction in camera coordinates is seen, and how far away that is, px; none
+    /// of a direction that is not before the camera.
+    pub(crate) fn nearest_in_frame(&self, [x, y, z]: [f64; 3]) -> Option<([f64; 2], f64)> {
         if z <= 1e-6 {
             return None;
         }
         let p = &self.pinhole;
-        let (u, v) = (
-            p.center_px[0] + p.f_px * x / z,
-            p.center_px[1] + p.f_px * y / z,
-        );
+        let seen = [x, y].map(|part| p.f_px * part / z);
+        let seen = [0, 1].map(|k| p.center_px[k] + seen[k]);
         let (width, height) = self.view.size();
-        ((0.0..f64::from(width)).contains(&u) && (0.0..f64::from(height)).contains(&v))
-            .then_some([u, v])
+        let inside = [
+            seen[0].clamp(0.0, f64::from(width)),
+            seen[1].clamp(0.0, f64::from(height)),
+        ];
+        let [x, y] = [0, 1].map(|k| seen[k] - inside[k]);
+        let away_px = (x * x + y * y).sqrt();
+        Some((inside, away_px))
     }
 
     /// Signed radius, px, of the disc that a point of the sheet becomes.

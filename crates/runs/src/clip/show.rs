@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use image::DynamicImage;
 use rayon::prelude::*;
-use serde_json::{Map, Value};
 use starbreak::sensor::{FrameState, Frames, Moment, Sensor};
 use starbreak::{CameraFaults, Chain, Lit, PaneLayer, Settings};
 use starbreak_optics::environment::Environment;
@@ -311,8 +310,7 @@ impl<'a> Show<'a> {
             chain.under(plan.onset_light.as_ref())?
         };
         let facts = StageFacts::of(chain.layer(), &told, length_px, self.wanted())?;
-        let on_glass = chain.facts().clone();
-        self.shown(frame, plan, (facts, &told), (is_untouched, Some(on_glass)))
+        self.shown(frame, plan, (facts, &told), (is_untouched, Some(&chain)))
     }
 
     /// A frame that is done, with its line of the track; the facts are those of the glass, behind which a camera may have
@@ -322,7 +320,7 @@ impl<'a> Show<'a> {
         frame: Frame,
         plan: &Plan<'a>,
         (facts, lit): (Arc<StageFacts>, &Lit<'_>),
-        (is_untouched, on_glass): (bool, Option<Map<String, Value>>),
+        (is_untouched, aged): (bool, Option<&Chain>),
     ) -> Result<Shown, Error> {
         let at = plan.at;
         // Of another frame, which may differ anywhere.
@@ -346,7 +344,10 @@ impl<'a> Show<'a> {
             growth: self.timeline.reached(plan.grown),
             crack_length_px: facts.crack_length_px,
             region_fraction: facts.region_fraction,
-            on_glass,
+            on_glass: aged
+                .map(|chain| chain.facts().clone())
+                .filter(|facts| !facts.is_empty()),
+            sun_azimuth_deg: aged.and_then(Chain::turning_sun_deg),
             arrival: arrival.map(|_| Arrival {
                 state: plan.arrives.name(),
                 shows_frame_idx: (!plan.is_blank).then_some(at.frame_idx),

@@ -39,6 +39,9 @@ pub(super) struct TrackFrame {
     /// What lies on the glass, by table, where that changes as time goes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) on_glass: Option<Map<String, Value>>,
+    /// Where the sun is, degrees from the optical axis to the right, if it turns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) sun_azimuth_deg: Option<f64>,
     /// What became of the frame, where the recipe has `[frames]`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) arrival: Option<Arrival>,

@@ -10,7 +10,7 @@ use starbreak_seed::Seed;
 use super::layer::{OnPane, deposit_of, screens_of};
 use super::origin::Origin;
 use super::{Chain, PaneLayer, report};
-use crate::{Error, Scene, Settings};
+use crate::{Error, OpticsSettings, Scene, Settings};
 
 /// What a record says of drops.
 pub(super) fn drops_fact(settings: &Settings, on_pane: Option<&OnPane>) -> Option<(String, Value)> {
@@ -56,10 +56,30 @@ impl Chain {
         })
     }
 
-    /// Whether what lies on the glass changes as time goes: rain falls, dew and frost grow.
+    /// Whether what lies on the glass, or the light on it, changes as time goes: rain falls, dew and frost come and go,
+    /// the sun turns.
     #[must_use]
     pub fn ages(&self) -> bool {
-        self.rains() || self.settings.coats.iter().any(Coat::grows)
+        self.rains() || self.sun_turns() || self.settings.coats.iter().any(Coat::grows)
+    }
+
+    /// Whether the sun turns about the camera as time goes.
+    fn sun_turns(&self) -> bool {
+        match &self.settings.optics {
+            OpticsSettings::Physical(optics) => optics.environment.sun_turns_rad_s != 0.0,
+            OpticsSettings::Paper(_) => false,
+        }
+    }
+
+    /// Where the sun is, degrees from the optical axis to the right, if it turns.
+    #[must_use]
+    pub fn turning_sun_deg(&self) -> Option<f64> {
+        match &self.settings.optics {
+            OpticsSettings::Physical(optics) if self.sun_turns() => {
+                Some((optics.environment.sun_azimuth_rad.to_degrees() * 1e6).round() * 1e-6)
+            }
+            _ => None,
+        }
     }
 
     /// Whether drops fall that can be made again at another time; those of a bank stay as they are.
@@ -73,8 +93,12 @@ impl Chain {
     /// # Errors
     /// As for [`Chain::of`].
     pub fn later(&self, after_s: f64, growth: Option<f64>) -> Result<Self, Error> {
-        let (settings, size) = (&self.settings, self.size());
-        let rains = self.rains();
+        let (mut settings, size) = (self.settings.clone(), self.size());
+        if let OpticsSettings::Physical(optics) = &mut settings.optics {
+            optics.environment = optics.environment.later(after_s);
+        }
+        let settings = &settings;
+        let (rains, sun_turns) = (self.rains(), self.sun_turns());
         let seed = match &self.origin {
             Origin::Network(cracks) => cracks.seed,
             Origin::Photo(_) | Origin::Stored => self.coat_seed.unwrap_or(Seed(0)),
@@ -87,7 +111,7 @@ impl Chain {
         let on = on_pane.as_deref();
         let layer = match (&self.origin, growth) {
             (_, None) => PaneLayer::whole(settings, size, on)?,
-            (Origin::Network(cracks), Some(time)) if rains || time.is_finite() => {
+            (Origin::Network(cracks), Some(time)) if rains || sun_turns || time.is_finite() => {
                 let network = (&cracks.network, time);
                 PaneLayer::of_network_under(settings, network, size, on, cracks.seed)?
             }

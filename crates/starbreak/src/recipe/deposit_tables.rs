@@ -103,9 +103,15 @@ pub(super) struct FilmTable {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct FrostTable {
-    /// How long it has grown, s, 0 (none) to 100000; in a clip at its first frame.
+    /// How long it has been there, s, 0 (none) to 100000; in a clip at its first frame.
     #[schemars(range(min = 0.0, max = 1e5))]
     pub(super) age_s: f64,
+    /// Age from which it grows no more and melts, s, 0 or more; inf: never.
+    #[schemars(range(min = 0.0))]
+    pub(super) melts_from_s: f64,
+    /// How fast it becomes thinner then, um/s, 0 to 1000: 1 takes 306 W/m2, as a heated pane has them.
+    #[schemars(range(min = 0.0, max = 1000.0))]
+    pub(super) melting_um_s: f64,
     /// Speed of the tips of crystals, um/s, 0 to 1000: the colder and moister, the faster.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub(super) front_um_s: f64,
@@ -145,12 +151,18 @@ pub(super) struct DropsTable {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CondensationTable {
-    /// How long water has condensed, s, 0 (none) to 100000; in a clip at its first frame.
+    /// How long water has been there, s, 0 (none) to 100000; in a clip at its first frame.
     #[schemars(range(min = 0.0, max = 1e5))]
     pub(super) age_s: f64,
     /// How fast, as the film that it would be, um/s, 0 to 10.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) growth_um_s: f64,
+    /// Age from which no more condenses and what is there evaporates, s, 0 or more; inf: never.
+    #[schemars(range(min = 0.0))]
+    pub(super) clears_from_s: f64,
+    /// How fast it does then, as the film that it would be, um/s, 0 to 10: 0.1 takes 245 W/m2, as a heated pane has them.
+    #[schemars(range(min = 0.0, max = 10.0))]
+    pub(super) clearing_um_s: f64,
     /// Places per mm2 at which drops begin, 10 to 10000: the more, the finer the dew.
     #[schemars(range(min = 10.0, max = 1e4))]
     pub(super) nuclei_per_mm2: f64,

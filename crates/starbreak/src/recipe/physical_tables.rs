@@ -169,6 +169,9 @@ pub(super) struct PhysicalOpticsTable {
     /// Azimuth of the sun, degrees, from the optical axis to the right, -3600 to 3600.
     #[schemars(range(min = -3600.0, max = 3600.0))]
     pub(super) sun_azimuth_deg: f64,
+    /// How fast that grows in a clip, degrees per second, -360 to 360: above 0 where the camera turns to the left.
+    #[schemars(range(min = -360.0, max = 360.0))]
+    pub(super) sun_turns_deg_s: f64,
     /// Elevation of the sun above the horizon, degrees, -90 to 90.
     #[schemars(range(min = -90.0, max = 90.0))]
     pub(super) sun_elevation_deg: f64,

@@ -91,6 +91,8 @@ fn film(it: FilmTable) -> Option<Coat> {
 fn frost(it: FrostTable) -> Option<Coat> {
     (it.front_um_s > 0.0).then_some(Coat::Frost(Frost {
         age_s: it.age_s,
+        melts_from_s: it.melts_from_s,
+        melts_mm_s: 1e-3 * it.melting_um_s,
         front_mm_s: 1e-3 * it.front_um_s,
         nuclei_per_mm2: 0.01 * it.seeds_per_cm2,
     }))
@@ -109,6 +111,8 @@ fn fog(it: CondensationTable) -> Option<Coat> {
         mean: Condensation {
             growth_m_s: it.growth_um_s * 1e-6,
             age_s: it.age_s,
+            clears_from_s: it.clears_from_s,
+            clears_m_s: it.clearing_um_s * 1e-6,
             nuclei_per_m2: it.nuclei_per_mm2 * 1e6,
             contact_rad: it.contact_deg.to_radians(),
         },

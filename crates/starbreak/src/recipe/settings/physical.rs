@@ -212,6 +212,7 @@ fn f_px(
 fn environment(given: &PhysicalOpticsTable) -> EnvironmentParams {
     EnvironmentParams {
         sun_azimuth_rad: given.sun_azimuth_deg.to_radians(),
+        sun_turns_rad_s: given.sun_turns_deg_s.to_radians(),
         sun_elevation_rad: given.sun_elevation_deg.to_radians(),
         sun_irradiance: given.sun_irradiance.given(),
         horizon_rgb: rgb(given.sky_horizon),
@@ -223,6 +224,7 @@ fn environment(given: &PhysicalOpticsTable) -> EnvironmentParams {
             CabinEntry::Auto(_) => None,
         },
         horizon_row: given.horizon_row,
+        ..EnvironmentParams::default()
     }
 }
 
