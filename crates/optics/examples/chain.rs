@@ -304,8 +304,10 @@ impl Case<'_> {
                 horizon_row: 0.5
                     + self.number("f_px")? * self.number("pitch_deg")?.to_radians().tan()
                         / f64::from(height),
-                // The environment that was traced begins at the border.
-                fades_over: 0.0,
+                // What is beyond the border is known; the light comes later.
+                horizon_rgb: Some([0.0; 3]),
+                zenith_rgb: Some([0.0; 3]),
+                ground_rgb: Some([0.0; 3]),
                 ..EnvironmentParams::default()
             },
             glass: Glass {

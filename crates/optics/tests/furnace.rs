@@ -59,7 +59,10 @@ fn optics(f_number: f64, fragment_wedge_deg: f64) -> PhysicalOptics {
             ..Glass::default()
         },
         environment: EnvironmentParams {
-            fades_over: 0.0,
+            // What is beyond the border is known; the light comes later.
+            horizon_rgb: Some([0.0; 3]),
+            zenith_rgb: Some([0.0; 3]),
+            ground_rgb: Some([0.0; 3]),
             ..EnvironmentParams::default()
         },
         ..PhysicalOptics::default()

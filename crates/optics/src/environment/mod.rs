@@ -45,9 +45,6 @@ pub struct EnvironmentParams {
     pub cabin_rgb: Option<[Rgb; 2]>,
     /// Row of the horizon over the height of the frame, from the top.
     pub horizon_row: f64,
-    /// Way beyond the border of the frame, of the focal length, on which what the border shows fades into the environment;
-    /// 0 where that begins at once.
-    pub fades_over: f64,
 }
 
 impl Default for EnvironmentParams {
@@ -63,7 +60,6 @@ impl Default for EnvironmentParams {
             ground_rgb: None,
             cabin_rgb: None,
             horizon_row: 0.5,
-            fades_over: FADES_OVER,
         }
     }
 }
@@ -83,6 +79,15 @@ impl EnvironmentParams {
     #[must_use]
     pub fn horizon(&self, height: u32, f_px: f64) -> Horizon {
         Horizon::at_row(self.horizon_row, height, f_px)
+    }
+
+    /// Way beyond the border of the frame, of the focal length, on which what the border shows fades into the environment:
+    /// none where sky and ground are given, for they are what is there.
+    pub(crate) fn fades_over(&self) -> f64 {
+        match (self.horizon_rgb, self.zenith_rgb, self.ground_rgb) {
+            (Some(_), Some(_), Some(_)) => 0.0,
+            _ => FADES_OVER,
+        }
     }
 
     /// Direction, of length 1, towards the sun over a horizon.
@@ -113,7 +118,6 @@ impl EnvironmentParams {
             ),
             ("sun_irradiance", irradiance, 0.0, 1e6),
             ("horizon_row", self.horizon_row, -100.0, 100.0),
-            ("fades_over", self.fades_over, 0.0, 100.0),
         ])?;
         let cabin = self.cabin_rgb.map_or([None; 2], |ends| ends.map(Some));
         for (name, rgb) in [

@@ -100,7 +100,7 @@ fn light_from<'a>(
     LightFrom {
         sheet,
         horizon,
-        fades_over_px: (environment.fades_over * sheet.f_px()).max(1e-9),
+        fades_over_px: (environment.fades_over() * sheet.f_px()).max(1e-9),
         sun: sheet.sheet_from_camera(sun),
         gaps,
         outside: HemisphereWeights::facing(horizon.sin_elevation(outward)),
