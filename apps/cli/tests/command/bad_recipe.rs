@@ -94,6 +94,11 @@ const NUMERIC: [(&str, &str, &[&str]); 195] = [
         "optics.rim_reflectance",
         &["-0.1", "1.1", "nan", "inf"],
     ),
+    (
+        STAR,
+        "optics.sun_turns_deg_s",
+        &["-361", "361", "nan", "inf"],
+    ),
     (STAR, "optics.horizon_row", &["-101", "101", "nan", "inf"]),
     (
         STAR,
@@ -408,6 +413,12 @@ const NUMERIC: [(&str, &str, &[&str]); 195] = [
     ("glare", "glare.onset_s", &["-1", "nan", "inf", "1e7"]),
     ("shading", "shading.onset_s", &["-1", "nan", "inf", "1e7"]),
     ("fogged", "condensation.age_s", &["-1", "nan", "inf", "1e6"]),
+    ("fogged", "condensation.clears_from_s", &["-1", "nan"]),
+    (
+        "fogged",
+        "condensation.clearing_um_s",
+        &["-1", "nan", "inf", "11"],
+    ),
     (
         "fogged",
         "condensation.growth_um_s",
@@ -454,6 +465,12 @@ const NUMERIC: [(&str, &str, &[&str]); 195] = [
     ("greasy", "film.scale_mm", &["0.9", "nan", "inf", "51"]),
     ("greasy", "film.haze_percent", &["-1", "nan", "51"]),
     ("frosted", "frost.age_s", &["-1", "nan", "inf", "1e6"]),
+    ("frosted", "frost.melts_from_s", &["-1", "nan"]),
+    (
+        "frosted",
+        "frost.melting_um_s",
+        &["-1", "nan", "inf", "1001"],
+    ),
     ("frosted", "frost.front_um_s", &["-1", "nan", "inf", "1001"]),
     ("frosted", "frost.seeds_per_cm2", &["0", "nan", "inf", "21"]),
     ("scratched", "scratches.haze_percent", &["-1", "nan", "21"]),

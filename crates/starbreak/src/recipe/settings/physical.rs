@@ -224,7 +224,6 @@ fn environment(given: &PhysicalOpticsTable) -> EnvironmentParams {
             CabinEntry::Auto(_) => None,
         },
         horizon_row: given.horizon_row,
-        ..EnvironmentParams::default()
     }
 }
 
