@@ -9,7 +9,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 195] = [
+const NUMERIC: [(&str, &str, &[&str]); 200] = [
     (
         "paper",
         "camera.f_px",
