@@ -78,16 +78,16 @@ impl Condensation {
             radius_m,
             contact_rad: self.contact_rad,
         };
-        let gone_m = self.clears_m_s * (self.age_s - grows_s);
+        let gone_m = self.gone_m();
         match gone_m > 0.0 {
             true => dew.dried((1.0 - gone_m / film_m).max(0.0), volume),
             false => dew,
         }
     }
 
-    /// Whether some of it has evaporated.
-    fn is_clearing(&self) -> bool {
-        self.clears_m_s > 0.0 && self.age_s > self.clears_from_s
+    /// What has evaporated, m of film, where there was as much.
+    fn gone_m(&self) -> f64 {
+        self.clears_m_s * (self.age_s - self.clears_from_s).max(0.0)
     }
 }
 
@@ -143,7 +143,7 @@ impl Fog {
             (Stream::Condensation, seed),
         );
         let times = Field::over(area, scale, stream);
-        let typical = match self.mean.is_clearing() {
+        let typical = match self.mean.gone_m() > 0.0 {
             true => self.mean_drops(area, volume, &times),
             false => self.mean.drops_of(volume, 1.0),
         };

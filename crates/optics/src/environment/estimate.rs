@@ -401,7 +401,7 @@ fn sun_irradiance(ground: f64, sky_white: f64, sin_elevation: f64) -> f64 {
 }
 
 /// 0 up to the first bound, 1 from the second, and without a kink between.
-fn smooth_step(x: f64, [low, high]: [f64; 2]) -> f64 {
+pub(crate) fn smooth_step(x: f64, [low, high]: [f64; 2]) -> f64 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

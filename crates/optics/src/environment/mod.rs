@@ -10,6 +10,7 @@ mod samples;
 mod sun;
 
 pub use direction::Horizon;
+pub(crate) use estimate::smooth_step;
 pub use hemisphere::HemisphereWeights;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_1_PI;
 
 use super::SheetView;
 use super::roughness::{MIRROR_ALPHA, N_SAMPLES_OF_CELL, NARROW_ALPHA, Way, n_samples};
-use crate::environment::{HemisphereWeights, Horizon};
+use crate::environment::{HemisphereWeights, Horizon, smooth_step};
 use crate::interface::fresnel::reflectance;
 use crate::interface::gap::GapTable;
 use crate::interface::ggx::Glint;
@@ -289,8 +289,7 @@ impl LightFrom<'_> {
     pub(crate) fn seen(&self, sent: &mut Sent, direction: [f64; 3], share: f64) {
         let mut beyond = share;
         if let Some(([u, v], away_px)) = self.sheet.nearest_in_frame(direction) {
-            let near = (1.0 - away_px / self.fades_over_px).max(0.0);
-            let shown = share * near * near * (3.0 - 2.0 * near);
+            let shown = share * smooth_step(1.0 - away_px / self.fades_over_px, [0.0, 1.0]);
             sent.lanes[FRAME] += shown;
             sent.lanes[FRAME_U] += shown * u;
             sent.lanes[FRAME_V] += shown * v;

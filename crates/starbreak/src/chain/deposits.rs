@@ -97,31 +97,31 @@ impl Chain {
         if let OpticsSettings::Physical(optics) = &mut settings.optics {
             optics.environment = optics.environment.later(after_s);
         }
-        let settings = &settings;
         let (rains, sun_turns) = (self.rains(), self.sun_turns());
         let seed = match &self.origin {
             Origin::Network(cracks) => cracks.seed,
             Origin::Photo(_) | Origin::Stored => self.coat_seed.unwrap_or(Seed(0)),
         };
         let on_pane = if rains {
-            deposit_of(settings, size, seed, after_s)?.map(Arc::new)
+            deposit_of(&settings, size, seed, after_s)?.map(Arc::new)
         } else {
             self.on_pane.clone()
         };
         let on = on_pane.as_deref();
         let layer = match (&self.origin, growth) {
-            (_, None) => PaneLayer::whole(settings, size, on)?,
+            (_, None) => PaneLayer::whole(&settings, size, on)?,
             (Origin::Network(cracks), Some(time)) if rains || sun_turns || time.is_finite() => {
                 let network = (&cracks.network, time);
-                PaneLayer::of_network_under(settings, network, size, on, cracks.seed)?
+                PaneLayer::of_network_under(&settings, network, size, on, cracks.seed)?
             }
-            (Origin::Stored, Some(_)) if rains => PaneLayer::whole(settings, size, on)?,
+            (Origin::Stored, Some(_)) if rains => PaneLayer::whole(&settings, size, on)?,
             // Nothing of it changes.
             _ => self.layer.clone(),
         };
         let screens = match self.coat_seed {
             Some(seed) => {
-                let mut grown = screens_of(settings, size, seed, after_s, Coat::grows)?.into_iter();
+                let mut grown =
+                    screens_of(&settings, size, seed, after_s, Coat::grows)?.into_iter();
                 let coats = settings.coats.iter().zip(&self.screens);
                 let each = coats.map(|(coat, screen)| match coat.grows() {
                     true => grown.next().unwrap_or_else(|| screen.clone()),
@@ -131,12 +131,12 @@ impl Chain {
             }
             None => Vec::new(),
         };
-        let facts = drops_fact(settings, on_pane.as_deref())
+        let facts = drops_fact(&settings, on_pane.as_deref())
             .into_iter()
-            .chain(coat_facts(settings, &screens))
+            .chain(coat_facts(&settings, &screens))
             .collect();
         Ok(Self {
-            settings: settings.clone(),
+            settings,
             layer,
             on_pane,
             screens,
