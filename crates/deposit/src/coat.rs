@@ -2,7 +2,7 @@
 
 use starbreak_seed::Seed;
 
-use crate::{Area, Coating, Dust, Film, Fog, Frost, Mud, Scratches};
+use crate::{Area, Coating, Dust, Film, Fog, Frost, Heating, Mud, Scratches};
 
 /// What lies on a pane as a coat.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,11 +46,19 @@ impl Coat {
         self
     }
 
-    /// The same where the optical axis meets the pane at a place, mm.
+    /// The same where the optical axis meets the pane at a place, mm, and this ends at a height of it, mm.
     #[must_use]
-    pub fn seen_from(mut self, axis_mm: [f64; 2]) -> Self {
-        if let Self::Scratches(it) = &mut self {
-            it.pivot_mm = [0, 1].map(|k| it.pivot_mm[k] + axis_mm[k]);
+    pub fn seen_from(mut self, axis_mm: [f64; 2], end_mm: f64) -> Self {
+        match &mut self {
+            Self::Scratches(it) => {
+                it.pivot_mm = [0, 1].map(|k| it.pivot_mm[k] + axis_mm[k]);
+            }
+            Self::Frost(Frost { heated_by, .. }) | Self::Fog(Fog { heated_by, .. }) => {
+                if let Heating::Vents { edge_mm } = heated_by {
+                    *edge_mm = end_mm;
+                }
+            }
+            Self::Mud(_) | Self::Dust(_) | Self::Film(_) => {}
         }
         self
     }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use starbreak_seed::{Seed, Stream};
 
 use crate::cap::volume_per_cubed_radius;
-use crate::{Area, Coating, Field, Passage};
+use crate::{Area, Coating, Field, Heat, Heating, Passage};
 
 /// Refractive index of water in visible light.
 const WATER: f64 = 1.333;
@@ -31,7 +31,7 @@ pub struct Condensation {
     pub age_s: f64,
     /// Age from which no more arrives and what is there evaporates, s; infinite where it never does.
     pub clears_from_s: f64,
-    /// How fast, m/s of film, everywhere.
+    /// How fast, m/s of film, in the mean over the pane.
     pub clears_m_s: f64,
     /// Places at which drops begin, m⁻².
     pub nuclei_per_m2: f64,
@@ -51,7 +51,7 @@ pub struct Dew {
 }
 
 impl Condensation {
-    /// The drops where so many times the mean water has arrived.
+    /// The drops where so many times the mean water has arrived, and as much evaporates as in the mean.
     ///
     /// Each nucleus takes the same share, so that r ∝ t^⅓ and c = nπr². When c comes to 0.55 drops merge as fast as they
     /// grow: c stays, and r = hπ/(c k) ∝ t, with h the film and k r³ the volume of a drop.
@@ -60,11 +60,11 @@ impl Condensation {
     /// keeps that angle, and c ∝ r² ∝ h^⅔ \[Picknett1977\]. So dew goes last where most of it was.
     #[must_use]
     pub fn drops(&self, times: f64) -> Dew {
-        self.drops_of(volume_per_cubed_radius(self.contact_rad), times)
+        self.drops_of(volume_per_cubed_radius(self.contact_rad), [times, 1.0])
     }
 
-    /// The same where a drop of radius 1 has a volume.
-    fn drops_of(&self, volume: f64, times: f64) -> Dew {
+    /// The same where a drop of radius 1 has a volume, and so many times the mean evaporates.
+    fn drops_of(&self, volume: f64, [times, heat]: [f64; 2]) -> Dew {
         let grows_s = self.age_s.min(self.clears_from_s);
         let film_m = (self.growth_m_s * grows_s * times).max(0.0);
         let alone_m = libm::cbrt(film_m / (self.nuclei_per_m2 * volume));
@@ -78,14 +78,14 @@ impl Condensation {
             radius_m,
             contact_rad: self.contact_rad,
         };
-        let gone_m = self.gone_m();
+        let gone_m = heat * self.gone_m();
         match gone_m > 0.0 {
             true => dew.dried((1.0 - gone_m / film_m).max(0.0), volume),
             false => dew,
         }
     }
 
-    /// What has evaporated, m of film, where there was as much.
+    /// What has evaporated in the mean, m of film, where there was as much.
     fn gone_m(&self) -> f64 {
         self.clears_m_s * (self.age_s - self.clears_from_s).max(0.0)
     }
@@ -133,6 +133,8 @@ pub struct Fog {
     pub unevenness: f64,
     /// How large such places are, mm.
     pub scale_mm: f64,
+    /// What heats the pane when it clears.
+    pub heated_by: Heating,
 }
 
 impl Fog {
@@ -142,27 +144,46 @@ impl Fog {
             (self.scale_mm, self.unevenness),
             (Stream::Condensation, seed),
         );
-        let times = Field::over(area, scale, stream);
-        let typical = match self.mean.gone_m() > 0.0 {
-            true => self.mean_drops(area, volume, &times),
-            false => self.mean.drops_of(volume, 1.0),
-        };
-        FoggedPane {
+        let mut pane = FoggedPane {
             mean: self.mean,
             volume,
-            times,
-            typical,
+            times: Field::over(area, scale, stream),
+            heat: self.heated_by.over(area),
+            typical: self.mean.drops_of(volume, [1.0, 1.0]),
+        };
+        if self.mean.gone_m() > 0.0 {
+            pane.typical = pane.mean_drops(area);
         }
+        pane
+    }
+}
+
+/// Dew on one pane.
+pub(crate) struct FoggedPane {
+    mean: Condensation,
+    /// Of a drop of radius 1.
+    volume: f64,
+    times: Field,
+    heat: Heat,
+    /// What drops are like where there are some.
+    typical: Dew,
+}
+
+impl FoggedPane {
+    /// The drops of a place, mm.
+    fn drops(&self, at_mm: [f64; 2]) -> Dew {
+        let heat = self.heat.times(at_mm);
+        (self.mean).drops_of(self.volume, [self.times.at(at_mm), heat])
     }
 
     /// The mean drops of an area where some places are dry, each place by what of it is covered.
-    fn mean_drops(&self, area: &Area, volume: f64, times: &Field) -> Dew {
+    fn mean_drops(&self, area: &Area) -> Dew {
         let [mut covered, mut radius_m, mut contact_rad] = [0.0; 3];
         let at = |k: usize, n: u32| {
             area.from_mm[k] + (f64::from(n) + 0.5) / f64::from(PLACES) * area.sides_mm()[k]
         };
         for place in (0..PLACES * PLACES).map(|n| [at(0, n % PLACES), at(1, n / PLACES)]) {
-            let dew = self.mean.drops_of(volume, times.at(place));
+            let dew = self.drops(place);
             covered += dew.covered;
             radius_m += dew.covered * dew.radius_m;
             contact_rad += dew.covered * dew.contact_rad;
@@ -176,21 +197,11 @@ impl Fog {
     }
 }
 
-/// Dew on one pane.
-pub(crate) struct FoggedPane {
-    mean: Condensation,
-    /// Of a drop of radius 1.
-    volume: f64,
-    times: Field,
-    /// What drops are like where there are some.
-    typical: Dew,
-}
-
 impl Coating for FoggedPane {
     /// Of light that a share c of drops meets, drops without order leave (1 − c)² as it is; c(1 − c) is diffracted by the
     /// gaps between them, and c refracted, which come from about the place that is seen (Babinet). The sum is 1.
     fn passage(&self, at_mm: [f64; 2]) -> Passage {
-        let c = (self.mean.drops_of(self.volume, self.times.at(at_mm))).covered;
+        let c = self.drops(at_mm).covered;
         Passage {
             covered: c,
             direct: [(1.0 - c) * (1.0 - c); 3],

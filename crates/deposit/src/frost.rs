@@ -6,7 +6,7 @@ use starbreak_seed::{Seed, Stream, normal, uniform};
 
 use crate::closing::close_in;
 use crate::raster::Raster;
-use crate::{Area, Coating, Passage, vectorized};
+use crate::{Area, Coating, Heat, Heating, Passage, vectorized};
 
 /// Ice on a pane.
 ///
@@ -14,16 +14,18 @@ use crate::{Area, Coating, Passage, vectorized};
 /// again, and branches branch, each kind slower than the one before. A tip that meets ice stops. Between branches ice
 /// closes in slowly. It thickens with the root of the time since it came, as heat has to be led away through it.
 ///
-/// When the glass is heated it grows no more and becomes thinner everywhere at the same rate, so that stems stay longest.
-/// One µm/s takes 306 W/m². The water is not seen: on glass under ice it is a film.
+/// When the glass is heated it grows no more and becomes thinner, so that stems stay longest. One µm/s takes 306 W/m². The
+/// water is not seen: on glass under ice it is a film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frost {
     /// How long it has been there, s.
     pub age_s: f64,
     /// Age from which it melts, s; infinite where it never does.
     pub melts_from_s: f64,
-    /// How fast it becomes thinner then, mm/s.
+    /// How fast it becomes thinner then, mm/s, in the mean over the pane.
     pub melts_mm_s: f64,
+    /// What heats it then.
+    pub heated_by: Heating,
     /// Speed of the tips of stems, mm/s.
     pub front_mm_s: f64,
     /// Nuclei per mm².
@@ -99,15 +101,10 @@ impl Frost {
         if most_mm > 0.0 {
             Growing::over(self, &tile, seed).run(&mut ice, most_mm);
         }
-        let mut thickness_mm = ice.thickness_mm(most_mm);
-        let melted_mm = self.melts_mm_s * (self.age_s - grows_s);
-        if melted_mm > 0.0 {
-            #[expect(clippy::cast_possible_truncation, reason = "a length")]
-            let melted_mm = melted_mm as f32;
-            thickness_mm = thickness_mm.map(|thickness_mm| (thickness_mm - melted_mm).max(0.0));
-        }
         FrostedPane {
-            thickness_mm,
+            thickness_mm: ice.thickness_mm(most_mm),
+            melted_mm: self.melts_mm_s * (self.age_s - grows_s),
+            heat: self.heated_by.over(area),
             from_mm: ice.from_mm,
             sides_mm: ice.sides_mm,
         }
@@ -340,15 +337,22 @@ impl Ice {
 
 /// Ice on one pane.
 pub(crate) struct FrostedPane {
+    /// As it has grown, and what of it has melted in the mean.
     thickness_mm: Raster,
+    melted_mm: f64,
+    heat: Heat,
     from_mm: [f64; 2],
     sides_mm: [f64; 2],
 }
 
 impl Coating for FrostedPane {
     fn passage(&self, at_mm: [f64; 2]) -> Passage {
+        let melted_mm = match self.melted_mm > 0.0 {
+            true => self.melted_mm * self.heat.times(at_mm),
+            false => 0.0,
+        };
         let at_mm = inside(at_mm, self.from_mm, self.sides_mm);
-        let thickness_mm = self.thickness_mm.at(at_mm);
+        let thickness_mm = self.thickness_mm.at(at_mm) - melted_mm;
         if thickness_mm <= 0.0 {
             return Passage::CLEAN;
         }
@@ -358,7 +362,7 @@ impl Coating for FrostedPane {
         // Of what is not scattered some meets an even face, as of a thin film; the rest is turned.
         let unscattered = libm::exp(-depth);
         let even = libm::exp(-thickness_mm / EVEN_MM);
-        let is_covered = |cell: usize| self.thickness_mm.values[cell] > 0.0;
+        let is_covered = |cell: usize| f64::from(self.thickness_mm.values[cell]) > melted_mm;
         Passage {
             covered: f64::from(u8::from(
                 self.thickness_mm.cell(at_mm).is_some_and(is_covered),

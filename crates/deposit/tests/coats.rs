@@ -6,7 +6,7 @@
 )]
 
 use starbreak_deposit::{
-    Area, Coat, Coating, Condensation, Dust, Film, Fog, Frost, Mud, Passage, Scratches,
+    Area, Coat, Coating, Condensation, Dust, Film, Fog, Frost, Heating, Mud, Passage, Scratches,
 };
 use starbreak_seed::Seed;
 
@@ -34,6 +34,7 @@ const FROST: Frost = Frost {
     age_s: 1500.0,
     melts_from_s: f64::INFINITY,
     melts_mm_s: 0.0,
+    heated_by: Heating::Pane,
     front_mm_s: 0.03,
     nuclei_per_mm2: 3e-4,
 };
@@ -62,6 +63,7 @@ fn fog() -> Fog {
         },
         unevenness: 0.6,
         scale_mm: 60.0,
+        heated_by: Heating::Pane,
     }
 }
 
@@ -498,5 +500,67 @@ fn places_taken_together_are_those_taken_one_by_one() {
             format!("{together:?}") == format!("{alone:?}"),
             "{coat:?}: to the last digit"
         );
+    }
+}
+
+/// A pane over vents clears from its lower edge up, above each outlet first, and as much goes as of one that is heated
+/// itself.
+#[test]
+fn a_pane_over_vents_clears_from_below() {
+    let whole = Area {
+        from_mm: [-600.0, -300.0],
+        to_mm: [600.0, 400.0],
+    };
+    let vents = Heating::Vents { edge_mm: 400.0 };
+    let heat = vents.over(&whole);
+    let (mut sum, mut n) = (0.0, 0.0);
+    for (x, y) in (0..240).flat_map(|x| (0..280).map(move |y| (f64::from(x), f64::from(y)))) {
+        sum += heat.times([-597.5 + 5.0 * x, -298.75 + 2.5 * y]);
+        n += 1.0;
+    }
+    assert!((sum / n - 1.0).abs() < 2e-3, "in the mean: {}", sum / n);
+    assert!(
+        heat.times([0.0, 399.0]) > 1.3 * heat.times([150.0, 399.0]),
+        "outlets"
+    );
+    assert!(
+        (heat.times([0.0, -299.0]) / heat.times([150.0, -299.0]) - 1.0).abs() < 1e-3,
+        "jets have merged at the top"
+    );
+    assert!(
+        heat.times([0.0, 399.0]) > 4.0 * heat.times([0.0, -299.0]),
+        "from below"
+    );
+
+    let fog = fog();
+    let mean = Condensation {
+        age_s: fog.mean.age_s + 14.0,
+        clears_from_s: fog.mean.age_s,
+        clears_m_s: 1e-7,
+        ..fog.mean
+    };
+    let even = Fog {
+        mean,
+        unevenness: 0.0,
+        heated_by: vents,
+        ..fog
+    };
+    let frost = Frost {
+        age_s: FROST.age_s + 150.0,
+        melts_from_s: FROST.age_s,
+        melts_mm_s: 1e-3,
+        nuclei_per_mm2: 1e-3,
+        heated_by: vents,
+        ..FROST
+    };
+    for coat in [Coat::Fog(even), Coat::Frost(frost)] {
+        let coat = coat.on_pane(&whole, 0.5, Seed(4));
+        let covered = |y_mm: f64| {
+            let row = (0..400).map(|k| [-598.0 + 3.0 * f64::from(k), y_mm]);
+            row.map(|at| coat.passage(at).covered).sum::<f64>() / 400.0
+        };
+        let rows: Vec<f64> = [395.0, 250.0, 0.0, -290.0].map(covered).to_vec();
+        assert!(rows[0] < 0.5 * rows[3], "{rows:?} of a row is covered");
+        assert!(rows[1] <= rows[3], "{rows:?}");
     }
 }

@@ -3,6 +3,7 @@
 use starbreak_glass::Pane;
 
 use crate::OpticsError;
+use crate::environment::Dashboard;
 
 /// A pinhole camera behind a plane pane.
 ///
@@ -49,6 +50,7 @@ pub struct View {
     width: u32,
     height: u32,
     mapping: Mapping,
+    dashboard: Dashboard,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,6 +91,7 @@ impl View {
             width,
             height,
             mapping: Mapping::Stretch { scale },
+            dashboard: Dashboard::default(),
         }
     }
 
@@ -110,7 +113,20 @@ impl View {
                 cos,
                 axis_at_mm: camera.axis_at_mm,
             },
+            dashboard: Dashboard::default(),
         })
+    }
+
+    /// The same with a dashboard before the pane: what is on the pane is not seen there.
+    #[must_use]
+    pub fn over(self, dashboard: Dashboard) -> Self {
+        Self { dashboard, ..self }
+    }
+
+    /// What stands before the pane at the bottom of the frame.
+    #[must_use]
+    pub fn dashboard(&self) -> &Dashboard {
+        &self.dashboard
     }
 
     /// Width and height of the frame, px.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use image::{DynamicImage, ImageBuffer, Luma, LumaA, Rgb as RgbPixel, Rgba};
 use starbreak_optics::environment::{
-    Environment, EnvironmentParams, HemisphereWeights, Horizon, Rgb,
+    Dashboard, Environment, EnvironmentParams, HemisphereWeights, Horizon, Rgb,
 };
 use starbreak_optics::srgb::{decode8, encode16};
 
@@ -562,4 +562,29 @@ fn times() {
         }
         eprintln!("{name}: {:.1} µs for {WIDTH} × {HEIGHT}", best * 1e6);
     }
+}
+
+/// The ground is that above a dashboard.
+#[test]
+fn the_ground_ends_at_a_dashboard() {
+    let image = DynamicImage::ImageRgb8(image::RgbImage::from_fn(200, 100, |_, y| {
+        image::Rgb(match y {
+            0..50 => [230, 230, 230],
+            50..70 => [120, 110, 100],
+            _ => [8, 8, 8],
+        })
+    }));
+    let with = |rows: &[f64]| {
+        let params = EnvironmentParams {
+            dashboard: Dashboard::below(rows).unwrap(),
+            ..EnvironmentParams::default()
+        };
+        Environment::estimate(&image, &params, 150.0)
+    };
+    let road = decode8(120);
+    assert!((with(&[0.72, 0.7]).ground_rgb[0] - road).abs() < 1e-6);
+    assert!(
+        with(&[]).ground_rgb[0] < 0.1 * road,
+        "else it is the dashboard's"
+    );
 }

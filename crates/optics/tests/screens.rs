@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use starbreak_deposit::{
-    Area, Coat, Coating, Condensation, Dust, Film, Fog, Frost, Mud, Passage, Scratches,
+    Area, Coat, Coating, Condensation, Dust, Film, Fog, Frost, Heating, Mud, Passage, Scratches,
 };
 use starbreak_optics::environment::{Environment, EnvironmentParams, Horizon};
 use starbreak_optics::lens::Lens;
@@ -81,6 +81,7 @@ fn screen(covered: f64, contrast: f64) -> Screen {
         mean: dew,
         unevenness: contrast,
         scale_mm: 60.0,
+        heated_by: Heating::Pane,
     }))
 }
 
@@ -109,6 +110,7 @@ fn clear_coats() -> Vec<Coat> {
             age_s: 900.0,
             melts_from_s: f64::INFINITY,
             melts_mm_s: 0.0,
+            heated_by: Heating::Pane,
             front_mm_s: 0.03,
             nuclei_per_mm2: 1e-3,
         }),

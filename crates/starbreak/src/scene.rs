@@ -219,7 +219,11 @@ impl<'a> Scene<'a> {
             rake_rad: mount.rake_rad,
             axis_at_mm: [x * width_mm, y * height_mm],
         };
-        Ok(View::through(&camera, self.size_px)?)
+        let view = View::through(&camera, self.size_px)?;
+        Ok(match &self.settings.optics {
+            OpticsSettings::Physical(optics) => view.over(optics.environment.dashboard),
+            OpticsSettings::Paper(_) => view,
+        })
     }
 
     /// Diameters, px, of the discs that a point of the glass on the optical axis and one of the world

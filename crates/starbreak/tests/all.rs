@@ -1,6 +1,7 @@
 //! All tests of recipes, breaking and showing as one program, which is built and run sooner than one for each file.
 
 mod alpha;
+mod dashboard;
 mod deposits;
 mod faults;
 mod import_hostile;

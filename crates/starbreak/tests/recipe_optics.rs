@@ -252,6 +252,11 @@ fn the_bounds_of_each_key_are_possible_and_nothing_beyond_them() {
         ("optics.ground", &["[0,0,0]"], &["[-1,0,0]"]),
         ("optics.cabin", &["[0,0,0]"], &["[inf,0,0]"]),
         ("optics.horizon_row", &["-100", "100"], &["-101", "101"]),
+        (
+            "optics.dashboard_rows",
+            &["[]", "[0]", "[0.9,1,0.9]", "[1,1,1,1,1,1,1,1,1]"],
+            &["[1.1]", "[0.9,-0.1]", "[nan]", "[1,1,1,1,1,1,1,1,1,1]"],
+        ),
         ("optics.refractive_index", &["1.3", "2"], &["1.2", "2.1"]),
         ("optics.mirror_alpha", &["0", "1"], &["-0.1", "1.1"]),
         ("optics.mist_alpha", &["0", "1"], &["-0.1", "1.1"]),

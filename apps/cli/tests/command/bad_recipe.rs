@@ -9,7 +9,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 200] = [
+const NUMERIC: [(&str, &str, &[&str]); 201] = [
     (
         "paper",
         "camera.f_px",
@@ -100,6 +100,11 @@ const NUMERIC: [(&str, &str, &[&str]); 200] = [
         &["-361", "361", "nan", "inf"],
     ),
     (STAR, "optics.horizon_row", &["-101", "101", "nan", "inf"]),
+    (
+        STAR,
+        "optics.dashboard_rows",
+        &["[1.1]", "[0.9,-0.1]", "[nan]", "[0.9,inf]", "0.9"],
+    ),
     (
         STAR,
         "optics.refractive_index",

@@ -562,7 +562,11 @@ fn what_lies_on_the_pane_changes_from_frame_to_frame_and_the_track_says_how() {
     ];
     let grows = coverages(&frost, "frost", "2");
     assert!(grows[23] > grows[0], "{grows:?}");
-    let melts = ["frost.melts_from_s=102", "frost.melting_um_s=500"];
+    let melts = [
+        "frost.melts_from_s=102",
+        "frost.melting_um_s=500",
+        "frost.heated_by=pane",
+    ];
     let melts = coverages(&[&frost[..], &melts].concat(), "frost", "2");
     assert_eq!(melts[..10], grows[..10], "it melts from 2 s on");
     assert!(melts[23] < 0.8 * melts[9], "{melts:?}");

@@ -59,7 +59,7 @@ impl Environment {
     ///
     /// Two grids of up to 2048 pixels are read and decoded by [`crate::srgb`]: the upper third
     /// of the frame as far as it lies above the horizon, and the middle third of what lies below
-    /// (the lowest rows often show the car). Then:
+    /// (the lowest rows often show the car), down to the highest row of a dashboard that is given. Then:
     ///
     /// - **Sky**: the mean of the pixels between the 70th and the 95th percentile of luminance,
     ///   with the mean s of the sines of their elevations. Its radiance is straight in sin e, so
@@ -122,7 +122,7 @@ impl Environment {
         params: &EnvironmentParams,
         f_px: f64,
     ) -> Self {
-        let frame = Frame::new(size, params.horizon_row, f_px);
+        let frame = Frame::new(size, params, f_px);
         let seen_sky = frame.sky(samples);
         let seen_ground = match params.ground_rgb {
             Some(rgb) => Some(Ground::even(rgb)),
@@ -244,28 +244,32 @@ struct Frame {
     f_px: f64,
     width: u32,
     height: u32,
-    /// Rows above the horizon, from the top.
+    /// Rows above the horizon, from the top, and above the dashboard.
     n_sky_rows: u32,
+    n_outside_rows: u32,
 }
 
 impl Frame {
-    fn new((width, height): (u32, u32), horizon_row: f64, f_px: f64) -> Self {
-        // A row is above the horizon if its middle is.
-        let rows = (horizon_row * f64::from(height) - 0.5)
-            .ceil()
-            .clamp(0.0, f64::from(height));
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "between 0 and the height"
-        )]
-        let n_sky_rows = rows as u32;
+    fn new((width, height): (u32, u32), params: &EnvironmentParams, f_px: f64) -> Self {
+        // A row is above another if its middle is.
+        let n_above = |row: f64| {
+            let rows = (row * f64::from(height) - 0.5).ceil();
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "between 0 and the height"
+            )]
+            let n = rows.clamp(0.0, f64::from(height)) as u32;
+            n
+        };
+        let n_outside_rows = n_above(params.dashboard.highest());
         Self {
-            horizon: Horizon::at_row(horizon_row, height, f_px),
+            horizon: params.horizon(height, f_px),
             f_px,
             width,
             height,
-            n_sky_rows,
+            n_sky_rows: n_above(params.horizon_row).min(n_outside_rows),
+            n_outside_rows,
         }
     }
 
@@ -313,8 +317,8 @@ impl Frame {
 
     /// The ground below the horizon; none if there are no rows of it.
     fn ground(&self, samples: &Samples<'_>) -> Option<Ground> {
-        let third = (self.height - self.n_sky_rows) / 3;
-        let samples = samples(self.n_sky_rows + third..self.height - third);
+        let third = (self.n_outside_rows - self.n_sky_rows) / 3;
+        let samples = samples(self.n_sky_rows + third..self.n_outside_rows - third);
         let ranked = |of: &dyn Fn(&Sample) -> f32, share: f64| {
             let mut values: Vec<f32> = samples.iter().map(of).collect();
             let at = rank(values.len(), share)?;

@@ -3,12 +3,14 @@
 //! Directions are in camera coordinates: x to the right, y down, z along the optical axis. All
 //! light is linear, in units of the image: 1 is what white shows.
 
+mod dashboard;
 mod direction;
 mod estimate;
 mod hemisphere;
 mod samples;
 mod sun;
 
+pub use dashboard::Dashboard;
 pub use direction::Horizon;
 pub(crate) use estimate::smooth_step;
 pub use hemisphere::HemisphereWeights;
@@ -46,6 +48,8 @@ pub struct EnvironmentParams {
     pub cabin_rgb: Option<[Rgb; 2]>,
     /// Row of the horizon over the height of the frame, from the top.
     pub horizon_row: f64,
+    /// What the frame shows of the camera's own side before the glass.
+    pub dashboard: Dashboard,
 }
 
 impl Default for EnvironmentParams {
@@ -61,6 +65,7 @@ impl Default for EnvironmentParams {
             ground_rgb: None,
             cabin_rgb: None,
             horizon_row: 0.5,
+            dashboard: Dashboard::default(),
         }
     }
 }

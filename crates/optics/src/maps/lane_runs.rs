@@ -118,6 +118,23 @@ impl<const L: usize> LaneRuns<L> {
         }
     }
 
+    /// Of each pixel this share, by its column and row; without runs of which nothing is left.
+    pub(crate) fn times(&self, share: impl Fn([usize; 2]) -> f32) -> Self {
+        let mut kept = Self::with_room(self.width, self.height, self.n_runs());
+        for (x, y, run) in self.iter() {
+            let shares: [f32; CHUNK] = std::array::from_fn(|k| share([x + k, y]));
+            if shares.iter().all(|share| *share <= 0.0) {
+                continue;
+            }
+            for (to, from) in kept.push((x, y)).iter_mut().zip(run) {
+                for ((to, from), share) in to.iter_mut().zip(from).zip(shares) {
+                    *to = share * from;
+                }
+            }
+        }
+        kept
+    }
+
     /// Whether no run exists.
     pub(crate) fn is_empty(&self) -> bool {
         self.runs.is_empty()

@@ -7,7 +7,7 @@ use super::picture::Photo;
 use super::placement::Placement;
 use super::raster::{Glass, Raster};
 use crate::coverage::LEAST;
-use crate::environment::{Environment, HemisphereWeights, luminance};
+use crate::environment::{Dashboard, Environment, HemisphereWeights, luminance};
 use crate::maps::Pupil;
 use crate::physical::{Beyond, Overlay, PhysicalOptics, defocus_rows};
 use crate::srgb::encode16;
@@ -95,6 +95,7 @@ pub struct PhotoPattern {
     spread: Raster,
     margin: usize,
     coverage: GrayImage,
+    dashboard: Dashboard,
 }
 
 /// Bakes a placed photograph: opacity and light are spread by the disc that the lens makes of a
@@ -126,13 +127,15 @@ pub fn bake(
     let margin = margin_px(most_px, size);
     let sharp = Raster::new(photo, placement, size, margin);
     let coverage = GrayImage::from_fn(width, height, |x, y| {
-        let glass = sharp.glass(x as usize + margin, y as usize + margin);
+        let at = [x, y].map(|k| k as usize);
+        let glass = sharp.glass(at[0] + margin, at[1] + margin);
+        let share = view.dashboard().glass_in(at, (width, height));
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "a share as a code"
         )]
-        let code = (most(glass.opacity).clamp(0.0, 1.0) * 255.0).round() as u8;
+        let code = (share * most(glass.opacity).clamp(0.0, 1.0) * 255.0).round() as u8;
         image::Luma([code])
     });
     #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
@@ -147,6 +150,7 @@ pub fn bake(
         spread: spread(sharp, &radii_px, Pupil::of(&optics.lens)),
         margin,
         coverage,
+        dashboard: *view.dashboard(),
     })
 }
 
@@ -288,8 +292,9 @@ impl PhotoPattern {
             optics,
             |x, y| {
                 let glass = self.spread.glass(x + self.margin, y + self.margin);
-                let keep = glass.opacity.map(|opacity| (1.0 - opacity).clamp(0.0, 1.0));
-                let add = std::array::from_fn(|c| (white[c] * glass.light[c]).max(0.0));
+                let share = self.dashboard.glass_in([x, y], self.size);
+                let keep = (glass.opacity).map(|opacity| (1.0 - share * opacity).clamp(0.0, 1.0));
+                let add = std::array::from_fn(|c| share * (white[c] * glass.light[c]).max(0.0));
                 (keep, add)
             },
         ))

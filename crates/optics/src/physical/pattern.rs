@@ -9,7 +9,7 @@ use starbreak_seed::Seed;
 
 use super::layer::{PatternLayer, Spread};
 use super::{Overlay, PhysicalOptics};
-use crate::environment::{Environment, HemisphereWeights};
+use crate::environment::{Dashboard, Environment, HemisphereWeights};
 use crate::interface::gap::GapTable;
 use crate::lens::Lens;
 use crate::maps::{CHUNK, Drawn, Facet, LaneRuns, Pupil, cover, spread};
@@ -30,6 +30,7 @@ pub struct Pattern {
     /// What is rendered one after the other: fragments, then cracks and hits.
     layers: Vec<PatternLayer>,
     outline: Outline,
+    dashboard: Dashboard,
 }
 
 /// What is known of where the cracks would be in focus.
@@ -63,6 +64,7 @@ pub fn bake(
         f_px: sheet.f_px(),
         layers: Vec::new(),
         outline: Outline::Corners(Vec::new()),
+        dashboard: *view.dashboard(),
     };
     if network.n_segments() == 0 || pattern.is_without_pixels() {
         return Ok(pattern);
@@ -166,7 +168,15 @@ impl Pattern {
         lens: &Lens,
     ) -> LaneRuns<LANES> {
         let size = (self.size.0 as usize, self.size.1 as usize);
-        spread(facets, drawn, N_SHARES, Pupil::of(lens), size)
+        self.above_dashboard(spread(facets, drawn, N_SHARES, Pupil::of(lens), size))
+    }
+
+    /// What is seen of some maps where a dashboard stands before the pane.
+    fn above_dashboard<const L: usize>(&self, maps: LaneRuns<L>) -> LaneRuns<L> {
+        match self.dashboard.is_none() {
+            true => maps,
+            false => maps.times(|at| self.dashboard.glass_in(at, self.size)),
+        }
     }
 
     /// The layer of some maps, with what tints them; none where nothing is in the frame.
@@ -179,7 +189,7 @@ impl Pattern {
         if light.is_empty() {
             return None;
         }
-        let tint = spread(tint, &[], 1, Pupil::of(lens), light.size());
+        let tint = self.above_dashboard(spread(tint, &[], 1, Pupil::of(lens), light.size()));
         Some(PatternLayer::of_sums(light, &tint, places))
     }
 
@@ -195,6 +205,7 @@ impl Pattern {
             f_px,
             layers,
             outline,
+            dashboard: Dashboard::default(),
         }
     }
 
@@ -240,7 +251,8 @@ impl Pattern {
         let size = (width as usize, height as usize);
         cover(outlines, size, |y, x, shares| {
             let row = &mut pixels[y * size.0 + x..];
-            for (pixel, share) in row.iter_mut().zip(shares) {
+            for ((pixel, share), x) in row.iter_mut().zip(shares).zip(x..) {
+                let share = share * self.dashboard.glass_in([x, y], self.size);
                 #[expect(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,

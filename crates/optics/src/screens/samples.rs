@@ -61,7 +61,12 @@ impl Samples {
         let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
         let mut samples = Self::none((size.0 as usize, size.1 as usize), per_cell);
         let middle = |k: f64| (k + 0.5) * f64::from(per_cell);
-        let row = |y: f64| (0..size.0).map(move |x| view.unproject([f64::from(x), y].map(middle)));
+        // A dashboard hides what is on the pane.
+        let seen = |px: [f64; 2]| {
+            let is_glass = px[1] < view.dashboard().row_px(px[0], view.size());
+            view.unproject(px).filter(|_| is_glass)
+        };
+        let row = |y: f64| (0..size.0).map(move |x| seen([f64::from(x), y].map(middle)));
         let (mut places_mm, mut there) = (Vec::new(), Vec::new());
         // The last one, this one and the next.
         let mut rows = [-1.0, -1.0, 0.0].map(|y| row(y).collect::<Vec<_>>());

@@ -226,8 +226,8 @@ impl SheetView {
         [x / length, y / length, 1.0 / length]
     }
 
-    /// The point of the frame nearest to where a direction in camera coordinates is seen, and how far away that is, px; none
-    /// of a direction that is not before the camera.
+    /// The point of the frame nearest to where a direction in camera coordinates is seen, above a dashboard in the same
+    /// column, and how far away that is, px; none of a direction that is not before the camera.
     pub(crate) fn nearest_in_frame(&self, [x, y, z]: [f64; 3]) -> Option<([f64; 2], f64)> {
         if z <= 1e-6 {
             return None;
@@ -236,10 +236,9 @@ impl SheetView {
         let seen = [x, y].map(|part| p.f_px * part / z);
         let seen = [0, 1].map(|k| p.center_px[k] + seen[k]);
         let (width, height) = self.view.size();
-        let inside = [
-            seen[0].clamp(0.0, f64::from(width)),
-            seen[1].clamp(0.0, f64::from(height)),
-        ];
+        let column_px = seen[0].clamp(0.0, f64::from(width));
+        let last_px = self.view.dashboard().row_px(column_px, (width, height));
+        let inside = [column_px, seen[1].clamp(0.0, last_px)];
         let [x, y] = [0, 1].map(|k| seen[k] - inside[k]);
         let away_px = (x * x + y * y).sqrt();
         Some((inside, away_px))

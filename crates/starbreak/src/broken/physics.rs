@@ -77,7 +77,14 @@ fn stones_on(
                 Position::Random { share } => {
                     let mut rng = seed.stream(Stream::ImpactPosition, k);
                     let mut draw = || 0.5 * (1.0 - share) + share * uniform(&mut rng);
-                    (0..MAX_DRAWS).find_map(|_| on_pane([draw(), draw()]))
+                    // Of what a dashboard leaves of the frame.
+                    let mut on_glass = || {
+                        let [u, v] = [draw(), draw()];
+                        let (width, height) = view.size();
+                        let row_px = (view.dashboard()).row_px(u * f64::from(width), view.size());
+                        [u, v * (row_px / f64::from(height))]
+                    };
+                    (0..MAX_DRAWS).find_map(|_| on_pane(on_glass()))
                 }
             };
             let Some(position_m) = position_m else {

@@ -131,10 +131,13 @@ pub(super) fn screens_of(
     let axis_mm = view
         .unproject([0.5 * width, 0.5 * height])
         .unwrap_or_default();
+    // A dashboard hides where the pane ends.
+    let last_px = (view.dashboard()).row_px(0.5 * width, size_px);
+    let end_mm = view.unproject([0.5 * width, last_px]).unwrap_or(area.to_mm)[1];
     let coats = settings.coats.iter().filter(|coat| is_asked(coat));
     Ok(coats
         .map(|coat| {
-            let coat = coat.later(after_s).seen_from(axis_mm);
+            let coat = coat.later(after_s).seen_from(axis_mm, end_mm);
             let coating = coat.on_pane(&area, finest_mm, seed);
             Screen::of(&*coating, &view, &optic)
         })

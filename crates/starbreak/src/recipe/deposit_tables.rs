@@ -112,6 +112,8 @@ pub(super) struct FrostTable {
     /// How fast it becomes thinner then, um/s, 0 to 1000: 1 takes 306 W/m2, as a heated pane has them.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub(super) melting_um_s: f64,
+    /// What heats the pane then: "vents" along its lower edge, so that it clears from there, or the "pane" itself, all alike.
+    pub(super) heated_by: HeatingWord,
     /// Speed of the tips of crystals, um/s, 0 to 1000: the colder and moister, the faster.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub(super) front_um_s: f64,
@@ -163,6 +165,8 @@ pub(super) struct CondensationTable {
     /// How fast it does then, as the film that it would be, um/s, 0 to 10: 0.1 takes 245 W/m2, as a heated pane has them.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) clearing_um_s: f64,
+    /// What heats the pane then, as for frost: "vents" along its lower edge, or the "pane" itself.
+    pub(super) heated_by: HeatingWord,
     /// Places per mm2 at which drops begin, 10 to 10000: the more, the finer the dew.
     #[schemars(range(min = 10.0, max = 1e4))]
     pub(super) nuclei_per_mm2: f64,
@@ -175,4 +179,14 @@ pub(super) struct CondensationTable {
     /// How large such places are, mm, 5 to 1000.
     #[schemars(range(min = 5.0, max = 1000.0))]
     pub(super) scale_mm: f64,
+}
+
+/// What heats a pane that clears.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum HeatingWord {
+    /// The pane itself.
+    Pane,
+    /// Warm air along its lower edge.
+    Vents,
 }

@@ -196,6 +196,10 @@ pub(super) struct PhysicalOpticsTable {
     /// Row of the horizon as a fraction of the height of the frame, from the top, -100 to 100.
     #[schemars(range(min = -100.0, max = 100.0))]
     pub(super) horizon_row: f64,
+    /// Rows below which the frame shows the dashboard before the glass, not the glass, as fractions of its height from the
+    /// top, 0 to 1: one, or up to 9 of columns evenly from the left to the right. [] shows glass all over.
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1.0, "maxItems" = 9))]
+    pub(super) dashboard_rows: Vec<f64>,
     /// Refractive index of the glass, 1.3 to 2 (soda-lime: 1.52).
     #[schemars(range(min = 1.3, max = 2.0))]
     pub(super) refractive_index: f64,

@@ -2,10 +2,12 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use starbreak_deposit::{Coat, Condensation, Dust, Film, Fog, Frost, Mud, Rain, Scratches};
+use starbreak_deposit::{
+    Coat, Condensation, Dust, Film, Fog, Frost, Heating, Mud, Rain, Scratches,
+};
 
 use super::super::deposit_tables::{
-    CondensationTable, DustTable, FilmTable, FrostTable, MudTable, ScratchesTable,
+    CondensationTable, DustTable, FilmTable, FrostTable, HeatingWord, MudTable, ScratchesTable,
 };
 use super::super::error::{Place, RecipeError};
 use super::super::tables::DepositTables;
@@ -93,6 +95,7 @@ fn frost(it: FrostTable) -> Option<Coat> {
         age_s: it.age_s,
         melts_from_s: it.melts_from_s,
         melts_mm_s: 1e-3 * it.melting_um_s,
+        heated_by: heating(it.heated_by),
         front_mm_s: 1e-3 * it.front_um_s,
         nuclei_per_mm2: 0.01 * it.seeds_per_cm2,
     }))
@@ -118,7 +121,17 @@ fn fog(it: CondensationTable) -> Option<Coat> {
         },
         unevenness: it.unevenness,
         scale_mm: it.scale_mm,
+        heated_by: heating(it.heated_by),
     }))
+}
+
+fn heating(word: HeatingWord) -> Heating {
+    match word {
+        HeatingWord::Pane => Heating::Pane,
+        HeatingWord::Vents => Heating::Vents {
+            edge_mm: f64::INFINITY,
+        },
+    }
 }
 
 fn without_pane(place: &Place, table: &str) -> RecipeError {

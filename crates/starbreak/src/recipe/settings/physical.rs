@@ -1,7 +1,7 @@
 //! Settings of the physical optics: lens, light and the surfaces of cracks in SI units.
 
 use starbreak_fracture::physics::GlassBuild;
-use starbreak_optics::environment::{EnvironmentParams, Rgb};
+use starbreak_optics::environment::{Dashboard, EnvironmentParams, Rgb};
 use starbreak_optics::lens::Lens;
 use starbreak_optics::physical::{Glass, PhysicalOptics, SensorNoise, SurfaceParams};
 use toml::Table;
@@ -98,7 +98,7 @@ pub(super) fn settings(
         .map_err(|error| RecipeError::of_model(place, "camera", error))?;
     let optics = PhysicalOptics {
         lens,
-        environment: environment(given),
+        environment: environment(place, given)?,
         glass: Glass {
             thickness_mm: sheet.thickness_mm,
             interlayer_mm: sheet.interlayer_mm,
@@ -209,8 +209,22 @@ fn f_px(
     }
 }
 
-fn environment(given: &PhysicalOpticsTable) -> EnvironmentParams {
-    EnvironmentParams {
+fn environment(
+    place: &Place,
+    given: &PhysicalOpticsTable,
+) -> Result<EnvironmentParams, RecipeError> {
+    let rows = &given.dashboard_rows;
+    let dashboard = Dashboard::below(rows).map_err(|_| {
+        let rows: Vec<String> = rows.iter().map(f64::to_string).collect();
+        let found = format!("[{}]", rows.join(", "));
+        out_of_range(
+            place,
+            "optics.dashboard_rows",
+            found,
+            "up to 9 rows, each 0 to 1",
+        )
+    })?;
+    Ok(EnvironmentParams {
         sun_azimuth_rad: given.sun_azimuth_deg.to_radians(),
         sun_turns_rad_s: given.sun_turns_deg_s.to_radians(),
         sun_elevation_rad: given.sun_elevation_deg.to_radians(),
@@ -224,7 +238,8 @@ fn environment(given: &PhysicalOpticsTable) -> EnvironmentParams {
             CabinEntry::Auto(_) => None,
         },
         horizon_row: given.horizon_row,
-    }
+        dashboard,
+    })
 }
 
 fn rgb(given: AutoRgb) -> Option<Rgb> {
