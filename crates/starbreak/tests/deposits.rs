@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use image::{DynamicImage, Rgb, RgbImage};
-use starbreak::{Chain, Error, Recipe, SCENARIOS, Scene, Seed, Stopwatch, presets, simulate};
+use starbreak::{Chain, Error, FAULTS, Recipe, SCENARIOS, Scene, Seed, Stopwatch, simulate};
 
 fn over(recipe: &Recipe, image: &DynamicImage, seed: u64) -> DynamicImage {
     let mut image = image.clone();
@@ -183,10 +183,45 @@ fn a_scenario_has_all_its_faults_and_each_severity_is_worse() {
                 .map_or(0, |it| it.lens.faults().len());
             assert!(n_coats + n_lens >= 2, "{}", scenario.preset.0);
         }
-        for alone in scenario.alone {
-            assert!(presets().any(|(name, _)| name == *alone), "{alone}");
+    }
+}
+
+/// A fault of a scenario alone has the values of the scenario at each severity, and no other fault; all of them are the
+/// scenario.
+#[test]
+fn a_scenario_comes_apart_into_its_faults() {
+    let tables = |name: &str, severity: u8| {
+        let recipe = Recipe::preset_at(name, severity).unwrap();
+        let json = recipe.to_json();
+        let tables = json.as_object().unwrap().clone();
+        let faults = FAULTS.iter().map(|fault| fault.table);
+        let there = faults.filter(|table| tables.contains_key(*table));
+        let there: Vec<_> = there.map(|table| (table, tables[table].clone())).collect();
+        (there, tables.get("lens").cloned())
+    };
+    for scenario in SCENARIOS {
+        for severity in [1, 3, 5] {
+            let (whole, lens) = tables(scenario.preset.0, severity);
+            let mut apart = Vec::new();
+            for name in scenario.alone() {
+                let (alone, its_lens) = tables(&name, severity);
+                assert_eq!(alone.len(), 1, "{name}: {alone:?}");
+                assert_eq!(its_lens, lens, "{name} is in the same light");
+                apart.extend(alone);
+            }
+            let by_table = |(table, _): &(&str, _)| (*table).to_owned();
+            apart.sort_by_key(by_table);
+            let mut whole = whole;
+            whole.sort_by_key(by_table);
+            assert_eq!(apart, whole, "{} {severity}", scenario.preset.0);
         }
     }
+    let refused = Recipe::preset("rainy-drive.mud").unwrap_err().to_string();
+    assert!(refused.contains("did you mean `rainy-drive."), "{refused}");
+    let refused = Recipe::preset("windshield-star.drops")
+        .unwrap_err()
+        .to_string();
+    assert!(refused.contains("windshield-star.drops"), "{refused}");
 }
 
 #[test]

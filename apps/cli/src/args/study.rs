@@ -35,8 +35,8 @@ pub(crate) struct StudyArgs {
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', conflicts_with_all = ["preset", "recipe"])]
     pub(crate) presets: Vec<String>,
     /// All presets of a suite: `camera` is what lies on the glass and the faults of lens, sensor and link, `glass`
-    /// broken glass; the others are a scenario with several faults at once, and each of these alone, at the same
-    /// severity of its own preset: a scenario has values of its own, and may cost less than one of them
+    /// broken glass; the others are a scenario with several faults at once, and each of these alone with the values that
+    /// it has there, as the preset `rainy-drive.drops`
     #[arg(long, value_enum, value_name = "NAME", conflicts_with_all = ["preset", "recipe", "presets"])]
     pub(crate) suite: Option<SuiteWord>,
     /// Recipes to damage the images with; severities do not scale them
@@ -153,13 +153,12 @@ impl SuiteWord {
     }
 }
 
-/// Presets of a suite's scenario: its faults alone, then all of them together.
+/// Presets of a suite's scenario: each of its faults alone, then all of them together.
 fn of_scenario(suite: &str) -> Vec<String> {
     SCENARIOS
         .iter()
         .filter(|scenario| scenario.suite == suite)
-        .flat_map(|scenario| scenario.alone.iter().copied().chain([scenario.preset.0]))
-        .map(str::to_owned)
+        .flat_map(|scenario| scenario.alone().chain([scenario.preset.0.to_owned()]))
         .collect()
 }
 

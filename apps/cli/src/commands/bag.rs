@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use serde_json::{Value, json};
-use starbreak::{Recipe, presets};
+use starbreak::Recipe;
 use starbreak_runs::bag::{Added, Bag, BagReport, BagRequest, CameraReport, CameraRequest};
 use starbreak_runs::{RunContext, with_threads};
 
@@ -56,7 +56,7 @@ fn request_of(global: &Global, args: &BagArgs) -> Result<BagRequest, Failure> {
     let context = |recipe: &Recipe| RunContext::new(recipe, global.seed(), &args.output);
     let cameras = args.topic.iter().map(|camera| {
         let recipe = match &camera.recipe {
-            Some(word) if presets().any(|(name, _)| name == word) => global.preset_called(word)?,
+            Some(word) if Recipe::preset(word).is_ok() => global.preset_called(word)?,
             Some(file) => global.recipe_in(Path::new(file), &args.output)?,
             None => global.recipe()?,
         };

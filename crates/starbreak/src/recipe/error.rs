@@ -1,6 +1,6 @@
 use std::fmt;
 
-use super::{MAX_RECIPE_BYTES, SCHEMA_VERSION, presets};
+use super::{MAX_RECIPE_BYTES, SCHEMA_VERSION, Scenario, presets};
 
 /// Where a recipe text came from, for messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -223,6 +223,16 @@ impl RecipeError {
     pub(super) fn unknown_preset(name: &str) -> Self {
         let names = presets().map(|(known, _)| known);
         let hint = super::known_keys::hint(name, names, "presets");
+        Self::UnknownPreset {
+            name: name.escape_debug().to_string(),
+            hint,
+        }
+    }
+
+    /// A fault that a scenario does not have.
+    pub(super) fn unknown_part(name: &str, scenario: &Scenario) -> Self {
+        let parts: Vec<String> = scenario.alone().collect();
+        let hint = super::known_keys::hint(name, parts.iter().map(String::as_str), "presets");
         Self::UnknownPreset {
             name: name.escape_debug().to_string(),
             hint,

@@ -245,8 +245,19 @@ pub struct Scenario {
     pub suite: &'static str,
     /// Its preset, and what it is.
     pub preset: (&'static str, &'static str),
-    /// Presets of its faults alone, for comparison.
-    pub alone: &'static [&'static str],
+    /// The tables of its faults.
+    pub faults: &'static [&'static str],
+}
+
+impl Scenario {
+    /// Presets of its faults, each alone with the values that it has in the scenario: its preset and the table of the fault,
+    /// as `rainy-drive.drops`.
+    pub fn alone(&self) -> impl Iterator<Item = String> {
+        let name = self.preset.0;
+        self.faults
+            .iter()
+            .map(move |table| format!("{name}.{table}"))
+    }
 }
 
 /// All of them.
@@ -257,7 +268,7 @@ pub const SCENARIOS: [Scenario; 5] = [
             "rainy-drive",
             "driving in rain: drops, a fogged pane, a wet film, and lights that glare",
         ),
-        alone: &["rain", "fogged", "greasy", "glare"],
+        faults: &["drops", "condensation", "film", "glare"],
     },
     Scenario {
         suite: "winter",
@@ -265,7 +276,7 @@ pub const SCENARIOS: [Scenario; 5] = [
             "winter-morning",
             "a winter morning: ice that was not scraped off, breath on the pane, and road salt",
         ),
-        alone: &["frosted", "fogged", "dusty"],
+        faults: &["frost", "condensation", "dust"],
     },
     Scenario {
         suite: "night",
@@ -273,14 +284,7 @@ pub const SCENARIOS: [Scenario; 5] = [
             "night-drive",
             "driving at night: few photons, a long exposure, bright lamps, and a worn, greasy pane",
         ),
-        alone: &[
-            "underexposed",
-            "noise",
-            "shake",
-            "glare",
-            "scratched",
-            "greasy",
-        ],
+        faults: &["film", "scratches", "shake", "glare", "exposure", "noise"],
     },
     Scenario {
         suite: "car-wash",
@@ -288,7 +292,7 @@ pub const SCENARIOS: [Scenario; 5] = [
             "car-wash",
             "in a car wash: water that runs down, drops, and foam",
         ),
-        alone: &["greasy", "rain"],
+        faults: &["film", "drops"],
     },
     Scenario {
         suite: "desert",
@@ -296,7 +300,7 @@ pub const SCENARIOS: [Scenario; 5] = [
             "desert-track",
             "a track in the desert: dust, scratches of sand, a camera that shakes, and too much light",
         ),
-        alone: &["dusty", "scratched", "shake", "overexposed"],
+        faults: &["dust", "scratches", "shake", "exposure"],
     },
 ];
 

@@ -3,7 +3,7 @@
 use toml::{Table, Value};
 
 use super::error::{Place, RecipeError};
-use super::faults::FAULTS;
+use super::faults::{FAULTS, SCENARIOS};
 use super::known_keys;
 use super::parse_table;
 use super::tables::{Choice, KindWord, ModelWord, OpticsWord};
@@ -111,7 +111,33 @@ pub(super) struct Preset {
 }
 
 impl Preset {
+    /// A preset, or a fault of a scenario alone, by the scenario's name and the fault's table with a dot between.
     pub(super) fn named(name: &str) -> Result<Self, RecipeError> {
+        let Some((scenario, table)) = name.split_once('.') else {
+            return Self::whole(name);
+        };
+        let known = SCENARIOS.iter().find(|it| it.preset.0 == scenario);
+        match known {
+            Some(it) if it.faults.contains(&table) => Ok(Self::whole(scenario)?
+                .without(|fault| it.faults.contains(&fault) && fault != table)),
+            Some(it) => Err(RecipeError::unknown_part(name, it)),
+            None => Err(RecipeError::unknown_preset(name)),
+        }
+    }
+
+    /// Without some tables, and a pane on which then nothing lies.
+    fn without(mut self, is_out: impl Fn(&str) -> bool) -> Self {
+        self.table.retain(|table, _| !is_out(table));
+        self.severity
+            .retain(|key, _| !key.split('.').next().is_some_and(&is_out));
+        let mut faults = FAULTS.iter().filter(|fault| fault.needs_pane());
+        if !faults.any(|fault| self.table.contains_key(fault.table)) {
+            self.table.remove("glass");
+        }
+        self
+    }
+
+    fn whole(name: &str) -> Result<Self, RecipeError> {
         let text = match name {
             "windshield-star" => include_str!("../../presets/windshield-star.toml"),
             "windshield-bullseye" => include_str!("../../presets/windshield-bullseye.toml"),
