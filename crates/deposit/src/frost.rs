@@ -14,6 +14,8 @@ use crate::{Area, Coating, Heat, Heating, Passage, vectorized};
 /// again, and branches branch, each kind slower than the one before. A tip that meets ice stops. Between branches ice
 /// closes in slowly. It thickens with the root of the time since it came, as heat has to be led away through it.
 ///
+/// Between crystals dew has frozen: drops, as those of dew, cover a share of the glass that comes with the front.
+///
 /// When the glass is heated it grows no more and becomes thinner, so that stems stay longest. One µm/s takes 306 W/m². The
 /// water is not seen: on glass under ice it is a film.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +32,8 @@ pub struct Frost {
     pub front_mm_s: f64,
     /// Nuclei per mm².
     pub nuclei_per_mm2: f64,
+    /// Share of the glass between crystals that frozen dew covers in the end.
+    pub rime: f64,
 }
 
 /// Angle by which it turns light per axis, rad: (n − 1) times slopes of some 30°, and more where it scatters. FIT.
@@ -68,6 +72,10 @@ const BACKWARDS: f64 = 0.1;
 /// Of what ice scatters and lets through, the share that goes on forwards. FIT.
 const FORWARDS: f64 = 0.6;
 
+/// Way of the front on which frozen dew comes to 1 − 1/e of what it covers in the end, and how thick it is, mm. FIT.
+const RIME_OVER_MM: f64 = 30.0;
+const RIME_MM: f64 = 0.02;
+
 /// Most nuclei.
 const MOST_NUCLEI: f64 = 2e4;
 
@@ -105,6 +113,7 @@ impl Frost {
             thickness_mm: ice.thickness_mm(most_mm),
             melted_mm: self.melts_mm_s * (self.age_s - grows_s),
             heat: self.heated_by.over(area),
+            rime: self.rime * (1.0 - libm::exp(-most_mm / RIME_OVER_MM)),
             from_mm: ice.from_mm,
             sides_mm: ice.sides_mm,
         }
@@ -341,6 +350,8 @@ pub(crate) struct FrostedPane {
     thickness_mm: Raster,
     melted_mm: f64,
     heat: Heat,
+    /// Share of the glass between crystals that frozen dew covers.
+    rime: f64,
     from_mm: [f64; 2],
     sides_mm: [f64; 2],
 }
@@ -352,7 +363,11 @@ impl Coating for FrostedPane {
             false => 0.0,
         };
         let at_mm = inside(at_mm, self.from_mm, self.sides_mm);
-        let thickness_mm = self.thickness_mm.at(at_mm) - melted_mm;
+        let thickness_mm = self.thickness_mm.at(at_mm);
+        if thickness_mm <= 0.0 {
+            return frozen_dew(self.rime * (1.0 - melted_mm / RIME_MM).max(0.0));
+        }
+        let thickness_mm = thickness_mm - melted_mm;
         if thickness_mm <= 0.0 {
             return Passage::CLEAN;
         }
@@ -377,6 +392,18 @@ impl Coating for FrostedPane {
 
     fn turns_by_rad(&self) -> [f64; 2] {
         [0.0, TURNED_RAD]
+    }
+}
+
+/// What drops of ice that cover a share of the glass do to light: as those of dew, but what they diffract is too little to
+/// be told from what goes straight on.
+fn frozen_dew(covered: f64) -> Passage {
+    let direct = (1.0 - covered) * (1.0 - covered);
+    Passage {
+        covered,
+        direct: [direct; 3],
+        wide: 1.0 - direct,
+        ..Passage::CLEAN
     }
 }
 

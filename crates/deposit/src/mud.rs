@@ -47,13 +47,18 @@ const LEAST_OUTLINE: f64 = 0.4;
 const TOGETHER: usize = 8;
 
 /// How large places are, mm, that are thicker and thinner, and by how much. FIT.
-const GRAIN: (f64, f64) = (1.6, 0.6);
+const GRAIN: (f64, f64) = (2.2, 0.45);
 
 /// Largest radius of a splat, median diameters. FIT.
 const LARGEST: f64 = 3.0;
 
 /// Standard deviation of the logarithm of the thickness of splats. FIT.
 const THICKNESSES: f64 = 0.6;
+
+/// Most drops of spray of a splat, their least radius over its own, and how far they fly from the way that it came, rad. FIT.
+const MOST_SPRAY: f64 = 40.0;
+const SPRAY_OF_SPLAT: f64 = 0.035;
+const SPRAYS_RAD: f64 = 1.0;
 
 /// Mean cosine g of the angle by which a grain of earth scatters. FIT, of mineral dust.
 const FORWARDS: f64 = 0.75;
@@ -127,18 +132,19 @@ impl Mud {
             let splat = Splat::new(middle_mm, radius_mm, (&waves, &mut rng));
             let thickness_mm = self.thickness_mm * libm::exp(THICKNESSES * normal(&mut rng));
             covered += splat.add(&mut thickness, thickness_mm);
-            // Spray around it.
+            // Spray, most of it beyond, as it was thrown: many small drops, few larger ones.
+            let many = uniform(&mut rng);
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
                 reason = "some drops"
             )]
-            let n_spray = (12.0 * uniform(&mut rng)) as u32;
+            let n_spray = (MOST_SPRAY * many * many) as u32;
             for _ in 0..n_spray {
-                let (sin, cos) = libm::sincos(TAU * uniform(&mut rng));
+                let (sin, cos) = libm::sincos(-0.25 * TAU + SPRAYS_RAD * normal(&mut rng));
                 let away = radius_mm * (1.1 - 1.2 * libm::log(1.0 - 0.95 * uniform(&mut rng)));
                 let at = [middle_mm[0] + away * cos, middle_mm[1] + away * sin];
-                let radius = radius_mm * 0.04 * (1.0 + 3.0 * uniform(&mut rng));
+                let radius = SPRAY_OF_SPLAT * radius_mm / (0.03 + 0.97 * uniform(&mut rng)).sqrt();
                 let drop = Splat::new(at, radius, (&waves, &mut rng));
                 covered += drop.add(&mut thickness, 0.4 * thickness_mm);
             }
@@ -292,10 +298,12 @@ impl Splat {
 }
 
 /// How thick mud has dried over where it is thickest, by the square of the distance from its middle over that of its
-/// edge: nearly even, for water leaves at the edge and takes earth there with it [Deegan1997]. FIT.
+/// edge: a little thicker all around than in the middle, for water leaves at the edge and takes earth there with it
+/// \[Deegan1997\], and steep at its end. FIT.
 #[inline(always)]
 fn dried(part_square: f64) -> f64 {
-    (1.0 - part_square).max(0.0).sqrt() * (0.95 + 0.81 * part_square)
+    let sixth = part_square * part_square * part_square;
+    (1.0 - sixth * sixth).max(0.0).sqrt() * (0.827 + 0.327 * part_square)
 }
 
 /// Whether a place is surely beyond an outline of so many powers of e, without taking them: e^x ≤ (1 − x/64)⁻⁶⁴ for x below 64.

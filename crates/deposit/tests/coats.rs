@@ -37,6 +37,7 @@ const FROST: Frost = Frost {
     heated_by: Heating::Pane,
     front_mm_s: 0.03,
     nuclei_per_mm2: 3e-4,
+    rime: 0.0,
 };
 
 const FILM: Film = Film {
@@ -563,4 +564,50 @@ fn a_pane_over_vents_clears_from_below() {
         assert!(rows[0] < 0.5 * rows[3], "{rows:?} of a row is covered");
         assert!(rows[1] <= rows[3], "{rows:?}");
     }
+}
+
+/// Dew freezes between crystals, not under them, comes with the front, takes no light, and melts before they do.
+#[test]
+fn dew_freezes_between_crystals() {
+    let of = |rime: f64, age_s: f64, melts_s: f64| {
+        let frost = Frost {
+            age_s: age_s + melts_s,
+            melts_from_s: age_s,
+            melts_mm_s: 1e-3,
+            rime,
+            ..FROST
+        };
+        Coat::Frost(frost).on_pane(&AREA, 0.3, Seed(4))
+    };
+    let (bare, rimed) = (of(0.0, 1500.0, 0.0), of(0.3, 1500.0, 0.0));
+    let all = 0.3 * (1.0 - (-45.0_f64 / 30.0).exp());
+    let mut n_between = 0;
+    for at in places() {
+        let (bare, rimed) = (bare.passage(at), rimed.passage(at));
+        if bare == Passage::CLEAN {
+            n_between += 1;
+            assert!((rimed.covered - all).abs() < 1e-12, "{rimed:?}");
+            assert!((rimed.direct[0] - (1.0 - all) * (1.0 - all)).abs() < 1e-12);
+            assert!((rimed.direct[0] + rimed.wide - 1.0).abs() < 1e-12);
+        } else {
+            assert_eq!(bare, rimed, "ice at {at:?}");
+        }
+    }
+    assert!(
+        n_between > 10_000,
+        "{n_between} places are between crystals"
+    );
+    let covers = |age_s: f64, melts_s: f64| {
+        let pane = of(0.3, age_s, melts_s);
+        let between = places().map(|at| pane.passage(at));
+        let between = between.filter(|it| it.direct[0] + it.wide > 1.0 - 1e-9);
+        between.map(|it| it.covered).fold(0.0, f64::max)
+    };
+    assert!(
+        covers(400.0, 0.0) < covers(1500.0, 0.0),
+        "it comes with the front"
+    );
+    assert!(covers(1500.0, 10.0) < 0.6 * covers(1500.0, 0.0));
+    assert!(covers(1500.0, 25.0) <= 0.0, "gone while crystals are left");
+    assert!(mean(&*of(0.3, 1500.0, 25.0), |it| it.covered) > 0.05);
 }

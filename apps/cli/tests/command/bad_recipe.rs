@@ -9,7 +9,7 @@ use serde_json::Value;
 
 /// Every numeric key with a preset that has it, and values that it must refuse. Angles may be
 /// negative.
-const NUMERIC: [(&str, &str, &[&str]); 201] = [
+const NUMERIC: [(&str, &str, &[&str]); 202] = [
     (
         "paper",
         "camera.f_px",
@@ -471,6 +471,7 @@ const NUMERIC: [(&str, &str, &[&str]); 201] = [
     ("greasy", "film.haze_percent", &["-1", "nan", "51"]),
     ("frosted", "frost.age_s", &["-1", "nan", "inf", "1e6"]),
     ("frosted", "frost.melts_from_s", &["-1", "nan"]),
+    ("frosted", "frost.rime_percent", &["-1", "56", "nan", "inf"]),
     (
         "frosted",
         "frost.melting_um_s",

@@ -45,7 +45,7 @@ impl Run {
     const HEAD: f64 = 0.62;
 
     /// Mean over its width of what has dried, over its thickest.
-    const ACROSS: f64 = 0.905;
+    const ACROSS: f64 = 0.883;
 
     /// How far it sways, mm, over the square root of the length of a wave. FIT.
     const SWAY: f64 = 0.06;

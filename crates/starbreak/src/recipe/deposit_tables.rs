@@ -120,6 +120,9 @@ pub(super) struct FrostTable {
     /// Nuclei per cm2, 0.001 to 20: few on clean glass, many on dusty.
     #[schemars(range(min = 0.001, max = 20.0))]
     pub(super) seeds_per_cm2: f64,
+    /// How much of the glass between crystals is covered by dew that froze, in the end, percent, 0 to 55.
+    #[schemars(range(min = 0.0, max = 55.0))]
+    pub(super) rime_percent: f64,
 }
 
 /// Drops of rain.

@@ -98,6 +98,7 @@ fn frost(it: FrostTable) -> Option<Coat> {
         heated_by: heating(it.heated_by),
         front_mm_s: 1e-3 * it.front_um_s,
         nuclei_per_mm2: 0.01 * it.seeds_per_cm2,
+        rime: 0.01 * it.rime_percent,
     }))
 }
 
