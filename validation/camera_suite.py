@@ -4,7 +4,7 @@
 
 PROGRAM is the built `starbreak`; STUDY is the folder of
 
-    starbreak study SOURCE --model … --suite camera --severities 1,2,3,4,5 --no-store -o STUDY
+    starbreak study SOURCE --model … --suite camera --severities 1,2,3,4,5 --no-store --divergence off -o STUDY
 
 Prints AP50 of whole images by preset and severity with the change from the clean images and its interval, mPC and rPC,
 and the reversals: where AP50 is higher at the greater of two severities that follow each other, with the p of a paired
@@ -115,7 +115,7 @@ def main():
         print(f"{detector}: AP50 of clean images {100 * clean[detector]:.1f} %; points of it at severity {severities} [95 %]")
         for family, points in families.items():
             cells = "  ".join(f"{100 * d:6.1f} [{100 * low:5.1f}, {100 * high:5.1f}]" for _, d, low, high in points)
-            print(f"  {family:17} {cells}")
+            print(f"  {family:27} {cells}")
             for before, after in zip(points, points[1:]):
                 if after[1] > before[1]:
                     pair = [by_name[detector, family, one[0]] for one in (before, after)]

@@ -1,8 +1,12 @@
 //! What is on the glass ends where a dashboard stands before it.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use image::{DynamicImage, Rgb, RgbImage};
+use std::sync::Arc;
+
+use image::{DynamicImage, Rgb, RgbImage, Rgba, RgbaImage};
+use starbreak::photo::{GlassPhoto, OverlayOptions};
 use starbreak::{Chain, Recipe, Scene, Seed, Stopwatch, simulate};
+use starbreak_optics::photo::{Photo, PhotoParams};
 
 const SIZE: (u32, u32) = (320, 200);
 
@@ -145,4 +149,29 @@ fn random_stones_hit_the_glass_above_the_dashboard() {
     for seen in above {
         assert!(seen[1] < 100.0, "{seen:?} is hidden");
     }
+}
+
+#[test]
+fn a_photograph_of_broken_glass_ends_at_the_dashboard() {
+    let white = DynamicImage::ImageRgba8(RgbaImage::from_pixel(60, 40, Rgba([255, 255, 255, 180])));
+    let photo = Photo::new(white, &PhotoParams::default()).unwrap();
+    let glass = Arc::new(GlassPhoto {
+        photo,
+        name: "white.png".to_owned(),
+        blake3: String::new(),
+    });
+    let settings = recipe("windshield-star", &[ROWS]).settings().unwrap();
+    let placed = glass.place(SIZE, &OverlayOptions::default(), Seed(1));
+    let mut watch = Stopwatch::start();
+    let chain = Chain::of_photo(&settings, placed.unwrap(), SIZE, &mut watch).unwrap();
+    let mut image = DynamicImage::ImageRgb8(scene());
+    chain.over(&mut image, Seed(1)).unwrap();
+    let (image, crack) = (image.to_rgb8(), chain.crack_mask().unwrap());
+    let crack = DynamicImage::ImageLuma8(crack).to_rgb8();
+    let below = |away: f64| away > 1.0;
+    assert_eq!(differ(&scene(), &image, below), 0, "on the dashboard");
+    let black = RgbImage::new(SIZE.0, SIZE.1);
+    assert_eq!(differ(&black, &crack, below), 0, "its mask");
+    let above = differ(&scene(), &image, |away| away < -1.0);
+    assert!(above > 40_000, "{above} pixels above");
 }
