@@ -81,6 +81,12 @@ impl Dashboard {
         rows.fold(1.0, f64::min)
     }
 
+    /// The lowest of its rows of a frame of a height, px: nothing on the glass is seen below.
+    pub(crate) fn lowest_px(&self, height: u32) -> f64 {
+        let rows = self.rows[..self.n_rows].iter().copied();
+        f64::from(height) * rows.reduce(f64::max).unwrap_or(1.0)
+    }
+
     /// Share of a pixel of a frame of a size, px, that shows glass.
     pub(crate) fn glass_in(&self, [x, y]: [usize; 2], size: (u32, u32)) -> f32 {
         #[expect(clippy::cast_precision_loss, reason = "px of a frame")]

@@ -117,11 +117,15 @@ impl<'a> DrawnDrop<'a> {
         };
         let [columns, rows] = extent.spans_px.map(rays);
         let (width, height) = sheet.view().size();
-        let within_frame = |all: &Range<i32>, n: u32| {
-            let most = rays([-beyond_px, f64::from(n) + beyond_px]);
+        let within_frame = |all: &Range<i32>, side_px: f64| {
+            let most = rays([-beyond_px, side_px + beyond_px]);
             all.start.max(most.start)..all.end.min(most.end)
         };
-        let within = [within_frame(&columns, width), within_frame(&rows, height)];
+        let last_px = sheet.view().dashboard().lowest_px(height);
+        let within = [
+            within_frame(&columns, f64::from(width)),
+            within_frame(&rows, last_px),
+        ];
         if within.iter().any(Range::is_empty) {
             return None;
         }
