@@ -576,7 +576,7 @@ fn the_ground_ends_at_a_dashboard() {
     }));
     let with = |rows: &[f64]| {
         let params = EnvironmentParams {
-            dashboard: Dashboard::below(rows).unwrap(),
+            dashboard: Dashboard::below(rows).unwrap_or_else(|error| panic!("{error}")),
             ..EnvironmentParams::default()
         };
         Environment::estimate(&image, &params, 150.0)
