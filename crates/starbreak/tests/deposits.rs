@@ -217,7 +217,7 @@ fn a_scenario_comes_apart_into_its_faults() {
         }
     }
     let refused = Recipe::preset("rainy-drive.mud").unwrap_err().to_string();
-    assert!(refused.contains("did you mean `rainy-drive."), "{refused}");
+    assert!(refused.contains("has rainy-drive.drops, "), "{refused}");
     let refused = Recipe::preset("windshield-star.drops")
         .unwrap_err()
         .to_string();

@@ -29,6 +29,7 @@ pub(crate) fn run(
             for (name, purpose) in presets() {
                 screen.data(&format!("{name:24} {purpose}"))?;
             }
+            screen.data("\na fault of a scenario alone: its name and the table with a dot, as rainy-drive.drops")?;
             screen.data("\ncameras (--camera NAME):")?;
             for (name, purpose) in cameras {
                 screen.data(&format!("{name:24} {purpose}"))?;

@@ -24,7 +24,7 @@ use crate::maps::Pupil;
 use crate::pyramid::{Cells, Pyramid, vectorized};
 use crate::vector::dot;
 
-use samples::Samples;
+use samples::{Samples, Spread};
 use streak::Streaks;
 use turned::Turned;
 
@@ -92,14 +92,14 @@ impl Screen {
                 (cells * cells - known).max(0.0).sqrt().copysign(cells)
             })
             .collect();
-        let pupil = (Pupil::of(&optic.lens), radii.as_slice());
+        let spread = Spread::of(Pupil::of(&optic.lens), &radii);
         let [narrow_rad, wide_rad] = coating.turns_by_rad();
         let (width, height) = view.size();
         #[expect(clippy::cast_possible_truncation, reason = "shares of light")]
         let wide_rgb = coating.wide_rgb().map(|color| color as f32);
-        let direct = samples.map(pupil, &samples.direct);
-        let turned = samples.map(pupil, &samples.turned);
-        let moved = Turned::of(&samples, pupil);
+        let direct = samples.map(&spread, &samples.direct, 1.0);
+        let turned = samples.map(&spread, &samples.turned, 0.0);
+        let moved = Turned::of(&samples, &spread);
         let is_whole = |it: &Rgb| it.iter().all(|share| *share >= 1.0);
         Self {
             size: (width as usize, height as usize),
@@ -108,8 +108,8 @@ impl Screen {
             direct,
             turned,
             moved,
-            diffuse: samples.map_of_any(pupil, &samples.diffuse),
-            back: samples.map_of_any(pupil, &samples.back),
+            diffuse: samples.map_of_any(&spread, &samples.diffuse),
+            back: samples.map_of_any(&spread, &samples.back),
             streaks: Streaks::of(&samples, optic.f_px),
             spreads_px: [narrow_rad, wide_rad].map(|rad| rad * optic.f_px),
             wide_rad,

@@ -16,7 +16,9 @@ const MOST_PLACES: u32 = 32;
 pub(super) struct Samples {
     pub(super) size: (usize, usize),
     pub(super) per_cell: u32,
-    /// Mean share of the glass that is covered.
+    /// Share of each that is glass, where a dashboard stands before the pane; else none.
+    glass: Vec<f32>,
+    /// Mean share of the frame that is covered.
     pub(super) covered: f64,
     /// Of red, green and blue what goes straight on, goes on in any direction, and is sent back.
     pub(super) direct: Threes,
@@ -60,13 +62,11 @@ impl Samples {
         let (width, height) = view.size();
         let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
         let mut samples = Self::none((size.0 as usize, size.1 as usize), per_cell);
+        if !view.dashboard().is_none() {
+            samples.glass = glass_of(view, size, per_cell);
+        }
         let middle = |k: f64| (k + 0.5) * f64::from(per_cell);
-        // A dashboard hides what is on the pane.
-        let seen = |px: [f64; 2]| {
-            let is_glass = px[1] < view.dashboard().row_px(px[0], view.size());
-            view.unproject(px).filter(|_| is_glass)
-        };
-        let row = |y: f64| (0..size.0).map(move |x| seen([f64::from(x), y].map(middle)));
+        let row = |y: f64| (0..size.0).map(move |x| view.unproject([f64::from(x), y].map(middle)));
         let (mut places_mm, mut there) = (Vec::new(), Vec::new());
         // The last one, this one and the next.
         let mut rows = [-1.0, -1.0, 0.0].map(|y| row(y).collect::<Vec<_>>());
@@ -98,6 +98,7 @@ impl Samples {
         Self {
             size,
             per_cell,
+            glass: Vec::new(),
             covered: 0.0,
             direct: Threes::with_room(n),
             diffuse: Threes::with_room(n),
@@ -112,7 +113,8 @@ impl Samples {
     /// Adds the next cell; covered is a sum as yet.
     #[inline(always)]
     fn push(&mut self, passage: &Passage, f_px: f64) {
-        self.covered += passage.covered;
+        let glass = self.glass.get(self.across.len());
+        self.covered += passage.covered * f64::from(glass.copied().unwrap_or(1.0));
         self.direct.push(passage.direct);
         self.diffuse.push(passage.diffuse);
         self.back.push(passage.back);
@@ -125,21 +127,75 @@ impl Samples {
         self.has_grooves |= passage.streak > 0.0;
     }
 
-    /// Three numbers of each where any is above 0, as [`Samples::map`].
-    pub(super) fn map_of_any(&self, pupil: (Pupil, &[f64]), threes: &Threes) -> Option<Map> {
-        threes.has_any.then(|| self.map(pupil, threes))
+    /// Three numbers of each where any is above 0, as [`Samples::map`], which are 0 where no glass is.
+    pub(super) fn map_of_any(&self, spread: &Spread<'_>, threes: &Threes) -> Option<Map> {
+        threes.has_any.then(|| self.map(spread, threes, 0.0))
     }
 
-    /// Three numbers of each, spread by the pupil with a radius for each row of cells.
-    pub(super) fn map(&self, (pupil, radii): (Pupil, &[f64]), threes: &Threes) -> Map {
+    /// Three numbers of each, spread by the pupil, and what they are where no glass is.
+    pub(super) fn map(&self, spread: &Spread<'_>, threes: &Threes, without: f32) -> Map {
         let values = threes.values.as_flattened();
         let first = &values[..3.min(values.len())];
-        if values.chunks_exact(3).all(|three| three == first) {
-            return Cells::of_cells(values, self.size, self.per_cell);
+        let is_even = values.chunks_exact(3).all(|three| three == first);
+        let mut spread = match is_even {
+            true => values.to_vec(),
+            false => spread.over(values, self.size),
+        };
+        for (three, glass) in spread.chunks_exact_mut(3).zip(&self.glass) {
+            for value in three {
+                *value = without + glass * (*value - without);
+            }
         }
-        let spread = defocus_rows::<3>(values, self.size, pupil, radii, Beyond::Mirrored);
         Cells::of_cells(&spread, self.size, self.per_cell)
     }
+}
+
+/// How the pupil spreads what each row of cells does.
+pub(super) struct Spread<'a> {
+    pupil: Pupil,
+    /// Radius of its image for each row, in cells.
+    radii: &'a [f64],
+    /// What rows that are all 1 become.
+    of_ones: Vec<f32>,
+}
+
+impl<'a> Spread<'a> {
+    pub(super) fn of(pupil: Pupil, radii: &'a [f64]) -> Self {
+        let ones = vec![1.0; radii.len()];
+        let size = (1, radii.len());
+        Self {
+            pupil,
+            radii,
+            of_ones: defocus_rows::<1>(&ones, size, pupil, radii, Beyond::Mirrored),
+        }
+    }
+
+    /// Three numbers of each cell, spread: where discs grow or shrink from row to row a little more or less comes together
+    /// than there was, which is made good for.
+    fn over(&self, values: &[f32], size: (usize, usize)) -> Vec<f32> {
+        let mut spread = defocus_rows::<3>(values, size, self.pupil, self.radii, Beyond::Mirrored);
+        for (row, all) in spread.chunks_exact_mut(3 * size.0).zip(&self.of_ones) {
+            for value in row {
+                *value /= all;
+            }
+        }
+        spread
+    }
+}
+
+/// Share of each cell of a frame that shows glass above a dashboard.
+fn glass_of(view: &View, (columns, rows): (u32, u32), per_cell: u32) -> Vec<f32> {
+    let side = f64::from(per_cell);
+    let share = |x: u32, y: u32| {
+        let row_px = (view.dashboard()).row_px((f64::from(x) + 0.5) * side, view.size());
+        #[expect(clippy::cast_possible_truncation, reason = "a share")]
+        let share = (row_px / side - f64::from(y)).clamp(0.0, 1.0) as f32;
+        share
+    };
+    (0..rows)
+        .flat_map(|y| (0..columns).map(move |x| (x, y)))
+        .map(|(x, y)| share(x, y))
+        .collect()
 }
 
 /// What a cell shows in the mean of some places.
@@ -264,5 +320,35 @@ mod tests {
         // 0.45 of places that lie below each other: all of a line, or nothing.
         assert!(rms < 0.3, "of its width in a row: {rms}");
         assert!(n_rows > 50, "{n_rows} rows");
+    }
+
+    /// Where discs shrink down the frame, glass without a coat stays as clear as it is, also at its border.
+    #[test]
+    fn clean_glass_stays_clean_where_discs_change() {
+        let camera = Camera {
+            f_px: 300.0,
+            distance_m: 0.15,
+            rake_rad: 0.0,
+            axis_at_mm: [0.0, 0.0],
+        };
+        let size = (240, 160);
+        let view = View::through(&camera, size).unwrap_or_else(|error| panic!("{error}"));
+        let line = Line {
+            middle_mm: -55.0,
+            width_mm: 2.0,
+        };
+        let samples = Samples::of(&line, (&view, camera.f_px), 1);
+        let radii: Vec<f64> = (0..160).map(|y| 14.0 - 0.075 * f64::from(y)).collect();
+        let spread = Spread::of(Pupil::Round, &radii);
+        let direct = samples.map(&spread, &samples.direct, 1.0);
+        let (mut clean, mut hidden) = (0.0_f32, 0.0_f32);
+        for (k, value) in direct.values().enumerate() {
+            match k % 240 {
+                60.. => clean = clean.max((value[0] - 1.0).abs()),
+                _ => hidden = hidden.max(1.0 - value[0]),
+            }
+        }
+        assert!(hidden > 0.1, "the line hides {hidden}");
+        assert!(clean < 1e-4, "far from it {clean} is lost or made");
     }
 }

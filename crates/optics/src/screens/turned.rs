@@ -1,7 +1,6 @@
 //! Glass that is not even: what is seen through it is moved, and blurred where the pupil sees several slopes.
 
-use super::samples::Samples;
-use crate::maps::Pupil;
+use super::samples::{Samples, Spread};
 use crate::pyramid::{Cells, Pyramid, vectorized};
 
 /// Less than this moves nothing, px.
@@ -16,8 +15,8 @@ pub(super) struct Turned {
 
 impl Turned {
     /// Of what a coat does; none where nothing is turned.
-    pub(super) fn of(samples: &Samples, pupil: (Pupil, &[f64])) -> Option<Self> {
-        let mean = samples.map_of_any(pupil, &samples.moved)?;
+    pub(super) fn of(samples: &Samples, spread: &Spread<'_>) -> Option<Self> {
+        let mean = samples.map_of_any(spread, &samples.moved)?;
         // Of what the pupil sees the mean is moved, and the rest of the squares is blur.
         let values: Vec<f32> = mean
             .values()

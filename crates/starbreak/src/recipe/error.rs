@@ -232,7 +232,7 @@ impl RecipeError {
     /// A fault that a scenario does not have.
     pub(super) fn unknown_part(name: &str, scenario: &Scenario) -> Self {
         let parts: Vec<String> = scenario.alone().collect();
-        let hint = super::known_keys::hint(name, parts.iter().map(String::as_str), "presets");
+        let hint = format!("this scenario has {}", parts.join(", "));
         Self::UnknownPreset {
             name: name.escape_debug().to_string(),
             hint,
