@@ -23,8 +23,12 @@ pub(super) fn why_no_damage(chain: &Chain) -> Option<&'static str> {
     if !chain.is_intact() || chain.photo().is_some() {
         return None;
     }
+    let settings = chain.settings();
     match chain.network().zip(chain.details()) {
         Some((network, details)) => why_intact(network, details),
+        None if settings.drops.is_some() || !settings.coats.is_empty() => Some(
+            "nothing is seen on the glass: by its age it has not come yet or is gone, or optics.dashboard_rows hides it",
+        ),
         None => Some("nothing is broken"),
     }
 }

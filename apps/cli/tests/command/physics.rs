@@ -365,3 +365,36 @@ fn the_demo_breaks_a_windscreen() {
         "drawing"
     );
 }
+
+#[test]
+fn glass_on_which_nothing_is_seen_says_why() {
+    let dir = folder();
+    write_photo(&dir.path().join("scene.png"));
+    for (preset, set) in [
+        ("frosted", "optics.dashboard_rows=[0]"),
+        ("fogged", "condensation.clears_from_s=21"),
+        ("rain", "drops.age_s=0"),
+    ] {
+        let args = [
+            "crack",
+            "scene.png",
+            "--preset",
+            preset,
+            "--set",
+            set,
+            "--replace",
+            "-o",
+            "out",
+        ];
+        let said = starbreak(dir.path(), &args);
+        assert_eq!(said.code, Some(0), "{}", said.stderr);
+        let named = [
+            "nothing is seen on the glass",
+            "gone",
+            "optics.dashboard_rows",
+        ];
+        for named in named {
+            assert!(said.stdout.contains(named), "{preset}: {}", said.stdout);
+        }
+    }
+}
