@@ -95,8 +95,12 @@ fn presets_are_listed_and_each_prints() {
     let list = succeed(dir.path(), &["recipe", "--list"]).stdout;
     assert!(list.starts_with("windshield-star "), "{list}");
     let (presets, cameras) = list.split_once("\n\ncameras (--camera NAME):\n").unwrap();
+    let (presets, alone) = presets.split_once("\n\n").unwrap();
+    let alone = alone.split_whitespace().last().unwrap();
+    assert_eq!(alone, "rainy-drive.drops", "{list}");
     for (line, flag) in presets
         .lines()
+        .chain([alone])
         .map(|line| (line, "--preset"))
         .chain(cameras.lines().map(|line| (line, "--camera")))
     {
