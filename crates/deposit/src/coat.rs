@@ -46,7 +46,7 @@ impl Coat {
         self
     }
 
-    /// The same where the optical axis meets the pane at a place, mm, and this ends at a height of it, mm.
+    /// The same where the optical axis meets the pane at a place, mm, and the pane ends so far down it, mm.
     #[must_use]
     pub fn seen_from(mut self, axis_mm: [f64; 2], end_mm: f64) -> Self {
         match &mut self {

@@ -148,7 +148,7 @@ impl Fog {
             mean: self.mean,
             volume,
             times: Field::over(area, scale, stream),
-            heat: self.heated_by.over(area),
+            heat: self.heated_by.of_lost(self.mean.gone_m(), area),
             typical: self.mean.drops_of(volume, [1.0, 1.0]),
         };
         if self.mean.gone_m() > 0.0 {

@@ -109,10 +109,11 @@ impl Frost {
         if most_mm > 0.0 {
             Growing::over(self, &tile, seed).run(&mut ice, most_mm);
         }
+        let melted_mm = self.melts_mm_s * (self.age_s - grows_s);
         FrostedPane {
             thickness_mm: ice.thickness_mm(most_mm),
-            melted_mm: self.melts_mm_s * (self.age_s - grows_s),
-            heat: self.heated_by.over(area),
+            melted_mm,
+            heat: self.heated_by.of_lost(melted_mm, area),
             rime: self.rime * (1.0 - libm::exp(-most_mm / RIME_OVER_MM)),
             from_mm: ice.from_mm,
             sides_mm: ice.sides_mm,
@@ -358,10 +359,7 @@ pub(crate) struct FrostedPane {
 
 impl Coating for FrostedPane {
     fn passage(&self, at_mm: [f64; 2]) -> Passage {
-        let melted_mm = match self.melted_mm > 0.0 {
-            true => self.melted_mm * self.heat.times(at_mm),
-            false => 0.0,
-        };
+        let melted_mm = self.melted_mm * self.heat.times(at_mm);
         let at_mm = inside(at_mm, self.from_mm, self.sides_mm);
         let thickness_mm = self.thickness_mm.at(at_mm);
         if thickness_mm <= 0.0 {

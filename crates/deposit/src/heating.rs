@@ -34,6 +34,14 @@ pub enum Heating {
 }
 
 impl Heating {
+    /// How it heats an area of a pane that has lost so much in the mean: what is nothing need not be found place by place.
+    pub(crate) fn of_lost(self, lost: f64, area: &Area) -> Heat {
+        match lost > 0.0 {
+            true => self.over(area),
+            false => Heat::EVEN,
+        }
+    }
+
     /// How it heats an area of a pane: in the mean over what is above the outlets, once.
     #[must_use]
     pub fn over(self, area: &Area) -> Heat {

@@ -560,7 +560,7 @@ fn a_pane_over_vents_clears_from_below() {
             let row = (0..400).map(|k| [-598.0 + 3.0 * f64::from(k), y_mm]);
             row.map(|at| coat.passage(at).covered).sum::<f64>() / 400.0
         };
-        let rows: Vec<f64> = [395.0, 250.0, 0.0, -290.0].map(covered).to_vec();
+        let rows = [395.0, 250.0, 0.0, -290.0].map(covered);
         assert!(rows[0] < 0.5 * rows[3], "{rows:?} of a row is covered");
         assert!(rows[1] <= rows[3], "{rows:?}");
     }

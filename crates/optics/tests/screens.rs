@@ -113,7 +113,7 @@ fn clear_coats() -> Vec<Coat> {
             heated_by: Heating::Pane,
             front_mm_s: 0.03,
             nuclei_per_mm2: 1e-3,
-            rime: 0.0,
+            rime: 0.3,
         }),
         Coat::Scratches(Scratches {
             haze: 0.08,

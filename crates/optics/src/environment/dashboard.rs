@@ -49,18 +49,16 @@ impl Dashboard {
         self.n_rows == 0
     }
 
-    /// The row, px, below which a column of a frame shows it; the height of a frame where it does not.
+    /// The row below which a column shows it, each as a share of its side of the frame; 1 where it does not.
     #[must_use]
-    pub fn row_px(&self, column_px: f64, (width, height): (u32, u32)) -> f64 {
-        let height = f64::from(height);
-        let rows = &self.rows[..self.n_rows];
-        match rows {
-            [] => height,
-            [row] => row * height,
+    pub fn row(&self, column: f64) -> f64 {
+        match &self.rows[..self.n_rows] {
+            [] => 1.0,
+            [row] => *row,
             rows => {
                 #[expect(clippy::cast_precision_loss, reason = "some rows")]
                 let last = (rows.len() - 1) as f64;
-                let at = (column_px / f64::from(width)).clamp(0.0, 1.0) * last;
+                let at = column.clamp(0.0, 1.0) * last;
                 #[expect(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,
@@ -69,30 +67,31 @@ impl Dashboard {
                 let before = (at as usize).min(rows.len() - 2);
                 #[expect(clippy::cast_precision_loss, reason = "some rows")]
                 let part = at - before as f64;
-                (rows[before] + part * (rows[before + 1] - rows[before])) * height
+                rows[before] + part * (rows[before + 1] - rows[before])
             }
         }
     }
 
-    /// The highest of its rows, as a share of the height; 1 without one.
+    /// The same in px of a frame of a size.
     #[must_use]
-    pub fn highest(&self) -> f64 {
-        let rows = self.rows[..self.n_rows].iter().copied();
-        rows.fold(1.0, f64::min)
+    pub fn row_px(&self, column_px: f64, (width, height): (u32, u32)) -> f64 {
+        self.row(column_px / f64::from(width)) * f64::from(height)
     }
 
-    /// The lowest of its rows of a frame of a height, px: nothing on the glass is seen below.
-    pub(crate) fn lowest_px(&self, height: u32) -> f64 {
-        let rows = self.rows[..self.n_rows].iter().copied();
-        f64::from(height) * rows.reduce(f64::max).unwrap_or(1.0)
+    /// The highest and the lowest of its rows, as shares of the height; 1 without one.
+    pub(crate) fn ends(&self) -> [f64; 2] {
+        let rows = || self.rows[..self.n_rows].iter().copied();
+        [rows().reduce(f64::min), rows().reduce(f64::max)].map(|row| row.unwrap_or(1.0))
     }
 
-    /// Share of a pixel of a frame of a size, px, that shows glass.
-    pub(crate) fn glass_in(&self, [x, y]: [usize; 2], size: (u32, u32)) -> f32 {
-        #[expect(clippy::cast_precision_loss, reason = "px of a frame")]
+    /// Share of a cell of so many px of a frame of a size, px, that shows glass, by its column and row.
+    pub(crate) fn glass_in(&self, [x, y]: [usize; 2], size: (u32, u32), cell_px: u32) -> f32 {
+        let side_px = f64::from(cell_px);
+        #[expect(clippy::cast_precision_loss, reason = "cells of a frame")]
         let [x, y] = [x as f64, y as f64];
+        let row = self.row_px((x + 0.5) * side_px, size) / side_px;
         #[expect(clippy::cast_possible_truncation, reason = "a share")]
-        let share = (self.row_px(x + 0.5, size) - y).clamp(0.0, 1.0) as f32;
+        let share = (row - y).clamp(0.0, 1.0) as f32;
         share
     }
 }

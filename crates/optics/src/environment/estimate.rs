@@ -262,7 +262,7 @@ impl Frame {
             let n = rows.clamp(0.0, f64::from(height)) as u32;
             n
         };
-        let n_outside_rows = n_above(params.dashboard.highest());
+        let n_outside_rows = n_above(params.dashboard.ends()[0]);
         Self {
             horizon: params.horizon(height, f_px),
             f_px,

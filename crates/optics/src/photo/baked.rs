@@ -129,7 +129,7 @@ pub fn bake(
     let coverage = GrayImage::from_fn(width, height, |x, y| {
         let at = [x, y].map(|k| k as usize);
         let glass = sharp.glass(at[0] + margin, at[1] + margin);
-        let share = view.dashboard().glass_in(at, (width, height));
+        let share = view.dashboard().glass_in(at, (width, height), 1);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -292,7 +292,7 @@ impl PhotoPattern {
             optics,
             |x, y| {
                 let glass = self.spread.glass(x + self.margin, y + self.margin);
-                let share = self.dashboard.glass_in([x, y], self.size);
+                let share = self.dashboard.glass_in([x, y], self.size, 1);
                 let keep = (glass.opacity).map(|opacity| (1.0 - share * opacity).clamp(0.0, 1.0));
                 let add = std::array::from_fn(|c| share * (white[c] * glass.light[c]).max(0.0));
                 (keep, add)

@@ -175,7 +175,7 @@ impl Pattern {
     fn above_dashboard<const L: usize>(&self, maps: LaneRuns<L>) -> LaneRuns<L> {
         match self.dashboard.is_none() {
             true => maps,
-            false => maps.times(|at| self.dashboard.glass_in(at, self.size)),
+            false => maps.times(|at| self.dashboard.glass_in(at, self.size, 1)),
         }
     }
 
@@ -252,7 +252,7 @@ impl Pattern {
         cover(outlines, size, |y, x, shares| {
             let row = &mut pixels[y * size.0 + x..];
             for ((pixel, share), x) in row.iter_mut().zip(shares).zip(x..) {
-                let share = share * self.dashboard.glass_in([x, y], self.size);
+                let share = share * self.dashboard.glass_in([x, y], self.size, 1);
                 #[expect(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,

@@ -63,7 +63,11 @@ impl Samples {
         let size = (width.div_ceil(per_cell), height.div_ceil(per_cell));
         let mut samples = Self::none((size.0 as usize, size.1 as usize), per_cell);
         if !view.dashboard().is_none() {
-            samples.glass = glass_of(view, size, per_cell);
+            let (columns, rows) = samples.size;
+            samples.glass = (0..columns * rows)
+                .map(|k| [k % columns, k / columns])
+                .map(|cell| (view.dashboard()).glass_in(cell, view.size(), per_cell))
+                .collect();
         }
         let middle = |k: f64| (k + 0.5) * f64::from(per_cell);
         let row = |y: f64| (0..size.0).map(move |x| view.unproject([f64::from(x), y].map(middle)));
@@ -181,21 +185,6 @@ impl<'a> Spread<'a> {
         }
         spread
     }
-}
-
-/// Share of each cell of a frame that shows glass above a dashboard.
-fn glass_of(view: &View, (columns, rows): (u32, u32), per_cell: u32) -> Vec<f32> {
-    let side = f64::from(per_cell);
-    let share = |x: u32, y: u32| {
-        let row_px = (view.dashboard()).row_px((f64::from(x) + 0.5) * side, view.size());
-        #[expect(clippy::cast_possible_truncation, reason = "a share")]
-        let share = (row_px / side - f64::from(y)).clamp(0.0, 1.0) as f32;
-        share
-    };
-    (0..rows)
-        .flat_map(|y| (0..columns).map(move |x| (x, y)))
-        .map(|(x, y)| share(x, y))
-        .collect()
 }
 
 /// What a cell shows in the mean of some places.

@@ -121,10 +121,11 @@ impl<'a> DrawnDrop<'a> {
             let most = rays([-beyond_px, side_px + beyond_px]);
             all.start.max(most.start)..all.end.min(most.end)
         };
-        let last_px = sheet.view().dashboard().lowest_px(height);
+        // Nothing is seen below a dashboard.
+        let [_, last] = sheet.view().dashboard().ends();
         let within = [
             within_frame(&columns, f64::from(width)),
-            within_frame(&rows, last_px),
+            within_frame(&rows, last * f64::from(height)),
         ];
         if within.iter().any(Range::is_empty) {
             return None;

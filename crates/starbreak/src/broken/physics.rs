@@ -80,9 +80,7 @@ fn stones_on(
                     // Of what a dashboard leaves of the frame.
                     let mut on_glass = || {
                         let [u, v] = [draw(), draw()];
-                        let (width, height) = view.size();
-                        let row_px = (view.dashboard()).row_px(u * f64::from(width), view.size());
-                        [u, v * (row_px / f64::from(height))]
+                        [u, v * view.dashboard().row(u)]
                     };
                     (0..MAX_DRAWS).find_map(|_| on_pane(on_glass()))
                 }
