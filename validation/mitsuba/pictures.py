@@ -231,9 +231,14 @@ def cone_body(network):
     for side in (0.5, -0.5):
         for j in range(m + 1):
             z = top + (bottom - top) * j / m
-            r = np.maximum(base - (z - bottom) * lean, 0.15 * base)
-            lift = side * 1e-3 * GAP_UM["cone"] * np.hypot(1.0, lean)
-            zs = np.clip(np.full(n, z) + lift, BONDED_MM + SHORT_MM / 2, BONDED_MM + PLY_MM - SHORT_MM / 2)
+            least, t = np.maximum(base - (top - bottom) * lean, 0.15 * base), j / m
+            # Through the ply the tangent of the lean falls as 1 - t^2 with the part t of the depth.
+            out, fall = (t * (3 - t * t) / 2, 1.5 * (1 - t * t)) if depth >= 0.9 else (t, 1.0)
+            r = least + (base - least) * out
+            # Along the normal, so that the gap is as wide everywhere and turns no light.
+            across = side * 1e-3 * GAP_UM["cone"] / np.hypot(1.0, fall * lean)
+            r = r + across
+            zs = np.clip(z + across * fall * lean, BONDED_MM + SHORT_MM / 2, BONDED_MM + PLY_MM - SHORT_MM / 2)
             vertices.append(np.stack([r * np.cos(phi), r * np.sin(phi), zs], 1))
     vertices = np.concatenate(vertices)
     at = lambda side, j, k: (side * (m + 1) + j) * n + k % n

@@ -99,6 +99,45 @@ fn broken_by(
 }
 
 #[test]
+fn cracks_at_rest_are_no_wider_open_than_makes_them_grow() {
+    let (mut n_legs, mut n_cones, mut n_shut) = (0, 0, 0);
+    for k in 0..12 {
+        let mut rng = case(12, k);
+        let stone = road_stone([0.7, 0.4], &mut rng);
+        let windscreen = windscreen(300e6).unwrap();
+        let broken = broken(&windscreen, &[stone], k);
+        let material = &windscreen.material;
+        let segments = &broken.network.data().segments;
+        let openings = segments.opening_um.as_ref().unwrap();
+        let leg_mm = broken.impacts[0].reach_m * 1e3;
+        for (idx, kind) in segments.kind.iter().enumerate() {
+            let opening_um = openings[idx];
+            if *kind == SegmentKind::Cone {
+                n_cones += 1;
+                n_shut += usize::from(opening_um <= 0.0);
+            } else if matches!(kind, SegmentKind::Radial | SegmentKind::Fork) {
+                n_legs += 1;
+                // 4 K √(c/π)/E with K = 0.35 K_IC.
+                let at_rest_um = 4e6
+                    * 0.35
+                    * material.fracture_toughness_pa_sqrt_m.value
+                    * (1.3e-3 * leg_mm / PI).sqrt()
+                    / material.young_modulus_pa.value;
+                assert!(
+                    opening_um <= at_rest_um,
+                    "seed {k}: {opening_um} um of {at_rest_um}"
+                );
+            }
+        }
+    }
+    assert!(n_legs > 100, "{n_legs} parts of legs");
+    assert!(
+        n_cones > 100 && n_shut > 10 && n_shut < n_cones / 2,
+        "{n_shut} of {n_cones} parts of cones are shut"
+    );
+}
+
+#[test]
 fn stones_of_the_road_make_damage_of_the_size_that_repairers_see() {
     let (mut n, mut n_right, mut n_cones) = (0.0, 0.0, 0);
     for k in 0..60 {

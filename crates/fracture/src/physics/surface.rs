@@ -1,5 +1,7 @@
 //! What a crack's surface looks like to the light: depth, opening, tilt, zone and roughness.
 
+use std::f64::consts::PI;
+
 use starbreak_glass::{Face, SegmentKind, Zone};
 
 use super::front;
@@ -19,9 +21,13 @@ const ROUGHNESS_EXPONENT: f64 = 2.6;
 /// Largest roughness, µm.
 const MAX_ROUGHNESS_UM: f64 = 20.0;
 
-/// What is left of the opening under load once the load is gone. UNKNOWN: debris and faces that no
-/// longer fit keep cracks open.
+/// What is left of the opening under load once the load is gone, at most. UNKNOWN: debris and faces that no longer fit
+/// keep cracks open.
 const STAYS_OPEN: f64 = 0.3;
+
+/// K over `K_IC` below which cracks in soda-lime glass do not grow in moist air \[Wiederhorn1967\], as long cracks creep: one that
+/// is at rest has no more, and is no wider open than this K makes it.
+const AT_REST: f64 = 0.35;
 
 /// Zone and RMS roughness, µm, of a surface that was made at K.
 pub(super) fn relief(law: &TipLaw, intensity_pa_sqrt_m: f64) -> (Zone, f64) {
@@ -71,6 +77,13 @@ struct Cracks {
     /// Opening under load where the first of them began, m.
     opening_m: Vec<f64>,
     thickness_m: f64,
+    /// Opening of a crack at rest over the root of its length, √m.
+    at_rest_sqrt_m: f64,
+}
+
+/// Opening under load, 4 σ L/E \[TadaParisIrwin2000\], m.
+fn opened_m(pane: &GlassPane, piece: &Piece) -> f64 {
+    4.0 * piece.stress_pa.max(0.0) * piece.effective_m / pane.material.young_modulus_pa.value
 }
 
 impl Cracks {
@@ -83,15 +96,15 @@ impl Cracks {
             parent,
             opening_m: vec![0.0; n],
             thickness_m: pane.thickness_m,
+            // 4 σ c/E with K = σ √(π c) \[TadaParisIrwin2000\].
+            at_rest_sqrt_m: 4.0 * AT_REST * pane.material.fracture_toughness_pa_sqrt_m.value
+                / (PI.sqrt() * pane.material.young_modulus_pa.value),
         };
         for piece in &web.pieces {
             let k = piece.crack as usize;
             cracks.tip_m[k] = cracks.tip_m[k].max(piece.along_m[1]);
             cracks.start_m[k] = cracks.start_m[k].min(piece.along_m[0]);
-            // 4 σ L/E \[TadaParisIrwin2000\].
-            let opening_m = 4.0 * piece.stress_pa.max(0.0) * piece.effective_m
-                / pane.material.young_modulus_pa.value;
-            cracks.opening_m[k] = cracks.opening_m[k].max(opening_m);
+            cracks.opening_m[k] = cracks.opening_m[k].max(opened_m(pane, piece));
         }
         // Cracks have higher numbers than those they grew out of.
         for k in (0..n).rev() {
@@ -123,11 +136,14 @@ impl Cracks {
         }
     }
 
-    /// η w₀ √(1 − (r/c)²).
+    /// w √(1 − (r/c)²), w the smaller one of η w₀ and that at rest.
     fn opening_um(&self, crack: u32, along_m: f64) -> f64 {
         let k = crack as usize;
-        let part = (along_m / self.tip_m[k].max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        1e6 * STAYS_OPEN * self.opening_m[k] * (1.0 - part * part).sqrt()
+        let tip_m = self.tip_m[k].max(f64::MIN_POSITIVE);
+        let part = (along_m / tip_m).clamp(0.0, 1.0);
+        let at_rest_m = self.at_rest_sqrt_m * tip_m.sqrt();
+        let widest_m = (STAYS_OPEN * self.opening_m[k]).min(at_rest_m);
+        1e6 * widest_m * (1.0 - part * part).sqrt()
     }
 
     fn surface_of(&self, pane: &GlassPane, piece: &Piece) -> Surface {
@@ -157,10 +173,10 @@ impl Cracks {
         Surface {
             depths,
             openings_um: match piece.kind {
-                // Debris at its tip keeps a cone open, and dice have moved apart.
-                SegmentKind::Cone | SegmentKind::Dice => {
-                    [1e6 * self.opening_m[piece.crack as usize]; 2]
-                }
+                // Debris at its tip keeps a cone open.
+                SegmentKind::Cone => [1e6 * opened_m(pane, piece); 2],
+                // Dice have moved apart.
+                SegmentKind::Dice => [1e6 * self.opening_m[piece.crack as usize]; 2],
                 _ => openings_um,
             },
             face,

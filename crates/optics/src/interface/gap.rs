@@ -183,8 +183,8 @@ impl GapTable {
         let cos_air = cos2_air.abs().sqrt();
         let path_um = gap_um * cos_air;
         let phase = 2.0 * PI / MIDDLE_UM * path_um;
-        let rgb = if cos2_air <= 0.0 && phase > 16.0 {
-            // e^(−2·16·0.7) of the longest wavelength: nothing crosses.
+        let rgb = if cos2_air <= 0.0 && phase > 8.0 {
+            // e^(−2·8·0.7) of the longest wavelength, 1.4·10⁻⁵: nothing crosses that is seen.
             return [1.0; 3];
         } else if cos2_air <= 0.0 || phase < RESONANCE_PHASE {
             let incidence = Incidence::new(cos_in_glass, self.n);

@@ -77,7 +77,8 @@ pub fn bake(
     let mut cracks = Facets::default();
     let reach_px = reach_px(&sheet, Pupil::of(&optics.lens).reach());
     crack_facets(&from, network, time, &optics.surface, reach_px, &mut cracks);
-    hit_facets(&from, network, time, &optics.surface, seed, &mut cracks);
+    let surface = (&optics.surface, reach_px);
+    hit_facets(&from, network, time, surface, seed, &mut cracks);
     pattern.outline = Outline::Corners(std::mem::take(&mut cracks.outlines));
     for facets in [fragments, cracks] {
         let places = Spread::Neighbors(mean_blur_px(&facets.light));

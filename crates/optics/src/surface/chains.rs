@@ -3,12 +3,10 @@
 use starbreak_glass::{CrackNetwork, Face, Fragment, LengthUnit, SegmentKind, Zone};
 
 use super::SheetView;
+use super::cone::THROUGH;
 use super::relief::{FRONT, Relief};
 use crate::surface::SurfaceParams;
 use crate::vector::Vector;
-
-/// A cone begins on the face at this part of its lower radius at least.
-const LEAST_CONE: f64 = 0.15;
 
 /// A crack from where it begins to where it ends, or to where others meet it.
 #[derive(Debug)]
@@ -20,6 +18,8 @@ pub(super) struct Chain {
     pub(super) face: Face,
     /// Middle of the cone that it is a part of, mm on the sheet.
     pub(super) cone_about: Option<[f64; 2]>,
+    /// Whether it is a cone through the ply, whose wall comes from the face at a flat angle and ends upright.
+    pub(super) is_flared: bool,
     /// Whether depths follow the front of the crack, so that its opening closes there.
     pub(super) has_front: bool,
     /// How the surface leans between its edges, where that changes.
@@ -32,18 +32,10 @@ impl Chain {
     }
 
     /// Upper and lower edge of the crack at one of its places, mm.
-    pub(super) fn edges(&self, end: &End) -> [Vector; 2] {
+    fn edges(&self, end: &End) -> [Vector; 2] {
         let [low, high] = self.ply_mm;
         let deep = self.thickness_mm() * end.depth;
         let lean = deep * end.lean;
-        if let Some(middle) = self.cone_about {
-            // The trace of a cone is its lower edge; it comes from a smaller circle on the face.
-            let (x, y) = (end.at[0] - middle[0], end.at[1] - middle[1]);
-            let radius = (x * x + y * y).sqrt();
-            let part = (1.0 - lean.abs() / radius.max(1e-9)).max(LEAST_CONE);
-            let raised = [middle[0] + part * x, middle[1] + part * y, high];
-            return [raised, [end.at[0], end.at[1], high - deep]];
-        }
         let [x, y] = end.at;
         let moved = |by: f64, z: f64| [x + by * end.left[0], y + by * end.left[1], z];
         match self.face {
@@ -54,6 +46,9 @@ impl Chain {
 
     /// A place of the surface, by the part of the depth that it is from the face it begins at, mm.
     pub(super) fn place(&self, end: &End, part: f64) -> Vector {
+        if let Some(middle) = self.cone_about {
+            return self.on_cone(middle, end, part);
+        }
         let [upper, lower] = self.edges(end);
         let (face, deepest) = match self.face {
             Face::Outer => (upper, lower),
@@ -73,9 +68,13 @@ impl Chain {
         place
     }
 
-    /// Corners of the surface between two of its places: along the upper edge and back along the
+    /// Corners of a band of the surface between two of its places: along the upper edge and back along the
     /// lower one.
-    pub(super) fn corners(&self, a: &End, b: &End) -> [Vector; 4] {
+    pub(super) fn corners(&self, [a, b]: [&End; 2], [from, to]: [f64; 2]) -> [Vector; 4] {
+        if let Some(middle) = self.cone_about {
+            return [(a, from), (b, from), (b, to), (a, to)]
+                .map(|(end, part)| self.on_cone(middle, end, part));
+        }
         let ([upper_a, lower_a], [upper_b, lower_b]) = (self.edges(a), self.edges(b));
         [upper_a, upper_b, lower_b, lower_a]
     }
@@ -172,7 +171,10 @@ pub(super) fn chains(
             round_front(&mut pieces, FRONT * thickness_mm);
         }
         let is_cone = segments.kind[head] == SegmentKind::Cone;
+        let ends = || pieces.iter().flat_map(|piece| &piece.ends);
+        let is_flared = is_cone && ends().all(|end| end.depth >= THROUGH);
         chains.push(Chain {
+            is_flared,
             relief: (has_front && !is_cone)
                 .then(|| left_by_front(&mut pieces, thickness_mm))
                 .flatten(),

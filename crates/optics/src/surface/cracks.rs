@@ -1,5 +1,7 @@
 //! Cracks as facets of the frame.
 
+use std::rc::Rc;
+
 use starbreak_glass::CrackNetwork;
 
 use super::SheetView;
@@ -14,18 +16,21 @@ use super::walls::{Wall, Walls};
 use crate::interface::fresnel::reflectance;
 use crate::maps::Facet;
 use crate::surface::SurfaceParams;
-use crate::vector::{Vector, cross, unit};
+use crate::vector::{Vector, cross, dot, unit};
 
 /// Colors weaker than this are none.
 const LEAST_TINT: f64 = 0.004;
 
 /// Parts of the depth, and weights, at which a crack is looked at whose opening or lean changes with
 /// the depth: Gauss-Legendre.
-const PLACES: [[f64; 2]; 3] = [
+pub(super) const PLACES: [[f64; 2]; 3] = [
     [0.112_701_665_379_258, 5.0 / 18.0],
     [0.5, 8.0 / 18.0],
     [0.887_298_334_620_742, 5.0 / 18.0],
 ];
+
+/// Places along a crack that are this far apart are never neighbors.
+const FAR_ALONG: u32 = 1 << 24;
 
 /// Facets of a crack network, and of what tints them.
 #[derive(Debug, Default)]
@@ -54,19 +59,24 @@ pub(crate) fn crack_facets(
         let mut along = 0;
         each_run(from.sheet, chain, reach_px, |run| {
             along += 1;
-            let corners = chain.corners(&run.first(), &run.last());
-            if let Some(wall) = Wall::new(corners, run.mean_gap_um(), crack, along) {
-                walls.push(wall);
-                runs.push((crack, run));
+            let run = Rc::new(run);
+            for (k, band) in (0_u32..).zip(chain.bands()) {
+                let corners = chain.corners([&run.first(), &run.last()], band);
+                // Bands of a cone see each other.
+                let own = along + k * FAR_ALONG;
+                if let Some(wall) = Wall::new(corners, run.mean_gap_um(), crack, own) {
+                    walls.push(wall);
+                    runs.push((crack, Rc::clone(&run), band));
+                }
             }
         });
     }
     let thickness_mm = chains.first().map_or(1.0, Chain::thickness_mm);
     let walls = Walls::new(walls, thickness_mm);
     let mut divided = Vec::new();
-    for (k, (crack, run)) in runs.iter().enumerate() {
+    for (k, (crack, run, band)) in runs.iter().enumerate() {
         let chain = &chains[*crack as usize];
-        let Some(surface) = RunSurface::of(from.sheet, chain, run) else {
+        let Some(surface) = RunSurface::of(from.sheet, chain, (run, *band)) else {
             continue;
         };
         let among = Among {
@@ -75,7 +85,7 @@ pub(crate) fn crack_facets(
             own: walls.get(k).own(),
             reach_mm: thickness_mm,
         };
-        let run = Divided::of(from.sheet, surface, among);
+        let run = Divided::of(from, surface, among);
         if run.is_needed() {
             divided.push(run);
         } else {
@@ -97,12 +107,12 @@ impl Chain {
     /// Whether what its front left shows in a surface of this roughness: of very rough ones their
     /// own facets lean by more.
     pub(super) fn has_relief(&self, alpha: f64) -> bool {
-        self.relief.is_some() && alpha < WIDE_ALPHA
+        (self.relief.is_some() || self.is_flared) && alpha < WIDE_ALPHA
     }
 
     /// The mirror that a part of the surface is, at a part of the depth from the face.
-    fn mirror_at(&self, mirror: Mirror, [a, b]: &[End; 2], part: f64) -> Mirror {
-        let [low, high] = [-0.1, 0.1].map(|by| part + by);
+    pub(super) fn mirror_at(&self, mirror: Mirror, [a, b]: &[End; 2], part: f64) -> Mirror {
+        let [low, high] = [-0.02, 0.02].map(|by| part + by);
         let corners = [(a, low), (b, low), (b, high), (a, high)];
         Mirror {
             normal: normal_of(&corners.map(|(end, part)| self.place(end, part)))
@@ -147,18 +157,25 @@ pub(super) struct Look {
 }
 
 impl Look {
-    pub(super) fn of(from: &LightFrom<'_>, chain: &Chain, group: &Group) -> Option<Self> {
-        let corners = chain.corners(&group.ends[0], &group.ends[1]);
+    pub(super) fn of(
+        from: &LightFrom<'_>,
+        chain: &Chain,
+        (group, band): (&Group, [f64; 2]),
+    ) -> Option<Self> {
+        let [a, b] = &group.ends;
+        let corners = chain.corners([a, b], band);
         let mirror = mirror_of(from.sheet, &corners, group)?;
         let closes = chain.has_front && mirror.gap_um < WIDE_GAP_UM;
         let mut sent = Sent::default();
         if chain.has_relief(mirror.alpha) {
             for [part, weight] in PLACES {
+                let part = band[0] + (band[1] - band[0]) * part;
                 let mirror = chain.mirror_at(mirror, &group.ends, part);
                 sent.add(&from.mirror_of_cell(&mirror), weight);
             }
         } else if closes {
             for [part, weight] in PLACES {
+                let part = band[0] + (band[1] - band[0]) * part;
                 let gap_um = mirror.gap_um * chain.closes(part);
                 sent.add(&from.mirror(&Mirror { gap_um, ..mirror }), weight);
             }
@@ -178,18 +195,40 @@ impl Look {
 pub(super) struct RunSurface<'a> {
     pub(super) chain: &'a Chain,
     pub(super) run: &'a Run,
+    /// Of its depth, as parts from the face it begins at.
+    pub(super) band: [f64; 2],
     pub(super) corners: [Vector; 4],
     pub(super) strip: Strip,
 }
 
 impl<'a> RunSurface<'a> {
-    fn of(sheet: &SheetView, chain: &'a Chain, run: &'a Run) -> Option<Self> {
-        let corners = chain.corners(&run.first(), &run.last());
+    fn of(sheet: &SheetView, chain: &'a Chain, (run, band): (&'a Run, [f64; 2])) -> Option<Self> {
+        let ends = [&run.first(), &run.last()];
+        let corners = chain.corners(ends, band);
+        let mut strip = Strip::new(sheet, &corners)?;
+        if chain.is_flared {
+            // Bands of one wall are blurred alike, so that nothing is seen where they meet.
+            strip.radius_px = Strip::new(sheet, &chain.corners(ends, [0.0, 1.0]))?.radius_px;
+        }
         Some(Self {
-            strip: Strip::new(sheet, &corners)?,
+            strip,
             chain,
             run,
+            band,
             corners,
+        })
+    }
+
+    /// Whether it reflects less than this at both of its edges.
+    pub(super) fn mirrors_less(&self, from: &LightFrom<'_>, most: f64) -> bool {
+        let group = &self.run.groups[0];
+        let Some(mirror) = mirror_of(from.sheet, &self.corners, group) else {
+            return false;
+        };
+        let inside = into_glass(mirror.sight, from.sheet.index);
+        self.band.into_iter().all(|part| {
+            let normal = self.chain.mirror_at(mirror, &group.ends, part).normal;
+            from.mean_reflectance(dot(inside, normal).abs(), mirror.gap_um) < most
         })
     }
 
@@ -199,7 +238,7 @@ impl<'a> RunSurface<'a> {
         let mut sight = [0.0, 0.0, 1.0];
         for group in &self.run.groups {
             let weight = group.length * (group.ends[0].depth + group.ends[1].depth);
-            let Some(look) = Look::of(from, self.chain, group) else {
+            let Some(look) = Look::of(from, self.chain, (group, self.band)) else {
                 continue;
             };
             sent.add(&look.sent, weight);

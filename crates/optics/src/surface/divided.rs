@@ -2,10 +2,9 @@
 
 use starbreak_glass::Face;
 
-use super::SheetView;
 use super::chains::{End, distance};
-use super::cracks::{Facets, Look, RunSurface, normal_of};
-use super::lobe::{LightFrom, Mirror, Sent};
+use super::cracks::{Facets, Look, PLACES, RunSurface, normal_of};
+use super::lobe::{FRAME, LightFrom, Mirror, SUN, Sent};
 use super::runs::Run;
 use super::strip::Strip;
 use super::walk::Among;
@@ -17,6 +16,12 @@ const CELL_PX: f64 = 2.0;
 const RELIEF_PX: f64 = 1.25;
 pub(super) const MOST_CELLS: f64 = 20_000.0;
 
+/// How the wall of a cone leans between its edges is not seen where it reflects less than this everywhere.
+const CLEAR: f64 = 0.2;
+
+/// Shares of light that differ by less are one.
+const ALIKE: f64 = 0.003;
+
 /// Less of a cell than this is not seen.
 const LEAST_VISIBLE: f64 = 1e-3;
 
@@ -24,8 +29,10 @@ const LEAST_VISIBLE: f64 = 1e-3;
 pub(super) struct Divided<'a> {
     pub(super) surface: RunSurface<'a>,
     among: Among<'a>,
-    /// Whether what its front left can be seen.
+    /// Whether how it leans between its edges can be seen.
     has_relief: bool,
+    /// Whether that cannot, and changes what it shows.
+    is_narrow: bool,
     /// By how much the radius of its blur grows from its first end to its last, px.
     widens_px: f64,
     /// Size of its cells, px.
@@ -70,28 +77,44 @@ impl Corners {
     }
 }
 
-impl Cell {
-    fn is_plain(&self) -> bool {
-        self.own.is_none() && self.visible > 1.0 - LEAST_VISIBLE
-    }
+/// What all cells of a column show, if that is one thing; what the whole does where they show nothing of their own.
+fn one_of_all<'a>(column: &'a [Cell], whole: &'a Sent) -> Option<&'a Sent> {
+    let all = |cell: &'a Cell| cell.own.as_ref().unwrap_or(whole);
+    let first = all(column.first()?);
+    let is_one = |cell: &'a Cell| cell.visible > 1.0 - LEAST_VISIBLE && is_alike(first, all(cell));
+    column.iter().all(is_one).then_some(first)
+}
+
+/// Whether two places show the same; places of the frame are never the same but where they are equal.
+fn is_alike(a: &Sent, b: &Sent) -> bool {
+    let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= ALIKE;
+    a == b
+        || a.lanes[FRAME].max(b.lanes[FRAME]) <= ALIKE
+            && a.lanes[..=SUN].iter().zip(&b.lanes[..=SUN]).all(is_near)
+            && a.tint.iter().zip(&b.tint).all(is_near)
 }
 
 impl<'a> Divided<'a> {
-    pub(super) fn of(sheet: &SheetView, surface: RunSurface<'a>, among: Among<'a>) -> Self {
+    pub(super) fn of(from: &LightFrom<'_>, surface: RunSurface<'a>, among: Among<'a>) -> Self {
+        let sheet = from.sheet;
         let blur_px = surface.strip.radius_px.abs();
-        let has_relief =
-            surface.chain.relief.is_some() && surface.strip.width_px.abs() > blur_px.max(RELIEF_PX);
+        let is_clear = surface.chain.is_flared && surface.mirrors_less(from, CLEAR);
+        let is_wide = surface.strip.width_px.abs() > blur_px.max(RELIEF_PX);
+        let has_relief = surface.chain.has_relief(0.0) && is_wide && !is_clear;
+        let least_px = if has_relief { RELIEF_PX } else { CELL_PX };
         let [first, last, ..] = surface.corners;
         let radius_px = |[x, y, z]: Vector| sheet.blur_radius_px([x, y], z);
         let widens_px = radius_px(first)
             .zip(radius_px(last))
             .map_or(0.0, |(first, last)| last - first);
         Self {
+            // Only the last band of a cone turns by much within itself.
+            is_narrow: surface.chain.is_flared && surface.band[1] >= 1.0 && !is_wide && !is_clear,
             surface,
             among,
             has_relief,
             widens_px,
-            cell_px: blur_px.max(if has_relief { RELIEF_PX } else { CELL_PX }),
+            cell_px: blur_px.max(least_px),
         }
     }
 
@@ -108,16 +131,18 @@ impl<'a> Divided<'a> {
         [along_px, across_px].map(|side| (side / self.cell_px).ceil().max(1.0))
     }
 
-    /// Adds its cells. Neighbors along the run that show what the whole does are one facet.
+    /// Adds its cells. Neighbors along the run that show the same are one facet.
     pub(super) fn add(&self, from: &LightFrom<'_>, facets: &mut Facets) -> Option<()> {
-        let RunSurface { chain, run, .. } = self.surface;
+        let RunSurface {
+            chain, run, band, ..
+        } = self.surface;
         let [n_along, n_across] = self.split();
         let looks: Vec<Option<Look>> = (run.groups.iter())
-            .map(|group| Look::of(from, chain, group))
+            .map(|group| Look::of(from, chain, (group, band)))
             .collect();
         let mut shown = Sent::default();
-        // Where columns that show what the whole does began, and what that is.
-        let mut plain: Option<(f64, usize)> = None;
+        // Where columns that show one thing began, and what that is.
+        let mut even: Option<(f64, Sent)> = None;
         let mut column = Vec::new();
         let mut corners = Corners::of(run, n_across);
         let mut i = 0.0;
@@ -137,20 +162,18 @@ impl<'a> Divided<'a> {
                 }
             }
             corners.go_on();
-            let is_plain = !is_last && column.iter().all(Cell::is_plain);
-            if let Some((first, of)) = plain
-                && (!is_plain || of != group)
+            let look = looks.get(group).and_then(Option::as_ref);
+            let all = look.and_then(|look| one_of_all(&column, &look.sent));
+            if let Some((first, sent)) = &even
+                && !all.is_some_and(|all| is_alike(sent, all))
             {
-                plain = None;
-                if let Some(look) = &looks[of] {
-                    let part = [[first / n_along, i / n_along], [0.0, 1.0]];
-                    self.add_part(part, &look.sent, facets);
-                    shown.add(&look.sent, (i - first) / n_along);
-                }
+                self.add_part([[first / n_along, i / n_along], [0.0, 1.0]], sent, facets);
+                shown.add(sent, (i - first) / n_along);
+                even = None;
             }
-            if is_plain && !column.is_empty() {
-                plain = plain.or(Some((i, group)));
-            } else if let Some(look) = looks.get(group).and_then(Option::as_ref) {
+            if let Some(all) = all {
+                even = even.or(Some((i, *all)));
+            } else if let Some(look) = look {
                 let mut j = 0.0;
                 for cell in &column {
                     let sent = cell.own.as_ref().unwrap_or(&look.sent).scaled(cell.visible);
@@ -187,8 +210,9 @@ impl<'a> Divided<'a> {
         (corners, row): (&mut Corners, usize),
     ) -> Cell {
         let chain = self.surface.chain;
+        let [low, high] = self.surface.band;
         let from_face = |across: f64| match chain.face {
-            Face::Outer => across,
+            Face::Outer => low + (high - low) * across,
             Face::Inner => 1.0 - across,
         };
         let half_way = from_face(0.5 * (across[0] + across[1]));
@@ -200,6 +224,10 @@ impl<'a> Divided<'a> {
         let mut cell = Cell { visible, own: None };
         if visible <= LEAST_VISIBLE {
             cell.visible = 0.0;
+            return cell;
+        }
+        if self.is_narrow && chain.has_relief(look.mirror.alpha) {
+            cell.own = Some(self.over_band(from, look, middle));
             return cell;
         }
         let mut mirror = Mirror {
@@ -218,6 +246,22 @@ impl<'a> Divided<'a> {
         cell.own = (from.mirror_among(&mirror, (at, &self.among)))
             .or_else(|| has_relief.then(|| from.mirror_of_cell(&mirror)));
         cell
+    }
+
+    /// What a narrow band shows about the middle of a column: the mean over its depth.
+    fn over_band(&self, from: &LightFrom<'_>, look: &Look, middle: &End) -> Sent {
+        let (chain, [low, high]) = (self.surface.chain, self.surface.band);
+        let ends = [self.surface.run.first(), self.surface.run.last()];
+        let mut shown = Sent::default();
+        for [part, weight] in PLACES {
+            let part = low + (high - low) * part;
+            let mirror = chain.mirror_at(look.mirror, &ends, part);
+            let at = chain.place(middle, part);
+            let own = (from.mirror_among(&mirror, (at, &self.among)))
+                .unwrap_or_else(|| from.mirror_of_cell(&mirror));
+            shown.add(&own, weight);
+        }
+        shown
     }
 
     /// A facet from one fraction of the run to another, along it and across it.

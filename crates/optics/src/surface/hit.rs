@@ -9,46 +9,12 @@ use starbreak_seed::{Seed, Stream};
 
 use super::chains::Fallen;
 use super::cracks::Facets;
-use super::lobe::{HELD, LightFrom, Mirror, N_SHARES, SUN, Sent, into_glass};
+use super::grains::{AllGrains, LEAST_OF_BLUR, LEAST_PX};
+use super::lobe::{LightFrom, Sent, into_glass};
 use crate::surface::SurfaceParams;
-use crate::vector::Vector;
-
-/// Size of a grain over the radius of the crushed zone, and its bounds, mm. FIT to photographs:
-/// powder under a stone, crumbs of about half of a ply under a heavy body.
-const GRAIN: f64 = 0.14;
-const GRAINS_MM: [f64; 2] = [0.12, 1.1];
-
-/// Cells that stand for grains are no smaller than this, px, or this part of the radius of their
-/// blur; one that stands for several is the mean of so many at most.
-const LEAST_PX: f64 = 1.5;
-const LEAST_OF_BLUR: f64 = 0.4;
-const MOST_DRAWN: f64 = 6.0;
-
-/// Most cells along a side of a crushed zone.
-const MOST_CELLS: f64 = 90.0;
-
-/// How far corners of grains are from those of a regular grid, over their size. FIT.
-const JITTER: f64 = 0.36;
-
-/// Grains that are white powder, that mirror, that turn sight outside, and that let no light out;
-/// the others are clear. At the middle and at the rim of the zone. FIT: photographs show gray and
-/// white crumbs with dark and bright ones among them.
-const GRAINS: [[f64; 4]; 2] = [[0.44, 0.30, 0.12, 0.10], [0.14, 0.22, 0.16, 0.06]];
-
-/// How white powder is. FIT.
-const WHITE: [f64; 2] = [0.35, 0.95];
-
-/// Tilt of the faces of grains against the pane, rad, and their roughness as α of GGX. FIT: broken
-/// faces are between mist and mirror.
-const TILTS_RAD: [f64; 2] = [0.35, 1.4];
-const GRAIN_ALPHA: f64 = 0.06;
-
-/// Faces of a grain that may mirror the sun, each of this share of it. FIT.
-const N_SPARKS: u32 = 3;
-const SPARK_SHARE: f64 = 0.1;
 
 /// By how much the rim of a patch is nearer or farther, of its radius (one standard deviation). FIT.
-const RAGGED: f64 = 0.13;
+pub(super) const RAGGED: f64 = 0.09;
 
 /// Waves around the rim of a patch.
 const N_WAVES: u32 = 7;
@@ -60,17 +26,18 @@ const CHIPPED: f64 = 0.55;
 /// Shells and films reach so many thicknesses of the ply beyond the crushed zone at most.
 const MOST_BEYOND: [f64; 2] = [1.0, 2.0];
 
-/// Sectors and rings of a film, which has fringes; of a shell.
-const FILM_CELLS: [u32; 2] = [30, 8];
-const SHELL_CELLS: [u32; 2] = [8, 6];
+/// Most and least sectors and rings of a film, which has fringes; of a shell. There are fewer where cells would be
+/// smaller than those of grains.
+const FILM_CELLS: [[f64; 2]; 2] = [[30.0, 8.0], [12.0, 3.0]];
+const SHELL_CELLS: [[f64; 2]; 2] = [[8.0, 6.0], [3.0, 2.0]];
 
-/// Adds the surroundings of every hit that has crushed the glass at `time`: of which a crack has
-/// begun to run.
+/// Adds the surroundings of every hit that has left a pit at `time`, of which a crack has begun to run, within `reach_px`
+/// of the frame.
 pub(crate) fn hit_facets(
     from: &LightFrom<'_>,
     network: &CrackNetwork,
     time: f64,
-    surface: &SurfaceParams,
+    (surface, reach_px): (&SurfaceParams, f64),
     seed: Seed,
     facets: &mut Facets,
 ) {
@@ -79,11 +46,24 @@ pub(crate) fn hit_facets(
         return;
     }
     let fallen = Fallen::of(network, time);
+    let mut known = Vec::new();
     for (k, impact) in (0_u64..).zip(&data.impacts) {
-        let Some(crushed_mm) = impact.crushed_radius_mm.filter(|radius| *radius > 0.0) else {
+        let [low, high] = from.sheet.ply_mm(0);
+        let pit_mm = impact.pit_radius_mm(high - low);
+        if pit_mm <= 0.0 {
+            continue;
+        }
+        let around = [surface.crushed_zone, surface.chip, surface.film];
+        let widest_mm = 2.0 * pit_mm * around.into_iter().fold(1.0, f64::max);
+        let (view, at) = (from.sheet.view(), [impact.x, impact.y]);
+        let Some(px_per_mm) = view.px_per_unit(at) else {
             continue;
         };
-        let reach = crushed_mm + data.pane.rim_tolerance();
+        let [x, y] = at;
+        if (view.visible([x, y, x, y], reach_px + widest_mm * px_per_mm)).is_none() {
+            continue;
+        }
+        let reach = pit_mm + data.pane.rim_tolerance();
         let has_begun = !time.is_finite()
             || network.grown_at(time).any(|(_, [x, y, ..])| {
                 let (x, y) = (x - impact.x, y - impact.y);
@@ -98,24 +78,26 @@ pub(crate) fn hit_facets(
             rng: seed.stream(Stream::CrackRelief, k),
             fallen: &fallen,
             facets,
+            all: (seed, &mut known),
         };
-        let [low, high] = from.sheet.ply_mm(0);
-        let beyond = |times: f64, most: f64| {
-            crushed_mm + (crushed_mm * (times - 1.0)).min(most * (high - low))
-        };
-        let film_mm = beyond(surface.film, MOST_BEYOND[1]);
-        patch.film([crushed_mm, film_mm], surface.film_um);
-        let chip_mm = beyond(surface.chip, MOST_BEYOND[0]);
-        patch.shells([crushed_mm, chip_mm], surface.chip_slope_deg.to_radians());
-        patch.crushed(crushed_mm * surface.crushed_zone);
+        let beyond =
+            |times: f64, most: f64| pit_mm + (pit_mm * (times - 1.0)).min(most * (high - low));
+        // Where nothing was crushed there are no lateral cracks, and nothing came off.
+        if impact.crushed_radius_mm.is_some_and(|radius| radius > 0.0) {
+            let film_mm = beyond(surface.film, MOST_BEYOND[1]);
+            patch.film([pit_mm, film_mm], surface.film_um);
+            let chip_mm = beyond(surface.chip, MOST_BEYOND[0]);
+            patch.shells([pit_mm, chip_mm], surface.chip_slope_deg.to_radians());
+        }
+        patch.crushed(pit_mm * surface.crushed_zone);
     }
 }
 
 /// Radius over the mean radius, all around: waves of falling size.
-struct Ragged([[f64; 2]; N_WAVES as usize]);
+pub(super) struct Ragged([[f64; 2]; N_WAVES as usize]);
 
 impl Ragged {
-    fn at(&self, angle: f64) -> f64 {
+    pub(super) fn at(&self, angle: f64) -> f64 {
         let mut sum = 1.0;
         let mut order = 2.0;
         for [cosine, sine] in self.0 {
@@ -135,80 +117,44 @@ struct PolarCell {
     angles: [f64; 2],
 }
 
-/// A corner of grains, mm from the middle of a hit, and where it appears in the frame, px.
-type Corner = ([f64; 2], Option<[f64; 2]>);
-
 /// The surroundings of one hit.
-struct Patch<'a, 'b> {
-    from: &'a LightFrom<'b>,
-    middle: [f64; 2],
-    rng: ChaCha8Rng,
-    fallen: &'a Fallen,
-    facets: &'a mut Facets,
+pub(super) struct Patch<'a, 'b> {
+    pub(super) from: &'a LightFrom<'b>,
+    pub(super) middle: [f64; 2],
+    pub(super) rng: ChaCha8Rng,
+    pub(super) fallen: &'a Fallen,
+    pub(super) facets: &'a mut Facets,
+    /// Seed of all grains, and their means as far as they are known.
+    pub(super) all: (Seed, &'a mut Vec<AllGrains>),
 }
 
 impl Patch<'_, '_> {
-    /// Grains between the corners of a grid that is not regular.
-    fn crushed(&mut self, radius: f64) {
-        if radius <= 0.0 {
-            return;
-        }
+    /// Least size of cells, mm.
+    pub(super) fn least_mm(&self) -> f64 {
         let sheet = self.from.sheet;
-        let grain = (GRAIN * radius).clamp(GRAINS_MM[0], GRAINS_MM[1]);
         let px_per_mm = sheet.view().px_per_unit(self.middle).unwrap_or(0.0);
         let blur_px = sheet.blur_radius_px(self.middle, sheet.outer_mm());
         let least_px = (LEAST_OF_BLUR * blur_px.unwrap_or(0.0).abs()).max(LEAST_PX);
-        let outermost = radius * (1.0 + 2.5 * RAGGED);
-        let size = grain
-            .max(least_px / px_per_mm.max(1e-9))
-            .max(2.0 * outermost / MOST_CELLS)
-            .min(radius);
-        let in_grains = size / grain;
-        let n_drawn = (in_grains * in_grains).clamp(1.0, MOST_DRAWN).round();
-        let rim = self.ragged();
-        let n = (2.0 * outermost / size).ceil().max(2.0);
-        // Grains are as deep as they are wide: a pane that is seen from the side does not make them
-        // narrow.
-        let long = self.foreshortening();
-        let (sin, cos) = libm::sincos(TAU * self.uniform());
-        let row = |patch: &mut Self, i: f64| -> Vec<Corner> {
-            let mut corners = Vec::new();
-            let mut k = 0.0;
-            while k <= n {
-                let [x, y] = [k, i].map(|at| {
-                    let jitter = JITTER * (2.0 * patch.uniform() - 1.0);
-                    (at + jitter - 0.5 * n) * size
-                });
-                let at = [x * cos - y * sin, (x * sin + y * cos) * long];
-                let place = [patch.middle[0] + at[0], patch.middle[1] + at[1]];
-                corners.push((at, sheet.project(place, sheet.outer_mm(), [0.0; 2])));
-                k += 1.0;
-            }
-            corners
-        };
-        let mut above = row(self, 0.0);
-        let mut i = 1.0;
-        while i <= n {
-            let below = row(self, i);
-            for k in 1..above.len() {
-                let corners = [above[k - 1], above[k], below[k], below[k - 1]];
-                let middle =
-                    [0, 1].map(|axis| corners.iter().map(|(c, _)| 0.25 * c[axis]).sum::<f64>());
-                let far = (middle[0] * middle[0] + middle[1] * middle[1]).sqrt();
-                let way = far / (radius * rim.at(libm::atan2(middle[1], middle[0])));
-                if way < 1.0
-                    && let [Some(a), Some(b), Some(c), Some(d)] = corners.map(|(_, seen)| seen)
-                {
-                    self.grain([a, b, c, d], middle, way, n_drawn);
-                }
-            }
-            above = below;
-            i += 1.0;
-        }
+        least_px / px_per_mm.max(1e-9)
+    }
+
+    /// Sectors and rings of something so long around and so wide, mm.
+    fn n_cells(&self, sides_mm: [f64; 2], [most, least]: [[f64; 2]; 2]) -> [u32; 2] {
+        let least_mm = self.least_mm();
+        std::array::from_fn(|k| {
+            let n = (sides_mm[k] / least_mm).clamp(least[k], most[k]);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a few"
+            )]
+            let n = n as u32;
+            n
+        })
     }
 
     /// How much shorter a way down the pane is seen than one across, at the hit: 1 or more.
-    fn foreshortening(&self) -> f64 {
+    pub(super) fn foreshortening(&self) -> f64 {
         let sheet = self.from.sheet;
         let seen = |by: [f64; 2]| {
             let at = [self.middle[0] + by[0], self.middle[1] + by[1]];
@@ -219,85 +165,6 @@ impl Patch<'_, '_> {
         match (seen([1.0, 0.0]), seen([0.0, 1.0])) {
             (Some(across), Some(down)) if down > 0.0 => (across / down).clamp(1.0, 3.0),
             _ => 1.0,
-        }
-    }
-
-    /// A cell of the crushed zone, with its corners in the frame, a part of the way from its middle
-    /// to its rim: the mean of some grains.
-    fn grain(&mut self, corners: [[f64; 2]; 4], middle: [f64; 2], way: f64, n_drawn: f64) {
-        let sheet = self.from.sheet;
-        let depth = sheet.outer_mm();
-        let place = [self.middle[0] + middle[0], self.middle[1] + middle[1]];
-        if self.fallen.is_at(place) {
-            return;
-        }
-        let (Some(sight), Some(radius_px)) = (
-            sheet.sight(place, [0.0; 2]),
-            sheet.blur_radius_px(place, depth),
-        ) else {
-            return;
-        };
-        let mut sent = Sent::default();
-        let mut k = 0.0;
-        while k < n_drawn {
-            let one = self.one_grain(sight, way);
-            sent.add(&one, 1.0 / n_drawn);
-            k += 1.0;
-        }
-        let all = sent.lanes[..N_SHARES].iter().sum::<f64>();
-        if all <= 0.0 {
-            return;
-        }
-        self.facets.outlines.push(corners);
-        self.facets
-            .add(corners, radius_px, &sent, [[1.0, 0.0], [0.0, 1.0]]);
-    }
-
-    /// What one grain sends.
-    fn one_grain(&mut self, sight: Vector, way: f64) -> Sent {
-        let [white, mirrors, turns, holds] =
-            std::array::from_fn(|k| GRAINS[0][k] + (GRAINS[1][k] - GRAINS[0][k]) * way * way);
-        let mut sent = Sent::default();
-        let kind = self.uniform();
-        let strength = self.uniform();
-        if kind < white {
-            let share = WHITE[0] + (WHITE[1] - WHITE[0]) * strength;
-            self.from.diffuse(&mut sent, share);
-        } else if kind < white + mirrors {
-            let mirror = self.face(sight);
-            sent = self.from.mirror(&mirror);
-            sent.tint = [0.0; 3];
-        } else if kind < white + mirrors + turns {
-            let normal = self.face(sight).normal;
-            let inside = into_glass(sight, self.from.sheet.index);
-            match out_of_glass(inside, normal, self.from.sheet.index) {
-                Some(out) => {
-                    let to = self.from.sheet.camera_from_sheet(out);
-                    self.from.seen(&mut sent, to, 0.6 + 0.4 * strength);
-                }
-                None => sent.lanes[HELD] = 0.6 + 0.4 * strength,
-            }
-        } else if kind < white + mirrors + turns + holds {
-            sent.lanes[HELD] = 0.5 + 0.5 * strength;
-        }
-        // All of them have some faces that may send the sun's light.
-        for _ in 0..N_SPARKS {
-            let spark = self.face(sight);
-            sent.lanes[SUN] += SPARK_SHARE * self.from.sun_in(&spark);
-        }
-        sent
-    }
-
-    /// A broken face of a grain, that looks any way.
-    fn face(&mut self, sight: Vector) -> Mirror {
-        let tilt = TILTS_RAD[0] + (TILTS_RAD[1] - TILTS_RAD[0]) * self.uniform();
-        let (sin, cos) = libm::sincos(TAU * self.uniform());
-        let (across, up) = libm::sincos(tilt);
-        Mirror {
-            sight,
-            normal: [across * cos, across * sin, up],
-            alpha: GRAIN_ALPHA,
-            gap_um: 50.0,
         }
     }
 
@@ -315,7 +182,8 @@ impl Patch<'_, '_> {
             if !is_chipped || extent <= 0.0 || slope_rad <= 0.0 {
                 continue;
             }
-            let [n_sectors, n_rings] = SHELL_CELLS;
+            let [n_sectors, n_rings] =
+                self.n_cells([2.0 * half * (inner + extent), extent], SHELL_CELLS);
             for sector in 0..n_sectors {
                 let sides =
                     [sector, sector + 1].map(|k| 2.0 * f64::from(k) / f64::from(n_sectors) - 1.0);
@@ -356,7 +224,7 @@ impl Patch<'_, '_> {
         let [low, high] = self.from.sheet.ply_mm(0);
         let depth = low + 0.8 * (high - low);
         let rim = self.ragged();
-        let [n_sectors, n_rings] = FILM_CELLS;
+        let [n_sectors, n_rings] = self.n_cells([TAU * outer, outer - inner], FILM_CELLS);
         for sector in 0..n_sectors {
             let angles = [sector, sector + 1].map(|k| TAU * f64::from(k) / f64::from(n_sectors));
             let way_out = libm::sincos(0.5 * (angles[0] + angles[1]));
@@ -386,7 +254,7 @@ impl Patch<'_, '_> {
     }
 
     /// A rim that is not round.
-    fn ragged(&mut self) -> Ragged {
+    pub(super) fn ragged(&mut self) -> Ragged {
         let mut waves = [[0.0; 2]; N_WAVES as usize];
         for wave in &mut waves {
             let size = self.uniform();
@@ -422,7 +290,7 @@ impl Patch<'_, '_> {
     }
 
     /// A number in [0, 1).
-    fn uniform(&mut self) -> f64 {
+    pub(super) fn uniform(&mut self) -> f64 {
         f64::from(self.rng.next_u32()) / 4_294_967_296.0
     }
 }
@@ -435,6 +303,6 @@ impl PolarCell {
 }
 
 /// A direction of the glass on its way in the air, through a surface with an outward normal.
-fn out_of_glass(direction: [f64; 3], normal: [f64; 3], n: f64) -> Option<[f64; 3]> {
+pub(super) fn out_of_glass(direction: [f64; 3], normal: [f64; 3], n: f64) -> Option<[f64; 3]> {
     crate::interface::fresnel::refract(direction, normal.map(|part| -part), n)
 }

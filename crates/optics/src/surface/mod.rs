@@ -6,11 +6,13 @@
 //! are small patches of other surfaces.
 
 mod chains;
+mod cone;
 mod cracks;
 mod divided;
 mod drawn_drop;
 mod drops;
 mod glimpse;
+mod grains;
 mod hit;
 mod lobe;
 mod params;

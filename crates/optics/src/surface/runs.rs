@@ -23,11 +23,13 @@ const LONGEST_MIXED_PX: f64 = 2.0;
 /// Least cosine of the angle between a segment of a run and the first one: 6°.
 const LEAST_COSINE: f64 = 0.9945;
 
-/// Surfaces are alike that differ by at most this in depth over thickness and in the tangent of
-/// their tilt, and by these ratios in their gaps, unless both are wide, and in their roughness.
+/// Surfaces are alike that differ by at most this in depth over thickness and in their tilt, and by these ratios in their gaps, unless both are wide, and in their roughness. Gaps that hold back all
+/// light beyond the critical angle, µm, may differ by more.
 const ALIKE_DEPTH: f64 = 0.03;
-const ALIKE_LEAN: f64 = 0.03;
+const ALIKE_TILT_RAD: f64 = 0.03;
 const ALIKE_GAPS: f64 = 1.2;
+const SHUT_OUT_UM: f64 = 0.7;
+const ALIKE_WIDER_GAPS: f64 = 2.0;
 const ALIKE_ALPHAS: f64 = 1.25;
 
 /// From here on a gap is wide: it reflects in full beyond the critical angle, and without colors
@@ -74,12 +76,15 @@ impl Group {
         let (gap_um, alpha) = (self.gap_um / length, self.alpha / length);
         let first = &self.ends[0];
         let is_wide = gap_um.min(piece.gap_um) >= WIDE_GAP_UM;
+        let most = match gap_um.min(piece.gap_um) < SHUT_OUT_UM {
+            true => ALIKE_GAPS,
+            false => ALIKE_WIDER_GAPS,
+        };
         let is_alike = |end: &End| {
-            (first.depth - end.depth).abs() <= ALIKE_DEPTH
-                && (first.lean - end.lean).abs() <= ALIKE_LEAN
+            (first.depth - end.depth).abs() <= ALIKE_DEPTH && turns(first.lean, end.lean) <= 1.0
         };
         piece.ends.iter().all(is_alike)
-            && (is_wide || ratio(gap_um, piece.gap_um) <= ALIKE_GAPS)
+            && (is_wide || ratio(gap_um, piece.gap_um) <= most)
             && (alpha <= 0.0 && piece.alpha <= 0.0 || ratio(alpha, piece.alpha) <= ALIKE_ALPHAS)
     }
 
@@ -245,10 +250,15 @@ pub(super) fn each_run(sheet: &SheetView, chain: &Chain, reach_px: f64, mut each
     }
 }
 
+/// By how much two tilts differ, by their tangents, over what is alike.
+fn turns(a: f64, b: f64) -> f64 {
+    (b - a).abs() / (ALIKE_TILT_RAD * (1.0 + (a * b).max(0.0)))
+}
+
 /// A piece in as many parts as its tilt changes by, none shorter than can be seen.
 fn smooth_parts(sheet: &SheetView, chain: &Chain, piece: &Piece) -> impl Iterator<Item = Piece> {
     let [a, b] = piece.ends;
-    let turns = (b.lean - a.lean).abs() / ALIKE_LEAN;
+    let turns = turns(a.lean, b.lean);
     let n = if turns > 1.0 {
         let px_per_mm = sheet.view().px_per_unit(a.at).unwrap_or(0.0);
         let blur_px = sheet.blur_radius_px(a.at, chain.ply_mm[0]).unwrap_or(0.0);

@@ -262,16 +262,16 @@ fn touched_by_discs(
         }
     }
     for impact in &data.impacts {
-        let crushed_mm = impact.crushed_radius_mm.unwrap_or(0.0);
+        let pit_mm = impact.pit_radius_mm(optics.glass.thickness_mm);
         let around = AROUND_HIT.max(optics.surface.film).max(optics.surface.chip);
         let place = [impact.x, impact.y];
         if let (Some(reach), Some([u, v]), Some(px_per_mm)) = (
             frame.reach_px(place),
             view.project(place),
             view.px_per_unit(place),
-        ) && crushed_mm > 0.0
+        ) && pit_mm > 0.0
         {
-            let radius = crushed_mm * around.max(optics.surface.crushed_zone) * px_per_mm;
+            let radius = pit_mm * around.max(optics.surface.crushed_zone) * px_per_mm;
             touched.mark_line([u, v, u, v], reach + radius);
         }
     }

@@ -220,18 +220,18 @@ pub(super) struct PhysicalOpticsTable {
     /// Opening of cracks whose network does not say it, um, 0 to 1000.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub(super) opening_um: f64,
-    /// Radius of the white, crushed zone as a multiple of what the hit gave, 0 (none) to 10.
+    /// Radius of the pit of crushed glass as a multiple of what the hit gave, 0 (none) to 10.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) crushed_zone: f64,
-    /// Radius of the shell that chips off around the crushed zone as a multiple of that zone's, 0
-    /// to 10; none up to 1.
+    /// Radius of the shell that chips off around the pit as a multiple of what the hit gave for
+    /// that, 0 to 10; none up to 1.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) chip: f64,
     /// Slope of the chipped surface at its rim, degrees, 0 to 60.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub(super) chip_slope_deg: f64,
-    /// Radius of the film of air that runs sideways under the crushed zone, as a multiple of that
-    /// zone's, 0 to 10; none up to 1.
+    /// Radius of the film of air that runs sideways under the pit, as a multiple of what the hit
+    /// gave for that, 0 to 10; none up to 1.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) film: f64,
     /// Greatest thickness of that film, um, 0 to 100.
