@@ -1,8 +1,7 @@
 """Checks docs/theory/optics.md by a program of its own: python3 check_optics.py PATH/TO/starbreak
 
-Needs numpy and Pillow. Light that is the same everywhere must leave a picture as it is; the picture
-must be what its maps say; a straight crack must have the width that Snell's law gives it, and the
-profile of a box spread by a disc.
+Needs numpy and Pillow. The picture must be what its maps say; a straight crack must have the width that Snell's law
+gives it, and the profile of a box spread by a disc.
 """
 
 import pathlib
@@ -44,25 +43,6 @@ def crack(folder, picture, *args):
 
 def sets(*pairs):
     return [word for pair in pairs for word in ("--set", pair)]
-
-
-def furnace(folder):
-    """Greatest change, in codes, of a gray picture under light of that gray from everywhere."""
-    gray = 128
-    picture = folder / "gray.png"
-    Image.new("RGB", (1242, 375), (gray,) * 3).save(picture)
-    rgb = "[" + ",".join([f"{float(light(gray)):.9f}"] * 3) + "]"
-    same = [f"optics.{name}={rgb}" for name in ("sky_horizon", "sky_zenith", "ground", "cabin")]
-    worst = 0
-    for preset in PRESETS:
-        for focus in ("far", "short"):
-            pixels, _ = crack(
-                folder, picture, "--preset", preset, "--seed", "1",
-                *sets(*same, "optics.sun_irradiance=0", "impact.position=[0.5,0.5]",
-                      f"camera.focus_distance_m={focus}"),
-            )
-            worst = max(worst, np.abs(pixels - gray).max())
-    return worst
 
 
 def at(image, u, v):
@@ -148,7 +128,6 @@ def straight(folder):
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
     subprocess.run([sys.argv[1], "demo", "-o", str(folder / "demo")], check=True, capture_output=True)
-    print(f"light the same everywhere, 6 presets, far and short: off by {furnace(folder)} codes at most")
     for preset, where, n, share, most in maps(folder, folder / "demo" / "scene.png"):
         print(f"picture by its maps, {preset}, light from {where}: {100 * share:.1f} % of {n} samples "
               f"are off by more than 1 code, {most:.0f} at most")
