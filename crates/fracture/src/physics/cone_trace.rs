@@ -49,8 +49,9 @@ impl Breaking<'_> {
     pub(super) fn circle(&mut self, hit: &Hit<'_>, (radius_m, depth_m): (f64, f64)) {
         let h = self.pane.thickness_m;
         let mut rng = self.seed.stream(Stream::StoneFlaws, (2 << 32) | hit.k);
-        // Low harmonics of the radius.
-        let mut harmonics: Vec<[f64; 3]> = (2_u8..6)
+        let oblique = OBLIQUE * libm::tan(hit.stone.obliquity_rad.min(PI / 4.0));
+        // Low harmonics of the radius; the first moves the whole.
+        let harmonics: Vec<[f64; 3]> = (2_u8..6)
             .map(|n| {
                 let n = f64::from(n);
                 [
@@ -59,9 +60,8 @@ impl Breaking<'_> {
                     2.0 * PI * uniform(&mut rng),
                 ]
             })
+            .chain([[1.0, oblique, -hit.stone.azimuth_rad]])
             .collect();
-        let oblique = OBLIQUE * libm::tan(hit.stone.obliquity_rad.min(PI / 4.0));
-        harmonics.push([1.0, oblique, -hit.stone.azimuth_rad]);
         let turned = TURNED[0] + (TURNED[1] - TURNED[0]) * uniform(&mut rng);
         let widest_rad = 2.0 * PI * uniform(&mut rng);
         let n_steps = 96_u32;

@@ -6,7 +6,7 @@ use starbreak_glass::{Face, SegmentKind, Zone};
 
 use super::front;
 use crate::params::GlassPane;
-use crate::tips::{Piece, TipLaw, Web};
+use crate::tips::{CORROSION_LIMIT, Piece, TipLaw, Web};
 
 /// Ratio of K to that of the mirror's rim above which mist turns to hackle \[Quinn2020\].
 const HACKLE_RATIO: f64 = 1.2;
@@ -24,10 +24,6 @@ const MAX_ROUGHNESS_UM: f64 = 20.0;
 /// What is left of the opening under load once the load is gone, at most. UNKNOWN: debris and faces that no longer fit
 /// keep cracks open.
 const STAYS_OPEN: f64 = 0.3;
-
-/// K over `K_IC` below which cracks in soda-lime glass do not grow in moist air \[Wiederhorn1967\], as long cracks creep: one that
-/// is at rest has no more, and is no wider open than this K makes it.
-const AT_REST: f64 = 0.35;
 
 /// Zone and RMS roughness, µm, of a surface that was made at K.
 pub(super) fn relief(law: &TipLaw, intensity_pa_sqrt_m: f64) -> (Zone, f64) {
@@ -96,8 +92,10 @@ impl Cracks {
             parent,
             opening_m: vec![0.0; n],
             thickness_m: pane.thickness_m,
-            // 4 σ c/E with K = σ √(π c) \[TadaParisIrwin2000\].
-            at_rest_sqrt_m: 4.0 * AT_REST * pane.material.fracture_toughness_pa_sqrt_m.value
+            // 4 σ c/E with K = σ √(π c) \[TadaParisIrwin2000\]: one at rest has no more K than makes it creep.
+            at_rest_sqrt_m: 4.0
+                * CORROSION_LIMIT
+                * pane.material.fracture_toughness_pa_sqrt_m.value
                 / (PI.sqrt() * pane.material.young_modulus_pa.value),
         };
         for piece in &web.pieces {

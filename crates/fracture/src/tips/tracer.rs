@@ -37,7 +37,7 @@ pub(crate) enum Motion {
 const CORROSION_SPEED_M_S: f64 = 1e-2;
 
 /// K/K_IC below which stress corrosion ends.
-const CORROSION_LIMIT: f64 = 0.35;
+pub(crate) const CORROSION_LIMIT: f64 = 0.35;
 
 /// Way over which the branches of a fork part, over the length that counts for K. FIT: forks of long
 /// cracks keep their angle over about a quarter of the crack before they run side by side.

@@ -3,8 +3,7 @@
 use starbreak_glass::{CrackNetwork, Face, Fragment, LengthUnit, SegmentKind, Zone};
 
 use super::SheetView;
-use super::cone::THROUGH;
-use super::relief::{FRONT, Relief};
+use super::relief::{FRONT, Relief, THROUGH};
 use crate::surface::SurfaceParams;
 use crate::vector::Vector;
 

@@ -6,20 +6,14 @@ use crate::vector::Vector;
 /// A cone begins on the face at this part of its lower radius at least.
 const LEAST_CONE: f64 = 0.15;
 
-/// Depth over thickness from which a cone is through, and ends upright.
-pub(super) const THROUGH: f64 = 0.9;
-
 /// Parts of the depth between which the wall of a cone that is through counts as straight.
 const BANDS: [f64; 5] = [0.0, 0.5, 0.75, 0.9, 1.0];
 
 impl Chain {
     /// Bands of the depth, as parts of it from the face it begins at, in which its wall is straight.
     pub(super) fn bands(&self) -> impl Iterator<Item = [f64; 2]> {
-        let n = if self.is_flared { BANDS.len() - 1 } else { 1 };
-        (0..n).map(move |k| match n {
-            1 => [0.0, 1.0],
-            _ => [BANDS[k], BANDS[k + 1]],
-        })
+        let limits: &[f64] = if self.is_flared { &BANDS } else { &[0.0, 1.0] };
+        limits.windows(2).map(|pair| [pair[0], pair[1]])
     }
 
     /// A place of a cone about a middle, a part of the depth from the face: its trace is its lower edge, and it comes from
@@ -48,6 +42,7 @@ mod tests {
     use starbreak_glass::Face;
 
     use super::super::chains::Piece;
+    use super::super::relief::THROUGH;
     use super::*;
 
     fn cone(depth: f64) -> Chain {

@@ -179,8 +179,7 @@ impl Patch<'_, '_> {
             sent.add(at_middle, (1.0 - own) * (1.0 - way * way));
             sent.add(at_rim, (1.0 - own) * way * way);
         }
-        let all = sent.lanes[..N_SHARES].iter().sum::<f64>();
-        if all <= 0.0 {
+        if sent.lanes[..N_SHARES].iter().sum::<f64>() <= 0.0 {
             return;
         }
         self.facets.outlines.push(corners);

@@ -10,7 +10,7 @@
 pub(super) const FRONT: f64 = 1.5;
 
 /// Depth over thickness from which a crack counts as through. FIT.
-const THROUGH: f64 = 0.9;
+pub(super) const THROUGH: f64 = 0.9;
 
 /// Places and weights by which the lean is taken from the face to a depth: Gauss-Legendre.
 const PLACES: [[f64; 2]; 4] = [

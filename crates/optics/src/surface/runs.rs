@@ -23,14 +23,16 @@ const LONGEST_MIXED_PX: f64 = 2.0;
 /// Least cosine of the angle between a segment of a run and the first one: 6°.
 const LEAST_COSINE: f64 = 0.9945;
 
-/// Surfaces are alike that differ by at most this in depth over thickness and in their tilt, and by these ratios in their gaps, unless both are wide, and in their roughness. Gaps that hold back all
-/// light beyond the critical angle, µm, may differ by more.
+/// Surfaces are alike that differ by at most this in depth over thickness and in their tilt, and by these ratios in their
+/// gaps, unless both are wide, and in their roughness.
 const ALIKE_DEPTH: f64 = 0.03;
 const ALIKE_TILT_RAD: f64 = 0.03;
 const ALIKE_GAPS: f64 = 1.2;
+const ALIKE_ALPHAS: f64 = 1.25;
+
+/// Gaps from this on, µm, let nothing through beyond the critical angle: they may differ by this ratio.
 const SHUT_OUT_UM: f64 = 0.7;
 const ALIKE_WIDER_GAPS: f64 = 2.0;
-const ALIKE_ALPHAS: f64 = 1.25;
 
 /// From here on a gap is wide: it reflects in full beyond the critical angle, and without colors
 /// short of it.

@@ -223,15 +223,15 @@ pub(super) struct PhysicalOpticsTable {
     /// Radius of the pit of crushed glass as a multiple of what the hit gave, 0 (none) to 10.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) crushed_zone: f64,
-    /// Radius of the shell that chips off around the pit as a multiple of what the hit gave for
-    /// that, 0 to 10; none up to 1.
+    /// Radius of the shell that chips off around the pit as a multiple of that of the pit that the
+    /// hit gave, 0 to 10; none up to 1.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) chip: f64,
     /// Slope of the chipped surface at its rim, degrees, 0 to 60.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub(super) chip_slope_deg: f64,
-    /// Radius of the film of air that runs sideways under the pit, as a multiple of what the hit
-    /// gave for that, 0 to 10; none up to 1.
+    /// Radius of the film of air that runs sideways under the pit, as a multiple of that of the pit
+    /// that the hit gave, 0 to 10; none up to 1.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) film: f64,
     /// Greatest thickness of that film, um, 0 to 100.
