@@ -45,15 +45,15 @@ pub struct SurfaceParams {
     pub hackle_alpha: Option<f64>,
     /// Opening of cracks of a network without that column, µm, 0 to 1000. **Default**: 10.
     pub opening_um: f64,
-    /// Radius of the white, crushed zone over that of the network, 0 (none) to 10. **Default**: 1.
+    /// Radius of the crushed glass over that of the pit (`Impact::pit_radius_mm`), 0 (none) to 10. **Default**: 1.
     pub crushed_zone: f64,
-    /// Radius of the shell that chips off around the crushed zone, over the crushed radius, 0 or
-    /// 1 to 10; up to 1 there is none. FIT. **Default**: 2.
+    /// Radius of the shell that chips off around the pit, over that of the pit, 0 to 10; up to 1 there is none. FIT.
+    /// **Default**: 2.
     pub chip: f64,
     /// Slope of the chipped surface at its rim, degrees, 0 to 60. FIT. **Default**: 12.
     pub chip_slope_deg: f64,
-    /// Radius of the film of air that runs sideways under the crushed zone (lateral cracks), over
-    /// the crushed radius, 0 or 1 to 10; up to 1 there is none. FIT. **Default**: 2.5.
+    /// Radius of the film of air that runs sideways under the pit (lateral cracks), over that of the pit, 0 to 10; up to
+    /// 1 there is none. FIT. **Default**: 2.5.
     pub film: f64,
     /// Greatest thickness of that film, µm, 0 to 100. FIT. **Default**: 1.5.
     pub film_um: f64,
