@@ -138,6 +138,88 @@ fn cracks_at_rest_are_no_wider_open_than_makes_them_grow() {
 }
 
 #[test]
+fn few_legs_of_stars_fork() {
+    let stone = StoneImpact {
+        tip_radius_m: 1.5e-3,
+        obliquity_rad: 55.0_f64.to_radians(),
+        ..StoneImpact::granite([0.7, 0.4], 29.0, 5e-3)
+    };
+    let few = PhysicsParams {
+        radial_count_factor: 1.6,
+        ..fast()
+    };
+    let (mut n_legs, mut n_forked) = (0, 0);
+    for k in 0..40 {
+        let broken = broken_by(&few, &windscreen(100e6).unwrap(), &[stone], k);
+        let segments = &broken.network.data().segments;
+        let parents = segments.parent.as_ref().unwrap();
+        n_legs += broken.impacts[0].n_legs;
+        let mut forked: Vec<u32> = (segments.kind.iter().zip(parents))
+            .filter(|(kind, _)| **kind == SegmentKind::Fork)
+            .filter_map(|(_, parent)| *parent)
+            .filter(|&parent| segments.kind[parent as usize] == SegmentKind::Radial)
+            .collect();
+        forked.sort_unstable();
+        forked.dedup();
+        n_forked += forked.len();
+    }
+    // In photographs of stars at most one leg in five.
+    assert!(
+        n_legs > 60 && n_forked > 0 && 5 * n_forked <= n_legs,
+        "{n_forked} of {n_legs} legs fork"
+    );
+}
+
+#[test]
+fn rings_of_a_web_bow_outward_and_are_shallower_than_its_rays() {
+    let (mut n_joints, mut n_outward, mut n_rings, mut n_shallow) = (0, 0, 0, 0);
+    for k in 0..6 {
+        let head = StoneImpact {
+            density_kg_m3: 1910.0,
+            ..StoneImpact::granite([0.7, 0.4], 10.0, 82.5e-3)
+        };
+        let broken = broken(&windscreen(100e6).unwrap(), &[head], k);
+        let data = broken.network.data();
+        let (segments, hit) = (&data.segments, &data.impacts[0]);
+        let (parents, depths) = (
+            segments.parent.as_ref().unwrap(),
+            segments.depth_fraction.as_ref().unwrap(),
+        );
+        let at = |node: u32| {
+            let node = node as usize;
+            [data.nodes.x[node] - hit.x, data.nodes.y[node] - hit.y]
+        };
+        let along = |idx: usize| {
+            let [from, to] = [segments.from[idx], segments.to[idx]].map(at);
+            [to[0] - from[0], to[1] - from[1]]
+        };
+        for (idx, kind) in segments.kind.iter().enumerate() {
+            if *kind != SegmentKind::Ring {
+                continue;
+            }
+            n_rings += 1;
+            n_shallow += usize::from(depths[idx] < 0.99);
+            let before = parents[idx].map(|parent| parent as usize);
+            let Some(before) = before.filter(|&idx| segments.kind[idx] == SegmentKind::Ring) else {
+                continue;
+            };
+            // Around the middle, either way, one that bows outward turns to the same side as it goes around.
+            let ([x, y], [u, v], [p, q]) = (at(segments.from[idx]), along(idx), along(before));
+            n_joints += 1;
+            n_outward += usize::from((p * v - q * u) * (x * v - y * u) > 0.0);
+        }
+    }
+    assert!(
+        n_joints > 200 && 10 * n_outward > 9 * n_joints,
+        "{n_outward} of {n_joints} joints turn around the middle"
+    );
+    assert!(
+        2 * n_shallow > n_rings,
+        "{n_shallow} of {n_rings} parts of rings are not through"
+    );
+}
+
+#[test]
 fn stones_of_the_road_make_damage_of_the_size_that_repairers_see() {
     let (mut n, mut n_right, mut n_cones) = (0.0, 0.0, 0);
     for k in 0..60 {

@@ -14,15 +14,15 @@ const CONE_TILT_RAD: f64 = 68.0 * PI / 180.0;
 
 /// Standard deviation of the waves of a cone's radius around it, over their order and the radius. FIT: in photographs
 /// bullseyes are round to a tenth.
-const UNROUND: f64 = 0.06;
+const UNROUND: f64 = 0.09;
 
 /// How far a cone's base is from under the contact where the stone comes in at 45°, over its radius, on the way of the
 /// stone. FIT: pits lie off the middle of bullseyes by up to a fifth.
-const OBLIQUE: f64 = 0.2;
+const OBLIQUE: f64 = 0.3;
 
 /// How much wider than on average the gap of a cone is where it is widest: what came loose also turned. Above 1 it is
 /// shut on the other side. FIT: photographs of bullseyes show a part of their rim.
-const TURNED: [f64; 2] = [0.5, 1.3];
+const TURNED: [f64; 2] = [0.8, 2.2];
 
 impl Breaking<'_> {
     /// The Hertzian cone where it shows: as a circle or an arc on the far face.

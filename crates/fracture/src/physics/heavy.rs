@@ -16,11 +16,10 @@ use starbreak_seed::{Seed, Stream, normal, uniform};
 use super::impact::{Breaking, Facts};
 use super::outcome::{ImpactReport, Stage};
 use super::plate::Stiffness;
-use super::radials::{draw_angles, draw_count, mean_radial_count};
-use super::rings;
+use super::radials::{draw_angles, draw_count, mean_radial_count, whole_count};
 use crate::contact::{ContactLoad, contact_load};
 use crate::params::{GlassBuild, GlassPane, StoneImpact};
-use crate::tips::{Piece, TERMINAL_SPEED_M_S, Tilt, Tip, TipLaw, Web, unit};
+use crate::tips::{Piece, TERMINAL_SPEED_M_S, Tip, TipLaw, Web, unit};
 
 /// A body is heavy where bending has come this far, in thicknesses of the ply, in the time in which
 /// both plies take its momentum. FIT: stones of some 10 g leave the inner ply whole, hail of 50 g
@@ -28,12 +27,12 @@ use crate::tips::{Piece, TERMINAL_SPEED_M_S, Tilt, Tip, TipLaw, Web, unit};
 const HEAVY: f64 = 40.0;
 
 /// Radial cracks would be nearer to each other than this many thicknesses: the glass is crumb. FIT.
-const CRUMB: f64 = 2.0;
+const CRUMB: f64 = 1.2;
 
 /// Of each radial crack, per e-fold of its distance: how often it ends, and how often it forks.
 /// FIT to photographs, where about half of the cracks around the middle come to ten times its
 /// radius.
-const ENDS: f64 = 0.3;
+const ENDS: f64 = 0.45;
 const FORKS: f64 = 0.22;
 
 /// Half of the angle of a fork, rad, and over which part of its distance a crack turns back to the
@@ -43,22 +42,6 @@ const TURNS_BACK: f64 = 0.5;
 
 /// Wander of the direction over a way of one thickness, rad. FIT.
 const WANDER_RAD: f64 = 0.035;
-
-/// A radius of chords over the next smaller one, and its scatter from sector to sector. FIT to
-/// photographs: 1.2 to 1.4, jumps of 0.5 to 8 % at radials.
-const CHORD_STEP: [f64; 2] = [1.2, 1.38];
-const CHORD_JUMP: f64 = 0.035;
-
-/// Of the sectors a chord breaks these shares, at the middle and at the outermost chord. FIT.
-const CHORDS: [f64; 2] = [0.95, 0.3];
-
-/// Chords run at this part of the speed of Rayleigh waves at least. FIT.
-const SLOWEST_CHORD: f64 = 0.05;
-
-/// Chords go out to this part of the reach of the radials, and break when those have come so many
-/// times as far as they are. FIT: photographs have them in the inner half.
-const CHORD_REACH: f64 = 0.5;
-const CHORD_AFTER: f64 = 1.6;
 
 impl Breaking<'_> {
     /// The plies of a laminate as panes of their own, for a body that breaks both.
@@ -131,7 +114,9 @@ impl Breaking<'_> {
                 rng,
                 sums: &mut sums,
             };
-            body.radials(n_radial, self.params.weibull_modulus);
+            // An e-fold farther out so many are left as the law says.
+            let at_crumb = whole_count(f64::from(n_radial) * libm::exp(ENDS));
+            body.radials(at_crumb, self.params.weibull_modulus);
             done(Stage::Tips);
             let rng = self.seed.stream(Stream::Rings, (1 << 33) | index);
             body.chords(rng);
@@ -177,26 +162,26 @@ impl Breaking<'_> {
 
 /// What both plies add up to.
 #[derive(Default)]
-struct Sums {
+pub(super) struct Sums {
     n_arms: usize,
-    reach_m: f64,
-    crumb_m: f64,
+    pub(super) reach_m: f64,
+    pub(super) crumb_m: f64,
     dissipated_j: f64,
     meets_rim: bool,
 }
 
 /// One ply under a heavy body.
-struct Body<'a> {
-    web: &'a mut Web,
+pub(super) struct Body<'a> {
+    pub(super) web: &'a mut Web,
     stiffness: Stiffness,
-    law: TipLaw,
-    center_m: [f64; 2],
+    pub(super) law: TipLaw,
+    pub(super) center_m: [f64; 2],
     start_s: f64,
-    crumb_m: f64,
-    strength_pa: f64,
-    seed: Seed,
+    pub(super) crumb_m: f64,
+    pub(super) strength_pa: f64,
+    pub(super) seed: Seed,
     rng: ChaCha8Rng,
-    sums: &'a mut Sums,
+    pub(super) sums: &'a mut Sums,
 }
 
 impl Body<'_> {
@@ -229,7 +214,7 @@ impl Body<'_> {
     }
 
     /// When a radial crack is at a distance, s: with the bending wave, and no faster than cracks run.
-    fn passes_s(&self, radius_m: f64) -> f64 {
+    pub(super) fn passes_s(&self, radius_m: f64) -> f64 {
         let per_root_s = self.stiffness.wave_reach_m(1.0);
         let wave_s = (radius_m / per_root_s) * (radius_m / per_root_s);
         self.start_s + wave_s + radius_m / TERMINAL_SPEED_M_S
@@ -347,139 +332,11 @@ impl Body<'_> {
         is_over
     }
 
-    fn add(&mut self, mut piece: Piece) {
+    pub(super) fn add(&mut self, mut piece: Piece) {
         let law = &self.law;
         piece.intensity_pa_sqrt_m = law.intensity(piece.stress_pa, piece.effective_m);
         let length_m = piece.along_m[1] - piece.along_m[0];
         self.sums.dissipated_j += law.fracture_energy_j_m2 * law.thickness_m * length_m;
         self.web.add_piece(piece);
-    }
-
-    /// Chords between neighboring radials, from the crumb outward.
-    fn chords(&mut self, mut rng: ChaCha8Rng) {
-        let reach_m = CHORD_REACH * self.sums.reach_m;
-        let folds = libm::log((reach_m / self.crumb_m).max(1.0));
-        let mut radius = self.crumb_m;
-        let step =
-            |rng: &mut ChaCha8Rng| CHORD_STEP[0] + (CHORD_STEP[1] - CHORD_STEP[0]) * uniform(rng);
-        radius *= step(&mut rng);
-        while radius < reach_m {
-            let out = libm::log(radius / self.crumb_m) / folds.max(1e-9);
-            let share = CHORDS[0] + (CHORDS[1] - CHORDS[0]) * out;
-            // Once around, from one crack to the next.
-            let mut angle = 2.0 * PI * uniform(&mut rng);
-            let end = angle + 2.0 * PI;
-            while angle < end {
-                let own = radius * libm::exp(CHORD_JUMP * normal(&mut rng));
-                let breaks = uniform(&mut rng) < share;
-                let Some((start, start_rad)) = self.next_crack(own, angle) else {
-                    break;
-                };
-                if breaks && start_rad < end {
-                    self.chord((start, start_rad), own, &mut rng);
-                }
-                angle = start_rad + 0.5 * self.law.thickness_m / own;
-            }
-            radius *= step(&mut rng);
-        }
-    }
-
-    /// The first crack that a circle meets from an angle on: a node on it, and its angle.
-    fn next_crack(&mut self, radius_m: f64, from_rad: f64) -> Option<(u32, f64)> {
-        let at = |angle: f64| {
-            let [cos, sin] = unit(angle);
-            [
-                self.center_m[0] + radius_m * cos,
-                self.center_m[1] + radius_m * sin,
-            ]
-        };
-        let n = 240;
-        let step = 2.0 * PI / f64::from(n);
-        let is_radial = |piece: &Piece| piece.kind != SegmentKind::Ring;
-        for k in 0..n {
-            let angle = from_rad + f64::from(k) * step;
-            let (a, b) = (at(angle), at(angle + step));
-            if self.web.outline.depth_m(b) <= 0.0 {
-                continue;
-            }
-            if let Some(hit) = self.web.first_hit(a, b, u32::MAX, is_radial) {
-                let node = self.web.node_on(hit.piece, hit.point_m, 1e-5);
-                return Some((node, angle + hit.at * step));
-            }
-        }
-        None
-    }
-
-    /// A chord from a crack to the next one around the middle.
-    fn chord(&mut self, (start, start_rad): (u32, f64), radius_m: f64, rng: &mut ChaCha8Rng) {
-        let Some((end, end_rad)) =
-            self.next_crack(radius_m, start_rad + 0.5 * self.law.thickness_m / radius_m)
-        else {
-            return;
-        };
-        let span = end_rad - start_rad;
-        if span <= 0.0 || span > 0.6 * PI || start == end {
-            return;
-        }
-        self.break_across([start, end], self.passes_s(CHORD_AFTER * radius_m), rng);
-    }
-
-    /// Runs a chord from node to node, slightly bent either way, or to what it meets first.
-    fn break_across(&mut self, [start, end]: [u32; 2], breaks_s: f64, rng: &mut ChaCha8Rng) {
-        let h = self.law.thickness_m;
-        let [from, to] = [start, end].map(|node| self.web.nodes[node as usize]);
-        let whole = libm::hypot(to[0] - from[0], to[1] - from[1]);
-        if whole < 0.5 * h {
-            return;
-        }
-        let crack = self.web.new_crack(None);
-        let mut tilt = Tilt::new(self.seed, (1 << 34) | u64::from(crack), rings::TILT_RAD);
-        let bend = 0.03 * whole * normal(rng);
-        let across = [-(to[1] - from[1]) / whole, (to[0] - from[0]) / whole];
-        let n = libm::ceil(whole / (1.5 * h)).clamp(1.0, 64.0);
-        let speed_m_s = (self.law.speed_m_s(self.law.intensity(self.strength_pa, h)))
-            .max(SLOWEST_CHORD * self.law.rayleigh_m_s);
-        let mut node = start;
-        let mut k = 1.0;
-        let (mut along, mut time_s) = (0.0, breaks_s);
-        while k <= n {
-            let part = k / n;
-            let off = 4.0 * bend * part * (1.0 - part);
-            let point =
-                [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * part + off * across[axis]);
-            let last = self.web.nodes[node as usize];
-            let others = |piece: &Piece| piece.crack != crack;
-            let met = self.web.first_hit(last, point, node, others);
-            let met = met.filter(|_| k < n);
-            let next = match met {
-                Some(hit) => self.web.node_on(hit.piece, hit.point_m, 1e-5),
-                None if k < n => self.web.add_node(point),
-                None => end,
-            };
-            let place = self.web.nodes[next as usize];
-            let length = libm::hypot(place[0] - last[0], place[1] - last[1]);
-            if length > 0.0 && next != node {
-                let tilt_rad = tilt.wander(length / h);
-                self.add(Piece {
-                    a: node,
-                    b: next,
-                    crack,
-                    kind: SegmentKind::Ring,
-                    time_s: [time_s, time_s + length / speed_m_s],
-                    along_m: [along, along + length],
-                    stress_pa: self.strength_pa,
-                    intensity_pa_sqrt_m: 0.0,
-                    effective_m: h,
-                    tilt_rad,
-                });
-                along += length;
-                time_s += length / speed_m_s;
-            }
-            node = next;
-            if met.is_some() {
-                break;
-            }
-            k += 1.0;
-        }
     }
 }

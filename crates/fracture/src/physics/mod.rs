@@ -1,5 +1,6 @@
 //! The physics tier: contact, plate stress, and crack tips traced through it.
 
+mod chords;
 mod cone_trace;
 mod fallen;
 mod front;

@@ -39,13 +39,17 @@ pub fn mean_radial_count(
 
 /// A number of radials around the mean.
 pub(super) fn draw_count(mean: f64, rng: &mut ChaCha8Rng) -> u32 {
-    let count = (mean * libm::exp(COUNT_SCATTER * normal(rng))).min(MAX_RADIALS);
+    whole_count(mean * libm::exp(COUNT_SCATTER * normal(rng)))
+}
+
+/// The nearest whole number of radials, of those that are thought of.
+pub(super) fn whole_count(count: f64) -> u32 {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "0 to 200"
     )]
-    let count = libm::round(count) as u32;
+    let count = libm::round(count.min(MAX_RADIALS)) as u32;
     count
 }
 

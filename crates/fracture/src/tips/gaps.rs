@@ -24,11 +24,10 @@ pub(super) fn gaps_beside(web: &Web, tips: &[Tip], own_idx: usize, tracing: &Tra
     let [tx, ty] = own.direction;
     let mut gaps = Gaps::NONE;
     for (idx, other) in tips.iter().enumerate() {
-        // The two branches of a fork share their energy already.
-        let is_sibling = own.fork_node.is_some() && own.fork_node == other.fork_node;
-        if idx == own_idx || other.state == TipState::Forked || is_sibling {
+        if idx == own_idx || other.state == TipState::Forked {
             continue;
         }
+        let is_sibling = own.fork_node.is_some() && own.fork_node == other.fork_node;
         let (dx, dy) = (other.at_m[0] - own.at_m[0], other.at_m[1] - own.at_m[1]);
         let chord = libm::hypot(dx, dy);
         let cos = (tx * other.direction[0] + ty * other.direction[1]).clamp(-1.0, 1.0);
@@ -47,7 +46,8 @@ pub(super) fn gaps_beside(web: &Web, tips: &[Tip], own_idx: usize, tracing: &Tra
         } else {
             apart
         };
-        if arc <= 0.0 {
+        // The two branches of a fork share their energy already, until they are apart.
+        if arc <= 0.0 || is_sibling && arc < tracing.law.thickness_m {
             continue;
         }
         let lead = -lag / arc;

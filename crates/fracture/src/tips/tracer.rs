@@ -85,6 +85,9 @@ pub(crate) struct Tip {
     /// Node of the fork that it comes from.
     pub(super) fork_node: Option<u32>,
     branching_scatter: f64,
+    /// Whether K has been below that of a fork. Of a K that starts above it come the cracks that
+    /// start together, whose number has its own law; a tip forks where K rises to it.
+    has_been_calm: bool,
     rng: ChaCha8Rng,
 }
 
@@ -121,6 +124,7 @@ impl Tip {
             mean_stress_pa: None,
             fork_node: None,
             branching_scatter,
+            has_been_calm: false,
             rng,
         }
     }
@@ -325,11 +329,14 @@ impl Step<'_> {
         (speed > 0.0).then(|| speed.max(1e-9))
     }
 
-    fn fork(&self, tip: &Tip, stress: &PlaneStress, intensity: f64) -> Option<f64> {
+    fn fork(&self, tip: &mut Tip, stress: &PlaneStress, intensity: f64) -> Option<f64> {
         let law = &self.tracing.law;
+        let branching = law.branching_intensity(tip.branching_scatter);
+        tip.has_been_calm |= intensity < branching;
         let may = self.tracing.forks
+            && tip.has_been_calm
             && tip.since_fork_m > law.thickness_m
-            && intensity >= law.branching_intensity(tip.branching_scatter)
+            && intensity >= branching
             // Each branch gets half of the energy, and needs Γ.
             && intensity * intensity >= 2.0 * law.toughness_pa_sqrt_m * law.toughness_pa_sqrt_m;
         may.then(|| fork_angle_rad(stress))

@@ -78,9 +78,15 @@ impl Chain {
         [upper_a, upper_b, lower_b, lower_a]
     }
 
-    /// What the opening at a depth is over that at the face: a part of the crack's depth from that.
+    /// What the opening at a depth is over the widest: a part of the crack's depth from the face it begins at. A crack is
+    /// shut at its front.
+    ///
+    /// A cone that is through is shut where it begins, and as far open as the square of the part. FIT: in photographs
+    /// bullseyes are clear within, and dark along their outer edge.
     pub(super) fn closes(&self, part: f64) -> f64 {
-        if self.has_front {
+        if self.is_flared {
+            part * part
+        } else if self.has_front {
             (1.0 - part * part).max(0.0).sqrt()
         } else {
             1.0

@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cone_through_the_ply_begins_flat_and_ends_upright() {
+    fn a_cone_through_the_ply_begins_flat_and_shut_and_ends_upright_and_open() {
         let cone = cone(1.0);
         let end = cone.pieces[0].ends[0];
         let at = |part: f64| cone.place(&end, part);
@@ -91,6 +91,10 @@ mod tests {
                 "at {part}: {} not {law}",
                 lean(part)
             );
+        }
+        for (part, opens) in [(0.0, 0.0), (0.5, 0.25), (1.0, 1.0)] {
+            let got = cone.closes(part);
+            assert!((got - opens).abs() < 1e-12, "at {part}: open by {got}");
         }
         let bands: Vec<[f64; 2]> = cone.bands().collect();
         assert!(

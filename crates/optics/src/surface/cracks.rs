@@ -64,7 +64,11 @@ pub(crate) fn crack_facets(
                 let corners = chain.corners([&run.first(), &run.last()], band);
                 // Bands of a cone see each other.
                 let own = along + k * FAR_ALONG;
-                if let Some(wall) = Wall::new(corners, run.mean_gap_um(), crack, own) {
+                let opens = match chain.is_flared {
+                    true => chain.closes(0.5 * (band[0] + band[1])),
+                    false => 1.0,
+                };
+                if let Some(wall) = Wall::new(corners, opens * run.mean_gap_um(), crack, own) {
                     walls.push(wall);
                     runs.push((crack, Rc::clone(&run), band));
                 }

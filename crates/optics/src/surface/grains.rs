@@ -28,7 +28,7 @@ const N_OF_ALL: u32 = 40;
 const ALIKE: f64 = 0.25;
 
 /// Most cells along a side of a crushed zone.
-const MOST_CELLS: f64 = 64.0;
+const MOST_CELLS: f64 = 90.0;
 
 /// How far corners of grains are from those of a regular grid, over their size. FIT.
 const JITTER: f64 = 0.36;

@@ -10,7 +10,7 @@ use starbreak_seed::{Seed, Stream};
 use super::chains::Fallen;
 use super::cracks::Facets;
 use super::grains::{AllGrains, LEAST_OF_BLUR, LEAST_PX};
-use super::lobe::{LightFrom, Sent, into_glass};
+use super::lobe::{HELD, LightFrom, Sent, into_glass};
 use crate::surface::SurfaceParams;
 
 /// By how much the rim of a patch is nearer or farther, of its radius (one standard deviation). FIT.
@@ -19,16 +19,23 @@ pub(super) const RAGGED: f64 = 0.09;
 /// Waves around the rim of a patch.
 const N_WAVES: u32 = 7;
 
-/// Shells that may come off around a hit, and of which share one does. FIT.
+/// Shells that may come off around a hit, and of which share one does in the mean of all sides. FIT.
 const N_SHELLS: u32 = 5;
-const CHIPPED: f64 = 0.55;
+const CHIPPED: f64 = 0.5;
+
+/// Of the flakes of a shell these shares let no light out, and are white. FIT to photographs of pits, black beside white.
+const FLAKES: [f64; 2] = [0.2, 0.25];
+
+/// A film of air spreads to one side of a hit, by so much to either side of that, rad. FIT: photographs show a patch of
+/// colors, no rings all around.
+const FILM_HALF_RAD: [f64; 2] = [0.5, 1.2];
 
 /// Shells and films reach so many thicknesses of the ply beyond the crushed zone at most.
 const MOST_BEYOND: [f64; 2] = [1.0, 2.0];
 
 /// Most and least sectors and rings of a film, which has fringes; of a shell. There are fewer where cells would be
 /// smaller than those of grains.
-const FILM_CELLS: [[f64; 2]; 2] = [[30.0, 8.0], [12.0, 3.0]];
+const FILM_CELLS: [[f64; 2]; 2] = [[16.0, 8.0], [6.0, 3.0]];
 const SHELL_CELLS: [[f64; 2]; 2] = [[8.0, 6.0], [3.0, 2.0]];
 
 /// Adds the surroundings of every hit that has left a pit at `time`, of which a crack has begun to run, within `reach_px`
@@ -168,50 +175,77 @@ impl Patch<'_, '_> {
         }
     }
 
-    /// Hollows like shells, whose sloping surface turns the line of sight outward, as the thicker
-    /// side of a prism does.
+    /// Hollows like shells, more of them on one side. Their floor is broken: most flakes of it slope and turn the line of
+    /// sight outward, as the thicker side of a prism does; some are white, some let no light out.
     fn shells(&mut self, [inner, outer]: [f64; 2], slope_rad: f64) {
         let sheet = self.from.sheet;
         let depth = sheet.outer_mm();
         let n = sheet.index;
+        let side = TAU * self.uniform();
         for shell in 0..N_SHELLS {
-            let is_chipped = self.uniform() < CHIPPED;
             let middle = (f64::from(shell) + self.uniform()) / f64::from(N_SHELLS) * TAU;
+            let is_chipped = self.uniform() < CHIPPED * (1.0 + libm::cos(middle - side));
             let half = (0.3 + 0.5 * self.uniform()) * TAU / f64::from(N_SHELLS);
             let extent = (outer - inner) * (0.45 + 0.55 * self.uniform());
             if !is_chipped || extent <= 0.0 || slope_rad <= 0.0 {
                 continue;
             }
+            // It begins in the crushed zone, and no farther within than its extent.
+            let from_mm = (0.7 * inner).max(inner - extent);
             let [n_sectors, n_rings] =
                 self.n_cells([2.0 * half * (inner + extent), extent], SHELL_CELLS);
-            for sector in 0..n_sectors {
-                let sides =
-                    [sector, sector + 1].map(|k| 2.0 * f64::from(k) / f64::from(n_sectors) - 1.0);
+            let sectors = self.uneven(n_sectors);
+            for sides in sectors.windows(2) {
+                let sides = [sides[0], sides[1]].map(|at| 2.0 * at - 1.0);
                 let angles = sides.map(|side| middle + half * side);
                 // The outline of a shell is round.
                 let bow = sides.map(|side| inner + extent * (1.0 - side * side).max(0.0).sqrt());
-                for ring in 0..n_rings {
-                    let way = [ring, ring + 1].map(|k| f64::from(k) / f64::from(n_rings));
-                    let radii = bow.map(|far| way.map(|t| 0.7 * inner + (far - 0.7 * inner) * t));
+                let rings = self.uneven(n_rings);
+                for way in rings.windows(2) {
+                    let way = [way[0], way[1]];
+                    let radii = bow.map(|far| way.map(|t| from_mm + (far - from_mm) * t));
                     let cell = PolarCell { radii, angles };
-                    let (sin, cos) = libm::sincos(0.5 * (angles[0] + angles[1]));
-                    let middle = self.place(cell.middle_mm(), (sin, cos));
+                    let toward = 0.5 * (angles[0] + angles[1]);
+                    let middle = self.place(cell.middle_mm(), libm::sincos(toward));
                     let Some(sight) = sheet.sight(middle, [0.0; 2]) else {
                         continue;
                     };
-                    let slope = slope_rad * (0.4 + 1.2 * 0.5 * (way[0] + way[1]));
-                    let (across, up) = libm::sincos(slope);
-                    // The surface falls towards the middle: its normal leans inward.
-                    let normal = [-across * cos, -across * sin, up];
-                    let Some(out) = out_of_glass(into_glass(sight, n), normal, n) else {
-                        continue;
-                    };
+                    let kind = self.uniform();
                     let mut sent = Sent::default();
-                    self.from.seen(&mut sent, sheet.camera_from_sheet(out), 1.0);
+                    if kind < FLAKES[0] {
+                        sent.lanes[HELD] = 0.5 + 0.5 * self.uniform();
+                    } else if kind < FLAKES[0] + FLAKES[1] {
+                        let share = 0.4 + 0.5 * self.uniform();
+                        self.from.diffuse(&mut sent, share);
+                    } else {
+                        let slope = slope_rad * (0.2 + 1.6 * self.uniform());
+                        let (sin, cos) = libm::sincos(toward + 2.0 * (self.uniform() - 0.5));
+                        let (across, up) = libm::sincos(slope);
+                        // The surface falls towards the middle: its normal leans inward.
+                        let normal = [-across * cos, -across * sin, up];
+                        match out_of_glass(into_glass(sight, n), normal, n) {
+                            Some(out) => {
+                                (self.from).seen(&mut sent, sheet.camera_from_sheet(out), 1.0);
+                            }
+                            None => sent.lanes[HELD] = 1.0,
+                        }
+                    }
                     self.add(cell, middle, depth, &sent);
                 }
             }
         }
+    }
+
+    /// Uneven steps from 0 to 1.
+    fn uneven(&mut self, n: u32) -> Vec<f64> {
+        let steps: Vec<f64> = (0..n).map(|_| 0.3 + self.uniform()).collect();
+        let whole: f64 = steps.iter().sum();
+        let mut at = 0.0;
+        let ends = steps.iter().map(|step| {
+            at += step / whole;
+            at
+        });
+        [0.0].into_iter().chain(ends).collect()
     }
 
     /// A film of air along the faces, thinning outward: it reflects the cabin, and rings of color
@@ -224,12 +258,19 @@ impl Patch<'_, '_> {
         let [low, high] = self.from.sheet.ply_mm(0);
         let depth = low + 0.8 * (high - low);
         let rim = self.ragged();
-        let [n_sectors, n_rings] = self.n_cells([TAU * outer, outer - inner], FILM_CELLS);
+        let toward = TAU * self.uniform();
+        let half = FILM_HALF_RAD[0] + (FILM_HALF_RAD[1] - FILM_HALF_RAD[0]) * self.uniform();
+        let [n_sectors, n_rings] = self.n_cells([2.0 * half * outer, outer - inner], FILM_CELLS);
         for sector in 0..n_sectors {
-            let angles = [sector, sector + 1].map(|k| TAU * f64::from(k) / f64::from(n_sectors));
+            let sides =
+                [sector, sector + 1].map(|k| 2.0 * f64::from(k) / f64::from(n_sectors) - 1.0);
+            let angles = sides.map(|side| toward + half * side);
             let way_out = libm::sincos(0.5 * (angles[0] + angles[1]));
-            let extents = angles
-                .map(|angle| inner + (outer - inner) * (2.0 * rim.at(angle) - 1.2).clamp(0.0, 1.0));
+            let extents = sides.map(|side| {
+                let round = (1.0 - side * side).max(0.0).sqrt();
+                let far = (2.0 * rim.at(toward + half * side) - 1.2).clamp(0.0, 1.0);
+                inner + (outer - inner) * round * far
+            });
             for ring in 0..n_rings {
                 let way = [ring, ring + 1].map(|k| f64::from(k) / f64::from(n_rings));
                 let radii = extents.map(|far| way.map(|t| inner + (far - inner) * t));

@@ -50,7 +50,7 @@ pub struct SurfaceParams {
     /// Radius of the shell that chips off around the pit, over that of the pit, 0 to 10; up to 1 there is none. FIT.
     /// **Default**: 2.
     pub chip: f64,
-    /// Slope of the chipped surface at its rim, degrees, 0 to 60. FIT. **Default**: 12.
+    /// Mean slope of the flakes of the chipped surface, degrees, 0 to 60. FIT. **Default**: 12.
     pub chip_slope_deg: f64,
     /// Radius of the film of air that runs sideways under the pit (lateral cracks), over that of the pit, 0 to 10; up to
     /// 1 there is none. FIT. **Default**: 2.5.

@@ -227,7 +227,7 @@ pub(super) struct PhysicalOpticsTable {
     /// hit gave, 0 to 10; none up to 1.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub(super) chip: f64,
-    /// Slope of the chipped surface at its rim, degrees, 0 to 60.
+    /// Mean slope of the flakes of the chipped surface, degrees, 0 to 60.
     #[schemars(range(min = 0.0, max = 60.0))]
     pub(super) chip_slope_deg: f64,
     /// Radius of the film of air that runs sideways under the pit, as a multiple of that of the pit
