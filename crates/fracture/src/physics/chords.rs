@@ -11,7 +11,7 @@ use super::rings;
 use crate::tips::{Piece, Tilt, unit};
 
 /// A radius of chords over the next smaller one, and its scatter from sector to sector. FIT to
-/// photographs: 1.2 to 1.4, jumps of 0.5 to 8 % at radials.
+/// photographs, where rings jump by up to 8 % at radials and are uneven.
 const CHORD_STEP: [f64; 2] = [1.15, 1.5];
 const CHORD_JUMP: f64 = 0.06;
 

@@ -17,7 +17,7 @@ const CONE_TILT_RAD: f64 = 68.0 * PI / 180.0;
 const UNROUND: f64 = 0.09;
 
 /// How far a cone's base is from under the contact where the stone comes in at 45°, over its radius, on the way of the
-/// stone. FIT: pits lie off the middle of bullseyes by up to a fifth.
+/// stone. FIT: pits lie off the middle of bullseyes, some by a third.
 const OBLIQUE: f64 = 0.3;
 
 /// How much wider than on average the gap of a cone is where it is widest: what came loose also turned. Above 1 it is
