@@ -10,9 +10,9 @@ pub(crate) struct BenchArgs {
     /// Output folder
     #[arg(short, long, value_name = "DIR", default_value = "starbreak-bench")]
     pub(crate) output: PathBuf,
-    /// Numbers of particles
-    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000), default_values_t = [1_000, 10_000, 100_000, 1_000_000])]
-    pub(crate) particles: Vec<u32>,
+    /// Numbers of particles [default: 1000,10000,100000,1000000]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub(crate) particles: Option<Vec<u32>>,
     /// Runs per number of particles [default: 100], per pane and per frame [default: 10],
     /// each with its own impact point and direction
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]

@@ -26,6 +26,9 @@ const STAGES: [(&str, &str); 6] = [
     ("render", "render"),
 ];
 
+/// Numbers of particles, unless asked for others.
+const PARTICLES: [u32; 4] = [1_000, 10_000, 100_000, 1_000_000];
+
 /// Runs per number of particles, unless asked for others.
 const PAPER_RUNS: u32 = 100;
 
@@ -129,14 +132,21 @@ pub(crate) fn run(global: &Global, args: &BenchArgs, screen: &Screen) -> Result<
     Ok(DONE)
 }
 
-/// Refuses what says which recipe where none is heard.
+/// Refuses what says which recipe, or how to change it, where none is heard.
 fn refuse_idle_recipe(global: &Global, args: &BenchArgs) -> Result<(), Failure> {
     let (model, measured) = match args.model {
         Some(BenchModel::Physics) => ("physics", "panes"),
         Some(BenchModel::Optics) => ("optics", "cracks"),
         Some(BenchModel::Paper) | None => return Ok(()),
     };
-    match global.recipe_flag() {
+    let of_paper = [
+        (args.particles.is_some(), "particles"),
+        (args.fixed_radius, "fixed-radius"),
+    ];
+    let idle = of_paper
+        .iter()
+        .find_map(|(is_given, flag)| is_given.then_some(*flag));
+    match global.recipe_flag().or(idle) {
         Some(flag) => Err(Failure::wrong_input(format!(
             "`bench --model {model}` measures the same {measured} always, so it has no use for --{flag}; leave it out"
         ))),
@@ -153,7 +163,7 @@ fn paper_series(
 ) -> Result<Vec<Series>, Failure> {
     let recipe = global.recipe_or("paper")?;
     let mut plan = Vec::new();
-    for &particles in &args.particles {
+    for &particles in args.particles.as_deref().unwrap_or(&PARTICLES) {
         plan.push((
             particles,
             settings_for(&recipe, particles, args.fixed_radius)?,

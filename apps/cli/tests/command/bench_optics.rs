@@ -57,8 +57,12 @@ fn a_recipe_that_no_model_hears_is_refused() {
         ("optics", "--preset", "windshield-star"),
         ("physics", "--set", "fracture.mesh=fast"),
         ("optics", "--camera", "kitti"),
+        ("optics", "--particles", "50"),
     ];
-    let cases =
-        cases.map(|(model, flag, value)| (vec!["bench", "--model", model, flag, value], flag));
+    let mut cases: Vec<_> = cases
+        .map(|(model, flag, value)| (vec!["bench", "--model", model, flag, value], flag))
+        .into();
+    let fixed = vec!["bench", "--model", "physics", "--fixed-radius"];
+    cases.push((fixed, "--fixed-radius"));
     all_refused(folder().path(), &cases);
 }
