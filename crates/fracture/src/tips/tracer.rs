@@ -85,8 +85,8 @@ pub(crate) struct Tip {
     /// Node of the fork that it comes from.
     pub(super) fork_node: Option<u32>,
     branching_scatter: f64,
-    /// Whether K has been below that of a fork. Of a K that starts above it come the cracks that
-    /// start together, whose number has its own law; a tip forks where K rises to it.
+    /// Whether K has been below that of a fork: a tip forks where K rises to it. Where K is above it
+    /// from the start, as under a stone, cracks start together, and their number has its own law.
     has_been_calm: bool,
     rng: ChaCha8Rng,
 }

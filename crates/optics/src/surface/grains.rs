@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use starbreak_seed::Stream;
 
-use super::hit::{Patch, RAGGED, out_of_glass};
-use super::lobe::{HELD, Mirror, N_SHARES, SUN, Sent, into_glass};
+use super::hit::{Patch, RAGGED};
+use super::lobe::{HELD, Mirror, N_SHARES, SUN, Sent};
 use crate::vector::{Vector, unit};
 
 /// Size of a grain over the radius of the crushed zone, and its bounds, mm. FIT to photographs:
@@ -203,14 +203,7 @@ impl Patch<'_, '_> {
             sent.tint = [0.0; 3];
         } else if kind < white + mirrors + turns {
             let normal = self.face(sight).normal;
-            let inside = into_glass(sight, self.from.sheet.index);
-            match out_of_glass(inside, normal, self.from.sheet.index) {
-                Some(out) => {
-                    let to = self.from.sheet.camera_from_sheet(out);
-                    self.from.seen(&mut sent, to, 0.6 + 0.4 * strength);
-                }
-                None => sent.lanes[HELD] = 0.6 + 0.4 * strength,
-            }
+            sent = self.through(sight, normal, 0.6 + 0.4 * strength);
         } else if kind < white + mirrors + turns + holds {
             sent.lanes[HELD] = 0.5 + 0.5 * strength;
         }

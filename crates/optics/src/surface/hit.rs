@@ -11,7 +11,9 @@ use super::chains::Fallen;
 use super::cracks::Facets;
 use super::grains::{AllGrains, LEAST_OF_BLUR, LEAST_PX};
 use super::lobe::{HELD, LightFrom, Sent, into_glass};
+use crate::interface::fresnel::refract;
 use crate::surface::SurfaceParams;
+use crate::vector::Vector;
 
 /// By how much the rim of a patch is nearer or farther, of its radius (one standard deviation). FIT.
 pub(super) const RAGGED: f64 = 0.09;
@@ -180,7 +182,6 @@ impl Patch<'_, '_> {
     fn shells(&mut self, [inner, outer]: [f64; 2], slope_rad: f64) {
         let sheet = self.from.sheet;
         let depth = sheet.outer_mm();
-        let n = sheet.index;
         let side = TAU * self.uniform();
         for shell in 0..N_SHELLS {
             let middle = (f64::from(shell) + self.uniform()) / f64::from(N_SHELLS) * TAU;
@@ -210,30 +211,43 @@ impl Patch<'_, '_> {
                     let Some(sight) = sheet.sight(middle, [0.0; 2]) else {
                         continue;
                     };
-                    let kind = self.uniform();
-                    let mut sent = Sent::default();
-                    if kind < FLAKES[0] {
-                        sent.lanes[HELD] = 0.5 + 0.5 * self.uniform();
-                    } else if kind < FLAKES[0] + FLAKES[1] {
-                        let share = 0.4 + 0.5 * self.uniform();
-                        self.from.diffuse(&mut sent, share);
-                    } else {
-                        let slope = slope_rad * (0.2 + 1.6 * self.uniform());
-                        let (sin, cos) = libm::sincos(toward + 2.0 * (self.uniform() - 0.5));
-                        let (across, up) = libm::sincos(slope);
-                        // The surface falls towards the middle: its normal leans inward.
-                        let normal = [-across * cos, -across * sin, up];
-                        match out_of_glass(into_glass(sight, n), normal, n) {
-                            Some(out) => {
-                                (self.from).seen(&mut sent, sheet.camera_from_sheet(out), 1.0);
-                            }
-                            None => sent.lanes[HELD] = 1.0,
-                        }
-                    }
+                    let sent = self.flake(sight, toward, slope_rad);
                     self.add(cell, middle, depth, &sent);
                 }
             }
         }
+    }
+
+    /// What a flake of a shell's floor sends that lies in a direction from the middle, rad.
+    fn flake(&mut self, sight: Vector, toward: f64, slope_rad: f64) -> Sent {
+        let mut sent = Sent::default();
+        let kind = self.uniform();
+        if kind < FLAKES[0] {
+            sent.lanes[HELD] = 0.5 + 0.5 * self.uniform();
+        } else if kind < FLAKES[0] + FLAKES[1] {
+            let share = 0.4 + 0.5 * self.uniform();
+            self.from.diffuse(&mut sent, share);
+        } else {
+            let slope = slope_rad * (0.2 + 1.6 * self.uniform());
+            let (sin, cos) = libm::sincos(toward + 2.0 * (self.uniform() - 0.5));
+            let (across, up) = libm::sincos(slope);
+            // The surface falls towards the middle: its normal leans inward.
+            sent = self.through(sight, [-across * cos, -across * sin, up], 1.0);
+        }
+        sent
+    }
+
+    /// Such a share of what is seen through a face that looks outside; of what the glass holds, where nothing is.
+    pub(super) fn through(&self, sight: Vector, normal: Vector, share: f64) -> Sent {
+        let sheet = self.from.sheet;
+        let mut sent = Sent::default();
+        match refract(into_glass(sight, sheet.index), normal, sheet.index) {
+            Some(out) => {
+                (self.from).seen(&mut sent, sheet.camera_from_sheet(out), share);
+            }
+            None => sent.lanes[HELD] = share,
+        }
+        sent
     }
 
     /// Uneven steps from 0 to 1.
@@ -341,9 +355,4 @@ impl PolarCell {
     fn middle_mm(&self) -> f64 {
         0.25 * self.radii.iter().flatten().sum::<f64>()
     }
-}
-
-/// A direction of the glass on its way in the air, through a surface with an outward normal.
-pub(super) fn out_of_glass(direction: [f64; 3], normal: [f64; 3], n: f64) -> Option<[f64; 3]> {
-    crate::interface::fresnel::refract(direction, normal.map(|part| -part), n)
 }

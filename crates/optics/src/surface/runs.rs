@@ -198,8 +198,8 @@ pub(super) fn each_run(sheet: &SheetView, chain: &Chain, reach_px: f64, mut each
         let [a, b] = &piece.ends;
         let line = [a.at[0], a.at[1], b.at[0], b.at[1]];
         // What is shut is not seen.
-        let seen = (piece.gap_um > 0.0).then(|| sheet.view().visible(line, reach_px));
-        let Some(visible) = seen.flatten() else {
+        let is_open = piece.gap_um > 0.0;
+        let Some(visible) = (sheet.view().visible(line, reach_px)).filter(|_| is_open) else {
             if let Some((run, _)) = run.take() {
                 each(run);
             }
